@@ -1,0 +1,180 @@
+"""Paths as controls: a start pose, then arcs of constant curvature, integrated exactly."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import groupby
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from study.scenario import Pose
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Path:
+    """A path given by its controls, each held constant over its length (zero-order hold).
+
+    Args:
+        start: initial pose.
+        curvature: shape (n,), 1 / length unit, positive to the left.
+        length: shape (n,), length unit.
+
+    Raises:
+        ValueError: if the two arrays are not of one shape (n,).
+
+    Any numbers are accepted, since a path may come from a solver that went wrong; whether it
+    can be driven (finite, no negative length) is for `study.verify` to say.
+    """
+
+    start: Pose
+    curvature: FloatArray
+    length: FloatArray
+
+    def __init__(self, start: Pose, curvature: ArrayLike, length: ArrayLike) -> None:
+        k = np.array(curvature, dtype=np.float64)
+        lengths = np.array(length, dtype=np.float64)
+        if k.ndim != 1 or k.shape != lengths.shape:
+            raise ValueError(
+                f"curvature has shape {k.shape} and length {lengths.shape}; expected one shape (n,)"
+            )
+        for array in (k, lengths):
+            array.setflags(write=False)
+        object.__setattr__(self, "start", Pose(*map(float, start)))
+        object.__setattr__(self, "curvature", k)
+        object.__setattr__(self, "length", lengths)
+
+    def __eq__(self, other: object) -> bool:
+        return (
+            isinstance(other, Path)
+            and self.start == other.start
+            and np.array_equal(self.curvature, other.curvature)
+            and np.array_equal(self.length, other.length)
+        )
+
+    __hash__ = None  # type: ignore[assignment]  # arrays cannot be hashed, nor should a path be
+
+    @property
+    def total_length(self) -> float:
+        return float(self.length.sum())
+
+    @property
+    def turn(self) -> float:
+        """Net heading change (rad, positive to the left), not wrapped."""
+        return float((self.curvature * self.length).sum())
+
+    @property
+    def poses(self) -> FloatArray:
+        """Poses at the ends of the arcs, shape (n + 1, 3); row 0 is the start."""
+        return rollout(self.start, self.curvature, self.length)
+
+    @property
+    def end(self) -> Pose:
+        return Pose(*map(float, self.poses[-1]))
+
+    def at(self, distance: ArrayLike) -> FloatArray:
+        """Poses at given distances along the path, shape (m, 3).
+
+        Args:
+            distance: shape (m,), length unit, clipped to [0, total length].
+        """
+        ends = np.concatenate(([0.0], np.cumsum(self.length)))
+        d = np.clip(np.asarray(distance, dtype=np.float64), 0.0, ends[-1])
+        if not self.length.size:
+            return np.tile(np.array(self.start), (d.size, 1))
+        arc = np.clip(np.searchsorted(ends, d, side="right") - 1, 0, self.length.size - 1)
+        return _advance(self.poses[arc], self.curvature[arc], d - ends[arc])
+
+    def sample(self, n: int) -> FloatArray:
+        """`n` poses at equal arc length from the start to the end, shape (n, 3)."""
+        return self.at(np.linspace(0.0, self.total_length, n))
+
+    def word(self, tolerance: float = 1e-6) -> str:
+        """Letters of the path: L, S, R, one for each run of arcs of one kind.
+
+        An arc that turns by less than `tolerance` (rad) counts as straight if it is long, and is
+        passed over if it is also shorter than `tolerance` times the path.
+        """
+        if not (np.isfinite(self.curvature).all() and np.isfinite(self.length).all()):
+            return ""  # a broken path has no word
+        # Steps of a discretised arc may each turn by less than the tolerance: join equal
+        # curvatures first, so that the word does not depend on how finely a path is cut.
+        k, length = _joined(self.curvature, self.length)
+        kinds = np.where(np.abs(k * length) > tolerance, np.sign(k), 0.0)
+        counts = (kinds != 0) | (length > tolerance * self.total_length)
+        letters = ("LSR"[1 - int(kind)] for kind in kinds[counts])
+        return "".join(letter for letter, _ in groupby(letters))
+
+    def mirrored(self) -> Self:
+        """The path seen in a mirror lying on the x axis."""
+        start = Pose(self.start.x, -self.start.y, -self.start.heading)
+        return type(self)(start, -self.curvature, self.length)
+
+    def scaled(self, factor: float) -> Self:
+        """Every length times `factor` > 0."""
+        start = Pose(self.start.x * factor, self.start.y * factor, self.start.heading)
+        return type(self)(start, self.curvature / factor, self.length * factor)
+
+
+def rollout(start: Pose, curvature: FloatArray, length: FloatArray) -> FloatArray:
+    """Poses at the ends of constant-curvature arcs driven one after another.
+
+    An arc of curvature k and length l turns the heading by k l; its chord is l sinc(k l / 2) long
+    and points along the mean heading. Exact for the Dubins car, k = 0 included (LaValle 2006,
+    Planning Algorithms, sec. 15.3.1; docs/derivation.md, eq. 2).
+
+    Args:
+        start: initial pose.
+        curvature: shape (n,), 1 / length unit, positive to the left.
+        length: shape (n,), length unit.
+
+    Returns:
+        Shape (n + 1, 3): x, y (length unit), heading (rad, not wrapped). Row 0 is `start`.
+    """
+    turn = curvature * length
+    heading = start.heading + np.concatenate(([0.0], np.cumsum(turn)))
+    chord = _chord(turn, length)
+    middle = heading[:-1] + turn / 2
+    poses = np.empty((length.size + 1, 3))
+    poses[0] = start
+    poses[1:, 0] = start.x + np.cumsum(chord * np.cos(middle))
+    poses[1:, 1] = start.y + np.cumsum(chord * np.sin(middle))
+    poses[1:, 2] = heading[1:]
+    return poses
+
+
+def _advance(poses: FloatArray, curvature: FloatArray, length: FloatArray) -> FloatArray:
+    """Each pose moved along its own arc; shapes (m, 3), (m,), (m,) -> (m, 3)."""
+    turn = curvature * length
+    chord = _chord(turn, length)
+    middle = poses[:, 2] + turn / 2
+    step = np.column_stack((chord * np.cos(middle), chord * np.sin(middle), turn))
+    moved: FloatArray = poses + step
+    return moved
+
+
+def _chord(turn: FloatArray, length: FloatArray) -> FloatArray:
+    return length * np.sinc(turn / (2 * np.pi))  # numpy's sinc(x) is sin(pi x) / (pi x)
+
+
+def _joined(curvature: FloatArray, length: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Neighbouring arcs of one curvature made one arc; arcs of no length dropped."""
+    driven = length != 0
+    k, lengths = curvature[driven], length[driven]
+    if not k.size:
+        return k, lengths
+    first = np.flatnonzero(np.concatenate(([True], k[1:] != k[:-1])))
+    return k[first], np.add.reduceat(lengths, first)
+
+
+def largest_distance(first: Path, second: Path, n: int = 257) -> float:
+    """Largest distance (length unit) between two paths at equal arc length.
+
+    Looked at in `n` places; where one path has ended it waits at its end.
+    """
+    along = np.linspace(0.0, max(first.total_length, second.total_length), n)
+    apart: NDArray[Any] = first.at(along)[:, :2] - second.at(along)[:, :2]
+    return float(np.hypot(apart[:, 0], apart[:, 1]).max())

@@ -1,0 +1,210 @@
+"""Scenarios: a start pose, a target, a turning radius and a speed; one at a time or as a frame."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, fields, replace
+from typing import TYPE_CHECKING, Any, NamedTuple, Self
+
+import numpy as np
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+
+class Pose(NamedTuple):
+    """Position (length unit) and heading (rad, counter-clockwise from +x)."""
+
+    x: float
+    y: float
+    heading: float
+
+
+class ScenarioError(ValueError):
+    """A scenario, or a frame of them, that cannot be used; the message names field, value, row."""
+
+
+@dataclass(frozen=True, slots=True)
+class Scenario:
+    """One vehicle and one target.
+
+    Any consistent length unit; `heading` in rad, counter-clockwise from +x; `speed` in length
+    units per time unit, so that time = length / speed.
+
+    Raises:
+        ScenarioError: if a number is not finite, or `radius` or `speed` is not positive.
+    """
+
+    x: float
+    y: float
+    heading: float
+    target_x: float
+    target_y: float
+    radius: float
+    speed: float = 1.0
+    label: str = ""
+
+    def __post_init__(self) -> None:
+        for name in NUMBERS:
+            value = getattr(self, name)
+            try:
+                number = float(value)
+            except (TypeError, ValueError):
+                raise ScenarioError(f"{name} is {value!r}; expected a number") from None
+            if problem := _problem(name, number):
+                raise ScenarioError(problem)
+            object.__setattr__(self, name, number)  # so that 1 and 1.0 make equal scenarios
+        if self.extent > LARGEST_EXTENT * self.radius:
+            raise ScenarioError(_lost_in_rounding(self.extent, self.radius))
+
+    @property
+    def extent(self) -> float:
+        """|x| + |y| + |target_x| + |target_y|: the size against which coordinates are rounded."""
+        return abs(self.x) + abs(self.y) + abs(self.target_x) + abs(self.target_y)
+
+    @property
+    def start(self) -> Pose:
+        return Pose(self.x, self.y, self.heading)
+
+    def local(self) -> tuple[float, float]:
+        """Target in the vehicle's frame in units of the radius: X forward, Y to the left.
+
+        THEORY section 1; docs/derivation.md, eq. 1.
+        """
+        dx, dy = self.target_x - self.x, self.target_y - self.y
+        cos, sin = math.cos(self.heading), math.sin(self.heading)
+        return (dx * cos + dy * sin) / self.radius, (dy * cos - dx * sin) / self.radius
+
+    def mirrored(self) -> Self:
+        """The scenario seen in a mirror lying on the x axis: left and right change places."""
+        return replace(self, y=-self.y, heading=-self.heading, target_y=-self.target_y)
+
+    def scaled(self, factor: float) -> Self:
+        """Every length times `factor` > 0; the shortest length scales with it."""
+        return replace(
+            self,
+            x=self.x * factor,
+            y=self.y * factor,
+            target_x=self.target_x * factor,
+            target_y=self.target_y * factor,
+            radius=self.radius * factor,
+        )
+
+    def rotated(self, angle: float) -> Self:
+        """Everything turned by `angle` (rad) about the origin."""
+        cos, sin = math.cos(angle), math.sin(angle)
+        return replace(
+            self,
+            x=self.x * cos - self.y * sin,
+            y=self.x * sin + self.y * cos,
+            heading=self.heading + angle,
+            target_x=self.target_x * cos - self.target_y * sin,
+            target_y=self.target_x * sin + self.target_y * cos,
+        )
+
+
+COLUMNS = tuple(field.name for field in fields(Scenario))
+NUMBERS = COLUMNS[:-1]
+_DEFAULTS: dict[str, Any] = {"speed": 1.0, "label": ""}
+_POSITIVE = ("radius", "speed")
+LARGEST_EXTENT = 1e14  # radii; beyond it a coordinate's last digit is a hundredth of the radius
+
+
+def _lost_in_rounding(extent: float, radius: float) -> str:
+    return (
+        f"radius is {radius}; expected at least {extent / LARGEST_EXTENT:.3g} beside coordinates "
+        f"of size {extent:.3g}, or the turning circles are lost in rounding"
+    )
+
+
+def _problem(name: str, value: float) -> str | None:
+    if not math.isfinite(value):
+        return f"{name} is {value}; expected a finite number"
+    if name in _POSITIVE and value <= 0:
+        return f"{name} is {value}; expected a number above 0"
+    return None
+
+
+def scenario_frame(scenarios: Iterable[Scenario]) -> pd.DataFrame:
+    """One row a scenario, the columns of `COLUMNS` in that order."""
+    import pandas as pd
+
+    rows = list(scenarios)
+    columns = {name: [getattr(row, name) for row in rows] for name in COLUMNS}
+    return pd.DataFrame(columns).astype(dict.fromkeys(NUMBERS, float))
+
+
+def check_frame(frame: pd.DataFrame) -> pd.DataFrame:
+    """The frame with the columns of `COLUMNS` in order, float64 where they are numbers.
+
+    `speed` and `label` may be left out. The caller's frame is not changed; its index is kept.
+
+    Raises:
+        ScenarioError: naming the column that is missing, unknown or not numeric, or the field,
+            the value and the index label of the first row that no scenario may have.
+    """
+    import pandas as pd
+
+    if not isinstance(frame, pd.DataFrame):
+        raise ScenarioError(f"expected a DataFrame of scenarios, got {type(frame).__name__}")
+    names = list(frame.columns)
+    expected = f"expected columns {', '.join(COLUMNS)}"
+    if missing := [name for name in COLUMNS if name not in names and name not in _DEFAULTS]:
+        raise ScenarioError(f"missing column {missing[0]!r}; {expected}")
+    if unknown := [name for name in names if name not in COLUMNS]:
+        raise ScenarioError(f"unknown column {unknown[0]!r}; {expected}")
+    if len(set(names)) < len(names):
+        raise ScenarioError(f"a column appears twice; {expected}")
+    checked: dict[str, Any] = {}
+    for name in NUMBERS:
+        checked[name] = (
+            _numbers(frame, name) if name in names else np.full(len(frame), _DEFAULTS[name])
+        )
+    _check_extent(frame, checked)
+    checked["label"] = frame["label"] if "label" in names else ""
+    return pd.DataFrame(checked, index=frame.index, copy=False)
+
+
+def _numbers(frame: pd.DataFrame, name: str) -> np.ndarray[Any, np.dtype[np.float64]]:
+    try:
+        values = frame[name].to_numpy(dtype=np.float64, na_value=np.nan)
+    except (TypeError, ValueError):
+        raise ScenarioError(_first_non_number(frame, name)) from None
+    # min and max see NaN and both infinities without a temporary array of the frame's length
+    low, high = (values.min(), values.max()) if values.size else (1.0, 1.0)
+    if math.isfinite(low) and math.isfinite(high) and (name not in _POSITIVE or low > 0):
+        return values
+    bad = ~np.isfinite(values) | ((values <= 0) if name in _POSITIVE else False)
+    row = int(np.flatnonzero(bad)[0])
+    raise ScenarioError(f"row {frame.index[row]!r}: {_problem(name, float(values[row]))}")
+
+
+def _check_extent(frame: pd.DataFrame, numbers: dict[str, Any]) -> None:
+    if not len(frame):
+        return
+    largest = sum(
+        max(abs(numbers[name].min()), abs(numbers[name].max()))
+        for name in ("x", "y", "target_x", "target_y")
+    )
+    if largest <= LARGEST_EXTENT * numbers["radius"].min():
+        return  # no row can be worse than the worst of every column together
+    extent = sum(np.abs(numbers[name]) for name in ("x", "y", "target_x", "target_y"))
+    for row in np.flatnonzero(extent > LARGEST_EXTENT * numbers["radius"])[:1]:
+        problem = _lost_in_rounding(float(extent[row]), float(numbers["radius"][row]))
+        raise ScenarioError(f"row {frame.index[row]!r}: {problem}")
+
+
+def _first_non_number(frame: pd.DataFrame, name: str) -> str:
+    for row, value in zip(frame.index, frame[name], strict=True):
+        try:
+            float(value)
+        except (TypeError, ValueError):
+            return f"row {row!r}: {name} is {value!r}; expected a number"
+    return f"column {name!r} does not hold numbers"
+
+
+def scenarios(frame: pd.DataFrame) -> Iterator[Scenario]:
+    """The rows of a checked frame, one `Scenario` each."""
+    for row in frame[list(COLUMNS)].itertuples(index=False, name=None):
+        yield Scenario(*row)

@@ -1,0 +1,88 @@
+"""The row: one judged attempt. Declared here once; its documentation is generated from it."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+VERSION = 1
+
+
+class Column(NamedTuple):
+    """A column: name, Arrow type, unit and meaning. Missing and non-finite numbers are null."""
+
+    name: str
+    type: str
+    unit: str
+    meaning: str
+
+
+KEY = (
+    Column("scenario_id", "string", "", "hash of the scenario's numbers and label"),
+    Column("solver", "string", "", "solver and its settings, e.g. turn-rate-qp[n=50]"),
+    Column("profile", "string", "", "named settings and tolerances: default, fast, accurate"),
+    Column("branch", "string", "", "best, LS, RS, LR or RL"),
+    Column("start", "string", "", "cold, or warm from the neighbour in the sweep"),
+    Column("repeat", "int64", "", "0, 1, ... of the same cell"),
+)
+SCENARIO = (
+    Column("x", "float64", "length", "start position"),
+    Column("y", "float64", "length", "start position"),
+    Column("heading", "float64", "rad", "start heading, counter-clockwise from +x"),
+    Column("target_x", "float64", "length", "target position"),
+    Column("target_y", "float64", "length", "target position"),
+    Column("radius", "float64", "length", "minimum turning radius"),
+    Column("speed", "float64", "length/time", "constant speed"),
+    Column("label", "string", "", "name given to the scenario"),
+)
+ANSWER = (
+    Column("region", "string", "", "outside, left disc, right disc or circle"),
+    Column("margin", "float64", "radius", "distance from the target to the nearer turning circle"),
+    Column("word", "string", "", "letters of the returned path"),
+    Column("word_ref", "string", "", "letters of the shortest path of the branch"),
+    Column("outcome", "string", "", "what happened to the process"),
+    Column("claim", "string", "", "what the solver says"),
+    Column("verdict", "string", "", "what the check finds"),
+    Column("false_claim", "bool", "", "the claim is stronger than the verdict"),
+    Column(
+        "wrong_basin", "bool", "", "longer, and turns by another angle (1 rad or more off)"
+    ),
+    Column("native_status", "string", "", "the backend's own status"),
+    Column("message", "string", "", "the backend's own message, or the error"),
+    Column("length", "float64", "length", "length of the path, from its controls"),
+    Column("time", "float64", "time", "length / speed"),
+    Column("reference", "float64", "length", "length compared with; near a circle, relaxed"),
+    Column("gap", "float64", "1", "(length - reference) / max(reference, radius), if it arrives"),
+    Column("miss", "float64", "length", "distance from the path's end to the target"),
+    Column("curvature_excess", "float64", "1/radius", "curvature beyond what the branch allows"),
+    Column("claimed_length", "float64", "length", "length that the solver reports"),
+    Column("lower_bound", "float64", "length", "bound that the solver reports"),
+    Column("multiplier_x", "float64", "1", "dual of the end point's x equation, if any"),
+    Column("multiplier_y", "float64", "1", "dual of the end point's y equation, if any"),
+    Column("curvatures", "list<float64>", "1/length", "the path's controls, positive to the left"),
+    Column("lengths", "list<float64>", "length", "how long each is held"),
+    Column("build_s", "float64", "s", "time to build the model"),
+    Column("solve_s", "float64", "s", "time to solve it"),
+    Column("wall_s", "float64", "s", "time of the whole attempt, judging left out"),
+    Column("iterations", "int64", "", "the solver's own count"),
+    Column("evaluations", "int64", "", "the solver's own count of function evaluations"),
+)
+RUN = (
+    Column("versions", "string", "", "of the solver's libraries and ours, as JSON"),
+    Column("host", "string", "", "machine kind: system, processor, cores"),
+    Column("threads", "int64", "", "threads the numerical libraries may use"),
+    Column("jobs", "int64", "", "processes that solved side by side"),
+    Column("run_id", "string", "", "which run wrote the row"),
+    Column("started", "string", "UTC", "when the attempt started, ISO 8601"),
+)
+ROW = KEY + SCENARIO + ANSWER + RUN
+
+
+def names(columns: tuple[Column, ...]) -> list[str]:
+    return [column.name for column in columns]
+
+
+def documentation() -> str:
+    """The row's columns as a Markdown table."""
+    lines = ["| column | type | unit | meaning |", "|---|---|---|---|"]
+    lines += [f"| `{c.name}` | {c.type} | {c.unit or '–'} | {c.meaning} |" for c in ROW]
+    return "\n".join(lines) + "\n"

@@ -1,0 +1,239 @@
+"""The check: a path judged from its controls alone, against the closed form."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from enum import StrEnum
+
+import numpy as np
+
+from study.path import FloatArray, Path
+from study.scenario import Scenario
+from study.synthesis import EPS, TURN, Shortest, margin, region, shortest
+
+
+class Claim(StrEnum):
+    """What a solver says of its answer, strongest first."""
+
+    OPTIMAL = "optimal"
+    LOCAL = "local"
+    FEASIBLE = "feasible"
+    INFEASIBLE = "infeasible"
+    LIMIT = "limit"
+    FAILED = "failed"
+    NONE = "none"
+
+
+class Verdict(StrEnum):
+    """What the check finds."""
+
+    OPTIMAL = "optimal"
+    LONGER = "longer"
+    MISSES = "misses"
+    NONE = "none"
+    NONE_EXISTS = "none exists"
+
+
+@dataclass(frozen=True, slots=True)
+class Tolerances:
+    """When a path counts as arriving, as drivable and as optimal.
+
+    Args:
+        miss: largest distance to the target, in turning radii.
+        curvature: largest curvature beyond what the branch allows, times the radius.
+        gap: largest gap of an answer that is called optimal.
+    """
+
+    miss: float = 1e-6
+    curvature: float = 1e-9
+    gap: float = 1e-4
+
+
+@dataclass(frozen=True, slots=True)
+class Judgement:
+    """What the check found. Lengths in the scenario's unit; None where there is nothing to say.
+
+    `gap` is (length - reference) / max(reference, radius) and only stands for a path that
+    arrives. `wrong_basin` is a longer path that turns by another angle than the shortest one
+    (more than 1 rad apart): another local optimum, not a coarse answer.
+    """
+
+    verdict: Verdict
+    word: str | None
+    word_ref: str | None
+    length: float | None
+    time: float | None
+    reference: float | None
+    gap: float | None
+    miss: float | None
+    curvature_excess: float | None
+    false_claim: bool
+    wrong_basin: bool
+    region: str
+    margin: float
+
+
+def judge(
+    scenario: Scenario,
+    path: Path | None,
+    claim: Claim = Claim.NONE,
+    branch: str = "best",
+    tolerances: Tolerances = Tolerances(),
+) -> Judgement:
+    """Judge a path, or its absence, for a question.
+
+    Nothing that the solver reports enters but its controls and, for `false_claim` and the
+    verdict `none exists`, its claim.
+    """
+    optimum = shortest(scenario, branch)
+    bare = None if optimum is None else optimum.total * scenario.radius
+    found = Judgement(
+        verdict=Verdict.NONE,
+        word=None,
+        word_ref=None if optimum is None else optimum.word,
+        length=None,
+        time=None,
+        reference=bare,
+        gap=None,
+        miss=None,
+        curvature_excess=None,
+        false_claim=False,
+        wrong_basin=False,
+        region=region(scenario),
+        margin=margin(scenario),
+    )
+    if path is None:
+        agrees = claim is Claim.INFEASIBLE and bare is None
+        found = replace(found, verdict=Verdict.NONE_EXISTS if agrees else Verdict.NONE)
+    elif not drivable(path):
+        found = replace(found, verdict=Verdict.MISSES)
+    else:
+        found = _judge_path(found, scenario, path, branch, optimum, tolerances)
+    return replace(found, false_claim=is_false(claim, found.verdict))
+
+
+def _judge_path(
+    found: Judgement,
+    scenario: Scenario,
+    path: Path,
+    branch: str,
+    optimum: Shortest | None,
+    tolerances: Tolerances,
+) -> Judgement:
+    radius = scenario.radius
+    end = path.end
+    miss = math.hypot(end.x - scenario.target_x, end.y - scenario.target_y)
+    excess = curvature_excess(path.curvature[path.length > 0] * radius, branch)
+    length = path.total_length
+    # driven in floating point, a path of this size cannot be checked any closer
+    rounding = 32 * EPS * (scenario.extent + length)
+    driven = replace(
+        found,
+        word=path.word(),
+        length=length,
+        time=length / scenario.speed,
+        miss=miss,
+        curvature_excess=excess,
+        verdict=Verdict.MISSES,
+    )
+    off_start = path.start != scenario.start
+    if off_start or miss > tolerances.miss * radius + rounding or excess > tolerances.curvature:
+        return driven
+    reference = relaxed_reference(scenario, branch, length, miss, (end.x, end.y))
+    if reference is None:
+        return replace(driven, verdict=Verdict.LONGER)
+    gap = (length - reference) / max(reference, radius)
+    if gap <= tolerances.gap:
+        return replace(driven, verdict=Verdict.OPTIMAL, gap=gap, reference=reference)
+    turn = 0.0 if optimum is None else _turn(optimum)
+    return replace(
+        driven,
+        verdict=Verdict.LONGER,
+        gap=gap,
+        reference=reference,
+        wrong_basin=abs(path.turn - turn) > 1.0,
+    )
+
+
+def _turn(optimum: Shortest) -> float:
+    lengths = [length for length in optimum.segments if length > 0]
+    return sum(TURN[c] * length for c, length in zip(optimum.word, lengths, strict=True))
+
+
+def drivable(path: Path) -> bool:
+    """Whether all numbers are finite and no length is negative."""
+    finite = np.isfinite(path.curvature).all() and np.isfinite(path.length).all()
+    return bool(finite and (path.length >= 0).all() and np.isfinite(path.start).all())
+
+
+def curvature_excess(curvature: FloatArray, branch: str) -> float:
+    """Largest amount by which curvatures leave what a branch allows, in units of 1 / radius.
+
+    `best` allows [-1, 1]; `LS` [0, 1] and `RS` [-1, 0], since with one-sided turning no path is
+    shorter than the word's own; `LR` and `RL` allow only +1 and -1, in that order.
+
+    Args:
+        curvature: shape (n,), in units of 1 / radius, arcs of no length left out.
+        branch: one of `study.synthesis.BRANCHES`.
+    """
+    if not curvature.size:
+        return 0.0
+    if branch == "best":
+        return max(0.0, float(np.abs(curvature).max()) - 1.0)
+    if branch in ("LS", "RS"):
+        left = curvature if branch == "LS" else -curvature
+        return max(0.0, float(left.max()) - 1.0, -float(left.min()))
+    first = curvature if branch == "LR" else -curvature
+    before = np.concatenate(([0.0], np.maximum.accumulate(np.abs(first - 1))))
+    after = np.concatenate((np.maximum.accumulate(np.abs(first[::-1] + 1))[::-1], [0.0]))
+    return float(np.maximum(before, after).min())
+
+
+def relaxed_reference(
+    scenario: Scenario, branch: str, length: float, miss: float, end: tuple[float, float]
+) -> float | None:
+    """The length that an answer is compared with.
+
+    The shortest length of the scenario; but an answer shorter than that, which only a miss makes
+    possible, is compared with the least length over the ball of the miss that it made. The length
+    jumps only across the front half of a turning circle (THEORY section 4), so the ball's least
+    value is met, up to the miss itself, at the end point or at the nearest point of the circle.
+    """
+    optimum = shortest(scenario, branch)
+    bare = None if optimum is None else optimum.total * scenario.radius
+    if bare is not None and length >= bare:
+        return bare
+    targets = [end]
+    if margin(scenario) * scenario.radius <= miss:
+        targets.append(_onto_circle(scenario))
+    lengths = [] if bare is None else [bare]
+    for x, y in targets:
+        moved = shortest(replace(scenario, target_x=x, target_y=y), branch)
+        if moved is not None:
+            lengths.append(moved.total * scenario.radius)
+    return min(lengths, default=None)
+
+
+def _onto_circle(scenario: Scenario) -> tuple[float, float]:
+    """The point of the nearer turning circle that is nearest to the target."""
+    _, Y = scenario.local()
+    side = math.copysign(scenario.radius, Y)
+    x = scenario.x - side * math.sin(scenario.heading)
+    y = scenario.y + side * math.cos(scenario.heading)
+    dx, dy = scenario.target_x - x, scenario.target_y - y
+    stretch = scenario.radius / math.hypot(dx, dy)
+    return x + dx * stretch, y + dy * stretch
+
+
+_HONEST = {
+    Claim.OPTIMAL: (Verdict.OPTIMAL,),
+    Claim.LOCAL: (Verdict.OPTIMAL, Verdict.LONGER),
+    Claim.FEASIBLE: (Verdict.OPTIMAL, Verdict.LONGER),
+    Claim.INFEASIBLE: (Verdict.NONE_EXISTS,),
+}
+
+
+def is_false(claim: Claim, verdict: Verdict) -> bool:
+    """Whether the claim is stronger than the verdict."""
+    return claim in _HONEST and verdict not in _HONEST[claim]
