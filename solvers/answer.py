@@ -1,0 +1,224 @@
+"""One attempt: a question put to a solver, timed by the caller, judged by the check."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import asdict, dataclass
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+
+from solvers.profiles import tolerances
+from solvers.protocol import AnySolver, Outcome, Question, Solution
+from solvers.registry import SolverError, load
+from study.path import Path
+from study.scenario import Scenario
+from study.schema import ANSWER, SCENARIO, names
+from study.synthesis import BRANCHES
+from study.verify import Claim, Judgement, Tolerances, Verdict, judge
+
+# Long enough for every backend on every question; a solve here lasts microseconds to seconds.
+DEFAULT_LIMIT = 60.0
+
+
+@dataclass(frozen=True, slots=True)
+class Answer:
+    """A judged attempt. Units as in `study.schema`; None where there is nothing to say.
+
+    `length`, `time`, `word`, `gap` and `miss` are found from the path's controls by the check;
+    `claimed_length` is what the solver said.
+    """
+
+    scenario: Scenario
+    solver: str
+    branch: str
+    path: Path | None
+    region: str
+    margin: float
+    word: str | None
+    word_ref: str | None
+    outcome: Outcome
+    claim: Claim
+    verdict: Verdict
+    false_claim: bool
+    wrong_basin: bool
+    native_status: str
+    message: str
+    length: float | None
+    time: float | None
+    reference: float | None
+    gap: float | None
+    miss: float | None
+    curvature_excess: float | None
+    claimed_length: float | None
+    lower_bound: float | None
+    multiplier_x: float | None
+    multiplier_y: float | None
+    build_s: float | None
+    solve_s: float | None
+    wall_s: float | None
+    iterations: int | None
+    evaluations: int | None
+
+    @property
+    def curvatures(self) -> list[float] | None:
+        return None if self.path is None else self.path.curvature.tolist()
+
+    @property
+    def lengths(self) -> list[float] | None:
+        return None if self.path is None else self.path.length.tolist()
+
+    def row(self) -> dict[str, Any]:
+        """The scenario's and the answer's columns of `study.schema`, non-finite numbers as None."""
+        row = {name: getattr(self.scenario, name) for name in names(SCENARIO)}
+        row |= {name: getattr(self, name) for name in names(ANSWER)}
+        return row
+
+
+@dataclass(frozen=True, slots=True)
+class Times:
+    """Seconds on `perf_counter` in the process that solves; None for what was not reached."""
+
+    build: float | None = None
+    solve: float | None = None
+    wall: float | None = None
+
+
+def solve(
+    scenario: Scenario,
+    solver: str = "analytic",
+    branch: str = "best",
+    *,
+    profile: str = "default",
+    start: Path | None = None,
+    limit: float = DEFAULT_LIMIT,
+) -> Answer:
+    """Solve one scenario and judge the answer.
+
+    Args:
+        scenario: start pose, target, turning radius, speed.
+        solver: a spec, e.g. `ipopt`, `turn-rate-qp[n=100]` or `file.py:Class`.
+        branch: `best`, or a word: `LS`, `RS`, `LR`, `RL`.
+        profile: `default`, `fast` or `accurate`.
+        start: a path to start from; cold if None.
+        limit: seconds that the solver is asked to keep to.
+
+    Raises:
+        SolverError, UnknownProfile, QuestionError: if the request is not a valid one. A solver that
+            fails raises nothing: it is an outcome, a claim and a verdict.
+    """
+    check_request(branch, limit)
+    question = Question(scenario, branch, start)
+    return attempt(load(solver, profile), question, limit, tolerances(profile), spec=solver)
+
+
+class QuestionError(ValueError):
+    """A branch or time limit that no solver may be asked."""
+
+
+def check_request(branch: str, limit: float) -> None:
+    """Refuse an unknown branch or a time limit that is not a positive number of seconds.
+
+    Raises:
+        QuestionError: naming the value and what was expected.
+    """
+    if branch not in BRANCHES:
+        raise QuestionError(f"no branch named {branch!r}; choose one of: {', '.join(BRANCHES)}")
+    if not (math.isfinite(limit) and limit > 0):
+        raise QuestionError(f"limit is {limit}; expected a number of seconds above 0")
+
+
+def attempt(
+    solver: AnySolver,
+    question: Question,
+    limit: float = DEFAULT_LIMIT,
+    allowed: Tolerances = Tolerances(),
+    spec: str | None = None,
+) -> Answer:
+    """Put a question to a solver, time it, and judge whatever comes back.
+
+    A solver that raises, returns something else than a `Solution`, cannot run here or cannot
+    answer the branch yields a row that says so.
+    """
+    reason = solver.unavailable()
+    if reason is not None:
+        outcome, solution, times = Outcome.UNAVAILABLE, _nothing(reason), Times()
+    elif question.branch not in solver.branches:
+        reason = f"{solver.name} answers {', '.join(solver.branches)}, not {question.branch}"
+        outcome, solution, times = Outcome.UNSUPPORTED, _nothing(reason), Times()
+    else:
+        outcome, solution, times = _run(solver, question, limit)
+    claim = solution.claim
+    found = judge(question.scenario, solution.path, claim, question.branch, allowed)
+    return _answer(spec or solver.name, question, outcome, solution, times, found)
+
+
+def _run(solver: AnySolver, question: Question, limit: float) -> tuple[Outcome, Solution, Times]:
+    began = perf_counter()
+    built = None
+    try:
+        model = solver.build(question)
+        built = perf_counter()
+        solution = solver.solve(model, limit)
+        ended = perf_counter()
+        times = Times(built - began, ended - built, ended - began)
+        if not isinstance(solution, Solution):
+            raise TypeError(f"solve returned {type(solution).__name__}; expected a Solution")
+    except Exception as error:  # whatever a backend raises is its result, recorded as such
+        ended = perf_counter()
+        build = None if built is None else built - began
+        message = f"{type(error).__name__}: {error}"
+        return Outcome.RAISED, _nothing(message), Times(build, None, ended - began)
+    return Outcome.RETURNED, solution, times
+
+
+def _nothing(message: str) -> Solution:
+    return Solution(Claim.NONE, message=message)
+
+
+def _answer(
+    spec: str,
+    question: Question,
+    outcome: Outcome,
+    solution: Solution,
+    times: Times,
+    found: Judgement,
+) -> Answer:
+    dual = solution.multipliers or (None, None)
+    return Answer(
+        scenario=question.scenario,
+        solver=spec,
+        branch=question.branch,
+        path=solution.path,
+        outcome=outcome,
+        claim=solution.claim,
+        native_status=str(solution.native_status),
+        message=str(solution.message),
+        claimed_length=_finite(solution.claimed_length),
+        lower_bound=_finite(solution.lower_bound),
+        multiplier_x=_finite(dual[0]),
+        multiplier_y=_finite(dual[1]),
+        build_s=times.build,
+        solve_s=times.solve,
+        wall_s=times.wall,
+        iterations=solution.iterations,
+        evaluations=solution.evaluations,
+        **asdict(found),
+    )
+
+
+def _finite(value: float | None) -> float | None:
+    return None if value is None or not np.isfinite(value) else float(value)
+
+
+__all__ = [
+    "DEFAULT_LIMIT",
+    "Answer",
+    "QuestionError",
+    "SolverError",
+    "Times",
+    "attempt",
+    "check_request",
+    "solve",
+]

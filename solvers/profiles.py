@@ -1,0 +1,28 @@
+"""Named tolerances; a solver may add settings of its own under the same name (its `profiles`)."""
+
+from __future__ import annotations
+
+from study.verify import Tolerances
+
+# `default` calls four digits of the length optimal: what a plotted path or a flight plan can use.
+# `accurate` asks for what an NLP solver reaches at its usual tolerance; `fast` for three digits.
+PROFILES = {
+    "default": Tolerances(),
+    "fast": Tolerances(gap=1e-3),
+    "accurate": Tolerances(gap=1e-6),
+}
+
+
+class UnknownProfile(ValueError):
+    """No profile of that name."""
+
+
+def tolerances(profile: str) -> Tolerances:
+    """The tolerances of a profile.
+
+    Raises:
+        UnknownProfile: naming the profiles that exist.
+    """
+    if profile not in PROFILES:
+        raise UnknownProfile(f"no profile named {profile!r}; choose one of: {', '.join(PROFILES)}")
+    return PROFILES[profile]
