@@ -1,0 +1,245 @@
+"""The sequence of convex QPs of `turn-rate-qp`: one template, compiled once, and the loop over it."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from solvers.turn_rate_dynamics import CLOSE, Controls, Rates, clipped, corrected, rollout
+from study.path import FloatArray
+from study.verify import Claim
+
+# OSQP's own tolerances (1e-3, cvxpy's 1e-5) are too loose for the trust region's ratio test.
+OPTIONS: dict[str, dict[str, Any]] = {
+    "piqp": {"compute_timings": True},
+    "clarabel": {},
+    "osqp": {"eps_abs": 1e-8, "eps_rel": 1e-8, "max_iter": 20_000},
+    "highs": {"threads": 1},
+}
+ENGINES = tuple(OPTIONS)
+
+
+class Answer(NamedTuple):
+    """A QP's answer: changes of the headings z (n,) and of the length t, duals (2,), slack, value."""
+
+    z: FloatArray
+    t: float
+    duals: FloatArray
+    slack: float
+    value: float
+
+
+class EngineError(RuntimeError):
+    """The QP engine gave no usable answer; the message is its own word for it."""
+
+
+class Template:
+    """The QP, compiled once for a number of steps and an engine; only parameters change.
+
+    Lengths are in units of the present length, headings in units that the caller chooses:
+
+        minimise    t + 1/2 sum_k c_k z_k^2 + penalty * sum(s)
+        subject to  G z + q t + s_+ - s_- = r,  s >= 0     the end point, linearised
+                    lower_k (1 + t) <= a_k + z_k - z_{k-1} <= upper_k (1 + t)     |u| <= b, exact
+                    |z_k| <= reach,  |t| <= stretch        the trust region
+    """
+
+    def __init__(self, n: int, engine: str) -> None:
+        import cvxpy as cp
+        from scipy.sparse import diags_array
+
+        self.engine = engine
+        self.z, self.t, self.s = cp.Variable(n), cp.Variable(), cp.Variable(4)
+        self.G, self.q, self.r = cp.Parameter((2, n)), cp.Parameter(2), cp.Parameter(2)
+        self.a, self.lower, self.upper = cp.Parameter(n), cp.Parameter(n), cp.Parameter(n)
+        self.c = cp.Parameter(n, nonneg=True)
+        self.penalty = cp.Parameter(nonneg=True)
+        self.reach, self.stretch = cp.Parameter(), cp.Parameter()
+        difference = diags_array([np.ones(n), -np.ones(n - 1)], offsets=[0, -1], format="csc")
+        turn = difference @ self.z
+        self.end = self.G @ self.z + self.q * self.t + self.s[:2] - self.s[2:] == self.r
+        bounds = [
+            turn - self.upper * self.t <= self.upper - self.a,
+            self.lower * self.t - turn <= self.a - self.lower,
+            self.z <= self.reach,
+            -self.z <= self.reach,
+            self.t <= self.stretch,
+            -self.t <= self.stretch,
+            self.s >= 0,
+        ]
+        objective = self.t + 0.5 * (self.c @ cp.square(self.z)) + self.penalty * cp.sum(self.s)
+        self.problem = cp.Problem(cp.Minimize(objective), [self.end, *bounds])
+        for parameter in self.problem.parameters():
+            parameter.value = np.ones(parameter.shape)
+        self.problem.get_problem_data(engine.upper())  # compiles here, not in the first solve
+
+    def solve(self) -> Answer:
+        """Solve the QP for the parameters' present values.
+
+        Raises:
+            EngineError: if the engine fails, or says that a QP that always has a solution has none.
+        """
+        import cvxpy as cp
+
+        try:
+            self.problem.solve(solver=self.engine.upper(), warm_start=True, **OPTIONS[self.engine])
+        except cp.error.SolverError as error:
+            raise EngineError(str(error)) from error
+        if self.z.value is None or self.problem.status not in cp.settings.SOLUTION_PRESENT:
+            raise EngineError(str(self.problem.status))
+        answer = Answer(
+            self.z.value,
+            float(self.t.value),
+            -self.end.dual_value,
+            float(np.abs(self.s.value).sum()),
+            float(self.problem.value),
+        )
+        if not (np.isfinite(answer.z).all() and np.isfinite(answer.t + answer.value)):
+            raise EngineError(f"{self.problem.status}, with numbers that are not finite")
+        return answer
+
+
+@lru_cache(maxsize=32)
+def template(n: int, engine: str) -> Template:
+    """The compiled QP; kept, since compiling takes as long as several solves."""
+    return Template(n, engine)
+
+
+@dataclass(frozen=True)
+class Limits:
+    """When a sequence stops: a predicted gain (relative to the length), a number of QPs, a time."""
+
+    tolerance: float
+    max_qps: int
+    deadline: float
+
+
+@dataclass(frozen=True, eq=False)
+class Run:
+    """Where a sequence ended. `miss` in turning radii; `duals` (2,) in the vehicle's frame."""
+
+    claim: Claim
+    controls: Controls
+    miss: float
+    duals: FloatArray | None
+    qps: int
+    rollouts: int
+    status: str
+
+
+_RETRIES = 3  # a failing engine gets a smaller trust region this often before the start is given up
+_LEAST_CURVATURE = 1e-6  # keeps the QP's answer unique where the Lagrangian is not convex
+
+
+class Sequence:
+    """Sl1QP with a trust region (Fletcher 1987, Practical Methods of Optimization, sec. 14.4).
+
+    The QP's curvature c_k is the Lagrangian's in the headings, its exact value lumped on the
+    diagonal: step k's chord along the multiplier. Where that is negative (a chord that drives
+    away from where the path is going) it is cut off, which keeps every QP convex.
+    """
+
+    def __init__(
+        self, qp: Template, target: FloatArray, shares: FloatArray, rates: Rates, limits: Limits
+    ) -> None:
+        self.qp, self.target, self.shares, self.rates = qp, target, shares, rates
+        self.limits = limits
+
+    def run(self, start: Controls) -> Run:
+        """Solve from one start. Never raises for the engine's sake."""
+        self.penalty, self.reach, self.ease = 10.0, 1.0, 1.0
+        self.now = clipped(start, self.shares, self.rates)
+        self.rolled = rollout(self.now, self.shares)
+        final = self.now.heading[-1]
+        self.duals = np.array([np.cos(final), np.sin(final)])
+        self.qps, self.rollouts, failures = 0, 1, 0
+        claim, status = Claim.FEASIBLE, "QP limit"
+        while self.qps < self.limits.max_qps:
+            if time.perf_counter() > self.limits.deadline:
+                claim, status = Claim.LIMIT, "time limit"
+                break
+            self.qps += 1
+            try:
+                answer = self._ask()
+            except EngineError as error:
+                failures += 1
+                self.reach *= 0.3
+                if failures > _RETRIES:
+                    claim, status = Claim.FAILED, str(error)
+                    break
+                continue
+            if self._advance(answer):
+                claim, status = Claim.LOCAL, "converged"
+                break
+        return self._finish(claim, status)
+
+    def _finish(self, claim: Claim, status: str) -> Run:
+        controls, miss, used = corrected(self.now, self.shares, self.rates, self.target)
+        self.rollouts += used
+        if claim in (Claim.LOCAL, Claim.FEASIBLE) and miss > CLOSE:
+            claim, status = Claim.FAILED, f"{status}, {miss:.1e} radii off the target"
+        duals = self.duals if claim is Claim.LOCAL else None
+        return Run(claim, controls, miss, duals, self.qps, self.rollouts, status)
+
+    def _ask(self) -> Answer:
+        """Put the linearisation about the present point into the QP, and solve it."""
+        qp, now, T = self.qp, self.now, self.now.length
+        self.unit = unit = min(1.0, T)  # a short path's headings change by about its length
+        steps = self.shares * (T / unit)
+        along = np.maximum(self.duals @ self.rolled.chords, 0.0) / T
+        curvature = along / 2
+        curvature[:-1] += along[1:] / 2
+        floor = _LEAST_CURVATURE / along.size
+        qp.G.value = self.rolled.gradient * (unit / T)
+        qp.q.value = self.rolled.end / T
+        qp.r.value = (self.target - self.rolled.end) / T
+        qp.a.value = now.turns / unit
+        qp.lower.value, qp.upper.value = self.rates.lower * steps, self.rates.upper * steps
+        qp.c.value = np.maximum(curvature * self.ease, floor) * unit**2
+        qp.penalty.value = self.penalty
+        qp.reach.value, qp.stretch.value = self.reach / unit, min(self.reach, 0.5)
+        return qp.solve()
+
+    def _merit(self, length: float, end: FloatArray) -> float:
+        return length + self.penalty * float(np.abs(end - self.target).sum())
+
+    def _advance(self, answer: Answer) -> bool:
+        """Judge the QP's step by the merit function and take it or not; whether it has converged."""
+        T = self.now.length
+        before = self._merit(T, self.rolled.end)
+        promised = before - T * (1.0 + answer.value)
+        moved = Controls(self.now.heading + self.unit * answer.z, T * (1.0 + answer.t))
+        trial = clipped(moved, self.shares, self.rates)
+        rolled = rollout(trial, self.shares)
+        self.rollouts += 1
+        gain = before - self._merit(trial.length, rolled.end)
+        if answer.slack < 1e-6 and gain < 0.7 * promised:
+            # second-order correction: the linearisation's miss must not veto a good step
+            closer, _, used = corrected(trial, self.shares, self.rates, self.target)
+            bent = rollout(closer, self.shares)
+            self.rollouts += used + 1
+            better = before - self._merit(closer.length, bent.end)
+            if better > gain:
+                trial, rolled, gain = closer, bent, better
+        if promised < self.limits.tolerance * T:
+            return True
+        self._adapt(answer, gain / promised)
+        if gain > 0.05 * promised:
+            self.now, self.rolled, self.duals = trial, rolled, answer.duals
+        return False
+
+    def _adapt(self, answer: Answer, ratio: float) -> None:
+        """Widen or narrow the trust region, ease or restore the curvature, by gain over promise."""
+        turned, stretched = self.unit * float(np.abs(answer.z).max()), abs(answer.t)
+        if ratio > 0.75 and max(turned, 2 * stretched) > 0.9 * self.reach:
+            self.reach = min(2 * self.reach, 4.0)
+        elif ratio < 0.25:
+            self.reach = 0.3 * max(turned, stretched)
+        if ratio > 1.0:  # the curvature cut off was real: step further
+            self.ease = max(0.3 * self.ease, 1e-3)
+        elif ratio < 0.75:
+            self.ease = min(3 * self.ease, 1.0)
