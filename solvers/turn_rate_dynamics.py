@@ -1,4 +1,4 @@
-"""A path of n arcs seen from its headings: end point, exact gradients, and the way back to a target.
+"""A path of n arcs seen from its headings: end point, gradients, and the way back to a target.
 
 Everything in the vehicle's frame in units of the turning radius. Step k drives the length
 h_k = w_k T, where the shares w_k sum to 1 and T is the whole length, and turns by
@@ -106,11 +106,6 @@ def clipped(controls: Controls, shares: FloatArray, rates: Rates) -> Controls:
     return Controls(np.cumsum(turns), controls.length)
 
 
-def resampled(poses_heading: FloatArray, length: float) -> Controls:
-    """Controls from headings (n,) read at the ends of the steps, relative to the first pose."""
-    return Controls(np.asarray(poses_heading, dtype=np.float64), length)
-
-
 def corrected(
     controls: Controls, shares: FloatArray, rates: Rates, target: FloatArray, close: float = CLOSE
 ) -> tuple[Controls, float, int]:
@@ -123,10 +118,11 @@ def corrected(
     lengths = shares * controls.length
     rate = np.clip(controls.turns / lengths, rates.lower, rates.upper)
     length = controls.length
-    best, least, count = controls, np.inf, 0
-    for count in range(1, _CORRECTIONS + 1):
+    best, least, rollouts = controls, np.inf, 0
+    while rollouts < _CORRECTIONS:
         now = Controls(np.cumsum(rate * shares * length), length)
         rolled = rollout(now, shares)
+        rollouts += 1
         residual = target - rolled.end
         miss = float(np.hypot(*residual))
         if miss < least:
@@ -135,7 +131,7 @@ def corrected(
             break
         jacobian = _rate_jacobian(now, rolled, shares)
         rate, length = _least_step(jacobian, residual, rate, length, rates)
-    return best, least, count
+    return best, least, rollouts
 
 
 def _rate_jacobian(controls: Controls, rolled: Rollout, shares: FloatArray) -> FloatArray:

@@ -1,4 +1,4 @@
-"""The sequence of convex QPs of `turn-rate-qp`: one template, compiled once, and the loop over it."""
+"""The QPs of `turn-rate-qp`: one template, compiled once, and the loop that solves a sequence."""
 
 from __future__ import annotations
 
@@ -13,24 +13,34 @@ from solvers.turn_rate_dynamics import CLOSE, Controls, Rates, clipped, correcte
 from study.path import FloatArray
 from study.verify import Claim
 
-# OSQP's own tolerances (1e-3, cvxpy's 1e-5) are too loose for the trust region's ratio test.
-OPTIONS: dict[str, dict[str, Any]] = {
-    "piqp": {"compute_timings": True},
-    "clarabel": {},
-    "osqp": {"eps_abs": 1e-8, "eps_rel": 1e-8, "max_iter": 20_000},
-    "highs": {"threads": 1},
-}
-ENGINES = tuple(OPTIONS)
+ENGINES = ("piqp", "clarabel", "osqp", "highs")
+
+
+def _options(engine: str, n: int, seconds: float) -> dict[str, Any]:
+    if engine == "piqp":
+        return {"compute_timings": True}  # its own limit of 250 iterations is short enough
+    if engine == "clarabel":
+        return {"time_limit": seconds}
+    if engine == "osqp":
+        # at 1e-6 and less it takes twice as long and stops at its limit, for the same paths
+        return {"eps_abs": 1e-5, "eps_rel": 1e-5, "max_iter": 20_000, "time_limit": seconds}
+    # its active-set method takes about 4 n steps, or cycles without end
+    return {"threads": 1, "time_limit": seconds, "qp_iteration_limit": 20 * n + 200}
 
 
 class Answer(NamedTuple):
-    """A QP's answer: changes of the headings z (n,) and of the length t, duals (2,), slack, value."""
+    """A QP's answer.
+
+    Changes of the headings z (n,) and of the length t; the end point's duals (2,); the sum of the
+    slacks; the objective; whether the engine calls it solved (else it stopped at a limit).
+    """
 
     z: FloatArray
     t: float
     duals: FloatArray
     slack: float
     value: float
+    solved: bool
 
 
 class EngineError(RuntimeError):
@@ -77,16 +87,17 @@ class Template:
             parameter.value = np.ones(parameter.shape)
         self.problem.get_problem_data(engine.upper())  # compiles here, not in the first solve
 
-    def solve(self) -> Answer:
-        """Solve the QP for the parameters' present values.
+    def solve(self, seconds: float) -> Answer:
+        """Solve the QP for the parameters' present values, in about `seconds` at most.
 
         Raises:
             EngineError: if the engine fails, or says that a QP that always has a solution has none.
         """
         import cvxpy as cp
 
+        options = _options(self.engine, self.z.size, seconds)
         try:
-            self.problem.solve(solver=self.engine.upper(), warm_start=True, **OPTIONS[self.engine])
+            self.problem.solve(solver=self.engine.upper(), warm_start=True, **options)
         except cp.error.SolverError as error:
             raise EngineError(str(error)) from error
         if self.z.value is None or self.problem.status not in cp.settings.SOLUTION_PRESENT:
@@ -97,6 +108,7 @@ class Template:
             -self.end.dual_value,
             float(np.abs(self.s.value).sum()),
             float(self.problem.value),
+            self.problem.status == cp.OPTIMAL,
         )
         if not (np.isfinite(answer.z).all() and np.isfinite(answer.t + answer.value)):
             raise EngineError(f"{self.problem.status}, with numbers that are not finite")
@@ -164,7 +176,7 @@ class Sequence:
                 break
             self.qps += 1
             try:
-                answer = self._ask()
+                converged = self._advance(self._ask())
             except EngineError as error:
                 failures += 1
                 self.reach *= 0.3
@@ -172,7 +184,7 @@ class Sequence:
                     claim, status = Claim.FAILED, str(error)
                     break
                 continue
-            if self._advance(answer):
+            if converged:
                 claim, status = Claim.LOCAL, "converged"
                 break
         return self._finish(claim, status)
@@ -202,13 +214,13 @@ class Sequence:
         qp.c.value = np.maximum(curvature * self.ease, floor) * unit**2
         qp.penalty.value = self.penalty
         qp.reach.value, qp.stretch.value = self.reach / unit, min(self.reach, 0.5)
-        return qp.solve()
+        return qp.solve(max(self.limits.deadline - time.perf_counter(), 1e-3))
 
     def _merit(self, length: float, end: FloatArray) -> float:
         return length + self.penalty * float(np.abs(end - self.target).sum())
 
     def _advance(self, answer: Answer) -> bool:
-        """Judge the QP's step by the merit function and take it or not; whether it has converged."""
+        """Take the QP's step if the merit function agrees; True when there is nothing to gain."""
         T = self.now.length
         before = self._merit(T, self.rolled.end)
         promised = before - T * (1.0 + answer.value)
@@ -226,6 +238,8 @@ class Sequence:
             if better > gain:
                 trial, rolled, gain = closer, bent, better
         if promised < self.limits.tolerance * T:
+            if not answer.solved:
+                raise EngineError("the engine stopped at its limit, before any gain")
             return True
         self._adapt(answer, gain / promised)
         if gain > 0.05 * promised:
