@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from solvers.profiles import tolerances
+from solvers.profiles import PROFILES, tolerances
 from solvers.protocol import AnySolver, Outcome, Question, Solution
 from solvers.registry import SolverError, load
 from study.path import Path
@@ -105,7 +105,7 @@ def solve(
         limit: seconds that the solver is asked to keep to.
 
     Raises:
-        SolverError, UnknownProfile, QuestionError: if the request is not a valid one. A solver that
+        SolverError, ProfileError, QuestionError: if the request is not a valid one. A solver that
             fails raises nothing: it is an outcome, a claim and a verdict.
     """
     check_request(branch, limit)
@@ -133,7 +133,7 @@ def attempt(
     solver: AnySolver,
     question: Question,
     limit: float = DEFAULT_LIMIT,
-    allowed: Tolerances = Tolerances(),
+    allowed: Tolerances = PROFILES["default"],
     spec: str | None = None,
 ) -> Answer:
     """Put a question to a solver, time it, and judge whatever comes back.

@@ -13,7 +13,7 @@ PROFILES = {
 }
 
 
-class UnknownProfile(ValueError):
+class ProfileError(ValueError):
     """No profile of that name."""
 
 
@@ -21,8 +21,8 @@ def tolerances(profile: str) -> Tolerances:
     """The tolerances of a profile.
 
     Raises:
-        UnknownProfile: naming the profiles that exist.
+        ProfileError: naming the profiles that exist.
     """
     if profile not in PROFILES:
-        raise UnknownProfile(f"no profile named {profile!r}; choose one of: {', '.join(PROFILES)}")
+        raise ProfileError(f"no profile named {profile!r}; choose one of: {', '.join(PROFILES)}")
     return PROFILES[profile]

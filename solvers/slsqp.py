@@ -1,0 +1,155 @@
+"""The paper's model by sequential least squares quadratic programming (SciPy's SLSQP)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from typing import Any, ClassVar, NamedTuple
+
+import numpy as np
+
+from solvers.model import (
+    FULL_TURN,
+    MODELS,
+    ORDERS,
+    Attempts,
+    Point,
+    Subproblem,
+    answer,
+    equations,
+    jacobian,
+    subproblems,
+    target,
+)
+from solvers.protocol import Guarantee, Question, Solution
+from solvers.settings import one_of, positive
+from solvers.starts import STARTS, every_start, starting_points
+from study.path import FloatArray
+from study.verify import Claim
+
+# SLSQP's own exit modes (scipy/optimize, slsqp): 4 is an infeasible linearisation
+_CLAIMS = {0: Claim.LOCAL, 4: Claim.INFEASIBLE, 9: Claim.LIMIT}
+
+
+class Case(NamedTuple):
+    """A subproblem as SLSQP takes it: functions of the free lengths, and where to begin."""
+
+    subproblem: Subproblem
+    starts: list[FloatArray]
+    constraint: dict[str, Any]
+    bounds: list[tuple[float, float]]
+    ftol: float
+
+
+class Model(NamedTuple):
+    question: Question
+    cases: list[Case]
+
+
+@dataclass(frozen=True)
+class Slsqp:
+    """Settings: see `solvers.model` (model, order) and `solvers.starts` (start, seed, count).
+
+    `capped` bounds arcs by a full turn, which the paper does not. `ftol` is SLSQP's tolerance
+    on the objective and the sum of constraint violations, in radii; it is multiplied by the
+    target's distance where that exceeds one radius, since rounding grows with it.
+    """
+
+    model: str = "words"
+    order: str = "both"
+    start: str = "bearing"
+    seed: int = 0
+    count: int = 10
+    capped: bool = True
+    ftol: float = 1e-10
+    maxiter: int = 40
+
+    name: ClassVar[str] = "slsqp"
+    method: ClassVar[str] = "local NLP"
+    guarantee: ClassVar[Guarantee] = Guarantee.LOCAL
+    branches: ClassVar[tuple[str, ...]] = ("best", "LS", "RS")
+    warm: ClassVar[bool] = True
+    packages: ClassVar[tuple[str, ...]] = ("scipy",)
+    summary: ClassVar[str] = "the paper's model (4.12) by SciPy's SLSQP"
+    profiles: ClassVar[dict[str, dict[str, Any]]] = {
+        "fast": {"ftol": 1e-8},
+        "accurate": {"ftol": 1e-14},
+    }
+
+    def __post_init__(self) -> None:
+        one_of(model=(self.model, MODELS), order=(self.order, ORDERS), start=(self.start, STARTS))
+        positive(count=self.count, ftol=self.ftol, maxiter=self.maxiter)
+
+    def unavailable(self) -> str | None:
+        return None
+
+    def build(self, question: Question) -> Model:
+        cases = [
+            self._case(question, subproblem)
+            for subproblem in subproblems(question, self.model, self.order)
+        ]
+        return Model(question, cases)
+
+    def _case(self, question: Question, subproblem: Subproblem) -> Case:
+        X, Y = target(question.scenario, subproblem.mirrored)
+        free = list(subproblem.free)
+        starts = starting_points(question, subproblem, self.start, self.seed, self.count)
+        arc = FULL_TURN if self.capped else math.inf
+        return Case(
+            subproblem,
+            [start[free] for start in starts],
+            {
+                "type": "eq",
+                "fun": lambda z: equations(_full(z, free), X, Y),
+                "jac": lambda z: jacobian(_full(z, free))[:, free],
+            },
+            [(0.0, math.inf if i == 2 else arc) for i in free],
+            self.ftol * max(1.0, math.hypot(X, Y)),
+        )
+
+    def solve(self, model: Model, limit: float) -> Solution:
+        attempts = [
+            Attempts(
+                every_start(case.subproblem, self.start),
+                [partial(self._from, case, start) for start in case.starts],
+            )
+            for case in model.cases
+        ]
+        return answer(model.question, attempts, limit)
+
+    def _from(self, case: Case, start: FloatArray) -> Point:
+        from scipy.optimize import minimize
+
+        ones = np.ones(start.size)
+        result = minimize(
+            _sum,
+            start,
+            jac=lambda z: ones,
+            method="SLSQP",
+            bounds=case.bounds,
+            constraints=case.constraint,
+            options={"ftol": case.ftol, "maxiter": self.maxiter},
+        )
+        duals = result.get("multipliers")
+        return Point(
+            case.subproblem,
+            _full(result.x, list(case.subproblem.free)),
+            _CLAIMS.get(int(result.status), Claim.FAILED),
+            # SciPy's Lagrangian is f - m c, the paper's f + m c
+            None if duals is None else (-float(duals[0]), -float(duals[1])),
+            int(result.nit),
+            int(result.nfev),
+            f"mode {result.status}",
+            str(result.message),
+        )
+
+
+_sum: Callable[[FloatArray], float] = np.sum
+
+
+def _full(z: FloatArray, free: list[int]) -> FloatArray:
+    full = np.zeros(3)
+    full[free] = z
+    return full

@@ -1,0 +1,83 @@
+"""Starting points, shared by all local solvers: where one begins decides where one ends."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from solvers.model import FULL_TURN, Subproblem, target
+from solvers.protocol import Question
+from study.path import FloatArray, Path
+
+STARTS = ("bearing", "zero", "random")
+
+# RL and LR have two isolated solutions each and only the one whose second arc exceeds pi can be
+# optimal; its first arc is at most pi/3 (THEORY section 3), so these lie among them.
+_LONG_SECOND_ARC = ((math.pi / 6, 3 * math.pi / 2), (0.1, 6.0), (0.8, 3.5))
+
+# at z = 0 the two equations' derivatives are linearly dependent (THEORY section 5)
+_SHORTEST = 1e-3
+
+# Near a turning circle a Newton-like step from the first guess may leave the solution's basin. The
+# bearing itself and these turns of the first guess (rad) are tried until a start succeeds.
+_SWINGS = (0.7, -0.7, 1.4, -1.4)
+
+
+def starting_points(
+    question: Question, subproblem: Subproblem, kind: str, seed: int, count: int
+) -> list[FloatArray]:
+    """Points z, each of shape (3,), from which to solve a subproblem; fixed lengths are zero.
+
+    Args:
+        question: its `start`, if there is one, goes first, and the kind's points come after it.
+        subproblem: which lengths are free, and in which order the turns come.
+        kind: `bearing` (turn towards the target and by half the radius' apparent size more, then
+            go straight; some turns to either side follow), `zero` (as AMPL does by default) or
+            `random`.
+        seed, count: of the random points: arcs uniform in [0, 2 pi], straights up to twice the
+            target's distance plus a turning circle's diameter.
+
+    See `every_start` for which of them must all be solved from.
+    """
+    X, Y = target(question.scenario, subproblem.mirrored)
+    if kind == "zero":
+        points = [np.zeros(3)]
+    elif kind == "random":
+        largest = np.array((FULL_TURN, FULL_TURN, 2 * math.hypot(X, Y) + 2))
+        points = list(np.random.default_rng(seed).uniform(size=(count, 3)) * largest)
+    else:
+        points = _bearing(X, Y, subproblem)
+    if question.start is not None:
+        points.insert(0, _from_path(question.start, question.scenario.radius, subproblem))
+    free = np.isin(np.arange(3), subproblem.free)
+    return [np.where(free, point, 0.0) for point in points]
+
+
+def every_start(subproblem: Subproblem, kind: str) -> bool:
+    """Whether all starting points must be solved from, or the first that succeeds will do.
+
+    LS and RS have one solution below a full turn; the others have more.
+    """
+    return kind == "random" or subproblem.free == (0, 1)
+
+
+def _bearing(X: float, Y: float, subproblem: Subproblem) -> list[FloatArray]:
+    bearing, distance = math.atan2(Y, X), max(math.hypot(X, Y), _SHORTEST)
+    if subproblem.free == (0, 1):
+        return [np.array((*arcs, 0.0)) for arcs in _LONG_SECOND_ARC]
+    if subproblem.free == (0, 1, 2):
+        return [np.array((max(bearing, 0.0), max(-bearing, 0.0), distance))]
+    facing = (bearing if subproblem.free[0] == 0 else -bearing) % FULL_TURN
+    if facing == 0:
+        return [np.array((0.0, 0.0, distance))]
+    aim = facing + math.atan(1 / distance)
+    arcs = (aim, facing, *(aim + swing for swing in _SWINGS))
+    return [np.array((arc % FULL_TURN, arc % FULL_TURN, distance + 0.5)) for arc in arcs]
+
+
+def _from_path(path: Path, radius: float, subproblem: Subproblem) -> FloatArray:
+    """How far a path turns the first way, turns the other way, and goes straight."""
+    turn = path.curvature * path.length * subproblem.turns[0]
+    straight = path.length[path.curvature == 0].sum() / radius
+    return np.array((turn[turn > 0].sum(), -turn[turn < 0].sum(), straight))
