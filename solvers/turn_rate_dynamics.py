@@ -30,7 +30,9 @@ class Controls:
     @property
     def turns(self) -> FloatArray:
         """Turn of every step, shape (n,), rad, positive to the left."""
-        return np.diff(self.heading, prepend=0.0)
+        turns = self.heading.copy()
+        turns[1:] -= self.heading[:-1]
+        return turns
 
 
 class Rates(NamedTuple):

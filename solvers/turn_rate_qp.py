@@ -13,7 +13,8 @@ import numpy as np
 
 from solvers.protocol import Guarantee, Question, Solution
 from solvers.turn_rate_dynamics import CLOSE, Controls, Rates
-from solvers.turn_rate_sequence import ENGINES, Limits, Run, Sequence, Template, template
+from solvers.turn_rate_sequence import Limits, Run, Sequence
+from solvers.turn_rate_template import ENGINES, Template, template
 from study.path import FloatArray, Path
 from study.verify import Claim, drivable
 

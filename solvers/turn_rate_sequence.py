@@ -1,124 +1,16 @@
-"""The QPs of `turn-rate-qp`: one template, compiled once, and the loop that solves a sequence."""
+"""The sequence of QPs of `turn-rate-qp`: linearise, solve, judge the step, and again."""
 
 from __future__ import annotations
 
 import time
 from dataclasses import dataclass
-from functools import lru_cache
-from typing import Any, NamedTuple
 
 import numpy as np
 
 from solvers.turn_rate_dynamics import CLOSE, Controls, Rates, clipped, corrected, rollout
+from solvers.turn_rate_template import Answer, EngineError, Template
 from study.path import FloatArray
 from study.verify import Claim
-
-ENGINES = ("piqp", "clarabel", "osqp", "highs")
-
-
-def _options(engine: str, n: int, seconds: float) -> dict[str, Any]:
-    if engine == "piqp":
-        return {"compute_timings": True}  # its own limit of 250 iterations is short enough
-    if engine == "clarabel":
-        return {"time_limit": seconds}
-    if engine == "osqp":
-        # at 1e-6 and less it takes twice as long and stops at its limit, for the same paths
-        return {"eps_abs": 1e-5, "eps_rel": 1e-5, "max_iter": 20_000, "time_limit": seconds}
-    # its active-set method takes about 4 n steps, or cycles without end
-    return {"threads": 1, "time_limit": seconds, "qp_iteration_limit": 20 * n + 200}
-
-
-class Answer(NamedTuple):
-    """A QP's answer.
-
-    Changes of the headings z (n,) and of the length t; the end point's duals (2,); the sum of the
-    slacks; the objective; whether the engine calls it solved (else it stopped at a limit).
-    """
-
-    z: FloatArray
-    t: float
-    duals: FloatArray
-    slack: float
-    value: float
-    solved: bool
-
-
-class EngineError(RuntimeError):
-    """The QP engine gave no usable answer; the message is its own word for it."""
-
-
-class Template:
-    """The QP, compiled once for a number of steps and an engine; only parameters change.
-
-    Lengths are in units of the present length, headings in units that the caller chooses:
-
-        minimise    t + 1/2 sum_k c_k z_k^2 + penalty * sum(s)
-        subject to  G z + q t + s_+ - s_- = r,  s >= 0     the end point, linearised
-                    lower_k (1 + t) <= a_k + z_k - z_{k-1} <= upper_k (1 + t)     |u| <= b, exact
-                    |z_k| <= reach,  |t| <= stretch        the trust region
-    """
-
-    def __init__(self, n: int, engine: str) -> None:
-        import cvxpy as cp
-        from scipy.sparse import diags_array
-
-        self.engine = engine
-        self.z, self.t, self.s = cp.Variable(n), cp.Variable(), cp.Variable(4)
-        self.G, self.q, self.r = cp.Parameter((2, n)), cp.Parameter(2), cp.Parameter(2)
-        self.a, self.lower, self.upper = cp.Parameter(n), cp.Parameter(n), cp.Parameter(n)
-        self.c = cp.Parameter(n, nonneg=True)
-        self.penalty = cp.Parameter(nonneg=True)
-        self.reach, self.stretch = cp.Parameter(), cp.Parameter()
-        difference = diags_array([np.ones(n), -np.ones(n - 1)], offsets=[0, -1], format="csc")
-        turn = difference @ self.z
-        self.end = self.G @ self.z + self.q * self.t + self.s[:2] - self.s[2:] == self.r
-        bounds = [
-            turn - self.upper * self.t <= self.upper - self.a,
-            self.lower * self.t - turn <= self.a - self.lower,
-            self.z <= self.reach,
-            -self.z <= self.reach,
-            self.t <= self.stretch,
-            -self.t <= self.stretch,
-            self.s >= 0,
-        ]
-        objective = self.t + 0.5 * (self.c @ cp.square(self.z)) + self.penalty * cp.sum(self.s)
-        self.problem = cp.Problem(cp.Minimize(objective), [self.end, *bounds])
-        for parameter in self.problem.parameters():
-            parameter.value = np.ones(parameter.shape)
-        self.problem.get_problem_data(engine.upper())  # compiles here, not in the first solve
-
-    def solve(self, seconds: float) -> Answer:
-        """Solve the QP for the parameters' present values, in about `seconds` at most.
-
-        Raises:
-            EngineError: if the engine fails, or says that a QP that always has a solution has none.
-        """
-        import cvxpy as cp
-
-        options = _options(self.engine, self.z.size, seconds)
-        try:
-            self.problem.solve(solver=self.engine.upper(), warm_start=True, **options)
-        except cp.error.SolverError as error:
-            raise EngineError(str(error)) from error
-        if self.z.value is None or self.problem.status not in cp.settings.SOLUTION_PRESENT:
-            raise EngineError(str(self.problem.status))
-        answer = Answer(
-            self.z.value,
-            float(self.t.value),
-            -self.end.dual_value,
-            float(np.abs(self.s.value).sum()),
-            float(self.problem.value),
-            self.problem.status == cp.OPTIMAL,
-        )
-        if not (np.isfinite(answer.z).all() and np.isfinite(answer.t + answer.value)):
-            raise EngineError(f"{self.problem.status}, with numbers that are not finite")
-        return answer
-
-
-@lru_cache(maxsize=32)
-def template(n: int, engine: str) -> Template:
-    """The compiled QP; kept, since compiling takes as long as several solves."""
-    return Template(n, engine)
 
 
 @dataclass(frozen=True)
@@ -206,14 +98,16 @@ class Sequence:
         curvature = along / 2
         curvature[:-1] += along[1:] / 2
         floor = _LEAST_CURVATURE / along.size
-        qp.G.value = self.rolled.gradient * (unit / T)
-        qp.q.value = self.rolled.end / T
-        qp.r.value = (self.target - self.rolled.end) / T
-        qp.a.value = now.turns / unit
-        qp.lower.value, qp.upper.value = self.rates.lower * steps, self.rates.upper * steps
-        qp.c.value = np.maximum(curvature * self.ease, floor) * unit**2
-        qp.penalty.value = self.penalty
-        qp.reach.value, qp.stretch.value = self.reach / unit, min(self.reach, 0.5)
+        turns = now.turns / unit
+        upper, lower = self.rates.upper * steps, self.rates.lower * steps
+        qp.G[:] = self.rolled.gradient * (unit / T)
+        qp.q[:] = self.rolled.end / T
+        qp.r[:] = (self.target - self.rolled.end) / T
+        qp.upper[:], qp.above[:] = upper, upper - turns
+        qp.lower[:], qp.below[:] = lower, turns - lower
+        qp.c[:] = np.maximum(curvature * self.ease, floor) * unit**2
+        qp.penalty[:] = self.penalty
+        qp.reach[:], qp.stretch[:] = self.reach / unit, min(self.reach, 0.5)
         return qp.solve(max(self.limits.deadline - time.perf_counter(), 1e-3))
 
     def _merit(self, length: float, end: FloatArray) -> float:
