@@ -71,6 +71,9 @@ class Native(NamedTuple):
 Run = Callable[[FloatArray, FloatArray, FloatArray, tuple[float, float]], Native]
 
 
+Options = tuple[tuple[str, float], ...]
+
+
 class Case(NamedTuple):
     """A subproblem as Ipopt takes it: bounds of z, the target, and where to begin."""
 
@@ -91,8 +94,10 @@ class Model(NamedTuple):
 class Ipopt:
     """Settings: see `solvers.model` (model, order) and `solvers.starts` (start, seed, count).
 
-    `capped` bounds arcs by a full turn, which the paper does not. `tol` and `max_iter` are Ipopt's
-    own. `via` is `executable`, `library` or `auto`: the executable if PATH has one.
+    `capped` bounds arcs by a full turn, which the paper does not. `tol`, `max_iter` and
+    `bound_relax` (its bound_relax_factor) are Ipopt's own; the last is 1e-8 there, and Ipopt then
+    returns arcs of -1e-8, which no vehicle drives: cut to zero they miss a target 1 000 radii away
+    by 1e-5 radii. `via` is `executable`, `library` or `auto`: the executable if PATH has one.
     """
 
     model: str = "words"
@@ -103,6 +108,7 @@ class Ipopt:
     capped: bool = True
     tol: float = 1e-8
     max_iter: int = 200
+    bound_relax: float = 0.0
     via: str = "auto"
 
     name: ClassVar[str] = "ipopt"
@@ -144,7 +150,15 @@ class Ipopt:
             self._case(question, subproblem)
             for subproblem in subproblems(question, self.model, self.order)
         ]
-        return Model(question, cases, template(self.tol, self.max_iter))
+        return Model(question, cases, template(self._options))
+
+    @property
+    def _options(self) -> Options:
+        return (
+            ("tol", self.tol),
+            ("max_iter", self.max_iter),
+            ("bound_relax_factor", self.bound_relax),
+        )
 
     def _case(self, question: Question, subproblem: Subproblem) -> Case:
         arc = FULL_TURN if self.capped else math.inf
@@ -182,15 +196,6 @@ def _attempt(run: Run, case: Case, start: FloatArray) -> Point:
     )
 
 
-def options(tol: float, max_iter: int) -> dict[str, float]:
-    """Ipopt's options that are not at their defaults.
-
-    By default Ipopt relaxes bounds by 1e-8 and so returns arcs of -1e-8, which no vehicle drives:
-    cut to zero they miss a target 1 000 radii away by 1e-5 radii.
-    """
-    return {"tol": tol, "max_iter": max_iter, "bound_relax_factor": 0.0}
-
-
 def pyomo_model() -> Any:
     """Model (4.12) in Pyomo: z[1..3] >= 0 and the target as variables X, Y to be fixed."""
     from pyomo.environ import ConcreteModel, Constraint, Objective, Var, cos, sin
@@ -207,7 +212,7 @@ def pyomo_model() -> Any:
 
 
 @lru_cache(maxsize=32)
-def library_template(tol: float, max_iter: int) -> Run:
+def library_template(options: Options) -> Run:
     """Ipopt from the casadi wheel on the NL file that Pyomo writes; compiled once per setting."""
     import casadi
     from pyomo.repn.plugins.nl_writer import NLWriter
@@ -229,7 +234,7 @@ def library_template(tol: float, max_iter: int) -> Run:
         {"x": casadi.vertcat(*builder.x), "f": builder.f, "g": casadi.vertcat(*builder.g)},
         {
             "print_time": False,
-            "ipopt": {"print_level": 0, "sb": "yes", **options(tol, max_iter)},
+            "ipopt": {"print_level": 0, "sb": "yes", **dict(options)},
         },
     )
     g_low, g_high = builder.g_lb, builder.g_ub
@@ -257,13 +262,13 @@ def library_template(tol: float, max_iter: int) -> Run:
 
 
 @lru_cache(maxsize=32)
-def executable_template(tol: float, max_iter: int) -> Run:
+def executable_template(options: Options) -> Run:
     """The `ipopt` executable on PATH, through Pyomo; the file is rewritten for every call."""
     from pyomo.environ import SolverFactory, Suffix
 
     model = pyomo_model()
     model.dual = Suffix(direction=Suffix.IMPORT)
-    solver = SolverFactory("ipopt", options=options(tol, max_iter))
+    solver = SolverFactory("ipopt", options=dict(options))
 
     def run(
         start: FloatArray, lower: FloatArray, upper: FloatArray, target: tuple[float, float]
