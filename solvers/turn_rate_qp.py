@@ -12,6 +12,7 @@ from typing import ClassVar
 import numpy as np
 
 from solvers.protocol import Guarantee, Question, Solution
+from solvers.settings import one_of
 from solvers.turn_rate_dynamics import CLOSE, Controls, Rates
 from solvers.turn_rate_sequence import Limits, Run, Sequence
 from solvers.turn_rate_template import ENGINES, Template, template
@@ -19,8 +20,10 @@ from study.path import FloatArray, Path
 from study.verify import Claim, drivable
 
 RATES = {"best": Rates(-1.0, 1.0), "LS": Rates(0.0, 1.0), "RS": Rates(-1.0, 0.0)}
-_DISTRIBUTIONS = {"highs": "highspy"}
+_PACKAGES = {"highs": "highspy"}
+MESHES = ("equal", "graded")
 EPS = math.ulp(1.0)
+_TURNING = 2 * math.pi  # radii; no turn towards a target far away is longer than a full circle
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,12 +48,15 @@ class TurnRateQp:
     Args:
         n: number of steps.
         engine: QP engine, one of clarabel, osqp, piqp, highs.
+        mesh: `equal` steps, or `graded`: for a far target half of them are kept for the turn,
+            which equal steps of many radii each can only follow coarsely.
         tolerance: a sequence has converged when a QP promises less than this times the length.
         max_qps: most QPs from one start.
     """
 
     n: int = 50
     engine: str = "piqp"
+    mesh: str = "equal"
     tolerance: float = 1e-7
     max_qps: int = 60
 
@@ -59,6 +65,7 @@ class TurnRateQp:
     guarantee: ClassVar[Guarantee] = Guarantee.DISCRETISED
     branches: ClassVar[tuple[str, ...]] = tuple(RATES)
     warm: ClassVar[bool] = True
+    packages: ClassVar[tuple[str, ...]] = ("cvxpy", "clarabel", "highspy", "osqp", "piqp")
     summary: ClassVar[str] = "optimal control over n turn rates, a sequence of convex QPs in cvxpy"
 
     def __post_init__(self) -> None:
@@ -66,17 +73,12 @@ class TurnRateQp:
             value = getattr(self, name)
             if not isinstance(value, int) or isinstance(value, bool) or value < least:
                 raise ValueError(f"{name} is {value!r}; expected a whole number from {least} up")
-        if self.engine not in ENGINES:
-            raise ValueError(f"engine is {self.engine!r}; expected one of {', '.join(ENGINES)}")
+        one_of(engine=(self.engine, ENGINES), mesh=(self.mesh, MESHES))
         if not 0 < self.tolerance < 1:
             raise ValueError(f"tolerance is {self.tolerance!r}; expected a number from 0 to 1")
 
-    @property
-    def packages(self) -> tuple[str, ...]:
-        return ("cvxpy", _DISTRIBUTIONS.get(self.engine, self.engine))
-
     def unavailable(self) -> str | None:
-        for package in self.packages:
+        for package in ("cvxpy", _PACKAGES.get(self.engine, self.engine)):
             if find_spec(package) is None:
                 return f"package {package} is not installed"
         return None
@@ -84,8 +86,8 @@ class TurnRateQp:
     def build(self, question: Question) -> TurnRateModel:
         if question.branch not in RATES:
             raise ValueError(f"branch is {question.branch!r}; expected one of {', '.join(RATES)}")
-        shares = np.full(self.n, 1.0 / self.n)
         target = np.array(question.scenario.local())
+        shares = _shares(self.n, self.mesh, math.hypot(*target))
         qp = template(self.n, self.engine)
         return TurnRateModel(question, target, shares, RATES[question.branch], qp)
 
@@ -109,6 +111,15 @@ class TurnRateQp:
         return _solution(model, runs)
 
 
+def _shares(n: int, mesh: str, distance: float) -> FloatArray:
+    """The steps' shares (n,) of the length, summing to 1, for a target so many radii away."""
+    turning, straight = (n + 1) // 2, n // 2
+    share = _TURNING / (_TURNING + distance)
+    if mesh == "equal" or share >= turning / n:
+        return np.full(n, 1.0 / n)
+    return np.repeat((share / turning, (1 - share) / straight), (turning, straight))
+
+
 def _unreachable(X: float, Y: float, branch: str) -> str | None:
     """Why no path of the branch's word ends at (X, Y), or None.
 
@@ -130,40 +141,42 @@ def _starts(model: TurnRateModel, runs: list[Run]) -> Iterator[Controls]:
     a straight, or two arcs where two unit circles can bridge the distance. `LS` and `RS` need
     only one start that works.
     """
-    question, n = model.question, model.shares.size
+    question, ends = model.question, np.cumsum(model.shares)
     X, Y = model.target
     if question.start is not None and (warm := _resampled(question.start, model)) is not None:
         yield warm
     if question.branch != "best":
         if not (runs and runs[-1].claim is Claim.LOCAL):
-            yield _turn_then_straight(question.branch, X, Y, n)
+            yield _turn_then_straight(question.branch, X, Y, ends)
         return
     sides = ("L", "R") if Y >= 0 else ("R", "L")
     for side in sides:
-        yield _turn_then_straight(side, X, Y, n)
+        yield _turn_then_straight(side, X, Y, ends)
     for side in sides:
         # the second arc's circle is 2 from the first one's: farther than 3 it cannot reach
         if math.hypot(X, Y + (1 if side == "L" else -1)) <= 3:
-            yield _two_arcs(side, n)
+            yield _two_arcs(side, ends)
 
 
-def _turn_then_straight(word: str, X: float, Y: float, n: int) -> Controls:
-    """Turn to the bearing of the target, then as far as the target is away."""
+def _turn_then_straight(word: str, X: float, Y: float, ends: FloatArray) -> Controls:
+    """Turn to the bearing of the target, then as far as the target is away.
+
+    `ends` (n,) are the shares of the length driven at the ends of the steps.
+    """
     sign = 1.0 if word[0] == "L" else -1.0
     bearing = (sign * math.atan2(Y, X)) % (2 * math.pi)
     if bearing > 2 * math.pi - 1e-9:  # straight ahead, up to rounding
         bearing = 0.0
     length = math.hypot(X, Y) + bearing
-    ends = np.arange(1, n + 1) * (length / n)
-    return Controls(sign * np.minimum(ends, bearing), length)
+    return Controls(sign * np.minimum(ends * length, bearing), length)
 
 
-def _two_arcs(last: str, n: int) -> Controls:
-    """A short arc away, then most of a circle back to the side `last`."""
+def _two_arcs(last: str, ends: FloatArray) -> Controls:
+    """A short arc away, then most of a circle back to the side `last`; `ends` as above."""
     first, second = 0.5, 4.5
     sign = 1.0 if last == "L" else -1.0
-    ends = np.arange(1, n + 1) * ((first + second) / n)
-    heading = np.maximum(ends - first, 0.0) - np.minimum(ends, first)
+    driven = ends * (first + second)
+    heading = np.maximum(driven - first, 0.0) - np.minimum(driven, first)
     return Controls(sign * heading, first + second)
 
 
