@@ -36,6 +36,8 @@ class Run:
 
 
 _RETRIES = 3  # a failing engine gets a smaller trust region this often before the start is given up
+_ARRIVED = 1e-6  # of the length; the correction at the end closes less without costing length
+_LARGEST_PENALTY = 1e5  # above it the engines' tolerances no longer see the length
 _LEAST_CURVATURE = 1e-6  # keeps the QP's answer unique where the Lagrangian is not convex
 
 
@@ -134,11 +136,24 @@ class Sequence:
         if promised < self.limits.tolerance * T:
             if not answer.solved:
                 raise EngineError("the engine stopped at its limit, before any gain")
-            return True
+            return not self._raise_penalty()
         self._adapt(answer, gain / promised)
         if gain > 0.05 * promised:
             self.now, self.rolled, self.duals = trial, rolled, answer.duals
         return False
+
+    def _raise_penalty(self) -> bool:
+        """Weigh the end point more if missing it paid; False if it is met, or out of reach.
+
+        The penalty is exact only above the multipliers, which grow without bound where the second
+        arc of RL or LR nears pi (THEORY section 6).
+        """
+        off = float(np.abs(self.rolled.end - self.target).sum())
+        if off <= _ARRIVED * self.now.length or self.penalty >= _LARGEST_PENALTY:
+            return False
+        self.penalty *= 10.0
+        self.reach = max(self.reach, 0.1)
+        return True
 
     def _adapt(self, answer: Answer, ratio: float) -> None:
         """Widen or narrow the trust region, ease or restore the curvature, by gain over promise."""
