@@ -37,7 +37,7 @@ class Run:
 
 _RETRIES = 3  # a failing engine gets a smaller trust region this often before the start is given up
 _ARRIVED = 1e-6  # of the length; the correction at the end closes less without costing length
-_LARGEST_PENALTY = 1e5  # above it the engines' tolerances no longer see the length
+_LARGEST_PENALTY = 1e4  # above it the engines' tolerances no longer see the length
 _LEAST_CURVATURE = 1e-6  # keeps the QP's answer unique where the Lagrangian is not convex
 
 
@@ -57,11 +57,8 @@ class Sequence:
 
     def run(self, start: Controls) -> Run:
         """Solve from one start. Never raises for the engine's sake."""
-        self.penalty, self.reach, self.ease = 10.0, 1.0, 1.0
-        self.now = clipped(start, self.shares, self.rates)
-        self.rolled = rollout(self.now, self.shares)
-        final = self.now.heading[-1]
-        self.duals = np.array([np.cos(final), np.sin(final)])
+        self.restored = False
+        self._begin(clipped(start, self.shares, self.rates))
         self.qps, self.rollouts, failures = 0, 1, 0
         claim, status = Claim.FEASIBLE, "QP limit"
         while self.qps < self.limits.max_qps:
@@ -83,7 +80,15 @@ class Sequence:
                 break
         return self._finish(claim, status)
 
+    def _begin(self, controls: Controls) -> None:
+        self.penalty, self.reach, self.ease = 10.0, 1.0, 1.0
+        self.now, self.rolled = controls, rollout(controls, self.shares)
+        final = controls.heading[-1]
+        self.duals = np.array([np.cos(final), np.sin(final)])
+
     def _finish(self, claim: Claim, status: str) -> Run:
+        if claim is Claim.LOCAL and not self._arrived():
+            claim, status = Claim.FEASIBLE, "a dead end off the target"
         controls, miss, used = corrected(self.now, self.shares, self.rates, self.target)
         self.rollouts += used
         if claim in (Claim.LOCAL, Claim.FEASIBLE) and miss > CLOSE:
@@ -136,23 +141,40 @@ class Sequence:
         if promised < self.limits.tolerance * T:
             if not answer.solved:
                 raise EngineError("the engine stopped at its limit, before any gain")
-            return not self._raise_penalty()
+            return self._arrived() or not (self._raise_penalty() or self._restore())
         self._adapt(answer, gain / promised)
         if gain > 0.05 * promised:
             self.now, self.rolled, self.duals = trial, rolled, answer.duals
         return False
 
+    def _arrived(self) -> bool:
+        return self._off() <= _ARRIVED * self.now.length
+
+    def _off(self) -> float:
+        return float(np.abs(self.rolled.end - self.target).sum())
+
     def _raise_penalty(self) -> bool:
-        """Weigh the end point more if missing it paid; False if it is met, or out of reach.
+        """Weigh the end point more where missing it paid; False if that is not the reason.
 
         The penalty is exact only above the multipliers, which grow without bound where the second
         arc of RL or LR nears pi (THEORY section 6).
         """
-        off = float(np.abs(self.rolled.end - self.target).sum())
-        if off <= _ARRIVED * self.now.length or self.penalty >= _LARGEST_PENALTY:
+        if self.penalty >= _LARGEST_PENALTY:
             return False
         self.penalty *= 10.0
         self.reach = max(self.reach, 0.1)
+        return True
+
+    def _restore(self) -> bool:
+        """Begin again, once, on the target, from a dead end where no small change comes nearer."""
+        if self.restored:
+            return False
+        self.restored = True
+        controls, miss, used = corrected(self.now, self.shares, self.rates, self.target)
+        self.rollouts += used + 1
+        if miss > CLOSE:
+            return False
+        self._begin(controls)
         return True
 
     def _adapt(self, answer: Answer, ratio: float) -> None:
