@@ -1,0 +1,172 @@
+"""An experiment expanded into cells: which solver is asked what, and in which order."""
+
+from __future__ import annotations
+
+import hashlib
+import itertools
+import math
+import re
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+from scipy.stats import qmc
+
+from experiments.spec import (
+    FIELDS,
+    POLAR,
+    Axis,
+    Block,
+    Experiment,
+    ExperimentError,
+    Linear,
+    LinearRange,
+    Log,
+    Range,
+    Sample,
+)
+from solvers.registry import canonical, load, registered
+from study.path import FloatArray
+from study.scenario import Scenario, ScenarioError
+from study.schema import SCENARIO, names
+
+# values of the key columns of `study.schema`
+Key = tuple[str, str, str, str, str, int]
+
+
+class Cell(NamedTuple):
+    """One attempt to be made; its first fields are the key of its row."""
+
+    scenario_id: str
+    solver: str
+    profile: str
+    branch: str
+    start: str
+    repeat: int
+    scenario: Scenario
+
+    @property
+    def key(self) -> Key:
+        return self[:6]
+
+
+# Cells that one worker must solve one after another: a sweep's warm starts, or a single cell.
+Chain = tuple[Cell, ...]
+
+
+def scenario_id(scenario: Scenario) -> str:
+    """A name for a scenario that depends on its numbers to the last bit, and on its label."""
+    values = [getattr(scenario, name) for name in names(SCENARIO)]
+    text = "|".join(value.hex() if isinstance(value, float) else value for value in values)
+    return hashlib.sha256(text.encode()).hexdigest()[:16]
+
+
+def chains(experiment: Experiment) -> list[Chain]:
+    """All cells of an experiment in the order of the file, grouped as they must be solved.
+
+    Raises:
+        ExperimentError: if a block holds a scenario that cannot be.
+        SolverError: if a solver's spec is not valid.
+    """
+    found: dict[Key, Chain] = {}
+    for number, block in enumerate(experiment.scenarios):
+        scenarios = list(block_scenarios(block, f"scenarios.{number}"))
+        ids = [scenario_id(scenario) for scenario in scenarios]
+        specs = expand_solvers(block.solvers or experiment.solvers)
+        for spec, branch, repeat, start in itertools.product(
+            specs,
+            block.branches or experiment.branches,
+            range(experiment.repeats),
+            experiment.starts,
+        ):
+            if start == "warm" and not load(spec).warm:
+                continue  # the method has no use for a starting point
+            cells = [
+                Cell(name, spec, experiment.profile, branch, start, repeat, scenario)
+                for name, scenario in zip(ids, scenarios, strict=True)
+            ]
+            groups = [tuple(cells)] if start == "warm" else [(cell,) for cell in cells]
+            for group in groups:
+                found.setdefault(group[0].key, group)
+    return list(found.values())
+
+
+def shuffled(groups: list[Chain], seed: int) -> list[Chain]:
+    """The chains in an order drawn from the seed, so that no solver owns the warm part of a run."""
+    order = np.random.default_rng(seed).permutation(len(groups))
+    return [groups[i] for i in order]
+
+
+_BRACES = re.compile(r"\{([^{}]*)\}")
+
+
+def expand_solvers(specs: list[str]) -> list[str]:
+    """Canonical specs, `*` and `{a,b}` written out, each once."""
+    expanded: dict[str, None] = {}
+    for spec in specs:
+        for name in registered() if spec == "*" else _expand_braces(spec):
+            expanded.setdefault(canonical(name))
+    return list(expanded)
+
+
+def _expand_braces(spec: str) -> Iterator[str]:
+    match = _BRACES.search(spec)
+    if match is None:
+        yield spec
+        return
+    for choice in match[1].split(","):
+        yield from _expand_braces(spec[: match.start()] + choice.strip() + spec[match.end() :])
+
+
+def block_scenarios(block: Block, where: str) -> Iterator[Scenario]:
+    """The scenarios of one block: fields vary in the order of `FIELDS`, the last one fastest."""
+    named = [name for name in FIELDS if getattr(block, name) is not None]
+    axes = [_values(getattr(block, name)) for name in named]
+    sampled = _sampled(block.sample) if block.sample is not None else [{}]
+    for row, (point, values) in enumerate(itertools.product(sampled, itertools.product(*axes))):
+        fields = dict(zip(named, values, strict=True)) | point
+        try:
+            yield _scenario(fields, block.label)
+        except ScenarioError as error:
+            raise ExperimentError(f"{where}, scenario {row}: {error}") from None
+
+
+def _scenario(fields: dict[str, float], label: str) -> Scenario:
+    if "distance" in fields:
+        distance, bearing = (fields.pop(name) for name in POLAR)
+        reach, direction = distance * fields["radius"], fields["heading"] + bearing
+        fields["target_x"] = fields["x"] + reach * math.cos(direction)
+        fields["target_y"] = fields["y"] + reach * math.sin(direction)
+    return Scenario(**fields, label=label)
+
+
+def _values(axis: Axis) -> list[float]:
+    if isinstance(axis, Linear):
+        return [float(v) for v in np.linspace(*axis.linear)]
+    if isinstance(axis, Log):
+        return [float(v) for v in np.geomspace(*axis.log)]
+    return axis if isinstance(axis, list) else [axis]
+
+
+def _sampled(sample: Sample) -> list[dict[str, float]]:
+    dimension = len(sample.ranges)
+    rng = np.random.default_rng(sample.seed)
+    engine = (
+        qmc.Sobol(dimension, rng=rng)
+        if sample.method == "sobol"
+        else qmc.LatinHypercube(dimension, rng=rng)
+    )
+    points = engine.random(sample.count)
+    columns = [_spread(points[:, i], r) for i, r in enumerate(sample.ranges.values())]
+    return [
+        dict(zip(sample.ranges, map(float, row), strict=True)) for row in zip(*columns, strict=True)
+    ]
+
+
+def _spread(unit: FloatArray, over: Range) -> FloatArray:
+    if isinstance(over, LinearRange):
+        low, high = over.linear
+        return low + unit * (high - low)
+    low, high = over.log
+    spread: FloatArray = low * (high / low) ** unit
+    return spread

@@ -1,0 +1,253 @@
+"""An experiment as a TOML file says it, validated."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Iterator
+from importlib.resources import files
+from pathlib import Path as FilePath
+from typing import Annotated, Any, Literal, NamedTuple, Self
+
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    ValidationError,
+    field_validator,
+    model_validator,
+)
+
+from solvers.profiles import PROFILES
+from study.angle import parse_angle
+from study.synthesis import BRANCHES
+
+
+class ExperimentError(ValueError):
+    """An experiment that does not exist or is not valid; the message names file, key, value."""
+
+
+def _number(value: object) -> object:
+    """Angles may be written as texts anywhere a number may stand."""
+    return parse_angle(value) if isinstance(value, str) else value
+
+
+Number = Annotated[float, BeforeValidator(_number), Field(allow_inf_nan=False)]
+Count = Annotated[int, Field(ge=1, le=10**9)]
+
+
+class _Strict(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class Linear(_Strict):
+    """`count` values from the first to the last, evenly spaced."""
+
+    linear: tuple[Number, Number, Count]
+
+
+class Log(_Strict):
+    """`count` values from the first to the last, evenly spaced in the logarithm."""
+
+    log: tuple[Number, Number, Count]
+
+    @field_validator("log")
+    @classmethod
+    def _positive(cls, value: tuple[float, float, int]) -> tuple[float, float, int]:
+        if not (value[0] > 0 and value[1] > 0):
+            raise ValueError("a logarithmic sweep starts and ends above 0")
+        return value
+
+
+class LinearRange(_Strict):
+    """Uniform between two numbers."""
+
+    linear: tuple[Number, Number]
+
+
+class LogRange(_Strict):
+    """Uniform in the logarithm between two numbers above 0."""
+
+    log: tuple[Number, Number]
+
+    @field_validator("log")
+    @classmethod
+    def _positive(cls, value: tuple[float, float]) -> tuple[float, float]:
+        if not (value[0] > 0 and value[1] > 0):
+            raise ValueError("a logarithmic range starts and ends above 0")
+        return value
+
+
+Axis = Number | list[Number] | Linear | Log
+Range = LinearRange | LogRange
+
+
+class Sample(_Strict):
+    """Quasi-random points over ranges of fields (`scipy.stats.qmc`)."""
+
+    method: Literal["sobol", "latin hypercube"]
+    count: Count
+    seed: int
+    ranges: dict[str, Range] = Field(min_length=1)
+
+
+POLAR = ("distance", "bearing")
+FIELDS = ("x", "y", "heading", "target_x", "target_y", "radius", "speed", *POLAR)
+
+
+class Block(_Strict):
+    """Scenarios: the product of the fields' values, or a sample of them.
+
+    The target is `target_x`, `target_y`, or `distance` (in radii) and `bearing` (rad, from the
+    heading). In a product the fields vary in the order of `FIELDS`, the last one
+    fastest. `solvers` and `branches` take the
+    place of the experiment's own for this block.
+    """
+
+    label: str = ""
+    x: Axis = 0.0
+    y: Axis = 0.0
+    heading: Axis = 0.0
+    target_x: Axis | None = None
+    target_y: Axis | None = None
+    distance: Axis | None = None
+    bearing: Axis | None = None
+    radius: Axis = 1.0
+    speed: Axis = 1.0
+    sample: Sample | None = None
+    solvers: list[str] | None = None
+    branches: list[str] | None = None
+
+    @model_validator(mode="after")
+    def _one_target(self) -> Self:
+        given = {name for name in FIELDS if getattr(self, name) is not None}
+        if self.sample is not None:
+            if unknown := sorted(set(self.sample.ranges) - set(FIELDS)):
+                raise ValueError(
+                    f"sample.ranges names {unknown[0]!r}; expected {', '.join(FIELDS)}"
+                )
+            given |= set(self.sample.ranges)
+        targets = given & {"target_x", "target_y", *POLAR}
+        if targets not in ({"target_x", "target_y"}, set(POLAR)):
+            raise ValueError("expected target_x and target_y, or distance and bearing")
+        return self
+
+    @field_validator("branches")
+    @classmethod
+    def _known(cls, value: list[str] | None) -> list[str] | None:
+        return None if value is None else _known_branches(value)
+
+
+def _known_branches(branches: list[str]) -> list[str]:
+    for branch in branches:
+        if branch not in BRANCHES:
+            raise ValueError(f"no branch named {branch!r}; choose from {', '.join(BRANCHES)}")
+    return branches
+
+
+class Experiment(_Strict):
+    """Everything that a run needs to know.
+
+    `solvers` are specs; `*` stands for every registered solver, and `{a,b}` in a spec for each of
+    a and b. `starts` may hold `warm`: then each block is also solved in its order, every scenario
+    from the path found for the one before.
+    """
+
+    title: str = Field(min_length=1)
+    question: str = Field(min_length=1)
+    scenarios: list[Block] = Field(min_length=1)
+    solvers: list[str] = Field(min_length=1)
+    branches: list[str] = Field(default=["best"], min_length=1)
+    starts: list[Literal["cold", "warm"]] = Field(default=["cold"], min_length=1)
+    profile: str = "default"
+    repeats: Count = 1
+    limit: float = Field(default=60.0, gt=0, allow_inf_nan=False)
+    seed: int = 0
+
+    @field_validator("branches")
+    @classmethod
+    def _known(cls, value: list[str]) -> list[str]:
+        return _known_branches(value)
+
+    @field_validator("profile")
+    @classmethod
+    def _profile(cls, value: str) -> str:
+        if value not in PROFILES:
+            raise ValueError(f"no profile named {value!r}; choose one of {', '.join(PROFILES)}")
+        return value
+
+
+class Source(NamedTuple):
+    """An experiment with its name and the text that it was read from."""
+
+    name: str
+    text: str
+    experiment: Experiment
+
+
+def packaged() -> list[str]:
+    """The names of the experiments that come with the package."""
+    return sorted(file.name.removesuffix(".toml") for file in _folder())
+
+
+def _folder() -> Iterator[Any]:
+    return (file for file in files("experiments").iterdir() if file.name.endswith(".toml"))
+
+
+def read(name: str) -> Source:
+    """An experiment by its name, or from a TOML file by its path.
+
+    Raises:
+        ExperimentError: naming the file, the key, the value and what was expected.
+    """
+    for file in _folder():
+        if file.name == f"{name}.toml":
+            return parse(name, file.name, file.read_text(encoding="utf-8"))
+    path = FilePath(name)
+    if path.suffix != ".toml":
+        raise ExperimentError(
+            f"no experiment named {name!r}; choose one of: {', '.join(packaged())}, "
+            "or give the path of a .toml file"
+        )
+    try:
+        text = path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        reason = error.strerror if isinstance(error, OSError) else "it is not UTF-8 text"
+        raise ExperimentError(f"experiment {name}: cannot be read: {reason}") from None
+    return parse(path.stem, name, text)
+
+
+def parse(name: str, file: str, text: str) -> Source:
+    """An experiment from its text; `file` is for messages."""
+    try:
+        fields = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise ExperimentError(f"{file}: not TOML: {error}") from None
+    return Source(name, text, validated(file, fields))
+
+
+def validated(file: str, fields: dict[str, Any]) -> Experiment:
+    """An experiment from its fields; `file` is for messages."""
+    try:
+        return Experiment.model_validate(fields)
+    except ValidationError as error:
+        raise ExperimentError(f"{file}: {_message(error)}") from None
+
+
+def _message(error: ValidationError) -> str:
+    # Of a union's complaints the deepest is about the variant that was meant.
+    first = max(error.errors(), key=lambda e: len(e["loc"]))
+    names = [str(part) for part in first["loc"] if not _is_variant(part)]
+    key = ".".join(names) or "the file"
+    said = first["msg"].removeprefix("Value error, ")
+    if first["type"] == "missing":
+        return f"{key}: missing"
+    if first["type"] == "extra_forbidden":
+        return f"{key}: unknown key"
+    shown = "" if isinstance(first["input"], dict) else f" is {first['input']!r}"
+    return f"{key}{shown}: {said}"
+
+
+def _is_variant(part: object) -> bool:
+    """Whether a step of an error's location names a variant of a union and not a key."""
+    return isinstance(part, str) and (part[:1].isupper() or "[" in part or part == "float")

@@ -1,0 +1,98 @@
+"""What one process does: solve chains of cells and hand back their rows."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Iterator
+from functools import lru_cache
+from typing import Any, NamedTuple
+
+from experiments.grid import Cell, Chain
+from experiments.provenance import host, now, versions
+from solvers.answer import attempt
+from solvers.profiles import tolerances
+from solvers.protocol import AnySolver, Question
+from solvers.registry import load
+from study.path import Path
+from study.scenario import Scenario
+from study.schema import KEY, names
+
+Row = dict[str, Any]
+
+# an easy question, asked once of every solver before its first recorded answer
+_WARM_UP = Scenario(x=0, y=0, heading=0.3, target_x=3, target_y=2, radius=1, label="warm-up")
+
+_THREADS = 1
+
+
+class Run(NamedTuple):
+    """What every row of a run shares."""
+
+    run_id: str
+    limit: float
+    jobs: int
+
+
+def pin_threads() -> None:
+    """Keep every numerical library to one thread, in this process and its children."""
+    from threadpoolctl import threadpool_limits
+
+    for name in ("OMP", "OPENBLAS", "MKL", "NUMBA"):
+        os.environ[f"{name}_NUM_THREADS"] = str(_THREADS)
+    threadpool_limits(_THREADS)
+
+
+def solve_chain(chain: Chain, run: Run, start: Path | None = None) -> Iterator[Row]:
+    """Attempt the cells of a chain one after another; their rows as they come.
+
+    Args:
+        chain: a single cell, or a sweep whose warm cells each start from the path before.
+        run: what the rows share.
+        start: path before the first cell, if an earlier run has got so far.
+    """
+    for cell in chain:
+        row, path = solve_cell(cell, run, start if cell.start == "warm" else None)
+        # after a failure the last path that was found serves on
+        start = path or start
+        yield row
+
+
+def solve_whole_chain(chain: Chain, run: Run, start: Path | None) -> list[Row]:
+    """The same in another process, which can only hand back the finished chain."""
+    return list(solve_chain(chain, run, start))
+
+
+def solve_cell(cell: Cell, run: Run, start: Path | None) -> tuple[Row, Path | None]:
+    """Attempt one cell; its row, and its path if it arrived."""
+    solver = _ready(cell.solver, cell.profile)
+    started = now()
+    question = Question(cell.scenario, cell.branch, start)
+    answer = attempt(solver, question, run.limit, tolerances(cell.profile), cell.solver)
+    row = dict(zip(names(KEY), cell.key, strict=True)) | answer.row() | shared(cell, run, started)
+    return row, answer.path if answer.gap is not None else None
+
+
+def shared(cell: Cell, run: Run, started: str) -> Row:
+    """The columns that tell where a row came from."""
+    return {
+        "versions": _versions(cell.solver),
+        "host": host(),
+        "threads": _THREADS,
+        "jobs": run.jobs,
+        "run_id": run.run_id,
+        "started": started,
+    }
+
+
+@lru_cache(maxsize=256)
+def _ready(spec: str, profile: str) -> AnySolver:
+    """A solver that has its imports, templates and caches behind it."""
+    solver = load(spec, profile)
+    attempt(solver, Question(_WARM_UP, solver.branches[0]))
+    return solver
+
+
+@lru_cache(maxsize=256)
+def _versions(spec: str) -> str:
+    return json.dumps(versions(tuple(load(spec).packages)))
