@@ -11,11 +11,11 @@ import numpy as np
 
 from solvers.profiles import PROFILES, tolerances
 from solvers.protocol import AnySolver, Outcome, Question, Solution
-from solvers.registry import SolverError, load
+from solvers.registry import load
 from study.path import Path
 from study.scenario import Scenario
 from study.schema import ANSWER, SCENARIO, names
-from study.synthesis import BRANCHES
+from study.synthesis import BRANCHES, shortest
 from study.verify import Claim, Judgement, Tolerances, Verdict, judge
 
 # Long enough for every backend on every question; a solve here lasts microseconds to seconds.
@@ -60,6 +60,12 @@ class Answer:
     wall_s: float | None
     iterations: int | None
     evaluations: int | None
+
+    @property
+    def tied_words(self) -> tuple[str, ...]:
+        """The words that share the shortest length; two straight behind the vehicle, else one."""
+        optimum = shortest(self.scenario, self.branch)
+        return () if optimum is None else optimum.words
 
     @property
     def curvatures(self) -> list[float] | None:
@@ -210,15 +216,3 @@ def _answer(
 
 def _finite(value: float | None) -> float | None:
     return None if value is None or not np.isfinite(value) else float(value)
-
-
-__all__ = [
-    "DEFAULT_LIMIT",
-    "Answer",
-    "QuestionError",
-    "SolverError",
-    "Times",
-    "attempt",
-    "check_request",
-    "solve",
-]

@@ -95,17 +95,17 @@ class Path:
     def word(self, tolerance: float = 1e-6) -> str:
         """Letters of the path: L, S, R, one for each run of arcs of one kind.
 
-        An arc that turns by less than `tolerance` (rad) counts as straight if it is long, and is
-        passed over if it is also shorter than `tolerance` times the path.
+        A run to one side that turns by no more than `tolerance` (rad) counts as straight, and a
+        straight that is no longer than `tolerance` times the path is passed over.
         """
         if not (np.isfinite(self.curvature).all() and np.isfinite(self.length).all()):
             return ""  # a broken path has no word
-        # Steps of a discretised arc may each turn by less than the tolerance: join equal
-        # curvatures first, so that the word does not depend on how finely a path is cut.
-        k, length = _joined(self.curvature, self.length)
-        kinds = np.where(np.abs(k * length) > tolerance, np.sign(k), 0.0)
-        counts = (kinds != 0) | (length > tolerance * self.total_length)
-        letters = ("LSR"[1 - int(kind)] for kind in kinds[counts])
+        side = np.sign(self.curvature)
+        turns = _sums(side, np.abs(self.curvature * self.length))
+        side = np.where(turns > tolerance, side, 0.0)
+        lengths = _sums(side, self.length)
+        counts = np.where(side != 0, turns > 0, lengths > tolerance * self.total_length)
+        letters = ("LSR"[1 - int(kind)] for kind in side[counts])
         return "".join(letter for letter, _ in groupby(letters))
 
     def mirrored(self) -> Self:
@@ -160,14 +160,13 @@ def _chord(turn: FloatArray, length: FloatArray) -> FloatArray:
     return length * np.sinc(turn / (2 * np.pi))  # numpy's sinc(x) is sin(pi x) / (pi x)
 
 
-def _joined(curvature: FloatArray, length: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Neighbouring arcs of one curvature made one arc; arcs of no length dropped."""
-    driven = length != 0
-    k, lengths = curvature[driven], length[driven]
-    if not k.size:
-        return k, lengths
-    first = np.flatnonzero(np.concatenate(([True], k[1:] != k[:-1])))
-    return k[first], np.add.reduceat(lengths, first)
+def _sums(kinds: FloatArray, values: FloatArray) -> FloatArray:
+    """For every arc the sum of `values` over the run of equal `kinds` that it belongs to."""
+    if not kinds.size:
+        return values
+    begins = np.concatenate(([True], kinds[1:] != kinds[:-1]))
+    sums: FloatArray = np.add.reduceat(values, np.flatnonzero(begins))
+    return sums[np.cumsum(begins) - 1]
 
 
 def largest_distance(first: Path, second: Path, n: int = 257) -> float:

@@ -50,6 +50,12 @@ class Tolerances:
     gap: float = 1e-4
 
 
+# A path of up to three arcs is named as it is. One cut into many steps has steps that straddle a
+# switch and a ripple along its straights; runs that turn by less than this (rad) name nothing.
+WORD = 1e-6
+DISCRETISED_WORD = 1e-2
+
+
 @dataclass(frozen=True, slots=True)
 class Judgement:
     """What the check found. Lengths in the scenario's unit; None where there is nothing to say.
@@ -130,7 +136,7 @@ def _judge_path(
     rounding = 32 * EPS * (scenario.extent + length)
     driven = replace(
         found,
-        word=path.word(),
+        word=path.word(WORD if path.length.size <= 3 else DISCRETISED_WORD),
         length=length,
         time=length / scenario.speed,
         miss=miss,

@@ -1,0 +1,154 @@
+"""The command line: parse, call the library, print. Results to stdout, the rest to stderr."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path as FilePath
+from typing import Annotated, Any
+
+import typer
+
+app = typer.Typer(
+    help="Optimisation solvers judged on the shortest Dubins path to a point.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    rich_markup_mode=None,
+)
+# a target such as -6 3 must not be taken for options
+_NEGATIVE = {"ignore_unknown_options": True}
+
+
+@app.command(context_settings=_NEGATIVE)
+def solve(
+    x: Annotated[str, typer.Argument(metavar="X", help="target position")],
+    y: Annotated[str, typer.Argument(metavar="Y", help="target position")],
+    start: Annotated[
+        tuple[str, str, str],
+        typer.Option("--from", metavar="X Y HEADING", help="start pose, e.g. 0 0 120deg"),
+    ] = ("0", "0", "0"),
+    radius: Annotated[str, typer.Option(help="minimum turning radius")] = "1",
+    speed: Annotated[str, typer.Option(help="constant speed")] = "1",
+    solver: Annotated[str, typer.Option(help="name or name[setting=value]")] = "analytic",
+    branch: Annotated[str, typer.Option(help="best, LS, RS, LR or RL")] = "best",
+    profile: Annotated[str, typer.Option(help="default, fast or accurate")] = "default",
+    limit: Annotated[float, typer.Option(help="seconds the solver is asked to keep to")] = 60.0,
+    as_json: Annotated[bool, typer.Option("--json", help="print one JSON object")] = False,
+    plot: Annotated[
+        FilePath | None, typer.Option(metavar="FILE", help="draw the path: .svg, .pdf or .png")
+    ] = None,
+) -> None:
+    """Solve one scenario and judge the answer."""
+    from dubins_study import show
+    from solvers.answer import solve as solve_scenario
+
+    scenario = show.scenario(x, y, start, radius, speed)
+    answer = solve_scenario(scenario, solver, branch, profile=profile, limit=limit)
+    if plot is not None:
+        show.plot(answer, plot)
+    print(show.answer_json(answer) if as_json else show.answer_text(answer))
+    raise typer.Exit(2 if answer.outcome in ("unavailable", "unsupported") else 0)
+
+
+@app.command()
+def solvers(
+    as_json: Annotated[bool, typer.Option("--json", help="print a JSON list")] = False,
+) -> None:
+    """List every solver: available, or why not."""
+    from dubins_study import show
+    from solvers.registry import entries
+
+    print(show.solvers_json(entries()) if as_json else show.solvers_text(entries()))
+
+
+@app.command()
+def run(
+    experiment: Annotated[str, typer.Argument(help="a name, or the path of a .toml file")],
+    out: Annotated[
+        FilePath | None, typer.Option(metavar="DIR", help="default: results/<experiment>")
+    ] = None,
+    solver: Annotated[
+        list[str] | None, typer.Option(metavar="NAME", help="instead of the experiment's own")
+    ] = None,
+    jobs: Annotated[int, typer.Option(help="processes; 1 where times are quoted")] = 1,
+    limit: Annotated[float | None, typer.Option(help="seconds per solve")] = None,
+    repeats: Annotated[int | None, typer.Option(help="attempts per cell")] = None,
+    fresh: Annotated[bool, typer.Option("--fresh", help="throw away earlier rows")] = False,
+) -> None:
+    """Run an experiment; cells that are done are skipped."""
+    from dubins_study import show
+    from experiments.runner import run as run_experiment
+
+    with show.progress(experiment) as tell:
+        folder = run_experiment(
+            experiment,
+            out,
+            solvers=solver,
+            jobs=jobs,
+            limit=limit,
+            repeats=repeats,
+            fresh=fresh,
+            progress=tell,
+        )
+    print(show.status_text(folder))
+
+
+@app.command()
+def status(folder: Annotated[FilePath, typer.Argument(metavar="DIR")]) -> None:
+    """Tell what a results folder holds: cells done and left, outcomes and verdicts."""
+    from dubins_study import show
+
+    print(show.status_text(folder))
+
+
+@app.command()
+def report(
+    folders: Annotated[list[FilePath], typer.Argument(metavar="DIR...")],
+    out: Annotated[
+        FilePath | None, typer.Option(metavar="DIR", help="default: report in the first folder")
+    ] = None,
+) -> None:
+    """Write tables, figures and one page from results folders."""
+    from dubins_study import show
+    from report import render
+
+    with show.spinner("report"):
+        page = render(folders, out=out)
+    print(show.report_text(page))
+
+
+# What a user can do wrong, by the module that says so. Anything else is a bug and shows itself.
+_REFUSALS = (
+    ("study.scenario", "ScenarioError"),
+    ("study.angle", "AngleError"),
+    ("solvers.registry", "SolverError"),
+    ("solvers.profiles", "ProfileError"),
+    ("solvers.answer", "QuestionError"),
+    ("experiments.spec", "ExperimentError"),
+    ("experiments.store", "StoreError"),
+    ("experiments.runner", "RunError"),
+    ("report.load", "ReportError"),
+    ("dubins_study.show", "ShowError"),
+)
+
+
+def main() -> Any:
+    """The command `dubins-study`. Exit code 2 and one message if the request is bad."""
+    try:
+        return app()
+    except KeyboardInterrupt:
+        print("interrupted; what was done is kept, run the same command to go on", file=sys.stderr)
+        sys.exit(130)
+    except BrokenPipeError:
+        sys.exit(0)
+    except Exception as error:
+        if not isinstance(error, _refusals()):
+            raise
+        print(f"dubins-study: {error}", file=sys.stderr)
+        sys.exit(2)
+
+
+def _refusals() -> tuple[type[Exception], ...]:
+    """The classes of `_REFUSALS` whose modules were imported: no other can have been raised."""
+    modules = ((sys.modules.get(module), name) for module, name in _REFUSALS)
+    return tuple(getattr(module, name) for module, name in modules if hasattr(module, name))

@@ -1,0 +1,216 @@
+"""What the command line prints and draws, from what the library returns."""
+
+from __future__ import annotations
+
+import json
+from collections import Counter
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from io import StringIO
+from pathlib import Path as FilePath
+
+from solvers.answer import Answer
+from solvers.registry import Entry
+from study.angle import AngleError, parse_angle
+from study.scenario import Scenario
+
+
+class ShowError(ValueError):
+    """Something that the command line cannot read or draw."""
+
+
+def scenario(x: str, y: str, start: tuple[str, str, str], radius: str, speed: str) -> Scenario:
+    """A scenario from the texts of the command line.
+
+    Raises:
+        ShowError, AngleError, ScenarioError: naming the field, its value and what was expected.
+    """
+    try:
+        heading = parse_angle(start[2])
+    except AngleError as error:
+        raise AngleError(f"heading: {error}") from None
+    return Scenario(
+        x=_number("x", start[0]),
+        y=_number("y", start[1]),
+        heading=heading,
+        target_x=_number("target_x", x),
+        target_y=_number("target_y", y),
+        radius=_number("radius", radius),
+        speed=_number("speed", speed),
+    )
+
+
+def _number(name: str, text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        raise ShowError(f"{name} is {text!r}; expected a number") from None
+
+
+def answer_json(answer: Answer) -> str:
+    """One object: the answer, its segments, and the question."""
+    path = answer.path
+    pieces = [] if path is None else zip(path.curvature, path.length, strict=True)
+    shown = {
+        name: getattr(answer, name)
+        for name in (
+            *("word", "length", "time", "gap", "verdict", "claim", "outcome", "solver", "branch"),
+            *("miss", "region", "margin", "reference", "word_ref", "curvature_excess"),
+            *("claimed_length", "lower_bound", "false_claim", "wrong_basin"),
+            *("native_status", "message", "wall_s"),
+        )
+    }
+    shown["segments"] = [
+        {"turn": _letter(k), "length": float(length), "curvature": float(k)} for k, length in pieces
+    ]
+    shown["tied_words"] = list(answer.tied_words)
+    return json.dumps(shown, indent=2, allow_nan=False)
+
+
+def _letter(curvature: float) -> str:
+    return "L" if curvature > 0 else "R" if curvature < 0 else "S"
+
+
+def answer_text(answer: Answer) -> str:
+    """A few lines for a person."""
+    lines = [f"verdict   {answer.verdict}", f"claim     {answer.claim}  ({answer.solver})"]
+    if answer.length is not None:
+        ties = [word for word in answer.tied_words if word != answer.word_ref]
+        tied = f"  (tied with {', '.join(ties)})" if ties else ""
+        lines = [
+            f"word      {answer.word or 'none: the target is the start'}{tied}",
+            f"length    {answer.length:.12g}",
+            f"time      {answer.time:.12g}",
+            *lines,
+            f"gap       {'–' if answer.gap is None else format(answer.gap, '.3g')}",
+            f"miss      {'–' if answer.miss is None else format(answer.miss, '.3g')}",
+        ]
+    lines.append(f"region    {answer.region}, {answer.margin:.3g} R from the nearer turning circle")
+    if answer.message:
+        lines.append(f"message   {_plain(answer.message)}")
+    return "\n".join(lines)
+
+
+def _plain(text: str) -> str:
+    """Text from outside with its control characters made visible."""
+    return "".join(c if c.isprintable() else repr(c)[1:-1] for c in text)
+
+
+def plot(answer: Answer, file: FilePath) -> None:
+    """Draw the answer's path, with its turning circles and the target.
+
+    Raises:
+        ShowError: if there is no path, the format is unknown or the file cannot be written.
+    """
+    from report.figures import save_path
+
+    if file.suffix not in (".svg", ".pdf", ".png"):
+        raise ShowError(f"--plot is {str(file)!r}; expected a name ending in .svg, .pdf or .png")
+    if answer.path is None:
+        raise ShowError(f"--plot: {answer.solver} returned no path")
+    try:
+        save_path(answer.scenario, answer.path, file)
+    except OSError as error:
+        raise ShowError(f"--plot: cannot write {file}: {error.strerror}") from None
+
+
+def solvers_json(entries: list[Entry]) -> str:
+    """A list of objects; `reason` is null for a solver that is available."""
+    listed = [entry._asdict() | {"available": entry.reason is None} for entry in entries]
+    return json.dumps(listed, indent=2)
+
+
+def solvers_text(entries: list[Entry]) -> str:
+    """A table for the terminal."""
+    rows = [
+        (
+            entry.name,
+            entry.method,
+            entry.guarantee,
+            ", ".join(entry.branches),
+            "yes" if entry.reason is None else f"no: {_plain(entry.reason)}",
+            entry.summary,
+        )
+        for entry in entries
+    ]
+    head = ("solver", "method", "guarantee", "branches", "available", "summary")
+    return table(head, rows)
+
+
+def table(head: tuple[str, ...], rows: list[tuple[str, ...]]) -> str:
+    """Rows as aligned text, folded to the terminal's width."""
+    from rich import box
+    from rich.console import Console
+    from rich.table import Table
+    from rich.text import Text
+
+    shown = Table(*head, box=box.SIMPLE_HEAD, pad_edge=False)
+    for row in rows:
+        shown.add_row(*(Text(cell) for cell in row))
+    console = Console(file=StringIO(), width=max(100, Console().width), highlight=False)
+    console.print(shown)
+    text: str = console.file.getvalue()  # type: ignore[attr-defined]
+    return "\n".join(line.rstrip() for line in text.strip("\n").splitlines())
+
+
+def status_text(folder: FilePath) -> str:
+    """What a results folder holds."""
+    from experiments.store import read_manifest, read_rows
+
+    manifest = read_manifest(folder)
+    rows = read_rows(folder, ["outcome", "verdict"])
+    cells = manifest.get("cells", len(rows))
+    counts: dict[str, Counter[str]] = {}
+    for solver, outcome, verdict in zip(
+        *(rows[name].to_pylist() for name in ("solver", "outcome", "verdict")), strict=True
+    ):
+        said = verdict if outcome == "returned" else outcome
+        counts.setdefault(solver, Counter())[said] += 1
+    kinds = sorted({kind for counter in counts.values() for kind in counter})
+    lines = [(s, *(str(c[kind] or "") for kind in kinds)) for s, c in sorted(counts.items())]
+    state = "finished" if manifest.get("finished") else "not finished: run it again to go on"
+    heading = f"{folder}: {len(rows)} of {cells} cells done, {state}"
+    return heading + "\n" + table(("solver", *kinds), lines)
+
+
+def report_text(page: FilePath) -> str:
+    """The summary that the report wrote, and where its page is."""
+    summary = page.parent / "tables" / "summary.csv"
+    lines = [f"page: {page}"]
+    if summary.exists():
+        import csv
+
+        with summary.open(encoding="utf-8", newline="") as stream:
+            head, *rows = (tuple(row) for row in csv.reader(stream))
+        lines.insert(0, table(head, rows))
+    return "\n".join(lines)
+
+
+@contextmanager
+def progress(what: str) -> Iterator[Callable[[int, int], None]]:
+    """A bar on stderr, told with (done, total)."""
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
+    from rich.progress import TimeRemainingColumn as Remaining
+
+    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), Remaining())
+    bar = Progress(*columns, console=Console(stderr=True))
+    task = bar.add_task(what, total=None)
+
+    def tell(done: int, total: int) -> None:
+        bar.start()  # only now is the request known to be a good one
+        bar.update(task, completed=done, total=total)
+
+    try:
+        yield tell
+    finally:
+        bar.stop()
+
+
+@contextmanager
+def spinner(what: str) -> Iterator[None]:
+    """A sign of life on stderr."""
+    from rich.console import Console
+
+    with Console(stderr=True).status(what):
+        yield
