@@ -87,8 +87,10 @@ def left_straight(target: Local) -> Segments | None:
     if w > 0:
         return None
     s = math.sqrt(-w)
-    # two forms of tan(a/2), each free of cancellation on its side
-    a = 2 * math.atan2(Y, X + s) if X >= 0 else 2 * math.atan2(s - X, Y - 2)
+    # Two forms of tan(a/2), each free of cancellation on its side. On the circle next to (0, 2)
+    # nothing but rounding is left of the second one's arguments.
+    ahead = X >= 0 or (s == 0 and Y > 1)
+    a = 2 * math.atan2(Y, X + s) if ahead else 2 * math.atan2(s - X, Y - 2)
     return Segments(a if a >= 0 else a + 2 * math.pi, s)
 
 
