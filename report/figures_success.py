@@ -1,0 +1,98 @@
+"""Figures of what came back: verdicts, and how far from the optimum."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+
+from report.content import count
+from report.metrics import VERDICTS, answerable, gaps_or_infinity, share_within, solver_order
+from report.style import (
+    BLUE,
+    INK,
+    MUTED,
+    ORANGE,
+    RULE,
+    SKY,
+    VERMILION,
+    log_axis,
+    looks,
+    name_of,
+    only_grid,
+)
+
+# dark to light, and hatched where something is wrong, so that the order survives grey printing
+VERDICT_LOOK = {
+    "optimal": (BLUE, ""),
+    "none exists": (SKY, ""),
+    "longer": (ORANGE, "////"),
+    "misses": (VERMILION, "xxxx"),
+    "none": (RULE, "...."),
+}
+SMALLEST_GAP = 1e-16
+
+
+def plot_verdicts(ax: Axes, table: pd.DataFrame) -> None:
+    """Share of each verdict, one bar a solver. Columns of `metrics.summary`."""
+    places = np.arange(len(table))[::-1]
+    left = np.zeros(len(table))
+    for verdict in VERDICTS:
+        colour, hatch = VERDICT_LOOK[verdict]
+        width = table[verdict].to_numpy() / table["attempts"].to_numpy()
+        if not width.any():
+            continue
+        ax.barh(
+            places,
+            width,
+            left=left,
+            height=0.62,
+            color=colour,
+            hatch=hatch,
+            edgecolor="white",
+            linewidth=0,
+            label=verdict,
+        )
+        left += width
+    for place, row in zip(places, table.itertuples(), strict=True):
+        ax.text(1.015, place, _counts(row), va="center", fontsize=7.5, color=MUTED)
+    ax.set_yticks(places, [name_of(solver) for solver in table["solver"]], color=INK)
+    ax.set(xlim=(0, 1), ylim=(-0.6, len(table) - 0.4), xlabel="share of all attempts")
+    ax.xaxis.set_major_formatter(lambda value, _: f"{100 * value:.0f} %")
+    only_grid(ax, "x")
+    ax.spines["left"].set_visible(False)
+    ax.tick_params(axis="y", length=0)
+    ax.legend(loc="lower left", bbox_to_anchor=(0, 1.0), ncols=5, borderaxespad=0.2)
+
+
+def _counts(row: object) -> str:
+    values = {key: int(getattr(row, key)) for key in ("attempts", "false_claims", "wrong_basins")}
+    return (
+        f"of {count(values['attempts'])}: {count(values['false_claims'])} false claims,\n"
+        f"{count(values['wrong_basins'])} wrong basins"
+    )
+
+
+def plot_gap_profile(ax: Axes, rows: pd.DataFrame, tolerance: float = 1e-4) -> None:
+    """Share of attempts within each gap. Columns: solver, gap (NaN if it did not arrive).
+
+    Args:
+        ax: where to draw.
+        rows: attempts; those at questions without an answer are left out.
+        tolerance: the gap up to which the check says optimal, drawn as a line.
+    """
+    asked = answerable(rows)
+    solvers = solver_order(asked["solver"].tolist())
+    style = looks(solvers)
+    for solver in solvers:
+        gaps, share = share_within(gaps_or_infinity(asked[asked["solver"] == solver]))
+        x = np.concatenate(([SMALLEST_GAP], np.maximum(gaps, SMALLEST_GAP), [10.0]))
+        y = np.concatenate(([0.0], share, share[-1:] if share.size else [0.0]))
+        ax.step(x, y, where="post", label=name_of(solver, 34), **style[solver].lines)
+    ax.axvline(tolerance, color=MUTED, linewidth=0.8, linestyle=(0, (1, 2)))
+    ax.text(tolerance, 1.03, "called optimal up to here", ha="center", fontsize=7.5, color=MUTED)
+    ax.set(xscale="log", xlim=(SMALLEST_GAP, 10), ylim=(0, 1.02))
+    ax.set(xlabel="gap to the shortest length (relative)", ylabel="share of all attempts")
+    ax.yaxis.set_major_formatter(lambda value, _: f"{100 * value:.0f} %")
+    log_axis(ax.xaxis)
+    ax.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))

@@ -1,0 +1,186 @@
+"""Results folders in, one frame of judged attempts out. Nothing is ever unpickled."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path as FilePath
+from typing import Any
+
+import pandas as pd
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from study.path import Path
+from study.scenario import Pose
+from study.schema import KEY, ROW, VERSION, names
+
+_ARROW = {
+    "string": pa.string(),
+    "int64": pa.int64(),
+    "float64": pa.float64(),
+    "bool": pa.bool_(),
+    "list<float64>": pa.list_(pa.float64()),
+}
+_CONTROLS = ["curvatures", "lengths"]
+# what a run writes beside its rows; the page shows it from the manifest, so the rows need not
+_UNREAD = {"versions", "host", "run_id"}
+_LIGHT = [name for name in names(ROW) if name not in _UNREAD and name not in _CONTROLS]
+_SCHEMA = pa.schema([(column.name, _ARROW[column.type]) for column in ROW])
+
+
+class ReportError(ValueError):
+    """A results folder that cannot be read, or a place that cannot be written."""
+
+
+@dataclass(frozen=True)
+class Manifest:
+    """What a run says of itself."""
+
+    name: str
+    title: str
+    question: str
+    text: str
+    command: str
+    versions: dict[str, Any] = field(default_factory=dict)
+    machine: dict[str, Any] = field(default_factory=dict)
+    git: dict[str, Any] = field(default_factory=dict)
+    schema: int = VERSION
+    created: str = ""
+    finished: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class Results:
+    """The attempts of one or more folders.
+
+    Args:
+        manifests: one per folder, in the order given.
+        rows: one row an attempt, index 0, 1, ...: the scalar columns of `study.schema` that a
+            report needs, and `experiment`, the manifest's name.
+        controls: the columns `curvatures` and `lengths` of the same rows, left in Arrow because
+            most sections draw no path.
+    """
+
+    manifests: tuple[Manifest, ...]
+    rows: pd.DataFrame
+    controls: pa.Table
+
+    def path(self, index: int) -> Path | None:
+        """The path of the row with this index, or None if no path came back."""
+        curvature = self.controls.column("curvatures")[index].as_py()
+        length = self.controls.column("lengths")[index].as_py()
+        if curvature is None or length is None:
+            return None
+        row = self.rows.iloc[index]
+        return Path(Pose(row["x"], row["y"], row["heading"]), curvature, length)
+
+
+def load(folders: Iterable[str | FilePath]) -> Results:
+    """Read results folders and join them; of a cell that two folders hold, the first is kept.
+
+    Raises:
+        ReportError: naming the folder and what is wrong with it.
+    """
+    paths = [FilePath(folder) for folder in folders]
+    if not paths:
+        raise ReportError("no results folder given; expected at least one")
+    manifests, tables = [], []
+    for path in paths:
+        manifest = read_manifest(path)
+        table = _read_parts(path)
+        name = pa.array([manifest.name] * table.num_rows, pa.string())
+        manifests.append(manifest)
+        tables.append(table.append_column("experiment", name))
+    return _joined(manifests, pa.concat_tables(tables))
+
+
+def _joined(manifests: Sequence[Manifest], table: pa.Table) -> Results:
+    rows = table.select(["experiment", *_LIGHT]).to_pandas()
+    first = ~rows.duplicated(["experiment", *names(KEY)])
+    if not first.all():
+        rows, table = rows[first].reset_index(drop=True), table.filter(pa.array(first))
+    return Results(tuple(manifests), rows, table.select(_CONTROLS).combine_chunks())
+
+
+def read_manifest(folder: FilePath) -> Manifest:
+    """The manifest of a results folder.
+
+    Raises:
+        ReportError: if there is none, or it is not one of this schema version.
+    """
+    file = folder / "manifest.json"
+    if not folder.is_dir():
+        raise ReportError(f"{folder} is not a folder; expected a results folder")
+    if not file.is_file():
+        raise ReportError(f"{folder} has no manifest.json; expected a results folder")
+    try:
+        data = json.loads(file.read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError, json.JSONDecodeError) as error:
+        raise ReportError(f"{file} cannot be read as JSON: {error}") from None
+    if not isinstance(data, dict):
+        raise ReportError(f"{file} holds {type(data).__name__}; expected an object")
+    if data.get("schema") != VERSION:
+        raise ReportError(
+            f"{file}: schema is {data.get('schema')!r}; expected {VERSION}: run it again"
+        )
+    experiment = data.get("experiment")
+    if not isinstance(experiment, dict) or not isinstance(experiment.get("name"), str):
+        raise ReportError(f"{file}: experiment has no name; expected an object with one")
+    return _manifest(experiment, data)
+
+
+def _manifest(experiment: dict[str, Any], data: dict[str, Any]) -> Manifest:
+    def text(value: Any) -> str:
+        return "" if value is None else str(value)
+
+    def mapping(value: Any) -> dict[str, Any]:
+        return value if isinstance(value, dict) else {}
+
+    command = data.get("command")
+    return Manifest(
+        name=experiment["name"],
+        title=text(experiment.get("title")) or experiment["name"],
+        question=text(experiment.get("question")),
+        text=text(experiment.get("text")),
+        command=" ".join(map(str, command)) if isinstance(command, list) else text(command),
+        versions=mapping(data.get("versions")),
+        machine=mapping(data.get("machine")),
+        git=mapping(data.get("git")),
+        created=text(data.get("created")),
+        finished=text(data.get("finished")),
+    )
+
+
+def _read_parts(folder: FilePath) -> pa.Table:
+    parts = sorted((folder / "parts").glob("*.parquet"))
+    if not parts:
+        raise ReportError(f"{folder} has no rows: expected Parquet files in {folder / 'parts'}")
+    table = pa.concat_tables([_read_part(part) for part in parts])
+    if not table.num_rows:
+        raise ReportError(f"{folder} has no rows: its parts are empty")
+    return table
+
+
+def _read_part(part: FilePath) -> pa.Table:
+    try:
+        found = pq.read_schema(part)
+        if problem := _difference(found.names):
+            raise ReportError(f"{part}: {problem}; expected the columns of schema {VERSION}")
+        # a file object, or Arrow would read hive-style column names out of the folder's name
+        with part.open("rb") as file:
+            table = pq.read_table(file, columns=[*_LIGHT, *_CONTROLS])
+        return table.cast(pa.schema([_SCHEMA.field(name) for name in table.column_names]))
+    except (pa.ArrowException, OSError) as error:
+        reason = str(error).splitlines()[0] if str(error) else type(error).__name__
+        raise ReportError(f"{part} cannot be read: {reason}") from None
+
+
+def _difference(found: Sequence[str]) -> str | None:
+    wanted = set(_SCHEMA.names)
+    if missing := [name for name in _SCHEMA.names if name not in found]:
+        return f"missing column {missing[0]!r}"
+    if unknown := [name for name in found if name not in wanted]:
+        return f"unknown column {unknown[0]!r}"
+    return None

@@ -1,0 +1,157 @@
+"""The page: sections to figures, tables, Markdown and one self-contained HTML file."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import tempfile
+from collections.abc import Callable, Iterable, Sequence
+from io import BytesIO
+from pathlib import Path as FilePath
+from typing import Any
+
+from jinja2 import Environment, PackageLoader, StrictUndefined
+from markupsafe import Markup
+from matplotlib.figure import Figure
+
+from report.content import Picture, Section, Table
+from report.load import Manifest, ReportError, Results, load
+from report.markup import markdown, to_csv, to_markdown, to_tex
+from report.sections import SECTIONS
+from report.style import BLUE, GREEN, INK, MUTED, PAPER, RULE, VERMILION, drawing
+
+Progress = Callable[[str], None]
+
+
+def render(
+    folders: Iterable[str | FilePath] | str | FilePath,
+    out: str | FilePath | None = None,
+    progress: Progress | None = None,
+) -> FilePath:
+    """Write the report of one or more results folders; returns the path of `index.html`.
+
+    Args:
+        folders: results folders, or one of them.
+        out: where to write; `report` inside the first folder if None. What an earlier report left
+            there is replaced, in one step, once the new one is complete.
+        progress: called with the title of each section before it is drawn.
+
+    Raises:
+        ReportError: if a folder cannot be read, or `out` cannot be written.
+    """
+    given = [folders] if isinstance(folders, (str, FilePath)) else list(folders)
+    results = load(given)
+    target = FilePath(given[0]) / "report" if out is None else FilePath(out)
+    _check_target(target)
+    with drawing():
+        sections = _sections(results, progress)
+        try:
+            target.parent.mkdir(parents=True, exist_ok=True)
+            _write_whole(target, sections, results.manifests)
+        except OSError as error:
+            raise ReportError(f"{target} cannot be written: {error.strerror or error}") from None
+    return target / "index.html"
+
+
+def _check_target(target: FilePath) -> None:
+    if target.exists() and not target.is_dir():
+        raise ReportError(f"{target} is a file; expected a folder to write the report to")
+    if target.is_dir() and any(target.iterdir()) and not (target / "index.html").is_file():
+        raise ReportError(f"{target} holds files that are no report; expected an empty folder")
+
+
+def _sections(results: Results, progress: Progress | None) -> list[Section]:
+    found = []
+    for title, section in SECTIONS.items():
+        if progress is not None:
+            progress(title)
+        made = section(results)
+        if made is not None:
+            found.append(made)
+    return found
+
+
+def _write_whole(target: FilePath, sections: Sequence[Section], runs: Sequence[Manifest]) -> None:
+    """Write beside the target, then change names: no reader meets half a report."""
+    fresh = FilePath(tempfile.mkdtemp(prefix=f".{target.name}-", dir=target.parent))
+    try:
+        fresh.chmod(0o755)  # mkdtemp makes it private
+        _write(fresh, sections, runs)
+        if target.exists():
+            old = FilePath(tempfile.mkdtemp(prefix=f".{target.name}-old-", dir=target.parent))
+            target.rename(old / "report")
+            fresh.rename(target)
+            shutil.rmtree(old)
+        else:
+            fresh.rename(target)
+    finally:
+        shutil.rmtree(fresh, ignore_errors=True)
+
+
+def _write(folder: FilePath, sections: Sequence[Section], runs: Sequence[Manifest]) -> None:
+    for name in ("figures", "tables"):
+        (folder / name).mkdir()
+    drawn: dict[str, Markup] = {}
+    for block in (block for section in sections for block in section.blocks):
+        if isinstance(block, Table):
+            for suffix, text in (("csv", to_csv), ("md", to_markdown), ("tex", to_tex)):
+                file = folder / "tables" / f"{block.name}.{suffix}"
+                file.write_text(text(block), encoding="utf-8", newline="\n")
+        else:
+            svg = save_bytes(block.figure, "svg")
+            (folder / "figures" / f"{block.name}.svg").write_bytes(svg)
+            (folder / "figures" / f"{block.name}.pdf").write_bytes(save_bytes(block.figure, "pdf"))
+            drawn[block.name] = inline(svg.decode("utf-8"), block.alt)
+    for file_name, template in (("index.html", "index.html.j2"), ("report.md", "report.md.j2")):
+        text_of = _environment().get_template(template)
+        page = text_of.render(sections=sections, runs=runs, drawn=drawn)
+        (folder / file_name).write_text(page, encoding="utf-8", newline="\n")
+
+
+def save_bytes(figure: Figure, kind: str) -> bytes:
+    """The figure as a file's bytes, the same for the same figure: no dates, fixed ids."""
+    dates: dict[str, Any] = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}
+    buffer = BytesIO()
+    figure.savefig(buffer, format=kind, metadata=dates.get(kind), dpi=200)
+    return buffer.getvalue()
+
+
+# The page is light or dark as its reader likes; figures follow through these variables.
+_VARIABLES = {
+    INK: "--ink",
+    MUTED: "--muted",
+    RULE: "--rule",
+    PAPER: "--paper",
+    BLUE: "--blue",
+    GREEN: "--green",
+    VERMILION: "--vermilion",
+}
+_GROUP_ID = re.compile(r' id="(?:figure|axes|patch|line2d|text|matplotlib\.axis|xtick|ytick)[^"]*"')
+
+
+def inline(svg: str, alt: str) -> Markup:
+    """An SVG file's text as an element of the page."""
+    body = _GROUP_ID.sub("", svg[svg.index("<svg") :])
+    body = re.sub(r"<metadata>.*?</metadata>", "", body, flags=re.DOTALL)
+    for colour, variable in _VARIABLES.items():
+        body = body.replace(colour, f"var({variable})")
+    body = body.replace("'DejaVu Sans'", "inherit")
+    label = Markup("<svg role='img' aria-label='{}'").format(alt)
+    return label + Markup(body.removeprefix("<svg"))
+
+
+def _environment() -> Environment:
+    """Autoescape is on for HTML; Markdown escapes through its own filter."""
+    environment = Environment(
+        loader=PackageLoader("report", "templates"),
+        autoescape=lambda name: name is not None and name.startswith("index.html"),
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters |= {"markdown": markdown, "pipe_table": to_markdown}
+    environment.tests |= {
+        "picture": lambda block: isinstance(block, Picture),
+        "table": lambda block: isinstance(block, Table),
+    }
+    return environment
