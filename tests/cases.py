@@ -1,0 +1,54 @@
+"""Scenarios that many tests share, and hypothesis strategies that draw more."""
+
+from __future__ import annotations
+
+import math
+
+from hypothesis import strategies as st
+
+from study.scenario import Scenario
+
+PAPER = {
+    "problem 1": Scenario(0, 0, 2 * math.pi / 3, 10, 5, 1),
+    "problem 2": Scenario(0, 0, 2 * math.pi / 3, -6, 3, 1),
+    "problem 3": Scenario(0, 0, math.pi / 3, -1, 5, 1),
+    "problem 4": Scenario(0, 0, math.pi / 3, -2, -5, 1),
+    "problem 5, R=25": Scenario(0, 0, 2 * math.pi / 3, -80, 20, 25),
+    "problem 5, R=10": Scenario(0, 0, 2 * math.pi / 3, -80, 20, 10),
+    "problem 5, R=5": Scenario(0, 0, 2 * math.pi / 3, -80, 20, 5),
+}
+
+# one of every kind of target there is, none within 0.05 R of a turning circle's front half
+EDGES = {
+    "ahead": Scenario(0, 0, 0, 5, 0, 1),
+    "behind": Scenario(0, 0, 0, -5, 0, 1),
+    "just behind": Scenario(0, 0, 0, -0.1, 0, 1),
+    "at the start": Scenario(3, -2, 1, 3, -2, 1),
+    "centre of the left disc": Scenario(0, 0, 0, 0, 1, 1),
+    "centre of the right disc": Scenario(0, 0, 0, 0, -1, 1),
+    "off centre in the left disc": Scenario(0, 0, 0, 0.3, 1.2, 1),
+    "rear of the right disc": Scenario(0, 0, 0, -0.5, -1.2, 1),
+    "beside": Scenario(0, 0, 0, 0, 2.5, 1),
+    "far": Scenario(0, 0, 0.4, 700, -300, 1),
+    "tiny radius": Scenario(1, 2, 3, 1 + 4e-6, 2 - 3e-6, 1e-6),
+    "huge radius": Scenario(-1e6, 2e6, -2, 3e6, 4e6, 1e6),
+    "many turns of heading": Scenario(0, 0, 40 * math.pi + 0.3, -3, 2, 1),
+}
+
+
+@st.composite
+def scenarios(draw: st.DrawFn, far: float = 30.0) -> Scenario:
+    """Any pose and radius, and a target up to `far` radii away; half of them within 2.5 radii."""
+    number = st.floats(-100, 100)
+    radius = 10 ** draw(st.floats(-3, 3))
+    x, y, heading = draw(number), draw(number), draw(st.floats(-10, 10))
+    distance = draw(st.one_of(st.floats(0.01, 2.5), st.floats(0.01, far))) * radius
+    bearing = draw(st.floats(-math.pi, math.pi))
+    return Scenario(
+        x * radius,
+        y * radius,
+        heading,
+        x * radius + distance * math.cos(heading + bearing),
+        y * radius + distance * math.sin(heading + bearing),
+        radius,
+    )
