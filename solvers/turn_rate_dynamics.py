@@ -97,7 +97,9 @@ def _sinc_slope(x: FloatArray, sinc: FloatArray) -> FloatArray:
     """Derivative of sin(x) / x; by its series where the quotient cancels (error below 1e-13)."""
     small = np.abs(x) < 0.02
     safe = np.where(small, 1.0, x)
-    slope: FloatArray = np.where(small, -x / 3 * (1 - x * x / 10), (np.cos(x) - sinc) / safe)
+    slope: FloatArray = np.where(
+        small, -x / 3 * (1 - x * x / 10 * (1 - x * x / 28)), (np.cos(x) - sinc) / safe
+    )
     return slope
 
 

@@ -148,10 +148,8 @@ class Sequence:
         return False
 
     def _arrived(self) -> bool:
-        return self._off() <= _ARRIVED * self.now.length
-
-    def _off(self) -> float:
-        return float(np.abs(self.rolled.end - self.target).sum())
+        off = float(np.abs(self.rolled.end - self.target).sum())
+        return off <= max(_ARRIVED * self.now.length, CLOSE)
 
     def _raise_penalty(self) -> bool:
         """Weigh the end point more where missing it paid; False if that is not the reason.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from functools import lru_cache
 from typing import Any, NamedTuple
 
@@ -75,10 +76,19 @@ class Template:
         import cvxpy as cp
 
         self.n, self.engine = n, engine
-        p = {name: cp.Parameter(n, name=name) for name in ("upper", "lower", "above", "below")}
-        p |= {"G": cp.Parameter((2, n)), "q": cp.Parameter(2), "r": cp.Parameter(2)}
-        p |= {"c": cp.Parameter(n, nonneg=True), "penalty": cp.Parameter(1, nonneg=True)}
-        p |= {"reach": cp.Parameter(1), "stretch": cp.Parameter(1)}
+        shapes: dict[str, Any] = {
+            "G": (2, n),
+            "q": 2,
+            "r": 2,
+            "penalty": 1,
+            "reach": 1,
+            "stretch": 1,
+        }
+        shapes |= dict.fromkeys(("upper", "lower", "above", "below", "c"), n)
+        p = {
+            name: cp.Parameter(shape, name=name, nonneg=name in ("c", "penalty"))
+            for name, shape in shapes.items()
+        }
         self.z, self.t, self.s = cp.Variable(n), cp.Variable(1), cp.Variable(4)
         ones = np.ones(n)
         turn = diags_array([ones, -ones[1:]], offsets=[0, -1], format="csc") @ self.z
@@ -170,7 +180,10 @@ class Compiled:
         raw = self.chain.solve_via_data(
             self.problem, data, warm_start=True, verbose=False, solver_opts=options
         )
-        self.problem.unpack_results(raw, self.chain, self.inverse)
+        with warnings.catch_warnings():
+            # an answer at the engine's limit is judged by the caller, not announced
+            warnings.filterwarnings("ignore", "Solution may be inaccurate")
+            self.problem.unpack_results(raw, self.chain, self.inverse)
 
 
 def _numbers(array: Any) -> Any:
