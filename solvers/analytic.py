@@ -6,11 +6,19 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
 from solvers.protocol import Guarantee, Question, Solution
+from study.scenario import NUMBERS
 from study.synthesis import BRANCHES, as_path, shortest
 from study.verify import Claim
 
 if TYPE_CHECKING:
+    import pandas as pd
+
+    from solvers.frame import FrameSolution
+
+if TYPE_CHECKING:
     pass
+
+_NONE = "no {} path exists"
 
 
 @dataclass(frozen=True)
@@ -35,7 +43,34 @@ class Analytic:
         scenario = model.scenario
         found = shortest(scenario, model.branch)
         if found is None:
-            return Solution(Claim.INFEASIBLE, message=f"no {model.branch} path exists")
+            return Solution(Claim.INFEASIBLE, message=_NONE.format(model.branch))
         path = as_path(scenario, found.word, found.segments)
         length = path.total_length
         return Solution(Claim.OPTIMAL, path, claimed_length=length, lower_bound=length)
+
+    def solve_frame(self, frame: pd.DataFrame, branch: str) -> FrameSolution:
+        import numpy as np  # these only here: a single question needs none of them
+
+        from solvers.frame import FrameSolution
+        from study.kernel import Rows, shortest_rows
+        from study.kernel_paths import curvatures
+        from study.kernel_words import NO_PATH
+        from study.verify_frame import CLAIMS, Paths
+
+        n = len(frame)
+        curvature, length = np.empty((2, n)), np.empty((2, n))
+        rows = Rows(np.empty(n), length[0], length[1], np.empty(n, np.uint8))
+        x, y, heading, tx, ty, radius = (
+            np.ascontiguousarray(frame[name], np.float64) for name in NUMBERS if name != "speed"
+        )
+        shortest_rows(x, y, heading, tx, ty, radius, branch=branch, out=rows)
+        curvatures(rows.word, radius, curvature)
+        paths = Paths(curvature, length)
+        absent = rows.word == NO_PATH
+        if not absent.any():
+            return FrameSolution(Claim.OPTIMAL, paths, rows.length, rows.length.copy())
+        claim = np.where(absent, CLAIMS.index(Claim.INFEASIBLE), CLAIMS.index(Claim.OPTIMAL))
+        message = np.where(absent, _NONE.format(branch), "").tolist()
+        length[:, absent] = 0.0
+        paths = Paths(curvature, length, ~absent)
+        return FrameSolution(claim, paths, rows.length, rows.length.copy(), message=message)

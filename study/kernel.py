@@ -23,7 +23,7 @@ from study.synthesis import BRANCHES, EPS
 WORDS = ("", "S", "L", "R", "LS", "RS", "LR", "RL")
 
 CHUNK = 512  # rows; what a chunk reads and writes stays in the first-level cache
-SMALL = 4096  # rows; below, waking threads costs more than it saves
+SMALL = 32768  # rows; below, waking a thread costs more than it saves
 _TWO_PI = 2 * math.pi
 _LARGEST = 1e300
 
@@ -55,6 +55,7 @@ def shortest_rows(
     target_x: ArrayLike,
     target_y: ArrayLike,
     radius: ArrayLike,
+    *,
     branch: str = "best",
     out: Rows | None = None,
 ) -> Rows:
@@ -92,7 +93,7 @@ def shortest_rows(
 
 
 @inlined
-def _to_local(
+def to_local(
     x: float, y: float, sine: float, cosine: float, tx: float, ty: float, radius: float
 ) -> tuple[float, float, float]:
     """The target in the vehicle's frame and the rounding, as `synthesis.local` has them.
@@ -180,7 +181,7 @@ def _best_chunk(
     unusual = 0
     for i in range(low, high):
         sine, cosine = sine_cosine(heading[i])
-        X, Y, rounding = _to_local(x[i], y[i], sine, cosine, tx[i], ty[i], radius[i])
+        X, Y, rounding = to_local(x[i], y[i], sine, cosine, tx[i], ty[i], radius[i])
         first[i] = X
         second[i] = abs(Y)
         length[i] = rounding
