@@ -58,6 +58,7 @@ class Sequence:
     def run(self, start: Controls) -> Run:
         """Solve from one start. Never raises for the engine's sake."""
         self.restored = False
+        self.qp.forget()
         self._begin(clipped(start, self.shares, self.rates))
         self.qps, self.rollouts, failures = 0, 1, 0
         claim, status = Claim.FEASIBLE, "QP limit"

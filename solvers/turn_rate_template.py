@@ -109,6 +109,10 @@ class Template:
         for name, view in zip(p, self._compiled.views, strict=True):
             setattr(self, name, view)
 
+    def forget(self) -> None:
+        """Let the engine start cold, so that an answer does not depend on what was asked before."""
+        self._compiled.memory.clear()
+
     def solve(self, seconds: float) -> Answer:
         """Solve the QP for the parameters' present values, in about `seconds` at most.
 
@@ -158,6 +162,7 @@ class Compiled:
                 self.places[key] = _places(before, values, first, second)
         self.values = np.zeros(sum(sizes))
         parts = np.split(self.values, np.cumsum(sizes)[:-1])
+        self.memory: dict[str, Any] = {}  # the engine's, from one QP to the next
         self.views = [v.reshape(p.shape) for v, p in zip(parts, parameters, strict=True)]
 
     def _data(self, parameters: list[Any], values: FloatArray, engine: str) -> Any:
@@ -177,8 +182,8 @@ class Compiled:
             array = data[key].copy()
             _numbers(array)[where] = sign * self.values[which]
             data[key] = array
-        raw = self.chain.solve_via_data(
-            self.problem, data, warm_start=True, verbose=False, solver_opts=options
+        raw = self.chain.solver.solve_via_data(
+            data, warm_start=True, verbose=False, solver_opts=options, solver_cache=self.memory
         )
         with warnings.catch_warnings():
             # an answer at the engine's limit is judged by the caller, not announced

