@@ -20,7 +20,7 @@ from study.kernel_math import LARGEST_ANGLE, sine_cosine
 from study.kernel_words import CodeArray
 from study.path import FloatArray
 from study.synthesis import EPS
-from study.verify import WORD, Verdict
+from study.verify import ROUNDED, WORD, Verdict
 
 VERDICTS = tuple(Verdict)
 REGIONS = ("outside", "left disc", "right disc", "circle")
@@ -187,7 +187,7 @@ def _judge_chunk(chunk: int, asked: Asked, driven: Driven, limits: Limits, found
         angle = abs(heading[i]) + abs(k1 * l1) + abs(k2 * l2)
         sound = (angle <= LARGEST_ANGLE) & (min(l1, l2) >= 0.0)
         sound = sound & (miss[i] <= _LARGEST) & (margin[i] <= _LARGEST)
-        usual = sound & (length[i] >= reference[i])
+        usual = sound & (length[i] >= reference[i] * (1.0 - ROUNDED))
         verdict[i] = (_MISSES if misses else arrives) if usual else ODD
         odd += not usual
     return odd
