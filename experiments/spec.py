@@ -235,8 +235,8 @@ def validated(file: str, fields: dict[str, Any]) -> Experiment:
 
 
 def _message(error: ValidationError) -> str:
-    # Of a union's complaints the deepest is about the variant that was meant.
-    first = max(error.errors(), key=lambda e: len(e["loc"]))
+    # Of a union's complaints, one about a value or else the deepest is about the variant meant.
+    first = max(error.errors(), key=lambda e: (e["type"] == "value_error", len(e["loc"])))
     names = [str(part) for part in first["loc"] if not _is_variant(part)]
     key = ".".join(names) or "the file"
     said = first["msg"].removeprefix("Value error, ")

@@ -47,9 +47,7 @@ def open_folder(folder: FilePath, manifest: Mapping[str, Any], fresh: bool) -> N
         if (folder / MANIFEST).exists() and not fresh:
             _check_same(folder, read_manifest(folder), manifest)
         elif folder.exists() and not (folder / MANIFEST).exists() and any(folder.iterdir()):
-            raise StoreError(
-                f"{folder} is not empty and holds no {MANIFEST}; choose another folder"
-            )
+            raise StoreError(f"{folder} holds something else and no {MANIFEST}; choose another")
         (folder / PARTS).mkdir(parents=True, exist_ok=True)
         if fresh:
             for part in _parts(folder):

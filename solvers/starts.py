@@ -16,6 +16,9 @@ STARTS = ("bearing", "zero", "random")
 # optimal; its first arc is at most pi/3 (THEORY section 3), so these lie among them.
 _LONG_SECOND_ARC = ((math.pi / 6, 3 * math.pi / 2), (0.1, 6.0), (0.8, 3.5))
 
+# rad: bearings below this are straight ahead, on whichever side rounding has put them
+_STRAIGHT = 1e-9
+
 # at z = 0 the two equations' derivatives are linearly dependent (THEORY section 5)
 _SHORTEST = 1e-3
 
@@ -69,7 +72,7 @@ def _bearing(X: float, Y: float, subproblem: Subproblem) -> list[FloatArray]:
     if subproblem.free == (0, 1, 2):
         return [np.array((max(bearing, 0.0), max(-bearing, 0.0), distance))]
     facing = (bearing if subproblem.free[0] == 0 else -bearing) % FULL_TURN
-    if facing == 0:
+    if min(facing, FULL_TURN - facing) < _STRAIGHT:
         return [np.array((0.0, 0.0, distance))]
     aim = facing + math.atan(1 / distance)
     arcs = (aim, facing, *(aim + swing for swing in _SWINGS))

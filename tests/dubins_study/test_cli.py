@@ -1,0 +1,165 @@
+"""The command line, as a user runs it: output, exit codes, and never a traceback."""
+
+from __future__ import annotations
+
+import json
+import math
+import subprocess
+import sys
+
+import pytest
+
+from study.scenario import COLUMNS
+
+
+def dubins(*arguments: str, cwd=None) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [sys.executable, "-c", "from dubins_study.cli import main; main()", *arguments],
+        capture_output=True,
+        text=True,
+        cwd=cwd,
+        timeout=300,
+    )
+
+
+def asked(*arguments: str, cwd=None) -> str:
+    done = dubins(*arguments, cwd=cwd)
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+PROBLEM_1 = ("solve", "10", "5", "--from", "0", "0", "120deg", "--radius", "1")
+
+
+@pytest.mark.parametrize("solver", ["analytic", "ipopt"])
+def test_solve_json(solver):
+    """The object of DESIGN section 3, for the paper's first problem."""
+    answer = json.loads(asked(*PROBLEM_1, "--solver", solver, "--json"))
+
+    assert answer["word"] == "RS"
+    assert answer["length"] == pytest.approx(11.868088817, abs=1e-8)
+    assert answer["time"] == answer["length"]
+    assert [s["turn"] for s in answer["segments"]] == ["R", "S"]
+    assert sum(s["length"] for s in answer["segments"]) == pytest.approx(answer["length"])
+    assert (answer["verdict"], answer["solver"], answer["branch"]) == ("optimal", solver, "best")
+    assert answer["claim"] == ("optimal" if solver == "analytic" else "local")
+    assert answer["region"] == "outside"
+    assert {"gap", "miss", "margin"} <= answer.keys()
+
+
+def test_solve_text_tells_the_tie_straight_behind():
+    assert "LS  (tied with RS)" in asked("solve", "-5", "0")
+
+
+def test_negative_targets_are_not_options():
+    answer = json.loads(asked("solve", "-6", "-3", "--from", "-1", "-1", "-2pi/3", "--json"))
+
+    assert answer["length"] > 0
+
+
+def test_a_branch_without_a_path():
+    answer = json.loads(asked("solve", "0", "1", "--branch", "LS", "--json"))
+
+    assert answer["verdict"] == "none exists"
+    assert answer["length"] is None
+    assert answer["segments"] == []
+
+
+def test_plot(tmp_path):
+    for suffix in ("svg", "pdf", "png"):
+        file = tmp_path / f"path.{suffix}"
+        asked(*PROBLEM_1, "--plot", str(file))
+        assert file.stat().st_size > 1000
+
+
+def test_solvers():
+    listed = json.loads(asked("solvers", "--json"))
+
+    assert {"analytic", "slsqp", "ipopt", "turn-rate-qp"} <= {entry["name"] for entry in listed}
+    assert all(entry["available"] == (entry["reason"] is None) for entry in listed)
+    assert "turn-rate-qp" in asked("solvers")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("solve", "nan", "0"), "target_x is nan; expected a finite number"),
+        (("solve", "1", "inf"), "target_y is inf; expected a finite number"),
+        (("solve", "one", "0"), "target_x is 'one'; expected a number"),
+        (("solve", "1", "2", "--radius", "0"), "radius is 0.0; expected a number above 0"),
+        (("solve", "1", "2", "--radius", "-1"), "radius is -1.0; expected a number above 0"),
+        (("solve", "1", "2", "--speed", "0"), "speed is 0.0; expected a number above 0"),
+        (("solve", "1", "2", "--from", "0", "0", "east"), "heading: 'east' is not an angle"),
+        (("solve", "1", "2", "--solver", "nope"), "no solver named 'nope'; choose one of"),
+        (("solve", "1", "2", "--branch", "SL"), "no branch named 'SL'; choose one of"),
+        (("solve", "1", "2", "--profile", "x"), "no profile named 'x'"),
+        (("solve", "1", "2", "--limit", "0"), "limit is 0.0; expected"),
+        (("solve", "1", "2", "--plot", "path.bmp"), "expected a name ending in .svg"),
+        (("solve", "1", "2", "--plot", "/nowhere/path.svg"), "cannot write /nowhere/path.svg"),
+        (("run", "nope"), "no experiment named 'nope'; choose one of"),
+        (("run", "paper", "--solver", "nope", "--out", "unused"), "no solver named 'nope'"),
+        (("run", "paper", "--jobs", "0", "--out", "unused"), "jobs is 0"),
+        (("status", "/nowhere"), "is no results folder"),
+        (("report", "/nowhere"), "/nowhere"),
+    ],
+)
+def test_bad_requests_get_one_message(arguments, message, tmp_path):
+    """Exit code 2, one line on stderr, nothing on stdout, nothing written."""
+    done = dubins(*arguments, cwd=tmp_path)
+
+    assert done.returncode == 2, done.stderr
+    assert message in done.stderr
+    assert len(done.stderr.strip().splitlines()) == 1
+    assert done.stdout == ""
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_bad_options_get_usage():
+    done = dubins("solve", "1")
+
+    assert done.returncode == 2
+    assert "Missing argument" in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def test_run_status_and_report(tmp_path):
+    """An experiment from a file, run twice, reported."""
+    file = tmp_path / "mine.toml"
+    file.write_text(
+        'title = "mine"\nquestion = "how far?"\nsolvers = ["analytic", "slsqp"]\n'
+        "[[scenarios]]\ntarget_x = [1, 2]\ntarget_y = 3\n"
+    )
+    first = asked("run", str(file), cwd=tmp_path)
+    assert "4 of 4 cells done, finished" in first
+    assert asked("run", str(file), cwd=tmp_path) == first
+    assert "optimal" in asked("status", "results/mine", cwd=tmp_path)
+
+    shown = asked("report", "results/mine", cwd=tmp_path)
+
+    page = tmp_path / "results" / "mine" / "report" / "index.html"
+    assert "index.html" in shown
+    assert "slsqp" in shown
+    assert "how far?" in page.read_text(encoding="utf-8")
+
+
+def test_the_public_surface_from_python():
+    """DESIGN section 3, as a newcomer would type it."""
+    import pandas as pd
+
+    from dubins_study import Path, Scenario, available, solve, solve_frame
+
+    scenario = Scenario(x=0, y=0, heading=2.0944, target_x=10, target_y=5, radius=1)
+    answer = solve(scenario, solver="ipopt", branch="best")
+    assert (answer.word, answer.claim, answer.verdict) == ("RS", "local", "optimal")
+    assert answer.length == answer.time == pytest.approx(11.8681, abs=1e-4)
+    assert answer.miss < 1e-6
+    assert isinstance(answer.path, Path)
+    assert "analytic" in available()
+    frame = pd.DataFrame(
+        [(0, 0, 2.0944, 10, 5, 1, 1.0, "a")] * 2, columns=list(COLUMNS), index=["p", "q"]
+    )
+    rows = solve_frame(frame, solver="analytic", branch="best")
+    assert list(rows.index) == ["p", "q"]
+    assert rows["length"].tolist() == pytest.approx([answer.length] * 2)
+    assert not math.isnan(rows["gap"].iloc[0])
+    assert list(solve_frame(frame, solver="slsqp").columns) == list(rows.columns)

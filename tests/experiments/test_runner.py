@@ -1,0 +1,271 @@
+"""Runs: every cell a row, nothing twice, and what is done stays done."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+
+import pyarrow as pa
+import pyarrow.parquet as pq
+import pytest
+
+from experiments import run, runner
+from experiments.runner import RunError
+from experiments.spec import ExperimentError
+from experiments.store import ARROW_SCHEMA, StoreError, done, read_rows, rows_table
+from study.schema import ROW, VERSION, documentation, names
+
+SMALL = """
+title = "small"
+question = "does it run?"
+solvers = ["analytic", "slsqp"]
+branches = ["best", "LS"]
+starts = ["cold", "warm"]
+
+[[scenarios]]
+label = "sweep"
+target_x = 0
+target_y = 3
+radius = { linear = [1.0, 2.0, 4] }
+"""
+CELLS = 2 * 4 + 2 * 2 * 4  # analytic has no warm starts
+
+
+@pytest.fixture
+def small(tmp_path):
+    file = tmp_path / "small.toml"
+    file.write_text(SMALL)
+    return str(file)
+
+
+def rows(folder):
+    return read_rows(folder).to_pandas()
+
+
+def test_every_cell_becomes_a_judged_row(small, tmp_path):
+    folder = run(small, tmp_path / "out")
+
+    found = rows(folder)
+    assert list(found.columns) == names(ROW)
+    assert len(found) == CELLS
+    assert not found.duplicated(subset=["solver", "branch", "start", "radius"]).any()
+    assert set(found["outcome"]) == {"returned"}
+    best = found[found["branch"] == "best"]
+    assert set(best["verdict"]) == {"optimal"}
+    # R = 2 puts the target into the left disc, where LS does not exist
+    gone = found[(found["radius"] == 2.0) & (found["branch"] == "LS")]
+    assert set(gone[gone["solver"] == "analytic"]["verdict"]) == {"none exists"}
+    assert (found["threads"] == 1).all()
+    assert (found["wall_s"] > 0).all()
+    assert json.loads(found["versions"][0])["numpy"]
+
+
+def test_the_manifest_says_where_the_run_came_from(small, tmp_path):
+    folder = run(small, tmp_path / "out", repeats=2)
+    manifest = json.loads((folder / "manifest.json").read_text())
+
+    assert manifest["schema"] == VERSION
+    assert manifest["experiment"]["text"] == SMALL
+    assert manifest["solvers"]["slsqp"]["model"] == "words"
+    assert manifest["command"].endswith("--jobs 1 --repeats 2")
+    assert manifest["finished"]
+    assert manifest["machine"]["cores"] >= 1
+    assert manifest["cells"] == 2 * CELLS == len(rows(folder))
+
+
+def test_a_finished_run_is_one_part_and_a_second_run_solves_nothing(small, tmp_path, monkeypatch):
+    folder = run(small, tmp_path / "out")
+    before = rows(folder)
+    assert len(list((folder / "parts").iterdir())) == 1
+    monkeypatch.setattr(runner, "solve_chain", lambda *a: pytest.fail("solved again"))
+
+    run(small, folder)
+
+    assert rows(folder).equals(before)
+
+
+def test_a_run_cut_short_is_completed(small, tmp_path, monkeypatch):
+    """Whatever is done stays; the rest is added; a warm sweep goes on from its last path."""
+    whole = rows(run(small, tmp_path / "whole"))
+    seen, original = [], runner.solve_chain
+
+    def cut_short(chain, shared, start=None):
+        for row in original(chain, shared, start):
+            yield row
+            seen.append(row)
+            if row["start"] == "warm" and row["radius"] > 1:
+                raise KeyboardInterrupt
+
+    monkeypatch.setattr(runner, "solve_chain", cut_short)
+    with pytest.raises(KeyboardInterrupt):
+        run(small, tmp_path / "cut")
+    monkeypatch.undo()
+    kept = done(tmp_path / "cut")
+    assert 0 < len(kept) < CELLS
+    assert not json.loads((tmp_path / "cut" / "manifest.json").read_text())["finished"]
+
+    again = rows(run(small, tmp_path / "cut"))
+
+    key = ["scenario_id", "solver", "branch", "start"]
+    same = [*key, "length", "verdict", "evaluations"]
+    order = whole.sort_values(key)[same].reset_index(drop=True)
+    assert again.sort_values(key)[same].reset_index(drop=True).equals(order)
+
+
+def test_fresh_throws_away(small, tmp_path):
+    folder = run(small, tmp_path / "out")
+    first = set(rows(folder)["run_id"])
+
+    run(small, folder, fresh=True)
+
+    assert not first & set(rows(folder)["run_id"])
+
+
+def test_several_processes_find_the_same(small, tmp_path):
+    columns = ["scenario_id", "solver", "branch", "start", "length", "verdict"]
+    key = columns[:4]
+    one = rows(run(small, tmp_path / "one"))[columns].sort_values(key, ignore_index=True)
+    two = rows(run(small, tmp_path / "two", jobs=2))[columns].sort_values(key, ignore_index=True)
+
+    assert one.equals(two)
+
+
+def test_a_dead_worker_is_a_message_and_loses_no_written_row(small, tmp_path):
+    plugin = tmp_path / "deadly.py"
+    plugin.write_text(
+        "import os\nfrom solvers.slsqp import Slsqp\n"
+        "class Deadly(Slsqp):\n    def solve(self, model, limit): os._exit(1)\n"
+    )
+    with pytest.raises(RunError, match="run again to go on"):
+        run(small, tmp_path / "out", solvers=[f"{plugin}:Deadly"], jobs=2)
+
+
+def test_a_solver_that_raises_is_a_row(small, tmp_path):
+    plugin = tmp_path / "raising.py"
+    plugin.write_text(
+        "from solvers.slsqp import Slsqp\n"
+        "class Raising(Slsqp):\n    def solve(self, model, limit): raise OSError('no licence')\n"
+    )
+    found = rows(run(small, tmp_path / "out", solvers=[f"{plugin}:Raising"]))
+
+    assert set(found["outcome"]) == {"raised"}
+    assert set(found["message"]) == {"OSError: no licence"}
+    assert set(found["verdict"]) == {"none"}
+
+
+def test_many_cells_of_the_closed_form_go_in_one_batch(tmp_path):
+    """The batch's rows are those of the scalar path, to rounding."""
+    file = tmp_path / "grid.toml"
+    file.write_text(
+        SMALL.replace('starts = ["cold", "warm"]', "")
+        .replace('"slsqp"', "")
+        .replace(
+            "target_x = 0\ntarget_y = 3\nradius = { linear = [1.0, 2.0, 4] }",
+            "target_x = { linear = [-4, 4, 50] }\ntarget_y = { linear = [-4, 4, 50] }",
+        )
+    )
+    batch = rows(run(str(file), tmp_path / "batch")).sort_values(["scenario_id", "branch"])
+    file.write_text(file.read_text() + "[[scenarios]]\ntarget_x = 9\ntarget_y = 9\n")
+    assert len(batch) == 5000
+    sample = batch.sample(50, random_state=0)
+    from solvers.answer import solve
+    from study.scenario import Scenario
+
+    for row in sample.itertuples():
+        answer = solve(
+            Scenario(row.x, row.y, row.heading, row.target_x, row.target_y, row.radius),
+            branch=row.branch,
+        )
+        assert answer.verdict == row.verdict
+        assert (answer.word or None) == (row.word if isinstance(row.word, str) else None)
+        if answer.length is None:
+            assert math.isnan(row.length)
+        else:
+            assert row.length == pytest.approx(answer.length, rel=1e-13)
+            assert list(row.lengths) == pytest.approx(answer.path.length, rel=1e-9)
+            assert list(row.curvatures) == pytest.approx(answer.path.curvature)
+
+
+def test_numbers_that_are_not_finite_are_null():
+    row = dict.fromkeys(names(ROW)) | {"length": math.inf, "lengths": [1.0, math.nan]}
+    table = rows_table([row])
+
+    assert table["length"].to_pylist() == [None]
+    assert table["lengths"].to_pylist() == [[1.0, None]]
+
+
+def test_folders_that_cannot_be_used(small, tmp_path):
+    other = tmp_path / "other"
+    other.mkdir()
+    (other / "thesis.txt").write_text("mine")
+    with pytest.raises(StoreError, match=r"holds something else and no manifest\.json"):
+        run(small, other)
+    assert [f.name for f in other.iterdir()] == ["thesis.txt"]
+
+    file = tmp_path / "file"
+    file.write_text("")
+    with pytest.raises(StoreError, match="cannot write to"):
+        run(small, file / "out")
+
+    folder = run(small, tmp_path / "out")
+    Path(small).write_text(SMALL.replace("small", "changed"))
+    with pytest.raises(StoreError, match="holds results of another text of experiment"):
+        run(small, folder)
+    manifest = folder / "manifest.json"
+    manifest.write_text(manifest.read_text().replace('"schema": 1', '"schema": 99'))
+    with pytest.raises(StoreError, match="has schema 99; expected 1"):
+        run(small, folder)
+    manifest.write_text("{")
+    with pytest.raises(StoreError, match="cannot be read"):
+        run(small, folder)
+
+
+def test_a_broken_part_is_named(small, tmp_path):
+    folder = run(small, tmp_path / "out")
+    (folder / "parts" / "zz.parquet").write_bytes(b"PAR1 not really")
+    with pytest.raises(StoreError, match=r"zz\.parquet cannot be read"):
+        read_rows(folder)
+    pq.write_table(pa.table({"a": [1]}), folder / "parts" / "zz.parquet")
+    with pytest.raises(StoreError, match=r"zz\.parquet cannot be read"):
+        read_rows(folder)
+
+
+def test_rows_in_two_parts_are_read_once(small, tmp_path):
+    """A run killed while compacting leaves its rows twice."""
+    folder = run(small, tmp_path / "out")
+    part = next((folder / "parts").iterdir())
+    (folder / "parts" / "copy.parquet").write_bytes(part.read_bytes())
+
+    assert len(rows(folder)) == CELLS
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"jobs": 0}, "jobs is 0"),
+        ({"repeats": 0}, "repeats is 0"),
+        ({"limit": 0.0}, "limit is 0"),
+        ({"solvers": []}, "solvers is"),
+    ],
+)
+def test_requests_that_are_refused_leave_no_folder(small, tmp_path, change, message):
+    with pytest.raises(ExperimentError, match=message):
+        run(small, tmp_path / "out", **change)
+    assert not (tmp_path / "out").exists()
+
+
+def test_progress_counts_every_cell(small, tmp_path):
+    told = []
+    run(small, tmp_path / "out", progress=lambda n, total: told.append((n, total)))
+
+    assert told[-1] == (CELLS, CELLS)
+    assert [n for n, _ in told] == sorted(n for n, _ in told)
+
+
+def test_the_schema_and_its_documentation_agree():
+    """results/README.md is generated from the declaration; every column has an Arrow type."""
+    readme = Path(__file__).parents[2] / "results" / "README.md"
+
+    assert documentation() in readme.read_text(encoding="utf-8")
+    assert ARROW_SCHEMA.names == names(ROW)

@@ -1,0 +1,199 @@
+"""slsqp and ipopt on the paper's model: derivatives, starts, the joint model's minima and bias."""
+
+from __future__ import annotations
+
+import math
+import stat
+import sys
+
+import numpy as np
+import pytest
+from cases import PAPER, scenarios
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+from solvers.answer import attempt, solve
+from solvers.ipopt import Ipopt
+from solvers.model import SUBPROBLEMS, as_path, equations, jacobian, target
+from solvers.protocol import Question
+from solvers.registry import load
+from solvers.starts import STARTS, starting_points
+from study.scenario import Scenario
+from study.synthesis import margin, shortest
+from study.verify import Claim, Verdict
+
+lengths = st.tuples(st.floats(0, 6), st.floats(0, 6), st.floats(0, 20)).map(np.array)
+NLP = ("slsqp", "ipopt")
+
+
+@given(lengths, st.floats(-5, 5), st.floats(-5, 5))
+def test_the_jacobian_is_the_derivative_of_the_equations(z, X, Y):
+    """Central differences with step 1e-6 are right to about 1e-9 times the straight's length."""
+    h = 1e-6
+    numeric = np.column_stack(
+        [(equations(z + h * e, X, Y) - equations(z - h * e, X, Y)) / (2 * h) for e in np.eye(3)]
+    )
+
+    np.testing.assert_allclose(jacobian(z), numeric, atol=1e-7)
+
+
+@given(lengths, st.sampled_from(sorted(SUBPROBLEMS)), scenarios())
+def test_the_equations_are_those_of_the_path(z, name, scenario):
+    """(4.10) and (4.11) vanish exactly where the path's controls lead: paper against rollout."""
+    subproblem = SUBPROBLEMS[name]
+    z = np.where(np.isin(np.arange(3), subproblem.free), z, 0.0)
+    end = as_path(scenario, subproblem, z).end
+    moved = Scenario(*scenario.start, end.x, end.y, scenario.radius)
+
+    residual = equations(z, *target(moved, subproblem.mirrored))
+
+    # coordinates lie up to 100 radii from the origin, so they carry errors of 1e-14 radii
+    np.testing.assert_allclose(residual, 0, atol=1e-11)
+
+
+@pytest.mark.parametrize("name", NLP)
+@settings(max_examples=40)
+@given(scenario=scenarios(far=1000.0))
+def test_best_is_right_everywhere(name, scenario):
+    """Outside and in both discs, away from the circles where a miss may be shorter."""
+    assume(margin(scenario) > 1e-4)
+
+    answer = attempt(load(name), Question(scenario))
+
+    assert answer.verdict is Verdict.OPTIMAL
+    assert answer.gap < 1e-7
+
+
+@pytest.mark.parametrize("name", NLP)
+@pytest.mark.parametrize("branch", ["LS", "RS"])
+@settings(max_examples=40)
+@given(scenario=scenarios())
+def test_words_are_right_or_said_not_to_be(name, branch, scenario):
+    """Where the word exists it is found; where it does not, no path is claimed."""
+    assume(margin(scenario) > 1e-3)
+
+    answer = attempt(load(name), Question(scenario, branch))
+
+    if shortest(scenario, branch) is None:
+        assert answer.claim is not Claim.LOCAL
+    else:
+        assert answer.verdict is Verdict.OPTIMAL
+
+
+@pytest.mark.parametrize("branch", ["LS", "RS"])
+def test_ipopt_recognises_a_word_that_does_not_exist(branch):
+    """Infeasible by theory, and said so: a success."""
+    side = 1 if branch == "LS" else -1
+    answer = solve(Scenario(0, 0, 0, 0.3, 0.8 * side, 1), "ipopt", branch)
+
+    assert answer.claim is Claim.INFEASIBLE
+    assert answer.verdict is Verdict.NONE_EXISTS
+    assert "Infeasible" in answer.native_status
+
+
+def test_the_papers_order_is_not_mirror_symmetric():
+    """THEORY section 5: L R S does not contain RL, so it is wrong in the left disc only."""
+    left, right = Scenario(0, 0, 0, 0, 1, 1), Scenario(0, 0, 0, 0, -1, 1)
+    paper = "ipopt[model=joint,order=LRS,start=random,count=40]"
+    both = "ipopt[model=joint,order=both,start=random,count=40]"
+
+    assert solve(left, paper).verdict is Verdict.LONGER
+    assert solve(left, paper).word.startswith("R")
+    assert solve(right, paper).verdict is Verdict.OPTIMAL
+    assert solve(left, both).verdict is Verdict.OPTIMAL
+
+
+@pytest.mark.parametrize("radius", [1e-3, 1.0, 1e3])
+def test_an_interior_point_leaves_its_barrier_in_the_degenerate_arc(radius):
+    """z2 is (mu R^2)^(1/3) with mu = 2.5e-9 at Ipopt's default tolerance, not zero.
+
+    In units of the radius that is 1.357e-3 (THEORY section 5), and the length does not show it.
+    """
+    straight = Scenario(0, 0, 0, 2 * radius, 4 * radius, radius)
+
+    answer = solve(straight, "ipopt[model=joint,order=LRS]")
+
+    assert answer.word == "LRS"
+    assert answer.path.length[1] / radius == pytest.approx(2.5e-9 ** (1 / 3), rel=0.05)
+    assert answer.gap < 1e-8
+
+
+def test_slsqp_gets_nowhere_from_the_zero_that_ampl_starts_at():
+    """At z = 0 the two gradients are parallel: SLSQP stops with a singular matrix."""
+    answer = solve(PAPER["problem 1"], "slsqp[model=joint,order=LRS,start=zero,capped=false]")
+
+    assert answer.claim is Claim.FAILED
+    assert answer.verdict is Verdict.MISSES
+
+
+@pytest.mark.parametrize("kind", STARTS)
+@pytest.mark.parametrize("name", SUBPROBLEMS)
+@given(scenario=scenarios())
+def test_starting_points_are_admissible(kind, name, scenario):
+    """Not negative, arcs within a full turn, and zero where a length is fixed."""
+    subproblem = SUBPROBLEMS[name]
+    points = starting_points(Question(scenario), subproblem, kind, seed=1, count=5)
+
+    for z in points:
+        assert (z >= 0).all()
+        assert (z[:2] <= 2 * math.pi).all()
+        assert not np.delete(z, subproblem.free).any()
+    assert len(points) == (5 if kind == "random" else len(points)) >= 1
+
+
+def test_random_starts_repeat_with_their_seed():
+    def points(seed):
+        return starting_points(Question(PAPER["problem 1"]), SUBPROBLEMS["LRS"], "random", seed, 4)
+
+    np.testing.assert_array_equal(points(3), points(3))
+    assert (np.array(points(3)) != np.array(points(4))).all()
+
+
+# A stand-in for the AMPL executable: reads the NL file, solves it with the library, writes .sol.
+EXECUTABLE = """#!{python}
+import sys
+import casadi
+if "-v" in sys.argv:
+    print("Ipopt 3.14.0 (stand-in)")
+    sys.exit()
+stub = next(a for a in sys.argv[1:] if not a.startswith("-") and "=" not in a)
+stub = stub.removesuffix(".nl")
+nl = casadi.NlpBuilder()
+nl.import_nl(stub + ".nl")
+nlp = dict(x=casadi.vertcat(*nl.x), f=nl.f, g=casadi.vertcat(*nl.g))
+solver = casadi.nlpsol("s", "ipopt", nlp, dict(print_time=False, ipopt=dict(print_level=0)))
+found = solver(x0=nl.x_init, lbx=nl.x_lb, ubx=nl.x_ub, lbg=nl.g_lb, ubg=nl.g_ub)
+x, y = found["x"].full().ravel(), -found["lam_g"].full().ravel()  # ASL's sign of duals
+code = 0 if solver.stats()["success"] else 200
+lines = ["", "Ipopt 3.14.0 (stand-in): " + solver.stats()["return_status"], "", "Options", "3",
+         "1", "1", "0", str(len(y)), str(len(y)), str(len(x)), str(len(x))]
+lines += [repr(float(v)) for v in (*y, *x)] + ["objno 0 " + str(code)]
+open(stub + ".sol", "w").write("\\n".join(lines) + "\\n")
+"""
+
+
+def test_an_executable_on_path_is_used(tmp_path, monkeypatch):
+    """`ipopt` on PATH comes first; its answers, duals included, are those of the library."""
+    file = tmp_path / "ipopt"
+    file.write_text(EXECUTABLE.format(python=sys.executable))
+    file.chmod(file.stat().st_mode | stat.S_IXUSR)
+    library = solve(PAPER["problem 1"], "ipopt[via=library]")
+    monkeypatch.setenv("PATH", str(tmp_path), prepend=":")
+
+    executable = solve(PAPER["problem 1"], "ipopt")
+
+    assert executable.verdict is Verdict.OPTIMAL, executable.message
+    assert "stand-in" in executable.message
+    assert executable.length == pytest.approx(library.length, rel=1e-8)
+    assert executable.multiplier_x == pytest.approx(library.multiplier_x, abs=1e-6)
+    infeasible = solve(Scenario(0, 0, 0, 0, 1, 1), "ipopt", "LS")
+    assert infeasible.verdict in (Verdict.NONE_EXISTS, Verdict.MISSES)
+
+
+def test_without_executable_and_library_there_is_a_reason(monkeypatch):
+    monkeypatch.setenv("PATH", "")
+
+    assert "no executable 'ipopt' on PATH" in str(Ipopt(via="executable").unavailable())
+    answer = solve(PAPER["problem 1"], "ipopt[via=executable]")
+    assert answer.outcome == "unavailable"
+    assert "PATH" in answer.message
