@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, TypeAlias
@@ -97,6 +98,11 @@ class Section:
     title: str
     text: str
     blocks: tuple[Block, ...]
+
+
+def slug(text: str) -> str:
+    """A name from outside as part of a file's name: letters, digits, dashes."""
+    return re.sub(r"[^a-z0-9]+", "-", text.lower()).strip("-")[:60] or "unnamed"
 
 
 def digits(n: int) -> Format:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -25,7 +26,7 @@ def plot_paths(ax: Axes, paths: pd.DataFrame) -> None:
     """
     radii = sorted(paths["radius"].unique(), reverse=True)
     drawn: set[float] = set()
-    for row in paths.to_dict("records"):
+    for row in paths.sort_values(["radius", "rank"], ascending=[False, True]).to_dict("records"):
         path, radius, rank = row["path"], row["radius"], int(row["rank"]) - 1
         if radius not in drawn:
             _turning_circles(ax, path, radius)
@@ -45,6 +46,18 @@ def plot_paths(ax: Axes, paths: pd.DataFrame) -> None:
     _start_and_target(ax, first["path"], first["target_x"], first["target_y"])
     ax.set(xlabel="x", ylabel="y")
     ax.legend(loc="lower left", bbox_to_anchor=(0, 1.0), borderaxespad=0.2)
+
+
+def aspect_of(paths: pd.DataFrame) -> float:
+    """Height over width of what `plot_paths` draws."""
+    points = np.vstack([path.sample(200)[:, :2] for path in paths["path"]])
+    path, radius = paths.iloc[0]["path"], paths["radius"].max()
+    x, y, heading = path.start
+    for side in (radius, -radius):
+        centre = np.array((x - side * math.sin(heading), y + side * math.cos(heading)))
+        points = np.vstack((points, centre - radius, centre + radius))
+    width, height = np.ptp(points, axis=0)
+    return float(height / width)
 
 
 def _turning_circles(ax: Axes, path: Path, radius: float) -> None:
@@ -72,6 +85,6 @@ def _start_and_target(ax: Axes, path: Path, target_x: float, target_y: float) ->
         zorder=5,
     )
     ax.plot(x, y, marker="o", color=INK, markersize=3.5, zorder=5)
-    ring = {"markersize": 7, "markerfacecolor": PAPER, "markeredgecolor": MUTED}
+    ring: dict[str, Any] = {"markersize": 7, "markerfacecolor": PAPER, "markeredgecolor": MUTED}
     ax.plot(target_x, target_y, marker="o", markeredgewidth=1.2, zorder=4, **ring)
     ax.plot(target_x, target_y, marker="o", color=INK, markersize=2.5, zorder=5)

@@ -26,9 +26,9 @@ from report.style import (
 VERDICT_LOOK = {
     "optimal": (BLUE, ""),
     "none exists": (SKY, ""),
-    "longer": (ORANGE, "////"),
-    "misses": (VERMILION, "xxxx"),
-    "none": (RULE, "...."),
+    "longer": (ORANGE, "///"),
+    "misses": (VERMILION, "xx"),
+    "none": (RULE, ""),
 }
 SMALLEST_GAP = 1e-16
 
@@ -88,11 +88,16 @@ def plot_gap_profile(ax: Axes, rows: pd.DataFrame, tolerance: float = 1e-4) -> N
         gaps, share = share_within(gaps_or_infinity(asked[asked["solver"] == solver]))
         x = np.concatenate(([SMALLEST_GAP], np.maximum(gaps, SMALLEST_GAP), [10.0]))
         y = np.concatenate(([0.0], share, share[-1:] if share.size else [0.0]))
-        ax.step(x, y, where="post", label=name_of(solver, 34), **style[solver].lines)
+        ax.step(
+            x,
+            y,
+            where="post",
+            label=" ".join(name_of(solver, 60).split("\n")),
+            **style[solver].lines,
+        )
     ax.axvline(tolerance, color=MUTED, linewidth=0.8, linestyle=(0, (1, 2)))
-    ax.text(tolerance, 1.03, "called optimal up to here", ha="center", fontsize=7.5, color=MUTED)
+    ax.text(tolerance, 1.03, "optimal up to here", ha="center", fontsize=7.5, color=MUTED)
     ax.set(xscale="log", xlim=(SMALLEST_GAP, 10), ylim=(0, 1.02))
     ax.set(xlabel="gap to the shortest length (relative)", ylabel="share of all attempts")
     ax.yaxis.set_major_formatter(lambda value, _: f"{100 * value:.0f} %")
     log_axis(ax.xaxis)
-    ax.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))

@@ -18,27 +18,29 @@ class PrintedRow(NamedTuple):
         table: the paper's number of the table.
         label: the scenario's label in the experiment `paper`.
         path: `optimal` or `feasible`.
+        radius: turning radius.
         cells: left turn z1, right turn z2, straight z3, total f.
     """
 
     table: str
     label: str
     path: str
+    radius: float
     cells: tuple[float | None, float | None, float, float]
 
 
 PRINTED = (
-    PrintedRow("6.1", "problem 1", "optimal", (None, 1.74, 10.13, 11.87)),
-    PrintedRow("6.1", "problem 1", "feasible", (4.74, None, 12.14, 16.88)),
-    PrintedRow("6.2", "problem 2", "optimal", (0.61, None, 6.13, 6.74)),
-    PrintedRow("6.2", "problem 2", "feasible", (None, 5.72, 7.24, 12.96)),
-    PrintedRow("6.3", "problem 3", "optimal", (0.79, None, 4.39, 5.17)),
-    PrintedRow("6.3", "problem 3", "feasible", (None, 5.61, 5.72, 11.33)),
-    PrintedRow("6.4", "problem 4", "optimal", (None, 3.38, 5.24, 8.61)),
-    PrintedRow("6.4", "problem 4", "feasible", (3.64, None, 5.53, 9.17)),
-    PrintedRow("6.5", "problem 5, R=25", "optimal", (23.01, None, 61.91, 84.92)),
-    PrintedRow("6.5", "problem 5, R=10", "optimal", (8.43, None, 74.92, 83.36)),
-    PrintedRow("6.5", "problem 5, R=5", "optimal", (4.11, None, 78.79, 82.89)),
+    PrintedRow("6.1", "problem 1", "optimal", 1.0, (None, 1.74, 10.13, 11.87)),
+    PrintedRow("6.1", "problem 1", "feasible", 1.0, (4.74, None, 12.14, 16.88)),
+    PrintedRow("6.2", "problem 2", "optimal", 1.0, (0.61, None, 6.13, 6.74)),
+    PrintedRow("6.2", "problem 2", "feasible", 1.0, (None, 5.72, 7.24, 12.96)),
+    PrintedRow("6.3", "problem 3", "optimal", 1.0, (0.79, None, 4.39, 5.17)),
+    PrintedRow("6.3", "problem 3", "feasible", 1.0, (None, 5.61, 5.72, 11.33)),
+    PrintedRow("6.4", "problem 4", "optimal", 1.0, (None, 3.38, 5.24, 8.61)),
+    PrintedRow("6.4", "problem 4", "feasible", 1.0, (3.64, None, 5.53, 9.17)),
+    PrintedRow("6.5", "problem 5, R=25", "optimal", 25.0, (23.01, None, 61.91, 84.92)),
+    PrintedRow("6.5", "problem 5, R=10", "optimal", 10.0, (8.43, None, 74.92, 83.36)),
+    PrintedRow("6.5", "problem 5, R=5", "optimal", 5.0, (4.11, None, 78.79, 82.89)),
 )
 
 _R25 = "wrong: the printed path is shorter than the true optimum and misses the target by 0.161"
@@ -59,11 +61,15 @@ MISPRINTS = {
 HALF_UNIT = 0.005 + 1e-9
 
 
-def segments(path: Path) -> tuple[float, float, float, float]:
-    """Total left turn, right turn and straight of a path, and its length: z1, z2, z3, f."""
-    k, length = path.curvature, path.length
-    left, right = float(length[k > 0].sum()), float(length[k < 0].sum())
-    return left, right, float(length[k == 0].sum()), float(length.sum())
+def segments(path: Path, radius: float) -> tuple[float, float, float, float]:
+    """Total left turn, right turn and straight of a path, and its length: z1, z2, z3, f.
+
+    A turn counts with the length that it would have at the full rate, the rest of its length as
+    straight; for an arc at the full rate, the paper's only kind, that is the arc's own length.
+    """
+    turn = path.curvature * path.length * radius
+    left, right = float(turn[turn > 0].sum()), float(-turn[turn < 0].sum())
+    return left, right, path.total_length - left - right, path.total_length
 
 
 def compare(paths: dict[tuple[str, str], Path]) -> pd.DataFrame:
@@ -111,7 +117,7 @@ def _ranked(
         return None, None
     found.sort(key=lambda item: item[1].total_length)
     word, path = found[0 if row.path == "optimal" else 1]
-    return word, segments(path)
+    return word, segments(path, row.radius)
 
 
 def _verdict(printed: float, ours: float | None, reason: str) -> str:

@@ -6,7 +6,7 @@ import pandas as pd
 
 from report import paper
 from report.content import Column, Picture, Section, Table, count, digits
-from report.figures_paths import plot_paths
+from report.figures_paths import aspect_of, plot_paths
 from report.load import Results
 from report.metrics import solver_order
 from report.style import HALF, new_figure
@@ -127,9 +127,9 @@ def _scores(results: Results) -> Table:
         Column("segment_off", "largest error of ζ", digits(3)),
     )
     caption = (
-        "The same cells from each solver's LS and RS paths. A solver may have the length right and "
-        "its parts wrong: a step that turns at less than the full rate belongs to neither the turn "
-        "nor the straight. Errors in the scenario's length unit."
+        "The same cells from each solver's LS and RS paths. A length may be right while its "
+        "parts are not: compare both. Turns at less than the full rate count in proportion. Errors "
+        "in the scenario's length unit."
     )
     return Table("paper-scores", caption, pd.DataFrame.from_records(records), columns)
 
@@ -166,7 +166,8 @@ def _picture(results: Results, problem: int, paths: dict[tuple[str, str], Path])
     )
     if problem == 5:
         frame = frame[frame["rank"] == 1]  # as the paper does: three radii, optimal paths only
-    figure = new_figure(HALF, 3.3)
+    height = 0.85 + min(max(3.0 * aspect_of(frame), 1.6), 2.9)  # the rest is legend and labels
+    figure = new_figure(HALF, height)
     plot_paths(figure.add_subplot(), frame)
     caption = f"Figure 6.{problem}. " + (
         "Optimal (solid) and feasible (dashed) path; length units."

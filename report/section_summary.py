@@ -2,75 +2,98 @@
 
 from __future__ import annotations
 
-from report.content import Column, Picture, Section, Table, count, seconds, share
+import pandas as pd
+
+from report.content import Column, Picture, Section, Table, count, digits, seconds, share, slug
 from report.figures_success import plot_gap_profile, plot_verdicts
 from report.load import Results
 from report.metrics import answerable, failures, gap_quantiles, success, summary
-from report.content import digits
-from report.style import WIDE, new_figure
+from report.style import HALF, WIDE, new_figure
 
 _MOST_FAILURES = 25
 
 
+def attempts(results: Results) -> pd.DataFrame:
+    """The rows that count here: all but the discretisation's, if there are others.
+
+    That experiment sets variants of one solver against each other, coarse ones on purpose, and
+    has a section of its own.
+    """
+    rows = results.rows
+    others = rows[rows["experiment"] != "discretisation"]
+    return others if len(others) else rows
+
+
 def summary_section(results: Results) -> Section | None:
     """Attempts, verdicts and times, solver by solver."""
-    rows = results.rows
+    rows = attempts(results)
     frame = summary(rows)
-    columns = (
-        Column("solver", "solver", kind="code"),
-        Column("attempts", "attempts", count),
-        Column("optimal", "optimal", count),
-        Column("none exists", "none exists", count),
-        Column("longer", "longer", count),
-        Column("misses", "misses", count),
-        Column("none", "none", count),
-        Column("success", "success", share),
-        Column("false_claims", "false claims", count),
-        Column("wrong_basins", "wrong basins", count),
-        Column("not_returned", "not returned", count),
-        Column("wall_s", "median time", seconds),
-    )
-    marks = {
-        (i, key): "bad"
-        for i, row in enumerate(frame.to_dict("records"))
-        for key in ("misses", "none", "false_claims", "not_returned")
-        if row[key]
-    }
     caption = (
         "What the check found of every attempt. Success is optimal or none exists, as a share of "
         "all attempts, those that failed included. A false claim says more than the check finds; "
         "a wrong basin is a longer path that turns another way, honestly called local. "
         "Not returned: timed out, crashed, raised, unsupported or unavailable."
     )
-    asked = ", ".join(dict.fromkeys(m.name for m in results.manifests))
+    asked = ", ".join(rows["experiment"].unique())
     right = float(success(rows).mean())
     text = (
         f"{count(len(rows))} attempts by {len(frame)} solvers in the experiments {asked}; "
-        f"{share(right)} of them succeed. No number here rests on a solver's own word: each path is driven "
-        "again from its controls and judged against the closed form."
+        f"{share(right)} of them succeed. No number here rests on a solver's own word: each path "
+        "is driven again from its controls and judged against the closed form."
     )
-    return Section("summary", "Summary", text, (Table("summary", caption, frame, columns, marks),))
+    table = Table("summary", caption, frame, _summary_columns(), _bad_counts(frame))
+    return Section("summary", "Summary", text, (table,))
+
+
+def _summary_columns() -> tuple[Column, ...]:
+    counts = ("attempts", "optimal", "none exists", "longer", "misses", "none")
+    return (
+        Column("solver", "solver", kind="code"),
+        *(Column(key, key, count) for key in counts),
+        Column("success", "success", share),
+        Column("false_claims", "false claims", count),
+        Column("wrong_basins", "wrong basins", count),
+        Column("not_returned", "not returned", count),
+        Column("wall_s", "median time", seconds),
+    )
+
+
+def _bad_counts(frame: pd.DataFrame) -> dict[tuple[int, str], str]:
+    wrong = ("misses", "none", "false_claims", "not_returned")
+    rows = frame.to_dict("records")
+    return {(i, key): "bad" for i, row in enumerate(rows) for key in wrong if row[key]}
 
 
 def success_section(results: Results) -> Section | None:
-    """Verdicts, gap profile, gap quantiles per region, and what failed."""
-    rows = results.rows
-    blocks: list[Picture | Table] = [_verdict_picture(results)]
-    asked = answerable(rows)
-    if len(asked):
-        blocks += [_profile_picture(results), _quantile_table(results)]
+    """Verdicts, gap profiles, gap quantiles per region, and what failed."""
+    rows = attempts(results)
+    blocks: list[Picture | Table] = [_verdict_picture(rows)]
+    if rows["experiment"].nunique() > 1:
+        blocks.append(_experiment_table(rows))
+    if len(answerable(rows)):
+        blocks += [_profile_picture(name, own) for name, own in rows.groupby("experiment")]
+        blocks.append(_quantile_table(rows))
     failed = failures(rows)
     if len(failed):
-        blocks.append(_failure_table(results))
+        blocks.append(_failure_table(failed))
     text = (
         "Every attempt counts, whatever became of it. The gap is (length − reference) / "
-        "max(reference, R) and only a path that arrives has one; the others count as infinitely far off."
+        "max(reference, R) and only a path that arrives has one; the others count as "
+        "infinitely far off."
     )
     return Section("success", "Success and gaps", text, tuple(blocks))
 
 
-def _verdict_picture(results: Results) -> Picture:
-    frame = summary(results.rows)
+def _experiment_table(rows: pd.DataFrame) -> Table:
+    parts = [summary(own).assign(experiment=name) for name, own in rows.groupby("experiment")]
+    frame = pd.concat(parts, ignore_index=True)
+    columns = (Column("experiment", "experiment", kind="code"), *_summary_columns())
+    caption = "The same counts experiment by experiment: each was put to other solvers."
+    return Table("summary-by-experiment", caption, frame, columns, _bad_counts(frame))
+
+
+def _verdict_picture(rows: pd.DataFrame) -> Picture:
+    frame = summary(rows)
     figure = new_figure(WIDE, 0.9 + 0.42 * len(frame))
     plot_verdicts(figure.add_subplot(), frame)
     caption = (
@@ -80,18 +103,22 @@ def _verdict_picture(results: Results) -> Picture:
     return Picture("verdicts", caption, figure, "Stacked bars of verdicts, one a solver")
 
 
-def _profile_picture(results: Results) -> Picture:
-    figure = new_figure(WIDE, 3.2)
-    plot_gap_profile(figure.add_subplot(), results.rows)
+def _profile_picture(experiment: object, rows: pd.DataFrame) -> Picture:
+    figure = new_figure(HALF, 3.1 + 0.16 * rows["solver"].nunique())
+    ax = figure.add_subplot()
+    plot_gap_profile(ax, rows)
+    figure.legend(loc="outside lower left", ncols=1, fontsize=7.5)
     caption = (
-        "Share of attempts within each gap: higher is more reliable, further left is more "
-        "accurate. A curve that ends below 100 % belongs to a solver that sometimes does not arrive."
+        f"Experiment {experiment}: share of attempts within each gap. Higher is more reliable, "
+        "further left more accurate; a curve that ends below 100 % belongs to a solver that "
+        "sometimes does not arrive."
     )
-    return Picture("gap-profile", caption, figure, "Cumulative share of attempts against gap")
+    alt = f"Share of attempts against gap, {experiment}"
+    return Picture(f"gap-profile-{slug(str(experiment))}", caption, figure, alt, True)
 
 
-def _quantile_table(results: Results) -> Table:
-    frame = gap_quantiles(results.rows)
+def _quantile_table(rows: pd.DataFrame) -> Table:
+    frame = gap_quantiles(rows)
     gap = digits(3)
     columns = (
         Column("solver", "solver", kind="code"),
@@ -110,8 +137,8 @@ def _quantile_table(results: Results) -> Table:
     return Table("gap-quantiles", caption, frame, columns)
 
 
-def _failure_table(results: Results) -> Table:
-    frame = failures(results.rows).head(_MOST_FAILURES).reset_index(drop=True)
+def _failure_table(failed: pd.DataFrame) -> Table:
+    frame = failed.head(_MOST_FAILURES).reset_index(drop=True)
     columns = (
         Column("solver", "solver", kind="code"),
         Column("outcome", "outcome", kind="text"),

@@ -6,12 +6,21 @@ from collections.abc import Callable
 
 from report.content import Section
 from report.load import Results
+from report.section_agreement import agreement_section
 from report.section_paper import figures_section, paper_section
+from report.section_plane import plane_section
+from report.section_radius import radius_section
 from report.section_summary import success_section, summary_section
+from report.section_time import discretisation_section, time_section
 
 SECTIONS: dict[str, Callable[[Results], Section | None]] = {
     "summary": summary_section,
     "the paper's tables": paper_section,
     "the paper's figures": figures_section,
+    "length, time and word against radius": radius_section,
+    "agreement": agreement_section,
     "success and gaps": success_section,
+    "time": time_section,
+    "work and precision": discretisation_section,
+    "the target plane": plane_section,
 }

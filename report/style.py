@@ -107,7 +107,7 @@ def drawing() -> Iterator[None]:
     """The study's settings, whatever the user's own are; drawing and saving both need them."""
     with mpl.rc_context():
         mpl.rcdefaults()
-        mpl.rcParams.update(_SETTINGS)
+        mpl.rcParams.update(_SETTINGS)  # type: ignore[arg-type]  # a plain dict of settings
         yield
 
 
@@ -170,6 +170,13 @@ def log_axis(axis: Axis, label: Any = power) -> None:
     """A logarithmic axis with decades labelled; few labels where there are many decades."""
     axis.set_major_locator(LogLocator(numticks=8))
     axis.set_major_formatter(FuncFormatter(label))
+    axis.set_minor_formatter(NullFormatter())
+
+
+def plain_log_axis(axis: Axis) -> None:
+    """A logarithmic axis over a few decades: 1, 2, 5, 10, ... labelled as plain numbers."""
+    axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0), numticks=12))
+    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     axis.set_minor_formatter(NullFormatter())
 
 

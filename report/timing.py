@@ -71,7 +71,7 @@ def common_times(rows: pd.DataFrame) -> pd.DataFrame:
     """Median whole time (s) of every solver (columns) on each question (rows) all got right."""
     right = rows.assign(right=success(rows))
     timed = right.groupby([*QUESTION, "solver"]).agg(wall=("wall_s", "median"), ok=("right", "all"))
-    wide = timed["wall"].where(timed["ok"]).unstack("solver").dropna()
+    wide = pd.DataFrame(timed["wall"].where(timed["ok"]).unstack("solver")).dropna()
     return wide[solver_order(list(wide.columns))]
 
 
@@ -86,7 +86,7 @@ def warm_starts(rows: pd.DataFrame) -> pd.DataFrame:
     wide = right.groupby(["solver", *key, "start"]).agg(
         s=("wall_s", "median"), ok=("right", "mean")
     )
-    table = wide.unstack("start")
+    table = pd.DataFrame(wide.unstack("start"))
     if not {"cold", "warm"} <= set(rows["start"]):
         return pd.DataFrame()
     both = table.dropna(subset=[("ok", "cold"), ("ok", "warm")])

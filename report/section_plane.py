@@ -1,0 +1,81 @@
+"""The section on the target plane."""
+
+from __future__ import annotations
+
+import pandas as pd
+
+from report.content import Picture, Section
+from report.figures_plane import along_circle, plot_failures, plot_jump, plot_lengths, plot_words
+from report.load import Results
+from report.style import HALF, new_figure
+
+EXPERIMENT, EXACT = "plane", "analytic"
+
+
+def plane_section(results: Results) -> Section | None:
+    """Maps of words and lengths, and where the solvers on a coarse grid go wrong."""
+    rows = results.rows[
+        (results.rows["experiment"] == EXPERIMENT) & (results.rows["branch"] == "best")
+    ]
+    exact = rows[(rows["solver"] == EXACT) & rows["length"].notna()]
+    exact = exact.drop_duplicates(["target_x", "target_y"])
+    pictures: list[Picture] = []
+    if exact["target_x"].nunique() > 4 and exact["target_y"].nunique() > 4:
+        pictures += [_words(exact), _lengths(exact), _jump(exact)]
+    coarse = rows[rows["solver"] != EXACT]
+    if len(coarse):
+        pictures.append(_failures(coarse))
+    if not pictures:
+        return None
+    text = (
+        "The vehicle starts at the origin and heads along +x; every point is a target. The paper "
+        "states LS and RS only, which is right outside the two turning circles and wrong inside: "
+        "there the shortest path turns away first. Across the front half of each circle (heavy) "
+        "the length jumps by up to 2π R, and nowhere else."
+    )
+    return Section("plane", "The target plane", text, tuple(pictures))
+
+
+def _words(exact: pd.DataFrame) -> Picture:
+    figure = new_figure(HALF, 3.5)
+    plot_words(figure.add_subplot(), exact)
+    caption = (
+        "Shortest word by target. Hatched: inside a turning circle, where the first turn is away "
+        "from the target. On the axis ahead the path is straight. Lengths in R."
+    )
+    return Picture("plane-words", caption, figure, "Map of shortest words", True)
+
+
+def _lengths(exact: pd.DataFrame) -> Picture:
+    figure = new_figure(HALF, 4.1)
+    ax = figure.add_subplot()
+    image = plot_lengths(ax, exact)
+    bar = figure.colorbar(image, ax=ax, location="bottom", shrink=0.7, pad=0.02, aspect=28)
+    bar.outline.set_visible(False)
+    bar.set_label("shortest length / R")
+    caption = (
+        "Shortest length by target, a contour every R. The two discs stand out because the "
+        "length jumps across the front half of their circles; across the rear half it is smooth."
+    )
+    return Picture("plane-lengths", caption, figure, "Map of shortest lengths", True)
+
+
+def _jump(exact: pd.DataFrame) -> Picture:
+    figure = new_figure(HALF, 3.5)
+    plot_jump(figure.add_subplot(), along_circle(exact))
+    caption = (
+        "The same lengths for the targets within one grid step of a turning circle, by their "
+        "place on it. On the front half a target just inside costs up to 2π R more than one just "
+        "outside; on the rear half the two sides meet."
+    )
+    return Picture("plane-jump", caption, figure, "Length on both sides of a turning circle", True)
+
+
+def _failures(coarse: pd.DataFrame) -> Picture:
+    figure = new_figure(HALF, 3.9)
+    plot_failures(figure.add_subplot(), coarse.drop_duplicates(["solver", "target_x", "target_y"]))
+    caption = (
+        "The coarse grid (dots) of the other solvers; marked are the targets whose answer is "
+        "not optimal, with their number in brackets."
+    )
+    return Picture("plane-failures", caption, figure, "Targets that solvers get wrong", True)

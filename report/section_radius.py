@@ -1,0 +1,83 @@
+"""The section on the radius sweep."""
+
+from __future__ import annotations
+
+import pandas as pd
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+
+from report.content import Column, Picture, Section, Table, count, digits, seconds, share
+from report.figures_radius import WARM, plot_length, plot_time
+from report.load import Results
+from report.metrics import circle_radius
+from report.style import HALF, new_figure
+from report.timing import warm_starts
+
+EXPERIMENT = "radius-sweep"
+
+
+def radius_section(results: Results) -> Section | None:
+    """One figure a label, and cold against warm starts."""
+    rows = results.rows[results.rows["experiment"] == EXPERIMENT]
+    if rows.empty:
+        return None
+    blocks: list[Picture | Table] = []
+    for number, (label, own) in enumerate(rows.groupby("label", sort=True), start=1):
+        if own["radius"].nunique() > 1 and (own["branch"] == "best").any():
+            blocks.append(_picture(number, str(label), own))
+    warm = warm_starts(rows)
+    if len(warm):
+        blocks.append(_warm_table(warm))
+    if not blocks:
+        return None
+    text = (
+        "At R* = r² / (2 |Y|) a turning circle passes through the target (r is its distance, Y its "
+        "offset to the left of the start heading). Beyond it the target lies inside the circle, "
+        "the word changes, and where it lay on the circle's front half the length jumps."
+    )
+    return Section("radius", "Length, time and word against radius", text, tuple(blocks))
+
+
+def _picture(number: int, label: str, rows: pd.DataFrame) -> Picture:
+    first = rows.iloc[0]
+    where = [first[key] for key in ("x", "y", "heading", "target_x", "target_y")]
+    circle = circle_radius(*where)
+    figure = new_figure(HALF, 4.1)
+    upper, lower = figure.subplots(2, sharex=True, height_ratios=(3, 2))
+    plot_length(upper, rows, circle)
+    plot_time(lower, rows, circle)
+    handles, texts = _solvers_only(lower)
+    figure.legend(handles, texts, loc="outside lower left", ncols=2, fontsize=7.5)
+    caption = (
+        f"{label}. Above: the shortest length (black) with its word; grey, LS dashed and RS "
+        "dotted where they exist. Open marks are answers that are longer, crosses at the foot "
+        "those that do not arrive. Below: time of one attempt, cold solid and warm dotted. "
+        f"Length units; R* = {digits(5)(circle)}."
+    )
+    return Picture(
+        f"radius-{number}", caption, figure, f"Length and time over radius, {label}", True
+    )
+
+
+def _solvers_only(ax: Axes) -> tuple[list[Artist], list[str]]:
+    """Legend entries without the warm ones: the caption tells how warm is drawn."""
+    pairs = zip(*ax.get_legend_handles_labels(), strict=True)
+    kept = [(handle, text) for handle, text in pairs if not text.endswith(WARM)]
+    return [handle for handle, _ in kept], [text for _, text in kept]
+
+
+def _warm_table(frame: pd.DataFrame) -> Table:
+    columns = (
+        Column("solver", "solver", kind="code"),
+        Column("questions", "questions", count),
+        Column("cold_s", "cold, median", seconds),
+        Column("warm_s", "warm, median", seconds),
+        Column("ratio", "warm / cold", digits(3)),
+        Column("cold_success", "success cold", share),
+        Column("warm_success", "success warm", share),
+    )
+    caption = (
+        "The same questions cold, and started from the answer at the neighbouring radius. The "
+        "ratio is the median over questions of warm over cold time."
+    )
+    return Table("warm-starts", caption, frame, columns)

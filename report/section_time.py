@@ -1,0 +1,133 @@
+"""The sections on time and on the discretisation."""
+
+from __future__ import annotations
+
+import pandas as pd
+
+from report.content import Column, Picture, Section, Table, count, digits, seconds, share
+from report.discretisation import work_precision
+from report.figures_time import plot_gap_order, plot_times, plot_work_precision
+from report.load import Results
+from report.style import HALF, WIDE, new_figure
+from report.timing import mean_times, times
+
+_ELSEWHERE = ("discretisation", "plane")
+
+
+def time_section(results: Results) -> Section | None:
+    """Medians and quartiles; build and solve apart; shifted geometric means."""
+    rows = results.rows[~results.rows["experiment"].isin(_ELSEWHERE)]
+    cold = rows[rows["start"] == "cold"]
+    frame = times(cold)
+    if frame.empty:
+        return None
+    figure = new_figure(WIDE, 0.7 + 0.46 * len(frame))
+    plot_times(figure.add_subplot(), frame)
+    caption = (
+        "Time of one cold attempt: median (mark) and quartiles (bar) of solving (filled, above) "
+        "and of building the model (open, below)."
+    )
+    picture = Picture("times", caption, figure, "Median times and quartiles, one line a solver")
+    blocks: list[Picture | Table] = [picture, _time_table(frame)]
+    means, shift = mean_times(_not_variants(cold))
+    if len(means) > 1:
+        blocks.append(_mean_table(means, shift))
+    jobs = ", ".join(str(n) for n in sorted(rows["jobs"].unique()))
+    threads = ", ".join(str(n) for n in sorted(rows["threads"].unique()))
+    text = (
+        "Measured in the process that solves, after a warm-up that is not recorded; "
+        f"threads: {threads}; jobs side by side: {jobs}. Judging is not timed. Compiled "
+        "templates are kept between questions, so building is setting the data."
+    )
+    return Section("time", "Time", text, tuple(blocks))
+
+
+def _not_variants(rows: pd.DataFrame) -> pd.DataFrame:
+    """Without variants, if there are plain solvers: each variant would shrink the common set."""
+    plain = ~rows["solver"].str.contains("[", regex=False)
+    return rows[plain] if plain.any() else rows
+
+
+def _time_table(frame: pd.DataFrame) -> Table:
+    parts = (("build_s", "build"), ("solve_s", "solve"), ("wall_s", "whole"))
+    columns = [Column("solver", "solver", kind="code"), Column("timed", "timed", count)]
+    for key, title in parts:
+        columns += [
+            Column(f"{key}_q1", f"{title} 25 %", seconds),
+            Column(key, f"{title} median", seconds),
+            Column(f"{key}_q3", "75 %", seconds),
+        ]
+    caption = "Times of cold attempts, failures included: quartiles and medians."
+    return Table("times", caption, frame, tuple(columns))
+
+
+def _mean_table(frame: pd.DataFrame, shift: float) -> Table:
+    columns = (
+        Column("solver", "solver", kind="code"),
+        Column("questions", "questions", count),
+        Column("mean_s", "shifted geometric mean", seconds),
+        Column("rank", "rank", count),
+        Column("rank_tenth", "rank, shift / 10", count),
+        Column("rank_tenfold", "rank, shift × 10", count),
+    )
+    caption = (
+        f"Shifted geometric mean over the questions that all of these answer rightly; shift "
+        f"{seconds(shift)}, the lower quartile of the times that enter. A rank that changes with "
+        "the shift is no finding."
+    )
+    return Table("mean-times", caption, frame, columns)
+
+
+def discretisation_section(results: Results) -> Section | None:
+    """Time against gap by n and engine, gap against n with the fitted order."""
+    rows = results.rows[results.rows["experiment"] == "discretisation"]
+    table = work_precision(rows)
+    if table.empty:
+        return None
+    left = new_figure(HALF, 3.4)
+    ax = left.add_subplot()
+    plot_work_precision(ax, table)
+    ax.legend(loc="upper right")
+    right = new_figure(HALF, 3.4)
+    plot_gap_order(right.add_subplot(), table)
+    blocks = (
+        Picture(
+            "work-precision",
+            "Median time against median gap; the numbers are n. Lower left is better.",
+            left,
+            "Time against gap for each engine",
+            True,
+        ),
+        Picture(
+            "gap-order",
+            "Median gap against the number of steps, and the order p fitted to it.",
+            right,
+            "Gap against number of steps for each engine",
+            True,
+        ),
+        _precision_table(table),
+    )
+    text = (
+        "turn-rate-qp holds n turn rates over equal steps, so its best path is longer than the "
+        "best of all. How fast that cost falls with n, what it takes, and which engine to use."
+    )
+    return Section("discretisation", "Work and precision", text, blocks)
+
+
+def _precision_table(frame: pd.DataFrame) -> Table:
+    columns = (
+        Column("engine", "engine", kind="code"),
+        Column("n", "n", count),
+        Column("attempts", "attempts", count),
+        Column("arrived", "arrive", share),
+        Column("success", "success", share),
+        Column("gap", "median gap", digits(3)),
+        Column("gap_q90", "90 %", digits(3)),
+        Column("wall_s", "median time", seconds),
+        Column("iterations", "QPs", digits(3)),
+    )
+    caption = (
+        "Every engine at every n. Gap quantiles count an attempt that does not arrive as ∞. QPs: "
+        "median number of QPs solved in one attempt."
+    )
+    return Table("discretisation", caption, frame, columns)
