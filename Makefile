@@ -16,7 +16,9 @@ $(READY): requirements.lock pyproject.toml
 	touch $@
 
 study: $(READY)  ## run the experiments paper and radius-sweep and write the report
-	$(BIN)/dubins-study study
+	$(BIN)/dubins-study run paper
+	$(BIN)/dubins-study run radius-sweep
+	$(BIN)/dubins-study report results/paper results/radius-sweep --out results/report
 
 test: $(READY)  ## run the tests
 	$(BIN)/python -m pytest $(ARGS)
