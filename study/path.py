@@ -166,7 +166,8 @@ def _sums(kinds: FloatArray, values: FloatArray) -> FloatArray:
         return values
     begins = np.concatenate(([True], kinds[1:] != kinds[:-1]))
     sums: FloatArray = np.add.reduceat(values, np.flatnonzero(begins))
-    return sums[np.cumsum(begins) - 1]
+    of_each: FloatArray = sums[np.cumsum(begins) - 1]
+    return of_each
 
 
 def largest_distance(first: Path, second: Path, n: int = 257) -> float:

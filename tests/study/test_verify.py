@@ -148,6 +148,19 @@ def test_the_reference_is_not_relaxed_for_a_longer_answer():
     assert judge(inside, longer).reference == pytest.approx(6.535, abs=1e-3)
 
 
+def test_an_exact_answer_that_lands_across_the_circle_is_not_punished():
+    """The long path to a target 1e-9 inside, ended 2e-9 off on the outer side, is still right."""
+    inside = on_left_circle(0.3, inside=1e-9)
+    path = shortest_path(inside)
+    nudged = Path(path.start, path.curvature, path.length - [0, 3e-9])
+
+    found = judge(inside, nudged, Claim.LOCAL)
+
+    assert found.miss > 1e-9
+    assert found.verdict is Verdict.OPTIMAL
+    assert found.reference > 6
+
+
 def test_a_branch_that_only_a_miss_makes_possible():
     """LS does not exist just inside the left disc, but an arc that misses by 1e-7 answers it."""
     inside = on_left_circle(0.3, inside=1e-7)
