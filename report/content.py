@@ -23,7 +23,8 @@ class Column:
         key: its name in the frame; the CSV file keeps it.
         title: its heading, with the unit.
         show: value to text; missing values are shown as a dash before it is asked.
-        kind: `number` (aligned right), `text`, or `code` (a name that a program knows).
+        kind: `number` (aligned right), `text`, `prose` (long text), or `code` (a name that a
+            program knows).
     """
 
     key: str

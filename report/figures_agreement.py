@@ -9,7 +9,7 @@ from matplotlib.colors import LinearSegmentedColormap, LogNorm
 
 from report.content import digits, share
 from report.metrics import solver_order
-from report.style import BLUE, INK, MUTED, PAPER, name_of
+from report.style import BLUE, INK, MAP_PAPER, MUTED, ON_MAP, name_of
 
 # one hue from paper to ink: its order is its lightness, so grey printing keeps it
 _DEPTH = LinearSegmentedColormap.from_list("depth", ["#f4f7fa", "#9cc6e0", BLUE, "#0b2f47"])
@@ -30,7 +30,12 @@ def plot_agreement(ax: Axes, pairs: pd.DataFrame) -> None:
         depth[j, i] = min(max(row["largest"], _SMALLEST), _LARGEST)
         dark = depth[j, i] > 1e-6
         ax.text(
-            i, j, digits(2)(row["largest"]), ha="center", va="center", color=PAPER if dark else INK
+            i,
+            j,
+            digits(2)(row["largest"]),
+            ha="center",
+            va="center",
+            color=MAP_PAPER if dark else ON_MAP,
         )
         ax.text(j, i, share(row["within"]), ha="center", va="center", color=INK)
     norm = LogNorm(_SMALLEST, _LARGEST)

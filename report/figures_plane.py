@@ -13,7 +13,7 @@ from matplotlib.patches import Arc, Circle
 from numpy.typing import NDArray
 
 from report.metrics import SUCCESSES, solver_order
-from report.style import BLUE, INK, MUTED, PAPER, RULE, VERMILION, looks, name_of
+from report.style import BLUE, INK, MAP_PAPER, MUTED, ON_MAP, RULE, VERMILION, looks, name_of
 
 # a light and a dark shade of two hues: apart in hue for the eye, apart in lightness for grey
 _WORDS = {"LS": "#cfe3f1", "RS": "#fbe6c8", "RL": "#5d9cc6", "LR": "#d69a3c"}
@@ -66,8 +66,10 @@ def plot_words(ax: Axes, rows: pd.DataFrame) -> None:
             hatch.set_edgecolor("#ffffff80")
             hatch.set_linewidth(0)
         row, column = _deepest(inside)
-        box = {"facecolor": PAPER, "edgecolor": "none", "pad": 1.5, "alpha": 0.85}
-        ax.text(x[column], y[row], word, ha="center", va="center", fontsize=10, bbox=box)
+        box = {"facecolor": MAP_PAPER, "edgecolor": "none", "pad": 1.5, "alpha": 0.85}
+        ax.text(
+            x[column], y[row], word, ha="center", va="center", fontsize=10, bbox=box, color=ON_MAP
+        )
     _frame(ax, x, y)
 
 
@@ -103,14 +105,14 @@ def plot_lengths(ax: Axes, rows: pd.DataFrame) -> ScalarMappable:
     return image
 
 
-def _frame(ax: Axes, x: NDArray[np.float64], y: NDArray[np.float64]) -> None:
+def _frame(ax: Axes, x: NDArray[np.float64], y: NDArray[np.float64], ink: str = ON_MAP) -> None:
     """Turning circles, the half that jumps drawn heavily, and the start."""
     for side in (1, -1):
-        ax.add_patch(Circle((0, side), 1, fill=False, edgecolor=INK, linewidth=0.6))
-        ax.add_patch(Arc((0, side), 2, 2, theta1=-90, theta2=90, color=INK, linewidth=1.8))
-    head = {"arrowstyle": "-|>", "color": INK, "linewidth": 1.0, "shrinkA": 0, "shrinkB": 0}
+        ax.add_patch(Circle((0, side), 1, fill=False, edgecolor=ink, linewidth=0.6))
+        ax.add_patch(Arc((0, side), 2, 2, theta1=-90, theta2=90, color=ink, linewidth=1.8))
+    head = {"arrowstyle": "-|>", "color": ink, "linewidth": 1.0, "shrinkA": 0, "shrinkB": 0}
     ax.annotate("", xy=(0.75, 0), xytext=(0, 0), arrowprops=head)
-    ax.plot(0, 0, marker="o", color=INK, markersize=3)
+    ax.plot(0, 0, marker="o", color=ink, markersize=3)
     ax.set(xlim=(x[0], x[-1]), ylim=(y[0], y[-1]), xlabel="target x / R", ylabel="target y / R")
     ax.set_aspect("equal")
     ax.grid(False)
@@ -171,5 +173,5 @@ def plot_failures(ax: Axes, rows: pd.DataFrame) -> None:
         text = f"{name_of(solver)} ({len(own)})"
         ax.plot(own["target_x"], own["target_y"], markeredgewidth=0.9, label=text, **dots)
     x, y = np.sort(grid["target_x"].unique()), np.sort(grid["target_y"].unique())
-    _frame(ax, x.astype(np.float64), y.astype(np.float64))
+    _frame(ax, x.astype(np.float64), y.astype(np.float64), INK)
     ax.legend(loc="lower left", bbox_to_anchor=(0, 1.0), borderaxespad=0.2)

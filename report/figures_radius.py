@@ -12,12 +12,12 @@ from matplotlib.ticker import MaxNLocator
 
 from report.content import digits
 from report.metrics import SUCCESSES, runs_of, solver_order
-from report.style import INK, LINES, MUTED, RULE, duration, log_axis, looks, name_of, plain_log_axis
+from report.style import INK, LINES, MUTED, duration, log_axis, looks, name_of, plain_log_axis
 from study.scenario import Scenario
 from study.synthesis import shortest
 
 WARM = ", warm"
-_WORD_SHADE = {"LS": "#eef1f4", "RS": "#e2e7ec", "RL": "#cfd8e0", "LR": "#bccad6"}
+_WORD_SHADE = {"LS": 0.06, "RS": 0.12, "RL": 0.22, "LR": 0.3}
 
 
 def plot_length(ax: Axes, rows: pd.DataFrame, circle: float) -> None:
@@ -35,7 +35,8 @@ def plot_length(ax: Axes, rows: pd.DataFrame, circle: float) -> None:
     for first, past, word in runs_of(exact["word_ref"].tolist()):
         left = low if first == 0 else math.sqrt(radii[first - 1] * radii[first])
         right = high if past == len(radii) else math.sqrt(radii[past - 1] * radii[past])
-        ax.axvspan(left, right, color=_WORD_SHADE.get(word, RULE), linewidth=0, zorder=0)
+        shade = _WORD_SHADE.get(word, 0.02)
+        ax.axvspan(left, right, color=MUTED, alpha=shade, linewidth=0, zorder=0)
         middle = math.sqrt(left * right)
         ax.text(middle, 0.97, word, transform=ax.get_xaxis_transform(), va="top", ha="center")
         ax.plot(radii[first:past], lengths[first:past], color=INK, zorder=3)

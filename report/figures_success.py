@@ -14,7 +14,6 @@ from report.style import (
     MUTED,
     ORANGE,
     RULE,
-    SKY,
     VERMILION,
     log_axis,
     looks,
@@ -25,7 +24,7 @@ from report.style import (
 # dark to light, and hatched where something is wrong, so that the order survives grey printing
 VERDICT_LOOK = {
     "optimal": (BLUE, ""),
-    "none exists": (SKY, ""),
+    "none exists": ("#b9def3", ""),
     "longer": (ORANGE, "///"),
     "misses": (VERMILION, "xx"),
     "none": (RULE, ""),

@@ -12,6 +12,7 @@ from typing import Any
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from report.content import Picture, Section, Table
@@ -98,6 +99,7 @@ def _write(folder: FilePath, sections: Sequence[Section], runs: Sequence[Manifes
                 file = folder / "tables" / f"{block.name}.{suffix}"
                 file.write_text(text(block), encoding="utf-8", newline="\n")
         else:
+            settle(block.figure)
             svg = save_bytes(block.figure, "svg")
             (folder / "figures" / f"{block.name}.svg").write_bytes(svg)
             (folder / "figures" / f"{block.name}.pdf").write_bytes(save_bytes(block.figure, "pdf"))
@@ -106,6 +108,15 @@ def _write(folder: FilePath, sections: Sequence[Section], runs: Sequence[Manifes
         text_of = _environment().get_template(template)
         page = text_of.render(sections=sections, runs=runs, drawn=drawn)
         (folder / file_name).write_text(page, encoding="utf-8", newline="\n")
+
+
+def settle(figure: Figure) -> None:
+    """Lay the figure out once, not again for every file; it takes most of the time."""
+    engine = figure.get_layout_engine()
+    if engine is not None:
+        FigureCanvasAgg(figure)
+        engine.execute(figure)
+        figure.set_layout_engine("none")
 
 
 def save_bytes(figure: Figure, kind: str) -> bytes:
@@ -140,6 +151,12 @@ def inline(svg: str, alt: str) -> Markup:
     return label + Markup(body.removeprefix("<svg"))
 
 
+def breakable(text: str) -> Markup:
+    """A solver's name that may break between its settings."""
+    escaped = str(Markup.escape(text))
+    return Markup(escaped.replace("[", "<wbr>[").replace(",", ",<wbr>"))
+
+
 def _environment() -> Environment:
     """Autoescape is on for HTML; Markdown escapes through its own filter."""
     environment = Environment(
@@ -149,7 +166,7 @@ def _environment() -> Environment:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters |= {"markdown": markdown, "pipe_table": to_markdown}
+    environment.filters |= {"breakable": breakable, "markdown": markdown, "pipe_table": to_markdown}
     environment.tests |= {
         "picture": lambda block: isinstance(block, Picture),
         "table": lambda block: isinstance(block, Table),

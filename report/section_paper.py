@@ -95,7 +95,7 @@ def _differences(cells: pd.DataFrame) -> Table:
         Column("printed", "printed", lambda v: f"{v:.2f}"),
         Column("ours", "exact", lambda v: f"{v:.6f}"),
         Column("difference", "printed − exact", lambda v: f"{v:+.4f}".replace("-", "−")),
-        Column("reason", "finding", kind="text"),
+        Column("reason", "finding", kind="prose"),
     )
     caption = "The printed cells that are not correct roundings, and why. Lengths."
     return Table("paper-differences", caption, wrong, columns)

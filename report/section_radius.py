@@ -33,7 +33,11 @@ def radius_section(results: Results) -> Section | None:
     text = (
         "At R* = r² / (2 |Y|) a turning circle passes through the target (r is its distance, Y its "
         "offset to the left of the start heading). Beyond it the target lies inside the circle, "
-        "the word changes, and where it lay on the circle's front half the length jumps."
+        "the word changes, and where it lay on the circle's front half the length jumps. Upper "
+        "panels: the shortest length (heavy) with its word, and in grey LS (dashed) and RS "
+        "(dotted) where they exist; open marks are answers that are longer, crosses at the foot "
+        "those that do not arrive. Lower panels: time of one attempt, cold (solid) and warm "
+        "(dotted)."
     )
     return Section("radius", "Length, time and word against radius", text, tuple(blocks))
 
@@ -48,12 +52,7 @@ def _picture(number: int, label: str, rows: pd.DataFrame) -> Picture:
     plot_time(lower, rows, circle)
     handles, texts = _solvers_only(lower)
     figure.legend(handles, texts, loc="outside lower left", ncols=2, fontsize=7.5)
-    caption = (
-        f"{label}. Above: the shortest length (black) with its word; grey, LS dashed and RS "
-        "dotted where they exist. Open marks are answers that are longer, crosses at the foot "
-        "those that do not arrive. Below: time of one attempt, cold solid and warm dotted. "
-        f"Length units; R* = {digits(5)(circle)}."
-    )
+    caption = f"{label[:1].upper()}{label[1:]}. Length units; R* = {digits(5)(circle)}."
     return Picture(
         f"radius-{number}", caption, figure, f"Length and time over radius, {label}", True
     )

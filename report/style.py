@@ -22,6 +22,10 @@ INK, MUTED, RULE, PAPER = "#1a1c1f", "#6a7079", "#d5d9de", "#ffffff"
 BLUE, VERMILION, GREEN, ORANGE = "#0072b2", "#d55e00", "#009e73", "#e69f00"
 SKY, PURPLE = "#56b4e9", "#cc79a7"
 
+# on coloured maps, which stay as they are when the page is dark; not equal to those above, which
+# the page replaces
+ON_MAP, MAP_PAPER = "#1a1c20", "#fffffe"
+
 WIDE, HALF = 7.2, 3.55  # inches: the page's column, and half of it
 
 _SETTINGS = {
@@ -60,7 +64,6 @@ _SETTINGS = {
     "text.parse_math": False,  # names come from outside, and "$" in them is a "$"
     "svg.fonttype": "none",  # text stays text
     "svg.hashsalt": "dubins-study",
-    "pdf.fonttype": 42,
     "hatch.linewidth": 0.5,
     "figure.facecolor": PAPER,
     "axes.facecolor": "none",
