@@ -25,7 +25,7 @@ WORDS = ("", "S", "L", "R", "LS", "RS", "LR", "RL")
 CHUNK = 512  # rows; what a chunk reads and writes stays in the first-level cache
 SMALL = 32768  # rows; below, waking a thread costs more than it saves
 _TWO_PI = 2 * math.pi
-_LARGEST = 1e300
+_LARGEST = np.finfo(np.float64).max
 
 
 class Rows(NamedTuple):
@@ -267,5 +267,6 @@ def _redo_unusual(
         X, Y, rounding = to_local_exactly(x[i], y[i], heading[i], tx[i], ty[i], radius[i])
         a, b, code = _best(X, abs(Y), rounding, 0 if Y >= 0.0 else 1)
         first[i], second[i] = a * radius[i], b * radius[i]
-        length[i] = first[i] + second[i]
-        word[i] = code if length[i] <= _LARGEST else NO_PATH
+        sound = rounding <= _LARGEST and a + b >= 0.0
+        length[i] = first[i] + second[i] if sound else math.nan
+        word[i] = code if sound else NO_PATH

@@ -29,7 +29,7 @@ ODD = 254  # verdict of a row that is left to the scalar check
 _OPTIMAL, _LONGER, _MISSES = (
     VERDICTS.index(v) for v in (Verdict.OPTIMAL, Verdict.LONGER, Verdict.MISSES)
 )
-_LARGEST = 1e300
+_LARGEST = np.finfo(np.float64).max
 
 BoolArray = NDArray[np.bool_]
 
@@ -85,14 +85,21 @@ class Found(NamedTuple):
 
 
 @inlined
-def _arc(k: float, length: float, heading: float) -> tuple[float, float]:
-    """Displacement along an arc: its chord points along the mean heading (`path.rollout`)."""
-    half = 0.5 * k * length
-    sine, _ = sine_cosine(half)
-    sin_mean, cos_mean = sine_cosine(heading + half)
-    ratio = sine / (1.0 if half == 0.0 else half)
-    chord = length * (1.0 if half == 0.0 else ratio)
-    return chord * cos_mean, chord * sin_mean
+def _displacement(k1: float, l1: float, k2: float, l2: float) -> tuple[float, float]:
+    """End of two arcs driven from the origin with heading 0 (`path.rollout`)."""
+    half1, half2 = 0.5 * k1 * l1, 0.5 * k2 * l2
+    sine1, cosine1 = sine_cosine(half1)
+    sine2, _ = sine_cosine(half2)
+    sine_mean, cosine_mean = sine_cosine(2.0 * half1 + half2)
+    chord1, chord2 = _chord(half1, sine1, l1), _chord(half2, sine2, l2)
+    return chord1 * cosine1 + chord2 * cosine_mean, chord1 * sine1 + chord2 * sine_mean
+
+
+@inlined
+def _chord(half: float, sine: float, length: float) -> float:
+    straight = half == 0.0
+    ratio = sine / (1.0 if straight else half)
+    return length * (1.0 if straight else ratio)
 
 
 @inlined
@@ -167,13 +174,13 @@ def _judge_chunk(chunk: int, asked: Asked, driven: Driven, limits: Limits, found
         odd += not (margin[i] <= _LARGEST)
     for i in range(low, high):
         k1, k2, l1, l2 = curvature1[i], curvature2[i], length1[i], length2[i]
-        turn1, turn2 = k1 * l1, k2 * l2
-        dx1, dy1 = _arc(k1, l1, heading[i])
-        dx2, dy2 = _arc(k2, l2, heading[i] + turn1)
-        off_x, off_y = x[i] + dx1 + dx2 - tx[i], y[i] + dy1 + dy2 - ty[i]
+        u, v = _displacement(k1, l1, k2, l2)
+        sine, cosine = sine_cosine(heading[i])
+        off_x = x[i] + (u * cosine - v * sine) - tx[i]
+        off_y = y[i] + (u * sine + v * cosine) - ty[i]
         miss[i] = math.sqrt(off_x * off_x + off_y * off_y)
         length[i] = l1 + l2
-        word[i] = _path_word(turn1, turn2, l1, l2)
+        word[i] = _path_word(k1 * l1, k2 * l2, l1, l2)
         odd += not (miss[i] <= _LARGEST)
     for i in range(low, high):
         k1, k2, l1, l2 = curvature1[i], curvature2[i], length1[i], length2[i]
@@ -184,7 +191,7 @@ def _judge_chunk(chunk: int, asked: Asked, driven: Driven, limits: Limits, found
         relative = (length[i] - reference[i]) / max(reference[i], radius[i])
         gap[i] = math.nan if misses else relative
         arrives = _OPTIMAL if relative <= limits.gap else _LONGER
-        angle = abs(heading[i]) + abs(k1 * l1) + abs(k2 * l2)
+        angle = max(abs(heading[i]), abs(k1 * l1) + abs(k2 * l2))
         sound = (angle <= LARGEST_ANGLE) & (min(l1, l2) >= 0.0)
         sound = sound & (miss[i] <= _LARGEST) & (margin[i] <= _LARGEST)
         usual = sound & (length[i] >= reference[i] * (1.0 - ROUNDED))

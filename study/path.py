@@ -135,14 +135,17 @@ def rollout(start: Pose, curvature: FloatArray, length: FloatArray) -> FloatArra
         Shape (n + 1, 3): x, y (length unit), heading (rad, not wrapped). Row 0 is `start`.
     """
     turn = curvature * length
-    heading = start.heading + np.concatenate(([0.0], np.cumsum(turn)))
+    turned = np.concatenate(([0.0], np.cumsum(turn)))
     chord = _chord(turn, length)
-    middle = heading[:-1] + turn / 2
+    middle = turned[:-1] + turn / 2
+    # driven in the start's frame: added to a heading of many turns, an angle loses its digits
+    forward, left = np.cumsum(chord * np.cos(middle)), np.cumsum(chord * np.sin(middle))
+    cos, sin = np.cos(start.heading), np.sin(start.heading)
     poses = np.empty((length.size + 1, 3))
     poses[0] = start
-    poses[1:, 0] = start.x + np.cumsum(chord * np.cos(middle))
-    poses[1:, 1] = start.y + np.cumsum(chord * np.sin(middle))
-    poses[1:, 2] = heading[1:]
+    poses[1:, 0] = start.x + (forward * cos - left * sin)
+    poses[1:, 1] = start.y + (forward * sin + left * cos)
+    poses[1:, 2] = start.heading + turned[1:]
     return poses
 
 

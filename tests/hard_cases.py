@@ -1,0 +1,51 @@
+"""Frames of scenarios in every region, with the edges of each drawn on purpose."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pandas as pd
+
+from study.scenario import Scenario, scenario_frame
+
+
+def hard_frame(n: int, seed: int = 0) -> pd.DataFrame:
+    """n scenarios, a sixth of each kind: see `_target`. Radii from 1e-6 to 1e6."""
+    rng = np.random.default_rng(seed)
+    return scenario_frame(_scenario(rng, row) for row in range(n))
+
+
+def _scenario(rng: np.random.Generator, row: int) -> Scenario:
+    R = 10 ** rng.uniform(-6, 6)
+    heading = rng.uniform(-7, 7)
+    if row % 17 == 0:
+        heading = rng.choice([0, math.pi / 2, math.pi, -math.pi / 2, 2 * math.pi / 3])
+    if row % 29 == 0:
+        heading *= 10 ** rng.uniform(3, 15)
+    X, Y = _target(rng, row % 6)
+    x, y = rng.uniform(-5, 5, 2) * R if row % 2 else (0.0, 0.0)
+    c, s = math.cos(heading), math.sin(heading)
+    speed = rng.uniform(0.5, 3)
+    return Scenario(x, y, heading, x + R * (X * c - Y * s), y + R * (X * s + Y * c), R, speed)
+
+
+def _target(rng: np.random.Generator, kind: int) -> tuple[float, float]:
+    """A target in units of the radius, X forward and Y to the left."""
+    sign = rng.choice([-1, 1], 2)
+    if kind == 0:  # in and about the discs
+        return tuple(rng.uniform(-3, 3, 2))
+    angle = rng.uniform(-math.pi, math.pi)
+    if kind == 1:  # at every distance
+        r = 10 ** rng.uniform(-8, 3)
+        return r * math.cos(angle), r * math.sin(angle)
+    if kind == 2:  # on a circle and at every distance from it, front and rear
+        r = 1 + rng.choice([-1, 0, 1]) * 10 ** rng.uniform(-16, -1)
+        return r * math.sin(angle), sign[0] * (1 - r * math.cos(angle))
+    if kind == 3:  # ahead, behind, and at the start, exactly or nearly
+        X, Y = 10 ** rng.uniform(-16, 2, 2) * rng.choice([-1, 0, 1], 2)
+        return X, Y
+    if kind == 4:  # far
+        X, Y = sign * 10 ** rng.uniform(0, 9, 2)
+        return X, Y
+    return tuple(rng.choice([0.0, 1, 2, -1, -2, 0.5], 2))  # round numbers
