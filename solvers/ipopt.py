@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import importlib.util
 import math
+import os
 import shutil
 import tempfile
 from collections.abc import Callable
@@ -131,7 +132,7 @@ class Ipopt:
     def unavailable(self) -> str | None:
         if importlib.util.find_spec("pyomo") is None:
             return "the package pyomo is not installed"
-        executable = shutil.which("ipopt") is not None
+        executable = _executable()
         library = importlib.util.find_spec("casadi") is not None
         reasons = {
             "executable": None if executable else "no executable 'ipopt' on PATH",
@@ -142,9 +143,7 @@ class Ipopt:
         return reasons[self.via]
 
     def build(self, question: Question) -> Model:
-        executable = self.via == "executable" or (
-            self.via == "auto" and shutil.which("ipopt") is not None
-        )
+        executable = self.via == "executable" or (self.via == "auto" and _executable())
         template = executable_template if executable else library_template
         cases = [
             self._case(question, subproblem)
@@ -162,7 +161,7 @@ class Ipopt:
 
     def _case(self, question: Question, subproblem: Subproblem) -> Case:
         arc = FULL_TURN if self.capped else math.inf
-        upper = np.where(np.isin(np.arange(3), subproblem.free), (arc, arc, math.inf), 0.0)
+        upper = np.where(subproblem.mask, (arc, arc, math.inf), 0.0)
         return Case(
             subproblem,
             starting_points(question, subproblem, self.start, self.seed, self.count),
@@ -180,6 +179,16 @@ class Ipopt:
             for case in model.cases
         ]
         return answer(model.question, attempts, limit)
+
+
+def _executable() -> bool:
+    return _on_path(os.environ.get("PATH", ""))
+
+
+@lru_cache(maxsize=4)
+def _on_path(path: str) -> bool:
+    # looked up once for every value of PATH: the search costs as much as a few iterations
+    return shutil.which("ipopt", path=path) is not None
 
 
 def _attempt(run: Run, case: Case, start: FloatArray) -> Point:
@@ -225,7 +234,9 @@ def library_template(options: Options) -> Run:
         builder = casadi.NlpBuilder()
         builder.import_nl(str(file))
     names = [variable.name for variable in info.variables]
-    order = [names.index(name) for name in ("z[1]", "z[2]", "z[3]", "X", "Y")]
+    ours = ("z[1]", "z[2]", "z[3]", "X", "Y")
+    places = [ours.index(name) for name in names]
+    z_places = [names.index(name) for name in ours[:3]]
     rows = [constraint.name for constraint in info.constraints]
     ends = [rows.index("x_end"), rows.index("y_end")]
     solver = casadi.nlpsol(
@@ -234,6 +245,7 @@ def library_template(options: Options) -> Run:
         {"x": casadi.vertcat(*builder.x), "f": builder.f, "g": casadi.vertcat(*builder.g)},
         {
             "print_time": False,
+            "expand": True,  # scalar expressions evaluate faster than the file's matrix ones
             "ipopt": {"print_level": 0, "sb": "yes", **dict(options)},
         },
     )
@@ -242,15 +254,12 @@ def library_template(options: Options) -> Run:
     def run(
         start: FloatArray, lower: FloatArray, upper: FloatArray, target: tuple[float, float]
     ) -> Native:
-        x0, low, high = np.empty(5), np.empty(5), np.empty(5)
-        for vector, z in ((x0, start), (low, lower), (high, upper)):
-            vector[order[:3]] = z
-            vector[order[3:]] = target
+        x0, low, high = (np.concatenate((z, target))[places] for z in (start, lower, upper))
         found = solver(x0=x0, lbx=low, ubx=high, lbg=g_low, ubg=g_high)
         stats = solver.stats()
         duals = found["lam_g"].full().ravel()[ends]
         return Native(
-            found["x"].full().ravel()[order[:3]],
+            found["x"].full().ravel()[z_places],
             (float(duals[0]), float(duals[1])),
             str(stats["return_status"]),
             str(stats["unified_return_status"]),

@@ -9,10 +9,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
 from time import perf_counter
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from solvers.protocol import Question, Solution
 from study.path import FloatArray, Path
@@ -24,7 +27,8 @@ from study.verify import Claim
 FULL_TURN = 2 * math.pi
 
 
-class Subproblem(NamedTuple):
+@dataclass(frozen=True)
+class Subproblem:
     """The model with some lengths fixed at zero.
 
     Args:
@@ -36,6 +40,11 @@ class Subproblem(NamedTuple):
     name: str
     mirrored: bool
     free: tuple[int, ...]
+
+    @cached_property
+    def mask(self) -> NDArray[np.bool_]:
+        """Which lengths are free, shape (3,)."""
+        return np.isin(np.arange(3), self.free)
 
     @property
     def turns(self) -> tuple[float, float, float]:
@@ -176,7 +185,7 @@ def answer(question: Question, attempts: list[Attempts], limit: float) -> Soluti
 
 def _solve_all(attempts: list[Attempts], limit: float) -> list[Point]:
     began = perf_counter()
-    points = []
+    points: list[Point] = []
     for every, calls in attempts:
         for call in calls:
             if perf_counter() - began > limit:

@@ -53,8 +53,7 @@ def starting_points(
         points = _bearing(X, Y, subproblem)
     if question.start is not None:
         points.insert(0, _from_path(question.start, question.scenario.radius, subproblem))
-    free = np.isin(np.arange(3), subproblem.free)
-    return [np.where(free, point, 0.0) for point in points]
+    return [point * subproblem.mask for point in points]
 
 
 def every_start(subproblem: Subproblem, kind: str) -> bool:
