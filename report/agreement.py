@@ -13,6 +13,17 @@ from study.path import Path, largest_distance
 
 CLOSE = 1e-6
 _KEY = ["experiment", "scenario_id", "branch"]
+_COLUMNS = (
+    "first",
+    "second",
+    "asked",
+    "both",
+    "median",
+    "largest",
+    "within",
+    "apart_median",
+    "apart_largest",
+)
 _PLACES = 65  # looked at along two paths; turns are longer than a 64th of all but long paths
 
 
@@ -69,7 +80,7 @@ def agreement(rows: pd.DataFrame, path_of: Callable[[int], Path | None]) -> pd.D
                 "apart_largest": _or_nan(np.max, apart),
             }
         )
-    return pd.DataFrame.from_records(records)
+    return pd.DataFrame.from_records(records, columns=list(_COLUMNS))
 
 
 def _apart(first: Path | None, second: Path | None) -> float:

@@ -1,0 +1,107 @@
+"""Small results folders, written as a run writes them."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable
+from pathlib import Path as FilePath
+from typing import Any
+
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from study.path import Path
+from study.scenario import Scenario
+from study.schema import ROW, VERSION
+from study.synthesis import shortest_path
+from study.verify import Claim, judge
+
+TYPES = {
+    "string": pa.string(),
+    "int64": pa.int64(),
+    "float64": pa.float64(),
+    "bool": pa.bool_(),
+    "list<float64>": pa.list_(pa.float64()),
+}
+SCHEMA = pa.schema([(column.name, TYPES[column.type]) for column in ROW])
+
+PAPER = {
+    "problem 1": (2, 10, 5, 1),
+    "problem 2": (2, -6, 3, 1),
+    "problem 3": (1, -1, 5, 1),
+    "problem 4": (1, -2, -5, 1),
+    "problem 5, R=25": (2, -80, 20, 25),
+    "problem 5, R=10": (2, -80, 20, 10),
+    "problem 5, R=5": (2, -80, 20, 5),
+}
+THIRD = 1.0471975511965976
+
+
+def paper_scenarios() -> list[Scenario]:
+    return [
+        Scenario(0, 0, turns * THIRD, x, y, radius, label=label)
+        for label, (turns, x, y, radius) in PAPER.items()
+    ]
+
+
+def attempt(
+    scenario: Scenario,
+    solver: str = "analytic",
+    branch: str = "best",
+    path: Path | str | None = "exact",
+    claim: Claim = Claim.OPTIMAL,
+    **changes: Any,
+) -> dict[str, Any]:
+    """One row, judged; `path` is the closed form's unless given."""
+    given = shortest_path(scenario, branch) if isinstance(path, str) else path
+    if given is None and claim is Claim.OPTIMAL:
+        claim = Claim.INFEASIBLE
+    found = judge(scenario, given, claim, branch)
+    row: dict[str, Any] = {column.name: None for column in ROW}
+    row |= {name: getattr(scenario, name) for name in Scenario.__dataclass_fields__}
+    row |= {name: getattr(found, name) for name in type(found).__dataclass_fields__}
+    row |= {
+        "scenario_id": f"{hash((scenario.target_x, scenario.target_y, scenario.radius)):x}",
+        "solver": solver,
+        "profile": "default",
+        "branch": branch,
+        "start": "cold",
+        "repeat": 0,
+        "outcome": "returned",
+        "claim": str(claim),
+        "native_status": "",
+        "message": "",
+        "curvatures": None if given is None else given.curvature.tolist(),
+        "lengths": None if given is None else given.length.tolist(),
+        "build_s": 1e-4,
+        "solve_s": 2e-3,
+        "wall_s": 2.1e-3,
+        "iterations": 7,
+        "versions": "{}",
+        "host": "Linux x86_64",
+        "threads": 1,
+        "jobs": 1,
+        "run_id": "a",
+        "started": "2026-01-01T00:00:00Z",
+    }
+    return row | changes
+
+
+def write_folder(
+    folder: FilePath, name: str, rows: Iterable[dict[str, Any]], **manifest: Any
+) -> FilePath:
+    """A results folder with one part."""
+    (folder / "parts").mkdir(parents=True)
+    pq.write_table(pa.Table.from_pylist(list(rows), schema=SCHEMA), folder / "parts" / "1.parquet")
+    text = {
+        "schema": VERSION,
+        "experiment": {"name": name, "title": f"About {name}", "question": "?", "text": "a = 1"},
+        "command": f"dubins-study run {name}",
+        "versions": {"numpy": "2.3"},
+        "machine": {"system": "Linux"},
+        "git": {"commit": "abc"},
+        "created": "2026-01-01T00:00:00Z",
+        "finished": "2026-01-01T00:01:00Z",
+    }
+    (folder / "manifest.json").write_text(json.dumps(text | manifest), encoding="utf-8")
+    return folder
