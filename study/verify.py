@@ -152,23 +152,25 @@ def _judge_path(
         return driven
     reference = relaxed_reference(scenario, branch, length, miss, (end.x, end.y))
     if reference is None:
-        return replace(driven, verdict=Verdict.LONGER)
+        return driven  # the branch has no path, here or at the path's end
     gap = (length - reference) / max(reference, radius)
     if gap <= tolerances.gap:
         return replace(driven, verdict=Verdict.OPTIMAL, gap=gap, reference=reference)
-    turn = 0.0 if optimum is None else _turn(optimum)
+    turns = () if optimum is None else _turns(optimum)
     return replace(
         driven,
         verdict=Verdict.LONGER,
         gap=gap,
         reference=reference,
-        wrong_basin=abs(path.turn - turn) > 1.0,
+        wrong_basin=all(abs(path.turn - turn) > 1.0 for turn in turns),
     )
 
 
-def _turn(optimum: Shortest) -> float:
+def _turns(optimum: Shortest) -> tuple[float, ...]:
+    """Net turn (rad) of the shortest path and, of a tie, of its mirror image."""
     lengths = [length for length in optimum.segments if length > 0]
-    return sum(TURN[c] * length for c, length in zip(optimum.word, lengths, strict=True))
+    turn = sum(TURN[c] * length for c, length in zip(optimum.word, lengths, strict=True))
+    return (turn,) if len(optimum.words) == 1 else (turn, -turn)
 
 
 def drivable(path: Path) -> bool:
@@ -180,8 +182,9 @@ def drivable(path: Path) -> bool:
 def curvature_excess(curvature: FloatArray, branch: str) -> float:
     """Largest amount by which curvatures leave what a branch allows, in units of 1 / radius.
 
-    `best` allows [-1, 1]; `LS` [0, 1] and `RS` [-1, 0], since with one-sided turning no path is
-    shorter than the word's own; `LR` and `RL` allow only +1 and -1, in that order.
+    `best` allows [-1, 1]; `LS` [0, 1] and `RS` [-1, 0], since where the word exists no path of
+    one-sided turning is shorter (docs/derivation.md, section 8); `LR` and `RL` allow only +1 and
+    -1, in that order.
 
     Args:
         curvature: shape (n,), in units of 1 / radius, arcs of no length left out.

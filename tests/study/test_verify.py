@@ -171,6 +171,44 @@ def test_a_branch_that_only_a_miss_makes_possible():
     assert found.word_ref is None
 
 
+def test_going_straight_first_does_not_answer_ls_inside_the_left_disc():
+    """One-sided turning arrives at the centre (straight 1, left 3 pi / 2), but not as LS."""
+    centre = EDGES["centre of the left disc"]
+    path = Path(centre.start, [0.0, 1.0], [1.0, 1.5 * math.pi])
+
+    found = judge(centre, path, Claim.LOCAL, "LS")
+
+    assert found.miss < 1e-12
+    assert found.verdict is Verdict.MISSES
+    assert judge(centre, path, Claim.LOCAL).verdict is Verdict.LONGER
+
+
+@given(scenarios(), st.lists(st.tuples(st.floats(0, 1), st.floats(0, 3)), min_size=1, max_size=6))
+def test_one_sided_turning_is_never_shorter_than_ls(scenario, pieces):
+    """docs/derivation.md, section 8: any end that LS reaches at all, it reaches first."""
+    radius = scenario.radius
+    path = Path(
+        scenario.start, [u / radius for u, _ in pieces], [length * radius for _, length in pieces]
+    )
+    moved = replace(scenario, target_x=path.end.x, target_y=path.end.y)
+    best = shortest_path(moved, "LS")
+
+    if best is not None:
+        assert best.total_length <= path.total_length + 1e-9 * radius
+
+
+def test_either_word_of_a_tie_is_the_right_basin():
+    """Straight behind, a coarse RS is no more another optimum than a coarse LS."""
+    behind = EDGES["behind"]
+    for word in ("LS", "RS"):
+        path = shortest_path(behind, word)
+        end = Path(path.start, path.curvature, path.length * [1.0, 1.01]).end
+        longer = replace(behind, target_x=end.x, target_y=0.0)
+        found = judge(longer, path, tolerances=Tolerances(miss=1, gap=-1))
+        assert found.verdict is Verdict.LONGER
+        assert not found.wrong_basin
+
+
 def test_claims_of_infeasibility():
     inside = Scenario(0, 0, 0, 0, 1, 1)
 
