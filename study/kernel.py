@@ -111,8 +111,8 @@ def to_local(
     Y = fma(fma(-Y, radius, left), inverse, Y)
     rounding = 2.0 * EPS * (abs(x) + abs(y) + abs(tx) + abs(ty)) * inverse
     on_axis = abs(Y) <= rounding
-    at_start = on_axis & (abs(X) <= rounding)
-    return 0.0 if at_start else X, 0.0 if on_axis else Y, rounding
+    at_start = (abs(Y) <= 4.0 * rounding) & (abs(X) <= rounding)
+    return 0.0 if at_start else X, 0.0 if on_axis | at_start else Y, rounding
 
 
 @inlined
@@ -133,15 +133,16 @@ def _best(X: float, y: float, rounding: float, right: int) -> tuple[float, float
     A = p + 4.0 * y + 8.0
     inner, outer = p * q, -w
     root = math.sqrt(inner if inside else outer)  # D inside, the straight part outside
-    four_x = 4.0 * X
-    rise_front, run_front = four_x + root, X + root
-    rise_rear, run_rear = root - X, root - four_x
-    below = y - 2.0
-    rise_front = rise_front if inside else y
-    rise_rear = w if inside else rise_rear
+    # tan(a/2) is y / (X + s) ahead and (s - X) / (y - 2) behind. On the circle, s = 0, either loses
+    # its digits at one end: the first next to the start, the second next to (0, 2).
+    four_x, below, on_arc = 4.0 * X, y - 2.0, root == 0.0
+    low, high = on_arc & (y <= 1.0), on_arc & (y > 1.0)
+    rise_front, run_front = X if low else y, -below if low else X + root
+    rise_front = four_x + root if inside else rise_front
     run_front = A if inside else run_front
-    run_rear = run_rear if inside else below
-    front = (X >= 0.0) | ((root == 0.0) & (y > 1.0))
+    rise_rear = w if inside else root - X
+    run_rear = root - four_x if inside else below
+    front = (X >= 0.0) | high
     rise = rise_front if front else rise_rear
     run = run_front if front else run_rear
     first = 2.0 * upper_arctangent(rise, run)

@@ -29,9 +29,9 @@ def to_local_exactly(
     sine, cosine = math.sin(heading), math.cos(heading)
     X, Y = (dx * cosine + dy * sine) / radius, (dy * cosine - dx * sine) / radius
     rounding = 2.0 * EPS * (abs(x) + abs(y) + abs(tx) + abs(ty)) / radius
-    if abs(Y) <= rounding:
-        return 0.0 if abs(X) <= rounding else X, 0.0, rounding
-    return X, Y, rounding
+    if abs(X) <= rounding and abs(Y) <= 4.0 * rounding:
+        return 0.0, 0.0, rounding
+    return X, 0.0 if abs(Y) <= rounding else Y, rounding
 
 
 @inlined
@@ -41,8 +41,10 @@ def _left_straight(X: float, Y: float, rounding: float) -> tuple[float, float]:
     if w > 0.0:
         return math.nan, math.nan
     s = math.sqrt(-w)
-    ahead = X >= 0.0 or (s == 0.0 and Y > 1.0)
-    a = 2.0 * math.atan2(Y, X + s) if ahead else 2.0 * math.atan2(s - X, Y - 2.0)
+    if s == 0.0:
+        a = math.atan2(X, 1.0 - Y)
+    else:
+        a = 2.0 * math.atan2(Y, X + s) if X >= 0.0 else 2.0 * math.atan2(s - X, Y - 2.0)
     return a if a >= 0.0 else a + _TWO_PI, s
 
 
@@ -56,11 +58,15 @@ def _right_left(X: float, Y: float, rounding: float) -> tuple[float, float]:
     if p < -slack or q < -slack:
         return math.nan, math.nan
     A = p + 4.0 * Y + 8.0
-    D = math.sqrt(max(0.0, 16.0 * X * X + A * w))
+    D = math.sqrt(max(0.0, p * q))
     bend = 2.0 * math.atan2(math.sqrt(max(0.0, p)), math.sqrt(max(0.0, q)))
-    plus = math.atan2(4.0 * X + D, A) if X >= 0.0 else math.atan2(w, D - 4.0 * X)
-    minus = math.atan2(4.0 * X - D, A) if X < 0.0 else math.atan2(-w, D + 4.0 * X)
-    long, short = _wrapped(2.0 * plus), _wrapped(2.0 * minus)
+    if A > 1.0:
+        plus = 2.0 * (math.atan2(4.0 * X + D, A) if X >= 0.0 else math.atan2(w, D - 4.0 * X))
+        minus = 2.0 * (math.atan2(4.0 * X - D, A) if X < 0.0 else math.atan2(-w, D + 4.0 * X))
+    else:
+        bearing, between = math.atan2(X, 1.0 + Y), math.atan2(D, p + 4.0)
+        plus, minus = bearing + between, bearing - between
+    long, short = _wrapped(plus), _wrapped(minus)
     if long + (_TWO_PI - bend) <= short + bend:
         return long, _TWO_PI - bend
     return short, bend

@@ -76,9 +76,10 @@ def local(scenario: Scenario) -> Local:
     """
     X, Y = scenario.local()
     rounding = 2.0 * EPS * scenario.extent / scenario.radius
-    if abs(Y) <= rounding:
-        return Local(0.0 if abs(X) <= rounding else X, 0.0, rounding)
-    return Local(X, Y, rounding)
+    # next to the start w is snapped while |Y| is below 4 times the rounding
+    if abs(X) <= rounding and abs(Y) <= 4.0 * rounding:
+        return Local(0.0, 0.0, rounding)
+    return Local(X, 0.0 if abs(Y) <= rounding else Y, rounding)
 
 
 def left_straight(target: Local) -> Segments | None:
@@ -87,10 +88,10 @@ def left_straight(target: Local) -> Segments | None:
     if w > 0:
         return None
     s = math.sqrt(-w)
-    # Two forms of tan(a/2), each free of cancellation on its side. On the circle next to (0, 2)
-    # nothing but rounding is left of the second one's arguments.
-    ahead = X >= 0 or (s == 0 and Y > 1)
-    a = 2 * math.atan2(Y, X + s) if ahead else 2 * math.atan2(s - X, Y - 2)
+    if s == 0:  # on the circle: the arc's angle at its centre
+        a = math.atan2(X, 1 - Y)
+    else:  # two forms of tan(a/2), each free of cancellation on its side
+        a = 2 * math.atan2(Y, X + s) if X >= 0 else 2 * math.atan2(s - X, Y - 2)
     return Segments(a if a >= 0 else a + 2 * math.pi, s)
 
 
@@ -109,15 +110,18 @@ def right_left_pair(target: Local) -> tuple[Segments, Segments] | None:
     if p < -slack or q < -slack:
         return None
     A = p + 4 * Y + 8
-    D = math.sqrt(max(0.0, 16 * X * X + A * w))
+    D = math.sqrt(max(0.0, p * q))  # 16 X^2 + A w, 4 x the area of C_R, second centre, T
     bend = 2 * math.atan2(math.sqrt(max(0.0, p)), math.sqrt(max(0.0, q)))
-    # the roots of A t^2 - 8 X t - w = 0 with t = tan(a1/2), each in its stable form
-    plus = math.atan2(4 * X + D, A) if X >= 0 else math.atan2(w, D - 4 * X)
-    minus = math.atan2(4 * X - D, A) if X < 0 else math.atan2(-w, D + 4 * X)
-    return (
-        Segments(_wrap(2 * plus), 2 * math.pi - bend),
-        Segments(_wrap(2 * minus), bend),
-    )
+    if A > 1:
+        # the roots of A t^2 - 8 X t - w = 0 with t = tan(a1/2), each in its stable form
+        plus = 2 * (math.atan2(4 * X + D, A) if X >= 0 else math.atan2(w, D - 4 * X))
+        minus = 2 * (math.atan2(4 * X - D, A) if X < 0 else math.atan2(-w, D + 4 * X))
+    else:
+        # A and X vanish at (0, -2) and (0, -4); there: the bearing of T from C_R, and the angle
+        # between T and the second circle's centre
+        bearing, between = math.atan2(X, 1 + Y), math.atan2(D, p + 4)
+        plus, minus = bearing + between, bearing - between
+    return Segments(_wrap(plus), 2 * math.pi - bend), Segments(_wrap(minus), bend)
 
 
 def _wrap(angle: float) -> float:

@@ -28,7 +28,7 @@ def on_the_edge_of_a_snap(scenario: Scenario) -> bool:
     """Whether the last ulp of X and Y decides if the target counts as on a circle or the axis.
 
     Two evaluations of X and Y differ by at most half of `rounding`, since sine, cosine and each
-    operation are good to an ulp; this is half the axis' snap and less than half a circle's.
+    operation are good to an ulp; this is half the axis' snap and less than half the others'.
     """
     X, Y = scenario.local()
     rounding = local(scenario).rounding
@@ -36,7 +36,12 @@ def on_the_edge_of_a_snap(scenario: Scenario) -> bool:
     w = abs(Y) * (2 - abs(Y)) - X * X
     return any(
         0.5 * limit <= value <= 1.5 * limit
-        for value, limit in ((abs(X), rounding), (abs(Y), rounding), (abs(w), width))
+        for value, limit in (
+            (abs(X), rounding),
+            (abs(Y), rounding),
+            (abs(Y), 4 * rounding),
+            (abs(w), width),
+        )
     )
 
 
