@@ -91,7 +91,7 @@ def plot_gap_profile(ax: Axes, rows: pd.DataFrame, tolerance: float = 1e-4) -> N
             x,
             y,
             where="post",
-            label=" ".join(name_of(solver, 60).split("\n")),
+            label=name_of(solver, 40),
             **style[solver].lines,
         )
     ax.axvline(tolerance, color=MUTED, linewidth=0.8, linestyle=(0, (1, 2)))

@@ -46,6 +46,7 @@ class Manifest:
     versions: dict[str, Any] = field(default_factory=dict)
     machine: dict[str, Any] = field(default_factory=dict)
     git: dict[str, Any] = field(default_factory=dict)
+    solvers: dict[str, Any] = field(default_factory=dict)
     schema: int = VERSION
     created: str = ""
     finished: str = ""
@@ -148,6 +149,7 @@ def _manifest(experiment: dict[str, Any], data: dict[str, Any]) -> Manifest:
         versions=mapping(data.get("versions")),
         machine=mapping(data.get("machine")),
         git=mapping(data.get("git")),
+        solvers=mapping(data.get("solvers")),
         created=text(data.get("created")),
         finished=text(data.get("finished")),
     )

@@ -69,6 +69,12 @@ def summary(rows: pd.DataFrame) -> pd.DataFrame:
     return pd.DataFrame.from_records(records)
 
 
+def gist(message: str) -> str:
+    """A message without its numbers and repetitions, so that like messages count as one."""
+    parts = [re.sub(r"\d[\d.]*(?:[eE][+-]?\d+)?", "#", part) for part in message.split("; ")]
+    return "; ".join(dict.fromkeys(parts))[:160]
+
+
 def failures(rows: pd.DataFrame) -> pd.DataFrame:
     """Attempts without success, grouped by what was said and found, most frequent first.
 
@@ -76,7 +82,7 @@ def failures(rows: pd.DataFrame) -> pd.DataFrame:
     """
     bad = rows[~success(rows)]
     said = bad["message"].fillna("").where(bad["message"].fillna("") != "", bad["native_status"])
-    bad = bad.assign(said=said.fillna("").str.slice(0, 120))
+    bad = bad.assign(said=said.fillna("").map(gist))
     keys = ["solver", "outcome", "claim", "verdict", "said"]
     grouped = bad.groupby(keys, dropna=False).size().rename("attempts").reset_index()
     return grouped.sort_values(["attempts", *keys], ascending=[False] + [True] * 5)
@@ -119,8 +125,8 @@ def gap_quantiles(
         own = asked[asked["solver"] == solver]
         for region in REGIONS:
             there = own if region == "all" else own[own["region"] == region]
-            if there.empty:
-                continue
+            if there.empty or (region != "all" and len(there) == len(own)):
+                continue  # nothing, or nothing new
             gaps = gaps_or_infinity(there)
             record: dict[str, object] = {"solver": solver, "region": region}
             record |= {"attempts": len(there), "arrived": float(np.isfinite(gaps).mean())}

@@ -25,7 +25,7 @@ def agreement_section(results: Results) -> Section | None:
     if not (pairs["both"] > 0).any():
         return None
     n = len({*pairs["first"], *pairs["second"]})
-    figure = new_figure(WIDE, min(7.0, 1.0 + 0.62 * n))
+    figure = new_figure(WIDE, min(7.0, 0.8 + 0.52 * n))
     plot_agreement(figure.add_subplot(), pairs)
     caption = (
         "Below the diagonal: the largest |La − Lb| / max(reference, R) of each pair, darker for "

@@ -150,6 +150,7 @@ def _failure_table(failed: pd.DataFrame) -> Table:
         Column("attempts", "attempts", count),
     )
     caption = (
-        f"Attempts without success by what was said of them, the {_MOST_FAILURES} most frequent."
+        "Attempts without success by what was said of them (# stands for a number), the "
+        f"{_MOST_FAILURES} most frequent."
     )
     return Table("failures", caption, frame, columns)
