@@ -26,13 +26,11 @@ def work_precision(rows: pd.DataFrame) -> pd.DataFrame:
     order (p of gap ~ n^-p over the engine's rows).
     """
     parsed = rows["solver"].map(parse_spec)
-    own = rows[parsed.map(lambda spec: spec[0] == SOLVER).astype(bool)]
+    own = rows[parsed.map(lambda spec: spec[0] == SOLVER and _steps(spec[1]) > 0).astype(bool)]
     if own.empty:
         return pd.DataFrame()
     settings = own["solver"].map(lambda spec: DEFAULTS | parse_spec(spec)[1])
-    own = own.assign(
-        engine=settings.map(lambda s: s["engine"]), n=settings.map(lambda s: int(s["n"]))
-    )
+    own = own.assign(engine=settings.map(lambda s: s["engine"]), n=settings.map(_steps))
     records = [
         _record(str(e), int(n), group)  # type: ignore[call-overload]  # pandas says Hashable
         for (e, n), group in own.groupby(["engine", "n"])
@@ -40,6 +38,12 @@ def work_precision(rows: pd.DataFrame) -> pd.DataFrame:
     frame = pd.DataFrame.from_records(records)
     orders = {e: fitted_order(g["n"], g["gap"]) for e, g in frame.groupby("engine")}
     return frame.assign(order=frame["engine"].map(orders))
+
+
+def _steps(settings: dict[str, str]) -> int:
+    """n; 0 if it is no number, as in a row that no solver wrote."""
+    text = (DEFAULTS | settings)["n"]
+    return int(text) if text.isdecimal() else 0
 
 
 def _record(engine: str, n: int, rows: pd.DataFrame) -> dict[str, object]:

@@ -46,7 +46,7 @@ def plot_length(ax: Axes, rows: pd.DataFrame, circle: float) -> None:
     _wrong_answers(ax, best)
     _circle_mark(ax, circle)
     top = np.nanmax([lengths.max(), best["length"].max()])
-    ax.set(ylim=(0, 1.22 * top), ylabel="length")
+    ax.set(ylim=(0, 1.22 * top or 1.0), ylabel="length")
     ax.yaxis.set_major_locator(MaxNLocator(5))
 
 
@@ -106,12 +106,17 @@ def plot_time(ax: Axes, rows: pd.DataFrame, circle: float) -> None:
     ax.set(yscale="log", ylabel="time", xlabel="turning radius R")
     log_axis(ax.yaxis, duration)
     plain_log_axis(ax.xaxis)
-    ax.axvline(circle, color=MUTED, linewidth=0.8, linestyle=(0, (1, 2)))
+    if _on_axis(ax, circle):
+        ax.axvline(circle, color=MUTED, linewidth=0.8, linestyle=(0, (1, 2)))
+
+
+def _on_axis(ax: Axes, radius: float) -> bool:
+    low, high = ax.get_xlim()
+    return low < radius < high  # a target straight ahead has no such radius
 
 
 def _circle_mark(ax: Axes, circle: float) -> None:
-    low, high = ax.get_xlim()
-    if not low < circle < high:
+    if not _on_axis(ax, circle):
         return
     ax.axvline(circle, color=MUTED, linewidth=0.8, linestyle=(0, (1, 2)))
     ax.text(

@@ -22,6 +22,7 @@ from report.style import (
     looks,
     name_of,
     only_grid,
+    plain_log_axis,
 )
 
 _ENGINES = {
@@ -59,16 +60,33 @@ def plot_times(ax: Axes, table: pd.DataFrame) -> None:
     ax.tick_params(axis="y", length=0)
 
 
+def plot_performance(ax: Axes, ratios: pd.DataFrame) -> None:
+    """Share of questions answered rightly within a factor of the fastest. Columns: solvers."""
+    style = looks(list(ratios.columns))
+    finite = ratios.to_numpy()[np.isfinite(ratios.to_numpy())]
+    last = 1.3 * float(finite.max()) if finite.size else 10.0
+    for solver in ratios.columns:
+        ordered = np.sort(ratios[solver].to_numpy(dtype=np.float64))
+        solved = ordered[np.isfinite(ordered)]
+        share = np.arange(solved.size + 1) / len(ratios)
+        x, y = np.concatenate(([1.0], solved, [last])), np.append(share, share[-1])
+        ax.step(x, y, where="post", label=name_of(solver), **style[solver].lines)
+    ax.set(xscale="log", xlim=(1, last), ylim=(0, 1.02))
+    plain_log_axis(ax.xaxis)
+    ax.yaxis.set_major_formatter(lambda value, _: f"{100 * value:.0f} %")
+    ax.set(xlabel="time / time of the fastest right answer", ylabel="share of questions")
+
+
 def plot_work_precision(ax: Axes, table: pd.DataFrame) -> None:
     """Median time against median gap, one line an engine, n beside its marks.
 
-    Columns: engine, n, gap, wall_s; gap is infinite where half the attempts do not arrive.
+    Columns: engine, n, gap (finite and positive), wall_s (s).
     """
     for engine, own in table.groupby("engine", sort=True):
         look = _ENGINES.get(str(engine), _OTHER_ENGINE)
-        own = own[np.isfinite(own["gap"])].sort_values("n")
+        own = own.sort_values("n")
         ax.plot(own["wall_s"], own["gap"], marker=look.marker, label=str(engine), **look.lines)
-    fastest = table[np.isfinite(table["gap"])].sort_values("wall_s").drop_duplicates("n")
+    fastest = table.sort_values("wall_s").drop_duplicates("n")
     for row in fastest.to_dict("records"):
         ax.annotate(
             str(row["n"]),
@@ -84,15 +102,17 @@ def plot_work_precision(ax: Axes, table: pd.DataFrame) -> None:
     log_axis(ax.xaxis, duration)
     log_axis(ax.yaxis)
     ax.margins(x=0.14)
+    ax.legend(loc="upper right")
 
 
 def plot_gap_order(ax: Axes, table: pd.DataFrame) -> None:
-    """Median gap against n with the fitted order. Columns: engine, n, gap, order."""
+    """Median gap against n with the fitted order.
+
+    Columns: engine, n, gap (finite and positive), order.
+    """
     for engine, own in table.groupby("engine", sort=True):
         look = _ENGINES.get(str(engine), _OTHER_ENGINE)
-        own = own[np.isfinite(own["gap"]) & (own["gap"] > 0)].sort_values("n")
-        if own.empty:
-            continue
+        own = own.sort_values("n")
         order = own["order"].iloc[0]
         text = str(engine) if np.isnan(order) else f"{engine}: n⁻ᵖ, p = {digits(3)(order)}"
         ax.plot(own["n"], own["gap"], marker=look.marker, label=text, **look.lines)

@@ -13,23 +13,33 @@ from report.metrics import circle_radius
 from report.style import HALF, new_figure
 from report.timing import warm_starts
 
-EXPERIMENT = "radius-sweep"
+_FEWEST_RADII = 4  # below that there is no curve to see
+_PLACE = ["x", "y", "heading", "target_x", "target_y"]
+
+
+def sweeps(rows: pd.DataFrame) -> dict[tuple[str, str], pd.DataFrame]:
+    """(experiment, label) -> its rows, where one start and target are asked at many radii."""
+    best = rows[rows["branch"] == "best"]
+    found = {}
+    for (experiment, label), own in best.groupby(["experiment", "label"], sort=True):
+        if own["radius"].nunique() >= _FEWEST_RADII and len(own[_PLACE].drop_duplicates()) == 1:
+            found[str(experiment), str(label)] = own
+    return found
 
 
 def radius_section(results: Results) -> Section | None:
-    """One figure a label, and cold against warm starts."""
-    rows = results.rows[results.rows["experiment"] == EXPERIMENT]
-    if rows.empty:
+    """One figure a sweep, and cold against warm starts."""
+    found = sweeps(results.rows)
+    if not found:
         return None
-    blocks: list[Picture | Table] = []
-    for number, (label, own) in enumerate(rows.groupby("label", sort=True), start=1):
-        if own["radius"].nunique() > 1 and (own["branch"] == "best").any():
-            blocks.append(_picture(number, str(label), own))
+    blocks: list[Picture | Table] = [
+        _picture(number, label, own)
+        for number, ((_, label), own) in enumerate(found.items(), start=1)
+    ]
+    rows = pd.concat(list(found.values()))
     warm = warm_starts(rows)
     if len(warm):
         blocks.append(_warm_table(warm))
-    if not blocks:
-        return None
     text = (
         "At R* = r² / (2 |Y|) a turning circle passes through the target (r is its distance, Y its "
         "offset to the left of the start heading). Beyond it the target lies inside the circle, "
@@ -44,8 +54,7 @@ def radius_section(results: Results) -> Section | None:
 
 def _picture(number: int, label: str, rows: pd.DataFrame) -> Picture:
     first = rows.iloc[0]
-    where = [first[key] for key in ("x", "y", "heading", "target_x", "target_y")]
-    circle = circle_radius(*where)
+    circle = circle_radius(*(first[key] for key in _PLACE))
     figure = new_figure(HALF, 4.1)
     upper, lower = figure.subplots(2, sharex=True, height_ratios=(3, 2))
     plot_length(upper, rows, circle)

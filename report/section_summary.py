@@ -8,7 +8,7 @@ from report.content import Column, Picture, Section, Table, count, digits, secon
 from report.figures_success import plot_gap_profile, plot_verdicts
 from report.load import Results
 from report.metrics import answerable, failures, gap_quantiles, success, summary
-from report.style import HALF, WIDE, new_figure
+from report.style import HALF, WIDE, legend_lines, new_figure
 
 _MOST_FAILURES = 25
 
@@ -106,7 +106,7 @@ def _verdict_picture(rows: pd.DataFrame) -> Picture:
 
 
 def _profile_picture(experiment: object, rows: pd.DataFrame) -> Picture:
-    figure = new_figure(HALF, 3.1 + 0.16 * rows["solver"].nunique())
+    figure = new_figure(HALF, 3.0 + 0.17 * legend_lines(rows["solver"].unique(), width=40))
     ax = figure.add_subplot()
     plot_gap_profile(ax, rows)
     figure.legend(loc="outside lower left", ncols=1, fontsize=7.5)

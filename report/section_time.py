@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pandas as pd
 
 from report.content import Column, Picture, Section, Table, count, digits, seconds, share
 from report.discretisation import work_precision
-from report.figures_time import plot_gap_order, plot_times, plot_work_precision
+from report.figures_time import plot_gap_order, plot_performance, plot_times, plot_work_precision
 from report.load import Results
-from report.style import HALF, WIDE, new_figure
-from report.timing import mean_times, times
+from report.style import HALF, WIDE, legend_lines, new_figure
+from report.timing import mean_times, time_ratios, times
 
+EXACT = "analytic"
 _ELSEWHERE = ("discretisation", "plane")
 
 
@@ -29,7 +31,11 @@ def time_section(results: Results) -> Section | None:
     )
     picture = Picture("times", caption, figure, "Median times and quartiles, one line a solver")
     blocks: list[Picture | Table] = [picture, _time_table(frame)]
-    means, shift = mean_times(_not_variants(cold))
+    plain = _not_variants(cold)
+    ratios = time_ratios(plain[plain["solver"] != EXACT])
+    if ratios.shape[0] > 1 and ratios.shape[1] > 1:
+        blocks.append(_performance_picture(ratios))
+    means, shift = mean_times(plain)
     if len(means) > 1:
         blocks.append(_mean_table(means, shift))
     jobs = ", ".join(str(n) for n in sorted(rows["jobs"].unique()))
@@ -46,6 +52,19 @@ def _not_variants(rows: pd.DataFrame) -> pd.DataFrame:
     """Without variants, if there are plain solvers: each variant would shrink the common set."""
     plain = ~rows["solver"].str.contains("[", regex=False)
     return rows[plain] if plain.any() else rows
+
+
+def _performance_picture(ratios: pd.DataFrame) -> Picture:
+    figure = new_figure(WIDE, 2.9 + 0.17 * legend_lines(ratios.columns, columns=3))
+    plot_performance(figure.add_subplot(), ratios)
+    figure.legend(loc="outside lower left", ncols=3, fontsize=7.5)
+    caption = (
+        "Performance profile: the share of questions that a solver answers rightly within a "
+        f"factor of the fastest right answer, over the {count(len(ratios))} questions put to all "
+        "of them. At 1: how often it is the fastest; at the right: how often it is right at all. "
+        "The closed form is left out, since it would flatten every curve."
+    )
+    return Picture("performance", caption, figure, "Performance profile of the solvers")
 
 
 def _time_table(frame: pd.DataFrame) -> Table:
@@ -84,13 +103,21 @@ def discretisation_section(results: Results) -> Section | None:
     table = work_precision(rows)
     if table.empty:
         return None
-    left = new_figure(HALF, 3.4)
-    ax = left.add_subplot()
-    plot_work_precision(ax, table)
-    ax.legend(loc="upper right")
-    right = new_figure(HALF, 3.4)
+    drawable = table[np.isfinite(table["gap"]) & (table["gap"] > 0)]  # the axes are logarithmic
+    pictures = _precision_pictures(drawable) if len(drawable) else ()
+    blocks = (*pictures, _precision_table(table))
+    text = (
+        "turn-rate-qp holds n turn rates over equal steps, so its best path is longer than the "
+        "best of all. How fast that cost falls with n, what it takes, and which engine to use."
+    )
+    return Section("discretisation", "Work and precision", text, blocks)
+
+
+def _precision_pictures(table: pd.DataFrame) -> tuple[Picture, Picture]:
+    left, right = new_figure(HALF, 3.4), new_figure(HALF, 3.4)
+    plot_work_precision(left.add_subplot(), table)
     plot_gap_order(right.add_subplot(), table)
-    blocks = (
+    return (
         Picture(
             "work-precision",
             "Median time against median gap; the numbers are n. Lower left is better.",
@@ -105,13 +132,7 @@ def discretisation_section(results: Results) -> Section | None:
             "Gap against number of steps for each engine",
             True,
         ),
-        _precision_table(table),
     )
-    text = (
-        "turn-rate-qp holds n turn rates over equal steps, so its best path is longer than the "
-        "best of all. How fast that cost falls with n, what it takes, and which engine to use."
-    )
-    return Section("discretisation", "Work and precision", text, blocks)
 
 
 def _precision_table(frame: pd.DataFrame) -> Table:

@@ -6,7 +6,7 @@ Hues are Okabe and Ito's; every solver also has a marker of its own and every va
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any, NamedTuple
 
@@ -146,6 +146,12 @@ def name_of(solver: str, width: int = 26) -> str:
         else:
             line = f"{line}, {item}" if line else item
     return "\n".join(part[:60] for part in (*lines, line) if part)
+
+
+def legend_lines(solvers: Iterable[str], width: int = 26, columns: int = 1) -> int:
+    """About how many lines of text a legend of these solvers takes."""
+    lines = [name_of(solver, width).count("\n") + 1 for solver in solvers]
+    return math.ceil(len(lines) / columns) * max(lines, default=1) if columns > 1 else sum(lines)
 
 
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")

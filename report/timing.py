@@ -75,6 +75,20 @@ def common_times(rows: pd.DataFrame) -> pd.DataFrame:
     return wide[solver_order(list(wide.columns))]
 
 
+def time_ratios(rows: pd.DataFrame) -> pd.DataFrame:
+    """Each solver's time over the fastest right answer's (columns), question by question (rows).
+
+    Only questions that every solver here was asked; infinite where its answer is not right, or
+    nobody's is.
+    """
+    right = rows.assign(right=success(rows))
+    asked = right.groupby([*QUESTION, "solver"]).agg(wall=("wall_s", "median"), ok=("right", "all"))
+    times_of = pd.DataFrame(asked["wall"].where(asked["ok"], np.inf).unstack("solver"))
+    everyone = times_of[times_of.notna().all(axis=1)]
+    ratios = everyone.div(everyone.min(axis=1), axis=0).fillna(np.inf)
+    return ratios[solver_order(list(ratios.columns))]
+
+
 def warm_starts(rows: pd.DataFrame) -> pd.DataFrame:
     """Cold against warm, one row a solver that was asked both on the same questions.
 

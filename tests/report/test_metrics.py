@@ -180,6 +180,28 @@ def test_mean_times_use_only_what_every_solver_got_right():
     assert table["rank"].tolist() == [1, 2]
 
 
+def test_time_ratios_keep_failures_as_never_solved():
+    """Question 0: b is right in twice the time; 1: only a is right; 2 was never put to b."""
+    rows = frame(
+        scenario_id=["0", "0", "1", "1", "2"],
+        solver=["a", "b", "a", "b", "a"],
+        wall_s=[1.0, 2.0, 3.0, 1.0, 1.0],
+        verdict=["optimal", "optimal", "optimal", "longer", "optimal"],
+    )
+    ratios = timing.time_ratios(rows)
+
+    assert ratios["a"].tolist() == [1.0, 1.0]
+    assert ratios["b"].tolist() == [2.0, math.inf]
+
+
+def test_messages_that_differ_in_numbers_are_one():
+    """Grouping failures by their gist."""
+    rows = frame(verdict="none", message=["off by 2.3e-01; off by 1.1e+02", "off by 7; off by 0.5"])
+    table = metrics.failures(rows)
+
+    assert table[["said", "attempts"]].to_numpy().tolist() == [["off by #", 2]]
+
+
 def test_warm_starts_are_compared_question_by_question():
     """Warm halves both times; a solver that is never warm is left out."""
     rows = frame(

@@ -218,6 +218,40 @@ def test_numbers_as_they_are_shown(show, value, text):
     assert show(value) == text
 
 
+def _lost(scenario, solver="x", **changes):
+    """A row of a process that took everything with it."""
+    lost = dict.fromkeys(
+        ("region", "margin", "word_ref", "reference", "build_s", "solve_s", "wall_s", "iterations")
+    )
+    return attempt(scenario, solver, path=None, claim=Claim.NONE, **lost, **changes)
+
+
+def _same_place(target_x, target_y):
+    return [Scenario(0, 0, 0, target_x, target_y, radius, label="p") for radius in (1, 2, 3, 4)]
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize(
+    ("name", "rows"),
+    [
+        ("all-lost", [_lost(s, outcome="unavailable") for s in paper_scenarios()]),
+        ("one-lost", [attempt(paper_scenarios()[0]), _lost(paper_scenarios()[0])]),
+        ("paper", [attempt(s, branch="LS") for s in paper_scenarios()]),
+        ("ahead", [attempt(s) for s in _same_place(5, 0)]),
+        ("behind", [attempt(s) for s in _same_place(-5, 0)]),
+        ("at-the-start", [attempt(s) for s in _same_place(0, 0)]),
+        ("warm-only", [attempt(s, start="warm") for s in paper_scenarios()]),
+        ("discretisation", [_lost(s, "turn-rate-qp[n=10]") for s in paper_scenarios()]),
+        ("many", [attempt(s, f"s{i}[a={i}]") for s in paper_scenarios()[:2] for i in range(9)]),
+    ],
+)
+def test_odd_results_make_a_report_too(results, tmp_path, name, rows):
+    """Nothing came back, nothing to compare with, no circle to cross, no length at all."""
+    page = render([results(name, rows)], tmp_path / "out")
+
+    assert '<section id="summary"' in page.read_text(encoding="utf-8")
+
+
 def test_default_place_is_inside_the_first_folder(results):
     """And a second report replaces the first, leaving nothing else behind."""
     folder = results("tiny", [attempt(paper_scenarios()[0])])
