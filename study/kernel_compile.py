@@ -15,11 +15,10 @@ import numba
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 Loop = Callable[..., Any]  # over arrays that callers unpack: no checker could count them
-_KEPT: dict[str, Any] = {"error_model": "numpy", "cache": True, "nogil": True}
 
 
 def _digest() -> str:
-    sources = sorted(Path(__file__).parent.glob("kernel*.py"))
+    sources = sorted(Path(__file__).parent.glob("*.py"))
     return hashlib.sha256(b"".join(file.read_bytes() for file in sources)).hexdigest()[:12]
 
 
@@ -33,19 +32,23 @@ def inlined(function: Function) -> Function:
 
 def compiled(function: Loop) -> Loop:
     """Compiled by Numba for one thread."""
-    return cast(Loop, numba.njit(**_KEPT)(_renamed(function)))
+    return _kept(function, {})
 
 
 def threaded(function: Loop) -> Loop:
     """Compiled by Numba; its `numba.prange` shares the work out among threads."""
-    return cast(Loop, numba.njit(parallel=True, **_KEPT)(_renamed(function)))
+    return _kept(function, {"parallel": True})
 
 
-def _renamed(function: Loop) -> Loop:
-    # Numba's cache is keyed by this name and by the function's own file. What is inlined comes
-    # from the other kernel files: without their digest a change there would go unseen.
+def _kept(function: Loop, options: dict[str, Any]) -> Loop:
+    # Numba's cache is keyed by this name and by the function's own file. What is inlined,
+    # and every constant, may come from another: without a digest of them a change would go unseen.
     function.__qualname__ += f"_{_SOURCES}"
-    return function
+    options |= {"error_model": "numpy", "nogil": True}
+    try:
+        return cast(Loop, numba.njit(cache=True, **options)(function))
+    except RuntimeError:  # no folder that a cache could be written to: compile every time
+        return cast(Loop, numba.njit(**options)(function))
 
 
 class _Threads:

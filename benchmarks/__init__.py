@@ -1,0 +1,1 @@
+"""Speed beside peers, ratios from one run. `python -m benchmarks [NAME ...]`."""

@@ -1,0 +1,71 @@
+"""Run the benchmarks named on the command line, or all, and print one table.
+
+`python -m benchmarks kernel frame` runs `bench_kernel.py` and `bench_frame.py`. Exit code 1 if a
+target is missed, 2 if there is no benchmark of a name.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from importlib import import_module
+from pathlib import Path
+
+from rich.console import Console
+from rich.table import Table
+
+from benchmarks.harness import Measurement, absent
+
+HERE = Path(__file__).parent
+
+
+def known() -> list[str]:
+    """Names of the benchmarks there are."""
+    return sorted(file.stem.removeprefix("bench_") for file in HERE.glob("bench_*.py"))
+
+
+def run(name: str) -> Iterator[Measurement]:
+    """The rows of one benchmark; one that fails is a row that says how."""
+    try:
+        yield from import_module(f"benchmarks.bench_{name}").measure()
+    except Exception as error:  # the other benchmarks are still worth running
+        yield absent(name, f"failed: {type(error).__name__}: {error}")
+
+
+def table(rows: list[Measurement]) -> Table:
+    """The measurements as they are printed."""
+    shown = Table("what", title="speed, ratios of times from one run")
+    for heading in ("ours", "peer", "unit", "ratio", "target", "ok", "note"):
+        shown.add_column(heading, justify="left" if heading in ("unit", "note") else "right")
+    for row in rows:
+        sign = "≤" if row.at_most else "≥"
+        shown.add_row(
+            row.what,
+            _number(row.ours),
+            _number(row.peer),
+            row.unit,
+            _number(row.ratio),
+            "" if row.target is None else f"{sign} {row.target:g}",
+            {None: "–", True: "yes", False: "NO"}[row.ok],
+            row.note,
+        )
+    return shown
+
+
+def _number(value: float | None) -> str:
+    return "" if value is None else f"{value:.3g}" if abs(value) < 1000 else f"{value:.0f}"
+
+
+def main(names: list[str]) -> int:
+    """Exit code."""
+    if unknown := [name for name in names if name not in known()]:
+        print(f"no benchmark {unknown[0]!r}; there are: {', '.join(known())}", file=sys.stderr)
+        return 2
+    rows = [row for name in names or known() for row in run(name)]
+    # wide enough for every column where the output is a file
+    Console(width=None if sys.stdout.isatty() else 170).print(table(rows))
+    return 1 if any(row.ok is False for row in rows) else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
