@@ -12,8 +12,9 @@ from study.kernel import WORDS, shortest_rows
 from study.kernel_judge import PATH_WORDS, REGIONS, VERDICTS
 from study.kernel_math import LARGEST_ANGLE
 from study.kernel_paths import curvatures
-from study.scenario import NUMBERS, scenarios
-from study.synthesis import BRANCHES
+from study.path import Path
+from study.scenario import NUMBERS, Scenario, scenarios
+from study.synthesis import BRANCHES, EPS, shortest_path
 from study.verify import Claim, Verdict, judge
 from study.verify_frame import CLAIMS, NO_WORD, Paths, judge_frame
 
@@ -156,3 +157,17 @@ def test_empty_frames_and_wrong_shapes():
         judge_frame(FRAME, empty)
     with pytest.raises(ValueError, match=r"length has shape \(2, 3\); expected \(2, 4\)"):
         Paths(np.zeros((2, 4)), np.zeros((2, 3)))
+
+
+def test_a_right_answer_just_inside_a_circle_is_judged_by_its_own_reference():
+    """Shorter by two ulp and off by more than its margin, it is still no path from outside."""
+    r = 1 - 1e-9
+    scenario = Scenario(0, 0, 0, r * math.sin(0.3), 1 - r * math.cos(0.3), 1)
+    path = shortest_path(scenario)
+    coarse = Path(path.start, path.curvature * (1 - 1e-8), path.length * (1 - 2 * EPS))
+    found = judge(scenario, coarse, Claim.OPTIMAL)
+
+    assert found.miss > found.margin
+    assert found.length < path.total_length
+    assert found.verdict is Verdict.OPTIMAL
+    assert found.reference == pytest.approx(6.535, abs=5e-4)
