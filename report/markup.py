@@ -42,7 +42,8 @@ _TEX = {
     "\u202f": r"\,",
     "\u00a0": "~",
 }
-_MARKDOWN = re.compile(r"([\\`*_{}\[\]()#+!|~$-])")
+# what means something anywhere, what does at the start of a line, and what makes a list there
+_MARKDOWN = re.compile(r"([\\`*_\[\]|~$]|^[#+=-]|(?<=^\d)[.)](?=\s))")
 
 
 def tex(text: str) -> str:

@@ -264,6 +264,17 @@ def test_default_place_is_inside_the_first_folder(results):
     assert sorted(p.name for p in folder.iterdir()) == ["manifest.json", "parts", "report"]
 
 
+def test_an_unfinished_run_says_so(results, tmp_path):
+    """Its numbers are of some cells only, which may be the easy ones."""
+    done = results("tiny", [attempt(paper_scenarios()[0])])
+    part = results("part", [attempt(paper_scenarios()[0])], finished=None)
+
+    assert "Not finished" not in render([done], tmp_path / "a").read_text(encoding="utf-8")
+    page = render([part], tmp_path / "b")
+    assert "Not finished" in page.read_text(encoding="utf-8")
+    assert "Not finished" in (page.parent / "report.md").read_text(encoding="utf-8")
+
+
 def test_progress_is_told(results, tmp_path):
     """The caller shows progress; render says where it is."""
     told: list[str] = []
