@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path as FilePath
 from typing import Any
 
+import numpy as np
 import pandas as pd
 import pyarrow as pa
 import pyarrow.parquet as pq
@@ -74,8 +75,8 @@ class Results:
         length = self.controls.column("lengths")[index].as_py()
         if curvature is None or length is None:
             return None
-        row = self.rows.iloc[index]
-        return Path(Pose(row["x"], row["y"], row["heading"]), curvature, length)
+        at = [self.rows[key].to_numpy(dtype=np.float64)[index] for key in Pose._fields]
+        return Path(Pose(*at), curvature, length)
 
 
 def load(folders: Iterable[str | FilePath]) -> Results:
