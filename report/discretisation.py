@@ -23,7 +23,7 @@ def work_precision(rows: pd.DataFrame) -> pd.DataFrame:
 
     Columns: engine, n, attempts, arrived and success (shares of all attempts), gap and gap_q90
     (quantiles, infinite if that many do not arrive), wall_s (median, s), iterations (median),
-    order (p of gap ~ n^-p over the engine's rows).
+    order (p of gap ~ n^-p, up to the engine's least gap).
     """
     parsed = rows["solver"].map(parse_spec)
     own = rows[parsed.map(lambda spec: spec[0] == SOLVER and _steps(spec[1]) > 0).astype(bool)]
@@ -36,8 +36,14 @@ def work_precision(rows: pd.DataFrame) -> pd.DataFrame:
         for (e, n), group in own.groupby(["engine", "n"])
     ]
     frame = pd.DataFrame.from_records(records)
-    orders = {e: fitted_order(g["n"], g["gap"]) for e, g in frame.groupby("engine")}
+    orders = {engine: _order(own) for engine, own in frame.groupby("engine")}
     return frame.assign(order=frame["engine"].map(orders))
+
+
+def _order(rows: pd.DataFrame) -> float:
+    falling = rows.sort_values("n").reset_index(drop=True)
+    falling = falling.loc[: int(falling["gap"].to_numpy().argmin())]
+    return fitted_order(falling["n"], falling["gap"])
 
 
 def _steps(settings: dict[str, str]) -> int:

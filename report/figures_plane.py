@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -12,8 +13,8 @@ from matplotlib.colors import ListedColormap
 from matplotlib.patches import Arc, Circle
 from numpy.typing import NDArray
 
-from report.metrics import SUCCESSES, solver_order
-from report.style import BLUE, INK, MAP_PAPER, MUTED, ON_MAP, RULE, VERMILION, looks, name_of
+from report.metrics import SUCCESSES
+from report.style import BLUE, INK, MAP_PAPER, MUTED, ON_MAP, ORANGE, RULE, VERMILION
 
 # a light and a dark shade of two hues: apart in hue for the eye, apart in lightness for grey
 _WORDS = {"LS": "#cfe3f1", "RS": "#fbe6c8", "RL": "#5d9cc6", "LR": "#d69a3c"}
@@ -159,19 +160,25 @@ def plot_jump(ax: Axes, table: pd.DataFrame) -> None:
     ax.set_xticks([0, 90, 180, 270, 360])
 
 
-def plot_failures(ax: Axes, rows: pd.DataFrame) -> None:
-    """Which targets of a coarse grid are not solved.
+_WRONG: dict[str, dict[str, Any]] = {
+    "longer": {"marker": "^", "color": ORANGE},
+    "misses": {"marker": "x", "color": VERMILION},
+    "none": {"marker": "s", "color": BLUE, "markersize": 3.0},
+}
 
-    Columns: solver, target_x, target_y, verdict.
+
+def plot_failures(ax: Axes, rows: pd.DataFrame) -> None:
+    """One solver's answers on a grid: dots where right, marks by verdict where not.
+
+    Columns: target_x, target_y, verdict.
     """
-    style = looks(rows["solver"].tolist())
-    grid = rows.drop_duplicates(["target_x", "target_y"])
-    ax.plot(grid["target_x"], grid["target_y"], ".", color=RULE, markersize=2.5)
-    for place, solver in enumerate(solver_order(rows["solver"].tolist())):
-        own = rows[(rows["solver"] == solver) & ~rows["verdict"].isin(SUCCESSES)]
-        dots = style[solver].dots | {"markersize": 4.5 + 2.2 * place, "markerfacecolor": "none"}
-        text = f"{name_of(solver)} ({len(own)})"
-        ax.plot(own["target_x"], own["target_y"], markeredgewidth=0.9, label=text, **dots)
-    x, y = np.sort(grid["target_x"].unique()), np.sort(grid["target_y"].unique())
+    right = rows[rows["verdict"].isin(SUCCESSES)]
+    ax.plot(right["target_x"], right["target_y"], ".", color=MUTED, markersize=1.5, label="right")
+    for verdict, look in _WRONG.items():
+        own = rows[rows["verdict"] == verdict]
+        if len(own):
+            mark: dict[str, Any] = {"linestyle": "none", "markersize": 4.0, **look}
+            text = f"{verdict} ({len(own)})"
+            ax.plot(own["target_x"], own["target_y"], markerfacecolor="none", label=text, **mark)
+    x, y = np.sort(rows["target_x"].unique()), np.sort(rows["target_y"].unique())
     _frame(ax, x.astype(np.float64), y.astype(np.float64), INK)
-    ax.legend(loc="lower left", bbox_to_anchor=(0, 1.0), borderaxespad=0.2)

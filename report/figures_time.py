@@ -102,7 +102,6 @@ def plot_work_precision(ax: Axes, table: pd.DataFrame) -> None:
     log_axis(ax.xaxis, duration)
     log_axis(ax.yaxis)
     ax.margins(x=0.14)
-    ax.legend(loc="upper right")
 
 
 def plot_gap_order(ax: Axes, table: pd.DataFrame) -> None:
@@ -121,4 +120,3 @@ def plot_gap_order(ax: Axes, table: pd.DataFrame) -> None:
     log_axis(ax.yaxis)
     ax.set_xticks(steps, [str(n) for n in steps])
     ax.minorticks_off()
-    ax.legend(loc="upper right")

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import pandas as pd
 
-from report.content import Picture, Section
+from report.content import Picture, Section, count
 from report.figures_plane import along_circle, plot_failures, plot_jump, plot_lengths, plot_words
 from report.load import Results
+from report.metrics import solver_order, success
 from report.style import HALF, new_figure
 
 EXPERIMENT, EXACT = "plane", "analytic"
@@ -23,8 +24,8 @@ def plane_section(results: Results) -> Section | None:
     if exact["target_x"].nunique() > 4 and exact["target_y"].nunique() > 4:
         pictures += [_words(exact), _lengths(exact), _jump(exact)]
     coarse = rows[rows["solver"] != EXACT]
-    if len(coarse):
-        pictures.append(_failures(coarse))
+    for number, solver in enumerate(solver_order(coarse["solver"].tolist()), start=1):
+        pictures.append(_failures(number, solver, coarse[coarse["solver"] == solver]))
     if not pictures:
         return None
     text = (
@@ -71,11 +72,11 @@ def _jump(exact: pd.DataFrame) -> Picture:
     return Picture("plane-jump", caption, figure, "Length on both sides of a turning circle", True)
 
 
-def _failures(coarse: pd.DataFrame) -> Picture:
+def _failures(number: int, solver: str, rows: pd.DataFrame) -> Picture:
     figure = new_figure(HALF, 3.9)
-    plot_failures(figure.add_subplot(), coarse.drop_duplicates(["solver", "target_x", "target_y"]))
-    caption = (
-        "The coarse grid (dots) of the other solvers; marked are the targets whose answer is "
-        "not optimal, with their number in brackets."
-    )
-    return Picture("plane-failures", caption, figure, "Targets that solvers get wrong", True)
+    own = rows.drop_duplicates(["target_x", "target_y"])
+    plot_failures(figure.add_subplot(), own)
+    figure.legend(loc="outside lower left", ncols=2, fontsize=7.5)
+    right = int(success(own).sum())
+    caption = f"{solver}: {count(right)} of {count(len(own))} targets right; lengths in R."
+    return Picture(f"plane-solver-{number}", caption, figure, f"Targets {solver} gets wrong", True)

@@ -114,9 +114,11 @@ def discretisation_section(results: Results) -> Section | None:
 
 
 def _precision_pictures(table: pd.DataFrame) -> tuple[Picture, Picture]:
-    left, right = new_figure(HALF, 3.4), new_figure(HALF, 3.4)
+    left, right = new_figure(HALF, 3.7), new_figure(HALF, 3.7)
     plot_work_precision(left.add_subplot(), table)
     plot_gap_order(right.add_subplot(), table)
+    for figure in (left, right):
+        figure.legend(loc="outside lower left", ncols=2, fontsize=7.5)
     return (
         Picture(
             "work-precision",
@@ -127,7 +129,8 @@ def _precision_pictures(table: pd.DataFrame) -> tuple[Picture, Picture]:
         ),
         Picture(
             "gap-order",
-            "Median gap against the number of steps, and the order p fitted to it.",
+            "Median gap against the number of steps, and the order p fitted to it as far as it "
+            "falls: beyond its least value the engine's own accuracy decides.",
             right,
             "Gap against number of steps for each engine",
             True,

@@ -257,3 +257,11 @@ def test_work_precision_fills_in_defaults():
     assert set(table.index) == {("piqp", 50), ("piqp", 100), ("osqp", 50)}
     assert table.loc[("piqp", 50), "order"] == pytest.approx(2.0)
     assert table.loc[("osqp", 50), "gap"] == math.inf
+
+
+def test_the_order_is_fitted_as_far_as_the_gap_falls():
+    """An engine that reaches its own accuracy at n=40 is not charged for what follows."""
+    rows = frame(
+        solver=[f"turn-rate-qp[n={n}]" for n in (10, 20, 40, 80)], gap=[1.6e-3, 4e-4, 1e-4, 5e-2]
+    )
+    assert work_precision(rows)["order"].tolist() == pytest.approx([2.0] * 4)
