@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from io import StringIO
 from pathlib import Path as FilePath
@@ -102,14 +102,14 @@ def plot(answer: Answer, file: FilePath) -> None:
     Raises:
         ShowError: if there is no path, the format is unknown or the file cannot be written.
     """
-    from report.figures import save_path
+    from report.path_plot import save_path
 
     if file.suffix not in (".svg", ".pdf", ".png"):
         raise ShowError(f"--plot is {str(file)!r}; expected a name ending in .svg, .pdf or .png")
     if answer.path is None:
         raise ShowError(f"--plot: {answer.solver} returned no path")
     try:
-        save_path(answer.scenario, answer.path, file)
+        save_path(answer.scenario, answer.path, answer.solver, file)
     except OSError as error:
         raise ShowError(f"--plot: cannot write {file}: {error.strerror}") from None
 
@@ -137,20 +137,22 @@ def solvers_text(entries: list[Entry]) -> str:
     return table(head, rows)
 
 
-def table(head: tuple[str, ...], rows: list[tuple[str, ...]]) -> str:
-    """Rows as aligned text, folded to the terminal's width."""
+def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    """Rows as aligned text, numbers to the right; as wide as it needs to be."""
     from rich import box
     from rich.console import Console
     from rich.table import Table
     from rich.text import Text
 
-    shown = Table(*head, box=box.SIMPLE_HEAD, pad_edge=False)
+    shown = Table(box=box.SIMPLE_HEAD, pad_edge=False)
+    for name, cells in zip(head, zip(*rows, strict=True), strict=True):
+        numbers = all(cell.replace(".", "").replace("e-", "").isdigit() for cell in cells if cell)
+        shown.add_column(name, no_wrap=True, justify="right" if numbers else "left")
     for row in rows:
         shown.add_row(*(Text(cell) for cell in row))
-    console = Console(file=StringIO(), width=max(100, Console().width), highlight=False)
-    console.print(shown)
-    text: str = console.file.getvalue()  # type: ignore[attr-defined]
-    return "\n".join(line.rstrip() for line in text.strip("\n").splitlines())
+    written = StringIO()
+    Console(file=written, width=500, highlight=False).print(shown)
+    return "\n".join(line.rstrip() for line in written.getvalue().strip("\n").splitlines())
 
 
 def status_text(folder: FilePath) -> str:
@@ -173,17 +175,35 @@ def status_text(folder: FilePath) -> str:
     return heading + "\n" + table(("solver", *kinds), lines)
 
 
+# columns of the report's summary that fit a terminal, and how they are called there
+_SUMMARY = {
+    "solver": "solver",
+    "attempts": "asked",
+    "optimal": "optimal",
+    "none exists": "none exists",
+    "longer": "longer",
+    "misses": "misses",
+    "none": "none",
+    "false_claims": "false claims",
+    "wrong_basins": "wrong basins",
+    "wall_s": "median ms",
+}
+
+
 def report_text(page: FilePath) -> str:
     """The summary that the report wrote, and where its page is."""
-    summary = page.parent / "tables" / "summary.csv"
-    lines = [f"page: {page}"]
-    if summary.exists():
-        import csv
+    import csv
 
-        with summary.open(encoding="utf-8", newline="") as stream:
-            head, *rows = (tuple(row) for row in csv.reader(stream))
-        lines.insert(0, table(head, rows))
-    return "\n".join(lines)
+    with (page.parent / "tables" / "summary.csv").open(encoding="utf-8", newline="") as stream:
+        rows = [
+            [row[name] if name != "wall_s" else _milliseconds(row[name]) for name in _SUMMARY]
+            for row in csv.DictReader(stream)
+        ]
+    return f"{table(list(_SUMMARY.values()), rows)}\n\npage: {page}"
+
+
+def _milliseconds(seconds: str) -> str:
+    return f"{float(seconds) * 1e3:.3g}" if seconds else ""
 
 
 @contextmanager

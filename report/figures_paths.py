@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -14,15 +15,17 @@ from report.content import digits
 from report.style import BLUE, GREEN, INK, LINES, MUTED, PAPER, RULE, VERMILION
 from study.path import Path
 
-_BY_RANK = ((BLUE, "-", "optimal"), (VERMILION, LINES[1], "feasible"))
+_BY_RANK = ((BLUE, "-"), (VERMILION, LINES[1]))
 _BY_RADIUS = (BLUE, VERMILION, GREEN)
 
 
-def plot_paths(ax: Axes, paths: pd.DataFrame) -> None:
+def plot_paths(
+    ax: Axes, paths: pd.DataFrame, names: Sequence[str] = ("optimal", "feasible")
+) -> None:
     """Paths to one target, with both turning circles of every start, start arrow and target.
 
     Columns: branch, path (`study.path.Path`), length, rank (1 the shortest), target_x, target_y,
-    radius. With several radii the colours tell these apart, otherwise the rank.
+    radius. With several radii the colours tell these apart, otherwise the rank, by its name.
     """
     radii = sorted(paths["radius"].unique(), reverse=True)
     drawn: set[float] = set()
@@ -36,8 +39,8 @@ def plot_paths(ax: Axes, paths: pd.DataFrame) -> None:
             colour, line = _BY_RADIUS[place % 3], LINES[place % len(LINES)]
             text = f"R = {radius:g}: {row['branch']}, {digits(4)(row['length'])}"
         else:
-            colour, line, kind = _BY_RANK[rank]
-            text = f"{kind}: {row['branch']}, {digits(4)(row['length'])}"
+            colour, line = _BY_RANK[rank]
+            text = f"{names[rank]}: {row['branch']}, {digits(4)(row['length'])}"
         points = path.sample(400)
         ax.plot(points[:, 0], points[:, 1], color=colour, linestyle=line, label=text, zorder=3)
     first = paths.iloc[0]

@@ -54,11 +54,18 @@ def render(
     return target / "index.html"
 
 
+# all that a report consists of: a folder with anything else in it is never replaced
+_WRITTEN = {"index.html", "report.md", "figures", "tables"}
+
+
 def _check_target(target: FilePath) -> None:
     if target.exists() and not target.is_dir():
         raise ReportError(f"{target} is a file; expected a folder to write the report to")
-    if target.is_dir() and any(target.iterdir()) and not (target / "index.html").is_file():
-        raise ReportError(f"{target} holds files that are no report; expected an empty folder")
+    others = {entry.name for entry in target.iterdir()} - _WRITTEN if target.is_dir() else set()
+    if others:
+        raise ReportError(
+            f"{target} holds {min(others)!r}, no part of a report; expected an empty folder"
+        )
 
 
 def _sections(results: Results, progress: Progress | None) -> list[Section]:

@@ -76,10 +76,9 @@ Options = tuple[tuple[str, float], ...]
 
 
 class Case(NamedTuple):
-    """A subproblem as Ipopt takes it: bounds of z, the target, and where to begin."""
+    """A subproblem as Ipopt takes it: bounds of z and the target."""
 
     subproblem: Subproblem
-    starts: list[FloatArray]
     lower: FloatArray
     upper: FloatArray
     target: tuple[float, float]
@@ -164,21 +163,22 @@ class Ipopt:
         upper = np.where(subproblem.mask, (arc, arc, math.inf), 0.0)
         return Case(
             subproblem,
-            starting_points(question, subproblem, self.start, self.seed, self.count),
             np.zeros(3),
             upper,
             target(question.scenario, subproblem.mirrored),
         )
 
     def solve(self, model: Model, limit: float) -> Solution:
+        question = model.question
         attempts = [
             Attempts(
+                partial(_attempt, model.run, case),
+                starting_points(question, case.subproblem, self.start, self.seed, self.count),
                 every_start(case.subproblem, self.start),
-                [partial(_attempt, model.run, case, start) for start in case.starts],
             )
             for case in model.cases
         ]
-        return answer(model.question, attempts, limit)
+        return answer(question, attempts, limit)
 
 
 def _executable() -> bool:

@@ -8,7 +8,7 @@ order LRS the first turn is to the left; the order RLS is the same model seen in
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import cached_property
 from time import perf_counter
@@ -164,15 +164,17 @@ class Point(NamedTuple):
 
 
 class Attempts(NamedTuple):
-    """One subproblem's solves, one for each starting point.
+    """How one subproblem is solved.
 
     Args:
-        every: whether all are made, or those after the first success are left out.
-        calls: each solves from its own starting point.
+        solve: solves it from a starting point z, shape (3,).
+        starts: the points, made one after another since mostly the first one does.
+        every: whether all are solved from, or those after the first success are left out.
     """
 
+    solve: Callable[[FloatArray], Point]
+    starts: Iterable[FloatArray]
     every: bool
-    calls: list[Callable[[], Point]]
 
 
 def answer(question: Question, attempts: list[Attempts], limit: float) -> Solution:
@@ -186,11 +188,11 @@ def answer(question: Question, attempts: list[Attempts], limit: float) -> Soluti
 def _solve_all(attempts: list[Attempts], limit: float) -> list[Point]:
     began = perf_counter()
     points: list[Point] = []
-    for every, calls in attempts:
-        for call in calls:
+    for solve, starts, every in attempts:
+        for start in starts:
             if perf_counter() - began > limit:
                 return points
-            points.append(call())
+            points.append(solve(start))
             if points[-1].claim is Claim.LOCAL and not every:
                 break
     return points

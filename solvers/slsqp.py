@@ -34,10 +34,9 @@ _CLAIMS = {0: Claim.LOCAL, 4: Claim.INFEASIBLE, 9: Claim.LIMIT}
 
 
 class Case(NamedTuple):
-    """A subproblem as SLSQP takes it: functions of the free lengths, and where to begin."""
+    """A subproblem as SLSQP takes it: functions of the free lengths."""
 
     subproblem: Subproblem
-    starts: list[FloatArray]
     constraint: dict[str, Any]
     bounds: list[tuple[float, float]]
     ftol: float
@@ -95,11 +94,9 @@ class Slsqp:
     def _case(self, question: Question, subproblem: Subproblem) -> Case:
         X, Y = target(question.scenario, subproblem.mirrored)
         free = list(subproblem.free)
-        starts = starting_points(question, subproblem, self.start, self.seed, self.count)
         arc = FULL_TURN if self.capped else math.inf
         return Case(
             subproblem,
-            [start[free] for start in starts],
             {
                 "type": "eq",
                 "fun": lambda z: equations(_full(z, free), X, Y),
@@ -110,22 +107,24 @@ class Slsqp:
         )
 
     def solve(self, model: Model, limit: float) -> Solution:
+        question = model.question
         attempts = [
             Attempts(
+                partial(self._from, case),
+                starting_points(question, case.subproblem, self.start, self.seed, self.count),
                 every_start(case.subproblem, self.start),
-                [partial(self._from, case, start) for start in case.starts],
             )
             for case in model.cases
         ]
-        return answer(model.question, attempts, limit)
+        return answer(question, attempts, limit)
 
     def _from(self, case: Case, start: FloatArray) -> Point:
         from scipy.optimize import minimize
 
-        ones = np.ones(start.size)
+        ones = np.ones(len(case.subproblem.free))
         result = minimize(
             _sum,
-            start,
+            start[list(case.subproblem.free)],
             jac=lambda z: ones,
             method="SLSQP",
             bounds=case.bounds,

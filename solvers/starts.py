@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -29,7 +30,7 @@ _SWINGS = (0.7, -0.7, 1.4, -1.4)
 
 def starting_points(
     question: Question, subproblem: Subproblem, kind: str, seed: int, count: int
-) -> list[FloatArray]:
+) -> Iterator[FloatArray]:
     """Points z, each of shape (3,), from which to solve a subproblem; fixed lengths are zero.
 
     Args:
@@ -44,16 +45,16 @@ def starting_points(
     See `every_start` for which of them must all be solved from.
     """
     X, Y = target(question.scenario, subproblem.mirrored)
+    if question.start is not None:
+        yield _from_path(question.start, question.scenario.radius, subproblem) * subproblem.mask
     if kind == "zero":
-        points = [np.zeros(3)]
+        yield np.zeros(3)
     elif kind == "random":
         largest = np.array((FULL_TURN, FULL_TURN, 2 * math.hypot(X, Y) + 2))
-        points = list(np.random.default_rng(seed).uniform(size=(count, 3)) * largest)
+        yield from np.random.default_rng(seed).uniform(size=(count, 3)) * largest * subproblem.mask
     else:
-        points = _bearing(X, Y, subproblem)
-    if question.start is not None:
-        points.insert(0, _from_path(question.start, question.scenario.radius, subproblem))
-    return [point * subproblem.mask for point in points]
+        for point in _bearing(X, Y, subproblem):
+            yield np.array(point) * subproblem.mask
 
 
 def every_start(subproblem: Subproblem, kind: str) -> bool:
@@ -64,18 +65,21 @@ def every_start(subproblem: Subproblem, kind: str) -> bool:
     return kind == "random" or subproblem.free == (0, 1)
 
 
-def _bearing(X: float, Y: float, subproblem: Subproblem) -> list[FloatArray]:
+def _bearing(X: float, Y: float, subproblem: Subproblem) -> Iterator[tuple[float, float, float]]:
     bearing, distance = math.atan2(Y, X), max(math.hypot(X, Y), _SHORTEST)
     if subproblem.free == (0, 1):
-        return [np.array((*arcs, 0.0)) for arcs in _LONG_SECOND_ARC]
+        yield from ((*arcs, 0.0) for arcs in _LONG_SECOND_ARC)
+        return
     if subproblem.free == (0, 1, 2):
-        return [np.array((max(bearing, 0.0), max(-bearing, 0.0), distance))]
+        yield max(bearing, 0.0), max(-bearing, 0.0), distance
+        return
     facing = (bearing if subproblem.free[0] == 0 else -bearing) % FULL_TURN
     if min(facing, FULL_TURN - facing) < _STRAIGHT:
-        return [np.array((0.0, 0.0, distance))]
+        yield 0.0, 0.0, distance
+        return
     aim = facing + math.atan(1 / distance)
-    arcs = (aim, facing, *(aim + swing for swing in _SWINGS))
-    return [np.array((arc % FULL_TURN, arc % FULL_TURN, distance + 0.5)) for arc in arcs]
+    for arc in (aim, facing, *(aim + swing for swing in _SWINGS)):
+        yield arc % FULL_TURN, arc % FULL_TURN, distance + 0.5
 
 
 def _from_path(path: Path, radius: float, subproblem: Subproblem) -> FloatArray:

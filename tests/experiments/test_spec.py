@@ -170,7 +170,7 @@ def test_experiments_that_are_not_there(tmp_path):
 def test_any_text_gets_one_message(text):
     """Whatever the file holds, there is one clear refusal."""
     # no short text can hold all that an experiment needs
-    with pytest.raises(ExperimentError, match="^any.toml: "):
+    with pytest.raises(ExperimentError, match=r"^any\.toml: "):
         parse("any", "any.toml", text)
 
 

@@ -132,7 +132,7 @@ def test_slsqp_gets_nowhere_from_the_zero_that_ampl_starts_at():
 def test_starting_points_are_admissible(kind, name, scenario):
     """Not negative, arcs within a full turn, and zero where a length is fixed."""
     subproblem = SUBPROBLEMS[name]
-    points = starting_points(Question(scenario), subproblem, kind, seed=1, count=5)
+    points = list(starting_points(Question(scenario), subproblem, kind, seed=1, count=5))
 
     for z in points:
         assert (z >= 0).all()
@@ -143,7 +143,8 @@ def test_starting_points_are_admissible(kind, name, scenario):
 
 def test_random_starts_repeat_with_their_seed():
     def points(seed):
-        return starting_points(Question(PAPER["problem 1"]), SUBPROBLEMS["LRS"], "random", seed, 4)
+        question, joint = Question(PAPER["problem 1"]), SUBPROBLEMS["LRS"]
+        return list(starting_points(question, joint, "random", seed, 4))
 
     np.testing.assert_array_equal(points(3), points(3))
     assert (np.array(points(3)) != np.array(points(4))).all()

@@ -1,0 +1,141 @@
+"""`slsqp` and `ipopt` beside loops written by hand on the same problems and starts."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from typing import Any, NamedTuple
+
+import casadi
+import numpy as np
+from scipy.optimize import minimize
+
+from benchmarks.harness import Measurement, side_by_side
+from solvers.ipopt import Ipopt
+from solvers.model import FULL_TURN, Subproblem, equations, jacobian, subproblems
+from solvers.protocol import AnySolver, Question
+from solvers.slsqp import Slsqp
+from solvers.starts import starting_points
+from study.path import FloatArray
+from study.scenario import Scenario
+
+N = 1_000
+TARGET = 1.3
+
+
+class Job(NamedTuple):
+    """What the hand-written loops are given: all that is needed for one solve."""
+
+    X: float
+    Y: float
+    free: list[int]
+    start: FloatArray
+
+
+def questions() -> list[Question]:
+    """Targets 5 to 100 radii away, so that LS and RS are solved from their first start."""
+    rng = np.random.default_rng(0)
+    distance, bearing = 10 ** rng.uniform(0.7, 2, N), rng.uniform(-math.pi, math.pi, N)
+    return [
+        Question(Scenario(0, 0, 0, d * math.cos(b), d * math.sin(b), 1))
+        for d, b in zip(distance, bearing, strict=True)
+    ]
+
+
+def jobs(asked: list[Question]) -> list[Job]:
+    """The same problems and starts, made before the clock runs."""
+
+    def job(question: Question, subproblem: Subproblem) -> Job:
+        start = next(starting_points(question, subproblem, "bearing", 0, 1))
+        return Job(*question.scenario.local(), list(subproblem.free), start)
+
+    return [job(q, sub) for q in asked for sub in subproblems(q, "words", "both")]
+
+
+def ours(solver: AnySolver, asked: list[Question]) -> None:
+    for question in asked:
+        solver.solve(solver.build(question), 60.0)
+
+
+def slsqp_by_hand(work: list[Job], solver: Slsqp) -> None:
+    """`scipy.optimize.minimize` with the same functions, bounds, starts and tolerance."""
+    ones = np.ones(2)
+
+    def full(z: FloatArray, free: list[int]) -> FloatArray:
+        lengths = np.zeros(3)
+        lengths[free] = z
+        return lengths
+
+    for X, Y, free, start in work:
+        constraint: dict[str, Any] = {
+            "type": "eq",
+            "fun": lambda z, X=X, Y=Y, free=free: equations(full(z, free), X, Y),
+            "jac": lambda z, free=free: jacobian(full(z, free))[:, free],
+        }
+        minimize(
+            np.sum,
+            start[free],
+            jac=lambda z: ones,
+            method="SLSQP",
+            bounds=[(0.0, FULL_TURN), (0.0, math.inf)],
+            constraints=constraint,
+            options={"ftol": solver.ftol * math.hypot(X, Y), "maxiter": solver.maxiter},
+        )
+
+
+def ipopt_by_hand(work: list[Job], solver: Any) -> None:
+    for X, Y, free, start in work:
+        upper = [0.0, 0.0, 0.0]
+        for i in free:
+            upper[i] = FULL_TURN if i < 2 else math.inf
+        solver(x0=start, p=(X, Y), lbx=0, ubx=upper, lbg=0, ubg=0)
+
+
+def casadi_solver(settings: Ipopt) -> Any:
+    """Model (4.12) written in casadi, the target as a parameter."""
+    z, p = casadi.SX.sym("z", 3), casadi.SX.sym("p", 2)
+    z1, th, z3 = z[0], z[0] - z[1], z[2]
+    x_end = 2 * casadi.sin(z1) - casadi.sin(th) + z3 * casadi.cos(th)
+    y_end = 1 - 2 * casadi.cos(z1) + casadi.cos(th) + z3 * casadi.sin(th)
+    nlp = {
+        "x": z,
+        "p": p,
+        "f": casadi.sum1(z),
+        "g": casadi.vertcat(p[0] - x_end, p[1] - y_end),
+    }
+    options = {
+        "print_level": 0,
+        "sb": "yes",
+        "tol": settings.tol,
+        "max_iter": settings.max_iter,
+        "bound_relax_factor": settings.bound_relax,
+    }
+    return casadi.nlpsol("hand", "ipopt", nlp, {"print_time": False, "ipopt": options})
+
+
+def measure() -> Iterable[Measurement]:
+    asked = questions()
+    work = jobs(asked)
+    slsqp, ipopt = Slsqp(), Ipopt(via="library")
+    by_hand = casadi_solver(ipopt)
+    pairs = {
+        "slsqp, against bare scipy.optimize.minimize": (
+            lambda: ours(slsqp, asked),
+            lambda: slsqp_by_hand(work, slsqp),
+        ),
+        "ipopt, against casadi and Ipopt by hand": (
+            lambda: ours(ipopt, asked),
+            lambda: ipopt_by_hand(work, by_hand),
+        ),
+    }
+    for what, (mine, peer) in pairs.items():
+        times = side_by_side({"ours": mine, "peer": peer}, repeats=5)
+        yield Measurement(
+            what=f"{what}, {N} scenarios",
+            ours=times["ours"].least / N * 1e3,
+            peer=times["peer"].least / N * 1e3,
+            unit="ms/scenario",
+            ratio=times["ours"].least / times["peer"].least,
+            target=TARGET,
+            note=f"ours / peer; of medians {times['ours'].median / times['peer'].median:.2f}",
+        )
