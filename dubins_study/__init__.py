@@ -9,11 +9,10 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from report.page import render as render
-    from solvers.frame import solve_frame as solve_frame
-
     from experiments.runner import run as run
+    from report.page import render as render
     from solvers.answer import solve as solve
+    from solvers.frame import solve_frame as solve_frame
     from solvers.registry import available as available
     from study.path import Path as Path
     from study.scenario import Scenario as Scenario
