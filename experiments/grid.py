@@ -28,10 +28,7 @@ from experiments.spec import (
 from solvers.registry import canonical, load, registered
 from study.path import FloatArray
 from study.scenario import Scenario, ScenarioError
-from study.schema import SCENARIO, names
-
-# values of the key columns of `study.schema`
-Key = tuple[str, str, str, str, str, int]
+from study.schema import SCENARIO, Key, names
 
 
 class Cell(NamedTuple):

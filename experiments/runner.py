@@ -30,7 +30,7 @@ from experiments.worker import Row, Run, pin_threads, solve_chain, solve_whole_c
 from solvers.registry import load, settings
 from study.path import Path
 from study.scenario import Pose
-from study.schema import KEY, VERSION, names
+from study.schema import KEY, VERSION, Key, names
 
 # rows are written when this many seconds have passed, so that a killed run loses little
 _FLUSH = 1.0
@@ -79,11 +79,22 @@ def run(
     groups = chains(found.experiment)
     folder = FilePath(out) if out is not None else FilePath("results") / found.name
     manifest = _manifest(found, groups, _command(experiment, solvers, jobs, limit, repeats))
-    open_folder(folder, manifest, fresh)
+    earlier = open_folder(folder, manifest["experiment"], fresh)
+    finished = done(folder)
+    keys = {cell.key for group in groups for cell in group}
+    if earlier is not None:
+        # the run that began the folder stays its origin; rows name their own versions
+        manifest |= {"created": earlier.get("created"), "finished": earlier.get("finished")}
+        manifest["solvers"] = {**earlier.get("solvers", {}), **manifest["solvers"]}
+    manifest["cells"] = len(keys | finished)
     shared = Run(uuid4().hex[:12], found.experiment.limit, jobs)
-    writer = _Writer(folder, shared.run_id, sum(map(len, groups)), progress)
+    writer = _Writer(folder, shared.run_id, len(keys), progress)
+    if keys <= finished and earlier is not None:
+        writer.skip(len(keys))
+        return folder
+    write_manifest(folder, manifest | {"finished": None})
     try:
-        _solve(folder, groups, found.experiment, shared, writer)
+        _solve(folder, groups, finished, found.experiment, shared, writer)
     finally:
         writer.flush()
     compact(folder, f"{shared.run_id}-all")
@@ -135,7 +146,6 @@ def _manifest(found: Source, groups: list[Chain], command: str) -> dict[str, Any
             "text": found.text,
         },
         "command": command,
-        "cells": sum(map(len, groups)),
         "seed": found.experiment.seed,
         "limit": found.experiment.limit,
         "solvers": {spec: settings(solver) for spec, solver in loaded.items()},
@@ -189,9 +199,13 @@ class _Writer:
 
 
 def _solve(
-    folder: FilePath, groups: list[Chain], experiment: Experiment, shared: Run, writer: _Writer
+    folder: FilePath,
+    groups: list[Chain],
+    finished: set[Key],
+    experiment: Experiment,
+    shared: Run,
+    writer: _Writer,
 ) -> None:
-    finished = done(folder)
     left = [_left(group, finished) for group in groups]
     writer.skip(sum(map(len, groups)) - sum(map(len, left)))
     batches, single = batched([group for group in left if group])
@@ -208,7 +222,7 @@ def _solve(
         _solve_with_processes(ordered, shared, before, writer)
 
 
-def _left(group: Chain, finished: set[tuple[Any, ...]]) -> Chain:
+def _left(group: Chain, finished: set[Key]) -> Chain:
     return tuple(cell for cell in group if cell.key not in finished)
 
 
@@ -219,9 +233,7 @@ def _row_path(row: Row) -> Path | None:
     return Path(Pose(row["x"], row["y"], row["heading"]), row["curvatures"], row["lengths"])
 
 
-def _paths_before(
-    folder: FilePath, left: list[Chain], groups: list[Chain]
-) -> dict[tuple[Any, ...], Path]:
+def _paths_before(folder: FilePath, left: list[Chain], groups: list[Chain]) -> dict[Key, Path]:
     """For every chain cut short: the path of the last cell done before the first one left."""
     cut = {group[0].key for group in left if group[0].start == "warm"}
     before = {
@@ -234,13 +246,15 @@ def _paths_before(
         return {}
     columns = ["x", "y", "heading", "gap", "curvatures", "lengths"]
     rows = read_rows(folder, columns).to_pylist()
-    paths = {tuple(row[name] for name in names(KEY)): _row_path(row) for row in rows}
+    paths: dict[Any, Path | None] = {
+        tuple(row[name] for name in names(KEY)): _row_path(row) for row in rows
+    }
     found = {key: paths.get(previous) for key, previous in before.items()}
     return {key: path for key, path in found.items() if path is not None}
 
 
 def _solve_with_processes(
-    groups: list[Chain], shared: Run, before: dict[tuple[Any, ...], Path], writer: _Writer
+    groups: list[Chain], shared: Run, before: dict[Key, Path], writer: _Writer
 ) -> None:
     context = get_context("spawn")  # a fork would carry over threads and solver state
     with ProcessPoolExecutor(shared.jobs, mp_context=context, initializer=pin_threads) as pool:

@@ -12,7 +12,7 @@ from typing import Any
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from study.schema import KEY, ROW, VERSION, names
+from study.schema import KEY, ROW, VERSION, Key, names
 
 MANIFEST = "manifest.json"
 PARTS = "parts"
@@ -32,12 +32,14 @@ _TYPES = {
 ARROW_SCHEMA = pa.schema([pa.field(column.name, _TYPES[column.type]) for column in ROW])
 
 
-def open_folder(folder: FilePath, manifest: Mapping[str, Any], fresh: bool) -> None:
-    """Make a folder ready for a run, or take up the one that is there.
+def open_folder(
+    folder: FilePath, experiment: Mapping[str, str], fresh: bool
+) -> dict[str, Any] | None:
+    """Make a folder ready for a run, and return the manifest of the run that it takes up, if any.
 
     Args:
         folder: made if it does not exist.
-        manifest: what to write; its experiment must be the one that the folder holds already.
+        experiment: name and text; what the folder holds already must be of the same.
         fresh: throw away the rows that the folder holds.
 
     Raises:
@@ -45,26 +47,25 @@ def open_folder(folder: FilePath, manifest: Mapping[str, Any], fresh: bool) -> N
     """
     try:
         if (folder / MANIFEST).exists() and not fresh:
-            _check_same(folder, read_manifest(folder), manifest)
-        elif folder.exists() and not (folder / MANIFEST).exists() and any(folder.iterdir()):
+            earlier = read_manifest(folder)
+            _check_same(folder, earlier.get("experiment", {}), experiment)
+            return earlier
+        if folder.exists() and not (folder / MANIFEST).exists() and any(folder.iterdir()):
             raise StoreError(f"{folder} holds something else and no {MANIFEST}; choose another")
         (folder / PARTS).mkdir(parents=True, exist_ok=True)
-        if fresh:
-            for part in _parts(folder):
-                part.unlink()
-        write_manifest(folder, manifest)
+        for part in _parts(folder):
+            part.unlink()
     except OSError as error:
         raise StoreError(f"cannot write to {folder}: {error.strerror}") from None
+    return None
 
 
-def _check_same(folder: FilePath, old: Mapping[str, Any], new: Mapping[str, Any]) -> None:
+def _check_same(folder: FilePath, old: Mapping[str, str], new: Mapping[str, str]) -> None:
     for key, what in (("name", "experiment"), ("text", "text of experiment")):
-        ours, theirs = new["experiment"][key], old.get("experiment", {}).get(key)
-        if ours != theirs:
-            name = new["experiment"]["name"]
+        if new[key] != old.get(key):
             raise StoreError(
-                f"{folder} holds results of another {what} ({theirs!r:.60}), not of {name!r} as it "
-                "is now; choose another --out, or --fresh to throw them away"
+                f"{folder} holds results of another {what} ({old.get(key)!r:.60}), not of "
+                f"{new['name']!r} as it is now; choose another --out, or --fresh to throw them away"
             )
 
 
@@ -87,9 +88,16 @@ def read_manifest(folder: FilePath) -> dict[str, Any]:
 
 
 def write_manifest(folder: FilePath, manifest: Mapping[str, Any]) -> None:
-    """Replace the manifest in one step."""
+    """Replace the manifest in one step.
+
+    Raises:
+        StoreError: if the folder cannot be written.
+    """
     text = json.dumps(manifest, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
-    _replace(folder / MANIFEST, text.encode())
+    try:
+        _replace(folder / MANIFEST, text.encode())
+    except OSError as error:
+        raise StoreError(f"cannot write to {folder}: {error.strerror}") from None
 
 
 def _replace(file: FilePath, content: bytes) -> None:
@@ -105,9 +113,9 @@ def _parts(folder: FilePath) -> list[FilePath]:
     return sorted((folder / PARTS).glob("*.parquet"))
 
 
-def done(folder: FilePath) -> set[tuple[Any, ...]]:
+def done(folder: FilePath) -> set[Key]:
     """The keys of all rows that a folder holds."""
-    keys: set[tuple[Any, ...]] = set()
+    keys: set[Key] = set()
     for part in _parts(folder):
         table = _read(part, names(KEY))
         keys.update(zip(*(column.to_pylist() for column in table.columns), strict=True))

@@ -45,9 +45,14 @@ def plot_length(ax: Axes, rows: pd.DataFrame, circle: float) -> None:
         ax.plot(r, only, color=MUTED, linestyle=line, linewidth=0.9, zorder=2)
     _wrong_answers(ax, best)
     _circle_mark(ax, circle)
-    top = np.nanmax([lengths.max(), best["length"].max()])
-    ax.set(ylim=(0, 1.22 * top or 1.0), ylabel="length")
-    ax.yaxis.set_major_locator(MaxNLocator(5))
+    top, foot = np.nanmax([lengths.max(), best["length"].max()]), lengths.min()
+    ax.set_ylabel("length")
+    if foot > 0:  # a logarithmic scale shows the jump beside lengths that grow with the radius
+        ax.set(yscale="log", ylim=(0.75 * foot, top * (top / foot) ** 0.15 * 1.2))
+        plain_log_axis(ax.yaxis)
+    else:
+        ax.set_ylim(0, 1.22 * top or 1.0)
+        ax.yaxis.set_major_locator(MaxNLocator(5))
 
 
 def one_word(row: pd.Series, branch: str, low: float, high: float) -> tuple[np.ndarray, np.ndarray]:
@@ -83,7 +88,7 @@ def _wrong_answers(ax: Axes, best: pd.DataFrame) -> None:
 
 
 def plot_time(ax: Axes, rows: pd.DataFrame, circle: float) -> None:
-    """Whole time of each solver over radius, cold solid and warm dashed.
+    """Whole time of each solver over radius, cold solid and warm dotted.
 
     Columns: solver, branch, start, radius, wall_s (s).
     """

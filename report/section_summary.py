@@ -8,7 +8,7 @@ from report.content import Column, Picture, Section, Table, count, digits, secon
 from report.figures_success import plot_gap_profile, plot_verdicts
 from report.load import Results
 from report.metrics import answerable, failures, gap_quantiles, success, summary
-from report.style import HALF, WIDE, legend_lines, new_figure
+from report.style import HALF, WIDE, legend_lines, name_of, new_figure
 
 _MOST_FAILURES = 25
 
@@ -96,7 +96,8 @@ def _experiment_table(rows: pd.DataFrame) -> Table:
 
 def _verdict_picture(rows: pd.DataFrame) -> Picture:
     frame = summary(rows)
-    figure = new_figure(WIDE, 0.9 + 0.42 * len(frame))
+    lines = max(name_of(solver).count("\n") + 1 for solver in frame["solver"])
+    figure = new_figure(WIDE, 0.9 + max(0.42, 0.14 * lines) * len(frame))
     plot_verdicts(figure.add_subplot(), frame)
     caption = (
         "Verdicts as shares of all attempts. Plain bars are successes, hatched ones are not; false "

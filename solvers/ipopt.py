@@ -262,7 +262,7 @@ def library_template(options: Options) -> Run:
             found["x"].full().ravel()[z_places],
             (float(duals[0]), float(duals[1])),
             str(stats["return_status"]),
-            str(stats["unified_return_status"]),
+            str(stats["return_status"]).replace("_", " ").lower(),
             int(stats["iter_count"]),
             int(stats["n_call_nlp_f"]),
         )

@@ -34,7 +34,7 @@ def starting_points(
     """Points z, each of shape (3,), from which to solve a subproblem; fixed lengths are zero.
 
     Args:
-        question: its `start`, if there is one, goes first, and the kind's points come after it.
+        question: its `start`, if it is a path of the subproblem's word, goes first.
         subproblem: which lengths are free, and in which order the turns come.
         kind: `bearing` (turn towards the target and by half the radius' apparent size more, then
             go straight; some turns to either side follow), `zero` (as AMPL does by default) or
@@ -46,7 +46,9 @@ def starting_points(
     """
     X, Y = target(question.scenario, subproblem.mirrored)
     if question.start is not None:
-        yield _from_path(question.start, question.scenario.radius, subproblem) * subproblem.mask
+        warm = _from_path(question.start, question.scenario.radius, subproblem)
+        if not np.delete(warm, subproblem.free).any():  # a path of another word is no help
+            yield warm
     if kind == "zero":
         yield np.zeros(3)
     elif kind == "random":

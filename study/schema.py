@@ -24,6 +24,9 @@ KEY = (
     Column("start", "string", "", "cold, or warm from the neighbour in the sweep"),
     Column("repeat", "int64", "", "0, 1, ... of the same cell"),
 )
+# the values of the key columns
+Key = tuple[str, str, str, str, str, int]
+
 SCENARIO = (
     Column("x", "float64", "length", "start position"),
     Column("y", "float64", "length", "start position"),

@@ -85,6 +85,29 @@ def test_a_finished_run_is_one_part_and_a_second_run_solves_nothing(small, tmp_p
     assert rows(folder).equals(before)
 
 
+def test_a_second_run_that_solves_nothing_leaves_the_manifest(small, tmp_path):
+    folder = run(small, tmp_path / "out")
+    before = (folder / "manifest.json").read_text()
+
+    run(small, folder)
+
+    assert (folder / "manifest.json").read_text() == before
+
+
+def test_adding_a_solver_keeps_what_is_there(small, tmp_path):
+    """The manifest counts all cells and names all solvers; the origin stays."""
+    folder = run(small, tmp_path / "out", solvers=["analytic"])
+    first = json.loads((folder / "manifest.json").read_text())
+
+    run(small, folder, solvers=["slsqp[count=3]", "analytic"])
+
+    manifest = json.loads((folder / "manifest.json").read_text())
+    assert set(manifest["solvers"]) == {"analytic", "slsqp[count=3]"}
+    assert manifest["cells"] == len(rows(folder)) > first["cells"]
+    assert manifest["created"] == first["created"]
+    assert manifest["finished"] > first["finished"]
+
+
 def test_a_run_cut_short_is_completed(small, tmp_path, monkeypatch):
     """Whatever is done stays; the rest is added; a warm sweep goes on from its last path."""
     whole = rows(run(small, tmp_path / "whole"))

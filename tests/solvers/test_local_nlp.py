@@ -150,6 +150,18 @@ def test_random_starts_repeat_with_their_seed():
     assert (np.array(points(3)) != np.array(points(4))).all()
 
 
+@pytest.mark.parametrize("name", NLP)
+def test_a_warm_start_saves_iterations(name):
+    """Started from the solution's own segments, a word takes fewer iterations than from cold."""
+    problem = PAPER["problem 4"]
+    start = solve(problem, "analytic", "LS").path
+
+    cold, warm = solve(problem, name, "LS"), solve(problem, name, "LS", start=start)
+
+    assert warm.length == pytest.approx(cold.length, rel=1e-8)
+    assert warm.iterations < cold.iterations
+
+
 # A stand-in for the AMPL executable: reads the NL file, solves it with the library, writes .sol.
 EXECUTABLE = """#!{python}
 import sys
