@@ -50,9 +50,9 @@ class Tolerances:
     gap: float = 1e-4
 
 
-# A path of up to three arcs is named as it is. One cut into many steps has a step that straddles the
-# switch and a ripple after it, which fades within a few steps; runs that turn by less than this
-# (rad) name nothing.
+# A path of up to three arcs is named as it is. One cut into many steps has a step that straddles
+# the switch and a ripple after it, which fades within a few steps; runs that turn by less than
+# this (rad) name nothing.
 WORD = 1e-6
 DISCRETISED_WORD = 0.05
 ROUNDED = 8 * EPS  # relative error of two lengths that ought to be equal
