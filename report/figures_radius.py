@@ -94,7 +94,7 @@ def plot_time(ax: Axes, rows: pd.DataFrame, circle: float) -> None:
     """
     best = rows[(rows["branch"] == "best") & rows["wall_s"].notna()]
     style = looks(rows["solver"].tolist())
-    for solver in solver_order(best["solver"].tolist()):
+    for place, solver in enumerate(solver_order(best["solver"].tolist())):
         for start, line in (("cold", LINES[0]), ("warm", LINES[2])):
             own = best[(best["solver"] == solver) & (best["start"] == start)]
             if own.empty:
@@ -103,9 +103,7 @@ def plot_time(ax: Axes, rows: pd.DataFrame, circle: float) -> None:
             ax.plot(
                 median.index,
                 median,
-                color=style[solver].colour,
-                linestyle=line,
-                linewidth=1.1,
+                **style[solver].curve(place) | {"linestyle": line, "linewidth": 1.1},
                 label=name_of(solver) + (WARM if start == "warm" else ""),
             )
     ax.set(yscale="log", ylabel="time", xlabel="turning radius R")

@@ -27,7 +27,7 @@ VERDICT_LOOK = {
     "none exists": ("#b9def3", ""),
     "longer": (ORANGE, "///"),
     "misses": (VERMILION, "xx"),
-    "none": (RULE, ""),
+    "none": (RULE, "..."),
 }
 SMALLEST_GAP = 1e-16
 
@@ -83,7 +83,7 @@ def plot_gap_profile(ax: Axes, rows: pd.DataFrame, tolerance: float = 1e-4) -> N
     asked = answerable(rows)
     solvers = solver_order(asked["solver"].tolist())
     style = looks(solvers)
-    for solver in solvers:
+    for place, solver in enumerate(solvers):
         gaps, share = share_within(gaps_or_infinity(asked[asked["solver"] == solver]))
         x = np.concatenate(([SMALLEST_GAP], np.maximum(gaps, SMALLEST_GAP), [10.0]))
         y = np.concatenate(([0.0], share, share[-1:] if share.size else [0.0]))
@@ -92,7 +92,7 @@ def plot_gap_profile(ax: Axes, rows: pd.DataFrame, tolerance: float = 1e-4) -> N
             y,
             where="post",
             label=name_of(solver, 40),
-            **style[solver].lines,
+            **style[solver].curve(place),
         )
     ax.axvline(tolerance, color=MUTED, linewidth=0.8, linestyle=(0, (1, 2)))
     ax.text(tolerance, 1.03, "optimal up to here", ha="center", fontsize=7.5, color=MUTED)

@@ -65,12 +65,12 @@ def plot_performance(ax: Axes, ratios: pd.DataFrame) -> None:
     style = looks(list(ratios.columns))
     finite = ratios.to_numpy()[np.isfinite(ratios.to_numpy())]
     last = 1.3 * float(finite.max()) if finite.size else 10.0
-    for solver in ratios.columns:
+    for place, solver in enumerate(ratios.columns):
         ordered = np.sort(ratios[solver].to_numpy(dtype=np.float64))
         solved = ordered[np.isfinite(ordered)]
         share = np.arange(solved.size + 1) / len(ratios)
         x, y = np.concatenate(([1.0], solved, [last])), np.append(share, share[-1])
-        ax.step(x, y, where="post", label=name_of(solver), **style[solver].lines)
+        ax.step(x, y, where="post", label=name_of(solver), **style[solver].curve(place))
     ax.set(xscale="log", xlim=(1, last), ylim=(0, 1.02))
     plain_log_axis(ax.xaxis)
     ax.yaxis.set_major_formatter(lambda value, _: f"{100 * value:.0f} %")

@@ -89,6 +89,12 @@ class Look(NamedTuple):
         """Keywords for a line without markers."""
         return {"color": self.colour, "linestyle": self.line}
 
+    def curve(self, place: int) -> dict[str, Any]:
+        """Keywords for a line of many points: a marker now and then, so that grey print tells
+        curves apart; `place` in the list of curves keeps the markers of equal ones apart."""
+        every = (0.03 + 0.045 * (place % 5), 0.22)
+        return {**self.lines, "marker": self.marker, "markevery": every, "markersize": 3.5}
+
 
 _KNOWN = {
     "analytic": (INK, "o"),

@@ -221,5 +221,5 @@ def _solution(model: TurnRateModel, runs: list[Run]) -> Solution:
         iterations=sum(run.qps for run in runs),
         evaluations=sum(run.rollouts for run in runs),
         native_status=best.status,
-        message="; ".join(run.status for run in runs),
+        message="; ".join(dict.fromkeys(run.status for run in runs)),
     )
