@@ -1,25 +1,30 @@
 """The paper's model written in Pyomo and solved by Ipopt, an interior-point method.
 
 Pyomo writes the NL file once: the target is two variables that each scenario fixes through their
-bounds. An `ipopt` executable on PATH solves it if there is one; otherwise the Ipopt library inside
-the casadi wheel does, in process.
+bounds. See `solvers.ipopt_engine` for the ways to reach Ipopt.
 """
 
 from __future__ import annotations
 
-import importlib.util
 import math
-import os
-import shutil
-import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache, partial
-from pathlib import Path as FilePath
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
+from solvers.ipopt_engine import (
+    CLAIMS,
+    VIAS,
+    Ask,
+    Options,
+    Program,
+    by_executable,
+    executable,
+    library,
+    unavailable,
+)
 from solvers.model import (
     FULL_TURN,
     MODELS,
@@ -35,26 +40,8 @@ from solvers.protocol import Guarantee, Question, Solution
 from solvers.settings import one_of, positive
 from solvers.starts import STARTS, every_start, starting_points
 from study.path import FloatArray
+from study.synthesis import BRANCHES
 from study.verify import Claim
-
-VIAS = ("auto", "executable", "library")
-
-# Ipopt's application return statuses as the library names them, and as the executable says them
-_CLAIMS = {
-    "Solve_Succeeded": Claim.LOCAL,
-    "Solved_To_Acceptable_Level": Claim.LOCAL,
-    "Feasible_Point_Found": Claim.FEASIBLE,
-    "Infeasible_Problem_Detected": Claim.INFEASIBLE,
-    "Maximum_Iterations_Exceeded": Claim.LIMIT,
-    "Maximum_CpuTime_Exceeded": Claim.LIMIT,
-    "Maximum_WallTime_Exceeded": Claim.LIMIT,
-    "optimal": Claim.LOCAL,
-    "locallyOptimal": Claim.LOCAL,
-    "infeasible": Claim.INFEASIBLE,
-    "locallyInfeasible": Claim.INFEASIBLE,
-    "maxIterations": Claim.LIMIT,
-    "maxTimeLimit": Claim.LIMIT,
-}
 
 
 class Native(NamedTuple):
@@ -70,9 +57,6 @@ class Native(NamedTuple):
 
 # (z at the start, its lower bounds, its upper bounds, the target) -> what Ipopt says
 Run = Callable[[FloatArray, FloatArray, FloatArray, tuple[float, float]], Native]
-
-
-Options = tuple[tuple[str, float], ...]
 
 
 class Case(NamedTuple):
@@ -114,7 +98,7 @@ class Ipopt:
     name: ClassVar[str] = "ipopt"
     method: ClassVar[str] = "local NLP"
     guarantee: ClassVar[Guarantee] = Guarantee.LOCAL
-    branches: ClassVar[tuple[str, ...]] = ("best", "LS", "RS")
+    branches: ClassVar[tuple[str, ...]] = BRANCHES
     warm: ClassVar[bool] = True
     packages: ClassVar[tuple[str, ...]] = ("pyomo", "casadi")
     summary: ClassVar[str] = "the paper's model (4.12) in Pyomo by Ipopt"
@@ -129,21 +113,10 @@ class Ipopt:
         positive(count=self.count, tol=self.tol, max_iter=self.max_iter)
 
     def unavailable(self) -> str | None:
-        if importlib.util.find_spec("pyomo") is None:
-            return "the package pyomo is not installed"
-        executable = _executable()
-        library = importlib.util.find_spec("casadi") is not None
-        reasons = {
-            "executable": None if executable else "no executable 'ipopt' on PATH",
-            "library": None if library else "the package casadi, which carries Ipopt, is missing",
-        }
-        if self.via == "auto":
-            return None if executable or library else "; ".join(filter(None, reasons.values()))
-        return reasons[self.via]
+        return unavailable(self.via)
 
     def build(self, question: Question) -> Model:
-        executable = self.via == "executable" or (self.via == "auto" and _executable())
-        template = executable_template if executable else library_template
+        template = executable_template if by_executable(self.via) else library_template
         cases = [
             self._case(question, subproblem)
             for subproblem in subproblems(question, self.model, self.order)
@@ -181,22 +154,12 @@ class Ipopt:
         return answer(question, attempts, limit)
 
 
-def _executable() -> bool:
-    return _on_path(os.environ.get("PATH", ""))
-
-
-@lru_cache(maxsize=4)
-def _on_path(path: str) -> bool:
-    # looked up once for every value of PATH: the search costs as much as a few iterations
-    return shutil.which("ipopt", path=path) is not None
-
-
 def _attempt(run: Run, case: Case, start: FloatArray) -> Point:
     native = run(start, case.lower, case.upper, case.target)
     return Point(
         case.subproblem,
         native.z,
-        _CLAIMS.get(native.status, Claim.FAILED),
+        CLAIMS.get(native.status, Claim.FAILED),
         native.multipliers,
         native.iterations,
         native.evaluations,
@@ -220,84 +183,30 @@ def pyomo_model() -> Any:
     return m
 
 
+def _program() -> Program:
+    model = pyomo_model()
+    return Program(model, [*model.z.values(), model.X, model.Y], [model.x_end, model.y_end])
+
+
 @lru_cache(maxsize=32)
 def library_template(options: Options) -> Run:
-    """Ipopt from the casadi wheel on the NL file that Pyomo writes; compiled once per setting."""
-    import casadi
-    from pyomo.repn.plugins.nl_writer import NLWriter
-
-    with tempfile.TemporaryDirectory() as folder:
-        file = FilePath(folder) / "model.nl"
-        with file.open("w") as stream:
-            # no presolve: every variable must keep its place, fixed or not
-            info = NLWriter().write(pyomo_model(), stream, linear_presolve=False)
-        builder = casadi.NlpBuilder()
-        builder.import_nl(str(file))
-    names = [variable.name for variable in info.variables]
-    ours = ("z[1]", "z[2]", "z[3]", "X", "Y")
-    places = [ours.index(name) for name in names]
-    z_places = [names.index(name) for name in ours[:3]]
-    rows = [constraint.name for constraint in info.constraints]
-    ends = [rows.index("x_end"), rows.index("y_end")]
-    solver = casadi.nlpsol(
-        "ipopt",
-        "ipopt",
-        {"x": casadi.vertcat(*builder.x), "f": builder.f, "g": casadi.vertcat(*builder.g)},
-        {
-            "print_time": False,
-            "expand": True,  # scalar expressions evaluate faster than the file's matrix ones
-            "ipopt": {"print_level": 0, "sb": "yes", **dict(options)},
-        },
-    )
-    g_low, g_high = builder.g_lb, builder.g_ub
-
-    def run(
-        start: FloatArray, lower: FloatArray, upper: FloatArray, target: tuple[float, float]
-    ) -> Native:
-        x0, low, high = (np.concatenate((z, target))[places] for z in (start, lower, upper))
-        found = solver(x0=x0, lbx=low, ubx=high, lbg=g_low, ubg=g_high)
-        stats = solver.stats()
-        duals = found["lam_g"].full().ravel()[ends]
-        return Native(
-            found["x"].full().ravel()[z_places],
-            (float(duals[0]), float(duals[1])),
-            str(stats["return_status"]),
-            str(stats["return_status"]).replace("_", " ").lower(),
-            int(stats["iter_count"]),
-            int(stats["n_call_nlp_f"]),
-        )
-
-    return run
+    """Ipopt from the casadi wheel on the model's NL file; compiled once per setting."""
+    return _run(library(_program(), options))
 
 
 @lru_cache(maxsize=32)
 def executable_template(options: Options) -> Run:
     """The `ipopt` executable on PATH, through Pyomo; the file is rewritten for every call."""
-    from pyomo.environ import SolverFactory, Suffix
+    return _run(executable(_program(), options))
 
-    model = pyomo_model()
-    model.dual = Suffix(direction=Suffix.IMPORT)
-    solver = SolverFactory("ipopt", options=dict(options))
 
+def _run(ask: Ask) -> Run:
     def run(
         start: FloatArray, lower: FloatArray, upper: FloatArray, target: tuple[float, float]
     ) -> Native:
-        for i, z in enumerate(model.z.values()):
-            z.setlb(lower[i])
-            z.setub(upper[i] if math.isfinite(upper[i]) else None)
-            z.set_value(start[i], skip_validation=True)
-            # the NL writer wants fixed variables marked as such, not only pinned by their bounds
-            z.fixed = bool(lower[i] == upper[i])
-        model.X.fix(target[0])
-        model.Y.fix(target[1])
-        results = solver.solve(model, load_solutions=False)
-        status = str(results.solver.termination_condition)
-        duals = None
-        if len(results.solution):
-            model.solutions.load_from(results)
-            # ASL's duals have the opposite sign to Ipopt's own
-            duals = (-float(model.dual[model.x_end]), -float(model.dual[model.y_end]))
-        z_end = np.array([z.value for z in model.z.values()], dtype=np.float64)
-        return Native(z_end, duals, status, str(results.solver.message), 0, 0)
+        found = ask(*(np.concatenate((z, target)) for z in (start, lower, upper)))
+        duals = None if found.duals is None else (float(found.duals[0]), float(found.duals[1]))
+        counts = found.iterations, found.evaluations
+        return Native(found.point[:3], duals, found.status, found.message, *counts)
 
     return run
