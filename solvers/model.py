@@ -69,7 +69,7 @@ def subproblems(question: Question, model: str, order: str) -> list[Subproblem]:
     """What must be solved to answer a question.
 
     Args:
-        question: its branch is `best`, `LS` or `RS`.
+        question: its branch is `best` or a word, which is then the subproblem.
         model: `words` takes one two-variable problem per word, `joint` the paper's model unsplit.
         order: of the joint model: `LRS` (the paper's), `RLS` or `both`.
     """
@@ -114,6 +114,24 @@ def jacobian(z: FloatArray) -> FloatArray:
         (
             (cos + z3 * sin - 2 * math.cos(z1), -cos - z3 * sin, -cos),
             (sin - z3 * cos - 2 * math.sin(z1), -sin + z3 * cos, -sin),
+        )
+    )
+
+
+def hessian(z: FloatArray, weights: FloatArray) -> FloatArray:
+    """Second derivative by z of `weights` times `equations`; shapes (3,), (2,) -> (3, 3)."""
+    z1, z2, z3 = z
+    th = z1 - z2
+    cos, sin = math.cos(th), math.sin(th)
+    wx, wy = weights
+    bend = wx * (z3 * cos - sin) + wy * (z3 * sin + cos)
+    slide = wx * sin - wy * cos
+    first = 2 * (wx * math.sin(z1) - wy * math.cos(z1))
+    return np.array(
+        (
+            (first + bend, -bend, slide),
+            (-bend, bend, -slide),
+            (slide, -slide, 0.0),
         )
     )
 

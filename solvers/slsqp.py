@@ -27,6 +27,7 @@ from solvers.protocol import Guarantee, Question, Solution
 from solvers.settings import one_of, positive
 from solvers.starts import STARTS, every_start, starting_points
 from study.path import FloatArray
+from study.synthesis import BRANCHES
 from study.verify import Claim
 
 # SLSQP's own exit modes (scipy/optimize, slsqp): 4 is an infeasible linearisation
@@ -68,7 +69,7 @@ class Slsqp:
     name: ClassVar[str] = "slsqp"
     method: ClassVar[str] = "local NLP"
     guarantee: ClassVar[Guarantee] = Guarantee.LOCAL
-    branches: ClassVar[tuple[str, ...]] = ("best", "LS", "RS")
+    branches: ClassVar[tuple[str, ...]] = BRANCHES
     warm: ClassVar[bool] = True
     packages: ClassVar[tuple[str, ...]] = ("scipy",)
     summary: ClassVar[str] = "the paper's model (4.12) by SciPy's SLSQP"

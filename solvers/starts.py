@@ -17,6 +17,18 @@ STARTS = ("bearing", "zero", "random")
 # optimal; its first arc is at most pi/3 (THEORY section 3), so these lie among them.
 _LONG_SECOND_ARC = ((math.pi / 6, 3 * math.pi / 2), (0.1, 6.0), (0.8, 3.5))
 
+# Asked for LR or RL itself, either solution may be the shorter, the second arc below pi or above.
+# These turn the first arc by so much past the target's direction from the first circle's centre
+# (from there the second centre is within pi/6 of the target); (0, 0.1) is for targets near the
+# circle, where the short second arc vanishes.
+_EITHER_SECOND_ARC = (
+    (-math.pi / 6, math.pi / 2),
+    (math.pi / 6, math.pi / 2),
+    (0.0, 0.1),
+    (-math.pi / 6, 3 * math.pi / 2),
+    (math.pi / 6, 3 * math.pi / 2),
+)
+
 # rad: bearings below this are straight ahead, on whichever side rounding has put them
 _STRAIGHT = 1e-9
 
@@ -55,7 +67,8 @@ def starting_points(
         largest = np.array((FULL_TURN, FULL_TURN, 2 * math.hypot(X, Y) + 2))
         yield from np.random.default_rng(seed).uniform(size=(count, 3)) * largest * subproblem.mask
     else:
-        for point in _bearing(X, Y, subproblem):
+        asked = question.branch == subproblem.name
+        for point in _bearing(X, Y, subproblem, asked):
             yield np.array(point) * subproblem.mask
 
 
@@ -67,8 +80,15 @@ def every_start(subproblem: Subproblem, kind: str) -> bool:
     return kind == "random" or subproblem.free == (0, 1)
 
 
-def _bearing(X: float, Y: float, subproblem: Subproblem) -> Iterator[tuple[float, float, float]]:
+def _bearing(
+    X: float, Y: float, subproblem: Subproblem, asked: bool
+) -> Iterator[tuple[float, float, float]]:
     bearing, distance = math.atan2(Y, X), max(math.hypot(X, Y), _SHORTEST)
+    if subproblem.free == (0, 1) and asked:
+        facing = math.atan2(Y - 1, X) + math.pi / 2
+        for aside, second in _EITHER_SECOND_ARC:
+            yield (facing + aside) % FULL_TURN, second, 0.0
+        return
     if subproblem.free == (0, 1):
         yield from ((*arcs, 0.0) for arcs in _LONG_SECOND_ARC)
         return
