@@ -31,9 +31,10 @@ import numpy as np
 from solvers.model import Attempts, Point, Subproblem, answer, subproblems, target
 from solvers.protocol import Guarantee, Question, Solution
 from solvers.settings import one_of, positive
-from solvers.shooting_extremal import ROUNDED, TURNS, Structure, examine
+from solvers.shooting_extremal import Conditions, examine
+from solvers.shooting_structure import ROUNDED, TURNS, Structure
 from solvers.starts import STARTS, every_start, starting_points
-from study.path import FloatArray
+from study.path import FloatArray, Path
 from study.verify import Claim
 
 ROOTS = ("hybr", "lm")
@@ -114,6 +115,9 @@ class Shooting:
 
     def solve(self, model: Model, limit: float) -> Solution:
         question = model.question
+        if math.hypot(*question.scenario.local()) <= self.tol:
+            path = Path(question.scenario.start, [], [])
+            return Solution(Claim.LOCAL, path, 0.0, message="the target is the start")
         if not model.cases:
             reason = f"no path of the branch {question.branch} ends at the target"
             return Solution(Claim.INFEASIBLE, iterations=0, evaluations=0, message=reason)
@@ -161,19 +165,19 @@ class Shooting:
             # Driven backwards the straight belongs to another path; the one driven forwards lies
             # on the other side of the turning circle, where the equations are singular.
             v[-1] = -v[-1]
-        extremal = examine(structure, v, self._allowed(structure))
-        fault = extremal.fault(self.tol, self._allowed(structure), prescribed)
+        conditions = Conditions(self.tol, self._allowed(structure), prescribed)
+        candidate, fault = examine(structure, v, conditions)
         z = np.zeros(3)
-        z[free] = extremal.durations
+        z[free] = candidate.durations
         return Point(
             case.subproblem,
             z,
             Claim.FAILED if fault else Claim.LOCAL,
-            extremal.multipliers,
+            candidate.multipliers,
             evaluations - 1,  # every evaluation but the first is a step tried
             evaluations,
             f"{self.root} {found.status}",
-            fault or extremal.kind,
+            fault or candidate.kind,
         )
 
     def _root(self, structure: Structure, v: FloatArray) -> Any:
