@@ -234,10 +234,12 @@ def choose(question: Question, points: list[Point]) -> Solution:
     else:
         return Solution(Claim.LIMIT, message="no time to begin")
     duals = best.multipliers
+    # a point that its solver calls infeasible is no answer to keep apart from "no path", and some
+    # solvers return no numbers when they fail
+    pathless = claim is Claim.INFEASIBLE or bool(np.isnan(best.z).all())
     return Solution(
         claim,
-        # a point that its solver calls infeasible is no answer to keep apart from "no path"
-        path=None if claim is Claim.INFEASIBLE else as_path(scenario, best.subproblem, best.z),
+        path=None if pathless else as_path(scenario, best.subproblem, best.z),
         claimed_length=float(best.z.sum()) * scenario.radius if solved else None,
         multipliers=None if duals is None else in_world(scenario, best.subproblem, duals),
         iterations=sum(point.iterations for point in points),

@@ -1,0 +1,132 @@
+"""The paper's model by any other NLP solver: SciPy's trust-constr, KNITRO, or one that AMPL calls.
+
+An executable is looked for on PATH by its name and run as AMPL runs it (see `solvers.ampl`).
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from time import perf_counter
+from typing import Any, ClassVar, NamedTuple
+
+import numpy as np
+
+from solvers import ampl, pyomo_direct
+from solvers.ipopt import Case
+from solvers.model import (
+    FULL_TURN,
+    MODELS,
+    ORDERS,
+    Attempts,
+    Point,
+    Subproblem,
+    answer,
+    subproblems,
+    target,
+)
+from solvers.protocol import Guarantee, Question, Solution
+from solvers.settings import one_of, positive
+from solvers.starts import STARTS, every_start, starting_points
+from solvers.trust_constr import trust_constr
+from study.path import FloatArray
+from study.synthesis import BRANCHES
+
+# A path would let whoever writes an experiment choose the file that is run.
+_NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]*")
+
+# (a subproblem, its starting point, the seconds left) -> what the solver says
+Route = Callable[[Case, FloatArray, float], Point]
+
+
+class Model(NamedTuple):
+    question: Question
+    cases: list[Case]
+    route: Route
+
+
+@dataclass(frozen=True)
+class Nlp:
+    """Settings: see `solvers.model` (model, order) and `solvers.starts` (start, seed, count).
+
+    `solver` is `trust-constr`, `knitro` or the name of an executable on PATH that reads NL files.
+    `capped` bounds arcs by a full turn, which the paper does not. `tol` and `max_iter` are those of
+    trust-constr (see `solvers.trust_constr`); the others run with their own defaults, as in the
+    paper.
+    """
+
+    solver: str = "trust-constr"
+    model: str = "words"
+    order: str = "both"
+    start: str = "bearing"
+    seed: int = 0
+    count: int = 10
+    capped: bool = True
+    tol: float = 1e-9
+    max_iter: int = 200
+
+    name: ClassVar[str] = "nlp"
+    method: ClassVar[str] = "local NLP"
+    guarantee: ClassVar[Guarantee] = Guarantee.LOCAL
+    branches: ClassVar[tuple[str, ...]] = BRANCHES
+    warm: ClassVar[bool] = True
+    packages: ClassVar[tuple[str, ...]] = ("scipy", "pyomo", "knitro")
+    summary: ClassVar[str] = "the paper's model (4.12) by trust-constr, KNITRO or any AMPL solver"
+    profiles: ClassVar[dict[str, dict[str, Any]]] = {
+        "fast": {"tol": 1e-6},
+        "accurate": {"tol": 1e-11},
+    }
+
+    def __post_init__(self) -> None:
+        one_of(model=(self.model, MODELS), order=(self.order, ORDERS), start=(self.start, STARTS))
+        positive(count=self.count, tol=self.tol, max_iter=self.max_iter)
+        if not _NAME.fullmatch(self.solver):
+            raise ValueError(
+                f"solver is {self.solver!r}; expected trust-constr, knitro or the name of an "
+                "executable on PATH: letters, digits, '_', '.' and '-', no folders"
+            )
+
+    def unavailable(self) -> str | None:
+        if self.solver == "trust-constr":
+            return None
+        if self.solver == "knitro":
+            return pyomo_direct.knitro_unavailable()
+        return ampl.unavailable(self.solver)
+
+    def build(self, question: Question) -> Model:
+        cases = [
+            self._case(question, subproblem)
+            for subproblem in subproblems(question, self.model, self.order)
+        ]
+        return Model(question, cases, self._route())
+
+    def _route(self) -> Route:
+        if self.solver == "trust-constr":
+            return partial(trust_constr, tol=self.tol, max_iter=self.max_iter)
+        if self.solver == "knitro":
+            return partial(pyomo_direct.solve, interface="knitro_direct")
+        return partial(ampl.solve, executable=self.solver)
+
+    def _case(self, question: Question, subproblem: Subproblem) -> Case:
+        arc = FULL_TURN if self.capped else math.inf
+        upper = np.where(subproblem.mask, (arc, arc, math.inf), 0.0)
+        return Case(subproblem, np.zeros(3), upper, target(question.scenario, subproblem.mirrored))
+
+    def solve(self, model: Model, limit: float) -> Solution:
+        question, deadline = model.question, perf_counter() + limit
+
+        def run(case: Case, start: FloatArray) -> Point:
+            return model.route(case, start, deadline - perf_counter())
+
+        attempts = [
+            Attempts(
+                partial(run, case),
+                starting_points(question, case.subproblem, self.start, self.seed, self.count),
+                every_start(case.subproblem, self.start),
+            )
+            for case in model.cases
+        ]
+        return answer(question, attempts, limit)
