@@ -18,22 +18,28 @@ from solvers.reach import unreachable
 from solvers.settings import one_of, positive
 from solvers.turn_rate_dynamics import Rates
 from study.path import FloatArray, Path
+from study.synthesis import Local, local
 from study.verify import Claim
 
 RATES = {"best": Rates(-1.0, 1.0), "LS": Rates(0.0, 1.0), "RS": Rates(-1.0, 0.0)}
 MESHES = ("free", "equal")
-_EPS = math.ulp(1.0)
-_ARRIVED = 1e-8  # radii, and of the target's distance: a hundredth of what the check allows
+_ARRIVED = 1e-8  # radii; a hundredth of what the check allows
+_ROUNDED = 32 * math.ulp(1.0)  # of the target's distance
 _SAME = 1e-6  # relative; of two answers this near, the one that Ipopt calls a solution is taken
 
 
 class Model(NamedTuple):
-    """A question in the vehicle's frame, in radii; target (2,)."""
+    """A question in the vehicle's frame, in radii."""
 
     question: Question
-    target: FloatArray
+    place: Local
     rates: Rates
     transcription: Template
+
+    @property
+    def target(self) -> FloatArray:
+        """Shape (2,)."""
+        return np.array((self.place.X, self.place.Y))
 
 
 class Run(NamedTuple):
@@ -105,23 +111,25 @@ class Collocation:
         transcription = template(
             self.n, self.points, self.mesh == "equal", options, by_executable(self.via)
         )
-        target = np.array(question.scenario.local())
-        return Model(question, target, RATES[question.branch], transcription)
+        place = local(question.scenario)
+        return Model(question, place, RATES[question.branch], transcription)
 
     def solve(self, model: Model, limit: float) -> Solution:
-        scenario, branch = model.question.scenario, model.question.branch
-        X, Y = map(float, model.target)
-        if math.hypot(X, Y) <= 2 * _EPS * scenario.extent / scenario.radius:
-            stay = Path(scenario.start, [], [])
-            return Solution(Claim.LOCAL, stay, 0.0, message="the target is at the start")
-        if reason := unreachable(X, Y, branch):
+        question, place = model.question, model.place
+        if place.X == place.Y == 0:
+            stay = Path(question.scenario.start, [], [])
+            return Solution(Claim.LOCAL, stay, 0.0, message="the target is the start")
+        if reason := unreachable(place, question.branch):
             return Solution(Claim.INFEASIBLE, iterations=0, evaluations=0, message=reason)
         runs: list[Run] = []
         began = perf_counter()
-        for guess in guesses(model.question, model.target, self.n, self.mesh == "equal"):
-            if perf_counter() - began > limit:
-                return _answer(model, runs, in_time=False)
-            runs.append(self._run(model, guess))
+        for word in guesses(question, place, self.n, self.mesh == "equal"):
+            for guess in word:
+                if perf_counter() - began > limit:
+                    return _answer(model, runs, in_time=False)
+                runs.append(self._run(model, guess))
+                if runs[-1].claim is Claim.LOCAL:
+                    break
         return _answer(model, runs, in_time=True)
 
     def _run(self, model: Model, guess: Elements) -> Run:
@@ -140,7 +148,7 @@ class Collocation:
 
 
 def _arrives(off: float, target: FloatArray) -> bool:
-    return off <= _ARRIVED * max(1.0, float(np.hypot(*target)))
+    return off <= max(_ARRIVED, _ROUNDED * float(np.abs(target).sum()))
 
 
 def _chosen(model: Model, runs: list[Run]) -> Run:

@@ -8,43 +8,52 @@ from collections.abc import Iterator
 import numpy as np
 
 from solvers.collocation_model import Elements
+from solvers.model import FULL_TURN
 from solvers.protocol import Question
 from solvers.reach import unreachable
-from study.path import FloatArray, Path
+from study.path import Path
 from study.scenario import Pose
+from study.synthesis import Local
 from study.verify import drivable
 
 # arcs (rad) of RL and LR: the second exceeds pi where it can be shortest, the first is at most
 # pi/3 (THEORY section 3)
-_TWO_ARCS = (0.5, 4.5)
-_STRAIGHT = 1e-9  # rad; a bearing so near to a full turn is straight ahead, up to rounding
+_TWO_ARCS = ((0.5, 4.5), (0.1, 6.0), (0.9, 3.5))
+# rad, added to the turn towards the target where the first guess fails
+_SWINGS = (0.7, -0.7)
+# rad, and as much as the coordinates' rounding turns the bearing: a bearing so near to a full turn
+# is straight ahead
+_STRAIGHT = 1e-9
 _LEAST = 1e-3  # radii; an arc of no length gives the elements upon it nothing to begin with
 _HERE = Pose(0.0, 0.0, 0.0)
 
 
-def guesses(question: Question, target: FloatArray, n: int, equal: bool) -> Iterator[Elements]:
-    """Elements to begin from: the path given, if it can be driven, then one of each word.
+def guesses(question: Question, target: Local, n: int, equal: bool) -> Iterator[Iterator[Elements]]:
+    """Elements to begin from: the path given, if it can be driven, then some of each word.
+
+    Of each word's guesses those after the first success may be left out.
 
     Args:
         question: its branch says which words.
-        target: shape (2,), in the vehicle's frame, radii.
+        target: in the vehicle's frame.
         n: number of elements.
         equal: whether they must be equally long.
     """
     warm, radius = question.start, question.scenario.radius
     if warm is not None and drivable(warm) and warm.total_length > 0:
-        yield cut(Path(_HERE, warm.curvature * radius, warm.length / radius), n, equal)
-    X, Y = map(float, target)
-    words = (question.branch,) if question.branch != "best" else _words(X, Y)
+        path = Path(_HERE, warm.curvature * radius, warm.length / radius)
+        yield iter([cut(path, n, equal)])
+    words = (question.branch,) if question.branch != "best" else _words(target)
     for word in words:
-        yield cut(_shaped(word, X, Y), n, equal)
+        yield (cut(path, n, equal) for path in _shaped(word, target))
 
 
-def _words(X: float, Y: float) -> Iterator[str]:
+def _words(target: Local) -> Iterator[str]:
     """The words that can end at the target, the nearer side first."""
+    X, Y = target.X, target.Y
     near, far = ("L", "R") if Y >= 0 else ("R", "L")
     for side in (near, far):
-        if unreachable(X, Y, side + "S") is None:
+        if unreachable(target, side + "S") is None:
             yield side + "S"
     for last, first in ((near, far), (far, near)):
         # the second arc's circle is 2 from the first one's: farther than 3 it cannot reach
@@ -52,16 +61,26 @@ def _words(X: float, Y: float) -> Iterator[str]:
             yield first + last
 
 
-def _shaped(word: str, X: float, Y: float) -> Path:
-    """Two pieces: a turn to the target's bearing and as far as it is away, or two arcs."""
+def _shaped(word: str, target: Local) -> Iterator[Path]:
+    """Two arcs; or a turn towards the target and as far as it is away.
+
+    The turn faces the target, then goes on by half its turning circle's apparent size, which is
+    much where the target is near; some turns to either side follow.
+    """
     sign = 1.0 if word[0] == "L" else -1.0
     if word[1] != "S":
-        return Path(_HERE, (sign, -sign), _TWO_ARCS)
-    bearing = (sign * math.atan2(Y, X)) % (2 * math.pi)
-    if bearing > 2 * math.pi - _STRAIGHT:
-        bearing = 0.0
-    lengths = np.maximum((bearing, math.hypot(X, Y)), _LEAST)
-    return Path(_HERE, (sign * bearing / lengths[0], 0.0), lengths)
+        yield from (Path(_HERE, (sign, -sign), arcs) for arcs in _TWO_ARCS)
+        return
+    distance = math.hypot(target.X, target.Y)
+    facing = (sign * math.atan2(target.Y, target.X)) % FULL_TURN
+    if facing > FULL_TURN - _STRAIGHT - 2 * target.rounding / distance:
+        facing = 0.0
+    distance = max(distance, _LEAST)
+    aim = facing + math.atan(1 / distance)
+    for turn in (facing, aim, *(aim + swing for swing in _SWINGS)):
+        arc = turn % FULL_TURN
+        lengths = (max(arc, _LEAST), distance)
+        yield Path(_HERE, (sign * arc / lengths[0], 0.0), lengths)
 
 
 def cut(path: Path, n: int, equal: bool) -> Elements:

@@ -2,22 +2,22 @@
 
 from __future__ import annotations
 
-from solvers.turn_rate_dynamics import CLOSE
+from study.synthesis import Local
 
 
-def unreachable(X: float, Y: float, branch: str) -> str | None:
-    """Why no path of the branch's word ends at (X, Y), or None.
+def unreachable(target: Local, branch: str) -> str | None:
+    """Why no path of the branch's word ends at a target, or None.
 
     Turning left and then going straight never enters the left turning circle: its arc lies on
-    the circle and its tangents outside. (Rates of one sign alone would: straight, then left.)
+    the circle and its tangents outside. (Rates of one sign alone would: straight, then left.) What
+    the coordinates' rounding hides counts as on the circle.
 
     Args:
-        X, Y: target in the vehicle's frame in radii, forward and to the left.
-        branch: `best`, which ends everywhere, `LS` or `RS`.
+        target: in the vehicle's frame.
+        branch: `LS` or `RS`; any other ends everywhere as far as is known here.
     """
-    side = {"LS": 1.0, "RS": -1.0}.get(branch)
-    # 1 - |T - C|^2, without cancellation near the start; above what a miss of CLOSE can hide
-    if side is None or Y * side * (2 - Y * side) - X * X <= 4 * CLOSE * (1 + abs(X) + abs(Y)):
-        return None
-    disc = "left" if side > 0 else "right"
-    return f"the target is inside the {disc} turning circle, which no {branch} path enters"
+    if branch == "LS" and target.w > 0:
+        return "the target is inside the left turning circle, which no LS path enters"
+    if branch == "RS" and target.mirrored.w > 0:
+        return "the target is inside the right turning circle, which no RS path enters"
+    return None
