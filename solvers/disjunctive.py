@@ -1,0 +1,204 @@
+"""The shortest path as a disjunction of words, solved to proven global optimality by SCIP.
+
+Pyomo.GDP states the model (`solvers.disjunctive_model`), Pyomo's `scip_direct` hands it to SCIP
+through its Python interface. SCIP's branch and bound proves that no path of any word is shorter
+than its bound; its point, which meets the target only to a tolerance, is polished.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+import math
+import re
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import Any, ClassVar, NamedTuple
+
+import numpy as np
+
+from solvers.disjunctive_model import TRANSFORMATIONS, WORDS, gdp_model, transformed
+from solvers.disjunctive_polish import Polished, polish
+from solvers.model import SUBPROBLEMS, already_there, as_path, target
+from solvers.protocol import Guarantee, Question, Solution
+from solvers.settings import one_of, positive
+from study.path import FloatArray
+from study.synthesis import EPS
+from study.verify import Claim
+
+EMPHASES = ("lean", "default")
+
+# Pyomo's names of SCIP's statuses; a point is claimed to be more only by `Disjunctive._claim`
+_CLAIMS = {
+    "convergenceCriteriaSatisfied": Claim.FEASIBLE,
+    "provenInfeasible": Claim.INFEASIBLE,
+    "maxTimeLimit": Claim.LIMIT,
+    "interrupted": Claim.LIMIT,
+}
+_STATUS = re.compile(r"^SCIP Status\s*:\s*(.*?)\s*$", re.MULTILINE)
+
+# SCIP leaves this share of the gap for its tolerance on constraints, which counts as well.
+_SHARE = 0.1
+
+
+class Model(NamedTuple):
+    question: Question
+    words: tuple[str, ...]
+    program: Any  # the transformed Pyomo model, of a type that its package does not state
+
+
+class Native(NamedTuple):
+    """What SCIP says: lengths in radii; `word` and z (left, right, straight) None without a point.
+
+    `condition` is Pyomo's name of `status`, which is SCIP's own.
+    """
+
+    condition: str
+    status: str
+    bound: float
+    word: str | None
+    z: FloatArray | None
+    nodes: int
+
+
+@dataclass(frozen=True)
+class Disjunctive:
+    """Settings.
+
+    `transformation` turns the disjunction into linear constraints: `bigm` or `hull`. `gap` is the
+    largest relative difference of path and bound that counts as proven. `feastol` is SCIP's
+    tolerance on constraints (numerics/feastol, in radii; 1e-6 there). `emphasis` is `lean`,
+    without primal heuristics and cutting planes, which cost these four-angle problems ten times
+    what they save, or SCIP's `default`.
+
+    A feasible point of SCIP's may miss the target by the tolerance. Near the front of a turning
+    circle that buys up to a full turn, and no polishing closes the miss: the point is then
+    returned as it is, claimed feasible and not optimal, and the bound, though low, still holds.
+    """
+
+    transformation: str = "bigm"
+    gap: float = 1e-6
+    feastol: float = 1e-8
+    emphasis: str = "lean"
+
+    name: ClassVar[str] = "disjunctive"
+    method: ClassVar[str] = "global MINLP"
+    guarantee: ClassVar[Guarantee] = Guarantee.GLOBAL
+    branches: ClassVar[tuple[str, ...]] = ("best", *WORDS)
+    warm: ClassVar[bool] = False
+    packages: ClassVar[tuple[str, ...]] = ("pyomo", "pyscipopt")
+    summary: ClassVar[str] = "one disjunct per word in Pyomo.GDP, proven by SCIP"
+    profiles: ClassVar[dict[str, dict[str, Any]]] = {
+        "fast": {"gap": 1e-4, "feastol": 1e-6},
+        "accurate": {"gap": 1e-7, "feastol": 1e-9},
+    }
+
+    def __post_init__(self) -> None:
+        one_of(
+            transformation=(self.transformation, TRANSFORMATIONS),
+            emphasis=(self.emphasis, EMPHASES),
+        )
+        positive(gap=self.gap, feastol=self.feastol)
+
+    def unavailable(self) -> str | None:
+        for package in ("pyomo", "pyscipopt"):
+            if importlib.util.find_spec(package) is None:
+                return f"the package {package} is not installed"
+        return None
+
+    def build(self, question: Question) -> Model:
+        words = WORDS if question.branch == "best" else (question.branch,)
+        program = transformed(gdp_model(*question.scenario.local(), words), self.transformation)
+        return Model(question, words, program)
+
+    def solve(self, model: Model, limit: float) -> Solution:
+        there = already_there(model.question)
+        if there is not None:
+            return replace(there, claim=Claim.OPTIMAL, lower_bound=0.0)
+        return self._answer(model.question, self._run(model, limit))
+
+    def _run(self, model: Model, limit: float) -> Native:
+        from pyomo.contrib.solver.common.factory import SolverFactory
+        from pyomo.environ import value
+
+        options = dict(_lean() if self.emphasis == "lean" else ())
+        options |= {"numerics/feastol": self.feastol, "limits/gap": self.gap * _SHARE}
+        results = SolverFactory("scip_direct").solve(
+            model.program,
+            time_limit=limit,
+            load_solutions=False,
+            raise_exception_on_nonoptimal_result=False,
+            solver_options=options,
+        )
+        word = z = None
+        if results.incumbent_objective is not None:
+            results.solution_loader.load_vars()
+            chosen = {w: value(model.program.word[w].binary_indicator_var) for w in model.words}
+            word = max(chosen, key=chosen.__getitem__)
+            z = np.array([value(z) for z in model.program.z.values()])
+        status = _STATUS.search(results.solver_log)
+        return Native(
+            results.termination_condition.name,
+            status.group(1) if status else "",
+            float(results.objective_bound),
+            word,
+            z,
+            int(results.extra_info["NNodes"]),
+        )
+
+    def _answer(self, question: Question, native: Native) -> Solution:
+        scenario = question.scenario
+        # Node bounds come from linear programs solved to SCIP's tolerance, not exactly.
+        bound = max(0.0, native.bound - self.feastol * (1 + abs(native.bound)))
+        known = Solution(
+            _CLAIMS.get(native.condition, Claim.FAILED),
+            lower_bound=bound * scenario.radius,
+            iterations=native.nodes,
+            native_status=native.status,
+        )
+        if native.word is None or native.z is None:
+            no_path = known.claim is Claim.INFEASIBLE
+            return replace(known, lower_bound=None) if no_path else known
+        subproblem = SUBPROBLEMS[native.word]
+        X, Y = target(scenario, subproblem.mirrored)
+        z = native.z[[1, 0, 2]] if subproblem.mirrored else native.z
+        polished = polish(native.word, z, X, Y)
+        claim, message = self._claim(question, native, bound, polished)
+        return replace(
+            known,
+            claim=claim,
+            path=as_path(scenario, subproblem, polished.z),
+            claimed_length=float(native.z.sum()) * scenario.radius,
+            message=f"{native.word}: {message}",
+        )
+
+    def _claim(
+        self, question: Question, native: Native, bound: float, polished: Polished
+    ) -> tuple[Claim, str]:
+        """What may be said of a polished path, whatever SCIP says of its own point."""
+        scenario = question.scenario
+        rounding = 8 * EPS * (1 + math.hypot(*scenario.local()) + scenario.extent / scenario.radius)
+        if polished.miss > rounding:
+            close = polished.miss <= 10 * self.feastol
+            message = f"meets the target only to {polished.miss:.1e} radii, within the tolerance"
+            return (Claim.FEASIBLE, message) if close else (Claim.FAILED, message)
+        length = float(polished.z.sum())
+        gap = (length - bound) / max(length, 1.0)
+        message = f"within {gap:.1e} of the bound"
+        if gap <= self.gap:
+            return Claim.OPTIMAL, message
+        reached = _CLAIMS.get(native.condition) is Claim.LIMIT
+        return (Claim.LIMIT if reached else Claim.FEASIBLE), message
+
+
+@lru_cache(maxsize=1)
+def _lean() -> tuple[tuple[str, Any], ...]:
+    """SCIP's parameters that its emphasis `off` for heuristics and cutting planes changes."""
+    from pyscipopt import SCIP_PARAMSETTING
+    from pyscipopt import Model as Scip
+
+    scip = Scip()
+    before = scip.getParams()
+    scip.setHeuristics(SCIP_PARAMSETTING.OFF)
+    scip.setSeparating(SCIP_PARAMSETTING.OFF)
+    after = scip.getParams()
+    return tuple((name, value) for name, value in after.items() if value != before[name])
