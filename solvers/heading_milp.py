@@ -1,0 +1,231 @@
+"""`heading-milp`: turns that end on a grid of headings, chosen by a MILP, and straight legs."""
+
+from __future__ import annotations
+
+import math
+import time
+from dataclasses import dataclass
+from importlib.util import find_spec
+from typing import Any, ClassVar, NamedTuple
+
+import numpy as np
+
+from solvers.heading_milp_grid import DETOUR, FULL_TURN, Family, one_turn, two_turns
+from solvers.heading_milp_path import Legs, controls, fewest_legs
+from solvers.heading_milp_template import Template, template
+from solvers.protocol import Guarantee, Question, Solution
+from study.path import FloatArray, Path
+from study.scenario import Scenario
+from study.verify import Claim
+
+EPS = math.ulp(1.0)
+BRANCHES = ("best", "LS", "RS")
+
+
+class Case(NamedTuple):
+    """One MILP of a question: the shape of its paths, and the compiled problem it is put into."""
+
+    family: Family
+    milp: Template
+
+
+class Found(NamedTuple):
+    """What one MILP said.
+
+    `length` and `bound` in radii, the bound for paths on this grid alone; without a path that
+    arrives `legs` is None and `length` infinite.
+    """
+
+    family: Family
+    status: str
+    chosen: list[int]
+    legs: Legs | None
+    length: float
+    bound: float
+    nodes: int
+    iterations: int
+
+
+class Model(NamedTuple):
+    """A question; its target (2,) in the vehicle's frame, in radii."""
+
+    question: Question
+    target: FloatArray
+    cases: list[Case]
+
+
+@dataclass(frozen=True)
+class HeadingMilp:
+    """Full-rate turning steps between headings on a grid, and straight legs; optimal on that grid.
+
+    One binary for every turning step, continuous legs, and a MILP for each shape of path: LS and
+    RS, and for `best` near the start also RL and LR. Its optimum is that of the discretised
+    problem, which is what HiGHS's bound holds for; it is told in the message. A path cannot be
+    shorter than a step, and no grid has a path to a target that is outside a turning circle by
+    less than about an eighth of the step's square. The check's LR and RL, arcs at full rate and
+    nothing else, end on finitely many points of a grid, so they are not answered.
+
+    Args:
+        headings: K, number of turning steps in a full circle.
+        legs: a leg may be driven at the ends of a turn's last step and at legs - 1 headings
+            between; with 1 the legs are on the grid of turns. What legs between two headings
+            cost falls with the square of this number.
+        gap: relative gap at which HiGHS calls an answer optimal.
+    """
+
+    headings: int = 72
+    legs: int = 4
+    gap: float = 1e-6
+
+    name: ClassVar[str] = "heading-milp"
+    method: ClassVar[str] = "MILP"
+    guarantee: ClassVar[Guarantee] = Guarantee.DISCRETISED
+    branches: ClassVar[tuple[str, ...]] = BRANCHES
+    warm: ClassVar[bool] = False
+    packages: ClassVar[tuple[str, ...]] = ("cvxpy", "highspy")
+    summary: ClassVar[str] = "turning steps between headings on a grid as binaries, HiGHS in cvxpy"
+    profiles: ClassVar[dict[str, dict[str, Any]]] = {
+        "fast": {"headings": 48},
+        "accurate": {"headings": 144},
+    }
+
+    def __post_init__(self) -> None:
+        for name, least in (("headings", 12), ("legs", 1)):
+            value = getattr(self, name)
+            if not isinstance(value, int) or isinstance(value, bool) or value < least:
+                raise ValueError(f"{name} is {value!r}; expected a whole number from {least} up")
+        if not 0 < self.gap < 1:
+            raise ValueError(f"gap is {self.gap!r}; expected a number from 0 to 1")
+
+    def unavailable(self) -> str | None:
+        for package in self.packages:
+            if find_spec(package) is None:
+                return f"package {package} is not installed"
+        return None
+
+    def build(self, question: Question) -> Model:
+        if question.branch not in BRANCHES:
+            known = ", ".join(BRANCHES)
+            raise ValueError(f"branch is {question.branch!r}; expected one of {known}")
+        target = np.array(question.scenario.local())
+        families = self._families(question.branch, *map(float, target))
+        cases = [Case(family, template(family.sizes, self.legs)) for family in families]
+        return Model(question, target, cases)
+
+    def _families(self, branch: str, X: float, Y: float) -> list[Family]:
+        """The shapes of a branch; the likelier side first, since it bounds what follows."""
+        sides = {"LS": (1,), "RS": (-1,)}.get(branch, (1, -1) if Y >= 0 else (-1, 1))
+        # the grid is the same for every target of one radius and more
+        distance = min(math.hypot(X, Y), 1.0)
+        families = [one_turn(side, self.headings, self.legs, distance) for side in sides]
+        if branch == "best":
+            # the second arc's centre is 2 from the first one's, and a leg may start a step late
+            least = 1 - FULL_TURN / self.headings
+            families += [
+                two_turns(side, self.headings, self.legs)
+                for side in sides
+                if least <= math.hypot(X, Y + side) <= 3
+            ]
+        return families
+
+    def solve(self, model: Model, limit: float) -> Solution:
+        deadline = time.perf_counter() + limit
+        scenario = model.question.scenario
+        X, Y = map(float, model.target)
+        if math.hypot(X, Y) <= 2 * EPS * scenario.extent / scenario.radius:
+            path = Path(scenario.start, [], [])
+            return Solution(Claim.LOCAL, path, 0.0, message="the target is at the start")
+        found: list[Found] = []
+        cutoff = math.hypot(X, Y) + DETOUR
+        for case in model.cases:
+            seconds = deadline - time.perf_counter()
+            if seconds <= 0:
+                break
+            found.append(_solved(case, model.target, cutoff, self.gap, seconds))
+            cutoff = min(cutoff, found[-1].length)
+        return _solution(model, found, self.headings)
+
+
+def _solved(case: Case, target: FloatArray, cutoff: float, gap: float, seconds: float) -> Found:
+    """The answer of one MILP to a target (2,) in radii; lengths above `cutoff` are not looked for.
+
+    The objective is what a path is longer than the bee-line: the end point's equation turns a
+    step's length into length minus advance, which keeps a gap meaningful however far the target
+    is, as do coordinates in units of its distance.
+    """
+    family, milp = case
+    distance = math.hypot(*target)
+    unit, ahead = max(1.0, distance), target / distance
+    milp.target[:] = target / unit
+    milp.shift[:] = family.shift / unit
+    milp.direction[:] = family.direction
+    milp.toll[:] = family.length - ahead @ family.shift
+    milp.slope[:] = unit * (1 - ahead @ family.direction)
+    milp.reach[:] = np.maximum(cutoff - family.length, 0.0) / unit
+    answer = milp.solve(gap, cutoff - distance, seconds)
+    legs = None if answer.chosen is None else fewest_legs(family, answer.chosen, target)
+    length = math.inf
+    if legs is not None and answer.chosen is not None:
+        rows = [n + j for n, j in zip(family.starts, answer.chosen, strict=True)]
+        length = float(family.length[rows].sum() + legs.length.sum())
+    return Found(
+        family,
+        answer.status,
+        answer.chosen or [],
+        legs,
+        length,
+        distance + answer.bound,
+        answer.nodes,
+        answer.iterations,
+    )
+
+
+def _solution(model: Model, found: list[Found], headings: int) -> Solution:
+    """The shortest path found, with the claim that all MILPs together deserve."""
+    scenario, R = model.question.scenario, model.question.scenario.radius
+    counts: dict[str, Any] = {
+        "iterations": sum(one.iterations for one in found),
+        "evaluations": sum(one.nodes for one in found),
+        "native_status": "; ".join(f"{one.family.name} {one.status}" for one in found),
+    }
+    done = {one.status for one in found} <= {"optimal", "infeasible"}
+    stopped = len(found) < len(model.cases) or any(one.status == "user_limit" for one in found)
+    best = min(found, key=lambda one: one.length, default=None)
+    if best is None or best.legs is None:
+        if inside := _inside(model):
+            return Solution(Claim.INFEASIBLE, message=inside, **counts)
+        message = f"no path on the grid of {headings} headings was found"
+        return Solution(Claim.LIMIT if stopped else Claim.FAILED, message=message, **counts)
+    claim = Claim.LIMIT if stopped else Claim.LOCAL if done else Claim.FEASIBLE
+    curvature, length = controls(best.family, best.chosen, best.legs)
+    # a shape without a path shorter than the best one has been cut off at its length
+    bound = min(one.bound if one.status != "infeasible" else best.length for one in found)
+    return Solution(
+        claim,
+        path=Path(scenario.start, np.array(curvature) / R, np.array(length) * R),
+        claimed_length=best.length * R,
+        multipliers=_in_world(scenario, best.legs.duals),
+        message=f"{best.family.name}; HiGHS's bound {bound * R:.9g} holds for paths on the grid"
+        f" of {headings} headings only, not for the scenario",
+        **counts,
+    )
+
+
+def _inside(model: Model) -> str | None:
+    """Why the branch has no path at all, on a grid or off it, or None."""
+    side = {"LS": 1.0, "RS": -1.0}.get(model.question.branch)
+    X, Y = model.target
+    if side is None or not 2 * side * Y > X * X + Y * Y:  # |T - C| < 1
+        return None
+    disc = "left" if side > 0 else "right"
+    return (
+        f"the target is inside the {disc} turning circle, which a turn and a straight never enter"
+    )
+
+
+def _in_world(scenario: Scenario, duals: FloatArray | None) -> tuple[float, float] | None:
+    if duals is None:
+        return None
+    cos, sin = math.cos(scenario.heading), math.sin(scenario.heading)
+    along, left = map(float, duals)
+    return along * cos - left * sin, along * sin + left * cos
