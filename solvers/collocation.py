@@ -122,18 +122,18 @@ class Collocation:
         if reason := unreachable(place, question.branch):
             return Solution(Claim.INFEASIBLE, iterations=0, evaluations=0, message=reason)
         runs: list[Run] = []
-        began = perf_counter()
+        until = perf_counter() + limit
         for word in guesses(question, place, self.n, self.mesh == "equal"):
             for guess in word:
-                if perf_counter() - began > limit:
+                if perf_counter() > until:
                     return _answer(model, runs, in_time=False)
-                runs.append(self._run(model, guess))
+                runs.append(self._run(model, guess, until))
                 if runs[-1].claim is Claim.LOCAL:
                     break
-        return _answer(model, runs, in_time=True)
+        return _answer(model, runs, in_time=perf_counter() <= until)
 
-    def _run(self, model: Model, guess: Elements) -> Run:
-        elements, native = model.transcription.solve(guess, model.rates, model.target)
+    def _run(self, model: Model, guess: Elements, until: float) -> Run:
+        elements, native = model.transcription.solve(guess, model.rates, model.target, until)
         claim = CLAIMS.get(native.status, Claim.FAILED)
         if not np.isfinite(elements).all():
             return Run(Claim.FAILED, elements, math.inf, math.inf, native, 0)

@@ -20,15 +20,18 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from solvers.ipopt_deadline import Deadline
 from solvers.ipopt_engine import Ask, Found, Options, Program, executable, library
 from solvers.turn_rate_dynamics import Rates
 from study.path import FloatArray, Path
 from study.scenario import Pose
 
-# Of all elements together (rad). A shortest path turns by less than a full turn and, if it has two
-# arcs, by pi/3 at most the other way (THEORY section 3); where the elements' lengths are free,
-# turns without a bound gather in one element, whose quadrature is then wrong to the path's gain.
+# Bounds on turns (rad): without them the turning gathers in a few elements, whose quadrature is
+# then wrong to the path's gain. A shortest path turns by less than a full turn and, if it has two
+# arcs, by pi/3 at most the other way (THEORY section 3): elements of free length need no more than
+# this all together. Of equal elements none needs more than half a turn.
 MOST_TURN = 3 * math.pi
+MOST_TURN_EACH = math.pi
 
 
 class Elements(NamedTuple):
@@ -69,6 +72,7 @@ class Template:
         element: which element a collocation point lies in, shape (m,), from 0.
         fraction: how far into it, shape (m,), in (0, 1].
         ask: the compiled program.
+        deadline: of one solve; the executable does not look at it.
     """
 
     n: int
@@ -76,14 +80,16 @@ class Template:
     element: Any
     fraction: FloatArray
     ask: Ask
+    deadline: Deadline
 
-    def solve(self, guess: Elements, rates: Rates, target: FloatArray) -> Transcribed:
+    def solve(self, guess: Elements, rates: Rates, target: FloatArray, until: float) -> Transcribed:
         """Solve from a guess whose states follow its controls exactly.
 
         Args:
             guess: where to begin; equally long elements if the mesh is equal.
             rates: least and largest turn rate allowed.
             target: shape (2,), radii.
+            until: when to stop (s, on `perf_counter`).
         """
         n, durations = self.n, 1 if self.equal else self.n
         start = np.concatenate((self._durations(guess), guess.turn, target, self._states(guess)))
@@ -91,9 +97,10 @@ class Template:
         lower[:durations] = 0.0
         turns, data = slice(durations, durations + n), slice(durations + n, durations + n + 2)
         # |a| <= h bounds both sides by 1; a branch's other bound is 0
-        most = math.inf if self.equal else MOST_TURN / n
+        most = MOST_TURN_EACH if self.equal else MOST_TURN / n
         lower[turns], upper[turns] = max(-most, _sided(rates.lower)), min(most, _sided(rates.upper))
         lower[data] = upper[data] = target
+        self.deadline.at = until
         found = self.ask(start, lower, upper)
         length = np.maximum(found.point[:durations], 0.0)
         if self.equal:
@@ -134,8 +141,9 @@ def template(n: int, points: int, equal: bool, options: Options, by_executable: 
     element = np.repeat(np.arange(n), points)
     # Pyomo rounds the points' labels, not the scheme's coefficients
     fraction = np.tile(model.tau.get_discretization_info()["tau_points"][1:], n)
-    ask = executable(program, options) if by_executable else library(program, options)
-    return Template(n, equal, element, fraction, ask)
+    deadline = Deadline()
+    ask = executable(program, options) if by_executable else library(program, options, deadline)
+    return Template(n, equal, element, fraction, ask, deadline)
 
 
 def pyomo_model(n: int, points: int, equal: bool) -> Any:

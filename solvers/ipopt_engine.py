@@ -19,6 +19,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from solvers.ipopt_deadline import Deadline
 from study.path import FloatArray
 from study.verify import Claim
 
@@ -33,6 +34,7 @@ CLAIMS = {
     "Maximum_Iterations_Exceeded": Claim.LIMIT,
     "Maximum_CpuTime_Exceeded": Claim.LIMIT,
     "Maximum_WallTime_Exceeded": Claim.LIMIT,
+    "User_Requested_Stop": Claim.LIMIT,
     "optimal": Claim.LOCAL,
     "locallyOptimal": Claim.LOCAL,
     "infeasible": Claim.INFEASIBLE,
@@ -99,8 +101,14 @@ def _on_path(path: str) -> bool:
     return shutil.which("ipopt", path=path) is not None
 
 
-def library(program: Program, options: Options) -> Ask:
-    """Ipopt from the casadi wheel on the NL file that Pyomo writes."""
+def library(program: Program, options: Options, deadline: Deadline | None = None) -> Ask:
+    """Ipopt from the casadi wheel on the NL file that Pyomo writes; stopped at a deadline, if any.
+
+    Args:
+        program: the model to be compiled.
+        options: Ipopt's own.
+        deadline: looked at after every iteration.
+    """
     import casadi
     from pyomo.repn.plugins.nl_writer import NLWriter
 
@@ -116,6 +124,7 @@ def library(program: Program, options: Options) -> Ask:
     from_file = np.argsort(to_file)
     rows = {id(row): place for place, row in enumerate(info.constraints)}
     wanted = [rows[id(row)] for row in program.rows]
+    watch = None if deadline is None else deadline.watch(len(builder.x), len(builder.g))
     solver = casadi.nlpsol(
         "ipopt",
         "ipopt",
@@ -124,6 +133,7 @@ def library(program: Program, options: Options) -> Ask:
             "print_time": False,
             "expand": True,  # scalar expressions evaluate faster than the file's matrix ones
             "ipopt": {"print_level": 0, "sb": "yes", **dict(options)},
+            **({} if watch is None else {"iteration_callback": watch}),
         },
     )
     g_low, g_high = builder.g_lb, builder.g_ub
