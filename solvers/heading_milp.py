@@ -11,7 +11,7 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 
 from solvers.heading_milp_grid import DETOUR, FULL_TURN, Family, one_turn, two_turns
-from solvers.heading_milp_path import Legs, controls, fewest_legs
+from solvers.heading_milp_path import Legs, controls, least_legs
 from solvers.heading_milp_template import Template, template
 from solvers.protocol import Guarantee, Question, Solution
 from study.path import FloatArray, Path
@@ -38,7 +38,7 @@ class Found(NamedTuple):
 
     family: Family
     status: str
-    chosen: list[int]
+    choice: int
     legs: Legs | None
     length: float
     bound: float
@@ -74,7 +74,7 @@ class HeadingMilp:
     """
 
     headings: int = 72
-    legs: int = 4
+    legs: int = 6
     gap: float = 1e-6
 
     name: ClassVar[str] = "heading-milp"
@@ -109,7 +109,7 @@ class HeadingMilp:
             raise ValueError(f"branch is {question.branch!r}; expected one of {known}")
         target = np.array(question.scenario.local())
         families = self._families(question.branch, *map(float, target))
-        cases = [Case(family, template(family.sizes, self.legs)) for family in families]
+        cases = [Case(family, template(*family.heading.shape)) for family in families]
         return Model(question, target, cases)
 
     def _families(self, branch: str, X: float, Y: float) -> list[Family]:
@@ -122,7 +122,7 @@ class HeadingMilp:
             # the second arc's centre is 2 from the first one's, and a leg may start a step late
             least = 1 - FULL_TURN / self.headings
             families += [
-                two_turns(side, self.headings, self.legs)
+                two_turns(side, self.headings)
                 for side in sides
                 if least <= math.hypot(X, Y + side) <= 3
             ]
@@ -156,27 +156,20 @@ def _solved(case: Case, target: FloatArray, cutoff: float, gap: float, seconds: 
     family, milp = case
     distance = math.hypot(*target)
     unit, ahead = max(1.0, distance), target / distance
-    milp.target[:] = target / unit
-    milp.shift[:] = family.shift / unit
+    gaps = target[:, None] - family.shift
+    milp.gap[:] = gaps / unit
     milp.direction[:] = family.direction
     milp.toll[:] = family.length - ahead @ family.shift
     milp.slope[:] = unit * (1 - ahead @ family.direction)
-    milp.reach[:] = np.maximum(cutoff - family.length, 0.0) / unit
     answer = milp.solve(gap, cutoff - distance, seconds)
-    legs = None if answer.chosen is None else fewest_legs(family, answer.chosen, target)
-    length = math.inf
-    if legs is not None and answer.chosen is not None:
-        rows = [n + j for n, j in zip(family.starts, answer.chosen, strict=True)]
-        length = float(family.length[rows].sum() + legs.length.sum())
+    choice, legs, length = answer.choice or 0, None, math.inf
+    if answer.choice is not None:
+        legs = least_legs(family.heading[choice], gaps[:, choice])
+    if legs is not None:
+        length = float(family.length[choice] + legs.length.sum())
+    bound = distance + answer.bound
     return Found(
-        family,
-        answer.status,
-        answer.chosen or [],
-        legs,
-        length,
-        distance + answer.bound,
-        answer.nodes,
-        answer.iterations,
+        family, answer.status, choice, legs, length, bound, answer.nodes, answer.iterations
     )
 
 
@@ -197,7 +190,7 @@ def _solution(model: Model, found: list[Found], headings: int) -> Solution:
         message = f"no path on the grid of {headings} headings was found"
         return Solution(Claim.LIMIT if stopped else Claim.FAILED, message=message, **counts)
     claim = Claim.LIMIT if stopped else Claim.LOCAL if done else Claim.FEASIBLE
-    curvature, length = controls(best.family, best.chosen, best.legs)
+    curvature, length = controls(best.family, best.choice, best.legs.length)
     # a shape without a path shorter than the best one has been cut off at its length
     bound = min(one.bound if one.status != "infeasible" else best.length for one in found)
     return Solution(
