@@ -23,7 +23,6 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import partial
-from itertools import chain
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
@@ -42,10 +41,6 @@ ROOTS = ("hybr", "lm")
 # A step this much smaller than the residual asked for ends an iteration. By then it converges
 # superlinearly, save on a turning circle, where the equations are singular and it halves the error.
 _STEP = 1e-4
-
-# Two arcs have two solutions. `best` wants the one whose second arc exceeds pi, the only extremal;
-# a branch that prescribes both controls may be answered by the other, which is among these.
-_SHORT_SECOND_ARC = ((0.1, 0.5), (1.5, 1.5), (3.0, 1.5), (4.5, 1.5), (6.0, 0.5), (3.0, 3.0))
 
 
 class Case(NamedTuple):
@@ -99,6 +94,8 @@ class Shooting:
     def __post_init__(self) -> None:
         one_of(start=(self.start, STARTS), root=(self.root, ROOTS))
         positive(count=self.count, tol=self.tol, max_evaluations=self.max_evaluations)
+        if self.seed < 0:
+            raise ValueError(f"seed is {self.seed}; expected a whole number from 0 up")
 
     def unavailable(self) -> str | None:
         return None
@@ -140,8 +137,6 @@ class Shooting:
         kind, subproblem, structure = self.start, case.subproblem, case.structure
         free = list(subproblem.free)
         points = starting_points(question, subproblem, kind, self.seed, self.count)
-        if kind == "bearing" and question.branch in ("LR", "RL"):
-            points = chain(points, (np.array((*arcs, 0.0)) for arcs in _SHORT_SECOND_ARC))
         for i, z in enumerate(points):
             if kind == "random":
                 nu0, nu1, nu2 = np.random.default_rng((self.seed, i)).normal(size=3)

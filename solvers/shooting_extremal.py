@@ -14,9 +14,6 @@ from study.path import FloatArray
 # nu0 below this (of costates nu0, nu1, nu2 of length 1) counts as zero: an abnormal extremal
 _ABNORMAL = 1e-9
 
-# which of the two pieces are driven
-_KEPT = tuple(map(np.array, ((0.0, 1.0), (1.0, 0.0), (1.0, 1.0))))
-
 
 @dataclass(frozen=True)
 class Conditions:
@@ -82,25 +79,48 @@ def examine(
     """What a solution v, shape (6,), of `Structure.residual` amounts to, and what is wrong with it.
 
     Whole turns are dropped from arcs: the conditions have that period, and the path without them
-    is shorter. Rounding may make a piece of no length a whole turn or put it below zero, so the
-    point without that piece is tried first. Where (nu0, nu) solves the conditions so does its
-    negative, and nu0 >= 0 chooses.
+    is shorter. A piece of no length may have come out negative, or an arc as nearly a whole turn,
+    so the point without it is tried first.
     """
-    durations = v[4:] * (1.0, structure.unit)
-    if structure.singular:
-        durations = np.array((durations[0] % FULL_TURN, max(durations[1], 0.0)))
-    else:
-        durations %= FULL_TURN
-    for kept in _KEPT:
-        driven = durations * kept
-        candidate = Candidate(structure, driven, _signed(structure, v[:4], driven))
-        fault = candidate.fault(conditions)
-        if fault is None:
-            break
-    return candidate, fault
+    found = v[4:] * (1.0, structure.unit)
+    for missing in (0, 1):
+        driven = _without(structure, found, missing)
+        if structure.miss(driven) <= conditions.miss:
+            candidate = Candidate(structure, driven, _signed(structure, driven))
+            if candidate.fault(conditions) is None:
+                return candidate, None
+    driven = _forwards(structure, found)
+    candidate = Candidate(structure, driven, _signed(structure, driven, v[:4]))
+    return candidate, candidate.fault(conditions)
 
 
-def _signed(structure: Structure, costates: FloatArray, durations: FloatArray) -> FloatArray:
+def _forwards(structure: Structure, durations: FloatArray) -> FloatArray:
+    first, second = durations.tolist()
+    last = max(second, 0.0) if structure.singular else second % FULL_TURN
+    return np.array((first % FULL_TURN, last))
+
+
+def _without(structure: Structure, durations: FloatArray, missing: int) -> FloatArray:
+    """Durations without one piece, what it had beyond whole turns given to the other.
+
+    Near a piece of no length the end point depends on the sum of the two durations alone, and on
+    their difference only to second order: a solution knows it to half its digits.
+    """
+    moved = float(durations[missing])
+    if not (structure.singular and missing == 1):
+        moved = math.remainder(moved, FULL_TURN) if math.isfinite(moved) else math.nan
+    changed = durations.copy()
+    changed[1 - missing] += moved
+    changed[missing] = 0.0
+    return _forwards(structure, changed)
+
+
+def _signed(
+    structure: Structure, durations: FloatArray, costates: FloatArray | None = None
+) -> FloatArray:
+    """Costates, by default those of the durations, or their negative: nu0 >= 0 chooses."""
+    if costates is None:
+        costates = structure.costates(durations)
     if abs(costates[0]) > _ABNORMAL:
         return costates * math.copysign(1.0, costates[0])
     # nu0 is zero up to rounding, and either sign may be meant

@@ -24,6 +24,9 @@ TURNS = (1.0, -1.0, 0.0)
 # Relative error with which the end point of a long straight can be met: rounding of its heading.
 ROUNDED = 16 * math.ulp(1.0)
 
+# costates of which all but nu3 are smaller than this are none: with H = 0 they are all zero
+_NO_COSTATES = 1e-3
+
 UNKNOWNS = 6  # nu0, nu1, nu2, nu3(0), then the durations of the two pieces
 
 
@@ -147,6 +150,13 @@ class Structure:
         J[4, :4] = 1, 1, 0, self.turns[0]
         J[5, :3] = 2 * nu0, 2 * nu1, 2 * nu2
         return J
+
+    def costates(self, durations: FloatArray) -> FloatArray:
+        """Costates (4,) that go with durations (2,): the conditions on them are linear."""
+        linear = self.jacobian(self.unknowns(np.zeros(4), durations))[2:5, :4]
+        nu: FloatArray = np.linalg.svd(linear)[2][-1]
+        nu /= max(math.hypot(*nu[:3]), _NO_COSTATES)
+        return nu
 
     def miss(self, durations: FloatArray) -> float:
         """Distance from the end point to the target in radii."""
