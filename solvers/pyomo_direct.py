@@ -41,6 +41,7 @@ def _licensed() -> bool:
 
 
 def _interface(name: str) -> Any:
+    import pyomo.environ  # noqa: F401  (registers the interfaces)
     from pyomo.contrib.solver.common.factory import SolverFactory
 
     return SolverFactory(name)
@@ -48,7 +49,7 @@ def _interface(name: str) -> Any:
 
 def solve(case: Case, start: FloatArray, seconds: float, interface: str) -> Point:
     """The point that one of Pyomo's solver interfaces reaches from `start`, shape (3,)."""
-    from pyomo.common.errors import PyomoException
+    from pyomo.common.errors import ApplicationError, PyomoException
 
     model = posed(case, start)
     solver = _interface(interface)
@@ -61,7 +62,7 @@ def solve(case: Case, start: FloatArray, seconds: float, interface: str) -> Poin
             raise_exception_on_nonoptimal_result=False,
             time_limit=max(seconds, 1e-3),
         )
-    except (PyomoException, RuntimeError) as error:  # KNITRO's library raises RuntimeError
+    except (ApplicationError, PyomoException, RuntimeError) as error:  # the last from KNITRO
         return no_point(case, Claim.FAILED, type(error).__name__, str(error))
     return _point(case, model, results)
 
@@ -84,5 +85,6 @@ def _point(case: Case, model: Any, results: Any) -> Point:
         duals = (-float(of_row[model.x_end]), -float(of_row[model.y_end]))
     except (PyomoException, NotImplementedError):
         duals = None
-    iterations = int(results.extra_info.get("number_iters", 0))
+    counted = "number_iters" in results.extra_info
+    iterations = int(results.extra_info.number_iters) if counted else 0
     return Point(case.subproblem, z, claim, duals, iterations, 0, condition, message)

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import math
-import stat
-import sys
 
 import numpy as np
 import pytest
 from cases import PAPER, scenarios
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
+from stand_in import put_solver
 
 from solvers.answer import attempt, solve
 from solvers.ipopt import Ipopt
@@ -162,34 +161,9 @@ def test_a_warm_start_saves_iterations(name):
     assert warm.iterations < cold.iterations
 
 
-# A stand-in for the AMPL executable: reads the NL file, solves it with the library, writes .sol.
-EXECUTABLE = """#!{python}
-import sys
-import casadi
-if "-v" in sys.argv:
-    print("Ipopt 3.14.0 (stand-in)")
-    sys.exit()
-stub = next(a for a in sys.argv[1:] if not a.startswith("-") and "=" not in a)
-stub = stub.removesuffix(".nl")
-nl = casadi.NlpBuilder()
-nl.import_nl(stub + ".nl")
-nlp = dict(x=casadi.vertcat(*nl.x), f=nl.f, g=casadi.vertcat(*nl.g))
-solver = casadi.nlpsol("s", "ipopt", nlp, dict(print_time=False, ipopt=dict(print_level=0)))
-found = solver(x0=nl.x_init, lbx=nl.x_lb, ubx=nl.x_ub, lbg=nl.g_lb, ubg=nl.g_ub)
-x, y = found["x"].full().ravel(), -found["lam_g"].full().ravel()  # ASL's sign of duals
-code = 0 if solver.stats()["success"] else 200
-lines = ["", "Ipopt 3.14.0 (stand-in): " + solver.stats()["return_status"], "", "Options", "3",
-         "1", "1", "0", str(len(y)), str(len(y)), str(len(x)), str(len(x))]
-lines += [repr(float(v)) for v in (*y, *x)] + ["objno 0 " + str(code)]
-open(stub + ".sol", "w").write("\\n".join(lines) + "\\n")
-"""
-
-
 def test_an_executable_on_path_is_used(tmp_path, monkeypatch):
     """`ipopt` on PATH comes first; its answers, duals included, are those of the library."""
-    file = tmp_path / "ipopt"
-    file.write_text(EXECUTABLE.format(python=sys.executable))
-    file.chmod(file.stat().st_mode | stat.S_IXUSR)
+    put_solver(tmp_path, "ipopt")
     library = solve(PAPER["problem 1"], "ipopt[via=library]")
     monkeypatch.setenv("PATH", str(tmp_path), prepend=":")
 
