@@ -150,18 +150,16 @@ class Shooting:
         """Solve from one start; `prescribed` if the branch leaves no choice of controls."""
         structure, free = case.structure, list(case.subproblem.free)
         v = structure.unknowns(start[3:], start[free])
-        evaluations = 0
-        for _ in range(2):
-            found = self._root(structure, v)
-            evaluations += int(found.nfev)
-            v = found.x
-            if not (structure.singular and v[-1] < 0):
-                break
+        found = self._root(structure, v)
+        evaluations = int(found.nfev)
+        if structure.singular and found.x[-1] < 0:
             # Driven backwards the straight belongs to another path; the one driven forwards lies
             # on the other side of the turning circle, where the equations are singular.
-            v[-1] = -v[-1]
+            found.x[-1] = -found.x[-1]
+            found = self._root(structure, found.x)
+            evaluations += int(found.nfev)
         conditions = Conditions(self.tol, self._allowed(structure), prescribed)
-        candidate, fault = examine(structure, v, conditions)
+        candidate, fault = examine(structure, found.x, conditions)
         z = np.zeros(3)
         z[free] = candidate.durations
         return Point(
@@ -172,7 +170,7 @@ class Shooting:
             evaluations - 1,  # every evaluation but the first is a step tried
             evaluations,
             f"{self.root} {found.status}",
-            fault or candidate.kind,
+            fault or candidate.kind(conditions),
         )
 
     def _root(self, structure: Structure, v: FloatArray) -> Any:

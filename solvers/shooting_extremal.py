@@ -50,11 +50,12 @@ class Candidate:
         nu0, nu1, nu2, _ = self.costates.tolist()
         return (-nu1 / nu0, -nu2 / nu0) if self.normal else None
 
-    @property
-    def kind(self) -> str:
-        """What sort of extremal this is, if it is one."""
+    def kind(self, conditions: Conditions) -> str:
+        """What a candidate without fault is, in words."""
         structure = "bang-singular" if self.structure.singular else "bang-bang"
-        return f"{structure}, {'normal' if self.normal else 'abnormal'}"
+        wrong = self.structure.wrong_sign(self.costates, self.durations) > conditions.tol
+        signs = ", against the sign of nu3: stationary, but no extremal" if wrong else ""
+        return f"{structure}, {'normal' if self.normal else 'abnormal'}{signs}"
 
     def fault(self, conditions: Conditions) -> str | None:
         """The condition that is not met, or None if this is an extremal."""

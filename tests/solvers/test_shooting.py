@@ -147,7 +147,7 @@ def test_costates_near_the_extremal_ones_never_drive_straight():
         a, b = nu1 * (1 + change), nu2 * (1 + change)
         x = y = theta = 0.0
         nearest, nu3, dt = math.inf, -(1 + a), 1e-3
-        for _ in range(15_000):  # a fourth longer than the shortest path
+        for _ in range(15_000):  # a third longer than the shortest path
             turn = -math.copysign(dt, nu3 + a * y - b * x)
             theta += turn
             x, y = x + dt * math.cos(theta - turn / 2), y + dt * math.sin(theta - turn / 2)
@@ -242,12 +242,14 @@ def test_an_extremal_need_not_be_the_shortest():
 
 
 def test_a_branch_may_be_answered_by_a_path_that_is_no_extremal():
-    """A second arc below pi turns against nu3: RL may be asked for it, `best` must not take it."""
-    target = Scenario(0, 0, 0, 1.5, 0.5, 1)
-    short = solve(target, "shooting", "RL")
+    """A second arc below pi turns against nu3, but a branch that prescribes the turns has it."""
+    short = solve(Scenario(0, 0, 0, 1.5, 0.5, 1), "shooting", "RL")
+    long = solve(Scenario(0, 0, 0, 0.3, 1.2, 1), "shooting", "RL")
 
-    assert short.path.length[1] < math.pi
-    assert short.verdict is Verdict.OPTIMAL
+    assert short.path.length[1] < math.pi < long.path.length[1]
+    assert short.verdict is long.verdict is Verdict.OPTIMAL
+    assert "no extremal" in short.message
+    assert "no extremal" not in long.message
 
 
 def test_a_warm_start_saves_evaluations():
