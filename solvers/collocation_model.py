@@ -127,6 +127,16 @@ def _sided(rate: float) -> float:
 @lru_cache(maxsize=16)
 def template(n: int, points: int, equal: bool, options: Options, by_executable: bool) -> Template:
     """The transcription into n elements of so many points each, compiled once per setting."""
+    asked, deadline = program(n, points, equal), Deadline()
+    ask = executable(asked, options) if by_executable else library(asked, options, deadline)
+    element = np.repeat(np.arange(n), points)
+    # Pyomo rounds the points' labels, not the scheme's coefficients
+    fraction = np.tile(asked.model.tau.get_discretization_info()["tau_points"][1:], n)
+    return Template(n, equal, element, fraction, ask, deadline)
+
+
+def program(n: int, points: int, equal: bool) -> Program:
+    """The transcription with its variables in the order in which `Template.solve` gives them."""
     model = pyomo_model(n, points, equal)
     times = [tau for tau in model.tau if tau > 0]
     states = (model.x, model.y, model.theta, model.dx, model.dy, model.dtheta)
@@ -137,13 +147,7 @@ def template(n: int, points: int, equal: bool, options: Options, by_executable: 
         model.Y,
         *(state[tau] for state in states for tau in times),
     ]
-    program = Program(model, variables, [model.x_end, model.y_end])
-    element = np.repeat(np.arange(n), points)
-    # Pyomo rounds the points' labels, not the scheme's coefficients
-    fraction = np.tile(model.tau.get_discretization_info()["tau_points"][1:], n)
-    deadline = Deadline()
-    ask = executable(program, options) if by_executable else library(program, options, deadline)
-    return Template(n, equal, element, fraction, ask, deadline)
+    return Program(model, variables, [model.x_end, model.y_end])
 
 
 def pyomo_model(n: int, points: int, equal: bool) -> Any:

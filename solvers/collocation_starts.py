@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from itertools import chain
 
 import numpy as np
 
@@ -29,9 +30,10 @@ _HERE = Pose(0.0, 0.0, 0.0)
 
 
 def guesses(question: Question, target: Local, n: int, equal: bool) -> Iterator[Iterator[Elements]]:
-    """Elements to begin from: the path given, if it can be driven, then some of each word.
+    """Elements to begin from: some of each word, one after another.
 
-    Of each word's guesses those after the first success may be left out.
+    Those of a word after its first success may be left out. A path given, if it can be driven,
+    goes first: before a word's own guesses if one is asked for, else by itself.
 
     Args:
         question: its branch says which words.
@@ -39,13 +41,21 @@ def guesses(question: Question, target: Local, n: int, equal: bool) -> Iterator[
         n: number of elements.
         equal: whether they must be equally long.
     """
-    warm, radius = question.start, question.scenario.radius
-    if warm is not None and drivable(warm) and warm.total_length > 0:
-        path = Path(_HERE, warm.curvature * radius, warm.length / radius)
-        yield iter([cut(path, n, equal)])
-    words = (question.branch,) if question.branch != "best" else _words(target)
-    for word in words:
+    warm = [cut(path, n, equal) for path in _given(question)]
+    if question.branch != "best":
+        yield chain(warm, (cut(path, n, equal) for path in _shaped(question.branch, target)))
+        return
+    if warm:
+        yield iter(warm)
+    for word in _words(target):
         yield (cut(path, n, equal) for path in _shaped(word, target))
+
+
+def _given(question: Question) -> Iterator[Path]:
+    """The question's path in the vehicle's frame at unit radius, if it can be driven."""
+    path, radius = question.start, question.scenario.radius
+    if path is not None and drivable(path) and path.total_length > 0:
+        yield Path(_HERE, path.curvature * radius, path.length / radius)
 
 
 def _words(target: Local) -> Iterator[str]:
