@@ -117,6 +117,25 @@ def report(
     print(show.report_text(page))
 
 
+@app.command()
+def audit(
+    as_json: Annotated[bool, typer.Option("--json", help="print one JSON object")] = False,
+) -> None:
+    """Recompute the paper's tables; exit code 1 if the code contradicts the committed audit."""
+    from dubins_study import show_audit
+    from report.audit import audit as recompute
+    from report.audit_check import contradictions
+    from report.audit_file import committed
+
+    found = recompute()
+    # flushed before the committed audit is read, which may be the file that this is written to
+    print(show_audit.audit_json(found) if as_json else show_audit.audit_text(found), flush=True)
+    lines = contradictions(found, committed())
+    for line in lines:
+        print(f"dubins-study: contradiction: {line}", file=sys.stderr)
+    raise typer.Exit(1 if lines else 0)
+
+
 # What a user can do wrong, by the module that says so. Anything else is a bug and shows itself.
 _REFUSALS = (
     ("study.scenario", "ScenarioError"),
@@ -128,6 +147,7 @@ _REFUSALS = (
     ("experiments.store", "StoreError"),
     ("experiments.runner", "RunError"),
     ("report.load", "ReportError"),
+    ("report.audit_file", "AuditError"),
     ("dubins_study.show", "ShowError"),
 )
 

@@ -1,60 +1,110 @@
-"""The printed cells of the paper's Tables 6.1-6.5, and what is known of those that are wrong."""
+"""What the paper prints: the scenarios, the cells of Tables 6.1-6.5, and the solve times."""
 
 from __future__ import annotations
 
+from fractions import Fraction
 from typing import NamedTuple
 
 import pandas as pd
 
+from report.audit_file import misprints
 from study.path import Path
 
 QUANTITIES = ("z1", "z2", "z3", "f")
 
 
+class Problem(NamedTuple):
+    """A scenario of the paper, exactly as stated; it starts at (0, 0).
+
+    Args:
+        label: the scenario's label in the experiment `paper`.
+        heading: start heading in units of pi.
+        target: x and y.
+        radius: turning radius, same unit.
+    """
+
+    label: str
+    heading: Fraction
+    target: tuple[int, int]
+    radius: int
+
+    @property
+    def position(self) -> str:
+        """The test problem, whatever the radius: `problem 1` to `problem 5`."""
+        return self.label.partition(",")[0]
+
+
+_60, _120 = Fraction(1, 3), Fraction(2, 3)
+PROBLEMS = {
+    problem.label: problem
+    for problem in (
+        Problem("problem 1", _120, (10, 5), 1),
+        Problem("problem 2", _120, (-6, 3), 1),
+        Problem("problem 3", _60, (-1, 5), 1),
+        Problem("problem 4", _60, (-2, -5), 1),
+        Problem("problem 5, R=25", _120, (-80, 20), 25),
+        Problem("problem 5, R=10", _120, (-80, 20), 10),
+        Problem("problem 5, R=5", _120, (-80, 20), 5),
+    )
+}
+
+
 class PrintedRow(NamedTuple):
-    """One printed row; lengths in the scenario's unit, None for the turn that a path has not.
+    """One printed row; lengths in the scenario's unit.
 
     Args:
         table: the paper's number of the table.
-        label: the scenario's label in the experiment `paper`.
+        label: of the problem.
         path: `optimal` or `feasible`.
-        radius: turning radius.
-        cells: left turn z1, right turn z2, straight z3, total f.
+        cells: left turn z1, right turn z2, straight z3, total f, as printed; `0` stands for the
+            turn that a path has not.
     """
 
     table: str
     label: str
     path: str
-    radius: float
-    cells: tuple[float | None, float | None, float, float]
+    cells: tuple[str, str, str, str]
+
+    @property
+    def word(self) -> str:
+        """`LS` or `RS`, by the turn that is not there."""
+        return "RS" if self.cells[0] == "0" else "LS"
 
 
 PRINTED = (
-    PrintedRow("6.1", "problem 1", "optimal", 1.0, (None, 1.74, 10.13, 11.87)),
-    PrintedRow("6.1", "problem 1", "feasible", 1.0, (4.74, None, 12.14, 16.88)),
-    PrintedRow("6.2", "problem 2", "optimal", 1.0, (0.61, None, 6.13, 6.74)),
-    PrintedRow("6.2", "problem 2", "feasible", 1.0, (None, 5.72, 7.24, 12.96)),
-    PrintedRow("6.3", "problem 3", "optimal", 1.0, (0.79, None, 4.39, 5.17)),
-    PrintedRow("6.3", "problem 3", "feasible", 1.0, (None, 5.61, 5.72, 11.33)),
-    PrintedRow("6.4", "problem 4", "optimal", 1.0, (None, 3.38, 5.24, 8.61)),
-    PrintedRow("6.4", "problem 4", "feasible", 1.0, (3.64, None, 5.53, 9.17)),
-    PrintedRow("6.5", "problem 5, R=25", "optimal", 25.0, (23.01, None, 61.91, 84.92)),
-    PrintedRow("6.5", "problem 5, R=10", "optimal", 10.0, (8.43, None, 74.92, 83.36)),
-    PrintedRow("6.5", "problem 5, R=5", "optimal", 5.0, (4.11, None, 78.79, 82.89)),
+    PrintedRow("6.1", "problem 1", "optimal", ("0", "1.74", "10.13", "11.87")),
+    PrintedRow("6.1", "problem 1", "feasible", ("4.74", "0", "12.14", "16.88")),
+    PrintedRow("6.2", "problem 2", "optimal", ("0.61", "0", "6.13", "6.74")),
+    PrintedRow("6.2", "problem 2", "feasible", ("0", "5.72", "7.24", "12.96")),
+    PrintedRow("6.3", "problem 3", "optimal", ("0.79", "0", "4.39", "5.17")),
+    PrintedRow("6.3", "problem 3", "feasible", ("0", "5.61", "5.72", "11.33")),
+    PrintedRow("6.4", "problem 4", "optimal", ("0", "3.38", "5.24", "8.61")),
+    PrintedRow("6.4", "problem 4", "feasible", ("3.64", "0", "5.53", "9.17")),
+    PrintedRow("6.5", "problem 5, R=25", "optimal", ("23.01", "0", "61.91", "84.92")),
+    PrintedRow("6.5", "problem 5, R=10", "optimal", ("8.43", "0", "74.92", "83.36")),
+    PrintedRow("6.5", "problem 5, R=5", "optimal", ("4.11", "0", "78.79", "82.89")),
 )
 
-_R25 = "wrong: the printed path is shorter than the true optimum and misses the target by 0.161"
-MISPRINTS = {
-    ("problem 1", "optimal", "z2"): "1.734999847 rounds to 1.73",
-    ("problem 3", "optimal", "z1"): "wrong: no rounding of 0.777354 gives it",
-    ("problem 4", "optimal", "z2"): "3.373651 rounds to 3.37",
-    ("problem 5, R=25", "optimal", "z1"): _R25,
-    ("problem 5, R=25", "optimal", "z3"): _R25,
-    ("problem 5, R=25", "optimal", "f"): _R25,
-    ("problem 5, R=10", "optimal", "z3"): (
-        "74.929029 rounds to 74.93; 74.9164 is what an interior-point solver's bias gives"
-    ),
-}
+
+class PrintedTime(NamedTuple):
+    """A solve time that the text states, in seconds, as printed."""
+
+    label: str
+    path: str
+    seconds: str
+
+
+TIMES = (
+    PrintedTime("problem 1", "optimal", "0.031"),
+    PrintedTime("problem 1", "feasible", "0.047"),
+    PrintedTime("problem 2", "optimal", "0.047"),
+    PrintedTime("problem 2", "feasible", "0.016"),
+    PrintedTime("problem 3", "optimal", "0.016"),
+    PrintedTime("problem 3", "feasible", "0.031"),
+    PrintedTime("problem 4", "optimal", "0.031"),
+    PrintedTime("problem 4", "feasible", "0.047"),
+    PrintedTime("problem 5, R=10", "optimal", "0.047"),
+)
 
 # A printed number has two decimals, so it may be off by half of the last; the rest is for the
 # binary fractions that stand in for decimal ones.
@@ -81,16 +131,19 @@ def compare(paths: dict[tuple[str, str], Path]) -> pd.DataFrame:
 
     Returns:
         Columns table, label, path, word, quantity, printed, ours (NaN where there is no answer),
-        difference, verdict (`correct`, `misprint`, `differs`, `no answer`) and reason.
+        difference and verdict: `correct` if ours rounds to what is printed, `misprint` if the audit
+        knows why it does not, otherwise `differs`; or `no answer`.
     """
+    known = {(c["label"], c["path"], c["quantity"]) for c in misprints()}
     records = []
     for row in PRINTED:
         word, ours = _ranked(paths, row)
-        for position, (quantity, printed) in enumerate(zip(QUANTITIES, row.cells, strict=True)):
-            if printed is None:
+        for position, (quantity, text) in enumerate(zip(QUANTITIES, row.cells, strict=True)):
+            if text == "0":
                 continue
+            printed = float(text)
             value = None if ours is None else ours[position]
-            reason = MISPRINTS.get((row.label, row.path, quantity), "")
+            misprint = (row.label, row.path, quantity) in known
             records.append(
                 {
                     "table": row.table,
@@ -101,8 +154,7 @@ def compare(paths: dict[tuple[str, str], Path]) -> pd.DataFrame:
                     "printed": printed,
                     "ours": value,
                     "difference": None if value is None else printed - value,
-                    "verdict": _verdict(printed, value, reason),
-                    "reason": reason,
+                    "verdict": _verdict(printed, value, misprint),
                 }
             )
     frame = pd.DataFrame.from_records(records)
@@ -117,12 +169,12 @@ def _ranked(
         return None, None
     found.sort(key=lambda item: item[1].total_length)
     word, path = found[0 if row.path == "optimal" else 1]
-    return word, segments(path, row.radius)
+    return word, segments(path, PROBLEMS[row.label].radius)
 
 
-def _verdict(printed: float, ours: float | None, reason: str) -> str:
+def _verdict(printed: float, ours: float | None, misprint: bool) -> str:
     if ours is None:
         return "no answer"
     if abs(printed - ours) <= HALF_UNIT:
         return "correct"
-    return "misprint" if reason else "differs"
+    return "misprint" if misprint else "differs"

@@ -42,11 +42,12 @@ def paper_section(results: Results) -> Section | None:
         return None
     cells = paper.compare(paths)
     blocks: list[Table | Picture] = [_side_by_side(cells, number) for number in _TITLES]
-    blocks += [_differences(cells), _scores(results)]
+    blocks.append(_scores(results))
     right = int((cells["verdict"] == "correct").sum())
     text = (
         f"{right} of the {len(cells)} printed lengths are correct roundings of the exact ones. The "
-        "paper's optimal path is the shorter of LS and RS, its feasible path the longer."
+        "paper's optimal path is the shorter of LS and RS, its feasible path the longer. The audit "
+        "below says what became of the others."
     )
     return Section("paper", "The paper's tables", text, tuple(blocks))
 
@@ -82,23 +83,6 @@ def _side_by_side(cells: pd.DataFrame, number: str) -> Table:
     )
     caption = f"Table {number}. {_TITLES[number]} Lengths; ✗ marks what is not a correct rounding."
     return Table(f"paper-{number.replace('.', '-')}", caption, frame, columns, marks)
-
-
-def _differences(cells: pd.DataFrame) -> Table:
-    wrong = cells[cells["verdict"] != "correct"].reset_index(drop=True)
-    wrong["reason"] = wrong["reason"].where(wrong["reason"] != "", "not known: look into it")
-    columns = (
-        Column("table", "table", kind="text"),
-        Column("label", "scenario", kind="text"),
-        Column("path", "path", kind="text"),
-        Column("quantity", "cell", kind="code"),
-        Column("printed", "printed", lambda v: f"{v:.2f}"),
-        Column("ours", "exact", lambda v: f"{v:.6f}"),
-        Column("difference", "printed − exact", lambda v: f"{v:+.4f}".replace("-", "−")),
-        Column("reason", "finding", kind="prose"),
-    )
-    caption = "The printed cells that are not correct roundings, and why. Lengths."
-    return Table("paper-differences", caption, wrong, columns)
 
 
 def _scores(results: Results) -> Table:

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from report.content import Section
 from report.load import Results
 from report.section_agreement import agreement_section
+from report.section_audit import audit_section
 from report.section_paper import figures_section, paper_section
 from report.section_plane import plane_section
 from report.section_radius import radius_section
@@ -16,6 +17,7 @@ from report.section_time import discretisation_section, time_section
 SECTIONS: dict[str, Callable[[Results], Section | None]] = {
     "summary": summary_section,
     "the paper's tables": paper_section,
+    "the audit of the paper": audit_section,
     "the paper's figures": figures_section,
     "length, time and word against radius": radius_section,
     "agreement": agreement_section,
