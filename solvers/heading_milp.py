@@ -10,12 +10,14 @@ from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
-from solvers.heading_milp_grid import DETOUR, FULL_TURN, Family, one_turn, two_turns
-from solvers.heading_milp_path import Legs, controls, least_legs
+from solvers.heading_milp_grid import FULL_TURN, Family, one_turn, two_turns
+from solvers.heading_milp_path import ROUNDED, Legs, controls, least_legs
 from solvers.heading_milp_template import Template, template
 from solvers.protocol import Guarantee, Question, Solution
+from solvers.reach import unreachable
 from study.path import FloatArray, Path
 from study.scenario import Scenario
+from study.synthesis import local
 from study.verify import Claim
 
 EPS = math.ulp(1.0)
@@ -115,9 +117,7 @@ class HeadingMilp:
     def _families(self, branch: str, X: float, Y: float) -> list[Family]:
         """The shapes of a branch; the likelier side first, since it bounds what follows."""
         sides = {"LS": (1,), "RS": (-1,)}.get(branch, (1, -1) if Y >= 0 else (-1, 1))
-        # the grid is the same for every target of one radius and more
-        distance = min(math.hypot(X, Y), 1.0)
-        families = [one_turn(side, self.headings, self.legs, distance) for side in sides]
+        families = [one_turn(side, self.headings, self.legs, X, Y) for side in sides]
         if branch == "best":
             # the second arc's centre is 2 from the first one's, and a leg may start a step late
             least = 1 - FULL_TURN / self.headings
@@ -136,7 +136,7 @@ class HeadingMilp:
             path = Path(scenario.start, [], [])
             return Solution(Claim.LOCAL, path, 0.0, message="the target is at the start")
         found: list[Found] = []
-        cutoff = math.hypot(X, Y) + DETOUR
+        cutoff = self._longest(math.hypot(X, Y))
         for case in model.cases:
             seconds = deadline - time.perf_counter()
             if seconds <= 0:
@@ -145,22 +145,34 @@ class HeadingMilp:
             cutoff = min(cutoff, found[-1].length)
         return _solution(model, found, self.headings)
 
+    def _longest(self, distance: float) -> float:
+        """Length (radii) above which no path needs to be looked for.
+
+        A full turn, and a straight that is longer than the distance by a radius and, between two
+        headings that are an angle b apart, by a factor of up to 1 / cos(b / 2); then some more.
+        """
+        between = FULL_TURN / (self.headings * self.legs)
+        return (distance + 3 * math.pi) / math.cos(between / 2)
+
 
 def _solved(case: Case, target: FloatArray, cutoff: float, gap: float, seconds: float) -> Found:
     """The answer of one MILP to a target (2,) in radii; lengths above `cutoff` are not looked for.
 
-    The objective is what a path is longer than the bee-line: the end point's equation turns a
-    step's length into length minus advance, which keeps a gap meaningful however far the target
-    is, as do coordinates in units of its distance.
+    The objective is what a path is longer than the bee-line: the end point's equations turn
+    lengths into lengths less what they advance, so that a gap keeps its meaning however far the
+    target is. Legs are counted in units of what they bridge, at any distance within reach of
+    HiGHS's tolerances.
     """
     family, milp = case
     distance = math.hypot(*target)
-    unit, ahead = max(1.0, distance), target / distance
     gaps = target[:, None] - family.shift
-    milp.gap[:] = gaps / unit
+    bridged = np.hypot(*gaps)
+    unit = np.where(bridged > ROUNDED, bridged, 1.0)
+    ahead = target / distance
+    milp.gap[:] = np.where(bridged > ROUNDED, gaps / unit, 0.0)
     milp.direction[:] = family.direction
     milp.toll[:] = family.length - ahead @ family.shift
-    milp.slope[:] = unit * (1 - ahead @ family.direction)
+    milp.slope[:] = np.repeat(unit, family.heading.shape[1]) * (1 - ahead @ family.direction)
     answer = milp.solve(gap, cutoff - distance, seconds)
     choice, legs, length = answer.choice or 0, None, math.inf
     if answer.choice is not None:
@@ -185,7 +197,7 @@ def _solution(model: Model, found: list[Found], headings: int) -> Solution:
     stopped = len(found) < len(model.cases) or any(one.status == "user_limit" for one in found)
     best = min(found, key=lambda one: one.length, default=None)
     if best is None or best.legs is None:
-        if inside := _inside(model):
+        if inside := unreachable(local(scenario), model.question.branch):
             return Solution(Claim.INFEASIBLE, message=inside, **counts)
         message = f"no path on the grid of {headings} headings was found"
         return Solution(Claim.LIMIT if stopped else Claim.FAILED, message=message, **counts)
@@ -201,18 +213,6 @@ def _solution(model: Model, found: list[Found], headings: int) -> Solution:
         message=f"{best.family.name}; HiGHS's bound {bound * R:.9g} holds for paths on the grid"
         f" of {headings} headings only, not for the scenario",
         **counts,
-    )
-
-
-def _inside(model: Model) -> str | None:
-    """Why the branch has no path at all, on a grid or off it, or None."""
-    side = {"LS": 1.0, "RS": -1.0}.get(model.question.branch)
-    X, Y = model.target
-    if side is None or not 2 * side * Y > X * X + Y * Y:  # |T - C| < 1
-        return None
-    disc = "left" if side > 0 else "right"
-    return (
-        f"the target is inside the {disc} turning circle, which a turn and a straight never enter"
     )
 
 

@@ -1,8 +1,7 @@
 """The grids of `heading-milp`: where turns may end, where that leads, and which legs go with it.
 
 In the vehicle's frame at unit radius. A choice says after how many steps each turn ends. With it
-go the straight legs that may be driven during a turn's last step, at headings spread evenly over
-that step, its ends included.
+go the straight legs that may be driven towards the ends of the turns, at headings on a grid too.
 """
 
 from __future__ import annotations
@@ -21,9 +20,7 @@ FULL_TURN = 2 * math.pi
 # A shortest CC path turns first by at most this and then by more than three times this, so that
 # its net turn is at least twice this (THEORY section 3).
 FIRST_ARC = math.pi / 3
-# How much longer than the bee-line a path is that is worth looking for: a full turn, a straight
-# longer than the distance by a radius, and the grid's coarseness.
-DETOUR = 3 * math.pi
+_HALVINGS = 25  # of a step, down to where a target is on the circle for all that rounding tells
 
 
 class Turns(NamedTuple):
@@ -34,7 +31,7 @@ class Turns(NamedTuple):
         turn: shape (k,), rad, where it may end: the heading's angle, unsigned.
         length: shape (k,), radii, what it adds to the path's length.
         shift: shape (2, k), radii, what it adds to the end point, for a family to the left.
-        leg: shape (k, q + 1), rad, headings of the legs within the last step, unsigned.
+        leg: shape (k, m), rad, headings of the legs at its end, unsigned.
     """
 
     sign: int
@@ -87,17 +84,36 @@ class Family:
         return np.array([np.cos(heading), np.sin(heading)])
 
 
-@lru_cache(maxsize=64)
-def one_turn(side: int, headings: int, legs: int, distance: float) -> Family:
-    """LS (`side` 1) or RS: one turn of up to a full circle.
+def one_turn(side: int, headings: int, legs: int, X: float, Y: float) -> Family:
+    """LS (`side` 1) or RS to a target at (X, Y) radii: one turn of up to a full circle."""
+    left = side * Y
+    beyond = math.hypot(X, 1 - left) - 1
+    # nearer to the circle, the turn ends less than two steps before the place where it passes
+    near = abs(beyond) < 2 * (FULL_TURN / headings) ** 2
+    return _one_turn(side, headings, legs, math.atan2(X, 1 - left) if near else None)
 
-    Args:
-        side, headings, legs: as in `HeadingMilp`.
-        distance: how far the target is, radii.
+
+@lru_cache(maxsize=64)
+def _one_turn(side: int, headings: int, legs: int, passing: float | None) -> Family:
+    """Equal steps up to a full turn, and shorter ones up to the turn `passing` (rad), if given.
+
+    To a target outside a turning circle by e radii a turn ends h = sqrt(2 e) before the place where
+    it would pass the target. One that ends x before that place, h/2 < x <= h, gets there with a
+    leg (h^2 - x^2) / 2x before its end, which is less than 2x. So a step that is halved again and
+    again leads up to the place.
+
+    Besides the legs within the last step there is one at the step before: if the shortest path
+    turns only just into a step, taking all of it calls for a leg a little before it.
     """
-    turn = _grid(headings, distance)
-    step = np.diff(turn, prepend=0.0)
-    turns = Turns(1, turn, turn, _arc(turn), _legs(turn, step, legs))
+    step = FULL_TURN / headings
+    turn = np.linspace(0.0, FULL_TURN, headings + 1)
+    span = np.full(turn.size, step)
+    if passing is not None:
+        short = np.append(step * 0.5 ** np.arange(_HALVINGS), 0.0)
+        turn = np.append(turn, np.mod(passing - short, FULL_TURN))
+        span = np.append(span, short)
+    parts = np.append(-2.0, np.linspace(-1.0, 0.0, legs + 1))
+    turns = Turns(1, turn, turn, _arc(turn), _legs(turn, span, parts))
     return Family("LS" if side > 0 else "RS", side, (turns,), (np.arange(turn.size),))
 
 
@@ -114,28 +130,15 @@ def two_turns(side: int, headings: int) -> Family:
     away = np.arange(int(FIRST_ARC / step + 1e-9) + 1) * step
     back = np.arange(int(2 * FIRST_ARC / step), headings + 1) * step
     there_and_back = np.array([2 * np.sin(away), 2 * np.cos(away) - 2])
-    # a turn that does not begin has no step before its end
-    first = _legs(away, np.where(away > 0, step, 0.0), 1)
+    parts = np.array([-1.0, 0.0])
+    first = _legs(away, np.full(away.size, step), parts)
+    second = _legs(back, np.full(back.size, step), parts)
     turns = (
         Turns(-1, away, 2 * away, there_and_back, first),
-        Turns(1, back, back, _arc(back), _legs(back, np.full(back.size, step), 1)),
+        Turns(1, back, back, _arc(back), second),
     )
     ends = np.divmod(np.arange(away.size * back.size), back.size)
     return Family("RL" if side > 0 else "LR", side, turns, ends)
-
-
-def _grid(headings: int, distance: float) -> FloatArray:
-    """Turns after which a straight may begin, shape (headings + 1,), from 0 to a full turn.
-
-    Equal steps; but a target nearer than a radius can call for a turn as small as its distance,
-    so a quarter of the steps is kept for turns of up to twice that.
-    """
-    near, few = 2 * distance, headings // 4
-    if near >= few * FULL_TURN / headings:
-        return np.linspace(0.0, FULL_TURN, headings + 1)
-    return np.concatenate(
-        (np.linspace(0.0, near, few + 1)[:-1], np.linspace(near, FULL_TURN, headings - few + 1))
-    )
 
 
 def _arc(turn: FloatArray) -> FloatArray:
@@ -143,6 +146,6 @@ def _arc(turn: FloatArray) -> FloatArray:
     return np.array([np.sin(turn), 1 - np.cos(turn)])
 
 
-def _legs(turn: FloatArray, step: FloatArray, legs: int) -> FloatArray:
-    """Headings (k, legs + 1) spread over the steps (k,) that end at turns (k,)."""
-    return turn[:, None] + step[:, None] * np.linspace(-1.0, 0.0, legs + 1)
+def _legs(turn: FloatArray, span: FloatArray, parts: FloatArray) -> FloatArray:
+    """Headings (k, m) that are parts (m,) of angles (k,) off the turns (k,), none below zero."""
+    return np.maximum(turn[:, None] + span[:, None] * parts, 0.0)

@@ -10,8 +10,8 @@ import numpy as np
 from solvers.heading_milp_grid import Family
 from study.path import FloatArray
 
-# What rounding may leave of a leg or of an end point, in units of the larger of a radius and the
-# distance that the legs bridge; HiGHS's own tolerance leaves ten times as much.
+# What may be left of a leg or of an end point, in units of the larger of a radius and the distance
+# that the legs bridge; HiGHS's own tolerance leaves ten times as much.
 ROUNDED = 1e-10
 _PARALLEL = 1e-7  # sine of the least angle between two legs that are solved for together
 
@@ -44,7 +44,7 @@ def least_legs(heading: FloatArray, gap: FloatArray) -> Legs | None:
     bridged = math.hypot(*gap)
     allowed = ROUNDED * max(1.0, bridged)
     length = np.zeros(heading.size)
-    if bridged <= allowed * 1e-3:
+    if bridged <= ROUNDED:
         return Legs(length, None)
     u = np.array([np.cos(heading), np.sin(heading)])
     first, second = np.triu_indices(heading.size, 1)
