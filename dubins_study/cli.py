@@ -50,6 +50,35 @@ def solve(
     raise typer.Exit(2 if answer.outcome in ("unavailable", "unsupported") else 0)
 
 
+@app.command(context_settings=_NEGATIVE)
+def export(
+    x: Annotated[str, typer.Argument(metavar="X", help="target position")],
+    y: Annotated[str, typer.Argument(metavar="Y", help="target position")],
+    start: Annotated[
+        tuple[str, str, str],
+        typer.Option("--from", metavar="X Y HEADING", help="start pose, e.g. 0 0 120deg"),
+    ] = ("0", "0", "0"),
+    radius: Annotated[str, typer.Option(help="minimum turning radius")] = "1",
+    model: Annotated[str, typer.Option(help="paper (4.12), or disjunctive")] = "paper",
+    file_format: Annotated[
+        str, typer.Option("--format", help="nl, gams, or mod: AMPL's language, model paper only")
+    ] = "nl",
+    order: Annotated[str, typer.Option(help="of model paper: LRS or RLS")] = "LRS",
+    out: Annotated[
+        FilePath | None, typer.Option(metavar="FILE", help="default: standard output")
+    ] = None,
+) -> None:
+    """Write a model of one scenario for other people's solvers."""
+    from dubins_study import show
+    from solvers.export import export as export_model
+
+    text = export_model(show.scenario(x, y, start, radius, "1"), model, file_format, order)
+    if out is None:
+        print(text, end="")
+    else:
+        show.save(text, out)
+
+
 @app.command()
 def solvers(
     as_json: Annotated[bool, typer.Option("--json", help="print a JSON list")] = False,
@@ -143,6 +172,7 @@ _REFUSALS = (
     ("solvers.registry", "SolverError"),
     ("solvers.profiles", "ProfileError"),
     ("solvers.answer", "QuestionError"),
+    ("solvers.export", "ExportError"),
     ("experiments.spec", "ExperimentError"),
     ("experiments.store", "StoreError"),
     ("experiments.runner", "RunError"),

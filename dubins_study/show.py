@@ -114,6 +114,18 @@ def plot(answer: Answer, file: FilePath) -> None:
         raise ShowError(f"--plot: cannot write {file}: {error.strerror}") from None
 
 
+def save(text: str, file: FilePath) -> None:
+    """Write an exported model.
+
+    Raises:
+        ShowError: if the file cannot be written.
+    """
+    try:
+        file.write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise ShowError(f"--out: cannot write {file}: {error.strerror}") from None
+
+
 def solvers_json(entries: list[Entry]) -> str:
     """A list of objects; `reason` is null for a solver that is available."""
     listed = [entry._asdict() | {"available": entry.reason is None} for entry in entries]
