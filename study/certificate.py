@@ -17,9 +17,9 @@ from study.path import Path
 from study.scenario import Scenario
 from study.verify import Judgement, Tolerances, Verdict, drivable
 
-# A solver's 1e-8 on lengths leaves angles off by less; the turn of 1e-3 that an interior-point
-# method adds to a segment (THEORY section 5) is a thousand times more.
-PMP_TOLERANCE = 1e-6
+# A solver's 1e-8 on lengths leaves angles off by about as much; the turn of 1e-3 that an
+# interior-point method adds to a segment (THEORY section 5) leaves its square, 1e-6.
+PMP_TOLERANCE = 1e-7
 # rad: at the tie straight behind the margin is zero up to rounding
 CUT_TOLERANCE = 1e-9
 # relative: a bound above the shortest length by less is so by the solver's own tolerance
