@@ -70,7 +70,7 @@ def _check(model: str, format: str, order: str) -> None:
 def _start(scenario: Scenario, order: str) -> tuple[float, ...]:
     """The first starting point of this study's local solvers, in the scenario's unit."""
     points = starting_points(Question(scenario), SUBPROBLEMS[order], "bearing", 0, 1)
-    return tuple(float(length) * scenario.radius for length in next(points))
+    return tuple(abs(float(length)) * scenario.radius for length in next(points))  # abs: no -0.0
 
 
 def _paper(scenario: Scenario, order: str) -> Any:

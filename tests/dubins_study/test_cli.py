@@ -9,7 +9,8 @@ import sys
 
 import pytest
 
-from study.scenario import COLUMNS
+from solvers.export import export
+from study.scenario import COLUMNS, Scenario
 
 
 def dubins(*arguments: str, cwd=None) -> subprocess.CompletedProcess[str]:
@@ -96,6 +97,13 @@ def test_solvers():
         (("solve", "1", "2", "--limit", "0"), "limit is 0.0; expected"),
         (("solve", "1", "2", "--plot", "path.bmp"), "expected a name ending in .svg"),
         (("solve", "1", "2", "--plot", "/nowhere/path.svg"), "cannot write /nowhere/path.svg"),
+        (("export", "1", "nan"), "target_y is nan; expected a finite number"),
+        (("export", "1", "2", "--radius", "0"), "radius is 0.0; expected a number above 0"),
+        (("export", "1", "2", "--from", "0", "0", "up"), "heading: 'up' is not an angle"),
+        (("export", "1", "2", "--model", "x"), "model is 'x'; expected one of: paper, disj"),
+        (("export", "1", "2", "--format", "lp"), "format is 'lp'; expected one of: nl, mod"),
+        (("export", "1", "2", "--order", "SRL"), "order is 'SRL'; expected one of: LRS, RLS"),
+        (("export", "1", "2", "--out", "/nowhere/a.nl"), "cannot write /nowhere/a.nl"),
         (("run", "nope"), "no experiment named 'nope'; choose one of"),
         (("run", "paper", "--solver", "nope", "--out", "unused"), "no solver named 'nope'"),
         (("run", "paper", "--jobs", "0", "--out", "unused"), "jobs is 0"),
@@ -112,6 +120,19 @@ def test_bad_requests_get_one_message(arguments, message, tmp_path):
     assert len(done.stderr.strip().splitlines()) == 1
     assert done.stdout == ""
     assert list(tmp_path.iterdir()) == []
+
+
+def test_export(tmp_path):
+    """The text of the Python call, to standard output or to a file."""
+    pose = ("-6", "3", "--from", "1", "-2", "120deg", "--radius", "2")
+    shown = asked("export", *pose, "--format", "mod", "--order", "RLS")
+    wrote = asked("export", *pose, "--model", "disjunctive", "--out", "a.nl", cwd=tmp_path)
+
+    scenario = Scenario(1, -2, 2 * math.pi / 3, -6, 3, 2)
+    assert shown == export(scenario, "paper", "mod", "RLS")
+    assert "subject to" in shown
+    assert wrote == ""
+    assert (tmp_path / "a.nl").read_text() == export(scenario, "disjunctive", "nl")
 
 
 def test_bad_options_get_usage():
