@@ -27,8 +27,8 @@ def audit_section(results: Results) -> Section | None:
         "dubins-study audit does it again and shows 40 digits of each. Of the cells that are not "
         f"correct roundings, by a rule that looks for the accident behind them: "
         f"{', '.join(others)}. {summary['times_that_are_ticks']} of the {len(audit['times'])} "
-        f"printed solve times ({', '.join(ticks)} s) are whole ticks of a clock of 64 a second: they "
-        "tell the clock, not the solver."
+        f"printed solve times ({', '.join(ticks)} s) are whole ticks of a clock of 64 a second: "
+        "they tell the clock, not the solver."
     )
     blocks = (
         _cells(),

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import math
+
 import pytest
 
-from report.paper import MISPRINTS, PRINTED, compare, segments
+from report.audit_file import misprints
+from report.paper import PROBLEMS, compare, segments
 from study.path import Path
 from study.scenario import Pose
 from study.synthesis import shortest_path
@@ -22,18 +25,23 @@ def cells():
 
 
 def test_26_of_the_33_printed_cells_are_correct_roundings(cells):
-    """As recomputed in 40-digit arithmetic; the other seven are known by name and reason."""
+    """By the closed form in doubles; the other seven are those of the audit."""
     assert len(cells) == 33
     assert cells["verdict"].value_counts().to_dict() == {"correct": 26, "misprint": 7}
     wrong = cells[cells["verdict"] == "misprint"]
-    assert set(zip(wrong["label"], wrong["path"], wrong["quantity"], strict=True)) == set(MISPRINTS)
+    assert set(zip(wrong["label"], wrong["path"], wrong["quantity"], strict=True)) == {
+        (cell["label"], cell["path"], cell["quantity"]) for cell in misprints()
+    }
 
 
-def test_printed_segments_nearly_add_up():
-    """Three rounded segments add up to the rounded total within their rounding: no typing slip."""
-    for row in PRINTED:
-        *parts, total = [cell or 0.0 for cell in row.cells]
-        assert sum(parts) == pytest.approx(total, abs=0.0151), row
+def test_the_papers_scenarios_are_those_of_the_experiment():
+    """The exact problems that the audit starts from, beside the doubles that solvers are given."""
+    for scenario in paper_scenarios():
+        problem = PROBLEMS[scenario.label]
+        assert (scenario.target_x, scenario.target_y) == problem.target
+        assert scenario.radius == problem.radius
+        assert scenario.heading == pytest.approx(float(problem.heading) * math.pi, rel=1e-15)
+    assert len(PROBLEMS) == len(paper_scenarios())
 
 
 def test_a_path_off_by_a_hundredth_differs(cells):
