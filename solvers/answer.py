@@ -11,7 +11,7 @@ import numpy as np
 
 from solvers.profiles import PROFILES, tolerances
 from solvers.protocol import AnySolver, Outcome, Question, Solution
-from solvers.registry import load
+from solvers.registry import load, unavailable
 from study.path import Path
 from study.scenario import Scenario
 from study.schema import ANSWER, SCENARIO, names
@@ -147,7 +147,7 @@ def attempt(
     A solver that raises, returns something else than a `Solution`, cannot run here or cannot
     answer the branch yields a row that says so.
     """
-    reason = solver.unavailable()
+    reason = unavailable(solver)
     if reason is not None:
         outcome, solution, times = Outcome.UNAVAILABLE, _nothing(reason), Times()
     elif question.branch not in solver.branches:

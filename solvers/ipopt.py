@@ -64,8 +64,8 @@ class Native(NamedTuple):
     multipliers: tuple[float, float] | None
     status: str
     message: str
-    iterations: int
-    evaluations: int
+    iterations: int | None
+    evaluations: int | None
 
 
 # (z at the start, its lower bounds, its upper bounds, the target) -> what Ipopt says
@@ -298,6 +298,6 @@ def executable_template(options: Options) -> Run:
             # ASL's duals have the opposite sign to Ipopt's own
             duals = (-float(model.dual[model.x_end]), -float(model.dual[model.y_end]))
         z_end = np.array([z.value for z in model.z.values()], dtype=np.float64)
-        return Native(z_end, duals, status, str(results.solver.message), 0, 0)
+        return Native(z_end, duals, status, str(results.solver.message), None, None)
 
     return run

@@ -45,7 +45,7 @@ class Question:
 
 @dataclass(frozen=True, slots=True)
 class Solution:
-    """What a solver answers. The point is kept whatever the claim.
+    """What a solver answers. The point is kept whatever the claim, unless that is `infeasible`.
 
     Args:
         claim: what the solver says of its answer.

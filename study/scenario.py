@@ -55,7 +55,7 @@ class Scenario:
             if problem := _problem(name, number):
                 raise ScenarioError(problem)
             object.__setattr__(self, name, number)  # so that 1 and 1.0 make equal scenarios
-        if self.extent > LARGEST_EXTENT * self.radius:
+        if not self.extent / LARGEST_EXTENT <= self.radius or not math.isfinite(self.extent):
             raise ScenarioError(_lost_in_rounding(self.extent, self.radius))
 
     @property
@@ -187,10 +187,12 @@ def _check_extent(frame: pd.DataFrame, numbers: dict[str, Any]) -> None:
         max(abs(numbers[name].min()), abs(numbers[name].max()))
         for name in ("x", "y", "target_x", "target_y")
     )
-    if largest <= LARGEST_EXTENT * numbers["radius"].min():
+    if math.isfinite(largest) and largest / LARGEST_EXTENT <= numbers["radius"].min():
         return  # no row can be worse than the worst of every column together
-    extent = sum(np.abs(numbers[name]) for name in ("x", "y", "target_x", "target_y"))
-    for row in np.flatnonzero(extent > LARGEST_EXTENT * numbers["radius"])[:1]:
+    with np.errstate(over="ignore"):
+        extent = sum(np.abs(numbers[name]) for name in ("x", "y", "target_x", "target_y"))
+    lost = (extent / LARGEST_EXTENT > numbers["radius"]) | np.isinf(extent)
+    for row in np.flatnonzero(lost)[:1]:
         problem = _lost_in_rounding(float(extent[row]), float(numbers["radius"][row]))
         raise ScenarioError(f"row {frame.index[row]!r}: {problem}")
 
