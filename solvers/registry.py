@@ -76,7 +76,7 @@ def unavailable(solver: AnySolver) -> str | None:
     """Why a solver cannot run here, or None; one that cannot even say so is unavailable."""
     try:
         return solver.unavailable()
-    except Exception as error:  # a plug-in may fail in any way; it is a reason
+    except (Exception, SystemExit) as error:  # a plug-in may fail in any way; it is a reason
         return f"asking whether it is available raised {type(error).__name__}: {error}"
 
 
@@ -126,6 +126,8 @@ def load(spec: str, profile: str = "default") -> AnySolver:
 
 
 def _parse(spec: str) -> tuple[str, dict[str, str]]:
+    if not isinstance(spec, str):
+        raise SolverError(f"solver is {spec!r}; expected a text, name[setting=value]")
     match = _SPEC.fullmatch(spec.strip())
     if match is None:
         raise SolverError(f"solver {spec!r} does not parse; expected name or name[setting=value]")
@@ -134,6 +136,8 @@ def _parse(spec: str) -> tuple[str, dict[str, str]]:
         key, equals, value = (part.strip() for part in item.partition("="))
         if not (key and equals and value):
             raise SolverError(f"solver {spec!r}: {item!r} does not parse; expected setting=value")
+        if key in given:
+            raise SolverError(f"solver {spec!r}: {key} is given twice; expected each setting once")
         given[key] = value
     return match["name"].strip(), given
 
@@ -146,7 +150,7 @@ def _kind(name: str) -> type[Any]:
         raise SolverError(f"no solver named {name!r}; choose one of: {', '.join(registered())}")
     try:
         kind = point.load()
-    except Exception as error:  # a plug-in may fail in any way at import; it is a reason
+    except (Exception, SystemExit) as error:  # a plug-in may fail in any way; it is a reason
         raise SolverError(f"solver {name!r} cannot be imported: {error}") from error
     return _kept_promise(name, kind)
 
@@ -166,7 +170,7 @@ def _from_file(name: str) -> type[Any]:
     sys.modules[module_name] = module  # dataclasses look their module up by its name
     try:
         spec.loader.exec_module(module)
-    except Exception as error:  # the file is the user's own program; whatever it raises
+    except (Exception, SystemExit) as error:  # the user's own program; whatever it raises
         del sys.modules[module_name]
         raise SolverError(f"solver {name!r}: {file} fails: {error!r}") from error
     if not hasattr(module, class_name):
