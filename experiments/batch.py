@@ -10,7 +10,7 @@ import pyarrow as pa
 from experiments.grid import Cell, Chain
 from experiments.provenance import now
 from experiments.store import ARROW_SCHEMA
-from experiments.worker import Run, shared
+from experiments.worker import THREADS, Run, shared
 from solvers.registry import load
 from study.scenario import scenario_frame
 from study.schema import KEY, names
@@ -40,16 +40,23 @@ def _takes_frames(cell: Cell) -> bool:
 
 def solve_batch(cells: list[Cell], run: Run) -> pa.Table:
     """The rows of a batch; every row's times are the batch's divided by its size."""
+    import numba
+
     from solvers.frame import solve_frame
 
     first, started = cells[0], now()
-    answers = solve_frame(
-        scenario_frame(cell.scenario for cell in cells),
-        solver=first.solver,
-        branch=first.branch,
-        profile=first.profile,
-        limit=run.limit,
-    )
+    threads = numba.get_num_threads()
+    numba.set_num_threads(THREADS)
+    try:
+        answers = solve_frame(
+            scenario_frame(cell.scenario for cell in cells),
+            solver=first.solver,
+            branch=first.branch,
+            profile=first.profile,
+            limit=run.limit,
+        )
+    finally:
+        numba.set_num_threads(threads)
     table = pa.Table.from_pandas(answers, preserve_index=False)
     by_name: dict[str, pa.Array] = {name: table[name] for name in table.column_names}
     for position, name in enumerate(names(KEY)):

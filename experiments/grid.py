@@ -61,15 +61,19 @@ def scenario_id(scenario: Scenario) -> str:
 def chains(experiment: Experiment) -> list[Chain]:
     """All cells of an experiment in the order of the file, grouped as they must be solved.
 
+    A cell that several blocks ask for is solved once.
+
     Raises:
-        ExperimentError: if a block holds a scenario that cannot be.
+        ExperimentError: if a block holds a scenario that cannot be, or two sweeps give one warm
+            start different predecessors.
         SolverError: if a solver's spec is not valid.
     """
-    found: dict[Key, Chain] = {}
+    found: dict[tuple[Key, ...], Chain] = {}
+    swept: dict[Key, int] = {}
     for number, block in enumerate(experiment.scenarios):
         scenarios = list(block_scenarios(block, f"scenarios.{number}"))
         ids = [scenario_id(scenario) for scenario in scenarios]
-        specs = expand_solvers(block.solvers or experiment.solvers)
+        specs = expand_solvers(block.solvers or experiment.solvers, experiment.profile)
         for spec, branch, repeat, start in itertools.product(
             specs,
             block.branches or experiment.branches,
@@ -84,8 +88,23 @@ def chains(experiment: Experiment) -> list[Chain]:
             ]
             groups = [tuple(cells)] if start == "warm" else [(cell,) for cell in cells]
             for group in groups:
-                found.setdefault(group[0].key, group)
+                keys = tuple(cell.key for cell in group)
+                if keys not in found and start == "warm":
+                    _claim(swept, keys, number)
+                found.setdefault(keys, group)
     return list(found.values())
+
+
+def _claim(swept: dict[Key, int], keys: tuple[Key, ...], block: int) -> None:
+    """Note the warm cells of a sweep: each may follow but one other, in but one sweep."""
+    for place, key in enumerate(keys):
+        if key in swept or key in keys[:place]:
+            other = "itself" if key in keys[:place] else f"scenarios.{swept[key]}"
+            raise ExperimentError(
+                f"scenarios.{block}, scenario {place}: already swept by {other}; expected every "
+                "warm start in one sweep only: give one of the blocks a label of its own"
+            )
+    swept.update(dict.fromkeys(keys, block))
 
 
 def shuffled(groups: list[Chain], seed: int) -> list[Chain]:
@@ -97,12 +116,12 @@ def shuffled(groups: list[Chain], seed: int) -> list[Chain]:
 _BRACES = re.compile(r"\{([^{}]*)\}")
 
 
-def expand_solvers(specs: list[str]) -> list[str]:
-    """Canonical specs, `*` and `{a,b}` written out, each once."""
+def expand_solvers(specs: list[str], profile: str = "default") -> list[str]:
+    """Canonical specs under a profile, `*` and `{a,b}` written out, each once."""
     expanded: dict[str, None] = {}
     for spec in specs:
         for name in registered() if spec == "*" else _expand_braces(spec):
-            expanded.setdefault(canonical(name))
+            expanded.setdefault(canonical(name, profile))
     return list(expanded)
 
 

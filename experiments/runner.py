@@ -26,7 +26,8 @@ from experiments.store import (
     write_manifest,
     write_part,
 )
-from experiments.worker import Row, Run, pin_threads, solve_chain, solve_whole_chain
+from experiments.worker import Row, Run, pin_threads, pinned_threads, solve_chain, solve_whole_chain
+from solvers.profiles import tolerances
 from solvers.registry import load, settings
 from study.path import Path
 from study.scenario import Pose
@@ -148,6 +149,8 @@ def _manifest(found: Source, groups: list[Chain], command: str) -> dict[str, Any
         "command": command,
         "seed": found.experiment.seed,
         "limit": found.experiment.limit,
+        "profile": found.experiment.profile,
+        "gap_tolerance": tolerances(found.experiment.profile).gap,
         "solvers": {spec: settings(solver) for spec, solver in loaded.items()},
         "versions": versions(tuple(packages)),
         "machine": machine(),
@@ -209,15 +212,16 @@ def _solve(
     left = [_left(group, finished) for group in groups]
     writer.skip(sum(map(len, groups)) - sum(map(len, left)))
     batches, single = batched([group for group in left if group])
-    for batch in batches:
-        writer.add_table(solve_batch(batch, shared))
+    with pinned_threads():
+        for batch in batches:
+            writer.add_table(solve_batch(batch, shared))
     before = _paths_before(folder, single, groups)
     ordered = shuffled(single, experiment.seed)
     if shared.jobs == 1:
-        pin_threads()
-        for group in ordered:
-            for row in solve_chain(group, shared, before.get(group[0].key)):
-                writer.add([row])
+        with pinned_threads():
+            for group in ordered:
+                for row in solve_chain(group, shared, before.get(group[0].key)):
+                    writer.add([row])
     elif ordered:
         _solve_with_processes(ordered, shared, before, writer)
 

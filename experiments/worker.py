@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Iterator
+from contextlib import contextmanager
 from functools import lru_cache
 from typing import Any, NamedTuple
 
@@ -23,7 +24,7 @@ Row = dict[str, Any]
 # an easy question, asked once of every solver before its first recorded answer
 _WARM_UP = Scenario(x=0, y=0, heading=0.3, target_x=3, target_y=2, radius=1, label="warm-up")
 
-_THREADS = 1
+THREADS = 1
 
 
 class Run(NamedTuple):
@@ -34,13 +35,33 @@ class Run(NamedTuple):
     jobs: int
 
 
+_VARIABLES = tuple(f"{library}_NUM_THREADS" for library in ("OMP", "OPENBLAS", "MKL"))
+
+
 def pin_threads() -> None:
-    """Keep every numerical library to one thread, in this process and its children."""
+    """Keep every numerical library of this process, loaded or not, to one thread for good."""
     from threadpoolctl import threadpool_limits
 
-    for name in ("OMP", "OPENBLAS", "MKL", "NUMBA"):
-        os.environ[f"{name}_NUM_THREADS"] = str(_THREADS)
-    threadpool_limits(_THREADS)
+    os.environ.update(dict.fromkeys(_VARIABLES, str(THREADS)))
+    threadpool_limits(THREADS)
+
+
+@contextmanager
+def pinned_threads() -> Iterator[None]:
+    """The same for a while: the caller's own settings come back."""
+    from threadpoolctl import threadpool_limits
+
+    before = {name: os.environ.get(name) for name in _VARIABLES}
+    os.environ.update(dict.fromkeys(_VARIABLES, str(THREADS)))
+    try:
+        with threadpool_limits(THREADS):
+            yield
+    finally:
+        for name, value in before.items():
+            if value is None:
+                del os.environ[name]
+            else:
+                os.environ[name] = value
 
 
 def solve_chain(chain: Chain, run: Run, start: Path | None = None) -> Iterator[Row]:
@@ -78,7 +99,7 @@ def shared(cell: Cell, run: Run, started: str) -> Row:
     return {
         "versions": _versions(cell.solver),
         "host": host(),
-        "threads": _THREADS,
+        "threads": THREADS,
         "jobs": run.jobs,
         "run_id": run.run_id,
         "started": started,

@@ -34,10 +34,16 @@ def answers(rows: pd.DataFrame) -> pd.DataFrame:
         The rows' own index; columns experiment, scenario_id, branch, solver, length, scale, radius,
         where scale is max(reference, radius).
     """
-    cold = rows[rows["start"] == "cold"].drop_duplicates([*_KEY, "solver"])
+    cold = _first_cold(rows)
     arrived = cold[cold["gap"].notna()]
     scale = arrived["reference"].clip(lower=arrived["radius"])
     return arrived.assign(scale=scale)[[*_KEY, "solver", "length", "scale", "radius"]]
+
+
+def _first_cold(rows: pd.DataFrame) -> pd.DataFrame:
+    """Of every question and solver the cold attempt of least `repeat`."""
+    cold = rows[rows["start"] == "cold"].sort_values("repeat", kind="stable")
+    return cold.drop_duplicates([*_KEY, "solver"])
 
 
 def agreement(rows: pd.DataFrame, path_of: Callable[[int], Path | None]) -> pd.DataFrame:
@@ -53,7 +59,7 @@ def agreement(rows: pd.DataFrame, path_of: Callable[[int], Path | None]) -> pd.D
         apart_median, apart_largest: the largest distance between the two paths at equal arc
         length, over the same scale.
     """
-    cold = rows[rows["start"] == "cold"].drop_duplicates([*_KEY, "solver"])
+    cold = _first_cold(rows)
     asked = cold.assign(asked=True).pivot(index=_KEY, columns="solver", values="asked").notna()
     given = answers(rows)
     length = given.pivot(index=_KEY, columns="solver", values="length")

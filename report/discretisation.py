@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import Any
+
 import numpy as np
 import pandas as pd
 
@@ -15,22 +18,28 @@ from report.metrics import (
 )
 
 SOLVER = "turn-rate-qp"
-DEFAULTS = {"n": "50", "engine": "piqp"}  # a spec leaves out what it does not change
+Settings = Mapping[str, Mapping[str, Any]]
 
 
-def work_precision(rows: pd.DataFrame) -> pd.DataFrame:
+def work_precision(rows: pd.DataFrame, settings: Settings) -> pd.DataFrame:
     """One row an engine and n, from the attempts of `turn-rate-qp`.
 
-    Columns: engine, n, attempts, arrived and success (shares of all attempts), gap and gap_q90
-    (quantiles, infinite if that many do not arrive), wall_s (median, s), iterations (median),
-    order (p of gap ~ n^-p, up to the engine's least gap).
+    Args:
+        rows: attempts.
+        settings: spec -> its settings, as a manifest holds them.
+
+    Returns:
+        Columns engine (with whatever else than n the specs change), n, attempts, arrived and
+        success (shares of all attempts), gap and gap_q90 (quantiles, infinite if that many do not
+        arrive), wall_s (median, s), iterations (median), order (p of gap ~ n^-p, up to the
+        engine's least gap).
     """
-    parsed = rows["solver"].map(parse_spec)
-    own = rows[parsed.map(lambda spec: spec[0] == SOLVER and _steps(spec[1]) > 0).astype(bool)]
+    steps = {spec: _steps(spec, settings) for spec in rows["solver"].unique()}
+    own = rows[rows["solver"].map(steps) > 0]
     if own.empty:
         return pd.DataFrame()
-    settings = own["solver"].map(lambda spec: DEFAULTS | parse_spec(spec)[1])
-    own = own.assign(engine=settings.map(lambda s: s["engine"]), n=settings.map(_steps))
+    engines = {spec: _engine(spec, settings) for spec in own["solver"].unique()}
+    own = own.assign(engine=own["solver"].map(engines), n=own["solver"].map(steps))
     records = [
         _record(str(e), int(n), group)  # type: ignore[call-overload]  # pandas says Hashable
         for (e, n), group in own.groupby(["engine", "n"])
@@ -46,10 +55,16 @@ def _order(rows: pd.DataFrame) -> float:
     return fitted_order(falling["n"], falling["gap"])
 
 
-def _steps(settings: dict[str, str]) -> int:
-    """n; 0 if it is no number, as in a row that no solver wrote."""
-    text = (DEFAULTS | settings)["n"]
-    return int(text) if text.isdecimal() else 0
+def _steps(spec: str, settings: Settings) -> int:
+    """n of a spec; 0 of another solver, or if it is no number, as in a row that no solver wrote."""
+    n = settings.get(spec, {}).get("n")
+    return n if parse_spec(spec)[0] == SOLVER and isinstance(n, int) else 0
+
+
+def _engine(spec: str, settings: Settings) -> str:
+    engine = str(settings.get(spec, {}).get("engine"))
+    others = [f"{k}={v}" for k, v in parse_spec(spec)[1].items() if k not in ("n", "engine")]
+    return ", ".join([engine, *others])
 
 
 def _record(engine: str, n: int, rows: pd.DataFrame) -> dict[str, object]:

@@ -72,13 +72,13 @@ def _counts(row: object) -> str:
     )
 
 
-def plot_gap_profile(ax: Axes, rows: pd.DataFrame, tolerance: float = 1e-4) -> None:
+def plot_gap_profile(ax: Axes, rows: pd.DataFrame, tolerance: float | None = None) -> None:
     """Share of attempts within each gap. Columns: solver, gap (NaN if it did not arrive).
 
     Args:
         ax: where to draw.
         rows: attempts; those at questions without an answer are left out.
-        tolerance: the gap up to which the check says optimal, drawn as a line.
+        tolerance: the gap up to which the check says optimal, drawn as a line if given.
     """
     asked = answerable(rows)
     solvers = solver_order(asked["solver"].tolist())
@@ -94,8 +94,9 @@ def plot_gap_profile(ax: Axes, rows: pd.DataFrame, tolerance: float = 1e-4) -> N
             label=name_of(solver, 40),
             **style[solver].curve(place),
         )
-    ax.axvline(tolerance, color=MUTED, linewidth=0.8, linestyle=(0, (1, 2)))
-    ax.text(tolerance, 1.03, "optimal up to here", ha="center", fontsize=7.5, color=MUTED)
+    if tolerance is not None:
+        ax.axvline(tolerance, color=MUTED, linewidth=0.8, linestyle=(0, (1, 2)))
+        ax.text(tolerance, 1.03, "optimal up to here", ha="center", fontsize=7.5, color=MUTED)
     ax.set(xscale="log", xlim=(SMALLEST_GAP, 10), ylim=(0, 1.02))
     ax.set(xlabel="gap to the shortest length (relative)", ylabel="share of all attempts")
     ax.yaxis.set_major_formatter(lambda value, _: f"{100 * value:.0f} %")

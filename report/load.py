@@ -48,6 +48,7 @@ class Manifest:
     machine: dict[str, Any] = field(default_factory=dict)
     git: dict[str, Any] = field(default_factory=dict)
     solvers: dict[str, Any] = field(default_factory=dict)
+    gap_tolerance: float | None = None
     schema: int = VERSION
     created: str = ""
     finished: str = ""
@@ -140,7 +141,7 @@ def _manifest(experiment: dict[str, Any], data: dict[str, Any]) -> Manifest:
     def mapping(value: Any) -> dict[str, Any]:
         return value if isinstance(value, dict) else {}
 
-    command = data.get("command")
+    command, tolerance = data.get("command"), data.get("gap_tolerance")
     return Manifest(
         name=experiment["name"],
         title=text(experiment.get("title")) or experiment["name"],
@@ -151,6 +152,7 @@ def _manifest(experiment: dict[str, Any], data: dict[str, Any]) -> Manifest:
         machine=mapping(data.get("machine")),
         git=mapping(data.get("git")),
         solvers=mapping(data.get("solvers")),
+        gap_tolerance=tolerance if isinstance(tolerance, float) and tolerance > 0 else None,
         created=text(data.get("created")),
         finished=text(data.get("finished")),
     )

@@ -45,6 +45,8 @@ _TEX = {
 # what means something anywhere, what does at the start of a line, and what makes a list there
 _MARKDOWN = re.compile(r"([\\`*_\[\]|~$]|^[#+=-]|(?<=^\d)[.)](?=\s))")
 
+_FORMULA = tuple("=+-@\t")  # what a spreadsheet takes for the beginning of one
+
 
 def tex(text: str) -> str:
     """Text that TeX prints as it stands."""
@@ -62,9 +64,19 @@ def _one_line(text: str) -> str:
 
 
 def to_csv(table: Table) -> str:
-    """The shown columns with raw values: full digits, missing values empty."""
-    shown = table.frame[[column.key for column in table.columns]]
+    """The shown columns with raw values: full digits, missing values empty.
+
+    A text that a spreadsheet would take for a formula is led by an apostrophe.
+    """
+    shown = table.frame[[column.key for column in table.columns]].copy()
+    for column in table.columns:
+        if column.kind != "number":
+            shown[column.key] = shown[column.key].map(_no_formula)
     return str(shown.to_csv(index=False, lineterminator="\n"))
+
+
+def _no_formula(value: object) -> object:
+    return f"'{value}" if isinstance(value, str) and value[:1] in _FORMULA else value
 
 
 def to_markdown(table: Table) -> str:

@@ -51,7 +51,7 @@ def summary(rows: pd.DataFrame) -> pd.DataFrame:
     """One row a solver: attempts, counts of each verdict, false claims, wrong basins, times.
 
     Columns: solver, attempts, one per verdict, success (share of all attempts), false_claims,
-    wrong_basins, not_returned (timeout, crashed, raised, ...), solve_s (median, s).
+    wrong_basins, not_returned (timeout, crashed, raised, ...), wall_s (median, s).
     """
     records = []
     for solver in solver_order(rows["solver"].tolist()):

@@ -34,7 +34,8 @@ def agreement_section(results: Results) -> Section | None:
     picture = Picture("agreement", caption, figure, "Matrix of agreement between solvers")
     text = (
         "Where two solvers both arrive, how far are their lengths apart, and their paths? Only "
-        "cold starts, first repeats and questions where both arrive; the table says how many."
+        "cold starts, the first repeat of each, and questions where both arrive; the table says "
+        "how many."
     )
     return Section("agreement", "Agreement", text, (picture, _table(pairs)))
 

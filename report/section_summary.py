@@ -24,6 +24,11 @@ def attempts(results: Results) -> pd.DataFrame:
     return others if len(others) else rows
 
 
+def some(number: int, noun: str) -> str:
+    """A number and what is counted, in the singular or the plural."""
+    return f"{count(number)} {noun}{'' if number == 1 else 's'}"
+
+
 def summary_section(results: Results) -> Section | None:
     """Attempts, verdicts and times, solver by solver."""
     rows = attempts(results)
@@ -31,14 +36,15 @@ def summary_section(results: Results) -> Section | None:
     caption = (
         "What the check found of every attempt. Success is optimal or none exists, as a share of "
         "all attempts, those that failed included. A false claim says more than the check finds; "
-        "a wrong basin is a longer path that turns another way, honestly called local. "
+        "a wrong basin is a longer path that turns by another angle. "
         "Not returned: timed out, crashed, raised, unsupported or unavailable."
     )
-    asked = ", ".join(rows["experiment"].unique())
+    asked = list(rows["experiment"].unique())
     right = float(success(rows).mean())
     text = (
-        f"{count(len(rows))} attempts by {len(frame)} solvers in the experiments {asked}; "
-        f"{share(right)} of them succeed. No number here rests on a solver's own word: each path "
+        f"{some(len(rows), 'attempt')} by {some(len(frame), 'solver')} in the "
+        f"{'experiment' if len(asked) == 1 else 'experiments'} {', '.join(asked)}; "
+        f"success: {share(right)}. No number here rests on a solver's own word: each path "
         "is driven again from its controls and judged against the closed form."
     )
     table = Table("summary", caption, frame, _summary_columns(), _bad_counts(frame))
@@ -71,7 +77,11 @@ def success_section(results: Results) -> Section | None:
     if rows["experiment"].nunique() > 1:
         blocks.append(_experiment_table(rows))
     if len(answerable(rows)):
-        blocks += [_profile_picture(name, own) for name, own in rows.groupby("experiment")]
+        allowed = _tolerances(results)
+        blocks += [
+            _profile_picture(str(name), own, allowed.get(str(name)))
+            for name, own in rows.groupby("experiment")
+        ]
         blocks.append(_quantile_table(rows))
     failed = failures(rows)
     if len(failed):
@@ -106,10 +116,18 @@ def _verdict_picture(rows: pd.DataFrame) -> Picture:
     return Picture("verdicts", caption, figure, "Stacked bars of verdicts, one a solver")
 
 
-def _profile_picture(experiment: object, rows: pd.DataFrame) -> Picture:
+def _tolerances(results: Results) -> dict[str, float]:
+    """The gap that each experiment's runs call optimal; left out where two runs differ."""
+    found: dict[str, set[float | None]] = {}
+    for run in results.manifests:
+        found.setdefault(run.name, set()).add(run.gap_tolerance)
+    return {name: gap for name, (gap, *others) in found.items() if gap is not None and not others}
+
+
+def _profile_picture(experiment: str, rows: pd.DataFrame, tolerance: float | None) -> Picture:
     figure = new_figure(HALF, 3.0 + 0.17 * legend_lines(rows["solver"].unique(), width=40))
     ax = figure.add_subplot()
-    plot_gap_profile(ax, rows)
+    plot_gap_profile(ax, rows, tolerance)
     figure.legend(loc="outside lower left", ncols=1, fontsize=7.5)
     caption = (
         f"Experiment {experiment}: share of attempts within each gap. Higher is more reliable, "
@@ -117,7 +135,7 @@ def _profile_picture(experiment: object, rows: pd.DataFrame) -> Picture:
         "sometimes does not arrive."
     )
     alt = f"Share of attempts against gap, {experiment}"
-    return Picture(f"gap-profile-{slug(str(experiment))}", caption, figure, alt, True)
+    return Picture(f"gap-profile-{slug(experiment)}", caption, figure, alt, True)
 
 
 def _quantile_table(rows: pd.DataFrame) -> Table:

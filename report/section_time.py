@@ -100,14 +100,15 @@ def _mean_table(frame: pd.DataFrame, shift: float) -> Table:
 def discretisation_section(results: Results) -> Section | None:
     """Time against gap by n and engine, gap against n with the fitted order."""
     rows = results.rows[results.rows["experiment"] == "discretisation"]
-    table = work_precision(rows)
+    runs = [run for run in results.manifests if run.name == "discretisation"]
+    table = work_precision(rows, {k: v for run in runs for k, v in run.solvers.items()})
     if table.empty:
         return None
     drawable = table[np.isfinite(table["gap"]) & (table["gap"] > 0)]  # the axes are logarithmic
     pictures = _precision_pictures(drawable) if len(drawable) else ()
     blocks = (*pictures, _precision_table(table))
     text = (
-        "turn-rate-qp holds n turn rates over equal steps, so its best path is longer than the "
+        "turn-rate-qp holds each of n turn rates over a step, so its best path is longer than the "
         "best of all. How fast that cost falls with n, what it takes, and which engine to use."
     )
     return Section("discretisation", "Work and precision", text, blocks)

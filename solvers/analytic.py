@@ -15,9 +15,6 @@ if TYPE_CHECKING:
 
     from solvers.frame import FrameSolution
 
-if TYPE_CHECKING:
-    pass
-
 _NONE = "no {} path exists"
 
 

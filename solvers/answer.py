@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from time import perf_counter
 from typing import Any
 
@@ -11,7 +11,7 @@ import numpy as np
 
 from solvers.profiles import PROFILES, tolerances
 from solvers.protocol import AnySolver, Outcome, Question, Solution
-from solvers.registry import load
+from solvers.registry import load, unavailable
 from study.path import Path
 from study.scenario import Scenario
 from study.schema import ANSWER, SCENARIO, names
@@ -115,6 +115,10 @@ def solve(
             fails raises nothing: it is an outcome, a claim and a verdict.
     """
     check_request(branch, limit)
+    if not isinstance(scenario, Scenario):
+        raise QuestionError(f"scenario is {scenario!r}; expected a Scenario")
+    if start is not None and not isinstance(start, Path):
+        raise QuestionError(f"start is {start!r}; expected a Path or None")
     question = Question(scenario, branch, start)
     return attempt(load(solver, profile), question, limit, tolerances(profile), spec=solver)
 
@@ -131,8 +135,9 @@ def check_request(branch: str, limit: float) -> None:
     """
     if branch not in BRANCHES:
         raise QuestionError(f"no branch named {branch!r}; choose one of: {', '.join(BRANCHES)}")
-    if not (math.isfinite(limit) and limit > 0):
-        raise QuestionError(f"limit is {limit}; expected a number of seconds above 0")
+    number = isinstance(limit, int | float) and not isinstance(limit, bool)
+    if not (number and math.isfinite(limit) and limit > 0):
+        raise QuestionError(f"limit is {limit!r}; expected a number of seconds above 0")
 
 
 def attempt(
@@ -147,7 +152,7 @@ def attempt(
     A solver that raises, returns something else than a `Solution`, cannot run here or cannot
     answer the branch yields a row that says so.
     """
-    reason = solver.unavailable()
+    reason = unavailable(solver)
     if reason is not None:
         outcome, solution, times = Outcome.UNAVAILABLE, _nothing(reason), Times()
     elif question.branch not in solver.branches:
@@ -161,17 +166,19 @@ def attempt(
 
 
 def _run(solver: AnySolver, question: Question, limit: float) -> tuple[Outcome, Solution, Times]:
+    # a solver is given copies, so that the question stays what was asked
+    asked = replace(question, scenario=replace(question.scenario))
     began = perf_counter()
     built = None
     try:
-        model = solver.build(question)
+        model = solver.build(asked)
         built = perf_counter()
         solution = solver.solve(model, limit)
         ended = perf_counter()
         times = Times(built - began, ended - built, ended - began)
         if not isinstance(solution, Solution):
             raise TypeError(f"solve returned {type(solution).__name__}; expected a Solution")
-    except Exception as error:  # whatever a backend raises is its result, recorded as such
+    except (Exception, SystemExit) as error:  # what a backend raises is its result
         ended = perf_counter()
         build = None if built is None else built - began
         message = f"{type(error).__name__}: {error}"
@@ -199,8 +206,8 @@ def _answer(
         path=solution.path,
         outcome=outcome,
         claim=solution.claim,
-        native_status=str(solution.native_status),
-        message=str(solution.message),
+        native_status=solution.native_status,
+        message=solution.message,
         claimed_length=_finite(solution.claimed_length),
         lower_bound=_finite(solution.lower_bound),
         multiplier_x=_finite(dual[0]),

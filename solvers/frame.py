@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from solvers.answer import DEFAULT_LIMIT, attempt, check_request
 from solvers.profiles import tolerances
 from solvers.protocol import AnySolver, Outcome, Question
-from solvers.registry import load
+from solvers.registry import load, unavailable
 from study.path import FloatArray
 from study.scenario import check_frame
 from study.scenario import scenarios as scenarios_of
@@ -51,6 +51,21 @@ class FrameSolution:
     native_status: str = ""
     message: str | Sequence[str] = ""
 
+    def __post_init__(self) -> None:
+        from study.verify_frame import CLAIMS
+
+        n = len(self.paths)
+        per_row = {"claimed_length": self.claimed_length, "lower_bound": self.lower_bound}
+        if not isinstance(self.claim, Claim):
+            per_row["claim"] = codes = np.asarray(self.claim)
+            if codes.dtype.kind not in "iu" or not np.isin(codes, range(len(CLAIMS))).all():
+                raise TypeError("claim is neither a Claim nor indices into CLAIMS")
+        for name, values in per_row.items():
+            if values is not None and np.shape(values) != (n,):
+                raise TypeError(f"{name} has shape {np.shape(values)}; expected {(n,)}")
+        if not isinstance(self.message, str) and len(self.message) != n:
+            raise TypeError(f"there are {len(self.message)} messages; expected 1 or {n}")
+
 
 def solve_frame(
     scenarios: pd.DataFrame,
@@ -84,11 +99,12 @@ def solve_frame(
     backend = load(solver, profile)
     frame = check_frame(scenarios)
     whole = getattr(backend, "solve_frame", None)
-    if whole is None or backend.unavailable() is not None or branch not in backend.branches:
+    if whole is None or unavailable(backend) is not None or branch not in backend.branches:
         return _one_by_one(frame, backend, branch, limit, allowed, solver)
     from study.verify_frame import judge_frame
 
-    outcome, solution, seconds = _run(whole, frame, branch)
+    # a solver is given a frame of its own, so that the questions stay what was asked
+    outcome, solution, seconds = _run(whole, frame.copy(deep=False), branch)
     judged = judge_frame(frame, solution.paths, solution.claim, branch, allowed)
     return _framed(frame, _columns(solution, outcome, judged, seconds / max(1, len(frame))))
 
@@ -104,7 +120,9 @@ def _run(
         solution = whole(frame, branch)
         if not isinstance(solution, FrameSolution):
             raise TypeError(f"solve_frame returned {type(solution).__name__}, no FrameSolution")
-    except Exception as error:  # whatever a backend raises is its result, recorded as such
+        if len(solution.paths) != len(frame):
+            raise TypeError(f"there are {len(solution.paths)} paths for {len(frame)} scenarios")
+    except (Exception, SystemExit) as error:  # what a backend raises is its result
         seconds = perf_counter() - began
         none = np.zeros((2, len(frame)))
         nothing = Paths(none, none, np.zeros(len(frame), np.bool_))

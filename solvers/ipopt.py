@@ -51,8 +51,8 @@ class Native(NamedTuple):
     multipliers: tuple[float, float] | None
     status: str
     message: str
-    iterations: int
-    evaluations: int
+    iterations: int | None
+    evaluations: int | None
 
 
 # (z at the start, its lower bounds, its upper bounds, the target) -> what Ipopt says

@@ -62,8 +62,8 @@ class Found(NamedTuple):
     duals: FloatArray | None
     status: str
     message: str
-    iterations: int
-    evaluations: int
+    iterations: int | None
+    evaluations: int | None
 
 
 # (the starting point, lower bounds, upper bounds), each of shape (n,) -> what Ipopt says
@@ -177,6 +177,6 @@ def executable(program: Program, options: Options) -> Ask:
             # ASL's duals have the opposite sign to Ipopt's own
             duals = np.array([-float(model.dual[row]) for row in program.rows])
         point = np.array([variable.value for variable in program.variables], dtype=np.float64)
-        return Found(point, duals, status, str(results.solver.message), 0, 0)
+        return Found(point, duals, status, str(results.solver.message), None, None)
 
     return ask

@@ -175,8 +175,8 @@ class Point(NamedTuple):
     z: FloatArray
     claim: Claim
     multipliers: tuple[float, float] | None
-    iterations: int
-    evaluations: int
+    iterations: int | None
+    evaluations: int | None
     status: str
     message: str
 
@@ -242,11 +242,17 @@ def choose(question: Question, points: list[Point]) -> Solution:
         path=None if pathless else as_path(scenario, best.subproblem, best.z),
         claimed_length=float(best.z.sum()) * scenario.radius if solved else None,
         multipliers=None if duals is None else in_world(scenario, best.subproblem, duals),
-        iterations=sum(point.iterations for point in points),
-        evaluations=sum(point.evaluations for point in points),
+        iterations=_total([point.iterations for point in points]),
+        evaluations=_total([point.evaluations for point in points]),
         native_status=best.status,
         message=f"{best.subproblem.name}: {best.message}",
     )
+
+
+def _total(counts: list[int | None]) -> int | None:
+    """The sum, or None if a backend does not count."""
+    known = [count for count in counts if count is not None]
+    return sum(known) if len(known) == len(counts) else None
 
 
 def _residual(scenario: Scenario, point: Point) -> float:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import StrEnum
+from operator import index
 from typing import Any, ClassVar, Protocol, TypeVar
 
 from study.path import Path
@@ -45,7 +46,7 @@ class Question:
 
 @dataclass(frozen=True, slots=True)
 class Solution:
-    """What a solver answers. The point is kept whatever the claim.
+    """What a solver answers. The point is kept whatever the claim, unless that is `infeasible`.
 
     Args:
         claim: what the solver says of its answer.
@@ -55,6 +56,10 @@ class Solution:
         multipliers: duals of the end point's two equations, in the world frame (dimensionless).
         iterations, evaluations: the solver's own counts, summed over its subproblems.
         native_status, message: the backend's own words.
+
+    Raises:
+        TypeError: naming the field, its value and what was expected; raised where a plug-in makes
+            its solution, so that it is the plug-in's failure.
     """
 
     claim: Claim
@@ -66,6 +71,68 @@ class Solution:
     evaluations: int | None = None
     native_status: str = ""
     message: str = ""
+
+    def __post_init__(self) -> None:
+        path = self.path
+        if path is not None and type(path) is not Path:
+            if not isinstance(path, Path):
+                raise TypeError(f"path is {_short(path)}; expected a Path or None")
+            # its controls are believed, not what a subclass makes of them
+            path = Path(path.start, path.curvature, path.length)
+        object.__setattr__(self, "path", path)
+        object.__setattr__(self, "claim", _claim(self.claim))
+        for name in ("claimed_length", "lower_bound"):
+            object.__setattr__(self, name, _number(name, getattr(self, name)))
+        for name in ("iterations", "evaluations"):
+            object.__setattr__(self, name, _count(name, getattr(self, name)))
+        object.__setattr__(self, "multipliers", _pair(self.multipliers))
+        for name in ("native_status", "message"):
+            object.__setattr__(self, name, str(getattr(self, name)))
+
+
+def _short(value: Any) -> str:
+    text = repr(value)
+    return text if len(text) <= 60 else f"{text[:57]}..."
+
+
+def _claim(value: Any) -> Claim:
+    try:
+        return Claim(value)
+    except ValueError:
+        raise TypeError(f"claim is {_short(value)}; expected one of: {', '.join(Claim)}") from None
+
+
+def _number(name: str, value: Any) -> float | None:
+    if value is None:
+        return None
+    try:
+        if isinstance(value, str):
+            raise TypeError
+        return float(value)
+    except (TypeError, ValueError, OverflowError):
+        raise TypeError(f"{name} is {_short(value)}; expected a number or None") from None
+
+
+def _count(name: str, value: Any) -> int | None:
+    try:
+        found = None if value is None else index(value)
+    except TypeError:
+        found = -1
+    if found is not None and not 0 <= found < 2**63:
+        raise TypeError(f"{name} is {_short(value)}; expected a count or None")
+    return found
+
+
+def _pair(value: Any) -> tuple[float, float] | None:
+    if value is None:
+        return None
+    try:
+        x, y = (_number("multipliers", one) for one in value)
+    except (TypeError, ValueError):
+        x = y = None
+    if x is None or y is None:
+        raise TypeError(f"multipliers is {_short(value)}; expected two numbers or None")
+    return x, y
 
 
 class Solver(Protocol[Model]):

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import hashlib
 import importlib.util
 import re
+import sys
 from dataclasses import fields, is_dataclass
 from functools import cache
 from importlib.metadata import EntryPoint, entry_points
@@ -66,8 +68,16 @@ def _entry(name: str) -> Entry:
         kind.branches,
         kind.summary,
         settings(solver),
-        solver.unavailable(),
+        unavailable(solver),
     )
+
+
+def unavailable(solver: AnySolver) -> str | None:
+    """Why a solver cannot run here, or None; one that cannot even say so is unavailable."""
+    try:
+        return solver.unavailable()
+    except (Exception, SystemExit) as error:  # a plug-in may fail in any way; it is a reason
+        return f"asking whether it is available raised {type(error).__name__}: {error}"
 
 
 def settings(solver: AnySolver) -> dict[str, Any]:
@@ -77,8 +87,10 @@ def settings(solver: AnySolver) -> dict[str, Any]:
     return {field.name: getattr(solver, field.name) for field in fields(solver)}
 
 
-def canonical(spec: str) -> str:
-    """The spec as rows write it: settings in the order of their declaration, defaults left out.
+def canonical(spec: str, profile: str = "default") -> str:
+    """The spec as rows write it: settings in the order of their declaration.
+
+    Those are left out that the solver has under the profile anyway.
 
     Raises:
         SolverError: as `load`.
@@ -86,7 +98,7 @@ def canonical(spec: str) -> str:
     name, given = _parse(spec)
     kind = _kind(name)
     values = _convert(name, kind, given)
-    defaults = settings(kind())
+    defaults = settings(load(name, profile))
     changed = [f"{k}={values[k]}" for k in defaults if k in values and values[k] != defaults[k]]
     return f"{name}[{','.join(changed)}]" if changed else name
 
@@ -114,6 +126,8 @@ def load(spec: str, profile: str = "default") -> AnySolver:
 
 
 def _parse(spec: str) -> tuple[str, dict[str, str]]:
+    if not isinstance(spec, str):
+        raise SolverError(f"solver is {spec!r}; expected a text, name[setting=value]")
     match = _SPEC.fullmatch(spec.strip())
     if match is None:
         raise SolverError(f"solver {spec!r} does not parse; expected name or name[setting=value]")
@@ -122,6 +136,8 @@ def _parse(spec: str) -> tuple[str, dict[str, str]]:
         key, equals, value = (part.strip() for part in item.partition("="))
         if not (key and equals and value):
             raise SolverError(f"solver {spec!r}: {item!r} does not parse; expected setting=value")
+        if key in given:
+            raise SolverError(f"solver {spec!r}: {key} is given twice; expected each setting once")
         given[key] = value
     return match["name"].strip(), given
 
@@ -134,7 +150,7 @@ def _kind(name: str) -> type[Any]:
         raise SolverError(f"no solver named {name!r}; choose one of: {', '.join(registered())}")
     try:
         kind = point.load()
-    except Exception as error:  # a plug-in may fail in any way at import; it is a reason
+    except (Exception, SystemExit) as error:  # a plug-in may fail in any way; it is a reason
         raise SolverError(f"solver {name!r} cannot be imported: {error}") from error
     return _kept_promise(name, kind)
 
@@ -145,13 +161,17 @@ def _from_file(name: str) -> type[Any]:
     path = FilePath(file)
     if not path.is_file():
         raise SolverError(f"solver {name!r}: no file {file!r}; expected file.py:Class")
-    spec = importlib.util.spec_from_file_location(f"dubins_study_plugin_{path.stem}", path)
+    digest = hashlib.sha256(str(path.resolve()).encode()).hexdigest()[:12]
+    module_name = f"dubins_study_plugin_{path.stem}_{digest}"
+    spec = importlib.util.spec_from_file_location(module_name, path)
     assert spec is not None
     assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
+    sys.modules[module_name] = module  # dataclasses look their module up by its name
     try:
         spec.loader.exec_module(module)
-    except Exception as error:  # the file is the user's own program; whatever it raises
+    except (Exception, SystemExit) as error:  # the user's own program; whatever it raises
+        del sys.modules[module_name]
         raise SolverError(f"solver {name!r}: {file} fails: {error!r}") from error
     if not hasattr(module, class_name):
         raise SolverError(f"solver {name!r}: {file} has no class {class_name!r}")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection
 
 
@@ -17,11 +18,11 @@ def one_of(**settings: tuple[str, Collection[str]]) -> None:
 
 
 def positive(**settings: float) -> None:
-    """Refuse a number that is not above zero.
+    """Refuse a number that is not above zero, or not finite.
 
     Raises:
         ValueError: naming the setting and its value.
     """
     for name, value in settings.items():
-        if not value > 0:
+        if not (value > 0 and math.isfinite(value)):
             raise ValueError(f"{name} is {value}; expected a number above 0")

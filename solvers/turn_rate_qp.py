@@ -71,10 +71,14 @@ class TurnRateQp:
     profiles: ClassVar[dict[str, dict[str, Any]]] = {"accurate": {"n": 640, "mesh": "graded"}}
 
     def __post_init__(self) -> None:
-        for name, least in (("n", 2), ("max_qps", 1)):
+        # the QPs are dense: beyond, one takes gigabytes
+        for name, least, most in (("n", 2, 2000), ("max_qps", 1, 10**6)):
             value = getattr(self, name)
-            if not isinstance(value, int) or isinstance(value, bool) or value < least:
-                raise ValueError(f"{name} is {value!r}; expected a whole number from {least} up")
+            whole = isinstance(value, int) and not isinstance(value, bool)
+            if not (whole and least <= value <= most):
+                raise ValueError(
+                    f"{name} is {value!r}; expected a whole number from {least} to {most}"
+                )
         one_of(engine=(self.engine, ENGINES), mesh=(self.mesh, MESHES))
         if not 0 < self.tolerance < 1:
             raise ValueError(f"tolerance is {self.tolerance!r}; expected a number from 0 to 1")

@@ -186,14 +186,15 @@ def _judge_chunk(chunk: int, asked: Asked, driven: Driven, limits: Limits, found
         k1, k2, l1, l2 = curvature1[i], curvature2[i], length1[i], length2[i]
         excess[i] = _excess(k1 * radius[i], k2 * radius[i], l1, l2, limits.branch)
         extent = abs(x[i]) + abs(y[i]) + abs(tx[i]) + abs(ty[i])
-        close = limits.miss * radius[i] + 32.0 * EPS * (extent + length[i])
-        misses = (miss[i] > close) | (excess[i] > limits.curvature)
+        rounding = 32.0 * EPS * (extent + length[i])
+        close = (miss[i] <= limits.miss * radius[i] + rounding) & (rounding <= radius[i])
+        misses = not (close & (excess[i] <= limits.curvature))
         relative = (length[i] - reference[i]) / max(reference[i], radius[i])
         gap[i] = math.nan if misses else relative
         arrives = _OPTIMAL if relative <= limits.gap else _LONGER
         angle = max(abs(heading[i]), abs(k1 * l1) + abs(k2 * l2))
         sound = (angle <= LARGEST_ANGLE) & (min(l1, l2) >= 0.0)
-        sound = sound & (miss[i] <= _LARGEST) & (margin[i] <= _LARGEST)
+        sound = sound & (miss[i] <= _LARGEST) & (margin[i] <= _LARGEST) & (length[i] <= _LARGEST)
         usual = sound & (length[i] >= reference[i] * (1.0 - ROUNDED))
         verdict[i] = (_MISSES if misses else arrives) if usual else ODD
         odd += not usual

@@ -79,10 +79,10 @@ class Path:
         """Poses at given distances along the path, shape (m, 3).
 
         Args:
-            distance: shape (m,), length unit, clipped to [0, total length].
+            distance: shape (m,), or one number; length unit, clipped to [0, total length].
         """
         ends = np.concatenate(([0.0], np.cumsum(self.length)))
-        d = np.clip(np.asarray(distance, dtype=np.float64), 0.0, ends[-1])
+        d = np.clip(np.atleast_1d(np.asarray(distance, dtype=np.float64)), 0.0, ends[-1])
         if not self.length.size:
             return np.tile(np.array(self.start), (d.size, 1))
         arc = np.clip(np.searchsorted(ends, d, side="right") - 1, 0, self.length.size - 1)

@@ -50,7 +50,7 @@ class Scenario:
             value = getattr(self, name)
             try:
                 number = float(value)
-            except (TypeError, ValueError):
+            except (TypeError, ValueError, OverflowError):
                 raise ScenarioError(f"{name} is {value!r}; expected a number") from None
             if problem := _problem(name, number):
                 raise ScenarioError(problem)
@@ -108,6 +108,7 @@ COLUMNS = tuple(field.name for field in fields(Scenario))
 NUMBERS = COLUMNS[:-1]
 _DEFAULTS: dict[str, Any] = {"speed": 1.0, "label": ""}
 _POSITIVE = ("radius", "speed")
+LARGEST, SMALLEST = 1e150, 1e-150  # beyond them squares overflow or vanish
 LARGEST_EXTENT = 1e14  # radii; beyond it a coordinate's last digit is a hundredth of the radius
 
 
@@ -123,6 +124,9 @@ def _problem(name: str, value: float) -> str | None:
         return f"{name} is {value}; expected a finite number"
     if name in _POSITIVE and value <= 0:
         return f"{name} is {value}; expected a number above 0"
+    if abs(value) > LARGEST or (name in _POSITIVE and value < SMALLEST):
+        least = f"from {SMALLEST:g} to" if name in _POSITIVE else "of size up to"
+        return f"{name} is {value}; expected a number {least} {LARGEST:g}"
     return None
 
 
@@ -173,9 +177,12 @@ def _numbers(frame: pd.DataFrame, name: str) -> np.ndarray[Any, np.dtype[np.floa
         raise ScenarioError(_first_non_number(frame, name)) from None
     # min and max see NaN and both infinities without a temporary array of the frame's length
     low, high = (values.min(), values.max()) if values.size else (1.0, 1.0)
-    if math.isfinite(low) and math.isfinite(high) and (name not in _POSITIVE or low > 0):
+    values = values.view()
+    values.flags.writeable = False  # whoever gets the frame may read it
+    least = SMALLEST if name in _POSITIVE else -LARGEST
+    if least <= low and high <= LARGEST:  # neither holds for NaN
         return values
-    bad = ~np.isfinite(values) | ((values <= 0) if name in _POSITIVE else False)
+    bad = ~((least <= values) & (values <= LARGEST))
     row = int(np.flatnonzero(bad)[0])
     raise ScenarioError(f"row {frame.index[row]!r}: {_problem(name, float(values[row]))}")
 

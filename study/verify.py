@@ -56,9 +56,9 @@ class Tolerances:
 WORD = 1e-6
 DISCRETISED_WORD = 0.05
 ROUNDED = 8 * EPS  # relative error of two lengths that ought to be equal
-# How much the optimal length changes per shift of the target: 1 for words that end straight, and
-# 1 / |cos(a2 / 2)| for RL and LR, which exceeds this only within a hundredth of the rear.
-STEEPEST = 10.0
+# By how much the optimal length may change per shift of the target, at least: it does by 1 where
+# the path ends straight, and more near a turning circle, where that changes within the shift.
+STEEP = 10.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -148,8 +148,8 @@ def _judge_path(
         curvature_excess=excess,
         verdict=Verdict.MISSES,
     )
-    off_start = path.start != scenario.start
-    if off_start or miss > tolerances.miss * radius + rounding or excess > tolerances.curvature:
+    arrives = miss <= tolerances.miss * radius + rounding and rounding <= radius
+    if path.start != scenario.start or not arrives or not excess <= tolerances.curvature:
         return driven
     reference = relaxed_reference(scenario, branch, length, miss, (end.x, end.y))
     if reference is None:
@@ -176,7 +176,9 @@ def _turns(optimum: Shortest) -> tuple[float, ...]:
 
 def drivable(path: Path) -> bool:
     """Whether all numbers are finite and no length is negative."""
-    finite = np.isfinite(path.curvature).all() and np.isfinite(path.length).all()
+    # a sum of finite lengths may still overflow
+    with np.errstate(over="ignore"):
+        finite = np.isfinite(path.curvature).all() and np.isfinite(path.total_length)
     return bool(finite and (path.length >= 0).all() and np.isfinite(path.start).all())
 
 
@@ -215,18 +217,32 @@ def relaxed_reference(
     value is met, up to the miss itself, at the end point or at the nearest point of the circle.
     An answer that is shorter by no more than its miss explains has not made use of the jump.
     """
-    bare = _shortest_length(scenario, branch)
+    optimum = shortest(scenario, branch)
+    bare = None if optimum is None else optimum.total * scenario.radius
     if bare is not None and length >= bare * (1.0 - ROUNDED):
         return bare
     at_end = _shortest_length(replace(scenario, target_x=end[0], target_y=end[1]), branch)
-    if bare is not None and length >= bare - STEEPEST * miss:
-        jumps = at_end is None or at_end < bare - STEEPEST * miss
-        return length if jumps else min(bare, at_end or bare)
+    if optimum is not None and bare is not None:
+        explained = bare - _steepness(optimum) * miss
+        if length >= explained:
+            jumps = at_end is None or at_end < explained
+            return length if jumps or at_end is None else min(bare, at_end)
     lengths = [at_end]
     if margin(scenario) * scenario.radius <= miss:
         x, y = _onto_circle(scenario)
         lengths.append(_shortest_length(replace(scenario, target_x=x, target_y=y), branch))
     return min((value for value in (bare, *lengths) if value is not None), default=None)
+
+
+def _steepness(optimum: Shortest) -> float:
+    """How much a shortest length changes per shift of its target, with room for a small shift.
+
+    The gradient's norm is 1 for words that end straight and 1 / |cos(a2 / 2)| for RL and LR
+    (docs/derivation.md, section 6), which grows without bound toward the rear of a circle.
+    """
+    if optimum.word not in ("LR", "RL"):
+        return STEEP
+    return max(STEEP, 2.0 / max(abs(math.cos(optimum.segments.second / 2)), EPS))
 
 
 def _shortest_length(scenario: Scenario, branch: str) -> float | None:

@@ -30,7 +30,7 @@ from study.kernel_paths import FIRST_TURN, LAST_TURN
 from study.kernel_words import NO_PATH, CodeArray
 from study.path import FloatArray, Path
 from study.scenario import NUMBERS, Scenario
-from study.synthesis import BRANCHES
+from study.synthesis import BRANCHES, shortest
 from study.verify import Claim, Judgement, Tolerances, Verdict, is_false, judge
 
 if TYPE_CHECKING:
@@ -143,7 +143,7 @@ def judge_frame(
         miss=found.miss,
         curvature_excess=found.curvature_excess,
         false_claim=np.zeros(0, np.bool_),
-        wrong_basin=_wrong_basins(driven, best, found, radius),
+        wrong_basin=_wrong_basins(driven, best, found, columns),
         region=found.region,
         margin=found.margin,
     )
@@ -153,15 +153,23 @@ def judge_frame(
     return result
 
 
-def _wrong_basins(driven: Driven, best: Rows, found: Found, radius: FloatArray) -> BoolArray:
+def _wrong_basins(
+    driven: Driven, best: Rows, found: Found, columns: dict[str, FloatArray]
+) -> BoolArray:
     """Longer paths whose turn is more than 1 rad from the shortest path's."""
-    wrong = np.zeros(radius.size, np.bool_)
+    wrong = np.zeros(best.word.size, np.bool_)
     rows = np.flatnonzero(found.verdict == _LONGER)
-    if rows.size:
-        k1, l1, k2, l2 = (array[rows] for array in driven)
-        word = best.word[rows]
-        turn = FIRST_TURN[word] * best.first[rows] + LAST_TURN[word] * best.second[rows]
-        wrong[rows] = np.abs(k1 * l1 + k2 * l2 - turn / radius[rows]) > 1.0
+    if not rows.size:
+        return wrong
+    k1, l1, k2, l2 = (array[rows] for array in driven)
+    word = best.word[rows]
+    turn = FIRST_TURN[word] * best.first[rows] + LAST_TURN[word] * best.second[rows]
+    driven_turn, turn = k1 * l1 + k2 * l2, turn / columns["radius"][rows]
+    wrong[rows] = np.abs(driven_turn - turn) > 1.0
+    # straight behind, the mirror image is as short: few rows turn like it, and fewer tie
+    for row in rows[wrong[rows] & (np.abs(driven_turn + turn) <= 1.0)]:
+        optimum = shortest(_scenario(columns, int(row)))
+        wrong[row] = optimum is None or len(optimum.words) == 1
     return wrong
 
 

@@ -50,6 +50,23 @@ def test_products_and_sweeps():
     assert [s.target_x for s in found[::3]] == pytest.approx([1, 2, 3, 1, 2, 3])
 
 
+WARM = 'title = "t"\nquestion = "q"\nsolvers = ["slsqp"]\nstarts = ["warm"]\n'
+
+
+def test_a_sweep_is_known_by_all_its_cells():
+    """Two sweeps with one cell in common are not one sweep, nor can both own that cell; the same
+    sweep twice is one."""
+    first, second = (BLOCK + f"radius = [{radii}]\n" for radii in ("1, 1.5, 2", "1, 0.5, 0.25"))
+    other = second.replace("[[scenarios]]", '[[scenarios]]\nlabel = "down"')
+
+    assert len(expand(WARM + first + first)) == 3
+    assert len(expand(WARM + first + other)) == 6
+    with pytest.raises(ExperimentError, match=r"scenarios.1, scenario 0: already swept by scen"):
+        expand(WARM + first + second)
+    with pytest.raises(ExperimentError, match=r"scenarios.0, scenario 2: already swept by itself"):
+        expand(WARM + BLOCK + "radius = [1, 2, 1]\n")
+
+
 def test_polar_targets():
     found = expand(
         HEAD + '[[scenarios]]\nheading = "30deg"\nradius = 2\ndistance = 5\nbearing = "60deg"\n'

@@ -10,6 +10,7 @@ from typing import Any
 import pyarrow as pa
 import pyarrow.parquet as pq
 
+from solvers.registry import SolverError, load, settings
 from study.path import Path
 from study.scenario import Scenario
 from study.schema import ROW, VERSION
@@ -87,18 +88,29 @@ def attempt(
     return row | changes
 
 
+def _settings(spec: str) -> dict[str, Any]:
+    """A solver's settings; none of names that only a hostile row would have."""
+    try:
+        return settings(load(spec))
+    except SolverError:
+        return {}
+
+
 def write_folder(
     folder: FilePath, name: str, rows: Iterable[dict[str, Any]], **manifest: Any
 ) -> FilePath:
     """A results folder with one part."""
+    rows = list(rows)
     (folder / "parts").mkdir(parents=True)
-    pq.write_table(pa.Table.from_pylist(list(rows), schema=SCHEMA), folder / "parts" / "1.parquet")
+    pq.write_table(pa.Table.from_pylist(rows, schema=SCHEMA), folder / "parts" / "1.parquet")
     text = {
         "schema": VERSION,
         "experiment": {"name": name, "title": f"About {name}", "question": "?", "text": "a = 1"},
         "command": f"dubins-study run {name}",
         "versions": {"numpy": "2.3"},
         "machine": {"system": "Linux"},
+        "solvers": {row["solver"]: _settings(row["solver"]) for row in rows},
+        "gap_tolerance": 1e-4,
         "git": {"commit": "abc"},
         "created": "2026-01-01T00:00:00Z",
         "finished": "2026-01-01T00:01:00Z",

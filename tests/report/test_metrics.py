@@ -26,6 +26,7 @@ def frame(**columns):
         "solver": "a",
         "branch": "best",
         "start": "cold",
+        "repeat": 0,
         "radius": 1.0,
         "outcome": "returned",
         "claim": "local",
@@ -246,15 +247,32 @@ def test_agreement_divides_by_the_radius_of_a_short_path():
     assert agreement(rows, paths.__getitem__).iloc[0]["largest"] == pytest.approx(5e-4)
 
 
-def test_work_precision_fills_in_defaults():
-    """A spec leaves out n=50 and engine=piqp; other solvers are not counted."""
-    rows = frame(
-        solver=["turn-rate-qp", "turn-rate-qp[n=100]", "turn-rate-qp[engine=osqp]", "ipopt"],
-        gap=[4e-5, 1e-5, NAN, 0.0],
-    )
-    table = work_precision(rows).set_index(["engine", "n"])
+def settings_of(*specs):
+    """What a manifest says of them."""
+    defaults = {"n": 50, "engine": "piqp", "mesh": "equal"}
+    return {
+        spec: defaults | {k: type(defaults[k])(v) for k, v in metrics.parse_spec(spec)[1].items()}
+        for spec in specs
+    }
 
-    assert set(table.index) == {("piqp", 50), ("piqp", 100), ("osqp", 50)}
+
+def test_work_precision_knows_the_settings_that_specs_leave_out():
+    """They are the manifest's, since a profile may have changed them; other solvers do not count,
+    and a mesh of another kind is another curve."""
+    rows = frame(
+        solver=[
+            "turn-rate-qp",
+            "turn-rate-qp[n=100]",
+            "turn-rate-qp[engine=osqp]",
+            "turn-rate-qp[mesh=graded]",
+            "ipopt",
+        ],
+        gap=[4e-5, 1e-5, NAN, 1e-7, 0.0],
+    )
+    table = work_precision(rows, settings_of(*rows["solver"][:4])).set_index(["engine", "n"])
+
+    graded = ("piqp, mesh=graded", 50)
+    assert set(table.index) == {("piqp", 50), ("piqp", 100), ("osqp", 50), graded}
     assert table.loc[("piqp", 50), "order"] == pytest.approx(2.0)
     assert table.loc[("osqp", 50), "gap"] == math.inf
 
@@ -264,4 +282,6 @@ def test_the_order_is_fitted_as_far_as_the_gap_falls():
     rows = frame(
         solver=[f"turn-rate-qp[n={n}]" for n in (10, 20, 40, 80)], gap=[1.6e-3, 4e-4, 1e-4, 5e-2]
     )
-    assert work_precision(rows)["order"].tolist() == pytest.approx([2.0] * 4)
+    found = work_precision(rows, settings_of(*rows["solver"]))
+
+    assert found["order"].tolist() == pytest.approx([2.0] * 4)

@@ -6,6 +6,7 @@ import pytest
 
 from solvers.answer import QuestionError, solve
 from solvers.profiles import ProfileError
+from solvers.protocol import Outcome
 from solvers.registry import SolverError, canonical, load, settings
 from study.scenario import Scenario
 
@@ -105,6 +106,47 @@ def test_plug_ins_that_do_not_keep_the_promise(plugin, tmp_path):
     broken.write_text("1/0")
     with pytest.raises(SolverError, match="ZeroDivisionError"):
         load(f"{broken}:Any")
+
+
+def test_a_plug_in_may_look_like_our_own(tmp_path):
+    """Postponed annotations and an unqualified ClassVar, as CONTRIBUTING shows; two files of one
+    name are two modules."""
+    for folder, answer in (("one", 1), ("two", 2)):
+        (tmp_path / folder).mkdir()
+        (tmp_path / folder / "plug.py").write_text(
+            "from __future__ import annotations\n"
+            "from dataclasses import dataclass\n"
+            "from typing import ClassVar\n"
+            "from solvers.protocol import Guarantee, Solution\n"
+            "from study.verify import Claim\n"
+            "@dataclass(frozen=True)\n"
+            "class Plug:\n"
+            f"    n: int = {answer}\n"
+            "    name: ClassVar[str] = 'plug'\n"
+            "    method: ClassVar[str] = 'none'\n"
+            "    guarantee: ClassVar[Guarantee] = Guarantee.LOCAL\n"
+            "    branches: ClassVar[tuple[str, ...]] = ('best',)\n"
+            "    warm: ClassVar[bool] = False\n"
+            "    packages: ClassVar[tuple[str, ...]] = ()\n"
+            "    summary: ClassVar[str] = 'nothing'\n"
+            "    def unavailable(self): raise OSError('no such luck')\n"
+            "    def build(self, question): return question\n"
+            "    def solve(self, model, limit): return Solution(Claim.NONE)\n"
+        )
+    found = [load(f"{tmp_path / folder / 'plug.py'}:Plug") for folder in ("one", "two")]
+
+    assert [solver.n for solver in found] == [1, 2]
+    answer = solve(EASY, f"{tmp_path / 'one' / 'plug.py'}:Plug")
+    assert answer.outcome is Outcome.UNAVAILABLE
+    assert "raised OSError: no such luck" in answer.message
+
+
+def test_a_spec_leaves_out_what_its_profile_has_anyway():
+    """What is asked for explicitly is kept where the profile says otherwise."""
+    assert canonical("ipopt[tol=1e-8]") == "ipopt"
+    assert canonical("ipopt[tol=1e-8]", "accurate") == "ipopt[tol=1e-08]"
+    assert canonical("ipopt[tol=1e-11]", "accurate") == "ipopt"
+    assert load(canonical("ipopt[tol=1e-8]", "accurate"), "accurate").tol == 1e-8
 
 
 def test_requests_that_no_solver_gets():

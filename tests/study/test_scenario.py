@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 
 import numpy as np
 import pandas as pd
@@ -43,6 +44,23 @@ def test_not_positive(field, value):
     frame = frame.fillna({"speed": 1.0})
     with pytest.raises(ScenarioError, match=f"row 1: {field} is {value}"):
         check_frame(frame)
+
+
+@pytest.mark.parametrize(
+    ("field", "value"),
+    [("x", 1e308), ("target_y", -1e200), ("radius", 1e308), ("radius", 1e-320), ("speed", 1e-320)],
+)
+def test_numbers_whose_squares_overflow_or_vanish(field, value):
+    with pytest.raises(ScenarioError, match=re.escape(f"{field} is {value}; expected")):
+        Scenario(**(GOOD | {field: value}))
+    frame = pd.DataFrame([GOOD | {"speed": 1.0}, GOOD | {"speed": 1.0} | {field: value}])
+    with pytest.raises(ScenarioError, match=re.escape(f"row 1: {field} is {value}; expected")):
+        check_frame(frame)
+
+
+def test_a_number_too_large_for_a_double():
+    with pytest.raises(ScenarioError, match="x is 1000000"):
+        Scenario(**(GOOD | {"x": 10**400}))
 
 
 def test_a_radius_lost_in_rounding():

@@ -78,6 +78,10 @@ def test_a_coarse_answer_is_not_a_wrong_basin():
         (Path(PROBLEM.start, [math.nan], [1.0]), Verdict.MISSES),
         (Path(PROBLEM.start, [1.0], [math.inf]), Verdict.MISSES),
         (Path(PROBLEM.start, [1.0], [-1.0]), Verdict.MISSES),
+        # so long that rounding hides where they end, and so long that lengths overflow
+        (Path(PROBLEM.start, [1.0], [1e16]), Verdict.MISSES),
+        (Path(PROBLEM.start, [1.0], [1e300]), Verdict.MISSES),
+        (Path(PROBLEM.start, [0.0, 0.0], [1e308, 1e308]), Verdict.MISSES),
         (Path(PROBLEM.start, [], []), Verdict.MISSES),
         (Path(replace(PROBLEM, x=9.9, y=5).start, [0.0], [0.1]), Verdict.MISSES),
     ],
@@ -159,6 +163,19 @@ def test_an_exact_answer_that_lands_across_the_circle_is_not_punished():
     assert found.miss > 1e-9
     assert found.verdict is Verdict.OPTIMAL
     assert found.reference > 6
+
+
+def test_near_the_rear_a_miss_explains_more():
+    """There the optimal length changes by 1 / cos(a / 2) = 48 times the target's shift."""
+    scenario = on_left_circle(3.10, inside=4e-9)
+    short = on_left_circle(3.10, inside=1e-9)  # its target is 3e-9 away, its optimum 1e-7 shorter
+    path = shortest_path(short)
+    assert path is not None
+
+    found = judge(scenario, path)
+
+    assert path.total_length < shortest_path(scenario).total_length
+    assert found.verdict is Verdict.OPTIMAL
 
 
 def test_a_branch_that_only_a_miss_makes_possible():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -13,7 +14,7 @@ from study.kernel_judge import PATH_WORDS, REGIONS, VERDICTS
 from study.kernel_math import LARGEST_ANGLE
 from study.kernel_paths import curvatures
 from study.path import Path
-from study.scenario import NUMBERS, Scenario, scenarios
+from study.scenario import NUMBERS, Scenario, check_frame, scenario_frame, scenarios
 from study.synthesis import BRANCHES, EPS, shortest_path
 from study.verify import Claim, Verdict, judge
 from study.verify_frame import CLAIMS, NO_WORD, Paths, judge_frame
@@ -171,3 +172,20 @@ def test_a_right_answer_just_inside_a_circle_is_judged_by_its_own_reference():
     assert found.length < path.total_length
     assert found.verdict is Verdict.OPTIMAL
     assert found.reference == pytest.approx(6.535, abs=5e-4)
+
+
+def test_a_longer_path_of_a_tie_is_in_the_right_basin():
+    """Straight behind, LS and RS tie: either word, coarsely driven, turns the right way."""
+    behind = Scenario(0, 0, 0, -1, 0, 1)
+    wide = replace(behind, radius=1.1)
+    paths = [shortest_path(wide, word) for word in ("LS", "RS")]
+    frame = check_frame(scenario_frame([behind, behind]))
+    curvature, length = (
+        np.array([getattr(p, n) for p in paths]).T for n in ("curvature", "length")
+    )
+
+    found = judge_frame(frame, Paths(curvature, length))
+
+    assert [VERDICTS[code] for code in found.verdict] == [Verdict.LONGER] * 2
+    assert found.wrong_basin.tolist() == [judge(behind, path).wrong_basin for path in paths]
+    assert not found.wrong_basin.any()
