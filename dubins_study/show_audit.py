@@ -23,7 +23,11 @@ def audit_text(found: Record) -> str:
     counts = [f"{n} {verdict}" for verdict, n in summary["verdicts"].items() if n]
     parts = (
         (f"{summary['cells']} printed lengths: {', '.join(counts)}", _cells(found["cells"])),
-        ("The cells that are not correct roundings", _reasons(found["cells"])),
+        (
+            "The cells that are not correct roundings (the solver bias would print "
+            f"{summary['correct_cells_that_the_bias_would_spoil']} of the correct ones otherwise)",
+            _reasons(found["cells"]),
+        ),
         (
             f"The printed paths, driven: {summary['paths_beyond_rounding']} miss by more than "
             f"rounding allows, {summary['totals_that_do_not_add_up']} do not add up",

@@ -27,6 +27,7 @@ from report.audit_exact import (
     offset,
     pieces,
 )
+from report.audit_file import CORRECT
 from report.audit_number import Number, half_unit, places_of, rounded
 from report.paper import PRINTED, PROBLEMS, QUANTITIES, TIMES, PrintedRow, Problem
 
@@ -40,8 +41,8 @@ def audit() -> Record:
 
     Returns:
         `cells` (one record a printed length: table, label, path, word, quantity, printed, exact to
-        40 digits, difference = printed - exact, biased, verdict, reason), `paths` (one a printed
-        row: miss of the printed path, what correct rounding allows, whether parts add up),
+        40 digits, difference = printed - exact, biased, bias_prints, verdict, reason), `paths` (one
+        a printed row: miss when driven, what correct rounding allows, whether its parts add up),
         `algorithm` (one a test problem: the radius at which the target enters a turning circle,
         and what Algorithm 1 returns beyond), `omitted` (paths that the tables leave out), `times`,
         `statements` and `summary`. Lengths in the scenario's unit.
@@ -79,6 +80,7 @@ def _cells(row: PrintedRow, mu: arb) -> list[Record]:
     _, exact = _exact(problem, row.word)
     held = _with_total(biased(problem, row.word, mu))
     records = []
+    places = places_of(row.cells[-1])
     findings = rules.judge(row.cells, exact, held)
     for quantity, text, value, off, found in zip(
         QUANTITIES, row.cells, exact, held, findings, strict=True
@@ -97,6 +99,7 @@ def _cells(row: PrintedRow, mu: arb) -> list[Record]:
                 "exact": value.text(),
                 "difference": float(Number(shown - value.high, shown - value.low)),
                 "biased": off.text(10),
+                "bias_prints": str(off.decide(lambda v: rounded(v, places))),
                 "verdict": found.verdict,
                 "reason": found.reason + _impossible(row, quantity, exact),
             }
@@ -201,6 +204,10 @@ def _summary(found: Record) -> Record:
     return {
         "cells": len(found["cells"]),
         "verdicts": {verdict: verdicts[verdict] for verdict in rules.VERDICTS},
+        "correct_cells_that_the_bias_would_spoil": sum(
+            cell["verdict"] == CORRECT and cell["bias_prints"] != cell["printed"]
+            for cell in found["cells"]
+        ),
         "totals_that_do_not_add_up": sum(not path["adds_up"] for path in found["paths"]),
         "paths_beyond_rounding": sum(p["miss"] > p["rounding_allows"] for p in found["paths"]),
         "omitted_paths": len(found["omitted"]),

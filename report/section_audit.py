@@ -26,7 +26,9 @@ def audit_section(results: Results) -> Section | None:
         "Every printed number recomputed from the exact headings in interval arithmetic; "
         "dubins-study audit does it again and shows 40 digits of each. Of the cells that are not "
         f"correct roundings, by a rule that looks for the accident behind them: "
-        f"{', '.join(others)}. {summary['times_that_are_ticks']} of the {len(audit['times'])} "
+        f"{', '.join(others)}. The bias is no more than a guess: it would print "
+        f"{summary['correct_cells_that_the_bias_would_spoil']} of the correct cells otherwise. "
+        f"{summary['times_that_are_ticks']} of the {len(audit['times'])} "
         f"printed solve times ({', '.join(ticks)} s) are whole ticks of a clock of 64 a second: "
         "they tell the clock, not the solver."
     )
