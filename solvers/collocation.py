@@ -13,6 +13,7 @@ from solvers.collocation_correction import closed, miss
 from solvers.collocation_model import Elements, Template, template
 from solvers.collocation_starts import guesses
 from solvers.ipopt_engine import CLAIMS, VIAS, Found, by_executable, unavailable
+from solvers.model import total
 from solvers.protocol import Guarantee, Question, Solution
 from solvers.reach import unreachable
 from solvers.settings import one_of, positive
@@ -186,8 +187,8 @@ def _answer(model: Model, runs: list[Run], in_time: bool) -> Solution:
         path=Path(scenario.start, rate / scenario.radius, elements.length * scenario.radius),
         claimed_length=elements.total * scenario.radius,
         multipliers=multipliers,
-        iterations=sum(run.native.iterations for run in runs),
-        evaluations=sum(run.native.evaluations + run.rollouts for run in runs),
+        iterations=total(run.native.iterations for run in runs),
+        evaluations=total(n for run in runs for n in (run.native.evaluations, run.rollouts)),
         native_status=best.native.status,
         message=f"{best.native.message}; missed by {best.missed:.1e} radii before the correction",
     )

@@ -242,17 +242,17 @@ def choose(question: Question, points: list[Point]) -> Solution:
         path=None if pathless else as_path(scenario, best.subproblem, best.z),
         claimed_length=float(best.z.sum()) * scenario.radius if solved else None,
         multipliers=None if duals is None else in_world(scenario, best.subproblem, duals),
-        iterations=_total([point.iterations for point in points]),
-        evaluations=_total([point.evaluations for point in points]),
+        iterations=total([point.iterations for point in points]),
+        evaluations=total([point.evaluations for point in points]),
         native_status=best.status,
         message=f"{best.subproblem.name}: {best.message}",
     )
 
 
-def _total(counts: list[int | None]) -> int | None:
+def total(counts: Iterable[int | None]) -> int | None:
     """The sum, or None if a backend does not count."""
-    known = [count for count in counts if count is not None]
-    return sum(known) if len(known) == len(counts) else None
+    known = list(counts)
+    return None if None in known else sum(count for count in known if count is not None)
 
 
 def _residual(scenario: Scenario, point: Point) -> float:
