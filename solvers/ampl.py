@@ -89,7 +89,7 @@ def _point(case: Case, model: Any, info: Any, found: SolFile) -> Point:
         of_row = {id(c): y for c, y in zip(info.constraints, found.duals, strict=True)}
         # AMPL's dual is the objective's change per unit of right-hand side, the paper's minus that
         duals = (-of_row[id(model.x_end)], -of_row[id(model.y_end)])
-    return Point(case.subproblem, z, claim, duals, 0, 0, status, found.message)
+    return Point(case.subproblem, z, claim, duals, None, None, status, found.message)
 
 
 def _run(executable: str, folder: FilePath, seconds: float) -> int | None:

@@ -36,4 +36,4 @@ def _model() -> Any:
 
 def no_point(case: Case, claim: Claim, status: str, message: str) -> Point:
     """What is left of a run that returned nothing: a point of no numbers."""
-    return Point(case.subproblem, np.full(3, np.nan), claim, None, 0, 0, status, message)
+    return Point(case.subproblem, np.full(3, np.nan), claim, None, None, None, status, message)

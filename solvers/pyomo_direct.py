@@ -86,5 +86,5 @@ def _point(case: Case, model: Any, results: Any) -> Point:
     except (PyomoException, NotImplementedError):
         duals = None
     counted = "number_iters" in results.extra_info
-    iterations = int(results.extra_info.number_iters) if counted else 0
-    return Point(case.subproblem, z, claim, duals, iterations, 0, condition, message)
+    iterations = int(results.extra_info.number_iters) if counted else None
+    return Point(case.subproblem, z, claim, duals, iterations, None, condition, message)

@@ -16,6 +16,7 @@ import numpy as np
 from solvers.ipopt import Case
 from solvers.model import Point, equations, hessian, jacobian
 from study.path import FloatArray
+from study.synthesis import EPS
 from study.verify import Claim
 
 # SciPy's own statuses; 3 is a stop by `_Watch` and 4 a success that misses its constraints
@@ -28,6 +29,10 @@ _PATIENCE = 20
 # The projected gradient of half the squared violation, in units of the violation, below which a
 # point counts as stationary. None of those 302 runs passed such a point on its way.
 _STATIONARY = 1e-2
+
+# radii: at a double root, such as LS to a target on the circle, a point d away has a gradient near
+# d and a violation near d^2 / 2; a violation above this with a gradient below that is none.
+_INFEASIBLE = 1e-3
 
 
 class _Watch:
@@ -46,7 +51,7 @@ class _Watch:
         self.since += 1
         if perf_counter() > self.deadline:
             self._stop(Claim.LIMIT, "out of time")
-        if violation > 1e3 * self.tolerance and _stationary(self.case, intermediate_result.x):
+        if violation > _INFEASIBLE and _stationary(self.case, intermediate_result.x):
             self._stop(Claim.INFEASIBLE, "the constraint violation is stationary")
         if violation > self.tolerance and self.since > _PATIENCE:
             self._stop(Claim.FAILED, "the constraint violation falls no more")
@@ -74,8 +79,8 @@ def trust_constr(case: Case, start: FloatArray, seconds: float, tol: float, max_
     """The point that trust-constr reaches from `start`, shape (3,).
 
     Args:
-        tol: SciPy's gtol and barrier_tol, in radii; multiplied by the target's distance where that
-            exceeds one radius, since rounding grows with it.
+        tol: SciPy's gtol and barrier_tol, in radii; more where the target is so far away that
+            rounding alone leaves more.
     """
     from scipy.optimize import Bounds, NonlinearConstraint, minimize
 
@@ -83,7 +88,7 @@ def trust_constr(case: Case, start: FloatArray, seconds: float, tol: float, max_
     block = np.ix_(mask, mask)
     lower, upper = case.lower[mask], case.upper[mask]
     ones, zeros = np.ones(lower.size), np.zeros((lower.size, lower.size))
-    tolerance = tol * max(1.0, math.hypot(*case.target))
+    tolerance = max(tol, 16 * EPS * math.hypot(*case.target))
     watch = _Watch(case, perf_counter() + seconds, tolerance)
     result = minimize(
         np.sum,

@@ -106,6 +106,24 @@ def test_trust_constr_recognises_a_word_that_does_not_exist():
     assert "stationary" in answer.message
 
 
+@pytest.mark.parametrize("target", [(1, 1), (0, 2), (-1, 1)])
+@pytest.mark.parametrize("branch", ["best", "LS"])
+def test_a_double_root_is_not_taken_for_infeasible(branch, target):
+    """On the left circle LS has no straight, and the violation is flat there without a gradient."""
+    answer = solve(Scenario(0, 0, 0, *target, 1), "nlp", branch)
+
+    assert answer.claim is Claim.LOCAL
+    assert answer.verdict is Verdict.OPTIMAL
+
+
+def test_a_far_target_is_met():
+    """A tolerance that grew with the distance would miss a target 10^5 radii away by 10^-4."""
+    answer = solve(Scenario(0, 0, 1, -7e4, 8e4, 1), "nlp")
+
+    assert answer.verdict is Verdict.OPTIMAL
+    assert answer.miss < 1e-6
+
+
 def test_trust_constr_keeps_its_limit_and_says_so():
     """A hundred random starts on the joint model take seconds; a fifth of one is all there is."""
     began = time.perf_counter()
