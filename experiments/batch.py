@@ -54,6 +54,7 @@ def solve_batch(cells: list[Cell], run: Run) -> pa.Table:
             branch=first.branch,
             profile=first.profile,
             limit=run.limit,
+            certified=True,
         )
     finally:
         numba.set_num_threads(threads)

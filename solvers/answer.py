@@ -12,6 +12,7 @@ import numpy as np
 from solvers.profiles import PROFILES, tolerances
 from solvers.protocol import AnySolver, Outcome, Question, Solution
 from solvers.registry import load, unavailable
+from study.certificate import Certificate, Proof, certify
 from study.path import Path
 from study.scenario import Scenario
 from study.schema import ANSWER, SCENARIO, names
@@ -24,10 +25,11 @@ DEFAULT_LIMIT = 60.0
 
 @dataclass(frozen=True, slots=True)
 class Answer:
-    """A judged attempt. Units as in `study.schema`; None where there is nothing to say.
+    """A judged and certified attempt. Units as in `study.schema`; None where nothing can be said.
 
-    `length`, `time`, `word`, `gap` and `miss` are found from the path's controls by the check;
-    `claimed_length` is what the solver said.
+    `length`, `time`, `word`, `gap` and `miss` are found from the path's controls by the check, and
+    so is the certificate (`study.certificate.Certificate`); `claimed_length` is what the solver
+    said.
     """
 
     scenario: Scenario
@@ -55,6 +57,19 @@ class Answer:
     lower_bound: float | None
     multiplier_x: float | None
     multiplier_y: float | None
+    proof: Proof
+    reference_low: float | None
+    reference_high: float | None
+    costate_x: float | None
+    costate_y: float | None
+    abnormal: bool
+    hamiltonian: float | None
+    sign_margin: float | None
+    transversality: float | None
+    pmp_residual: float | None
+    cut_margin: float | None
+    costate_error: float | None
+    false_bound: bool
     build_s: float | None
     solve_s: float | None
     wall_s: float | None
@@ -162,7 +177,16 @@ def attempt(
         outcome, solution, times = _run(solver, question, limit)
     claim = solution.claim
     found = judge(question.scenario, solution.path, claim, question.branch, allowed)
-    return _answer(spec or solver.name, question, outcome, solution, times, found)
+    certificate = certify(
+        question.scenario,
+        solution.path,
+        found,
+        question.branch,
+        lower_bound=solution.lower_bound,
+        multipliers=solution.multipliers,
+        tolerances=allowed,
+    )
+    return _answer(spec or solver.name, question, outcome, solution, times, found, certificate)
 
 
 def _run(solver: AnySolver, question: Question, limit: float) -> tuple[Outcome, Solution, Times]:
@@ -197,6 +221,7 @@ def _answer(
     solution: Solution,
     times: Times,
     found: Judgement,
+    certificate: Certificate,
 ) -> Answer:
     dual = solution.multipliers or (None, None)
     return Answer(
@@ -218,6 +243,7 @@ def _answer(
         iterations=solution.iterations,
         evaluations=solution.evaluations,
         **asdict(found),
+        **asdict(certificate),
     )
 
 

@@ -61,17 +61,16 @@ class HeadingMilp:
     """Full-rate turning steps between headings on a grid, and straight legs; optimal on that grid.
 
     One binary for every turning step, continuous legs, and a MILP for each shape of path: LS and
-    RS, and for `best` near the start also RL and LR. Its optimum is that of the discretised
-    problem, which is what HiGHS's bound holds for; it is told in the message. A path cannot be
-    shorter than a step, and no grid has a path to a target that is outside a turning circle by
-    less than about an eighth of the step's square. The check's LR and RL, arcs at full rate and
-    nothing else, end on finitely many points of a grid, so they are not answered.
+    RS, and for `best` near the start also RL and LR, with a binary for every pair of steps. The
+    optimum is that of the discretised problem, and so is the bound of HiGHS, told in the message.
+    The check's LR and RL allow two full-rate arcs and nothing else; on a grid of headings those
+    end in finitely many points, so they are not answered.
 
     Args:
         headings: K, number of turning steps in a full circle.
-        legs: a leg may be driven at the ends of a turn's last step and at legs - 1 headings
-            between; with 1 the legs are on the grid of turns. What legs between two headings
-            cost falls with the square of this number.
+        legs: parts that the last step before a straight has; legs may be driven between them.
+            With 1 they are at the grid's headings alone. What it costs to drive between two of
+            these headings instead of along one falls with the square of headings * legs.
         gap: relative gap at which HiGHS calls an answer optimal.
     """
 
@@ -122,9 +121,10 @@ class HeadingMilp:
             # the second arc's centre is 2 from the first one's, and a leg may start a step late
             least = 1 - FULL_TURN / self.headings
             families += [
-                two_turns(side, self.headings)
+                family
                 for side in sides
                 if least <= math.hypot(X, Y + side) <= 3
+                for family in two_turns(side, self.headings)
             ]
         return families
 
@@ -160,19 +160,24 @@ def _solved(case: Case, target: FloatArray, cutoff: float, gap: float, seconds: 
 
     The objective is what a path is longer than the bee-line: the end point's equations turn
     lengths into lengths less what they advance, so that a gap keeps its meaning however far the
-    target is. Legs are counted in units of what they bridge, at any distance within reach of
-    HiGHS's tolerances.
+    target is.
     """
     family, milp = case
     distance = math.hypot(*target)
     gaps = target[:, None] - family.shift
     bridged = np.hypot(*gaps)
-    unit = np.where(bridged > ROUNDED, bridged, 1.0)
+    # the legs' directions as seen from the direction of what they bridge; across it in units of
+    # the largest, or a fan of directions is thinner than HiGHS's tolerance
+    seen = family.heading - np.arctan2(gaps[1], gaps[0])[:, None]
+    across = np.where(bridged[:, None] > ROUNDED, np.sin(seen), 0.0)
+    widest = np.abs(across).max(axis=1, keepdims=True)
     ahead = target / distance
-    milp.gap[:] = np.where(bridged > ROUNDED, gaps / unit, 0.0)
-    milp.direction[:] = family.direction
+    milp.along[:] = np.cos(seen).ravel()
+    milp.across[:] = (across / np.where(widest > 0, widest, 1.0)).ravel()
     milp.toll[:] = family.length - ahead @ family.shift
-    milp.slope[:] = np.repeat(unit, family.heading.shape[1]) * (1 - ahead @ family.direction)
+    milp.slope[:] = (
+        bridged[:, None] * (1 - np.cos(family.heading - math.atan2(*target[::-1])))
+    ).ravel()
     answer = milp.solve(gap, cutoff - distance, seconds)
     choice, legs, length = answer.choice or 0, None, math.inf
     if answer.choice is not None:
@@ -191,7 +196,9 @@ def _solution(model: Model, found: list[Found], headings: int) -> Solution:
     counts: dict[str, Any] = {
         "iterations": sum(one.iterations for one in found),
         "evaluations": sum(one.nodes for one in found),
-        "native_status": "; ".join(f"{one.family.name} {one.status}" for one in found),
+        "native_status": "; ".join(
+            dict.fromkeys(f"{one.family.name} {one.status}" for one in found)
+        ),
     }
     done = {one.status for one in found} <= {"optimal", "infeasible"}
     stopped = len(found) < len(model.cases) or any(one.status == "user_limit" for one in found)

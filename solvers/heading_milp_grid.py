@@ -20,6 +20,7 @@ FULL_TURN = 2 * math.pi
 # A shortest CC path turns first by at most this and then by more than three times this, so that
 # its net turn is at least twice this (THEORY section 3).
 FIRST_ARC = math.pi / 3
+_PAIRS = 650  # all pairs of 72 headings
 _HALVINGS = 25  # of a step, down to where a target is on the circle for all that rounding tells
 
 
@@ -77,54 +78,55 @@ class Family:
         pairs = zip(self.turns, self.pick, strict=True)
         return self.side * np.hstack([turns.sign * turns.leg[ends] for turns, ends in pairs])
 
-    @cached_property
-    def direction(self) -> FloatArray:
-        """Unit vectors along the legs, shape (2, n m)."""
-        heading = self.heading.ravel()
-        return np.array([np.cos(heading), np.sin(heading)])
-
 
 def one_turn(side: int, headings: int, legs: int, X: float, Y: float) -> Family:
     """LS (`side` 1) or RS to a target at (X, Y) radii: one turn of up to a full circle."""
-    left = side * Y
+    step, left = FULL_TURN / headings, side * Y
     beyond = math.hypot(X, 1 - left) - 1
     # nearer to the circle, the turn ends less than two steps before the place where it passes
-    near = abs(beyond) < 2 * (FULL_TURN / headings) ** 2
-    return _one_turn(side, headings, legs, math.atan2(X, 1 - left) if near else None)
+    passing = math.atan2(X, 1 - left) if abs(beyond) < 2 * step**2 else None
+    return _one_turn(side, headings, legs, 0 < left < step * (X + step), passing)
 
 
 @lru_cache(maxsize=64)
-def _one_turn(side: int, headings: int, legs: int, passing: float | None) -> Family:
-    """Equal steps up to a full turn, and shorter ones up to the turn `passing` (rad), if given.
+def _one_turn(side: int, headings: int, legs: int, ahead: bool, passing: float | None) -> Family:
+    """Equal steps up to a full turn, and shorter ones where a target needs them.
 
     To a target outside a turning circle by e radii a turn ends h = sqrt(2 e) before the place where
-    it would pass the target. One that ends x before that place, h/2 < x <= h, gets there with a
-    leg (h^2 - x^2) / 2x before its end, which is less than 2x. So a step that is halved again and
-    again leads up to the place.
+    it would pass the target, `passing` (rad). One that ends x before that place, h/2 < x <= h, gets
+    there with a leg (h^2 - x^2) / 2x before its end, which is less than 2x. So a step that is
+    halved again and again leads up to the place. To a target nearly `ahead` a turn is shorter than
+    a step, and a longer one passes it: there the halved steps lead down to the start.
 
     Besides the legs within the last step there is one at the step before: if the shortest path
     turns only just into a step, taking all of it calls for a leg a little before it.
     """
     step = FULL_TURN / headings
-    turn = np.linspace(0.0, FULL_TURN, headings + 1)
-    span = np.full(turn.size, step)
+    short = np.append(step * 0.5 ** np.arange(_HALVINGS), 0.0)
+    ends = [np.linspace(0.0, FULL_TURN, headings + 1)]
+    spans = [np.full(headings + 1, step)]
+    if ahead:
+        ends, spans = [*ends, short], [*spans, short]
     if passing is not None:
-        short = np.append(step * 0.5 ** np.arange(_HALVINGS), 0.0)
-        turn = np.append(turn, np.mod(passing - short, FULL_TURN))
-        span = np.append(span, short)
+        ends, spans = [*ends, np.mod(passing - short, FULL_TURN)], [*spans, short]
+    turn = np.concatenate(ends)
     parts = np.append(-2.0, np.linspace(-1.0, 0.0, legs + 1))
-    turns = Turns(1, turn, turn, _arc(turn), _legs(turn, span, parts))
+    leg = _legs(turn, np.concatenate(spans), parts)
+    turns = Turns(1, turn, turn, _arc(turn), leg)
     return Family("LS" if side > 0 else "RS", side, (turns,), (np.arange(turn.size),))
 
 
 @lru_cache(maxsize=64)
-def two_turns(side: int, headings: int) -> Family:
+def two_turns(side: int, headings: int) -> tuple[Family, ...]:
     """RL (`side` 1) or LR: a turn of up to a sixth of a circle, then one back past the start's.
 
     A choice is a pair of ends. The second turn begins at heading -a, where the first one ends:
     its arc from there to heading 0 depends on the first turn alone and is counted with it. Legs
     are driven at the ends of last steps; more of them would make no path shorter by much, since
     it is in these places that a shortest CC path is lengthened at no cost of first order.
+
+    The pairs come in families of up to `_PAIRS`, of a few ends of the first turn each: the time
+    and memory in which cvxpy compiles a family grow with the square of their number.
     """
     step = FULL_TURN / headings
     away = np.arange(int(FIRST_ARC / step + 1e-9) + 1) * step
@@ -137,8 +139,18 @@ def two_turns(side: int, headings: int) -> Family:
         Turns(-1, away, 2 * away, there_and_back, first),
         Turns(1, back, back, _arc(back), second),
     )
-    ends = np.divmod(np.arange(away.size * back.size), back.size)
-    return Family("RL" if side > 0 else "LR", side, turns, ends)
+    at_once = max(1, _PAIRS // back.size)
+    blocks = [np.arange(away.size)[n : n + at_once] for n in range(0, away.size, at_once)]
+    name = "RL" if side > 0 else "LR"
+    return tuple(
+        Family(
+            name,
+            side,
+            turns,
+            (np.repeat(ends, back.size), np.tile(np.arange(back.size), ends.size)),
+        )
+        for ends in blocks
+    )
 
 
 def _arc(turn: FloatArray) -> FloatArray:

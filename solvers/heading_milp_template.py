@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import lru_cache
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from scipy.sparse import eye_array, kron
@@ -42,39 +42,36 @@ class Template:
     """The MILP for n choices with m legs each:
 
         minimise    sum_j toll_j z_j + sum_jr slope_jr s_jr
-        subject to  gap_j z_j = sum_r direction_jr s_jr     two equations for every choice j
+        subject to  sum_r along_jr s_jr = z_j     for every choice j, the legs lead from the end
+                    sum_r across_jr s_jr = 0      of its turns to the target
                     sum_j z_j = 1,  z binary,  s >= 0
 
     `z_j` says that turning ends with step j. (The binary "step i is taken" is the sum of the z_j
-    from i on.) `gap` leads from the end of the turns to the target. One pair of equations for
-    every choice, instead of one pair for all and legs bounded by a large multiple of z, makes the
-    linear relaxation the convex hull of the choices (Balas 1985, Disjunctive programming and a
-    hierarchy of relaxations, SIAM J. Algebraic Discrete Methods 6), so that HiGHS hardly branches.
+    from i on.) `along` and `across` are the legs' directions as seen from the one to the target,
+    legs counted in units of what they bridge. One pair of equations for every choice, instead of
+    one pair for all and legs bounded by a large multiple of z, makes the linear relaxation the
+    convex hull of the choices (Balas 1985, Disjunctive programming and a hierarchy of relaxations,
+    SIAM J. Algebraic Discrete Methods 6), so that HiGHS hardly branches.
 
-    The parameters toll (n,), slope (n m,), gap (2, n) and direction (2, n m) are attributes,
-    arrays to be written into.
+    The parameters toll (n,), slope, along and across (n m,) are attributes, arrays to be written
+    into.
     """
 
     toll: FloatArray
     slope: FloatArray
-    gap: FloatArray
-    direction: FloatArray
+    along: FloatArray
+    across: FloatArray
 
     def __init__(self, n: int, m: int) -> None:
         import cvxpy as cp
 
-        shapes: dict[str, Any] = {
-            "toll": n,
-            "slope": n * m,
-            "gap": (2, n),
-            "direction": (2, n * m),
-        }
+        shapes = {"toll": n, "slope": n * m, "along": n * m, "across": n * m}
         p = {name: cp.Parameter(shape, name=name) for name, shape in shapes.items()}
         self.z, s = cp.Variable(n, boolean=True), cp.Variable(n * m, bounds=[0, None])
         own = kron(eye_array(n), np.ones((1, m)), format="csr")
         bridged = [
-            own @ cp.multiply(p["direction"][k], s) - cp.multiply(p["gap"][k], self.z) == 0
-            for k in (0, 1)
+            own @ cp.multiply(p["along"], s) - self.z == 0,
+            own @ cp.multiply(p["across"], s) == 0,
         ]
         objective = cp.Minimize(p["toll"] @ self.z + p["slope"] @ s)
         self.problem = cp.Problem(objective, [*bridged, cp.sum(self.z) == 1])

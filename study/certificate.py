@@ -15,11 +15,15 @@ from study.enclosure import Enclosure, enclose
 from study.extremal import Extremal, cut_margin, extremal, pieces
 from study.path import Path
 from study.scenario import Scenario
+from study.synthesis import EPS
 from study.verify import Judgement, Tolerances, Verdict, drivable
 
+_DEFAULT = Tolerances()
 # A solver's 1e-8 on lengths leaves angles off by about as much; the turn of 1e-3 that an
 # interior-point method adds to a segment (THEORY section 5) leaves its square, 1e-6.
 PMP_TOLERANCE = 1e-7
+# nu3 sums products of the costates with positions: this is lost of them for every radius of length
+PMP_ROUNDING = 16 * EPS
 # rad: at the tie straight behind the margin is zero up to rounding
 CUT_TOLERANCE = 1e-9
 # relative: a bound above the shortest length by less is so by the solver's own tolerance
@@ -64,7 +68,7 @@ class Certificate:
     reference_high: float | None
     costate_x: float | None
     costate_y: float | None
-    abnormal: bool | None
+    abnormal: bool
     hamiltonian: float | None
     sign_margin: float | None
     transversality: float | None
@@ -82,7 +86,7 @@ def certify(
     *,
     lower_bound: float | None = None,
     multipliers: tuple[float, float] | None = None,
-    tolerances: Tolerances = Tolerances(),
+    tolerances: Tolerances = _DEFAULT,
 ) -> Certificate:
     """Certify an answer that has been judged.
 
@@ -104,12 +108,21 @@ def certify(
     slack = BOUND_TOLERANCE * max(interval.low, scenario.radius)
     false_bound = bound is not None and bound > interval.high + slack
     return Certificate(
-        proof=_proof(judged, branch, interval, found, cut, None if false_bound else bound, allowed),
+        proof=_proof(
+            judged,
+            branch,
+            interval,
+            found,
+            cut,
+            None if false_bound else bound,
+            allowed,
+            scenario.radius,
+        ),
         reference_low=_finite(interval.low),
         reference_high=_finite(interval.high),
         costate_x=None if found is None else found.nu[0],
         costate_y=None if found is None else found.nu[1],
-        abnormal=None if found is None else found.abnormal,
+        abnormal=found is not None and found.abnormal,
         hamiltonian=None if found is None else found.hamiltonian,
         sign_margin=None if found is None else found.sign_margin,
         transversality=None if found is None else found.transversality,
@@ -128,6 +141,7 @@ def _proof(
     cut: float | None,
     bound: float | None,
     allowed: float,
+    radius: float,
 ) -> Proof:
     """The furthest proof; `allowed` is by how much an optimal path may be longer."""
     if judged.verdict is Verdict.NONE_EXISTS:
@@ -135,7 +149,8 @@ def _proof(
     if judged.gap is None or judged.length is None:
         return Proof.NONE
     # a path of no length has no costates, and needs none
-    is_extremal = judged.length == 0 or (found is not None and found.residual <= PMP_TOLERANCE)
+    residual = 0.0 if judged.length == 0 else math.inf if found is None else found.residual
+    is_extremal = residual <= PMP_TOLERANCE + PMP_ROUNDING * judged.length / radius
     if judged.verdict is Verdict.OPTIMAL and interval.exists:
         # an answer far below the interval owes that to its miss, and proves nothing
         near = abs(judged.length - interval.low) <= allowed

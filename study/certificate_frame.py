@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from study.certificate import BOUND_TOLERANCE, CUT_TOLERANCE, PMP_TOLERANCE, Proof
+from study.certificate import BOUND_TOLERANCE, CUT_TOLERANCE, PMP_ROUNDING, PMP_TOLERANCE, Proof
 from study.enclosure import enclose
-from study.extremal import cut_margin, extremal, pieces
-from study.kernel_extremal import MEASURED, extremal_rows
+from study.extremal import MEASURED, cut_margin, extremal, pieces
+from study.kernel_extremal import extremal_rows
 from study.kernel_judge import VERDICTS, BoolArray
 from study.kernel_words import CodeArray
 from study.path import FloatArray, Path
@@ -41,7 +41,7 @@ class FrameCertificate:
     proof: CodeArray
     reference_low: FloatArray
     reference_high: FloatArray
-    measured: FloatArray  # shape (7, n), rows as `study.kernel_extremal.MEASURED`
+    measured: FloatArray  # shape (7, n), rows as `study.extremal.MEASURED`
     abnormal: BoolArray
     false_bound: BoolArray
 
@@ -62,9 +62,9 @@ def certify_frame(
     paths: Paths,
     judged: FrameJudgement,
     branch: str = "best",
-    *,
     lower_bound: FloatArray | None = None,
     tolerances: Tolerances = _DEFAULT,
+    *,
     enclosures: bool = True,
 ) -> FrameCertificate:
     """Certify the judged paths of a frame.
@@ -128,7 +128,8 @@ def _prove(
         bound = np.full(low.size, np.nan) if lower_bound is None else lower_bound
         found.false_bound[:] = np.isfinite(bound) & (bound > high + BOUND_TOLERANCE * scale)
         arrives = np.isfinite(judged.gap)
-        is_extremal = (judged.length == 0) | (numbers["pmp_residual"] <= PMP_TOLERANCE)
+        tolerance = PMP_TOLERANCE + PMP_ROUNDING * judged.length / radius
+        is_extremal = (judged.length == 0) | (numbers["pmp_residual"] <= tolerance)
         near = (judged.verdict == _OPTIMAL) & np.isfinite(high)
         near &= arrives & (np.abs(judged.length - low) <= allowed)
         clear = (numbers["cut_margin"] >= -CUT_TOLERANCE) | (branch != "best")

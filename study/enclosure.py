@@ -52,7 +52,7 @@ class _Target(NamedTuple):
         return _Target(self.X, -self.Y, self.on_right, self.on_left, self.slack)
 
 
-class _Undecided(Exception):
+class _UndecidedError(Exception):
     """More bits are needed to tell on which side of zero a number lies."""
 
 
@@ -71,7 +71,7 @@ def enclose(scenario: Scenario, branch: str = "best") -> Enclosure:
         try:
             with ctx.workprec(bits):
                 return _outwards(_lengths(_target(scenario, snapped), branch), scenario.radius)
-        except _Undecided:
+        except _UndecidedError:
             continue
     return Enclosure(0.0, math.inf)
 
@@ -162,7 +162,8 @@ _WORDS = {
 def _acos(value: arb) -> arb:
     """arccos of a number in [-1, 1], whose ball may stick out of it by its radius."""
     root = (1 - value * value).nonnegative_part().sqrt()
-    return arb.atan2(root, value)
+    # the root's ball may hold zero, and atan2 jumps there if its second argument is negative
+    return arb.pi() - arb.atan2(root, -value) if value < 0 else arb.atan2(root, value)
 
 
 def _wrapped(angle: arb, on_circle: bool = False) -> arb:
@@ -179,10 +180,10 @@ def _negative(value: arb) -> bool:
     """Whether a number lies below zero, decided by its ball.
 
     Raises:
-        _Undecided: if the ball holds zero and more.
+        _UndecidedError: if the ball holds zero and more.
     """
     if value < 0:
         return True
     if value >= 0:
         return False
-    raise _Undecided
+    raise _UndecidedError

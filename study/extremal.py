@@ -7,7 +7,7 @@ section 6). On an extremal all of
 
     H = 0 on every piece,    nu3 = 0 on every straight,    nu3 = 0 at the end
 
-are linear in (nu0, nu1, nu2, nu3 at the end), since nu3 = nu1 (y - y_end) - nu2 (x - x_end) + const.
+are linear in (nu0, nu1, nu2, nu3 at the end): nu3 = nu1 (y - y_end) - nu2 (x - x_end) + constant.
 So the costates are the null vector of a small matrix, and how far a path is from being an
 extremal is how far that matrix is from having one (docs/derivation.md, section 9).
 """
@@ -25,6 +25,16 @@ from study.verify import WORD
 
 _ORIGIN = Pose(0.0, 0.0, 0.0)
 
+# columns of `study.schema` that hold what is measured here
+MEASURED = (
+    "costate_x",
+    "costate_y",
+    "hamiltonian",
+    "sign_margin",
+    "transversality",
+    "pmp_residual",
+    "cut_margin",
+)
 # a costate nu0 below this share of (nu1, nu2) is none: the extremal is abnormal
 ABNORMAL = 1e-9
 _TURN = 2 * math.pi

@@ -16,16 +16,6 @@ from study.kernel_compile import compiled, inlined
 from study.path import FloatArray
 from study.verify import WORD
 
-# columns of `study.schema`, in the order of the rows that `extremal_rows` fills
-MEASURED = (
-    "costate_x",
-    "costate_y",
-    "hamiltonian",
-    "sign_margin",
-    "transversality",
-    "pmp_residual",
-    "cut_margin",
-)
 _TURN = 2 * math.pi
 
 
@@ -98,13 +88,15 @@ def extremal_rows(
     measured: FloatArray,
     abnormal: NDArray[np.bool_],
 ) -> NDArray[np.bool_]:
-    """Fill `measured` (7, n) and `abnormal` (n,); returns which rows are left, shape (n,).
+    """Fill `measured` and `abnormal`; returns which rows are left, shape (n,).
 
     Args:
         heading: start headings (rad), shape (n,).
         radius: turning radii (length unit), shape (n,).
         curvature: shape (2, n), 1 / length unit.
         length: shape (2, n), length unit.
+        measured: shape (7, n), rows as `study.extremal.MEASURED`.
+        abnormal: shape (n,).
     """
     n = heading.size
     left = np.zeros(n, np.bool_)
@@ -128,8 +120,10 @@ def extremal_rows(
         nu0, rho, phi, H, margin, cut = _row(t1, l1, t2, l2)
         abnormal[i] = nu0 < ABNORMAL
         scale = rho if abnormal[i] else rho / nu0
-        measured[0, i] = scale * math.cos(heading[i] + phi)
-        measured[1, i] = scale * math.sin(heading[i] + phi)
+        # turned by the heading on its own: added to one of many turns, phi loses its digits
+        c, s = math.cos(heading[i]), math.sin(heading[i])
+        measured[0, i] = scale * (c * math.cos(phi) - s * math.sin(phi))
+        measured[1, i] = scale * (s * math.cos(phi) + c * math.sin(phi))
         measured[2, i] = H
         measured[3, i] = margin
         measured[4, i] = 0.0

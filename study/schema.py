@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-VERSION = 1
+VERSION = 2
 
 
 class Column(NamedTuple):
@@ -59,6 +59,19 @@ ANSWER = (
     Column("lower_bound", "float64", "length", "bound that the solver reports"),
     Column("multiplier_x", "float64", "1", "dual of the end point's x equation, if any"),
     Column("multiplier_y", "float64", "1", "dual of the end point's y equation, if any"),
+    Column("proof", "string", "", "how far the proof goes: proved, bounded, extremal or none"),
+    Column("reference_low", "float64", "length", "proven bounds of the branch's shortest length"),
+    Column("reference_high", "float64", "length", "both null where provably no path exists"),
+    Column("costate_x", "float64", "1", "nu1 of the path, with nu0 = 1 unless abnormal"),
+    Column("costate_y", "float64", "1", "nu2 of the path"),
+    Column("abnormal", "bool", "", "nu0 = 0: the costates are of norm 1"),
+    Column("hamiltonian", "float64", "1", "max |H| on the path"),
+    Column("sign_margin", "float64", "1", "least -u nu3 over turns; below 0, no extremal"),
+    Column("transversality", "float64", "1", "|nu3| at the end"),
+    Column("pmp_residual", "float64", "1", "worst violation of Pontryagin's conditions"),
+    Column("cut_margin", "float64", "rad", "above 0, the path is shortest to its own end"),
+    Column("costate_error", "float64", "1", "distance of the multipliers from -(nu1, nu2) / nu0"),
+    Column("false_bound", "bool", "", "the solver's bound lies above the shortest length"),
     Column("curvatures", "list<float64>", "1/length", "the path's controls, positive to the left"),
     Column("lengths", "list<float64>", "length", "how long each is held"),
     Column("build_s", "float64", "s", "time to build the model"),
