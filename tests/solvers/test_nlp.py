@@ -167,7 +167,7 @@ def test_an_executable_in_the_left_disc(programs):
     """RL is found there, in a mirror; LS does not exist, and the solver's 200 says so."""
     put_solver(programs, "snopt")
 
-    best = solve(Scenario(0, 0, 0.4, 0, 1, 1), "nlp[solver=snopt]")
+    best = solve(Scenario(0, 0, 0.4, 0, 1, 1), "nlp[solver=snopt]", "RL")
     none = solve(LEFT_DISC, "nlp[solver=snopt]", "LS")
 
     assert best.word == "RL"
