@@ -22,6 +22,7 @@ from solvers.model import SUBPROBLEMS, already_there, as_path, target
 from solvers.protocol import Guarantee, Question, Solution
 from solvers.settings import one_of, positive
 from study.path import FloatArray
+from study.scenario import Scenario
 from study.synthesis import EPS
 from study.verify import Claim
 
@@ -38,6 +39,10 @@ _STATUS = re.compile(r"^SCIP Status\s*:\s*(.*?)\s*$", re.MULTILINE)
 
 # SCIP leaves this share of the gap for its tolerance on constraints, which counts as well.
 _SHARE = 0.1
+
+# relative; a polished path is SCIP's own if their lengths are as close as a tolerance of 1e-6 on
+# the squared length of the straight leaves them
+_NEAR = 1e-3
 
 
 class Model(NamedTuple):
@@ -64,15 +69,17 @@ class Native(NamedTuple):
 class Disjunctive:
     """Settings.
 
-    `transformation` turns the disjunction into linear constraints: `bigm` or `hull`. `gap` is the
+    `transformation` turns the disjunctions into linear constraints: `bigm` or `hull`. `gap` is the
     largest relative difference of path and bound that counts as proven. `feastol` is SCIP's
-    tolerance on constraints (numerics/feastol, in radii; 1e-6 there). `emphasis` is `lean`,
-    without primal heuristics and cutting planes, which cost these four-angle problems ten times
-    what they save, or SCIP's `default`.
+    tolerance on constraints (numerics/feastol, 1e-6 there). `emphasis` is `lean`, SCIP's bare
+    spatial branch and bound, or SCIP's `default`: heuristics and cutting planes cost problems of
+    this size ten times what they save, and its presolving and propagation, which work with
+    tolerances of their own, now and then cut off the optimum (see docs/decisions.md).
 
     A feasible point of SCIP's may miss the target by the tolerance. Near the front of a turning
     circle that buys up to a full turn, and no polishing closes the miss: the point is then
     returned as it is, claimed feasible and not optimal, and the bound, though low, still holds.
+    `lower_bound` is a bound for the branch that is asked.
     """
 
     transformation: str = "bigm"
@@ -156,28 +163,22 @@ class Disjunctive:
             native_status=native.status,
         )
         if native.word is None or native.z is None:
-            no_path = known.claim is Claim.INFEASIBLE
-            return replace(known, lower_bound=None) if no_path else known
-        subproblem = SUBPROBLEMS[native.word]
-        X, Y = target(scenario, subproblem.mirrored)
-        z = native.z[[1, 0, 2]] if subproblem.mirrored else native.z
-        polished = polish(native.word, z, X, Y)
+            return _without_a_path(question, known)
+        word, polished = _polished(question, native.word, native.z)
         claim, message = self._claim(question, native, bound, polished)
         return replace(
             known,
             claim=claim,
-            path=as_path(scenario, subproblem, polished.z),
+            path=as_path(scenario, SUBPROBLEMS[word], polished.z),
             claimed_length=float(native.z.sum()) * scenario.radius,
-            message=f"{native.word}: {message}",
+            message=f"{word}: {message}",
         )
 
     def _claim(
         self, question: Question, native: Native, bound: float, polished: Polished
     ) -> tuple[Claim, str]:
         """What may be said of a polished path, whatever SCIP says of its own point."""
-        scenario = question.scenario
-        rounding = 8 * EPS * (1 + math.hypot(*scenario.local()) + scenario.extent / scenario.radius)
-        if polished.miss > rounding:
+        if polished.miss > _rounding(question.scenario):
             close = polished.miss <= 10 * self.feastol
             message = f"meets the target only to {polished.miss:.1e} radii, within the tolerance"
             return (Claim.FEASIBLE, message) if close else (Claim.FAILED, message)
@@ -190,9 +191,45 @@ class Disjunctive:
         return (Claim.LIMIT if reached else Claim.FEASIBLE), message
 
 
+def _without_a_path(question: Question, known: Solution) -> Solution:
+    if known.claim is not Claim.INFEASIBLE:
+        return known
+    if question.branch == "best":
+        # Some word reaches every target, so SCIP has cut it off.
+        return replace(known, claim=Claim.FAILED, lower_bound=None, message="no word left")
+    return replace(known, lower_bound=None, message=f"{question.branch} does not reach the target")
+
+
+def _polished(question: Question, word: str, z: FloatArray) -> tuple[str, Polished]:
+    """SCIP's point made to meet the target, and its word.
+
+    Where one arc leads to the target several words share it, all within SCIP's tolerance, and not
+    each of them can be made to meet the target: if SCIP's cannot, the others are tried.
+    """
+    allowed = _rounding(question.scenario)
+    words = (
+        (word, *(other for other in WORDS if other != word)) if question.branch == "best" else ()
+    )
+    found = []
+    for name in words or (word,):
+        mirrored = SUBPROBLEMS[name].mirrored
+        own = z[[1, 0, 2]] if mirrored else z
+        polished = polish(name, own, *target(question.scenario, mirrored))
+        found.append((name, polished))
+        if polished.miss <= allowed and abs(polished.z.sum() - z.sum()) <= _NEAR * z.sum():
+            return name, polished
+    return found[0]
+
+
+def _rounding(scenario: Scenario) -> float:
+    """By how much (radii) a path that meets the target may seem to miss it."""
+    return 8 * EPS * (1 + math.hypot(*scenario.local()) + scenario.extent / scenario.radius)
+
+
 @lru_cache(maxsize=1)
 def _lean() -> tuple[tuple[str, Any], ...]:
-    """SCIP's parameters that its emphasis `off` for heuristics and cutting planes changes."""
+    """SCIP's parameters for branch and bound without heuristics, cutting planes, presolving and
+    propagation."""
     from pyscipopt import SCIP_PARAMSETTING
     from pyscipopt import Model as Scip
 
@@ -200,5 +237,8 @@ def _lean() -> tuple[tuple[str, Any], ...]:
     before = scip.getParams()
     scip.setHeuristics(SCIP_PARAMSETTING.OFF)
     scip.setSeparating(SCIP_PARAMSETTING.OFF)
+    scip.setParam("presolving/maxrounds", 0)
+    scip.setParam("propagating/maxrounds", 0)
+    scip.setParam("propagating/maxroundsroot", 0)
     after = scip.getParams()
     return tuple((name, value) for name, value in after.items() if value != before[name])
