@@ -11,16 +11,15 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 
 from solvers.heading_milp_grid import FULL_TURN, Family, one_turn, two_turns
-from solvers.heading_milp_path import ROUNDED, Legs, controls, least_legs
+from solvers.heading_milp_path import ROUNDED, Legs, controls, least_legs, rounding
 from solvers.heading_milp_template import Template, template
 from solvers.protocol import Guarantee, Question, Solution
 from solvers.reach import unreachable
 from study.path import FloatArray, Path
 from study.scenario import Scenario
-from study.synthesis import local
+from study.synthesis import EPS, local
 from study.verify import Claim
 
-EPS = math.ulp(1.0)
 BRANCHES = ("best", "LS", "RS")
 
 
@@ -169,15 +168,17 @@ def _solved(case: Case, target: FloatArray, cutoff: float, gap: float, seconds: 
     # the legs' directions as seen from the direction of what they bridge; across it in units of
     # the largest, or a fan of directions is thinner than HiGHS's tolerance
     seen = family.heading - np.arctan2(gaps[1], gaps[0])[:, None]
-    across = np.where(bridged[:, None] > ROUNDED, np.sin(seen), 0.0)
+    seen[bridged <= ROUNDED] = 0.0
+    across = np.sin(seen)
+    across[np.abs(across) * bridged[:, None] <= rounding(bridged)[:, None]] = 0.0
     widest = np.abs(across).max(axis=1, keepdims=True)
-    ahead = target / distance
+    bearing = math.atan2(target[1], target[0])
     milp.along[:] = np.cos(seen).ravel()
     milp.across[:] = (across / np.where(widest > 0, widest, 1.0)).ravel()
-    milp.toll[:] = family.length - ahead @ family.shift
-    milp.slope[:] = (
-        bridged[:, None] * (1 - np.cos(family.heading - math.atan2(*target[::-1])))
-    ).ravel()
+    milp.toll[:] = family.length - target @ family.shift / distance
+    # 1 - cos, which keeps no digits of small angles
+    slope = bridged[:, None] * 2 * np.sin((family.heading - bearing) / 2) ** 2
+    milp.slope[:] = slope.ravel()
     answer = milp.solve(gap, cutoff - distance, seconds)
     choice, legs, length = answer.choice or 0, None, math.inf
     if answer.choice is not None:

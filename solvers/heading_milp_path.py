@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
-import math
 from typing import NamedTuple
 
 import numpy as np
 
 from solvers.heading_milp_grid import Family
 from study.path import FloatArray
+from study.synthesis import EPS
 
-# What may be left of a leg or of an end point, in units of the larger of a radius and the distance
-# that the legs bridge; HiGHS's own tolerance leaves ten times as much.
+# What may be left of an end point, in radii; two digits inside the 1e-8 promised, far above rounding
 ROUNDED = 1e-10
-_PARALLEL = 1e-7  # sine of the least angle between two legs that are solved for together
+_PARALLEL = 1e-15  # sine of an angle that is none
+
+
+def rounding(bridged: FloatArray) -> FloatArray:
+    """What counts as no distance beside legs that bridge so much, radii."""
+    return ROUNDED + 16 * EPS * bridged
 
 
 class Legs(NamedTuple):
@@ -41,29 +45,29 @@ def least_legs(heading: FloatArray, gap: FloatArray) -> Legs | None:
         heading: of the legs, shape (m,), rad.
         gap: from the end of the turns to the target, (2,), radii.
     """
-    bridged = math.hypot(*gap)
-    allowed = ROUNDED * max(1.0, bridged)
     length = np.zeros(heading.size)
+    bridged = np.hypot(*gap)
     if bridged <= ROUNDED:
         return Legs(length, None)
     u = np.array([np.cos(heading), np.sin(heading)])
+    along, across = gap @ u, gap[1] * u[0] - gap[0] * u[1]
+    one = int(np.argmin(np.where(along > 0, np.abs(across), np.inf)))
+    if along[one] > 0 and abs(across[one]) <= rounding(bridged):
+        length[one] = along[one]
+        return Legs(length, u[:, one])
     first, second = np.triu_indices(heading.size, 1)
     sine = np.sin(heading[second] - heading[first])
     crossed = np.abs(sine) > _PARALLEL
     first, second, sine = first[crossed], second[crossed], sine[crossed]
-    one = (gap[0] * u[1, second] - gap[1] * u[0, second]) / sine
-    two = (gap[1] * u[0, first] - gap[0] * u[1, first]) / sine
-    ahead = np.flatnonzero((one >= -allowed) & (two >= -allowed))
-    if ahead.size:
-        best = ahead[np.argmin((one + two)[ahead])]
-        pair = [first[best], second[best]]
-        length[pair] = np.maximum((one[best], two[best]), 0.0)
-        return Legs(length, np.linalg.solve(u[:, pair].T, np.ones(2)))
-    # all legs in one direction, as for a target straight ahead
-    if gap @ u[:, 0] > 0 and abs(gap[0] * u[1, 0] - gap[1] * u[0, 0]) <= allowed:
-        length[0] = bridged
-        return Legs(length, u[:, 0])
-    return None
+    by_first, by_second = -across[second] / sine, across[first] / sine
+    ahead = np.flatnonzero((by_first >= 0) & (by_second >= 0))
+    if not ahead.size:
+        return None
+    best = ahead[np.argmin((by_first + by_second)[ahead])]
+    pair = [first[best], second[best]]
+    length[pair] = by_first[best], by_second[best]
+    both = u[:, pair].sum(axis=1)
+    return Legs(length, both / (1 + u[:, pair[0]] @ u[:, pair[1]]))
 
 
 def controls(family: Family, choice: int, legs: FloatArray) -> tuple[list[float], list[float]]:

@@ -29,6 +29,7 @@ from solvers.model import (
     FULL_TURN,
     MODELS,
     ORDERS,
+    UNITS,
     Attempts,
     Point,
     Subproblem,
@@ -55,17 +56,21 @@ class Native(NamedTuple):
     evaluations: int | None
 
 
-# (z at the start, its lower bounds, its upper bounds, the target) -> what Ipopt says
-Run = Callable[[FloatArray, FloatArray, FloatArray, tuple[float, float]], Native]
-
-
 class Case(NamedTuple):
-    """A subproblem as Ipopt takes it: bounds of z and the target."""
+    """A subproblem as Ipopt takes it: bounds of z and the target, in radii.
+
+    `unit` is how long a radius is in what the model is posed in; None if that is the radius.
+    """
 
     subproblem: Subproblem
     lower: FloatArray
     upper: FloatArray
     target: tuple[float, float]
+    unit: float | None = None
+
+
+# (the subproblem, its starting point z) -> what Ipopt says
+Run = Callable[[Case, FloatArray], Native]
 
 
 class Model(NamedTuple):
@@ -81,7 +86,9 @@ class Ipopt:
     `capped` bounds arcs by a full turn, which the paper does not. `tol`, `max_iter` and
     `bound_relax` (its bound_relax_factor) are Ipopt's own; the last is 1e-8 there, and Ipopt then
     returns arcs of -1e-8, which no vehicle drives: cut to zero they miss a target 1 000 radii away
-    by 1e-5 radii. `via` is `executable`, `library` or `auto`: the executable if PATH has one.
+    by 1e-5 radii. `mu_target` is Ipopt's too: the barrier parameter to stop at. `units` poses the
+    model in turning radii, or as the paper does in the scenario's own unit. `via` is `executable`,
+    `library` or `auto`: the executable if PATH has one.
     """
 
     model: str = "words"
@@ -93,6 +100,8 @@ class Ipopt:
     tol: float = 1e-8
     max_iter: int = 200
     bound_relax: float = 0.0
+    mu_target: float = 0.0
+    units: str = "radius"
     via: str = "auto"
 
     name: ClassVar[str] = "ipopt"
@@ -109,7 +118,7 @@ class Ipopt:
 
     def __post_init__(self) -> None:
         one_of(model=(self.model, MODELS), order=(self.order, ORDERS), start=(self.start, STARTS))
-        one_of(via=(self.via, VIAS))
+        one_of(via=(self.via, VIAS), units=(self.units, UNITS))
         positive(count=self.count, tol=self.tol, max_iter=self.max_iter)
 
     def unavailable(self) -> str | None:
@@ -121,7 +130,7 @@ class Ipopt:
             self._case(question, subproblem)
             for subproblem in subproblems(question, self.model, self.order)
         ]
-        return Model(question, cases, template(self._options))
+        return Model(question, cases, template(self._options, self.units))
 
     @property
     def _options(self) -> Options:
@@ -129,6 +138,7 @@ class Ipopt:
             ("tol", self.tol),
             ("max_iter", self.max_iter),
             ("bound_relax_factor", self.bound_relax),
+            ("mu_target", self.mu_target),
         )
 
     def _case(self, question: Question, subproblem: Subproblem) -> Case:
@@ -139,6 +149,7 @@ class Ipopt:
             np.zeros(3),
             upper,
             target(question.scenario, subproblem.mirrored),
+            question.scenario.radius if self.units == "scenario" else None,
         )
 
     def solve(self, model: Model, limit: float) -> Solution:
@@ -155,7 +166,7 @@ class Ipopt:
 
 
 def _attempt(run: Run, case: Case, start: FloatArray) -> Point:
-    native = run(start, case.lower, case.upper, case.target)
+    native = run(case, start)
     return Point(
         case.subproblem,
         native.z,
@@ -168,8 +179,13 @@ def _attempt(run: Run, case: Case, start: FloatArray) -> Point:
     )
 
 
-def pyomo_model() -> Any:
-    """Model (4.12) in Pyomo: z[1..3] >= 0 and the target as variables X, Y to be fixed."""
+def pyomo_model(units: str = "radius") -> Any:
+    """Model (4.12) in Pyomo: z[1..3] >= 0 and the target as variables X, Y to be fixed.
+
+    Args:
+        units: lengths in turning radii, or as in the paper in the scenario's unit, with the
+            radius R = 1 / b as one more variable to be fixed.
+    """
     from pyomo.environ import ConcreteModel, Constraint, Objective, Var, cos, sin
 
     m = ConcreteModel(name="dubins-4.12")
@@ -177,36 +193,41 @@ def pyomo_model() -> Any:
     m.X = Var(initialize=1.0)
     m.Y = Var(initialize=1.0)
     z1, z2, z3 = m.z[1], m.z[2], m.z[3]
-    m.x_end = Constraint(expr=m.X - (2 * sin(z1) - sin(z1 - z2)) - z3 * cos(z1 - z2) == 0)
-    m.y_end = Constraint(expr=m.Y - (1 - 2 * cos(z1) + cos(z1 - z2)) - z3 * sin(z1 - z2) == 0)
-    m.length = Objective(expr=z1 + z2 + z3)
+    R: Any = 1.0
+    if units == "scenario":
+        R = m.R = Var(initialize=1.0)
+        z1, z2 = z1 / R, z2 / R
+    m.x_end = Constraint(expr=m.X - R * (2 * sin(z1) - sin(z1 - z2)) - z3 * cos(z1 - z2) == 0)
+    m.y_end = Constraint(expr=m.Y - R * (1 - 2 * cos(z1) + cos(z1 - z2)) - z3 * sin(z1 - z2) == 0)
+    m.length = Objective(expr=m.z[1] + m.z[2] + z3)
     return m
 
 
-def _program() -> Program:
-    model = pyomo_model()
-    return Program(model, [*model.z.values(), model.X, model.Y], [model.x_end, model.y_end])
+def _program(units: str) -> Program:
+    model = pyomo_model(units)
+    data = [model.X, model.Y] if units == "radius" else [model.X, model.Y, model.R]
+    return Program(model, [*model.z.values(), *data], [model.x_end, model.y_end])
 
 
 @lru_cache(maxsize=32)
-def library_template(options: Options) -> Run:
+def library_template(options: Options, units: str = "radius") -> Run:
     """Ipopt from the casadi wheel on the model's NL file; compiled once per setting."""
-    return _run(library(_program(), options))
+    return _run(library(_program(units), options))
 
 
 @lru_cache(maxsize=32)
-def executable_template(options: Options) -> Run:
+def executable_template(options: Options, units: str = "radius") -> Run:
     """The `ipopt` executable on PATH, through Pyomo; the file is rewritten for every call."""
-    return _run(executable(_program(), options))
+    return _run(executable(_program(units), options))
 
 
 def _run(ask: Ask) -> Run:
-    def run(
-        start: FloatArray, lower: FloatArray, upper: FloatArray, target: tuple[float, float]
-    ) -> Native:
-        found = ask(*(np.concatenate((z, target)) for z in (start, lower, upper)))
+    def run(case: Case, start: FloatArray) -> Native:
+        unit = 1.0 if case.unit is None else case.unit
+        data = [unit * x for x in case.target] + ([] if case.unit is None else [case.unit])
+        found = ask(*(np.concatenate((unit * z, data)) for z in (start, case.lower, case.upper)))
         duals = None if found.duals is None else (float(found.duals[0]), float(found.duals[1]))
         counts = found.iterations, found.evaluations
-        return Native(found.point[:3], duals, found.status, found.message, *counts)
+        return Native(found.point[:3] / unit, duals, found.status, found.message, *counts)
 
     return run

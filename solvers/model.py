@@ -62,6 +62,8 @@ SUBPROBLEMS = {
     "RLS": Subproblem("RLS", True, (0, 1, 2)),
 }
 MODELS = ("words", "joint")
+# what the model measures lengths in: turning radii, or as in the paper the scenario's own unit
+UNITS = ("radius", "scenario")
 ORDERS = {"LRS": ("LRS",), "RLS": ("RLS",), "both": ("LRS", "RLS")}
 
 

@@ -14,6 +14,7 @@ from solvers.model import (
     FULL_TURN,
     MODELS,
     ORDERS,
+    UNITS,
     Attempts,
     Point,
     Subproblem,
@@ -35,12 +36,13 @@ _CLAIMS = {0: Claim.LOCAL, 4: Claim.INFEASIBLE, 9: Claim.LIMIT}
 
 
 class Case(NamedTuple):
-    """A subproblem as SLSQP takes it: functions of the free lengths."""
+    """A subproblem as SLSQP takes it: functions of the free lengths, a radius being `unit`."""
 
     subproblem: Subproblem
     constraint: dict[str, Any]
     bounds: list[tuple[float, float]]
     ftol: float
+    unit: float
 
 
 class Model(NamedTuple):
@@ -54,7 +56,8 @@ class Slsqp:
 
     `capped` bounds arcs by a full turn, which the paper does not. `ftol` is SLSQP's tolerance
     on the objective and the sum of constraint violations, in radii; it is multiplied by the
-    target's distance where that exceeds one radius, since rounding grows with it.
+    target's distance where that exceeds one radius, since rounding grows with it. `units` poses the
+    model in turning radii, or as the paper does in the scenario's own unit; so is `ftol` then.
     """
 
     model: str = "words"
@@ -65,6 +68,7 @@ class Slsqp:
     capped: bool = True
     ftol: float = 1e-10
     maxiter: int = 40
+    units: str = "radius"
 
     name: ClassVar[str] = "slsqp"
     method: ClassVar[str] = "local NLP"
@@ -80,6 +84,7 @@ class Slsqp:
 
     def __post_init__(self) -> None:
         one_of(model=(self.model, MODELS), order=(self.order, ORDERS), start=(self.start, STARTS))
+        one_of(units=(self.units, UNITS))
         positive(count=self.count, ftol=self.ftol, maxiter=self.maxiter)
 
     def unavailable(self) -> str | None:
@@ -95,16 +100,18 @@ class Slsqp:
     def _case(self, question: Question, subproblem: Subproblem) -> Case:
         X, Y = target(question.scenario, subproblem.mirrored)
         free = list(subproblem.free)
-        arc = FULL_TURN if self.capped else math.inf
+        unit = question.scenario.radius if self.units == "scenario" else 1.0
+        arc = unit * FULL_TURN if self.capped else math.inf
         return Case(
             subproblem,
             {
                 "type": "eq",
-                "fun": lambda z: equations(_full(z, free), X, Y),
-                "jac": lambda z: jacobian(_full(z, free))[:, free],
+                "fun": lambda z: unit * equations(_full(z, free) / unit, X, Y),
+                "jac": lambda z: jacobian(_full(z, free) / unit)[:, free],
             },
             [(0.0, math.inf if i == 2 else arc) for i in free],
-            self.ftol * max(1.0, math.hypot(X, Y)),
+            self.ftol * max(1.0, unit * math.hypot(X, Y)),
+            unit,
         )
 
     def solve(self, model: Model, limit: float) -> Solution:
@@ -125,7 +132,7 @@ class Slsqp:
         ones = np.ones(len(case.subproblem.free))
         result = minimize(
             _sum,
-            start[list(case.subproblem.free)],
+            case.unit * start[list(case.subproblem.free)],
             jac=lambda z: ones,
             method="SLSQP",
             bounds=case.bounds,
@@ -135,7 +142,7 @@ class Slsqp:
         duals = result.get("multipliers")
         return Point(
             case.subproblem,
-            _full(result.x, list(case.subproblem.free)),
+            _full(result.x, list(case.subproblem.free)) / case.unit,
             _CLAIMS.get(int(result.status), Claim.FAILED),
             # SciPy's Lagrangian is f - m c, the paper's f + m c
             None if duals is None else (-float(duals[0]), -float(duals[1])),

@@ -11,7 +11,7 @@ from solvers.model import FULL_TURN, Subproblem, target
 from solvers.protocol import Question
 from study.path import FloatArray, Path
 
-STARTS = ("bearing", "zero", "random")
+STARTS = ("bearing", "zero", "random", "given")
 
 # RL and LR have two isolated solutions each and only the one whose second arc exceeds pi can be
 # optimal; its first arc is at most pi/3 (THEORY section 3), so these lie among them.
@@ -49,8 +49,8 @@ def starting_points(
         question: its `start`, if it is a path of the subproblem's word, goes first.
         subproblem: which lengths are free, and in which order the turns come.
         kind: `bearing` (turn towards the target and by half the radius' apparent size more, then
-            go straight; some turns to either side follow), `zero` (as AMPL does by default) or
-            `random`.
+            go straight; some turns to either side follow), `zero` (as AMPL does by default),
+            `random`, or `given`: only from the question's own start, if it has one.
         seed, count: of the random points: arcs uniform in [0, 2 pi], straights up to twice the
             target's distance plus a turning circle's diameter.
 
@@ -61,6 +61,8 @@ def starting_points(
         warm = _from_path(question.start, question.scenario.radius, subproblem)
         if not np.delete(warm, subproblem.free).any():  # a path of another word is no help
             yield warm
+        if kind == "given":
+            return
     if kind == "zero":
         yield np.zeros(3)
     elif kind == "random":

@@ -17,6 +17,7 @@ from solvers.model import SUBPROBLEMS, as_path, equations, jacobian, target
 from solvers.protocol import Question
 from solvers.registry import load
 from solvers.starts import STARTS, starting_points
+from study.path import Path
 from study.scenario import Scenario
 from study.synthesis import margin, shortest
 from study.verify import Claim, Verdict
@@ -184,3 +185,46 @@ def test_without_executable_and_library_there_is_a_reason(monkeypatch):
     answer = solve(PAPER["problem 1"], "ipopt[via=executable]")
     assert answer.outcome == "unavailable"
     assert "PATH" in answer.message
+
+
+@pytest.mark.parametrize("mu", [1e-9, 1e-7, 1e-5])
+@pytest.mark.parametrize("radius", [0.5, 1.0, 20.0])
+def test_the_interior_point_bias_is_the_cube_root_of_mu_r_squared(mu, radius):
+    """THEORY section 5: at LS the reduced cost of z2 is zero and f grows like z2^3 / (3 R^2), so a
+    barrier of mu leaves z2 = (mu R^2)^(1/3), in the paper's own units. To first order: the next
+    term is a share z2 / R smaller."""
+    scenario = Scenario(0, 0, 0, -3 * radius, 4 * radius, radius)
+    spec = f"ipopt[model=joint,order=LRS,units=scenario,mu_target={mu},tol=1e-12,bound_relax=1e-8]"
+    answer = solve(scenario, spec)
+
+    assert answer.word == "LRS"
+    right = answer.path.length[1]
+    expected = (mu * radius**2) ** (1 / 3)
+    assert right == pytest.approx(expected, rel=0.1 + 2 * expected / radius)
+    assert answer.gap < expected  # the length is right far beyond what the segments are
+
+
+@pytest.mark.parametrize("name", ["slsqp", "ipopt"])
+@pytest.mark.parametrize("radius", [1e-3, 1.0, 1e3])
+def test_the_model_in_the_papers_units(name, radius):
+    """Posed in the scenario's unit, easy scales have the same answers."""
+    scenario = Scenario(0, 0, 0.4, 5 * radius, 3 * radius, radius)
+    answer = solve(scenario, f"{name}[units=scenario]")
+
+    assert answer.verdict is Verdict.OPTIMAL
+    assert answer.gap < 1e-6
+
+
+def test_a_given_start_is_the_only_one():
+    """From where it is told to start and from nowhere else; without one, as by default."""
+    scenario = PAPER["problem 2"]
+    path = Path(scenario.start, [1, -1, 0], [0.6, 1e-3, 6.0])
+    joint = SUBPROBLEMS["LRS"]
+
+    def points(question, kind):
+        return [z.tolist() for z in starting_points(question, joint, kind, 0, 3)]
+
+    assert points(Question(scenario, start=path), "given") == [[0.6, 1e-3, 6.0]]
+    assert points(Question(scenario), "given") == points(Question(scenario), "bearing")
+    answer = solve(scenario, "ipopt[model=joint,order=LRS,start=given]", start=path)
+    assert answer.verdict is Verdict.OPTIMAL
