@@ -10,7 +10,7 @@ from solvers.heading_milp_grid import Family
 from study.path import FloatArray
 from study.synthesis import EPS
 
-# What may be left of an end point, in radii; two digits inside the 1e-8 promised, far above rounding
+# What may be left of an end point, in radii: two digits inside 1e-8, and far above rounding.
 ROUNDED = 1e-10
 _PARALLEL = 1e-15  # sine of an angle that is none
 
