@@ -13,9 +13,11 @@ import numpy as np
 from scipy.stats import qmc
 
 from experiments.spec import (
+    CIRCULAR,
     FIELDS,
     POLAR,
     Axis,
+    Begin,
     Block,
     Experiment,
     ExperimentError,
@@ -26,7 +28,7 @@ from experiments.spec import (
     Sample,
 )
 from solvers.registry import canonical, load, registered
-from study.path import FloatArray
+from study.path import FloatArray, Path
 from study.scenario import Scenario, ScenarioError
 from study.schema import SCENARIO, Key, names
 
@@ -78,9 +80,9 @@ def chains(experiment: Experiment) -> list[Chain]:
             specs,
             block.branches or experiment.branches,
             range(experiment.repeats),
-            experiment.starts,
+            experiment.starts if block.begin is None else _begins(block.begin),
         ):
-            if start == "warm" and not load(spec).warm:
+            if start != "cold" and not load(spec).warm:
                 continue  # the method has no use for a starting point
             cells = [
                 Cell(name, spec, experiment.profile, branch, start, repeat, scenario)
@@ -105,6 +107,21 @@ def _claim(swept: dict[Key, int], keys: tuple[Key, ...], block: int) -> None:
                 "warm start in one sweep only: give one of the blocks a label of its own"
             )
     swept.update(dict.fromkeys(keys, block))
+
+
+def _begins(begin: Begin) -> Iterator[str]:
+    """Starting points as the column `start` has them: z1, z2 and z3 to the last bit."""
+    for point in itertools.product(*(_values(axis) for axis in (begin.z1, begin.z2, begin.z3))):
+        yield " ".join(repr(length) for length in point)
+
+
+def given_start(cell: Cell) -> Path | None:
+    """The path that a cell names as its starting point, or None if it names none."""
+    if cell.start in ("cold", "warm"):
+        return None
+    R = cell.scenario.radius
+    lengths = [R * float(length) for length in cell.start.split()]
+    return Path(cell.scenario.start, [1 / R, -1 / R, 0.0], lengths)
 
 
 def shuffled(groups: list[Chain], seed: int) -> list[Chain]:
@@ -153,6 +170,15 @@ def _scenario(fields: dict[str, float], label: str) -> Scenario:
         reach, direction = distance * fields["radius"], fields["heading"] + bearing
         fields["target_x"] = fields["x"] + reach * math.cos(direction)
         fields["target_y"] = fields["y"] + reach * math.sin(direction)
+    if "arc" in fields:
+        arc, margin = (fields.pop(name) for name in CIRCULAR)
+        r, side = 1 + margin, math.copysign(1.0, arc)
+        # from the start: 1 - r cos(arc), written so that a small arc keeps its digits
+        ahead, left = r * math.sin(abs(arc)), 2 * math.sin(arc / 2) ** 2 - margin * math.cos(arc)
+        cos, sin = math.cos(fields["heading"]), math.sin(fields["heading"])
+        R = fields["radius"]
+        fields["target_x"] = fields["x"] + R * (ahead * cos - side * left * sin)
+        fields["target_y"] = fields["y"] + R * (ahead * sin + side * left * cos)
     return Scenario(**fields, label=label)
 
 

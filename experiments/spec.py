@@ -91,17 +91,31 @@ class Sample(_Strict):
     ranges: dict[str, Range] = Field(min_length=1)
 
 
+CARTESIAN = ("target_x", "target_y")
 POLAR = ("distance", "bearing")
-FIELDS = ("x", "y", "heading", "target_x", "target_y", "radius", "speed", *POLAR)
+CIRCULAR = ("arc", "margin")
+FIELDS = ("x", "y", "heading", *CARTESIAN, "radius", "speed", *POLAR, *CIRCULAR)
+
+
+class Begin(_Strict):
+    """Starting points for local solvers: the product of the paper's lengths z1, z2, z3, in radii.
+
+    A left turn, a right turn, a straight, in that order.
+    """
+
+    z1: Axis
+    z2: Axis
+    z3: Axis
 
 
 class Block(_Strict):
     """Scenarios: the product of the fields' values, or a sample of them.
 
-    The target is `target_x`, `target_y`, or `distance` (in radii) and `bearing` (rad, from the
-    heading). In a product the fields vary in the order of `FIELDS`, the last one
-    fastest. `solvers` and `branches` take the
-    place of the experiment's own for this block.
+    The target is `target_x`, `target_y`; or `distance` (in radii) and `bearing` (rad, from the
+    heading); or `arc` and `margin`: so far along a turning circle (rad, to the left if positive)
+    and so many radii outside it, inside if negative. In a product the fields vary in the order of
+    `FIELDS`, the last one fastest. `solvers` and `branches` take the place of the experiment's own
+    for this block; `begin` takes that of its `starts`.
     """
 
     label: str = ""
@@ -112,11 +126,14 @@ class Block(_Strict):
     target_y: Axis | None = None
     distance: Axis | None = None
     bearing: Axis | None = None
+    arc: Axis | None = None
+    margin: Axis | None = None
     radius: Axis = 1.0
     speed: Axis = 1.0
     sample: Sample | None = None
     solvers: list[str] | None = None
     branches: list[str] | None = None
+    begin: Begin | None = None
 
     @model_validator(mode="after")
     def _one_target(self) -> Self:
@@ -127,9 +144,9 @@ class Block(_Strict):
                     f"sample.ranges names {unknown[0]!r}; expected {', '.join(FIELDS)}"
                 )
             given |= set(self.sample.ranges)
-        targets = given & {"target_x", "target_y", *POLAR}
-        if targets not in ({"target_x", "target_y"}, set(POLAR)):
-            raise ValueError("expected target_x and target_y, or distance and bearing")
+        kinds = (CARTESIAN, POLAR, CIRCULAR)
+        if given & {name for kind in kinds for name in kind} not in map(set, kinds):
+            raise ValueError(f"expected {', or '.join(' and '.join(kind) for kind in kinds)}")
         return self
 
     @field_validator("branches")

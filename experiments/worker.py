@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from functools import lru_cache
 from typing import Any, NamedTuple
 
-from experiments.grid import Cell, Chain
+from experiments.grid import Cell, Chain, given_start
 from experiments.provenance import host, now, versions
 from solvers.answer import attempt
 from solvers.profiles import tolerances
@@ -73,7 +73,8 @@ def solve_chain(chain: Chain, run: Run, start: Path | None = None) -> Iterator[R
         start: path before the first cell, if an earlier run has got so far.
     """
     for cell in chain:
-        row, path = solve_cell(cell, run, start if cell.start == "warm" else None)
+        given = start if cell.start == "warm" else given_start(cell)
+        row, path = solve_cell(cell, run, given)
         # after a failure the last path that was found serves on
         start = path or start
         yield row

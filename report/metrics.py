@@ -18,6 +18,9 @@ FloatArray = NDArray[np.float64]
 
 SUCCESSES = ("optimal", "none exists")
 VERDICTS = ("optimal", "none exists", "longer", "misses", "none")
+# experiments that set variants against each other or ask extreme questions on purpose: each has a
+# section of its own, and its rows enter no number pooled over experiments
+STUDIES = ("discretisation", "basins", "bias", "convergence", "ladder", "scale", "proofs")
 QUESTION = ["experiment", "scenario_id", "branch", "start"]
 _FIRST = ("analytic", "slsqp", "ipopt", "turn-rate-qp")
 

@@ -8,11 +8,11 @@ from report.agreement import agreement
 from report.content import Column, Picture, Section, Table, count, digits, share
 from report.figures_agreement import plot_agreement
 from report.load import Results
+from report.metrics import STUDIES
 from report.style import WIDE, new_figure
 
-# settings of one method against each other have a section of their own, and the plane's closed
-# form has a hundred thousand answers that no other solver is asked for
-_ELSEWHERE = ("discretisation", "plane")
+# the plane's closed form has a hundred thousand answers that no other solver is asked for
+_ELSEWHERE = (*STUDIES, "plane")
 
 
 def agreement_section(results: Results) -> Section | None:

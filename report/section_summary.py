@@ -7,20 +7,16 @@ import pandas as pd
 from report.content import Column, Picture, Section, Table, count, digits, seconds, share, slug
 from report.figures_success import plot_gap_profile, plot_verdicts
 from report.load import Results
-from report.metrics import answerable, failures, gap_quantiles, success, summary
+from report.metrics import STUDIES, answerable, failures, gap_quantiles, success, summary
 from report.style import HALF, WIDE, legend_lines, name_of, new_figure
 
 _MOST_FAILURES = 25
 
 
 def attempts(results: Results) -> pd.DataFrame:
-    """The rows that count here: all but the discretisation's, if there are others.
-
-    That experiment sets variants of one solver against each other, coarse ones on purpose, and
-    has a section of its own.
-    """
+    """The rows that count here: all but those of the studies, if there are others."""
     rows = results.rows
-    others = rows[rows["experiment"] != "discretisation"]
+    others = rows[~rows["experiment"].isin(STUDIES)]
     return others if len(others) else rows
 
 

@@ -9,11 +9,12 @@ from report.content import Column, Picture, Section, Table, count, digits, secon
 from report.discretisation import work_precision
 from report.figures_time import plot_gap_order, plot_performance, plot_times, plot_work_precision
 from report.load import Results
+from report.metrics import STUDIES
 from report.style import HALF, WIDE, legend_lines, new_figure
 from report.timing import mean_times, time_ratios, times
 
 EXACT = "analytic"
-_ELSEWHERE = ("discretisation", "plane")
+_ELSEWHERE = (*STUDIES, "plane")
 
 
 def time_section(results: Results) -> Section | None:

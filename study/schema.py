@@ -21,7 +21,7 @@ KEY = (
     Column("solver", "string", "", "solver and its settings, e.g. turn-rate-qp[n=50]"),
     Column("profile", "string", "", "named settings and tolerances: default, fast, accurate"),
     Column("branch", "string", "", "best, LS, RS, LR or RL"),
-    Column("start", "string", "", "cold, or warm from the neighbour in the sweep"),
+    Column("start", "string", "", "cold, warm from the neighbour in the sweep, or z1 z2 z3"),
     Column("repeat", "int64", "", "0, 1, ... of the same cell"),
 )
 # the values of the key columns
