@@ -17,13 +17,11 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 
 from solvers.disjunctive_model import TRANSFORMATIONS, WORDS, gdp_model, transformed
-from solvers.disjunctive_polish import Polished, polish
-from solvers.model import SUBPROBLEMS, already_there, as_path, target
+from solvers.disjunctive_polish import Polished, meet_target
+from solvers.model import SUBPROBLEMS, already_there, as_path
 from solvers.protocol import Guarantee, Question, Solution
 from solvers.settings import one_of, positive
 from study.path import FloatArray
-from study.scenario import Scenario
-from study.synthesis import EPS
 from study.verify import Claim
 
 EMPHASES = ("lean", "default")
@@ -40,9 +38,16 @@ _STATUS = re.compile(r"^SCIP Status\s*:\s*(.*?)\s*$", re.MULTILINE)
 # SCIP leaves this share of the gap for its tolerance on constraints, which counts as well.
 _SHARE = 0.1
 
-# relative; a polished path is SCIP's own if their lengths are as close as a tolerance of 1e-6 on
-# the squared length of the straight leaves them
-_NEAR = 1e-3
+# What is infeasible is asked again with a tolerance so many times larger.
+_LOOSER = 100
+
+# A point that misses by so many tolerances counts as feasible: each of the equations that lead
+# from an arc to its end may be off by one.
+_SLACK = 10
+
+# radii; farther off, the words' lengths differ by less than SCIP's tolerances make of them: bounds
+# above the shortest length were seen from 1e6 radii on, none up to 1e5
+_PROVABLE = 1e5
 
 
 class Model(NamedTuple):
@@ -121,21 +126,31 @@ class Disjunctive:
         there = already_there(model.question)
         if there is not None:
             return replace(there, claim=Claim.OPTIMAL, lower_bound=0.0)
-        return self._answer(model.question, self._run(model, limit))
+        native = self._run(model, limit, self.feastol)
+        if _CLAIMS.get(native.condition) is Claim.INFEASIBLE:
+            # A looser tolerance admits more: what is infeasible to it as well is so more surely.
+            native = self._run(model, limit, _LOOSER * self.feastol)
+        return self._answer(model, native)
 
-    def _run(self, model: Model, limit: float) -> Native:
+    def _run(self, model: Model, limit: float, feastol: float) -> Native:
         from pyomo.contrib.solver.common.factory import SolverFactory
         from pyomo.environ import value
 
         options = dict(_lean() if self.emphasis == "lean" else ())
-        options |= {"numerics/feastol": self.feastol, "limits/gap": self.gap * _SHARE}
-        results = SolverFactory("scip_direct").solve(
-            model.program,
-            time_limit=limit,
-            load_solutions=False,
-            raise_exception_on_nonoptimal_result=False,
-            solver_options=options,
-        )
+        options |= {"numerics/feastol": feastol, "limits/gap": self.gap * _SHARE}
+        try:
+            results = SolverFactory("scip_direct").solve(
+                model.program,
+                time_limit=limit,
+                load_solutions=False,
+                raise_exception_on_nonoptimal_result=False,
+                solver_options=options,
+            )
+        except Exception as error:
+            # SCIP's own errors (of its linear programs, mostly) have no type of their own
+            if not str(error).startswith("SCIP:"):
+                raise
+            return Native("", str(error), 0.0, None, None, 0)
         word = z = None
         if results.incumbent_objective is not None:
             results.solution_loader.load_vars()
@@ -152,19 +167,20 @@ class Disjunctive:
             int(results.extra_info["NNodes"]),
         )
 
-    def _answer(self, question: Question, native: Native) -> Solution:
-        scenario = question.scenario
+    def _answer(self, model: Model, native: Native) -> Solution:
+        question, scenario = model.question, model.question.scenario
         # Node bounds come from linear programs solved to SCIP's tolerance, not exactly.
         bound = max(0.0, native.bound - self.feastol * (1 + abs(native.bound)))
+        provable = math.hypot(*scenario.local()) <= _PROVABLE
         known = Solution(
             _CLAIMS.get(native.condition, Claim.FAILED),
-            lower_bound=bound * scenario.radius,
+            lower_bound=bound * scenario.radius if provable else None,
             iterations=native.nodes,
             native_status=native.status,
         )
         if native.word is None or native.z is None:
             return _without_a_path(question, known)
-        word, polished = _polished(question, native.word, native.z)
+        word, polished = meet_target(scenario, model.words, native.word, native.z)
         claim, message = self._claim(question, native, bound, polished)
         return replace(
             known,
@@ -178,13 +194,15 @@ class Disjunctive:
         self, question: Question, native: Native, bound: float, polished: Polished
     ) -> tuple[Claim, str]:
         """What may be said of a polished path, whatever SCIP says of its own point."""
-        if polished.miss > _rounding(question.scenario):
-            close = polished.miss <= 10 * self.feastol
-            message = f"meets the target only to {polished.miss:.1e} radii, within the tolerance"
+        if not polished.meets:
+            close = polished.miss <= _SLACK * self.feastol
+            message = f"meets the target only to {polished.miss:.1e} radii"
             return (Claim.FEASIBLE, message) if close else (Claim.FAILED, message)
         length = float(polished.z.sum())
         gap = (length - bound) / max(length, 1.0)
         message = f"within {gap:.1e} of the bound"
+        if gap <= self.gap and math.hypot(*question.scenario.local()) > _PROVABLE:
+            return Claim.FEASIBLE, f"{message}, which proves nothing beyond {_PROVABLE:g} radii"
         if gap <= self.gap:
             return Claim.OPTIMAL, message
         reached = _CLAIMS.get(native.condition) is Claim.LIMIT
@@ -198,32 +216,6 @@ def _without_a_path(question: Question, known: Solution) -> Solution:
         # Some word reaches every target, so SCIP has cut it off.
         return replace(known, claim=Claim.FAILED, lower_bound=None, message="no word left")
     return replace(known, lower_bound=None, message=f"{question.branch} does not reach the target")
-
-
-def _polished(question: Question, word: str, z: FloatArray) -> tuple[str, Polished]:
-    """SCIP's point made to meet the target, and its word.
-
-    Where one arc leads to the target several words share it, all within SCIP's tolerance, and not
-    each of them can be made to meet the target: if SCIP's cannot, the others are tried.
-    """
-    allowed = _rounding(question.scenario)
-    words = (
-        (word, *(other for other in WORDS if other != word)) if question.branch == "best" else ()
-    )
-    found = []
-    for name in words or (word,):
-        mirrored = SUBPROBLEMS[name].mirrored
-        own = z[[1, 0, 2]] if mirrored else z
-        polished = polish(name, own, *target(question.scenario, mirrored))
-        found.append((name, polished))
-        if polished.miss <= allowed and abs(polished.z.sum() - z.sum()) <= _NEAR * z.sum():
-            return name, polished
-    return found[0]
-
-
-def _rounding(scenario: Scenario) -> float:
-    """By how much (radii) a path that meets the target may seem to miss it."""
-    return 8 * EPS * (1 + math.hypot(*scenario.local()) + scenario.extent / scenario.radius)
 
 
 @lru_cache(maxsize=1)

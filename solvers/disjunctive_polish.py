@@ -1,4 +1,4 @@
-"""A point that meets the target to a solver's tolerance, moved until it meets it exactly."""
+"""A point that meets the target to a solver's tolerance, moved until it meets it to rounding."""
 
 from __future__ import annotations
 
@@ -7,8 +7,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from solvers.model import FULL_TURN, SUBPROBLEMS, equations, jacobian
+from solvers.model import FULL_TURN, SUBPROBLEMS, equations, jacobian, target
 from study.path import FloatArray
+from study.scenario import Scenario
+from study.synthesis import EPS
 
 # Where a word's two solutions meet (on a turning circle) a Newton step only halves the distance
 # to them, so from a tolerance of 1e-6 some 25 steps lead to the last digit that there is.
@@ -16,14 +18,51 @@ _STEPS = 40
 _HALVINGS = 8
 
 
+# relative; a polished path is the solver's own if their lengths are as close as a tolerance of 1e-6
+# on the squared length of the straight leaves them
+_NEAR = 1e-3
+
+
 class Polished(NamedTuple):
-    """A word's lengths, shape (3,), as in `solvers.model`, and by how much they miss (radii)."""
+    """A word's lengths, shape (3,), as in `solvers.model`, and by how much they miss (radii).
+
+    `meets` is whether they miss by no more than rounding.
+    """
 
     z: FloatArray
     miss: float
+    meets: bool
 
 
-def polish(word: str, z: FloatArray, X: float, Y: float) -> Polished:
+def meet_target(
+    scenario: Scenario, words: tuple[str, ...], word: str, z: FloatArray
+) -> tuple[str, Polished]:
+    """A solver's point made to meet the target, and its word.
+
+    Where one arc leads to the target several words share it, all within the solver's tolerance,
+    and not each of them can be made to meet the target: if `word` cannot, the others are tried.
+
+    Args:
+        scenario: says where the target is, and how finely that is known.
+        words: those that may be driven.
+        word: the solver's.
+        z: shape (3,): how far it turns to the left and to the right (rad), then goes straight.
+    """
+    X, Y = scenario.local()
+    rounding = 8 * EPS * (1 + math.hypot(X, Y) + scenario.extent / scenario.radius)
+    first = None
+    for name in (word, *(other for other in words if other != word)):
+        mirrored = SUBPROBLEMS[name].mirrored
+        point, miss = polish(name, z[[1, 0, 2]] if mirrored else z, *target(scenario, mirrored))
+        polished = Polished(point, miss, miss <= rounding)
+        if polished.meets and abs(point.sum() - z.sum()) <= _NEAR * (1 + z.sum()):
+            return name, polished
+        first = first or polished
+    assert first is not None  # `word` itself is always tried
+    return word, first
+
+
+def polish(word: str, z: FloatArray, X: float, Y: float) -> tuple[FloatArray, float]:
     """The point of a word near z whose end is nearest to the target.
 
     Newton's step on the two equations of the word, or the shortest least squares step where
@@ -34,6 +73,9 @@ def polish(word: str, z: FloatArray, X: float, Y: float) -> Polished:
         word: `LS`, `RS`, `LR` or `RL`.
         z: shape (3,), in the word's own order of turns; lengths that it lacks are set to zero.
         X, Y: target in the word's frame (mirrored for `RL`), in radii.
+
+    Returns:
+        The point, shape (3,), and by how much it misses the target (radii).
     """
     subproblem = SUBPROBLEMS[word]
     free = list(subproblem.free)
@@ -51,4 +93,4 @@ def polish(word: str, z: FloatArray, X: float, Y: float) -> Polished:
                 break
         else:
             break
-    return Polished(at, float(np.hypot(*residual)))
+    return at, float(np.hypot(*residual))
