@@ -21,6 +21,9 @@ from study.synthesis import EPS, local
 from study.verify import Claim
 
 BRANCHES = ("best", "LS", "RS")
+# Steps of more than 30 degrees leave no first arc worth the name; cvxpy's memory grows with the
+# square of the number of headings, to about a gigabyte at the upper ends.
+_RANGES = {"headings": (12, 1000), "legs": (1, 12)}
 
 
 class Case(NamedTuple):
@@ -90,10 +93,13 @@ class HeadingMilp:
     }
 
     def __post_init__(self) -> None:
-        for name, least in (("headings", 12), ("legs", 1)):
+        for name, (least, most) in _RANGES.items():
             value = getattr(self, name)
-            if not isinstance(value, int) or isinstance(value, bool) or value < least:
-                raise ValueError(f"{name} is {value!r}; expected a whole number from {least} up")
+            whole = isinstance(value, int) and not isinstance(value, bool)
+            if not (whole and least <= value <= most):
+                raise ValueError(
+                    f"{name} is {value!r}; expected a whole number from {least} to {most}"
+                )
         if not 0 < self.gap < 1:
             raise ValueError(f"gap is {self.gap!r}; expected a number from 0 to 1")
 

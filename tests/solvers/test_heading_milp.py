@@ -216,8 +216,14 @@ def test_the_bound_is_of_the_grid_and_is_not_passed_off_as_the_scenarios():
     assert bound > found.reference * (1 + 1e-6)
 
 
-def test_a_branch_without_a_path_is_infeasible_and_a_grid_without_one_is_not():
+def test_a_branch_without_a_path_is_infeasible_and_a_grid_without_one_is_not(monkeypatch):
     """HiGHS calls both infeasible; only where no path exists at all is that the answer."""
+    monkeypatch.setattr("solvers.heading_milp.least_legs", lambda heading, gap: None)
+    solution, _ = ask(PAPER["problem 1"], "LS")
+    assert solution.claim is Claim.FAILED
+    assert "no path on the grid of 72 headings" in solution.message
+
+    monkeypatch.undo()
     solution, found = ask(Scenario(0, 0, 0, 0.2, 1, 1), "LS")
 
     assert solution.claim is Claim.INFEASIBLE
@@ -234,7 +240,15 @@ def test_no_time_is_a_limit():
 
 
 @pytest.mark.parametrize(
-    "setting", [{"headings": 3}, {"headings": 72.0}, {"headings": True}, {"legs": 0}, {"gap": 0.0}]
+    "setting",
+    [
+        {"headings": 3},
+        {"headings": 1001},
+        {"headings": 72.0},
+        {"headings": True},
+        {"legs": 0},
+        {"gap": 0.0},
+    ],
 )
 def test_a_bad_setting_is_refused(setting):
     """With its name and what was expected."""
