@@ -1,0 +1,77 @@
+"""What a certificate costs: of a path, of a reference length, and of a frame's answers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from time import perf_counter
+
+from benchmarks.harness import Measurement, Timing, side_by_side
+from benchmarks.peers import random_frame
+from solvers.registry import load
+from study.certificate_frame import certify_frame
+from study.enclosure import enclose
+from study.extremal import cut_margin, extremal, pieces
+from study.path import Path
+from study.scenario import Scenario, check_frame, scenarios
+from study.synthesis import shortest_path
+from study.verify import judge
+from study.verify_frame import judge_frame
+
+N = 1_000_000
+SOME = 200  # scenarios that are certified one by one
+
+
+def measure() -> Iterable[Measurement]:
+    frame = check_frame(random_frame(N))
+    some = list(scenarios(frame[:SOME]))
+    paths = [shortest_path(scenario) for scenario in some]
+    pairs = [(s, p) for s, p in zip(some, paths, strict=True) if p is not None]
+    times = side_by_side(
+        {"certificate": _each(_whole, pairs), "enclosure": _each(_enclosed, pairs)}, repeats=9
+    )
+    certificate, enclosure = (times[key].least / len(pairs) * 1e6 for key in times)
+    yield Measurement(
+        "a certificate, with judging, beside the interval enclosure",
+        ours=certificate,
+        peer=enclosure,
+        unit="µs/path",
+        ratio=certificate,
+        target=200.0,
+        note="µs; the enclosure is not in it",
+    )
+    timing, rows = _frame(frame)
+    yield Measurement(
+        f"certificates of 10^{len(str(N)) - 1} closed-form answers in batch",
+        ours=timing.least / N * 1e9,
+        unit="ns/row",
+        ratio=timing.least,
+        target=5.0,
+        note=f"seconds in all, enclosures left out; {rows} rows are extremals",
+    )
+
+
+def _whole(scenario: Scenario, path: Path) -> object:
+    driven = pieces(path, scenario.radius)
+    return judge(scenario, path), extremal(driven), cut_margin(driven)
+
+
+def _enclosed(scenario: Scenario, path: Path) -> object:
+    return enclose.__wrapped__(scenario, "best")  # what the cache holds would cost nothing
+
+
+def _each(
+    function: Callable[[Scenario, Path], object], pairs: list[tuple[Scenario, Path]]
+) -> Callable[[], object]:
+    return lambda: [function(scenario, path) for scenario, path in pairs]
+
+
+def _frame(frame: object) -> tuple[Timing, int]:
+    solution = load("analytic").solve_frame(frame, "best")  # type: ignore[attr-defined]
+    judged = judge_frame(frame, solution.paths, solution.claim)  # type: ignore[arg-type]
+    seconds, rows = [], 0
+    for _ in range(4):
+        began = perf_counter()
+        found = certify_frame(frame, solution.paths, judged, enclosures=False)  # type: ignore[arg-type]
+        seconds.append(perf_counter() - began)
+        rows = int((found.proof == 2).sum())
+    return Timing(sorted(seconds)[1], min(seconds)), rows

@@ -1,0 +1,101 @@
+"""What the global and the discretised methods take: a proof, and a path beside another's."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable
+from statistics import median
+from time import perf_counter
+
+from benchmarks.harness import Measurement
+from solvers.protocol import AnySolver, Question
+from solvers.registry import load
+from study.scenario import Scenario
+from study.verify import Claim
+
+THIRD = math.pi / 3
+# the paper's five test problems
+PAPER = (
+    Scenario(0, 0, 2 * THIRD, 10, 5, 1),
+    Scenario(0, 0, 2 * THIRD, -6, 3, 1),
+    Scenario(0, 0, THIRD, -1, 5, 1),
+    Scenario(0, 0, THIRD, -2, -5, 1),
+    Scenario(0, 0, 2 * THIRD, -80, 20, 25),
+    Scenario(0, 0, 2 * THIRD, -80, 20, 10),
+    Scenario(0, 0, 2 * THIRD, -80, 20, 5),
+)
+DISCS = tuple(
+    Scenario(0, 0, 0, d * math.cos(a), side * (1 + d * math.sin(a)), 1)
+    for k in range(6)
+    for d, a, side in [(0.15 * (k + 1), 2.4 * k, (-1) ** k)]
+)
+PROOF = 1e-6
+
+
+def measure() -> Iterable[Measurement]:
+    yield _proofs("the paper's problems", PAPER, 0.5)
+    yield _proofs("six targets inside the discs", DISCS, None)
+    milp, qp = load("heading-milp"), load("turn-rate-qp")
+    both = _alternating({"milp": milp, "qp": qp}, (*PAPER, *DISCS))
+    yield Measurement(
+        f"{_named(milp)} beside turn-rate-qp, n=50, a scenario",
+        ours=both["milp"] * 1e3,
+        peer=both["qp"] * 1e3,
+        unit="ms",
+        ratio=both["milp"] / both["qp"],
+        target=3.0,
+        note="ours / peer, medians over 13 scenarios of the least of 5",
+    )
+
+
+def _proofs(what: str, scenarios: Iterable[Scenario], target: float | None) -> Measurement:
+    solver = load("disjunctive")
+    seconds, proven = [], 0
+    for scenario in scenarios:
+        least, solution = _least(lambda s=scenario: _ask(solver, s), 3)  # type: ignore[misc]
+        seconds.append(least)
+        bound, length = solution.lower_bound, solution.path and solution.path.total_length
+        closed = None not in (bound, length) and length - bound <= PROOF * max(length, 1e-300)
+        proven += solution.claim is Claim.OPTIMAL and bool(closed)
+    return Measurement(
+        f"disjunctive: proof to {PROOF:g} of {what}",
+        ours=median(seconds) * 1e3,
+        unit="ms",
+        ratio=median(seconds),
+        target=target,
+        note=f"median s; largest {max(seconds):.2f} s; {proven} of {len(seconds)} proven",
+    )
+
+
+def _alternating(
+    solvers: dict[str, AnySolver], scenarios: Iterable[Scenario], repeats: int = 5
+) -> dict[str, float]:
+    """Median over scenarios of each solver's least time (s), the solvers taking turns."""
+    times: dict[str, list[float]] = {name: [] for name in solvers}
+    for scenario in scenarios:
+        spent: dict[str, list[float]] = {name: [] for name in solvers}
+        for _ in range(repeats):
+            for name, solver in solvers.items():
+                began = perf_counter()
+                _ask(solver, scenario)
+                spent[name].append(perf_counter() - began)
+        for name, values in spent.items():
+            times[name].append(min(values))
+    return {name: median(values) for name, values in times.items()}
+
+
+def _ask(solver: AnySolver, scenario: Scenario):  # type: ignore[no-untyped-def]
+    return solver.solve(solver.build(Question(scenario)), 60.0)
+
+
+def _least(call: Callable[[], object], repeats: int):  # type: ignore[no-untyped-def]
+    best, answer = math.inf, None
+    for _ in range(repeats):
+        began = perf_counter()
+        answer = call()
+        best = min(best, perf_counter() - began)
+    return best, answer
+
+
+def _named(solver: AnySolver) -> str:
+    return f"heading-milp, {getattr(solver, 'headings', getattr(solver, 'k', '?'))} headings"
