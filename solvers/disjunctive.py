@@ -38,7 +38,9 @@ _STATUS = re.compile(r"^SCIP Status\s*:\s*(.*?)\s*$", re.MULTILINE)
 # SCIP leaves this share of the gap for its tolerance on constraints, which counts as well.
 _SHARE = 0.1
 
-# What is infeasible is asked again with a tolerance so many times larger.
+_BROKEN = "error"
+
+# What is infeasible, or broken, is asked again with a tolerance so many times larger.
 _LOOSER = 100
 
 # A point that misses by so many tolerances counts as feasible: each of the equations that lead
@@ -68,6 +70,7 @@ class Native(NamedTuple):
     word: str | None
     z: FloatArray | None
     nodes: int
+    feastol: float
 
 
 @dataclass(frozen=True)
@@ -127,8 +130,9 @@ class Disjunctive:
         if there is not None:
             return replace(there, claim=Claim.OPTIMAL, lower_bound=0.0)
         native = self._run(model, limit, self.feastol)
-        if _CLAIMS.get(native.condition) is Claim.INFEASIBLE:
-            # A looser tolerance admits more: what is infeasible to it as well is so more surely.
+        if native.condition in ("provenInfeasible", _BROKEN):
+            # A looser tolerance admits more: what is infeasible to it as well is so more surely,
+            # and linear programs that SCIP fails to solve are solved.
             native = self._run(model, limit, _LOOSER * self.feastol)
         return self._answer(model, native)
 
@@ -150,7 +154,7 @@ class Disjunctive:
             # SCIP's own errors (of its linear programs, mostly) have no type of their own
             if not str(error).startswith("SCIP:"):
                 raise
-            return Native("", str(error), 0.0, None, None, 0)
+            return Native(_BROKEN, str(error), 0.0, None, None, 0, feastol)
         word = z = None
         if results.incumbent_objective is not None:
             results.solution_loader.load_vars()
@@ -165,12 +169,13 @@ class Disjunctive:
             word,
             z,
             int(results.extra_info["NNodes"]),
+            feastol,
         )
 
     def _answer(self, model: Model, native: Native) -> Solution:
         question, scenario = model.question, model.question.scenario
         # Node bounds come from linear programs solved to SCIP's tolerance, not exactly.
-        bound = max(0.0, native.bound - self.feastol * (1 + abs(native.bound)))
+        bound = max(0.0, native.bound - native.feastol * (1 + abs(native.bound)))
         provable = math.hypot(*scenario.local()) <= _PROVABLE
         known = Solution(
             _CLAIMS.get(native.condition, Claim.FAILED),
@@ -195,7 +200,7 @@ class Disjunctive:
     ) -> tuple[Claim, str]:
         """What may be said of a polished path, whatever SCIP says of its own point."""
         if not polished.meets:
-            close = polished.miss <= _SLACK * self.feastol
+            close = polished.miss <= _SLACK * native.feastol
             message = f"meets the target only to {polished.miss:.1e} radii"
             return (Claim.FEASIBLE, message) if close else (Claim.FAILED, message)
         length = float(polished.z.sum())
