@@ -22,7 +22,7 @@ from study.verify import Claim
 
 BRANCHES = ("best", "LS", "RS")
 # Steps of more than 30 degrees leave no first arc worth the name; cvxpy's memory grows with the
-# square of the number of headings, to about a gigabyte at the upper ends.
+# square of the number of headings, to up to two gigabytes at the upper ends.
 _RANGES = {"headings": (12, 1000), "legs": (1, 12)}
 
 

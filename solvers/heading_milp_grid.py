@@ -129,8 +129,8 @@ def two_turns(side: int, headings: int) -> tuple[Family, ...]:
     and memory in which cvxpy compiles a family grow with the square of their number.
     """
     step = FULL_TURN / headings
-    away = np.arange(int(FIRST_ARC / step + 1e-9) + 1) * step
-    back = np.arange(int(2 * FIRST_ARC / step), headings + 1) * step
+    away: FloatArray = np.arange(int(FIRST_ARC / step + 1e-9) + 1) * step
+    back: FloatArray = np.arange(int(2 * FIRST_ARC / step), headings + 1) * step
     there_and_back = np.array([2 * np.sin(away), 2 * np.cos(away) - 2])
     parts = np.array([-1.0, 0.0])
     first = _legs(away, np.full(away.size, step), parts)
