@@ -70,7 +70,8 @@ class Family:
         """End point of each choice's turns, shape (2, n), radii."""
         pairs = zip(self.turns, self.pick, strict=True)
         shift: FloatArray = np.sum([turns.shift[:, ends] for turns, ends in pairs], axis=0)
-        return shift * np.array([[1.0], [self.side]])
+        shift[1] *= self.side
+        return shift
 
     @cached_property
     def heading(self) -> FloatArray:
@@ -129,8 +130,8 @@ def two_turns(side: int, headings: int) -> tuple[Family, ...]:
     and memory in which cvxpy compiles a family grow with the square of their number.
     """
     step = FULL_TURN / headings
-    away: FloatArray = np.arange(int(FIRST_ARC / step + 1e-9) + 1) * step
-    back: FloatArray = np.arange(int(2 * FIRST_ARC / step), headings + 1) * step
+    away = step * np.arange(int(FIRST_ARC / step + 1e-9) + 1, dtype=np.float64)
+    back = step * np.arange(int(2 * FIRST_ARC / step), headings + 1, dtype=np.float64)
     there_and_back = np.array([2 * np.sin(away), 2 * np.cos(away) - 2])
     parts = np.array([-1.0, 0.0])
     first = _legs(away, np.full(away.size, step), parts)
