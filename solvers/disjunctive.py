@@ -80,9 +80,9 @@ class Disjunctive:
     `transformation` turns the disjunctions into linear constraints: `bigm` or `hull`. `gap` is the
     largest relative difference of path and bound that counts as proven. `feastol` is SCIP's
     tolerance on constraints (numerics/feastol, 1e-6 there). `emphasis` is `lean`, SCIP's bare
-    spatial branch and bound, or SCIP's `default`: heuristics and cutting planes cost problems of
-    this size up to a hundred times what they save, and its presolving and propagation, which work with
-    tolerances of their own, now and then cut off the optimum (see docs/decisions.md).
+    spatial branch and bound, or SCIP's `default`, whose heuristics and cutting planes take some
+    seventy times as long on the paper's problems, and whose presolving and propagation, working
+    with tolerances of their own, now and then cut off the optimum (see docs/decisions.md).
 
     A feasible point of SCIP's may miss the target by the tolerance. Near the front of a turning
     circle that buys up to a full turn, and no polishing closes the miss: the point is then
