@@ -12,17 +12,18 @@ from typing import Any, ClassVar
 import numpy as np
 
 from solvers.protocol import Guarantee, Question, Solution
+from solvers.reach import unreachable
 from solvers.settings import one_of
 from solvers.turn_rate_dynamics import CLOSE, Controls, Rates
 from solvers.turn_rate_sequence import Limits, Run, Sequence
 from solvers.turn_rate_template import ENGINES, Template, template
 from study.path import FloatArray, Path
+from study.synthesis import EPS, local
 from study.verify import Claim, drivable
 
 RATES = {"best": Rates(-1.0, 1.0), "LS": Rates(0.0, 1.0), "RS": Rates(-1.0, 0.0)}
 _PACKAGES = {"highs": "highspy"}
 MESHES = ("equal", "graded")
-EPS = math.ulp(1.0)
 _TURNING = 2 * math.pi  # radii; no turn towards a target far away is longer than a full circle
 
 
@@ -105,7 +106,7 @@ class TurnRateQp:
             stay = Controls(np.zeros(self.n), 0.0)
             run = Run(Claim.LOCAL, stay, 0.0, None, 0, 0, "the target is at the start")
             return _solution(model, [run])
-        if reason := _unreachable(X, Y, branch):
+        if reason := unreachable(local(scenario), branch):
             return Solution(Claim.INFEASIBLE, iterations=0, evaluations=0, message=reason)
         limits = Limits(self.tolerance, self.max_qps, deadline)
         sequence = Sequence(model.qp, model.target, model.shares, model.rates, limits)
@@ -124,20 +125,6 @@ def _shares(n: int, mesh: str, distance: float) -> FloatArray:
     if mesh == "equal" or share >= turning / n:
         return np.full(n, 1.0 / n)
     return np.repeat((share / turning, (1 - share) / straight), (turning, straight))
-
-
-def _unreachable(X: float, Y: float, branch: str) -> str | None:
-    """Why no path of the branch's word ends at (X, Y), or None.
-
-    Turning left and then going straight never enters the left turning circle: its arc lies on
-    the circle and its tangents outside. (Sign-restricted rates alone would: S then L gets in.)
-    """
-    side = {"LS": 1.0, "RS": -1.0}.get(branch)
-    # 1 - |T - C|^2, without cancellation near the start; above what a miss of CLOSE can hide
-    if side is None or Y * side * (2 - Y * side) - X * X <= 4 * CLOSE * (1 + abs(X) + abs(Y)):
-        return None
-    disc = "left" if side > 0 else "right"
-    return f"the target is inside the {disc} turning circle, which no {branch} path enters"
 
 
 def _starts(model: TurnRateModel, runs: list[Run]) -> Iterator[Controls]:
