@@ -8,6 +8,7 @@ from report.content import Section
 from report.load import Results
 from report.section_agreement import agreement_section
 from report.section_audit import audit_section
+from report.section_basins import basins_section
 from report.section_paper import figures_section, paper_section
 from report.section_plane import plane_section
 from report.section_radius import radius_section
@@ -25,4 +26,5 @@ SECTIONS: dict[str, Callable[[Results], Section | None]] = {
     "time": time_section,
     "work and precision": discretisation_section,
     "the target plane": plane_section,
+    "where starting points lead": basins_section,
 }

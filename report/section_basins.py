@@ -1,0 +1,134 @@
+"""The section on where starting points lead."""
+
+from __future__ import annotations
+
+import pandas as pd
+
+from report.basins import (
+    EXPERIMENT,
+    GIVES_UP,
+    INFEASIBLE,
+    MISSES,
+    NOWHERE,
+    OTHER,
+    TURNS,
+    ends,
+    shares,
+)
+from report.content import Column, Picture, Section, Table, count, digits, share, slug
+from report.figures_basins import plot_ends
+from report.load import Results
+from report.metrics import parse_spec, solver_order
+from report.style import HALF, new_figure
+
+
+def basins_section(results: Results) -> Section | None:
+    """A map per scenario and solver, a table of ends, and what they say."""
+    own = results.rows[results.rows["experiment"] == EXPERIMENT]
+    table = ends(own[own["branch"] == "best"])
+    if table.empty:
+        return None
+    found = shares(table)
+    pictures = [
+        _picture(label, solver, group[group["solver"] == solver])
+        for label, group in table.groupby("label", sort=True)
+        for solver in solver_order(group["solver"].tolist())
+    ]
+    return Section(
+        "basins",
+        "Where starting points lead",
+        f"{_method(table)} {' '.join(_findings(found))}",
+        (*pictures, _table(found)),
+    )
+
+
+def _method(table: pd.DataFrame) -> str:
+    straights = " and ".join(f"{z3:g}" for z3 in sorted(table["z3"].unique()))
+    return (
+        "Each solver is given the paper's model unsplit, L(z₁) R(z₂) S(z₃) with turns of any "
+        "length, and one starting point from a grid over z₁ and z₂; z₃ starts at "
+        f"{straights} radii. Every local minimum of this model is LS, RS or LR with a number of "
+        "full turns added, so an end is known by its length."
+    )
+
+
+def _findings(found: pd.DataFrame) -> list[str]:
+    """Three sentences: how often the optimum is found, what else is, and what is claimed."""
+    least, most = found.loc[found["found"].idxmin()], found.loc[found["found"].idxmax()]
+    first = (
+        f"The shortest path is found from {share(least['found'])} of the starts at worst "
+        f"({_who(least)}) and from {share(most['found'])} at best ({_who(most)})."
+    )
+    starts = int(found["starts"].sum())
+    turned = int(found[["turns_1", "turns_2", "turns_more"]].to_numpy().sum())
+    far = found.loc[found["most_turns"].idxmax()]
+    second = f"{share(turned / starts)} of all attempts end in a minimum with full turns in it"
+    if turned:
+        second += (
+            f", with up to {count(far['most_turns'])} of them ({_who(far)}); nothing in the model "
+            "says that these are useless"
+        )
+    lies = int(found["lies"].sum())
+    if not lies:
+        return [first, f"{second}.", "No solver said anything that the check refutes."]
+    parts = [
+        f"{count(found[end].sum())} times {said}"
+        for end, said in (
+            (INFEASIBLE, "that no path exists where one does"),
+            (NOWHERE, "that a point is a minimum whose length is that of none"),
+            (MISSES, "that a path arrives which misses"),
+        )
+        if found[end].sum()
+    ]
+    worst = found.loc[(found["lies"] / found["starts"]).idxmax()]
+    third = (
+        f"{count(lies)} statements are refuted: {'; '.join(parts)}. Most often it is {_who(worst)}: "
+        f"{share(worst['lies'] / worst['starts'])} of its starts."
+    )
+    return [first, f"{second}.", third]
+
+
+def _who(row: pd.Series) -> str:
+    return f"{parse_spec(row['solver'])[0]}, {row['label']}"
+
+
+def _picture(label: object, solver: str, table: pd.DataFrame) -> Picture:
+    name = parse_spec(solver)[0]
+    figure = new_figure(HALF, 4.6)
+    handles = plot_ends(figure.add_subplot(), table)
+    figure.legend(handles=handles, loc="outside lower left", ncols=1, fontsize=7.5)
+    caption = (
+        f"{solver}, {label}: where each of {count(len(table))} starts leads; in brackets how many. "
+        "White cells with a mark are statements that the check refutes."
+    )
+    stem = slug(f"basins-{label}-{solver}")
+    return Picture(stem, caption, figure, f"Map of starting points by end, {name}, {label}", True)
+
+
+def _table(found: pd.DataFrame) -> Table:
+    columns = (
+        Column("label", "scenario", kind="text"),
+        Column("solver", "solver", kind="code"),
+        Column("starts", "starts", count),
+        Column("found", "find the shortest", share),
+        Column(TURNS, "it with full turns", count),
+        Column(OTHER, "another minimum", count),
+        Column("turns_1", "1 turn too many", count),
+        Column("turns_2", "2", count),
+        Column("turns_more", "more", count),
+        Column("stretch", "longest minimum / shortest", digits(3)),
+        Column(INFEASIBLE, "“no path exists”", count),
+        Column(NOWHERE, "“minimum”, is none", count),
+        Column(MISSES, "“path”, misses", count),
+        Column(GIVES_UP, "gives up", count),
+    )
+    caption = (
+        "Ends by solver and scenario. Turns too many are counted in minima of either word. In "
+        "quotation marks: what the solver says and the check refutes; a point that it does not "
+        "call a solution counts as giving up, unless it is the shortest path."
+    )
+    lies = (INFEASIBLE, NOWHERE, MISSES)
+    marks = {
+        (i, end): "bad" for i, (_, row) in enumerate(found.iterrows()) for end in lies if row[end]
+    }
+    return Table("basins", caption, found, columns, marks)
