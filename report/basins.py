@@ -102,8 +102,8 @@ def shares(table: pd.DataFrame) -> pd.DataFrame:
     """One row a scenario and solver, from `ends`.
 
     Columns: label, word_ref, solver, starts, one per end (counts), found (share of all starts),
-    turns_1, turns_2, turns_more (minima with so many full turns too many, of either word),
-    most_turns, lies (count), stretch (longest minimum found / shortest length).
+    turns_1, turns_2, turns_more (minima with so many full turns too many, of any word),
+    most_turns, lies (count).
     """
     records = []
     for label, group in table.groupby("label", sort=True):
@@ -120,7 +120,6 @@ def shares(table: pd.DataFrame) -> pd.DataFrame:
                     "turns_more": int((own["turns"] > 2).sum()),
                     "most_turns": int(minima["turns"].max()) if len(minima) else 0,
                     "lies": sum(counts[end] for end in LIES),
-                    "stretch": float((minima["length"] / minima["reference"]).max()),
                 }
             )
     return pd.DataFrame.from_records(records)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -36,10 +37,10 @@ _TICKS = np.arange(5) * np.pi / 2
 _TICK_TEXTS = ("0", "π/2", "π", "3π/2", "2π")
 
 
-def plot_ends(ax: Axes, table: pd.DataFrame) -> list[Artist]:
+def plot_ends(ax: Axes, table: pd.DataFrame, listed: Sequence[str] = ENDS) -> list[Artist]:
     """One solver's ends over the two turns of its start; returns the legend's entries.
 
-    Columns: z1, z2 (rad, on a grid), end.
+    Columns: z1, z2 (rad, on a grid), end. `listed`: the ends that the legend counts.
     """
     codes = {end: float(i) for i, end in enumerate(ENDS)}
     grid = table.assign(code=table["end"].map(codes)).pivot_table(
@@ -57,12 +58,10 @@ def plot_ends(ax: Axes, table: pd.DataFrame) -> list[Artist]:
         interpolation="nearest",
     )
     handles = []
-    for end in ENDS:
+    for end in listed:
         own = table[table["end"] == end]
-        if own.empty:
-            continue
         style = {"linestyle": "none", "color": ON_MAP, "markeredgewidth": 0.7}
-        if end in _MARK:
+        if end in _MARK and len(own):
             ax.plot(own["z1"], own["z2"], **style | _MARK[end])
         handles.append(_entry(end, len(own), style))
     ax.set(xlabel="left turn of the start, z₁ (rad)", ylabel="right turn of the start, z₂ (rad)")

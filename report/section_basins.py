@@ -5,6 +5,7 @@ from __future__ import annotations
 import pandas as pd
 
 from report.basins import (
+    ENDS,
     EXPERIMENT,
     GIVES_UP,
     INFEASIBLE,
@@ -15,7 +16,7 @@ from report.basins import (
     ends,
     shares,
 )
-from report.content import Column, Picture, Section, Table, count, digits, share, slug
+from report.content import Column, Picture, Section, Table, count, share, slug
 from report.figures_basins import plot_ends
 from report.load import Results
 from report.metrics import parse_spec, solver_order
@@ -29,10 +30,11 @@ def basins_section(results: Results) -> Section | None:
     if table.empty:
         return None
     found = shares(table)
+    listed = [end for end in ENDS if (table["end"] == end).any()]
     pictures = [
-        _picture(label, solver, group[group["solver"] == solver])
-        for label, group in table.groupby("label", sort=True)
-        for solver in solver_order(group["solver"].tolist())
+        _picture(label, solver, group, listed)
+        for solver in solver_order(table["solver"].tolist())
+        for label, group in table[table["solver"] == solver].groupby("label", sort=True)
     ]
     return Section(
         "basins",
@@ -82,8 +84,8 @@ def _findings(found: pd.DataFrame) -> list[str]:
     ]
     worst = found.loc[(found["lies"] / found["starts"]).idxmax()]
     third = (
-        f"{count(lies)} statements are refuted: {'; '.join(parts)}. Most often it is {_who(worst)}: "
-        f"{share(worst['lies'] / worst['starts'])} of its starts."
+        f"{count(lies)} statements are refuted: {'; '.join(parts)}. The worst is {_who(worst)}, "
+        f"with {share(worst['lies'] / worst['starts'])} of its starts."
     )
     return [first, f"{second}.", third]
 
@@ -92,43 +94,49 @@ def _who(row: pd.Series) -> str:
     return f"{parse_spec(row['solver'])[0]}, {row['label']}"
 
 
-def _picture(label: object, solver: str, table: pd.DataFrame) -> Picture:
-    name = parse_spec(solver)[0]
-    figure = new_figure(HALF, 4.6)
-    handles = plot_ends(figure.add_subplot(), table)
+def _picture(label: object, solver: str, table: pd.DataFrame, listed: list[str]) -> Picture:
+    title = f"{parse_spec(solver)[0]}, {label}"
+    figure = new_figure(HALF, 3.8 + 0.16 * len(listed))
+    ax = figure.add_subplot()
+    handles = plot_ends(ax, table, listed)
+    ax.set_title(title)
     figure.legend(handles=handles, loc="outside lower left", ncols=1, fontsize=7.5)
     caption = (
-        f"{solver}, {label}: where each of {count(len(table))} starts leads; in brackets how many. "
-        "White cells with a mark are statements that the check refutes."
+        f"{title}: where each of {count(len(table))} starts leads; in brackets how many. White "
+        "cells with a mark are statements that the check refutes."
     )
     stem = slug(f"basins-{label}-{solver}")
-    return Picture(stem, caption, figure, f"Map of starting points by end, {name}, {label}", True)
+    return Picture(stem, caption, figure, f"Map of starting points by end, {title}", True)
 
 
 def _table(found: pd.DataFrame) -> Table:
     columns = (
         Column("label", "scenario", kind="text"),
-        Column("solver", "solver", kind="code"),
+        Column("name", "solver", kind="code"),
         Column("starts", "starts", count),
-        Column("found", "find the shortest", share),
-        Column(TURNS, "it with full turns", count),
-        Column(OTHER, "another minimum", count),
+        Column("found", "shortest", share),
+        Column(TURNS, "with full turns", count),
+        Column(OTHER, "other minimum", count),
         Column("turns_1", "1 turn too many", count),
         Column("turns_2", "2", count),
         Column("turns_more", "more", count),
-        Column("stretch", "longest minimum / shortest", digits(3)),
-        Column(INFEASIBLE, "“no path exists”", count),
-        Column(NOWHERE, "“minimum”, is none", count),
-        Column(MISSES, "“path”, misses", count),
+        Column(INFEASIBLE, "“no path”", count),
+        Column(NOWHERE, "“minimum”", count),
+        Column(MISSES, "“path”", count),
         Column(GIVES_UP, "gives up", count),
     )
     caption = (
-        "Ends by solver and scenario. Turns too many are counted in minima of either word. In "
-        "quotation marks: what the solver says and the check refutes; a point that it does not "
-        "call a solution counts as giving up, unless it is the shortest path."
+        "Ends by solver and scenario. Turns too many are counted in minima of any word. In "
+        "quotation marks what the solver says and the check refutes: that no path exists, that a "
+        "point is a minimum, that a path arrives. A point that its solver does not call a solution "
+        "counts as giving up, unless it is the shortest path."
     )
     lies = (INFEASIBLE, NOWHERE, MISSES)
     marks = {
         (i, end): "bad" for i, (_, row) in enumerate(found.iterrows()) for end in lies if row[end]
     }
-    return Table("basins", caption, found, columns, marks)
+    names = found["solver"].map(lambda solver: parse_spec(solver)[0])
+    # one scenario's variants of a solver need their settings to be told apart
+    twice = names.groupby([found["label"], names]).transform("size") > 1
+    shown = found.assign(name=names.where(~twice, found["solver"]))
+    return Table("basins", caption, shown, columns, marks)

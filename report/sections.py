@@ -9,6 +9,7 @@ from report.load import Results
 from report.section_agreement import agreement_section
 from report.section_audit import audit_section
 from report.section_basins import basins_section
+from report.section_bias import bias_section
 from report.section_paper import figures_section, paper_section
 from report.section_plane import plane_section
 from report.section_radius import radius_section
@@ -27,4 +28,5 @@ SECTIONS: dict[str, Callable[[Results], Section | None]] = {
     "work and precision": discretisation_section,
     "the target plane": plane_section,
     "where starting points lead": basins_section,
+    "the interior-point bias": bias_section,
 }
