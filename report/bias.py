@@ -24,6 +24,8 @@ EXPERIMENT = "bias"
 # (min of a share of it and a power of it) and its floor, a share of the tolerance
 _MU_INIT, _KAPPA, _THETA, _FLOOR = 0.1, 0.2, 1.5, 1 / 11
 
+_ROUNDING = 1e-15  # rad: a turn by less is none
+
 
 def last_barrier(tol: float) -> float:
     """The barrier at which Ipopt stops by its defaults: the first of its sequence within `tol`."""
@@ -40,10 +42,11 @@ def left_over(results: Results) -> pd.DataFrame:
         results: with the specs' settings in the manifests.
 
     Returns:
-        The rows with columns z2 (length of the turn to the right, length unit), mu (barrier that
-        the solver stops at; NaN of one that has none), asked (whether it was told that barrier),
-        joint (whether the model is unsplit), predicted ((mu R^2)^(1/3)), ratio (z2 / predicted),
-        excess (length - reference), excess_ratio (excess / (mu / 3)).
+        The rows with columns z2 (length of the turn to the right, length unit; 0 if it is lost in
+        rounding), mu (barrier that the solver stops at; NaN of one that has none), asked (whether
+        it was told that barrier), joint (whether the model is unsplit), predicted
+        ((mu R^2)^(1/3)), ratio (z2 / predicted), excess (length - reference), excess_ratio
+        (excess / (mu / 3)).
     """
     settings = {k: v for run in results.manifests for k, v in run.solvers.items()}
     rows = results.rows
@@ -51,6 +54,7 @@ def left_over(results: Results) -> pd.DataFrame:
     mu = rows["solver"].map(lambda spec: barrier(spec, settings)).astype(float)
     predicted = np.cbrt(mu * rows["radius"] ** 2)
     z2 = np.array([_right_turn(results, index) for index in rows.index], dtype=np.float64)
+    z2[z2 < _ROUNDING * rows["radius"].to_numpy()] = 0.0
     excess = rows["length"] - rows["reference"]
     return rows.assign(
         z2=z2,

@@ -13,6 +13,7 @@ from report.section_bias import bias_section
 from report.section_paper import figures_section, paper_section
 from report.section_plane import plane_section
 from report.section_radius import radius_section
+from report.section_scale import scale_section
 from report.section_summary import success_section, summary_section
 from report.section_time import discretisation_section, time_section
 
@@ -29,4 +30,5 @@ SECTIONS: dict[str, Callable[[Results], Section | None]] = {
     "the target plane": plane_section,
     "where starting points lead": basins_section,
     "the interior-point bias": bias_section,
+    "scale invariance": scale_section,
 }
