@@ -75,6 +75,7 @@ class Nlp:
     warm: ClassVar[bool] = True
     packages: ClassVar[tuple[str, ...]] = ("scipy", "pyomo", "knitro")
     summary: ClassVar[str] = "the paper's model (4.12) by trust-constr, KNITRO or any AMPL solver"
+    variants: ClassVar[tuple[str, ...]] = ("nlp[solver=knitro]",)
     profiles: ClassVar[dict[str, dict[str, Any]]] = {
         "fast": {"tol": 1e-6},
         "accurate": {"tol": 1e-11},

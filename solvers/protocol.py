@@ -149,7 +149,8 @@ class Solver(Protocol[Model]):
         summary: one line for `dubins-study solvers`.
 
     A backend may also have `solve_frame(frame, branch) -> FrameSolution` (see `solvers.frame`)
-    and `profiles: dict[str, dict]`, settings that a named profile changes.
+    `profiles: dict[str, dict]`, settings that a named profile changes, and `variants`, specs of its
+    own that `dubins-study solvers` lists beside it.
     """
 
     name: ClassVar[str]

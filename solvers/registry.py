@@ -47,12 +47,21 @@ def registered() -> list[str]:
 
 def available() -> list[str]:
     """The names of the solvers that can run here."""
-    return [entry.name for entry in entries() if entry.reason is None]
+    return [name for name in registered() if _entry(name).reason is None]
 
 
 def entries() -> list[Entry]:
-    """Every registered solver: what it is and, if it cannot run here, why."""
-    return [_entry(name) for name in registered()]
+    """Every registered solver: what it is and, if it cannot run here, why.
+
+    A backend that reaches other people's solvers by a setting names such specs as its `variants`;
+    each is a line of its own.
+    """
+    found = []
+    for name in registered():
+        found.append(_entry(name))
+        if found[-1].method:
+            found += [_entry(spec) for spec in getattr(_kind(name), "variants", ())]
+    return found
 
 
 def _entry(name: str) -> Entry:

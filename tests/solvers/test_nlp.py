@@ -22,7 +22,7 @@ from solvers.nlp import Nlp
 from solvers.protocol import Outcome, Question
 from solvers.pyomo_direct import knitro_unavailable
 from solvers.pyomo_direct import solve as solve_direct
-from solvers.registry import SolverError, load
+from solvers.registry import SolverError, entries, load
 from solvers.trust_constr import trust_constr
 from study.scenario import Scenario
 from study.synthesis import margin, shortest
@@ -337,3 +337,11 @@ def test_knitro_losing_its_licence_in_a_run_is_a_failure():
 
     assert point.claim is Claim.FAILED
     assert "not available" in point.message
+
+
+def test_the_papers_own_solver_has_a_line_of_its_own():
+    """KNITRO is listed beside `nlp`, with the reason for its absence if it is absent."""
+    lines = {entry.name: entry.reason for entry in entries()}
+
+    assert lines["nlp"] is None
+    assert lines["nlp[solver=knitro]"] == Nlp(solver="knitro").unavailable()
