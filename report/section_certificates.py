@@ -1,0 +1,125 @@
+"""The section on certificates: how far the proof of each answer goes."""
+
+from __future__ import annotations
+
+import pandas as pd
+
+from report.certificates import PROOFS, certificates, enclosures
+from report.content import Column, Picture, Section, Table, count, digits, share
+from report.figures_certificates import plot_proofs
+from report.load import Results
+from report.section_summary import attempts
+from report.style import WIDE, name_of, new_figure
+
+_RIGOROUS = 1e-12  # relative; an interval narrower than this is called proven
+
+
+def certificates_section(results: Results) -> Section | None:
+    """Proofs as bars and counts, the worst residuals, and the width of the enclosures."""
+    rows = attempts(results)
+    if not rows["proof"].notna().any():
+        return None
+    frame = certificates(rows)
+    text = (
+        "Every answer is certified from its controls alone. Proved: Pontryagin's conditions and "
+        "the cut margin hold, and the length agrees with a rigorous interval around the shortest "
+        "one; or there is provably no path, and none was returned. Bounded: the solver's own "
+        "bound is within the tolerance. Extremal: Pontryagin's conditions alone, which are "
+        f"necessary and not sufficient. {sentences(frame, enclosures(rows))}"
+    )
+    blocks = (_picture(frame), _table(frame))
+    return Section("certificates", "Certificates", text, blocks)
+
+
+def sentences(frame: pd.DataFrame, width: pd.Series) -> str:
+    """What the certificates say.
+
+    Args:
+        frame: of `certificates.certificates`.
+        width: of `certificates.enclosures`.
+    """
+    said = [_proved(frame), _enclosed(width), _reported(frame)]
+    return " ".join(sentence for sentence in said if sentence)
+
+
+def _proved(frame: pd.DataFrame) -> str:
+    asked, proved = int(frame["attempts"].sum()), int(frame["proved"].sum())
+    others = ", ".join(f"{count(frame[name].sum())} {name}" for name in PROOFS[1:])
+    return (
+        f"Of {count(asked)} attempts {count(proved)} are proved ({share(proved / asked)}; "
+        f"{others})."
+    )
+
+
+def _enclosed(width: pd.Series) -> str:
+    if width.empty:
+        return ""
+    widest = float(width.max())
+    said = "below" if widest < _RIGOROUS else "not below"
+    return (
+        f"The widest of the {count(len(width))} intervals around a shortest length is "
+        f"{digits(2)(widest)} of it, {said} 1e-12."
+    )
+
+
+def _reported(frame: pd.DataFrame) -> str:
+    parts = []
+    compared = frame[frame["multipliers"] > 0]
+    if len(compared):
+        worst = compared.loc[compared["costate_error"].idxmax()]
+        best = compared.loc[compared["costate_error"].idxmin()]
+        part = (
+            "the multipliers of an extremal are off its own costates by at most "
+            f"{digits(2)(worst['costate_error'])} ({worst['solver']})"
+        )
+        if len(compared) > 1:
+            part += f", at best by {digits(2)(best['costate_error'])} ({best['solver']})"
+        parts.append(part)
+    if bounds := int(frame["bounds"].sum()):
+        false = int(frame["false_bounds"].sum())
+        parts.append(
+            f"of {count(bounds)} lower bounds {count(false)} lie above the shortest length"
+        )
+    said = "; ".join(parts)
+    return f"What solvers report beside a path: {said}." if said else ""
+
+
+def _picture(frame: pd.DataFrame) -> Picture:
+    lines = max(name_of(solver).count("\n") + 1 for solver in frame["solver"])
+    figure = new_figure(WIDE, 0.9 + max(0.34, 0.14 * lines) * len(frame))
+    plot_proofs(figure.add_subplot(), frame)
+    figure.legend(loc="outside lower left", ncols=4)
+    caption = (
+        "How far the proof of each attempt goes, as shares of all attempts. A failed or coarse "
+        "answer has none."
+    )
+    return Picture("certificates", caption, figure, "Stacked bars of proofs, one a solver")
+
+
+def _table(frame: pd.DataFrame) -> Table:
+    number = digits(2)
+    columns = (
+        Column("solver", "solver", kind="code"),
+        Column("attempts", "attempts", count),
+        *(Column(name, name, count) for name in PROOFS),
+        Column("pmp_residual", "worst residual", number),
+        Column("cut_margin", "least cut margin, rad", number),
+        Column("multipliers", "multipliers", count),
+        Column("costate_median", "costate error, median", number),
+        Column("costate_error", "worst", number),
+        Column("bounds", "bounds", count),
+        Column("false_bounds", "false bounds", count),
+    )
+    caption = (
+        "Residual: the worst violation of Pontryagin's conditions among the optimal answers. Cut "
+        "margin: above 0 a path is the shortest to its own end; the least among the optimal "
+        "answers to `best`. Costate error: the distance of a solver's multipliers from the "
+        "costates of its own path, where that is an extremal of more than one arc: a single arc "
+        "does not determine them."
+    )
+    marks = {
+        (i, "false_bounds"): "bad"
+        for i, row in enumerate(frame.to_dict("records"))
+        if row["false_bounds"]
+    }
+    return Table("certificates", caption, frame, columns, marks)
