@@ -60,7 +60,7 @@ def plot_ends(ax: Axes, table: pd.DataFrame, listed: Sequence[str] = ENDS) -> li
     handles = []
     for end in listed:
         own = table[table["end"] == end]
-        style = {"linestyle": "none", "color": ON_MAP, "markeredgewidth": 0.7}
+        style: dict[str, Any] = {"linestyle": "none", "color": ON_MAP, "markeredgewidth": 0.7}
         if end in _MARK and len(own):
             ax.plot(own["z1"], own["z2"], **style | _MARK[end])
         handles.append(_entry(end, len(own), style))

@@ -56,14 +56,15 @@ def _method(table: pd.DataFrame) -> str:
 
 def _findings(found: pd.DataFrame) -> list[str]:
     """Three sentences: how often the optimum is found, what else is, and what is claimed."""
-    least, most = found.loc[found["found"].idxmin()], found.loc[found["found"].idxmax()]
+    rates = found["found"].to_numpy()
+    least, most = found.iloc[rates.argmin()], found.iloc[rates.argmax()]
     first = (
         f"The shortest path is found from {share(least['found'])} of the starts at worst "
         f"({_who(least)}) and from {share(most['found'])} at best ({_who(most)})."
     )
     starts = int(found["starts"].sum())
     turned = int(found[["turns_1", "turns_2", "turns_more"]].to_numpy().sum())
-    far = found.loc[found["most_turns"].idxmax()]
+    far = found.iloc[found["most_turns"].to_numpy().argmax()]
     second = f"{share(turned / starts)} of all attempts end in a minimum with full turns in it"
     if turned:
         second += (
@@ -82,7 +83,7 @@ def _findings(found: pd.DataFrame) -> list[str]:
         )
         if found[end].sum()
     ]
-    worst = found.loc[(found["lies"] / found["starts"]).idxmax()]
+    worst = found.iloc[(found["lies"] / found["starts"]).to_numpy().argmax()]
     third = (
         f"{count(lies)} statements are refuted: {'; '.join(parts)}. The worst is {_who(worst)}, "
         f"with {share(worst['lies'] / worst['starts'])} of its starts."
