@@ -73,9 +73,7 @@ def ladder(attempts: pd.DataFrame) -> pd.DataFrame:
     frame = grouped.agg(
         attempts=("place", "size"), worst=("place", "max"), false_claims=("false_claim", "sum")
     ).reset_index()
-    return frame.assign(finding=frame["worst"].map(dict(enumerate(FINDINGS)))).drop(
-        columns="worst"
-    )
+    return frame.assign(finding=frame["worst"].map(dict(enumerate(FINDINGS)))).drop(columns="worst")
 
 
 def down_to(table: pd.DataFrame) -> pd.DataFrame:

@@ -29,7 +29,10 @@ def ladder_section(results: Results) -> Section | None:
         f"not. {sentences(attempts)}"
     )
     return Section(
-        "ladder", "The ladder toward a turning circle", text, (_picture(table), _table(down_to(table)))
+        "ladder",
+        "The ladder toward a turning circle",
+        text,
+        (_picture(table), _table(down_to(table))),
     )
 
 

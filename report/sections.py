@@ -10,8 +10,12 @@ from report.section_agreement import agreement_section
 from report.section_audit import audit_section
 from report.section_basins import basins_section
 from report.section_bias import bias_section
+from report.section_certificates import certificates_section
+from report.section_convergence import convergence_section
+from report.section_ladder import ladder_section
 from report.section_paper import figures_section, paper_section
 from report.section_plane import plane_section
+from report.section_proofs import proofs_section
 from report.section_radius import radius_section
 from report.section_scale import scale_section
 from report.section_summary import success_section, summary_section
@@ -25,10 +29,14 @@ SECTIONS: dict[str, Callable[[Results], Section | None]] = {
     "length, time and word against radius": radius_section,
     "agreement": agreement_section,
     "success and gaps": success_section,
+    "certificates": certificates_section,
     "time": time_section,
     "work and precision": discretisation_section,
     "the target plane": plane_section,
     "where starting points lead": basins_section,
     "the interior-point bias": bias_section,
     "scale invariance": scale_section,
+    "the order of convergence": convergence_section,
+    "the ladder toward a circle": ladder_section,
+    "what a proof costs": proofs_section,
 }

@@ -1,0 +1,170 @@
+"""The section on what a proof costs."""
+
+from __future__ import annotations
+
+import pandas as pd
+
+from report.certificates import PROOFS
+from report.content import Column, Picture, Section, Table, count, digits, seconds, share
+from report.figures_certificates import plot_proofs
+from report.figures_proofs import plot_prices, plot_wall
+from report.load import Results
+from report.metrics import solver_order
+from report.proofs import EXACT, EXPERIMENT, fastest, prices, proofs, provers
+from report.style import HALF, WIDE, new_figure
+
+
+def proofs_section(results: Results) -> Section | None:
+    """Times, proofs and the price of the solvers' own bounds."""
+    rows = results.rows[results.rows["experiment"] == EXPERIMENT]
+    if rows.empty:
+        return None
+    table, price = proofs(rows), prices(rows)
+    blocks: list[Picture | Table] = [*_pictures(table)]
+    if len(price):
+        blocks.append(_price_picture(price))
+    blocks.append(_table(table))
+    if len(price):
+        blocks.append(_price_table(price))
+    text = (
+        "A solver's lower bound proves its own answer; a certificate proves anybody's, after the "
+        f"fact. {sentences(rows, table, price)}"
+    )
+    return Section("proofs", "What a proof costs", text, tuple(blocks))
+
+
+def sentences(rows: pd.DataFrame, table: pd.DataFrame, price: pd.DataFrame) -> str:
+    """What the study says.
+
+    Args:
+        rows: attempts.
+        table, price: of `proofs.proofs` and `proofs.prices`.
+    """
+    said = [_own(rows, table), _price(rows, price), _certified(rows, table)]
+    return " ".join(sentence for sentence in said if sentence)
+
+
+def _paid(rows: pd.DataFrame) -> list[str]:
+    """Solvers with bounds but for the closed form, whose bound is its length."""
+    return [solver for solver in provers(rows) if solver != EXACT]
+
+
+def _own(rows: pd.DataFrame, table: pd.DataFrame) -> str:
+    parts = []
+    for row in table[table["solver"].isin(_paid(rows))].to_dict("records"):
+        parts.append(
+            f"{row['solver']} proves {share(row['own'])} of its answers to 1e-4 or closer "
+            f"(largest proven gap {digits(2)(row['gap_most'])}), in {seconds(row['wall_s'])} "
+            f"(median), {seconds(row['build_s'])} of them building"
+        )
+    return f"By its own bound {'; '.join(parts)}." if parts else ""
+
+
+def _price(rows: pd.DataFrame, price: pd.DataFrame) -> str:
+    first, often = fastest(rows)
+    parts = []
+    for solver in _paid(rows):
+        own = price[price["solver"] == solver]
+        if len(own):
+            items = ", ".join(
+                f"{digits(2)(row['ratio'])} ({row['group']})" for row in own.to_dict("records")
+            )
+            parts.append(f"{solver} {items}")
+    if not parts:
+        return ""
+    return (
+        "Its price, as a multiple of the time of the fastest right answer without one "
+        f"({first} on {share(often)} of the questions): {'; '.join(parts)}."
+    )
+
+
+def _certified(rows: pd.DataFrame, table: pd.DataFrame) -> str:
+    plain = table[~table["solver"].isin(provers(rows))]
+    if plain.empty:
+        return ""
+    full = plain[plain["proved"] == plain["attempts"]]
+    rest = solver_order([solver for solver in plain["solver"] if solver not in set(full["solver"])])
+    said = (
+        f"The certificate proves {count(plain['proved'].sum())} of the "
+        f"{count(plain['attempts'].sum())} answers of solvers that prove nothing themselves"
+    )
+    if len(full):
+        said += f": all of {', '.join(full['solver'])}"
+    if rest:
+        items = ", ".join(
+            f"{count(row['proved'])} of {count(row['attempts'])} of {row['solver']}"
+            for row in plain[plain["solver"].isin(rest)].to_dict("records")
+        )
+        said += f"{', and' if len(full) else ':'} {items}"
+    return f"{said}."
+
+
+def _pictures(table: pd.DataFrame) -> list[Picture]:
+    height = 1.1 + 0.42 * len(table)
+    time, words = new_figure(HALF, height), new_figure(HALF, height)
+    plot_wall(time.add_subplot(), table)
+    plot_proofs(words.add_subplot(), table)
+    words.legend(loc="outside lower left", ncols=4, handlelength=1.4, columnspacing=1.0)
+    return [
+        Picture(
+            "proofs-time",
+            "Time of one cold attempt, building included: median (mark) and quartiles (bar).",
+            time,
+            "Median times and quartiles, one line a solver",
+            True,
+        ),
+        Picture(
+            "proofs-words",
+            "How far the proof of each answer goes, whoever gives it. A coarse answer has none.",
+            words,
+            "Stacked bars of proofs, one a solver",
+            True,
+        ),
+    ]
+
+
+def _price_picture(price: pd.DataFrame) -> Picture:
+    figure = new_figure(WIDE, 1.2 + 0.42 * price["solver"].nunique())
+    plot_prices(figure.add_subplot(), price)
+    figure.legend(loc="outside lower left", ncols=3)
+    caption = (
+        "Time over that of the fastest right answer without a proof, question by question: median "
+        "and quartiles, right answers only. Right of 1 is slower."
+    )
+    return Picture("proofs-price", caption, figure, "Ratios of times by group of targets")
+
+
+def _table(table: pd.DataFrame) -> Table:
+    number = digits(2)
+    columns = (
+        Column("solver", "solver", kind="code"),
+        Column("attempts", "attempts", count),
+        Column("success", "success", share),
+        *(Column(name, name, count) for name in PROOFS),
+        Column("own", "own bound to 1e-4", share),
+        Column("gap", "proven gap, median", number),
+        Column("gap_most", "largest", number),
+        Column("wall_s_q1", "time, 25 %", seconds),
+        Column("wall_s", "median", seconds),
+        Column("wall_s_q3", "75 %", seconds),
+        Column("build_s", "building", seconds),
+    )
+    caption = (
+        "Proved to none: the certificate's words. Own bound: attempts whose own lower bound leaves "
+        "(length − bound) / length at 1e-4 or less; the closed form's bound is its length."
+    )
+    return Table("proofs", caption, table, columns)
+
+
+def _price_table(price: pd.DataFrame) -> Table:
+    number = digits(2)
+    columns = (
+        Column("group", "targets", kind="text"),
+        Column("solver", "solver", kind="code"),
+        Column("questions", "questions", count),
+        Column("ratio_q1", "25 %", number),
+        Column("ratio", "median", number),
+        Column("ratio_q3", "75 %", number),
+    )
+    caption = "The ratios of the figure; questions that the solver does not answer rightly are out."
+    return Table("proofs-price", caption, price, columns)
