@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
@@ -17,7 +19,7 @@ def plot_bias(ax: Axes, table: pd.DataFrame) -> None:
     """
     ends = np.array([0.5 * table["predicted"].min(), 2 * table["predicted"].max()])
     ax.plot(ends, ends, color=MUTED, linewidth=0.9, linestyle=LINES[1], label="equal")
-    hollow = {"linestyle": "none", "markerfacecolor": "none"}
+    hollow: dict[str, Any] = {"linestyle": "none", "markerfacecolor": "none"}
     told, default = table[table["asked"]], table[~table["asked"]]
     if len(told):
         label = "Ipopt told to stop at μ"

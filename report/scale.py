@@ -26,7 +26,7 @@ def spreads(rows: pd.DataFrame) -> pd.DataFrame:
     Columns: solver, label, radii, success (share), spread (of length / R over the radii at which
     the answer arrives, relative to its median; NaN if it never does), words (distinct ones,
     `/` between), iterations_low, iterations_high (NaN if not counted), invariant (all radii alike:
-    every answer arrives or none does, same verdict and word, spread within `ROUNDING`).
+    every answer arrives, same verdict and word, spread within `ROUNDING`).
     """
     records = []
     for (label, solver), own in rows.groupby(["label", "solver"], sort=True):
@@ -34,7 +34,7 @@ def spreads(rows: pd.DataFrame) -> pd.DataFrame:
         relative = (arrived["length"] / arrived["radius"]).to_numpy(dtype=np.float64)
         spread = float(np.ptp(relative) / np.median(relative)) if relative.size else math.nan
         words = sorted(set(own["word"].dropna()))
-        alike = len(arrived) in (0, len(own)) and own["verdict"].nunique() == 1 and len(words) <= 1
+        alike = len(arrived) == len(own) and own["verdict"].nunique() == 1 and len(words) <= 1
         records.append(
             {
                 "solver": solver,

@@ -32,7 +32,10 @@ def bias_section(results: Results) -> Section | None:
         f"length is μ / 3 too long. {' '.join(sentences)}"
     )
     compared = table[~table["asked"]]
-    blocks = [_bias_picture(known), _left_over_picture(compared), _barrier_table(barriers)]
+    blocks: list[Picture | Table] = [_bias_picture(known)]
+    if len(compared):
+        blocks.append(_left_over_picture(compared))
+    blocks.append(_barrier_table(barriers))
     if len(others):
         blocks.append(_other_table(others))
     return Section("bias", "The interior-point bias in the segments", text, tuple(blocks))
@@ -41,12 +44,14 @@ def bias_section(results: Results) -> Section | None:
 def _prediction(known: pd.DataFrame, barriers: pd.DataFrame) -> str:
     off = float((known["ratio"] - 1).abs().max())
     fit = slope(known["predicted"].to_numpy(), known["z2"].to_numpy())
-    verb = "is" if off <= _FOLLOWS else "is not everywhere"
+    found = f"is within a relative {digits(2)(off)} of this"
+    if off > _FOLLOWS:
+        found = f"does not follow this everywhere: it is up to a relative {digits(2)(off)} away"
     failed = int(barriers["failed"].sum())
     said = f", though the solver calls {failed} of them failures" if failed else ""
     return (
-        f"Over {count(len(known))} attempts z₂ {verb} what this predicts: at most "
-        f"{digits(2)(off)} of it away, slope {digits(5)(fit)} in logarithms{said}."
+        f"Over {count(len(known))} attempts z₂ {found}; the slope in logarithms is "
+        f"{digits(5)(fit)}{said}."
     )
 
 
@@ -55,7 +60,7 @@ def _default(known: pd.DataFrame) -> list[str]:
     own = known[~known["asked"]]
     if own.empty:
         return []
-    row = own.loc[(own["radius"] - 1).abs().idxmin()]
+    row = own.iloc[(own["radius"] - 1).abs().to_numpy().argmin()]
     return [
         f"By its defaults {parse_spec(row['solver'])[0]} stops at μ = {digits(3)(row['mu'])}: at "
         f"R = {row['radius']:g} it leaves z₂ = {digits(4)(row['z2'])} where "

@@ -43,8 +43,8 @@ def _findings(table: pd.DataFrame) -> list[str]:
     other = table[table["invariant"] < table["scenarios"]]
     if len(other):
         parts = [
-            f"{row['solver']} (right in {share(row['success'])}, lengths up to "
-            f"{digits(2)(row['spread'])} apart)"
+            f"{row['solver']} (right in {share(row['success'])}"
+            + (f", lengths up to {digits(2)(row['spread'])} apart)" if row["spread"] >= 0 else ")")
             for _, row in other.iterrows()
         ]
         second = f"Not so for {', '.join(parts)}"
@@ -55,11 +55,13 @@ def _findings(table: pd.DataFrame) -> list[str]:
         second += "."
     else:
         second = "None depends on the unit."
+    if same.empty:
+        return [f"{first}.", second]
     kept = same[same["iterations"] == 1]["solver"]
     moved = same[same["iterations"] > 1]
     third = f"The number of iterations is the same too for {len(kept)} of them"
     if len(moved):
-        worst = moved.loc[moved["iterations"].idxmax()]
+        worst = moved.iloc[moved["iterations"].to_numpy().argmax()]
         third += (
             f"; rounding alone changes it by up to a factor of {digits(2)(worst['iterations'])} "
             f"({worst['solver']})"
