@@ -68,5 +68,5 @@ def plot_cost(ax: Axes, table: pd.DataFrame) -> None:
 
 def _drawable(table: pd.DataFrame) -> pd.DataFrame:
     """What logarithmic axes can show, in the order of size."""
-    shown = table[np.isfinite(table["value"]) & (table["value"] > 0)]
-    return shown.sort_values("size", kind="stable").sort_values("series", kind="stable")
+    shown: pd.DataFrame = table[np.isfinite(table["value"]) & (table["value"] > 0)]
+    return shown.sort_values(["series", "size"], kind="stable")

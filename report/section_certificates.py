@@ -66,8 +66,8 @@ def _reported(frame: pd.DataFrame) -> str:
     parts = []
     compared = frame[frame["multipliers"] > 0]
     if len(compared):
-        worst = compared.loc[compared["costate_error"].idxmax()]
-        best = compared.loc[compared["costate_error"].idxmin()]
+        ranked = compared.sort_values("costate_error").to_dict("records")
+        best, worst = ranked[0], ranked[-1]
         part = (
             "the multipliers of an extremal are off its own costates by at most "
             f"{digits(2)(worst['costate_error'])} ({worst['solver']})"

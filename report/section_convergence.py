@@ -22,7 +22,7 @@ def convergence_section(results: Results) -> Section | None:
     if attempts.empty:
         return None
     table, found = medians(attempts), orders(attempts)
-    blocks = (*_pictures(table, found), _table(found))
+    blocks: tuple[Picture | Table, ...] = (*_pictures(table, found), _table(found))
     text = (
         "A held turn rate costs the integral of |ν₃ Δu| over the steps in which it should have "
         "switched. ν₃ leaves zero quadratically where an arc meets a straight and linearly where "
@@ -72,15 +72,19 @@ def _cheapest(found: pd.DataFrame) -> str:
 
 def _collocated(found: pd.DataFrame) -> str:
     raw = found[(found["measure"] == "miss") & found["order"].notna()]
-    if raw.empty:
+    parts = []
+    for place in PLACES:
+        own = raw[raw["place"] == place]
+        items = [
+            f"{name} {digits(3)(p)}" for name, p in zip(own["series"], own["order"], strict=True)
+        ]
+        if items:
+            parts.append(f"{_WHERE[place]} {', '.join(items)}")
+    if not parts:
         return ""
-    items = "; ".join(
-        f"{row['series']} {_WHERE[row['place']]} {digits(3)(row['order'])}"
-        for row in raw.to_dict("records")
-    )
     return (
-        "Left uncorrected, collocation at p points of Radau's should miss the target by 1/N to "
-        f"the power 2p − 1; the fitted powers are: {items}."
+        "Left uncorrected, collocation at p of Radau's points should miss the target by 1/N to "
+        f"the power 2p − 1; the fitted powers are: {'; '.join(parts)}."
     )
 
 

@@ -50,13 +50,12 @@ def _paid(rows: pd.DataFrame) -> list[str]:
 
 
 def _own(rows: pd.DataFrame, table: pd.DataFrame) -> str:
-    parts = []
-    for row in table[table["solver"].isin(_paid(rows))].to_dict("records"):
-        parts.append(
-            f"{row['solver']} proves {share(row['own'])} of its answers to 1e-4 or closer "
-            f"(largest proven gap {digits(2)(row['gap_most'])}), in {seconds(row['wall_s'])} "
-            f"(median), {seconds(row['build_s'])} of them building"
-        )
+    parts = [
+        f"{row['solver']} proves {share(row['own'])} of its answers to 1e-4 or closer "
+        f"(largest proven gap {digits(2)(row['gap_most'])}), in {seconds(row['wall_s'])} "
+        f"(median), {seconds(row['build_s'])} of them building"
+        for row in table[table["solver"].isin(_paid(rows))].to_dict("records")
+    ]
     return f"By its own bound {'; '.join(parts)}." if parts else ""
 
 

@@ -6,10 +6,11 @@ import pandas as pd
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 
-from report.content import Column, Picture, Section, Table, count, digits, seconds, share
+from report.content import Picture, Section, Table, digits
 from report.figures_radius import WARM, plot_length, plot_time
 from report.load import Results
 from report.metrics import circle_radius
+from report.section_warm import warm_blocks, warm_sentences
 from report.style import HALF, new_figure
 from report.timing import warm_starts
 
@@ -39,7 +40,7 @@ def radius_section(results: Results) -> Section | None:
     rows = pd.concat(list(found.values()))
     warm = warm_starts(rows)
     if len(warm):
-        blocks.append(_warm_table(warm))
+        blocks += warm_blocks(warm)
     text = (
         "At R* = r² / (2 |Y|) a turning circle passes through the target (r is its distance, Y its "
         "offset to the left of the start heading). Beyond it the target lies inside the circle, "
@@ -49,6 +50,8 @@ def radius_section(results: Results) -> Section | None:
         "those that do not arrive. Lower panels: time of one attempt, cold (solid) and warm "
         "(dotted)."
     )
+    if len(warm):
+        text += f" {warm_sentences(warm)}"
     return Section("radius", "Length, time and word against radius", text, tuple(blocks))
 
 
@@ -72,20 +75,3 @@ def _solvers_only(ax: Axes) -> tuple[list[Artist], list[str]]:
     pairs = zip(*ax.get_legend_handles_labels(), strict=True)
     kept = [(handle, text) for handle, text in pairs if not text.endswith(WARM)]
     return [handle for handle, _ in kept], [text for _, text in kept]
-
-
-def _warm_table(frame: pd.DataFrame) -> Table:
-    columns = (
-        Column("solver", "solver", kind="code"),
-        Column("questions", "questions", count),
-        Column("cold_s", "cold, median", seconds),
-        Column("warm_s", "warm, median", seconds),
-        Column("ratio", "warm / cold", digits(3)),
-        Column("cold_success", "success cold", share),
-        Column("warm_success", "success warm", share),
-    )
-    caption = (
-        "The same questions cold, and started from the answer at the neighbouring radius. The "
-        "ratio is the median over questions of warm over cold time."
-    )
-    return Table("warm-starts", caption, frame, columns)

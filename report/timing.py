@@ -92,13 +92,15 @@ def time_ratios(rows: pd.DataFrame) -> pd.DataFrame:
 def warm_starts(rows: pd.DataFrame) -> pd.DataFrame:
     """Cold against warm, one row a solver that was asked both on the same questions.
 
-    Columns: solver, questions, cold_s, warm_s (median, s), ratio (median of warm / cold, question
-    by question), cold_success, warm_success (shares of all attempts).
+    Columns: solver, questions, cold_s, warm_s (median, s), ratio (of warm / cold time, question by
+    question: the median; quartiles in ratio_q1 and ratio_q3), work, work_q1, work_q3 (the same of
+    the solver's own iterations, NaN if it counts none), cold_success, warm_success (shares of all
+    attempts).
     """
     key = [name for name in QUESTION if name != "start"]
     right = rows.assign(right=success(rows).astype(float))
     wide = right.groupby(["solver", *key, "start"]).agg(
-        s=("wall_s", "median"), ok=("right", "mean")
+        s=("wall_s", "median"), ok=("right", "mean"), work=("iterations", "median")
     )
     table = pd.DataFrame(wide.unstack("start"))
     if not {"cold", "warm"} <= set(rows["start"]):
@@ -114,9 +116,16 @@ def warm_starts(rows: pd.DataFrame) -> pd.DataFrame:
                 "questions": len(own),
                 "cold_s": cold.median(),
                 "warm_s": warm.median(),
-                "ratio": (warm / cold).median(),
+                **_ratio("ratio", warm, cold),
+                **_ratio("work", own["work", "warm"], own["work", "cold"]),
                 "cold_success": own["ok", "cold"].mean(),
                 "warm_success": own["ok", "warm"].mean(),
             }
         )
     return pd.DataFrame.from_records(records)
+
+
+def _ratio(name: str, warm: pd.Series, cold: pd.Series) -> dict[str, float]:
+    """Median and quartiles of warm / cold, where cold is something."""
+    low, middle, high = (warm / cold.where(cold > 0)).astype(float).quantile([0.25, 0.5, 0.75])
+    return {f"{name}_q1": low, name: middle, f"{name}_q3": high}
