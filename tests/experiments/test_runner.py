@@ -10,10 +10,11 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
-from experiments import run, runner
-from experiments.runner import RunError
+from experiments import execution, run
+from experiments.execution import RunError
+from experiments.rows import ARROW_SCHEMA, rows_table
 from experiments.spec import ExperimentError
-from experiments.store import ARROW_SCHEMA, StoreError, done, read_rows, rows_table
+from experiments.store import StoreError, done, read_rows
 from study.schema import ROW, VERSION, documentation, names
 
 SMALL = """
@@ -78,7 +79,7 @@ def test_a_finished_run_is_one_part_and_a_second_run_solves_nothing(small, tmp_p
     folder = run(small, tmp_path / "out")
     before = rows(folder)
     assert len(list((folder / "parts").iterdir())) == 1
-    monkeypatch.setattr(runner, "solve_chain", lambda *a: pytest.fail("solved again"))
+    monkeypatch.setattr(execution, "solve_chain", lambda *a: pytest.fail("solved again"))
 
     run(small, folder)
 
@@ -111,7 +112,7 @@ def test_adding_a_solver_keeps_what_is_there(small, tmp_path):
 def test_a_run_cut_short_is_completed(small, tmp_path, monkeypatch):
     """Whatever is done stays; the rest is added; a warm sweep goes on from its last path."""
     whole = rows(run(small, tmp_path / "whole"))
-    seen, original = [], runner.solve_chain
+    seen, original = [], execution.solve_chain
 
     def cut_short(chain, shared, start=None):
         for row in original(chain, shared, start):
@@ -120,7 +121,7 @@ def test_a_run_cut_short_is_completed(small, tmp_path, monkeypatch):
             if row["start"] == "warm" and row["radius"] > 1:
                 raise KeyboardInterrupt
 
-    monkeypatch.setattr(runner, "solve_chain", cut_short)
+    monkeypatch.setattr(execution, "solve_chain", cut_short)
     with pytest.raises(KeyboardInterrupt):
         run(small, tmp_path / "cut")
     monkeypatch.undo()

@@ -8,7 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from experiments.grid import chains, expand_solvers, scenario_id, shuffled
+from experiments.grid import chains, scenario_id, shuffled
+from experiments.patterns import expand_solvers
 from experiments.spec import ExperimentError, packaged, parse, read
 from solvers.registry import SolverError, registered
 from study.scenario import Scenario
