@@ -9,12 +9,13 @@ import subprocess
 import sys
 import threading
 import time
+from pathlib import Path
 
 import pytest
 
 from experiments import run
 from experiments.interruption import Interruption
-from experiments.store import done
+from experiments.store import done, read_rows
 
 EXPERIMENT = """
 title = "interrupted"
@@ -127,8 +128,8 @@ def test_a_run_interrupted_after_its_last_cell_is_finished_by_the_next(experimen
 MAIN = "from dubins_study.cli import main; main()"
 
 
-def interrupted(*arguments: str, after: str, signals: int = 1, **environment: str):
-    """Run the command, and send its whole group SIGINT once stderr or the folder says `after`."""
+def interrupted(*arguments: str, after: Path, signals: int = 1, **environment: str):
+    """Run the command, and send its whole group SIGINT once there are such files."""
     process = subprocess.Popen(
         [sys.executable, "-c", MAIN, "run", *arguments],
         stdout=subprocess.PIPE,
@@ -138,7 +139,8 @@ def interrupted(*arguments: str, after: str, signals: int = 1, **environment: st
         env={**os.environ, **environment},
     )
     give_up = time.monotonic() + 60
-    while not os.path.exists(after) and process.poll() is None and time.monotonic() < give_up:  # noqa: PTH110
+    while not [*after.parent.glob(after.name)] and process.poll() is None:
+        assert time.monotonic() < give_up
         time.sleep(0.02)
     for _ in range(signals):
         os.killpg(process.pid, signal.SIGINT)
@@ -169,7 +171,7 @@ def test_the_command_says_what_is_kept(experiment, tmp_path, jobs):
     solver = f"{tmp_path}/slow.py:Slow"
     asked = ("--out", str(out), "--jobs", jobs, "--solver", solver)
     code, printed, err = interrupted(
-        experiment, *asked, after=str(tmp_path / "asked"), NAP="1" if jobs == "1" else "0.5"
+        experiment, *asked, after=tmp_path / "asked", NAP="1" if jobs == "1" else "0.5"
     )
 
     kept = len(done(out))
@@ -186,9 +188,7 @@ def test_a_second_stops_at_once(experiment, tmp_path, jobs):
     (tmp_path / "slow.py").write_text(SLOW)
     out, began = tmp_path / "out", time.monotonic()
     asked = ("--out", str(out), "--jobs", jobs, "--solver", f"{tmp_path}/slow.py:Slow")
-    code, _, err = interrupted(
-        experiment, *asked, after=str(tmp_path / "asked"), signals=2, NAP="50"
-    )
+    code, _, err = interrupted(experiment, *asked, after=tmp_path / "asked", signals=2, NAP="50")
 
     assert time.monotonic() - began < 45
     assert code == 130
@@ -201,9 +201,12 @@ def test_ipopt_does_not_swallow_it(experiment, tmp_path):
     out = tmp_path / "out"
     code, _, err = interrupted(
         *(experiment, "--out", str(out), "--solver", "ipopt", "--repeats", "100"),
-        after=str(out / "parts"),
+        after=out / "parts" / "*.parquet",
     )
 
     assert code == 130, err
-    assert len(done(out)) < 3000
+    assert "interrupted; what was done is kept" in err
     assert "KeyboardInterrupt" not in err
+    rows = read_rows(out, ["claim"])
+    assert 0 < len(rows) < 3000
+    assert set(rows["claim"].to_pylist()) == {"local"}
