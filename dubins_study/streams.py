@@ -11,6 +11,9 @@ from contextlib import contextmanager, redirect_stdout
 @contextmanager
 def solvers_to_stderr() -> Iterator[None]:
     """Keep stdout for results: what solvers and their processes print meanwhile goes to stderr."""
+    if sys.stdout is None or sys.stderr is None:  # one was closed by whoever started us
+        yield
+        return
     sys.stdout.flush()
     kept = os.dup(1)
     os.dup2(2, 1)

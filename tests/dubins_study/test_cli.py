@@ -217,6 +217,18 @@ def test_what_a_solver_prints_is_no_result(plugin, tmp_path):
     assert "from" not in shown
 
 
+def test_nobody_has_to_listen():
+    """A closed stdout is no error."""
+    command = "from dubins_study.cli import main; main()"
+    done = subprocess.run(
+        ["sh", "-c", '"$0" -c "$1" solve 1 2 >&-', sys.executable, command],
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+
+    assert (done.returncode, done.stderr) == (0, "")
+
+
 def test_a_false_claim_is_told(plugin):
     assert "false claim" in asked("solve", "1", "2", "--solver", f"{plugin}:Liar")
     assert "false claim" not in asked("solve", "1", "2")

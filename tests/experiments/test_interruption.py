@@ -196,6 +196,18 @@ def test_a_second_stops_at_once(experiment, tmp_path, jobs):
     assert "Traceback" not in err
 
 
+def test_after_a_fresh_run_the_same_command_would_throw_away(experiment, tmp_path):
+    """So the message names the other one."""
+    out = tmp_path / "out"
+    code, _, err = interrupted(
+        *(experiment, "--out", str(out), "--repeats", "100", "--fresh"),
+        after=out / "parts" / "*.parquet",
+    )
+
+    assert code == 130, err
+    assert "what was done is kept, run the same command without --fresh to go on (" in err
+
+
 def test_ipopt_does_not_swallow_it(experiment, tmp_path):
     """casadi turns a KeyboardInterrupt into a warning and a failed solve; neither is recorded."""
     out = tmp_path / "out"
