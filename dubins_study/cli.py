@@ -6,7 +6,10 @@ import sys
 from pathlib import Path as FilePath
 from typing import Annotated, Any
 
-import typer
+try:
+    import typer
+except KeyboardInterrupt:  # this is the first thing that takes long enough to be interrupted
+    sys.exit(130)
 
 app = typer.Typer(
     help="Optimisation solvers judged on the shortest Dubins path to a point.",
@@ -15,12 +18,13 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
 )
-# a target such as -6 3 must not be taken for options
-_NEGATIVE = {"ignore_unknown_options": True}
+# a target such as -6 3 must not be taken for options; what is none of ours is refused by `solve`
+_NEGATIVE = {"ignore_unknown_options": True, "allow_extra_args": True}
 
 
 @app.command(context_settings=_NEGATIVE)
 def solve(
+    context: typer.Context,
     x: Annotated[str, typer.Argument(metavar="X", help="target position")],
     y: Annotated[str, typer.Argument(metavar="Y", help="target position")],
     start: Annotated[
@@ -39,15 +43,20 @@ def solve(
     ] = None,
 ) -> None:
     """Solve one scenario and judge the answer."""
-    from dubins_study import show
+    from dubins_study import show, streams
     from solvers.answer import solve as solve_scenario
 
+    show.check_words([x, y], context.args)
     scenario = show.scenario(x, y, start, radius, speed)
-    answer = solve_scenario(scenario, solver, branch, profile=profile, limit=limit)
-    if plot is not None:
+    with streams.solvers_to_stderr():
+        answer = solve_scenario(scenario, solver, branch, profile=profile, limit=limit)
+    refusal = show.no_answer(answer)
+    if plot is not None and refusal is None:
         show.plot(answer, plot)
-    print(show.answer_json(answer) if as_json else show.answer_text(answer))
-    raise typer.Exit(2 if answer.outcome in ("unavailable", "unsupported") else 0)
+    if as_json or refusal is None:
+        print(show.answer_json(answer) if as_json else show.answer_text(answer))
+    if refusal is not None:
+        raise show.ShowError(refusal)
 
 
 @app.command(context_settings=_NEGATIVE)
@@ -105,21 +114,33 @@ def run(
     fresh: Annotated[bool, typer.Option("--fresh", help="throw away earlier rows")] = False,
 ) -> None:
     """Run an experiment; cells that are done are skipped."""
-    from dubins_study import show
-    from experiments.runner import run as run_experiment
+    from experiments.interruption import Interruption
 
-    with show.progress(experiment) as tell:
-        folder = run_experiment(
-            experiment,
-            out,
-            solvers=solver,
-            jobs=jobs,
-            limit=limit,
-            repeats=repeats,
-            fresh=fresh,
-            progress=tell,
-        )
-    print(show.status_text(folder))
+    told: list[int] = []
+    try:
+        # from here on, since libraries that are interrupted while they load say odd things
+        with Interruption() as stop:
+            from dubins_study import show, streams
+            from experiments.runner import run as run_experiment
+
+            stop.check()
+            with streams.solvers_to_stderr(), streams.progress(experiment, told) as tell:
+                folder = run_experiment(
+                    experiment,
+                    out,
+                    solvers=solver,
+                    jobs=jobs,
+                    limit=limit,
+                    repeats=repeats,
+                    fresh=fresh,
+                    progress=tell,
+                )
+            print(show.status_text(folder))
+    except KeyboardInterrupt:
+        again = "run the same command without --fresh" if fresh else "run the same command"
+        cells = " ({} of {} cells done)".format(*told) if told else ""
+        print(f"interrupted; what was done is kept, {again} to go on{cells}", file=sys.stderr)
+        raise typer.Exit(130) from None
 
 
 @app.command()
@@ -138,10 +159,10 @@ def report(
     ] = None,
 ) -> None:
     """Write tables, figures and one page from results folders."""
-    from dubins_study import show
+    from dubins_study import show, streams
     from report import render
 
-    with show.spinner("report"):
+    with streams.spinner("report"):
         page = render(folders, out=out)
     print(show.report_text(page))
 
@@ -175,7 +196,7 @@ _REFUSALS = (
     ("solvers.export", "ExportError"),
     ("experiments.spec", "ExperimentError"),
     ("experiments.store", "StoreError"),
-    ("experiments.runner", "RunError"),
+    ("experiments.execution", "RunError"),
     ("report.load", "ReportError"),
     ("report.audit_file", "AuditError"),
     ("dubins_study.show", "ShowError"),
@@ -186,9 +207,6 @@ def main() -> Any:
     """The command `dubins-study`. Exit code 2 and one message if the request is bad."""
     try:
         return app()
-    except KeyboardInterrupt:
-        print("interrupted; what was done is kept, run the same command to go on", file=sys.stderr)
-        sys.exit(130)
     except BrokenPipeError:
         sys.exit(0)
     except Exception as error:

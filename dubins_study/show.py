@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import json
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from io import StringIO
 from pathlib import Path as FilePath
 
 from solvers.answer import Answer
+from solvers.protocol import Outcome
 from solvers.registry import Entry
 from study.angle import AngleError, parse_angle
 from study.scenario import Scenario
@@ -17,6 +17,27 @@ from study.scenario import Scenario
 
 class ShowError(ValueError):
     """Something that the command line cannot read or draw."""
+
+
+def check_words(target: list[str], rest: list[str]) -> None:
+    """Refuse options that there are not, and words after the target.
+
+    Raises:
+        ShowError: naming the first of them.
+    """
+    for word in (*target, *rest):
+        if word.startswith("-") and not _is_number(word):
+            raise ShowError(f"no such option: {word}; see dubins-study solve --help")
+    if rest:
+        raise ShowError(f"unexpected argument {rest[0]!r}; expected a target of two numbers, X Y")
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
 
 
 def scenario(x: str, y: str, start: tuple[str, str, str], radius: str, speed: str) -> Scenario:
@@ -86,9 +107,20 @@ def answer_text(answer: Answer) -> str:
             f"miss      {'–' if answer.miss is None else format(answer.miss, '.3g')}",
         ]
     lines.append(f"region    {answer.region}, {answer.margin:.3g} R from the nearer turning circle")
+    if answer.false_claim:
+        lines.append("false claim: the claim is stronger than the verdict")
+    if answer.outcome != Outcome.RETURNED:
+        lines.append(f"outcome   {answer.outcome}")
     if answer.message:
         lines.append(f"message   {_plain(answer.message)}")
     return "\n".join(lines)
+
+
+def no_answer(answer: Answer) -> str | None:
+    """Why the solver was not asked at all, if so."""
+    if answer.outcome not in (Outcome.UNAVAILABLE, Outcome.UNSUPPORTED):
+        return None
+    return f"solver {answer.solver!r} is {answer.outcome}: {_plain(answer.message)}"
 
 
 def _plain(text: str) -> str:
@@ -157,7 +189,8 @@ def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     from rich.text import Text
 
     shown = Table(box=box.SIMPLE_HEAD, pad_edge=False)
-    for name, cells in zip(head, zip(*rows, strict=True), strict=True):
+    for place, name in enumerate(head):
+        cells = [row[place] for row in rows]
         numbers = all(cell.replace(".", "").replace("e-", "").isdigit() for cell in cells if cell)
         shown.add_column(name, no_wrap=True, justify="right" if numbers else "left")
     for row in rows:
@@ -173,7 +206,6 @@ def status_text(folder: FilePath) -> str:
 
     manifest = read_manifest(folder)
     rows = read_rows(folder, ["outcome", "verdict"])
-    cells = manifest.get("cells", len(rows))
     counts: dict[str, Counter[str]] = {}
     for solver, outcome, verdict in zip(
         *(rows[name].to_pylist() for name in ("solver", "outcome", "verdict")), strict=True
@@ -183,7 +215,9 @@ def status_text(folder: FilePath) -> str:
     kinds = sorted({kind for counter in counts.values() for kind in counter})
     lines = [(s, *(str(c[kind] or "") for kind in kinds)) for s, c in sorted(counts.items())]
     state = "finished" if manifest.get("finished") else "not finished: run it again to go on"
-    heading = f"{folder}: {len(rows)} of {cells} cells done, {state}"
+    heading = f"{folder}: {len(rows)} of {manifest['cells']} cells done, {state}"
+    if not lines:
+        return heading
     return heading + "\n" + table(("solver", *kinds), lines)
 
 
@@ -216,33 +250,3 @@ def report_text(page: FilePath) -> str:
 
 def _milliseconds(seconds: str) -> str:
     return f"{float(seconds) * 1e3:.3g}" if seconds else ""
-
-
-@contextmanager
-def progress(what: str) -> Iterator[Callable[[int, int], None]]:
-    """A bar on stderr, told with (done, total)."""
-    from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
-    from rich.progress import TimeRemainingColumn as Remaining
-
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), Remaining())
-    bar = Progress(*columns, console=Console(stderr=True))
-    task = bar.add_task(what, total=None)
-
-    def tell(done: int, total: int) -> None:
-        bar.start()  # only now is the request known to be a good one
-        bar.update(task, completed=done, total=total)
-
-    try:
-        yield tell
-    finally:
-        bar.stop()
-
-
-@contextmanager
-def spinner(what: str) -> Iterator[None]:
-    """A sign of life on stderr."""
-    from rich.console import Console
-
-    with Console(stderr=True).status(what):
-        yield

@@ -9,7 +9,7 @@ import pyarrow as pa
 
 from experiments.grid import Cell, Chain
 from experiments.provenance import now
-from experiments.store import ARROW_SCHEMA
+from experiments.rows import ARROW_SCHEMA
 from experiments.worker import THREADS, Run, shared
 from solvers.registry import load
 from study.scenario import scenario_frame

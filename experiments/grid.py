@@ -5,13 +5,13 @@ from __future__ import annotations
 import hashlib
 import itertools
 import math
-import re
 from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
 from scipy.stats import qmc
 
+from experiments.patterns import expand_solvers
 from experiments.spec import (
     CIRCULAR,
     FIELDS,
@@ -27,10 +27,13 @@ from experiments.spec import (
     Range,
     Sample,
 )
-from solvers.registry import canonical, load, registered
+from solvers.registry import SolverError, load
 from study.path import FloatArray, Path
 from study.scenario import Scenario, ScenarioError
 from study.schema import SCENARIO, Key, names
+
+# a cell takes about 700 bytes until its row is written
+MOST_CELLS = 2_000_000
 
 
 class Cell(NamedTuple):
@@ -66,23 +69,24 @@ def chains(experiment: Experiment) -> list[Chain]:
     A cell that several blocks ask for is solved once.
 
     Raises:
-        ExperimentError: if a block holds a scenario that cannot be, or two sweeps give one warm
-            start different predecessors.
+        ExperimentError: if a block holds a scenario that cannot be, two sweeps give one warm
+            start different predecessors, or there are more than `MOST_CELLS` cells.
         SolverError: if a solver's spec is not valid.
     """
     found: dict[tuple[Key, ...], Chain] = {}
     swept: dict[Key, int] = {}
+    specs = [_specs(block, number, experiment) for number, block in enumerate(experiment.scenarios)]
+    _check_size(experiment, specs)
     for number, block in enumerate(experiment.scenarios):
         scenarios = list(block_scenarios(block, f"scenarios.{number}"))
         ids = [scenario_id(scenario) for scenario in scenarios]
-        specs = expand_solvers(block.solvers or experiment.solvers, experiment.profile)
         for spec, branch, repeat, start in itertools.product(
-            specs,
+            specs[number],
             block.branches or experiment.branches,
             range(experiment.repeats),
             experiment.starts if block.begin is None else _begins(block.begin),
         ):
-            if start != "cold" and not load(spec).warm:
+            if start != "cold" and not specs[number][spec]:
                 continue  # the method has no use for a starting point
             cells = [
                 Cell(name, spec, experiment.profile, branch, start, repeat, scenario)
@@ -95,6 +99,51 @@ def chains(experiment: Experiment) -> list[Chain]:
                     _claim(swept, keys, number)
                 found.setdefault(keys, group)
     return list(found.values())
+
+
+def _specs(block: Block, number: int, experiment: Experiment) -> dict[str, bool]:
+    """The solvers of a block, and whether its method has a use for a starting point."""
+    key, given = "solvers", experiment.solvers
+    if block.solvers is not None:
+        key, given = f"scenarios.{number}.solvers", block.solvers
+    try:
+        expanded = expand_solvers(given, experiment.profile)
+    except SolverError as error:
+        raise SolverError(f"{key}: {error}") from None
+    return {spec: load(spec).warm for spec in expanded}
+
+
+def _check_size(experiment: Experiment, specs: list[dict[str, bool]]) -> None:
+    """Refuse what no memory would hold, before any of it is expanded."""
+    total = 0
+    for number, (block, solvers) in enumerate(zip(experiment.scenarios, specs, strict=True)):
+        scenarios = math.prod(_count(getattr(block, name)) for name in FIELDS)
+        scenarios *= 1 if block.sample is None else block.sample.count
+        branches = len(block.branches or experiment.branches)
+        asked = sum(_starts(block, experiment, warm) for warm in solvers.values())
+        cells = scenarios * branches * experiment.repeats * asked
+        total += cells
+        if total > MOST_CELLS:
+            raise ExperimentError(
+                f"scenarios.{number}: {scenarios} scenarios and {cells} cells (a cell for every "
+                f"solver, branch, start and repeat), {total} cells up to here; expected at most "
+                f"{MOST_CELLS} in all"
+            )
+
+
+def _starts(block: Block, experiment: Experiment, warm: bool) -> int:
+    """From how many starting points a solver is asked each of a block's questions."""
+    if block.begin is None:
+        return sum(warm or start == "cold" for start in experiment.starts)
+    return warm * math.prod(map(_count, (block.begin.z1, block.begin.z2, block.begin.z3)))
+
+
+def _count(axis: Axis | None) -> int:
+    if isinstance(axis, Linear):
+        return axis.linear[2]
+    if isinstance(axis, Log):
+        return axis.log[2]
+    return len(axis) if isinstance(axis, list) else 1
 
 
 def _claim(swept: dict[Key, int], keys: tuple[Key, ...], block: int) -> None:
@@ -128,27 +177,6 @@ def shuffled(groups: list[Chain], seed: int) -> list[Chain]:
     """The chains in an order drawn from the seed, so that no solver owns the warm part of a run."""
     order = np.random.default_rng(seed).permutation(len(groups))
     return [groups[i] for i in order]
-
-
-_BRACES = re.compile(r"\{([^{}]*)\}")
-
-
-def expand_solvers(specs: list[str], profile: str = "default") -> list[str]:
-    """Canonical specs under a profile, `*` and `{a,b}` written out, each once."""
-    expanded: dict[str, None] = {}
-    for spec in specs:
-        for name in registered() if spec == "*" else _expand_braces(spec):
-            expanded.setdefault(canonical(name, profile))
-    return list(expanded)
-
-
-def _expand_braces(spec: str) -> Iterator[str]:
-    match = _BRACES.search(spec)
-    if match is None:
-        yield spec
-        return
-    for choice in match[1].split(","):
-        yield from _expand_braces(spec[: match.start()] + choice.strip() + spec[match.end() :])
 
 
 def block_scenarios(block: Block, where: str) -> Iterator[Scenario]:

@@ -18,6 +18,7 @@ from pydantic import (
     model_validator,
 )
 
+from experiments.complaint import complaint
 from solvers.profiles import PROFILES
 from study.angle import parse_angle
 from study.synthesis import BRANCHES
@@ -27,13 +28,22 @@ class ExperimentError(ValueError):
     """An experiment that does not exist or is not valid; the message names file, key, value."""
 
 
+def _no_boolean(value: object) -> object:
+    """True is 1 to Python, and never meant so."""
+    if isinstance(value, bool):
+        raise ValueError("expected a number")
+    return value
+
+
 def _number(value: object) -> object:
     """Angles may be written as texts anywhere a number may stand."""
-    return parse_angle(value) if isinstance(value, str) else value
+    return parse_angle(value) if isinstance(value, str) else _no_boolean(value)
 
 
 Number = Annotated[float, BeforeValidator(_number), Field(allow_inf_nan=False)]
-Count = Annotated[int, Field(ge=1, le=10**9)]
+Count = Annotated[int, BeforeValidator(_no_boolean), Field(ge=1, le=10**9)]
+Seed = Annotated[int, BeforeValidator(_no_boolean), Field(ge=0)]
+Seconds = Annotated[float, BeforeValidator(_no_boolean), Field(gt=0, allow_inf_nan=False)]
 
 
 class _Strict(BaseModel):
@@ -78,7 +88,7 @@ class LogRange(_Strict):
         return value
 
 
-Axis = Number | list[Number] | Linear | Log
+Axis = Number | Annotated[list[Number], Field(min_length=1)] | Linear | Log
 Range = LinearRange | LogRange
 
 
@@ -87,7 +97,7 @@ class Sample(_Strict):
 
     method: Literal["sobol", "latin hypercube"]
     count: Count
-    seed: int
+    seed: Seed
     ranges: dict[str, Range] = Field(min_length=1)
 
 
@@ -131,8 +141,8 @@ class Block(_Strict):
     radius: Axis = 1.0
     speed: Axis = 1.0
     sample: Sample | None = None
-    solvers: list[str] | None = None
-    branches: list[str] | None = None
+    solvers: list[str] | None = Field(default=None, min_length=1)
+    branches: list[str] | None = Field(default=None, min_length=1)
     begin: Begin | None = None
 
     @model_validator(mode="after")
@@ -178,8 +188,8 @@ class Experiment(_Strict):
     starts: list[Literal["cold", "warm"]] = Field(default=["cold"], min_length=1)
     profile: str = "default"
     repeats: Count = 1
-    limit: float = Field(default=60.0, gt=0, allow_inf_nan=False)
-    seed: int = 0
+    limit: Seconds = 60.0
+    seed: Seed = 0
 
     @field_validator("branches")
     @classmethod
@@ -195,9 +205,10 @@ class Experiment(_Strict):
 
 
 class Source(NamedTuple):
-    """An experiment with its name and the text that it was read from."""
+    """An experiment with its name, its file for messages, and the text that it was read from."""
 
     name: str
+    file: str
     text: str
     experiment: Experiment
 
@@ -228,8 +239,9 @@ def read(name: str) -> Source:
         )
     try:
         text = path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        reason = error.strerror if isinstance(error, OSError) else "it is not UTF-8 text"
+    except (OSError, ValueError) as error:  # a path may hold what no file system takes
+        unreadable = "it is not UTF-8 text" if isinstance(error, UnicodeError) else str(error)
+        reason = error.strerror if isinstance(error, OSError) else unreadable
         raise ExperimentError(f"experiment {name}: cannot be read: {reason}") from None
     return parse(path.stem, name, text)
 
@@ -238,9 +250,9 @@ def parse(name: str, file: str, text: str) -> Source:
     """An experiment from its text; `file` is for messages."""
     try:
         fields = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
+    except (ValueError, RecursionError) as error:  # too long a number, too many brackets
         raise ExperimentError(f"{file}: not TOML: {error}") from None
-    return Source(name, text, validated(file, fields))
+    return Source(name, file, text, validated(file, fields))
 
 
 def validated(file: str, fields: dict[str, Any]) -> Experiment:
@@ -248,23 +260,4 @@ def validated(file: str, fields: dict[str, Any]) -> Experiment:
     try:
         return Experiment.model_validate(fields)
     except ValidationError as error:
-        raise ExperimentError(f"{file}: {_message(error)}") from None
-
-
-def _message(error: ValidationError) -> str:
-    # Of a union's complaints, one about a value or else the deepest is about the variant meant.
-    first = max(error.errors(), key=lambda e: (e["type"] == "value_error", len(e["loc"])))
-    names = [str(part) for part in first["loc"] if not _is_variant(part)]
-    key = ".".join(names) or "the file"
-    said = first["msg"].removeprefix("Value error, ")
-    if first["type"] == "missing":
-        return f"{key}: missing"
-    if first["type"] == "extra_forbidden":
-        return f"{key}: unknown key"
-    shown = "" if isinstance(first["input"], dict) else f" is {first['input']!r}"
-    return f"{key}{shown}: {said}"
-
-
-def _is_variant(part: object) -> bool:
-    """Whether a step of an error's location names a variant of a union and not a key."""
-    return isinstance(part, str) and (part[:1].isupper() or "[" in part or part == "float")
+        raise ExperimentError(f"{file}: {complaint(error)}") from None

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import json
-import math
 import os
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from pathlib import Path as FilePath
 from typing import Any
 
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from study.schema import KEY, ROW, VERSION, Key, names
+from experiments.rows import ARROW_SCHEMA
+from study.schema import KEY, VERSION, Key, names
 
 MANIFEST = "manifest.json"
 PARTS = "parts"
@@ -20,16 +20,6 @@ PARTS = "parts"
 
 class StoreError(ValueError):
     """A results folder that cannot be read or written; the message says which and why."""
-
-
-_TYPES = {
-    "string": pa.string(),
-    "float64": pa.float64(),
-    "int64": pa.int64(),
-    "bool": pa.bool_(),
-    "list<float64>": pa.list_(pa.float64()),
-}
-ARROW_SCHEMA = pa.schema([pa.field(column.name, _TYPES[column.type]) for column in ROW])
 
 
 def open_folder(
@@ -48,7 +38,9 @@ def open_folder(
     try:
         if (folder / MANIFEST).exists() and not fresh:
             earlier = read_manifest(folder)
-            _check_same(folder, earlier.get("experiment", {}), experiment)
+            _check_same(folder, earlier["experiment"], experiment)
+            # someone may have deleted it to begin anew; without it no row could be written
+            (folder / PARTS).mkdir(exist_ok=True)
             return earlier
         if folder.exists() and not (folder / MANIFEST).exists() and any(folder.iterdir()):
             raise StoreError(f"{folder} holds something else and no {MANIFEST}; choose another")
@@ -79,12 +71,33 @@ def read_manifest(folder: FilePath) -> dict[str, Any]:
         manifest = json.loads((folder / MANIFEST).read_text(encoding="utf-8"))
     except FileNotFoundError:
         raise StoreError(f"{folder} is no results folder: it has no {MANIFEST}") from None
-    except (OSError, ValueError) as error:
-        raise StoreError(f"{folder / MANIFEST} cannot be read: {error}") from None
-    schema = manifest.get("schema") if isinstance(manifest, dict) else None
-    if schema != VERSION:
-        raise StoreError(f"{folder} has schema {schema!r}; expected {VERSION}")
+    except OSError as error:
+        raise StoreError(f"{folder / MANIFEST} cannot be read: {error.strerror}") from None
+    except (ValueError, RecursionError) as error:
+        raise StoreError(f"{folder / MANIFEST} cannot be read: not JSON: {error}") from None
+    _check_manifest(folder / MANIFEST, manifest)
     return dict(manifest)
+
+
+def _check_manifest(file: FilePath, manifest: Any) -> None:
+    """Refuse what a run or a status would stumble over."""
+    if not isinstance(manifest, dict):
+        raise StoreError(f"{file} holds {manifest!r:.60}; expected a JSON object")
+    schema = manifest.get("schema")
+    if schema != VERSION or isinstance(schema, bool):
+        raise StoreError(f"{file} has schema {schema!r:.60}; expected {VERSION}")
+    experiment, cells = manifest.get("experiment"), manifest.get("cells")
+    if not (isinstance(experiment, dict) and {"name", "text"} <= experiment.keys()):
+        raise StoreError(
+            f"{file}: experiment is {experiment!r:.60}; expected an object with name and text"
+        )
+    if not isinstance(cells, int) or isinstance(cells, bool) or cells < 0:
+        raise StoreError(f"{file}: cells is {cells!r:.60}; expected a whole number of at least 0")
+    if not isinstance(manifest.get("solvers", {}), dict):
+        raise StoreError(f"{file}: solvers is {manifest['solvers']!r:.60}; expected an object")
+    for key in ("created", "finished"):
+        if not isinstance(manifest.get(key), str | None):
+            raise StoreError(f"{file}: {key} is {manifest[key]!r:.60}; expected a time or null")
 
 
 def write_manifest(folder: FilePath, manifest: Mapping[str, Any]) -> None:
@@ -95,7 +108,7 @@ def write_manifest(folder: FilePath, manifest: Mapping[str, Any]) -> None:
     """
     text = json.dumps(manifest, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
     try:
-        _replace(folder / MANIFEST, text.encode())
+        _replace(folder / MANIFEST, text.encode("utf-8", "replace"))
     except OSError as error:
         raise StoreError(f"cannot write to {folder}: {error.strerror}") from None
 
@@ -139,28 +152,40 @@ def _unique(table: pa.Table) -> pa.Table:
 
 
 def _read(part: FilePath, columns: list[str] | None) -> pa.Table:
+    """A part's columns, all by default, as the schema has them."""
+    wanted = columns or ARROW_SCHEMA.names
     try:
-        return pq.read_table(part, columns=columns or ARROW_SCHEMA.names)
-    except (OSError, pa.ArrowException) as error:
-        raise StoreError(f"{part} cannot be read: {error}") from None
+        held = pq.read_schema(part)
+        missing = [name for name in wanted if name not in held.names]
+        if missing:
+            raise StoreError(
+                f"{part} cannot be read: it has no column {missing[0]!r}; expected the columns of "
+                "a results folder"
+            )
+        table = pq.read_table(part, columns=wanted)
+    except OSError as error:
+        reason = error.strerror or "it is damaged; delete it, and run again for its rows"
+        raise StoreError(f"{part} cannot be read: {reason}") from None
+    except pa.ArrowException:
+        raise StoreError(
+            f"{part} cannot be read: it is no Parquet file, or damaged; delete it, and run again "
+            "for its rows"
+        ) from None
+    fields = [ARROW_SCHEMA.field(name) for name in wanted]
+    return pa.table([_as(part, table, field) for field in fields], schema=pa.schema(fields))
 
 
-def rows_table(rows: Iterable[Mapping[str, Any]]) -> pa.Table:
-    """Rows as a table of the schema; numbers that are not finite become null."""
-    collected = list(rows)
-    columns = [
-        pa.array([_clean(row[field.name]) for row in collected], type=field.type)
-        for field in ARROW_SCHEMA
-    ]
-    return pa.Table.from_arrays(columns, schema=ARROW_SCHEMA)
-
-
-def _clean(value: Any) -> Any:
-    if isinstance(value, float):
-        return value if math.isfinite(value) else None
-    if isinstance(value, list):
-        return [_clean(item) for item in value]
-    return str(value) if isinstance(value, str) else value
+def _as(part: FilePath, table: pa.Table, field: pa.Field) -> pa.ChunkedArray:
+    column = table[field.name]
+    if column.type == field.type:
+        return column
+    try:
+        return column.cast(field.type)
+    except pa.ArrowException:
+        raise StoreError(
+            f"{part} cannot be read: column {field.name!r} holds {column.type}; "
+            f"expected {field.type}"
+        ) from None
 
 
 def write_part(folder: FilePath, name: str, table: pa.Table) -> FilePath:

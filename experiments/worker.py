@@ -7,19 +7,19 @@ import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import lru_cache
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from experiments.grid import Cell, Chain, given_start
+from experiments.interruption import ignore_interrupts
 from experiments.provenance import host, now, versions
+from experiments.rows import Row, fitting, raised_row
 from solvers.answer import attempt
 from solvers.profiles import tolerances
 from solvers.protocol import AnySolver, Question
 from solvers.registry import load
 from study.path import Path
 from study.scenario import Scenario
-from study.schema import KEY, names
-
-Row = dict[str, Any]
+from study.schema import KEY, SCENARIO, names
 
 # an easy question, asked once of every solver before its first recorded answer
 _WARM_UP = Scenario(x=0, y=0, heading=0.3, target_x=3, target_y=2, radius=1, label="warm-up")
@@ -44,6 +44,12 @@ def pin_threads() -> None:
 
     os.environ.update(dict.fromkeys(_VARIABLES, str(THREADS)))
     threadpool_limits(THREADS)
+
+
+def start_worker() -> None:
+    """Make a process of its own ready to solve chains."""
+    ignore_interrupts()
+    pin_threads()
 
 
 @contextmanager
@@ -87,12 +93,18 @@ def solve_whole_chain(chain: Chain, run: Run, start: Path | None) -> list[Row]:
 
 def solve_cell(cell: Cell, run: Run, start: Path | None) -> tuple[Row, Path | None]:
     """Attempt one cell; its row, and its path if it arrived."""
-    solver = _ready(cell.solver, cell.profile)
-    started = now()
-    question = Question(cell.scenario, cell.branch, start)
-    answer = attempt(solver, question, run.limit, tolerances(cell.profile), cell.solver)
-    row = dict(zip(names(KEY), cell.key, strict=True)) | answer.row() | shared(cell, run, started)
-    return row, answer.path if answer.gap is not None else None
+    known = dict(zip(names(KEY), cell.key, strict=True))
+    known |= {name: getattr(cell.scenario, name) for name in names(SCENARIO)}
+    known |= shared(cell, run, now())
+    try:
+        solver = _ready(cell.solver, cell.profile)
+        known["started"] = now()
+        question = Question(cell.scenario, cell.branch, start)
+        answer = attempt(solver, question, run.limit, tolerances(cell.profile), cell.solver)
+        row = fitting(answer.row() | known)
+    except Exception as error:  # a plug-in that breaks more than its own calls is a row too
+        return fitting(raised_row(known, f"{type(error).__name__}: {error}")), None
+    return row, answer.path if row["gap"] is not None else None
 
 
 def shared(cell: Cell, run: Run, started: str) -> Row:

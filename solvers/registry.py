@@ -131,6 +131,8 @@ def load(spec: str, profile: str = "default") -> AnySolver:
         solver: AnySolver = kind(**values)
     except ValueError as error:
         raise SolverError(f"solver {spec!r}: {error}") from None
+    except (Exception, SystemExit) as error:  # a plug-in may fail in any way
+        raise SolverError(f"solver {spec!r} cannot be made: {error!r}") from error
     return solver
 
 
@@ -193,6 +195,13 @@ def _kept_promise(name: str, kind: Any) -> type[Any]:
     if not isinstance(kind, type) or missing:
         lack = f"has no {missing[0]!r}" if missing else "is not a class"
         raise SolverError(f"solver {name!r} {lack}; expected the promise of solvers.protocol")
+    for attribute in ("branches", "packages"):
+        texts = getattr(kind, attribute)
+        if not isinstance(texts, tuple) or not all(isinstance(text, str) for text in texts):
+            raise SolverError(f"solver {name!r}: {attribute} is {texts!r}; expected texts, a tuple")
+    profiles = getattr(kind, "profiles", {})
+    if not isinstance(profiles, dict) or not all(isinstance(p, dict) for p in profiles.values()):
+        raise SolverError(f"solver {name!r}: profiles is {profiles!r}; expected a dict of dicts")
     return kind
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import shutil
 import subprocess
 import sys
 
@@ -104,6 +105,11 @@ def test_solvers():
         (("export", "1", "2", "--format", "lp"), "format is 'lp'; expected one of: nl, mod"),
         (("export", "1", "2", "--order", "SRL"), "order is 'SRL'; expected one of: LRS, RLS"),
         (("export", "1", "2", "--out", "/nowhere/a.nl"), "cannot write /nowhere/a.nl"),
+        (("solve", "1", "2", "--bogus"), "no such option: --bogus"),
+        (("solve", "--bogus", "1", "2"), "no such option: --bogus"),
+        (("solve", "1", "2", "-r"), "no such option: -r"),
+        (("solve", "1", "2", "3"), "unexpected argument '3'"),
+        (("solve", "1", "2", "--solver", "turn-rate-qp", "--branch", "LR"), "is unsupported: turn"),
         (("run", "nope"), "no experiment named 'nope'; choose one of"),
         (("run", "paper", "--solver", "nope", "--out", "unused"), "no solver named 'nope'"),
         (("run", "paper", "--jobs", "0", "--out", "unused"), "jobs is 0"),
@@ -117,7 +123,7 @@ def test_bad_requests_get_one_message(arguments, message, tmp_path):
 
     assert done.returncode == 2, done.stderr
     assert message in done.stderr
-    assert len(done.stderr.strip().splitlines()) == 1
+    assert len(done.stderr.splitlines()) == 1
     assert done.stdout == ""
     assert list(tmp_path.iterdir()) == []
 
@@ -161,6 +167,104 @@ def test_run_status_and_report(tmp_path):
     assert "index.html" in shown
     assert "slsqp" in shown
     assert "how far?" in page.read_text(encoding="utf-8")
+
+
+MINE = """
+title = "mine"
+question = "how far?"
+solvers = ["analytic"]
+[[scenarios]]
+target_x = [1, 2]
+target_y = 3
+"""
+
+
+def test_a_folder_without_rows(tmp_path):
+    """Interrupted before the first row, or its parts deleted: nothing is done, and no more."""
+    (tmp_path / "mine.toml").write_text(MINE)
+    asked("run", "mine.toml", cwd=tmp_path)
+    shutil.rmtree(tmp_path / "results" / "mine" / "parts")
+
+    assert asked("status", "results/mine", cwd=tmp_path).startswith("results/mine: 0 of 2 cells do")
+    assert "2 of 2 cells done, finished" in asked("run", "mine.toml", cwd=tmp_path)
+
+
+def test_errors_of_a_run_begin_the_output(tmp_path):
+    """No empty line before the message, which names the file."""
+    (tmp_path / "mine.toml").write_text(MINE.replace("analytic", "anal"))
+    done = dubins("run", "mine.toml", cwd=tmp_path)
+
+    assert done.returncode == 2
+    assert done.stderr.startswith("dubins-study: mine.toml: solvers: no solver named 'anal'")
+
+
+PLUGIN = """
+import os
+import sys
+from solvers.analytic import Analytic
+from solvers.protocol import Solution
+from study.path import Path
+from study.verify import Claim
+print("loaded")
+class Loud(Analytic):
+    def solve(self, model, limit):
+        print("from Python")
+        os.write(1, b"from below")
+        return super().solve(model, limit)
+class Liar(Analytic):
+    def solve(self, model, limit):
+        return Solution(Claim.OPTIMAL, Path(super().solve(model, limit).path.start, [0], [1]))
+class Absent(Analytic):
+    def unavailable(self):
+        return "no licence"
+"""
+
+
+@pytest.fixture
+def plugin(tmp_path):
+    (tmp_path / "plugin.py").write_text(PLUGIN)
+    return str(tmp_path / "plugin.py")
+
+
+def test_what_a_solver_prints_is_no_result(plugin, tmp_path):
+    done = dubins("solve", "1", "2", "--solver", f"{plugin}:Loud", "--json")
+
+    assert json.loads(done.stdout)["verdict"] == "optimal"
+    for said in ("loaded", "from Python", "from below"):
+        assert said in done.stderr
+    (tmp_path / "mine.toml").write_text(MINE)
+    shown = asked("run", "mine.toml", "--solver", f"{plugin}:Loud", cwd=tmp_path)
+    assert shown.startswith("results/mine: 2 of 2 cells done")
+    assert "from" not in shown
+
+
+def test_nobody_has_to_listen():
+    """A closed stdout is no error."""
+    command = "from dubins_study.cli import main; main()"
+    done = subprocess.run(
+        ["sh", "-c", '"$0" -c "$1" solve 1 2 >&-', sys.executable, command],
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_a_false_claim_is_told(plugin):
+    assert "false claim" in asked("solve", "1", "2", "--solver", f"{plugin}:Liar")
+    assert "false claim" not in asked("solve", "1", "2")
+
+
+def test_a_solver_that_was_not_asked_gives_no_answer(plugin):
+    """The reason on stderr and exit code 2; with --json the object, too."""
+    done = dubins("solve", "1", "2", "--solver", f"{plugin}:Absent", "--plot", "unused.svg")
+    assert (done.returncode, done.stdout) == (2, "")
+    assert "is unavailable: no licence" in done.stderr
+
+    done = dubins("solve", "1", "2", "--solver", f"{plugin}:Absent", "--json")
+    assert done.returncode == 2
+    assert json.loads(done.stdout)["outcome"] == "unavailable"
+    assert "is unavailable: no licence" in done.stderr
 
 
 def test_the_public_surface_from_python():

@@ -6,14 +6,14 @@ import json
 import math
 from pathlib import Path
 
-import pyarrow as pa
-import pyarrow.parquet as pq
 import pytest
 
-from experiments import run, runner
-from experiments.runner import RunError
+from experiments import batch, execution, run
+from experiments.execution import RunError
+from experiments.rows import ARROW_SCHEMA
 from experiments.spec import ExperimentError
-from experiments.store import ARROW_SCHEMA, StoreError, done, read_rows, rows_table
+from experiments.store import StoreError, done, read_rows
+from solvers.registry import SolverError
 from study.schema import ROW, VERSION, documentation, names
 
 SMALL = """
@@ -78,7 +78,7 @@ def test_a_finished_run_is_one_part_and_a_second_run_solves_nothing(small, tmp_p
     folder = run(small, tmp_path / "out")
     before = rows(folder)
     assert len(list((folder / "parts").iterdir())) == 1
-    monkeypatch.setattr(runner, "solve_chain", lambda *a: pytest.fail("solved again"))
+    monkeypatch.setattr(execution, "solve_chain", lambda *a: pytest.fail("solved again"))
 
     run(small, folder)
 
@@ -111,7 +111,7 @@ def test_adding_a_solver_keeps_what_is_there(small, tmp_path):
 def test_a_run_cut_short_is_completed(small, tmp_path, monkeypatch):
     """Whatever is done stays; the rest is added; a warm sweep goes on from its last path."""
     whole = rows(run(small, tmp_path / "whole"))
-    seen, original = [], runner.solve_chain
+    seen, original = [], execution.solve_chain
 
     def cut_short(chain, shared, start=None):
         for row in original(chain, shared, start):
@@ -120,7 +120,7 @@ def test_a_run_cut_short_is_completed(small, tmp_path, monkeypatch):
             if row["start"] == "warm" and row["radius"] > 1:
                 raise KeyboardInterrupt
 
-    monkeypatch.setattr(runner, "solve_chain", cut_short)
+    monkeypatch.setattr(execution, "solve_chain", cut_short)
     with pytest.raises(KeyboardInterrupt):
         run(small, tmp_path / "cut")
     monkeypatch.undo()
@@ -188,10 +188,10 @@ def test_many_cells_of_the_closed_form_go_in_one_batch(tmp_path):
             "target_x = { linear = [-4, 4, 50] }\ntarget_y = { linear = [-4, 4, 50] }",
         )
     )
-    batch = rows(run(str(file), tmp_path / "batch")).sort_values(["scenario_id", "branch"])
+    found = rows(run(str(file), tmp_path / "batch")).sort_values(["scenario_id", "branch"])
     file.write_text(file.read_text() + "[[scenarios]]\ntarget_x = 9\ntarget_y = 9\n")
-    assert len(batch) == 5000
-    sample = batch.sample(50, random_state=0)
+    assert len(found) == 5000
+    sample = found.sample(50, random_state=0)
     from solvers.answer import solve
     from study.scenario import Scenario
 
@@ -208,14 +208,6 @@ def test_many_cells_of_the_closed_form_go_in_one_batch(tmp_path):
             assert row.length == pytest.approx(answer.length, rel=1e-13)
             assert list(row.lengths) == pytest.approx(answer.path.length, rel=1e-9)
             assert list(row.curvatures) == pytest.approx(answer.path.curvature)
-
-
-def test_numbers_that_are_not_finite_are_null():
-    row = dict.fromkeys(names(ROW)) | {"length": math.inf, "lengths": [1.0, math.nan]}
-    table = rows_table([row])
-
-    assert table["length"].to_pylist() == [None]
-    assert table["lengths"].to_pylist() == [[1.0, None]]
 
 
 def test_folders_that_cannot_be_used(small, tmp_path):
@@ -235,23 +227,6 @@ def test_folders_that_cannot_be_used(small, tmp_path):
     Path(small).write_text(SMALL.replace("small", "changed"))
     with pytest.raises(StoreError, match="holds results of another text of experiment"):
         run(small, folder)
-    manifest = folder / "manifest.json"
-    manifest.write_text(manifest.read_text().replace('"schema": 1', '"schema": 99'))
-    with pytest.raises(StoreError, match="has schema 99; expected 1"):
-        run(small, folder)
-    manifest.write_text("{")
-    with pytest.raises(StoreError, match="cannot be read"):
-        run(small, folder)
-
-
-def test_a_broken_part_is_named(small, tmp_path):
-    folder = run(small, tmp_path / "out")
-    (folder / "parts" / "zz.parquet").write_bytes(b"PAR1 not really")
-    with pytest.raises(StoreError, match=r"zz\.parquet cannot be read"):
-        read_rows(folder)
-    pq.write_table(pa.table({"a": [1]}), folder / "parts" / "zz.parquet")
-    with pytest.raises(StoreError, match=r"zz\.parquet cannot be read"):
-        read_rows(folder)
 
 
 def test_rows_in_two_parts_are_read_once(small, tmp_path):
@@ -267,6 +242,16 @@ def test_rows_in_two_parts_are_read_once(small, tmp_path):
     ("change", "message"),
     [
         ({"jobs": 0}, "jobs is 0"),
+        ({"jobs": "2"}, "jobs is '2'; expected a whole number"),
+        ({"jobs": 1.5}, "jobs is 1.5; expected a whole number"),
+        ({"jobs": True}, "jobs is True; expected a whole number"),
+        ({"experiment": None}, "experiment is None; expected a name or the path"),
+        ({"out": 3}, "out is 3; expected the path of a folder"),
+        ({"repeats": True}, "repeats is True: expected a number"),
+        ({"repeats": 1.5}, "repeats is 1.5: expected a whole number"),
+        ({"limit": "long"}, "limit is 'long': expected a number"),
+        ({"solvers": "slsqp"}, "solvers is 'slsqp': expected a list"),
+        ({"solvers": [3]}, "solvers.0 is 3: expected a text"),
         ({"repeats": 0}, "repeats is 0"),
         ({"limit": 0.0}, "limit is 0"),
         ({"solvers": []}, "solvers is"),
@@ -274,8 +259,72 @@ def test_rows_in_two_parts_are_read_once(small, tmp_path):
 )
 def test_requests_that_are_refused_leave_no_folder(small, tmp_path, change, message):
     with pytest.raises(ExperimentError, match=message):
-        run(small, tmp_path / "out", **change)
+        run(**{"experiment": small, "out": tmp_path / "out"} | change)
     assert not (tmp_path / "out").exists()
+
+
+def test_errors_name_the_file_unless_the_caller_is_to_blame(small, tmp_path):
+    with pytest.raises(SolverError, match=r"^solver 'ipopt' has no setting 'steps'"):
+        run(small, solvers=["ipopt[steps=1]"])
+    for old, new, message in (
+        ('"analytic"', '"anal"', "solvers: no solver named 'anal'"),
+        ('"analytic"', '"ipopt[steps=3]"', "solvers: solver 'ipopt' has no setting 'steps'"),
+        ("[1.0, 2.0, 4]", "[-1.0, 2.0, 4]", "scenarios.0, scenario 0: radius is -1.0"),
+        ('label = "sweep"', 'solvers = ["anal"]', "scenarios.0.solvers: no solver named 'anal'"),
+    ):
+        Path(small).write_text(SMALL.replace(old, new))
+        with pytest.raises(ValueError, match=rf"small\.toml: {message}"):
+            run(small, tmp_path / "out")
+    assert not (tmp_path / "out").exists()
+
+
+MISFITS = """
+from dataclasses import dataclass
+from solvers.slsqp import Slsqp
+class NoBranches(Slsqp):
+    branches = ()
+@dataclass(frozen=True)
+class Infinite(Slsqp):
+    patience: float = float("inf")
+class Late(Slsqp):
+    def solve(self, model, limit):
+        solution = super().solve(model, limit)
+        object.__setattr__(solution, "evaluations", "x")
+        return solution
+"""
+
+
+@pytest.mark.parametrize("jobs", [1, 2])
+def test_a_plugin_that_breaks_its_promise_spoils_no_other_row(small, tmp_path, jobs):
+    plugin = tmp_path / "misfits.py"
+    plugin.write_text(MISFITS)
+    specs = [f"{plugin}:{name}" for name in ("NoBranches", "Infinite", "Late")]
+    found = rows(run(small, tmp_path / "out", solvers=["analytic", *specs], jobs=jobs))
+
+    by_solver = {spec: set(part["outcome"]) for spec, part in found.groupby("solver")}
+    assert len(found) == 8 + 3 * 16
+    assert by_solver["analytic"] == by_solver[specs[1]] == {"returned"}
+    assert by_solver[specs[0]] == by_solver[specs[2]] == {"raised"}
+    said = set(found[found["solver"] == specs[2]]["message"])
+    assert said == {"TypeError: evaluations is 'x'; expected int64"}
+
+
+def test_a_malformed_frame_of_answers_is_asked_cell_by_cell(small, tmp_path, monkeypatch):
+    """A plug-in's batch that makes no table costs its cells neither their rows nor the run."""
+    monkeypatch.setattr(batch, "SMALLEST", 2)
+    plugin = tmp_path / "framed.py"
+    plugin.write_text(
+        "from solvers.analytic import Analytic\n"
+        "class Framed(Analytic):\n"
+        "    def solve_frame(self, frame, branch):\n"
+        "        solution = super().solve_frame(frame, branch)\n"
+        "        object.__setattr__(solution, 'claimed_length', ['x'] * len(frame))\n"
+        "        return solution\n"
+    )
+    found = rows(run(small, tmp_path / "out", solvers=[f"{plugin}:Framed"]))
+
+    assert len(found) == 8
+    assert set(found["outcome"]) == {"returned"}
 
 
 def test_progress_counts_every_cell(small, tmp_path):

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import math
+import re
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from experiments.grid import chains, expand_solvers, scenario_id, shuffled
+from experiments import grid
+from experiments.grid import chains, scenario_id, shuffled
+from experiments.patterns import expand_solvers
 from experiments.spec import ExperimentError, packaged, parse, read
 from solvers.registry import SolverError, registered
 from study.scenario import Scenario
@@ -142,6 +145,43 @@ def test_solver_patterns():
 
 
 @pytest.mark.parametrize(
+    ("spec", "message"),
+    [
+        ("turn-rate-qp[n={10,20]", "']' at character 22 closes nothing"),
+        ("turn-rate-qp[n={10,20}", "'[' is not closed"),
+        ("turn-rate-qp[n=10,20}]", "'}' at character 21 closes nothing"),
+        ("slsqp]", "']' at character 6 closes nothing"),
+    ],
+)
+def test_brackets_that_do_not_match_are_said_to(spec, message):
+    with pytest.raises(SolverError, match=re.escape(message)):
+        expand_solvers([spec])
+
+
+def sample(count: int, seed: int) -> str:
+    return (
+        f'sample = {{ method = "sobol", count = {count}, seed = {seed}, '
+        "ranges = { heading = { linear = [0, 1] } } }\n"
+    )
+
+
+def test_sizes_are_counted_exactly():
+    """What is compared with the limit is what would be expanded."""
+    text = HEAD.replace('["analytic"]', '["analytic", "slsqp"]') + (
+        'starts = ["cold", "warm"]\nrepeats = 2\n' + BLOCK + "radius = { log = [1, 2, 5] }\n"
+    )
+    experiment = parse("n", "n", text + "speed = [1, 2]\n" + sample(4, 1)).experiment
+    cells = [cell for group in chains(experiment) for cell in group]
+    assert len(cells) == 2 * 5 * 2 * 4 * 3
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setattr(grid, "MOST_CELLS", len(cells))
+        chains(experiment)
+        patched.setattr(grid, "MOST_CELLS", len(cells) - 1)
+        with pytest.raises(ExperimentError, match="40 scenarios and 240 cells"):
+            chains(experiment)
+
+
+@pytest.mark.parametrize(
     ("text", "message"),
     [
         ("x = ", "bad.toml: not TOML"),
@@ -162,7 +202,36 @@ def test_solver_patterns():
         (HEAD + "[[scenarios]]\ntarget_x = 1\n", "expected target_x and target_y, or distance"),
         (HEAD + "[[scenarios]]\ndistance = 1\ntarget_y = 2\n", "or distance and bearing"),
         (HEAD + BLOCK + 'sample = { method = "dice", count = 1, seed = 1 }\n', "sample"),
-        ("scenarios = 3\n" + HEAD, "scenarios is 3"),
+        ("scenarios = 3\n" + HEAD, "scenarios is 3: expected a list"),
+        ("scenarios = []\n" + HEAD, "scenarios is []: expected at least one"),
+        (HEAD + "starts = []\n" + BLOCK, "starts is []: expected at least one"),
+        (HEAD + 'starts = ["hot"]\n' + BLOCK, "starts.0 is 'hot': expected 'cold' or 'warm'"),
+        (HEAD + "repeats = true\n" + BLOCK, "repeats is True: expected a number"),
+        (HEAD + "repeats = 1.5\n" + BLOCK, "repeats is 1.5: expected a whole number"),
+        (HEAD + "limit = true\n" + BLOCK, "limit is True: expected a number"),
+        (HEAD + "seed = -1\n" + BLOCK, "seed is -1: expected a number of at least 0"),
+        (HEAD + BLOCK + "label = 3\n", "scenarios.0.label is 3: expected a text"),
+        (HEAD + BLOCK + "radius = true\n", "scenarios.0.radius is True: expected a number"),
+        (HEAD + BLOCK + "radius = [1, true]\n", "scenarios.0.radius.1 is True: expected a number"),
+        (HEAD + BLOCK + "radius = []\n", "scenarios.0.radius is []: expected at least one"),
+        (HEAD + BLOCK + "branches = []\n", "scenarios.0.branches is []: expected at least one"),
+        (HEAD + BLOCK + "solvers = []\n", "scenarios.0.solvers is []: expected at least one"),
+        (HEAD + BLOCK + "radius = { lin = 1 }\n", "scenarios.0.radius: expected a number, a list"),
+        (HEAD + BLOCK + "radius = 2026-01-01\n", "): expected a number, a list of numbers, { lin"),
+        (HEAD + BLOCK + "radius = { log = [1, 2] }\n", "is [1, 2]: expected [first, last, count]"),
+        (HEAD + BLOCK + "radius = { linear = [1, 2, true] }\n", "linear.2 is True: expected a num"),
+        (HEAD + BLOCK + "radius = " + "9" * 5000 + "\n", "bad.toml: not TOML"),
+        (HEAD + BLOCK + "radius = " + "[" * 5000 + "\n", "bad.toml: not TOML"),
+        (HEAD + BLOCK + sample(1, -1), "sample.seed is -1: expected a number of at least 0"),
+        (HEAD + BLOCK + sample(0, 1), "sample.count is 0: expected a number of at least 1"),
+        (HEAD + BLOCK + sample(1, 1).replace("0, 1", "1"), "is [1]: expected [low, high]"),
+        (HEAD + BLOCK + sample(10**9, 1), "scenarios.0: 1000000000 scenarios and 1000000000 cells"),
+        (
+            HEAD + BLOCK + "radius = { linear = [1, 2, 1000000000] }\nx = [1, 2]\n",
+            "at most 2000000",
+        ),
+        (HEAD + "repeats = 1000000000\n" + BLOCK, "scenarios.0: 1 scenarios and 1000000000 cells"),
+        (HEAD + 2 * (BLOCK + "x = { linear = [1, 2, 1500000] }\n"), "3000000 cells up to here"),
     ],
 )
 def test_mistakes_name_file_key_and_value(text, message):

@@ -19,7 +19,9 @@ from report.basins import (
     OPTIMUM,
     OTHER,
     TURNS,
+    capping,
     ends,
+    is_capped,
     minimum,
     shares,
 )
@@ -120,6 +122,27 @@ def test_shares_by_hand(results):
     )
 
 
+def test_what_a_cap_changes_by_hand(results):
+    """Only solvers that were tried both ways count."""
+    free, bounded = SPEC, "slsqp[model=joint,order=LRS,start=given]"
+    local = {"claim": Claim.LOCAL}
+    rows = [
+        given(THREE, 0.0, 0.0, **local),
+        given(THREE, 0.0, 1.0, path=turned(THREE, "LS", 1), **local),
+        given(THREE, 0.0, 0.0, **local) | {"solver": bounded},
+        given(THREE, 0.0, 1.0, path=None, claim=Claim.INFEASIBLE) | {"solver": bounded},
+        given(THREE, 0.0, 0.0, path=None, claim=Claim.INFEASIBLE) | {"solver": "nlp[start=given]"},
+    ]
+
+    change = capping(shares(ends(load([results("basins", rows)]).rows)))
+
+    assert change["found"].to_dict() == {False: 0.5, True: 0.5}
+    assert change["turned"].to_dict() == {False: 0.5, True: 0.0}
+    assert change["lies"].to_dict() == {False: 0, True: 1}
+    assert is_capped(bounded)
+    assert not is_capped(free)
+
+
 def test_cold_starts_are_not_of_the_study(results):
     assert ends(load([results("basins", [attempt(THREE)])]).rows).empty
 
@@ -166,12 +189,15 @@ def test_where_a_local_solver_starts_decides_where_it_ends(reduced):
     table = ends(load([reduced]).rows)
     found = shares(table)
 
-    assert len(found) == 6
-    assert found["starts"].tolist() == [49] * 6
+    assert len(found) == 10
+    assert found["starts"].tolist() == [49] * 10
     assert found["found"].between(0.2, 0.85).all()
-    assert (found["turns_1"] > 0).all()
-    ipopt = found[found["solver"].str.startswith("ipopt") & (found["label"] == "problem 4")]
-    assert ipopt[INFEASIBLE].item() > 4
+    assert (found[~found["capped"]]["turns_1"] > 0).all()
+    ipopt = found[(found["name"] == "ipopt") & (found["label"] == "problem 4")]
+    assert (ipopt[INFEASIBLE] > 4).all()
+    change = capping(found)
+    assert change.loc[True, "turned"] < change.loc[False, "turned"] / 2
+    assert change.loc[True, "lies"] > 4  # no cap makes a local solver honest
     nowhere = table[table["end"] == NOWHERE]
     assert len(nowhere) > 0
     # what the lengths call no minimum is no extremal either; true minima miss by up to 6e-3 where

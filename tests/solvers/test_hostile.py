@@ -10,6 +10,7 @@ import pytest
 from solvers.answer import attempt
 from solvers.frame import FrameSolution, solve_frame
 from solvers.protocol import Guarantee, Outcome, Question, Solution
+from solvers.registry import SolverError, load
 from study.path import Path
 from study.scenario import Pose, Scenario, scenario_frame
 from study.synthesis import shortest_path
@@ -107,3 +108,26 @@ def test_frames_are_guarded_likewise(monkeypatch, trick):
     assert rows["target_x"].tolist() == [EASY.target_x] * 4
     assert set(rows["outcome"]) == {"returned" if trick == "easier" else "raised"}
     assert set(rows["verdict"]) == {"misses" if trick == "easier" else "none"}
+
+
+@pytest.mark.parametrize(
+    ("line", "message"),
+    [
+        ("packages = None", "packages is None; expected texts"),
+        ("branches = ('best', 3)", r"branches is \('best', 3\); expected texts"),
+        ("profiles = 3", "profiles is 3; expected a dict"),
+        ("def __init__(self): raise OSError('no')", "cannot be made: OSError"),
+    ],
+)
+def test_classes_that_only_look_like_solvers_are_refused(tmp_path, line, message):
+    file = tmp_path / "bad.py"
+    lines = [
+        "class Bad:",
+        "    name = method = guarantee = summary = 'bad'",
+        "    branches, warm, packages = ('best',), False, ()",
+        "    unavailable = build = solve = None",
+        f"    {line}",
+    ]
+    file.write_text("\n".join(lines))
+    with pytest.raises(SolverError, match=message):
+        load(f"{file}:Bad")

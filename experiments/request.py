@@ -1,0 +1,75 @@
+"""What a caller of `run` asks for: checked, written into the experiment, expanded."""
+
+from __future__ import annotations
+
+import shlex
+from pathlib import Path as FilePath
+from typing import NamedTuple
+
+from experiments.grid import Chain, chains
+from experiments.patterns import expand_solvers
+from experiments.spec import Experiment, ExperimentError, Source, read, validated
+from solvers.registry import SolverError
+
+
+class Request(NamedTuple):
+    """The arguments of `run` that decide which rows there will be."""
+
+    experiment: str | FilePath
+    solvers: list[str] | None
+    jobs: int
+    limit: float | None
+    repeats: int | None
+
+    def command(self) -> str:
+        """The command line that asks for the same rows; where they are put is left out."""
+        words = ["dubins-study", "run", str(self.experiment)]
+        words += [word for spec in self.solvers or () for word in ("--solver", spec)]
+        options = {"--jobs": self.jobs, "--limit": self.limit, "--repeats": self.repeats}
+        words += [word for key, value in options.items() if value for word in (key, str(value))]
+        return shlex.join(words)
+
+
+def accepted(request: Request, out: object) -> tuple[Source, list[Chain]]:
+    """The experiment as the request changes it, and all its cells.
+
+    Raises:
+        ExperimentError, SolverError: naming the argument or the file and key, its value, and what
+            was expected.
+    """
+    _check_types(request, out)
+    found = _changed(read(str(request.experiment)), request)
+    if request.solvers is not None:
+        # before the file is: it is not to blame for these
+        expand_solvers(request.solvers, found.experiment.profile)
+    try:
+        return found, chains(found.experiment)
+    except (ExperimentError, SolverError) as error:
+        raise type(error)(f"{found.file}: {error}") from None
+
+
+def _check_types(request: Request, out: object) -> None:
+    if not isinstance(request.experiment, str | FilePath):
+        raise ExperimentError(
+            f"experiment is {request.experiment!r}; expected a name or the path of a .toml file"
+        )
+    if not (out is None or isinstance(out, str | FilePath)):
+        raise ExperimentError(f"out is {out!r}; expected the path of a folder")
+    jobs = request.jobs
+    if isinstance(jobs, bool) or not isinstance(jobs, int) or jobs < 1:
+        raise ExperimentError(f"jobs is {jobs!r}; expected a whole number of processes above 0")
+
+
+def _changed(found: Source, request: Request) -> Source:
+    """The experiment with the caller's own solvers, limit and repeats, checked like the file's."""
+    solvers = request.solvers
+    given = {"solvers": solvers, "limit": request.limit, "repeats": request.repeats}
+    changes = {key: value for key, value in given.items() if value is not None}
+    if not changes:
+        return found
+    fields = {name: getattr(found.experiment, name) for name in Experiment.model_fields}
+    blocks = found.experiment.scenarios
+    if solvers is not None:
+        blocks = [block.model_copy(update={"solvers": None}) for block in blocks]
+    changed = fields | {"scenarios": blocks} | changes
+    return found._replace(experiment=validated(found.name, changed))

@@ -1,0 +1,59 @@
+"""Rows of a run as they come: written every second, counted, told."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path as FilePath
+from time import monotonic
+from typing import Any
+
+from experiments.rows import Row, rows_table
+from experiments.store import write_part
+
+# rows are written when this many seconds have passed, so that a killed run loses little
+_FLUSH = 1.0
+
+# called with (cells done, cells in all) after every step
+Progress = Callable[[int, int], None]
+
+
+class Writer:
+    """Collects rows, writes a part every second, and tells the progress."""
+
+    def __init__(self, folder: FilePath, run_id: str, total: int, progress: Progress | None):
+        self.folder, self.run_id, self.total, self.progress = folder, run_id, total, progress
+        self.rows: list[Row] = []
+        self.parts = 0
+        self.done = 0
+        self.flushed = monotonic()
+
+    def skip(self, cells: int) -> None:
+        self.done += cells
+        self._tell()
+
+    def add(self, rows: list[Row]) -> None:
+        self.rows += rows
+        self.done += len(rows)
+        if monotonic() - self.flushed > _FLUSH:
+            self.flush()
+        self._tell()
+
+    def add_table(self, table: Any) -> None:
+        self._write(table)
+        self.done += len(table)
+        self._tell()
+
+    def flush(self) -> None:
+        # Interrupted in the middle, it writes the same rows again: a folder is read without copies.
+        if self.rows:
+            self._write(rows_table(self.rows))
+            self.rows = []
+        self.flushed = monotonic()
+
+    def _write(self, table: Any) -> None:
+        write_part(self.folder, f"{self.run_id}-{self.parts:06d}", table)
+        self.parts += 1
+
+    def _tell(self) -> None:
+        if self.progress is not None:
+            self.progress(self.done, self.total)
