@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import pandas as pd
 
-from report.metrics import solver_order
+from report.metrics import parse_spec, solver_order
 from study.scenario import Scenario
 from study.schema import SCENARIO, names
 from study.synthesis import shortest
@@ -98,10 +98,34 @@ def ends(rows: pd.DataFrame) -> pd.DataFrame:
     )
 
 
+def is_capped(solver: str) -> bool:
+    """Whether a spec bounds turns by a full one, as it does unless it says otherwise."""
+    return parse_spec(solver)[1].get("capped", "True").lower() == "true"
+
+
+def capping(found: pd.DataFrame) -> pd.DataFrame:
+    """What a cap on the turns changes, from `shares`, over the solvers that were tried both ways.
+
+    Index capped (False, True; empty if no solver was); columns found and turned (shares of the
+    attempts that end in the shortest path, and in a minimum with full turns), lies (count).
+    """
+    both = found.groupby("name")["capped"].transform("nunique") == 2
+    total = found[both].groupby("capped").sum(numeric_only=True)
+    turned = total["turns_1"] + total["turns_2"] + total["turns_more"]
+    return pd.DataFrame(
+        {
+            "found": total[OPTIMUM] / total["starts"],
+            "turned": turned / total["starts"],
+            "lies": total["lies"],
+        }
+    )
+
+
 def shares(table: pd.DataFrame) -> pd.DataFrame:
     """One row a scenario and solver, from `ends`.
 
-    Columns: label, word_ref, solver, starts, one per end (counts), found (share of all starts),
+    Columns: label, word_ref, solver, name (without settings), capped (whether its turns are
+    bounded by a full one), starts, one per end (counts), found (share of all starts),
     turns_1, turns_2, turns_more (minima with so many full turns too many, of any word),
     most_turns, lies (count).
     """
@@ -113,6 +137,7 @@ def shares(table: pd.DataFrame) -> pd.DataFrame:
             minima = own[own["turns"].notna()]
             records.append(
                 {"label": label, "word_ref": own["word_ref"].iloc[0], "solver": solver}
+                | {"name": parse_spec(solver)[0], "capped": is_capped(solver)}
                 | {"starts": len(own), **counts, "found": counts[OPTIMUM] / len(own)}
                 | {
                     "turns_1": int((own["turns"] == 1).sum()),

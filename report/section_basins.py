@@ -13,7 +13,9 @@ from report.basins import (
     NOWHERE,
     OTHER,
     TURNS,
+    capping,
     ends,
+    is_capped,
     shares,
 )
 from report.content import Column, Picture, Section, Table, count, share, slug
@@ -24,23 +26,26 @@ from report.style import HALF, new_figure
 
 
 def basins_section(results: Results) -> Section | None:
-    """A map per scenario and solver, a table of ends, and what they say."""
+    """A map per scenario and solver, a table of ends, and what they say.
+
+    Maps and sentences are of the solvers with unbounded turns, if there are any, since that is the
+    paper's model; the table has them all.
+    """
     own = results.rows[results.rows["experiment"] == EXPERIMENT]
     table = ends(own[own["branch"] == "best"])
     if table.empty:
         return None
-    found = shares(table)
-    listed = [end for end in ENDS if (table["end"] == end).any()]
+    capped = table["solver"].map(is_capped)
+    mapped = table if capped.all() else table[~capped]
+    listed = [end for end in ENDS if (mapped["end"] == end).any()]
     pictures = [
         _picture(label, solver, group, listed)
-        for solver in solver_order(table["solver"].tolist())
-        for label, group in table[table["solver"] == solver].groupby("label", sort=True)
+        for solver in solver_order(mapped["solver"].tolist())
+        for label, group in mapped[mapped["solver"] == solver].groupby("label", sort=True)
     ]
+    text = " ".join((_method(table), *_findings(shares(mapped)), _cap(capping(shares(table)))))
     return Section(
-        "basins",
-        "Where starting points lead",
-        f"{_method(table)} {' '.join(_findings(found))}",
-        (*pictures, _table(found)),
+        "basins", "Where starting points lead", text.strip(), (*pictures, _table(shares(table)))
     )
 
 
@@ -91,6 +96,18 @@ def _findings(found: pd.DataFrame) -> list[str]:
     return [first, f"{second}.", third]
 
 
+def _cap(change: pd.DataFrame) -> str:
+    if change.empty:
+        return ""
+    free, bounded = change.loc[False], change.loc[True]
+    return (
+        "From the same starts, but with every turn bounded by a full one, the share that ends with "
+        f"full turns is {share(bounded['turned'])} instead of {share(free['turned'])}, that of the "
+        f"shortest path {share(bounded['found'])} instead of {share(free['found'])}, and the "
+        f"refuted statements number {count(bounded['lies'])} instead of {count(free['lies'])}."
+    )
+
+
 def _who(row: pd.Series) -> str:
     return f"{parse_spec(row['solver'])[0]}, {row['label']}"
 
@@ -114,6 +131,7 @@ def _table(found: pd.DataFrame) -> Table:
     columns = (
         Column("label", "scenario", kind="text"),
         Column("name", "solver", kind="code"),
+        Column("capped", "turns", lambda capped: "≤ 2π" if capped else "free", kind="text"),
         Column("starts", "starts", count),
         Column("found", "shortest", share),
         Column(TURNS, "with full turns", count),
@@ -136,8 +154,4 @@ def _table(found: pd.DataFrame) -> Table:
     marks = {
         (i, end): "bad" for i, (_, row) in enumerate(found.iterrows()) for end in lies if row[end]
     }
-    names = found["solver"].map(lambda solver: parse_spec(solver)[0])
-    # one scenario's variants of a solver need their settings to be told apart
-    twice = names.groupby([found["label"], names]).transform("size") > 1
-    shown = found.assign(name=names.where(~twice, found["solver"]))
-    return Table("basins", caption, shown, columns, marks)
+    return Table("basins", caption, found, columns, marks)
