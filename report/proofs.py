@@ -109,9 +109,8 @@ def prices(rows: pd.DataFrame) -> pd.DataFrame:
 
 
 def fastest(rows: pd.DataFrame) -> tuple[str, float]:
-    """The solver without bounds that is most often the fastest right one, and its share.
-
-    Of the questions that any of them answers rightly; ("", NaN) if there is none.
+    """The solver without bounds that is most often the fastest right one, and its share: of the
+    questions that any of them answers rightly; ("", NaN) if there is none.
     """
     plain = rows[~rows["solver"].isin(provers(rows))]
     right = plain[success(plain)]
@@ -119,4 +118,5 @@ def fastest(rows: pd.DataFrame) -> tuple[str, float]:
         return "", float("nan")
     median = right.groupby([*_QUESTION, "solver"])["wall_s"].median().unstack("solver")
     first = median.idxmin(axis=1).value_counts(normalize=True)
-    return str(first.index[0]), float(first.iloc[0])
+    often = float(first.max())
+    return solver_order([str(name) for name in first.index[first == often]])[0], often

@@ -8,6 +8,8 @@ from report.content import Column, Picture, Table, count, digits, seconds, share
 from report.figures_warm import plot_warm
 from report.style import HALF, name_of, new_figure
 
+_SAME = 0.02  # ratios this near to 1 are called equal
+
 
 def warm_blocks(table: pd.DataFrame) -> tuple[Picture, Table]:
     """Figure and table; `table` is of `timing.warm_starts`, and not empty."""
@@ -51,31 +53,31 @@ def warm_sentences(table: pd.DataFrame) -> str:
 
 def _named(rows: pd.DataFrame, key: str) -> str:
     ranked = rows.sort_values(key).to_dict("records")
-    return ", ".join(f"{row['solver']} to {digits(2)(row[key])}" for row in ranked)
+    return ", ".join(f"{row['solver']} ({digits(2)(row[key])})" for row in ranked)
 
 
-def _changes(table: pd.DataFrame, key: str, what: str) -> str:
-    saves, costs = table[table[key] < 1], table[table[key] >= 1]
-    parts = []
-    if len(saves):
-        parts.append(f"cuts the median {what} of {_named(saves, key)} of the cold one")
-    if len(costs):
-        parts.append(f"saves none of {', '.join(_times(costs, key))}")
-    return "; it ".join(parts)
-
-
-def _times(rows: pd.DataFrame, key: str) -> list[str]:
-    return [f"{row['solver']} ({digits(2)(row[key])})" for row in rows.to_dict("records")]
+def _changes(table: pd.DataFrame, key: str) -> str:
+    known = table[table[key].notna()]
+    groups = (
+        ("less than a cold one for", known[known[key] < 1 - _SAME]),
+        ("as much for", known[(known[key] - 1).abs() <= _SAME]),
+        ("more for", known[known[key] > 1 + _SAME]),
+    )
+    return "; ".join(f"{verb} {_named(rows, key)}" for verb, rows in groups if len(rows))
 
 
 def _time(table: pd.DataFrame) -> str:
-    said = _changes(table[table["ratio"].notna()], "ratio", "time")
-    return f"A start from the neighbouring radius {said}." if said else ""
+    said = _changes(table, "ratio")
+    return (
+        f"In time a start from the neighbouring radius costs, as a median multiple: {said}."
+        if said
+        else ""
+    )
 
 
 def _work(table: pd.DataFrame) -> str:
-    said = _changes(table[table["work"].notna()], "work", "number of iterations")
-    return f"It {said}." if said else ""
+    said = _changes(table, "work")
+    return f"In iterations it costs: {said}." if said else ""
 
 
 def _success(table: pd.DataFrame) -> str:
