@@ -12,6 +12,7 @@ import pytest
 from experiments import run
 from experiments.rows import ARROW_SCHEMA
 from experiments.store import StoreError, done, read_manifest, read_rows
+from study.schema import VERSION
 
 EXPERIMENT = """
 title = "store"
@@ -38,8 +39,8 @@ def folder(experiment, tmp_path):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"schema": None}, "schema None; expected 1"),
-        ({"schema": 99}, "has schema 99; expected 1"),
+        ({"schema": None}, f"schema None; expected {VERSION}"),
+        ({"schema": 99}, f"has schema 99; expected {VERSION}"),
         ({"experiment": 3}, "experiment is 3; expected an object with name and text"),
         ({"experiment": {}}, "experiment is {}; expected an object with name and text"),
         ({"cells": "x"}, "cells is 'x'; expected a whole number of at least 0"),
