@@ -21,6 +21,7 @@ from report.metrics import parse_spec, solver_order
 INK, MUTED, RULE, PAPER = "#1a1c1f", "#6a7079", "#d5d9de", "#ffffff"
 BLUE, VERMILION, GREEN, ORANGE = "#0072b2", "#d55e00", "#009e73", "#e69f00"
 SKY, PURPLE = "#56b4e9", "#cc79a7"
+BROWN, OLIVE = "#7a3b12", "#8a8000"  # not Okabe and Ito's, whose yellow is lost on paper
 
 # on coloured maps, which stay as they are when the page is dark; not equal to those above, which
 # the page replaces
@@ -101,8 +102,13 @@ _KNOWN = {
     "slsqp": (ORANGE, "s"),
     "ipopt": (BLUE, "^"),
     "turn-rate-qp": (GREEN, "D"),
+    "collocation": (VERMILION, "v"),
+    "shooting": (PURPLE, "P"),
+    "heading-milp": (SKY, "X"),
+    "disjunctive": (BROWN, "p"),
+    "nlp": (OLIVE, "*"),
 }
-_OTHERS = ((VERMILION, "v"), (PURPLE, "P"), (SKY, "X"), (MUTED, "<"))
+_OTHERS = ((MUTED, "<"), (VERMILION, ">"), (PURPLE, "h"), (SKY, "d"))
 LINES: tuple[str | tuple[int, tuple[float, ...]], ...] = (
     "-",
     (0, (4, 1.5)),
