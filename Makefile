@@ -2,9 +2,10 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/ready
+STUDIES := paper radius-sweep random plane discretisation basins bias scale convergence ladder proofs
 
 .DEFAULT_GOAL := help
-.PHONY: help study test check bench lock clean
+.PHONY: help study studies reference test check bench lock clean
 
 help:  ## list the targets
 	@grep -hE '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 12
@@ -17,8 +18,15 @@ $(READY): requirements.lock pyproject.toml
 
 study: $(READY)  ## run the experiments paper and radius-sweep and write the report
 	$(BIN)/dubins-study run paper
-	$(BIN)/dubins-study run radius-sweep
+	$(BIN)/dubins-study run radius-sweep --jobs 2
 	$(BIN)/dubins-study report results/paper results/radius-sweep --out results/report
+
+studies: $(READY)  ## run every experiment but the reference and write one report of all
+	for name in $(STUDIES); do $(BIN)/dubins-study run $$name --jobs 2 || exit $$?; done
+	$(BIN)/dubins-study report $(STUDIES:%=results/%) --out results/studies
+
+reference: $(READY)  ## make the committed reference run anew
+	$(BIN)/dubins-study run reference --out results/reference --fresh
 
 test: $(READY)  ## run the tests
 	$(BIN)/python -m pytest $(ARGS)
