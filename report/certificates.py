@@ -19,11 +19,13 @@ def proof(rows: pd.DataFrame) -> pd.Series:
 def compared(rows: pd.DataFrame) -> pd.Series[bool]:
     """Whether an answer's multipliers can be compared with the costates of its own path.
 
-    Only an extremal has costates, and a single arc has a whole family of them: nothing but
-    nu3 = 0 at its end and H = 0 ties them.
+    Only an extremal that arrives has costates to compare with: what a solver reports of a path
+    that does not is a proof of infeasibility at best. A single arc has a whole family of them,
+    which nothing but nu3 = 0 at its end and H = 0 ties.
     """
+    arrived = rows["gap"].notna() & rows["costate_error"].notna()
     tied = ~rows["word"].isin(["L", "R"]) & (rows["pmp_residual"] <= PMP_TOLERANCE)
-    return rows["costate_error"].notna() & tied
+    return arrived & tied
 
 
 def certificates(rows: pd.DataFrame) -> pd.DataFrame:

@@ -39,7 +39,7 @@ def plot_ladder(ax: Axes, table: pd.DataFrame, solvers: list[str], arrives: int)
             linestyle="none",
             marker=marker,
             color=colour,
-            markersize=6,
+            markersize=5,
             markerfacecolor=colour if filled else "none",
         )
     false = table[table["false_claims"] > 0]
@@ -48,14 +48,15 @@ def plot_ladder(ax: Axes, table: pd.DataFrame, solvers: list[str], arrives: int)
         false["solver"].map(lines),
         linestyle="none",
         marker="o",
-        markersize=10,
+        markersize=9,
         markerfacecolor="none",
         color=VERMILION,
     )
     ax.axvline(arrives, color=MUTED, linewidth=0.8, linestyle=(0, (1, 2)), zorder=0)
     rungs = sorted(table["rung"].unique())
-    ax.set_xticks(rungs, [power(10.0**r) if r % 2 == 0 else "" for r in rungs])
+    ax.set_xticks(rungs, [power(10.0**r) if r % 3 == 0 else "" for r in rungs])
     ax.set_yticks(list(lines.values()), [name_of(solver) for solver in lines], color=INK)
+    ax.set_xlabel("margin / R")
     ax.set(xlim=(max(rungs) + 0.6, min(rungs) - 0.6), ylim=(-0.6, len(lines) - 0.4))
     ax.grid(False)
     ax.grid(True, axis="y", color=RULE)
@@ -73,9 +74,7 @@ def legend_entries(table: pd.DataFrame) -> list[Line2D]:
             entries.append(_entry(finding, color=colour, marker=marker, markerfacecolor=face))
     if (table["false_claims"] > 0).any():
         entries.append(
-            _entry(
-                "false claim", color=VERMILION, marker="o", markerfacecolor="none", markersize=10
-            )
+            _entry("false claim", color=VERMILION, marker="o", markerfacecolor="none", markersize=9)
         )
     return entries
 

@@ -24,10 +24,23 @@ _GROUPS = ((BLUE, "o"), (VERMILION, "s"), (GREEN, "^"))
 
 
 def plot_wall(ax: Axes, table: pd.DataFrame) -> None:
-    """Median and quartiles of the whole time. Columns solver, wall_s, wall_s_q1, wall_s_q3 (s)."""
+    """Median and quartiles of the whole time, and beside them how much is proven.
+
+    Columns solver, wall_s, wall_s_q1, wall_s_q3 (s), own (share), proved and attempts (counts).
+    """
     places = np.arange(len(table))[::-1]
     style = looks(table["solver"].tolist())
     for place, row in zip(places, table.to_dict("records"), strict=True):
+        said = f"{_percent(row['own'])}\n{_percent(row['proved'] / row['attempts'])}"
+        ax.text(
+            1.02,
+            place,
+            said,
+            transform=ax.get_yaxis_transform(),
+            va="center",
+            fontsize=7.5,
+            color=MUTED,
+        )
         if not row["wall_s"] > 0:
             continue
         look = style[row["solver"]]
@@ -41,11 +54,24 @@ def plot_wall(ax: Axes, table: pd.DataFrame) -> None:
         )
         ax.plot(row["wall_s"], place, **look.dots)
     ax.set_yticks(places, [name_of(solver) for solver in table["solver"]], color=INK)
+    ax.text(
+        1.02,
+        1.0,
+        "own bound,\ncertificate",
+        transform=ax.transAxes,
+        va="bottom",
+        fontsize=7.5,
+        color=MUTED,
+    )
     ax.set(xscale="log", ylim=(-0.6, len(table) - 0.4), xlabel="time of one attempt")
     log_axis(ax.xaxis, duration)
     only_grid(ax, "x")
     ax.spines["left"].set_visible(False)
     ax.tick_params(axis="y", length=0)
+
+
+def _percent(share: float) -> str:
+    return f"{100 * share:.0f} %"
 
 
 def plot_prices(ax: Axes, table: pd.DataFrame) -> None:

@@ -25,6 +25,8 @@ def plot_warm(ax: Axes, table: pd.DataFrame) -> None:
     ax.axvline(1.0, color=MUTED, linewidth=0.8, linestyle=(0, (1, 2)))
     ax.set_yticks(places, [name_of(solver) for solver in table["solver"]], color=INK)
     ax.set(xscale="log", ylim=(-0.6, len(table) - 0.4), xlabel="warm / cold")
+    left, right = ax.get_xlim()
+    ax.set_xlim(min(left, 0.45), max(right, 2.2))  # or 1 would be the only number on the axis
     plain_log_axis(ax.xaxis)
     only_grid(ax, "x")
     ax.spines["left"].set_visible(False)

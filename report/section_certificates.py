@@ -70,7 +70,8 @@ def _reported(frame: pd.DataFrame) -> str:
         best, worst = ranked[0], ranked[-1]
         part = (
             "the multipliers of an extremal are off its own costates by at most "
-            f"{digits(2)(worst['costate_error'])} ({worst['solver']})"
+            f"{digits(2)(worst['costate_error'])} ({worst['solver']}, whose median is "
+            f"{digits(2)(worst['costate_median'])})"
         )
         if len(compared) > 1:
             part += f", at best by {digits(2)(best['costate_error'])} ({best['solver']})"
@@ -114,8 +115,8 @@ def _table(frame: pd.DataFrame) -> Table:
         "Residual: the worst violation of Pontryagin's conditions among the optimal answers. Cut "
         "margin: above 0 a path is the shortest to its own end; the least among the optimal "
         "answers to `best`. Costate error: the distance of a solver's multipliers from the "
-        "costates of its own path, where that is an extremal of more than one arc: a single arc "
-        "does not determine them."
+        "costates of its own path, where that arrives and is an extremal of more than one arc: a "
+        "single arc does not determine them."
     )
     marks = {
         (i, "false_bounds"): "bad"

@@ -9,6 +9,7 @@ from report.content import Column, Picture, Section, Table, count, digits, secon
 from report.convergence import EXPERIMENT, PLACES, medians, orders, refined
 from report.figures_convergence import plot_cost, plot_orders
 from report.load import Results
+from report.metrics import parse_spec
 from report.style import HALF, new_figure
 
 _WHERE = {"outside": "outside the discs", "in a disc": "in a disc"}
@@ -76,7 +77,8 @@ def _collocated(found: pd.DataFrame) -> str:
     for place in PLACES:
         own = raw[raw["place"] == place]
         items = [
-            f"{name} {digits(3)(p)}" for name, p in zip(own["series"], own["order"], strict=True)
+            f"{_points(name)}: {digits(3)(p)}"
+            for name, p in zip(own["series"], own["order"], strict=True)
         ]
         if items:
             parts.append(f"{_WHERE[place]} {', '.join(items)}")
@@ -86,6 +88,12 @@ def _collocated(found: pd.DataFrame) -> str:
         "Left uncorrected, collocation at p of Radau's points should miss the target by 1/N to "
         f"the power 2p − 1; the fitted powers are: {'; '.join(parts)}."
     )
+
+
+def _points(series: str) -> str:
+    """What tells one uncorrected collocation from another: its points, if its spec says them."""
+    points = parse_spec(series)[1].get("points")
+    return series if points is None else f"p = {points}"
 
 
 def _pictures(table: pd.DataFrame, found: pd.DataFrame) -> list[Picture]:
@@ -103,7 +111,8 @@ def _pictures(table: pd.DataFrame, found: pd.DataFrame) -> list[Picture]:
                 _orders_of(found, "gap", place),
                 "median gap",
                 f"Targets {where}: median gap against the number of steps, headings or elements, "
-                "and the order p fitted as far as it falls. Steeper is better.",
+                "and the order p fitted as far as it falls. Steeper is better; marks inside each "
+                "other are lines that coincide.",
             ),
             _cost_picture(
                 f"convergence-time-{key}",
@@ -123,7 +132,7 @@ def _pictures(table: pd.DataFrame, found: pd.DataFrame) -> list[Picture]:
                     _orders_of(found, "miss", place),
                     "median miss / R",
                     f"Targets {_WHERE[place]}: by how much collocation misses if nothing corrects "
-                    "it. The lines end in Ipopt's own tolerance, below 1e-9.",
+                    "it. Nothing is fitted below 1e-9, Ipopt's own tolerance.",
                 )
             )
     return pictures

@@ -12,7 +12,7 @@ from report.figures_ladder import legend_entries, plot_ladder
 from report.ladder import ANSWERED, EXPERIMENT, JUMP, SIDES, down_to, ladder, rungs
 from report.load import Results
 from report.metrics import solver_order
-from report.style import WIDE, new_figure, power
+from report.style import HALF, new_figure, power
 
 _ARRIVES = -6  # the check's default tolerance of misses: 1e-6 R
 
@@ -32,7 +32,7 @@ def ladder_section(results: Results) -> Section | None:
         "ladder",
         "The ladder toward a turning circle",
         text,
-        (_picture(table), _table(down_to(table))),
+        (*_pictures(table), _table(down_to(table))),
     )
 
 
@@ -95,25 +95,35 @@ def _margin(value: float) -> str:
     return f"1e{round(math.log10(value))}"
 
 
-def _picture(table: pd.DataFrame) -> Picture:
+def _pictures(table: pd.DataFrame) -> list[Picture]:
     solvers = list(dict.fromkeys(table["solver"]))
-    figure = new_figure(WIDE, 1.4 + 0.42 * len(solvers))
-    axes = figure.subplots(2, 2, sharex=True, sharey=True)
-    for ax, side in zip(axes.flat, SIDES, strict=True):
+    pictures: list[Picture] = []
+    for side in SIDES:
         own = table[table["side"] == side]
-        if len(own):
-            plot_ladder(ax, own, solvers, _ARRIVES)
-        ax.set_title(f"{side[:1].upper()}{side[1:]}")
-    for ax in axes[1]:
-        ax.set_xlabel("margin / R")
-    figure.legend(handles=legend_entries(table), loc="outside lower left", ncols=6)
-    caption = (
-        "The worst of the answers at each margin. Right: the shortest path. Coarse: its shape, "
-        "but longer than the check's tolerance allows. By its miss: optimal for the point that it "
-        "ends at, and shorter than any path to the target. Dotted: the largest miss that counts "
-        f"as arriving, {power(10.0**_ARRIVES)} R."
-    )
-    return Picture("ladder", caption, figure, "Matrix of solvers and margins, four sides")
+        if own.empty:
+            continue
+        figure = new_figure(HALF, 1.5 + 0.23 * len(solvers))
+        plot_ladder(figure.add_subplot(), own, solvers, _ARRIVES)
+        figure.legend(
+            handles=legend_entries(own),
+            loc="outside lower left",
+            ncols=3,
+            handletextpad=0.2,
+            columnspacing=1.0,
+        )
+        caption = f"{side[:1].upper()}{side[1:]} the circle: the worst of the answers at a margin."
+        if not pictures:
+            caption += (
+                " Right: the shortest path. Coarse: its shape, but longer than the check's "
+                "tolerance allows. By its miss: optimal for the point that it ends at, and "
+                "shorter than any path to the target. Dotted: the largest miss that counts as "
+                f"arriving, {power(10.0**_ARRIVES)} R."
+            )
+        name = f"ladder-{side.replace(', ', '-')}"
+        pictures.append(
+            Picture(name, caption, figure, f"Matrix of solvers and margins, {side}", True)
+        )
+    return pictures
 
 
 def _table(found: pd.DataFrame) -> Table:

@@ -6,12 +6,11 @@ import pandas as pd
 
 from report.certificates import PROOFS
 from report.content import Column, Picture, Section, Table, count, digits, seconds, share
-from report.figures_certificates import plot_proofs
 from report.figures_proofs import plot_prices, plot_wall
 from report.load import Results
 from report.metrics import solver_order
 from report.proofs import EXACT, EXPERIMENT, fastest, prices, proofs, provers
-from report.style import HALF, WIDE, new_figure
+from report.style import HALF, new_figure
 
 
 def proofs_section(results: Results) -> Section | None:
@@ -20,7 +19,7 @@ def proofs_section(results: Results) -> Section | None:
     if rows.empty:
         return None
     table, price = proofs(rows), prices(rows)
-    blocks: list[Picture | Table] = [*_pictures(table)]
+    blocks: list[Picture | Table] = [_time_picture(table)]
     if len(price):
         blocks.append(_price_picture(price))
     blocks.append(_table(table))
@@ -98,39 +97,27 @@ def _certified(rows: pd.DataFrame, table: pd.DataFrame) -> str:
     return f"{said}."
 
 
-def _pictures(table: pd.DataFrame) -> list[Picture]:
-    height = 1.1 + 0.42 * len(table)
-    time, words = new_figure(HALF, height), new_figure(HALF, height)
-    plot_wall(time.add_subplot(), table)
-    plot_proofs(words.add_subplot(), table)
-    words.legend(loc="outside lower left", ncols=4, handlelength=1.4, columnspacing=1.0)
-    return [
-        Picture(
-            "proofs-time",
-            "Time of one cold attempt, building included: median (mark) and quartiles (bar).",
-            time,
-            "Median times and quartiles, one line a solver",
-            True,
-        ),
-        Picture(
-            "proofs-words",
-            "How far the proof of each answer goes, whoever gives it. A coarse answer has none.",
-            words,
-            "Stacked bars of proofs, one a solver",
-            True,
-        ),
-    ]
+def _time_picture(table: pd.DataFrame) -> Picture:
+    figure = new_figure(HALF, 1.3 + 0.42 * len(table))
+    plot_wall(figure.add_subplot(), table)
+    caption = (
+        "Time of one cold attempt, building included: median (mark) and quartiles (bar). At the "
+        "right: the share of answers that the solver's own bound proves to 1e-4, and that the "
+        "certificate proves."
+    )
+    alt = "Median times and quartiles with shares of proofs, one line a solver"
+    return Picture("proofs-time", caption, figure, alt, True)
 
 
 def _price_picture(price: pd.DataFrame) -> Picture:
-    figure = new_figure(WIDE, 1.2 + 0.42 * price["solver"].nunique())
+    figure = new_figure(HALF, 1.3 + 0.42 * price["solver"].nunique())
     plot_prices(figure.add_subplot(), price)
-    figure.legend(loc="outside lower left", ncols=3)
+    figure.legend(loc="outside lower left", ncols=2)
     caption = (
         "Time over that of the fastest right answer without a proof, question by question: median "
         "and quartiles, right answers only. Right of 1 is slower."
     )
-    return Picture("proofs-price", caption, figure, "Ratios of times by group of targets")
+    return Picture("proofs-price", caption, figure, "Ratios of times by group of targets", True)
 
 
 def _table(table: pd.DataFrame) -> Table:

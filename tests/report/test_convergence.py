@@ -100,7 +100,7 @@ def test_the_section_says_what_the_rows_say(results, tmp_path):
 
     assert "outside the discs turn-rate-qp 3.00; in a disc turn-rate-qp 2.00." in text
     assert "outside the discs turn-rate-qp is first, in 40.0 ms; in a disc none" in text
-    assert "fitted powers are: outside the discs collocation[points=2" in text
+    assert "fitted powers are: outside the discs p = 2: 3.00." in text
     assert pictures == {
         "convergence-outside",
         "convergence-time-outside",
