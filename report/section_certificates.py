@@ -92,7 +92,7 @@ def _picture(frame: pd.DataFrame) -> Picture:
     figure.legend(loc="outside lower left", ncols=4)
     caption = (
         "How far the proof of each attempt goes, as shares of all attempts. A failed or coarse "
-        "answer has none."
+        "answer has none, nor has one whose controls ripple about an extremal's."
     )
     return Picture("certificates", caption, figure, "Stacked bars of proofs, one a solver")
 
@@ -114,7 +114,7 @@ def _table(frame: pd.DataFrame) -> Table:
     caption = (
         "Residual: the worst violation of Pontryagin's conditions among the optimal answers. Cut "
         "margin: above 0 a path is the shortest to its own end; the least among the optimal "
-        "answers to `best`. Costate error: the distance of a solver's multipliers from the "
+        "answers to the branch best. Costate error: the distance of a solver's multipliers from the "
         "costates of its own path, where that arrives and is an extremal of more than one arc: a "
         "single arc does not determine them."
     )
