@@ -114,9 +114,9 @@ def _table(frame: pd.DataFrame) -> Table:
     caption = (
         "Residual: the worst violation of Pontryagin's conditions among the optimal answers. Cut "
         "margin: above 0 a path is the shortest to its own end; the least among the optimal "
-        "answers to the branch best. Costate error: the distance of a solver's multipliers from the "
-        "costates of its own path, where that arrives and is an extremal of more than one arc: a "
-        "single arc does not determine them."
+        "answers to the branch best. Costate error: the distance of a solver's multipliers from "
+        "the costates of its own path, where that arrives and is an extremal of more than one "
+        "arc: a single arc does not determine them."
     )
     marks = {
         (i, "false_bounds"): "bad"
