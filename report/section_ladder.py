@@ -86,7 +86,7 @@ def _elsewhere(attempts: pd.DataFrame) -> str:
     wrong = solver_order([str(solver) for solver in right.index[~right]])
     said = (
         f"On the other sides {count(right.sum())} of {count(len(right))} solvers find the "
-        "shortest path at every margin"
+        "shortest path, coarse or not, at every margin"
     )
     return f"{said}, not {', '.join(wrong)}." if wrong else f"{said}."
 

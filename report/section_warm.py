@@ -53,7 +53,7 @@ def warm_sentences(table: pd.DataFrame) -> str:
 
 def _named(rows: pd.DataFrame, key: str) -> str:
     ranked = rows.sort_values(key).to_dict("records")
-    return ", ".join(f"{row['solver']} ({digits(2)(row[key])})" for row in ranked)
+    return ", ".join(f"{row['solver']} ({digits(3)(row[key])})" for row in ranked)
 
 
 def _changes(table: pd.DataFrame, key: str) -> str:

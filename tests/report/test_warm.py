@@ -61,8 +61,8 @@ def test_sentences_say_what_the_rows_say(results):
     table = warm_starts(load([results("radius-sweep", rows())]).rows)
     text = warm_sentences(table)
 
-    assert "less than a cold one for ipopt (0.30); as much for shooting (1.0); more for" in text
-    assert "In iterations it costs: less than a cold one for ipopt (0.50); more for slsqp" in text
+    assert "less than a cold one for ipopt (0.300); as much for shooting (1.00); more for" in text
+    assert "In iterations it costs: less than a cold one for ipopt (0.500); more for slsqp" in text
     assert "No solver is right more or less often for it." in text
 
     worse = rows()
