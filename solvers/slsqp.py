@@ -31,6 +31,9 @@ from study.path import FloatArray
 from study.synthesis import BRANCHES
 from study.verify import Claim
 
+_AT_BOUND = 1e-6  # radii or the scenario's unit: nearer to a bound, its own dual has a say
+_STATIONARY = 1e-3  # slopes of 1 in all: what is off by more is no stationary point
+
 # SLSQP's own exit modes (scipy/optimize, slsqp): 4 is an infeasible linearisation
 _CLAIMS = {0: Claim.LOCAL, 4: Claim.INFEASIBLE, 9: Claim.LIMIT}
 
@@ -139,18 +142,33 @@ class Slsqp:
             constraints=case.constraint,
             options={"ftol": case.ftol, "maxiter": self.maxiter},
         )
-        duals = result.get("multipliers")
         return Point(
             case.subproblem,
             _full(result.x, list(case.subproblem.free)) / case.unit,
             _CLAIMS.get(int(result.status), Claim.FAILED),
-            # SciPy's Lagrangian is f - m c, the paper's f + m c
-            None if duals is None else (-float(duals[0]), -float(duals[1])),
+            _multipliers(result, case),
             int(result.nit),
             int(result.nfev),
             f"mode {result.status}",
             str(result.message),
         )
+
+
+def _multipliers(result: Any, case: Case) -> tuple[float, float] | None:
+    """Duals of the two equations: SciPy's Lagrangian is f - m c, the paper's f + m c.
+
+    At some optima, status 0 included, SciPy returns 1e8 and more (seen with 1.17.1). What is no
+    derivative of the Lagrangian with respect to a length between its bounds is not passed on.
+    """
+    duals = result.get("multipliers")
+    if duals is None or len(duals) != 2:
+        return None
+    slope = 1.0 - duals @ case.constraint["jac"](result.x)
+    low, high = np.array(case.bounds).T
+    between = (result.x > low + _AT_BOUND) & (result.x < high - _AT_BOUND)
+    if not (np.abs(slope[between]) <= _STATIONARY).all():
+        return None
+    return -float(duals[0]), -float(duals[1])
 
 
 _sum: Callable[[FloatArray], float] = np.sum

@@ -178,7 +178,7 @@ def test_the_starting_point_of_every_format_is_the_same(tmp_path):
 
 @pytest.mark.parametrize("name", [*CASES, "at the start"])
 def test_the_disjunctive_nl_file_is_solved_to_the_shortest_length(name, tmp_path):
-    """SCIP's own reader, SCIP's own proof; it meets equations to 1e-6 and may gain by as much."""
+    """SCIP's own reader, SCIP's own proof; it meets each equation to 1e-6 and gains by a few."""
     scenario = CASES.get(name) or EDGES[name]
     file = tmp_path / "model.nl"
     file.write_text(export(scenario, "disjunctive", "nl"))
@@ -189,7 +189,7 @@ def test_the_disjunctive_nl_file_is_solved_to_the_shortest_length(name, tmp_path
     scip.optimize()
 
     assert scip.getStatus() == "optimal"
-    assert scip.getObjVal() == pytest.approx(shortest(scenario).total, abs=1e-5)
+    assert scip.getObjVal() == pytest.approx(shortest(scenario).total, abs=5e-5)
 
 
 @pytest.mark.parametrize("name", CASES)
@@ -200,7 +200,12 @@ def test_the_closed_form_solves_the_disjunctive_model(name, tmp_path):
     z = dict.fromkeys("LRS", 0.0) | dict(zip(optimum.word, optimum.segments, strict=True))
     values = {f"z[{i}]": z[letter] for i, letter in enumerate("LRS", 1)}
     for i in (1, 2):
-        values[f"c[{i}]"], values[f"s[{i}]"] = (f(values[f"z[{i}]"]) for f in (math.cos, math.sin))
+        arc, quarter = values[f"z[{i}]"], math.pi / 2
+        quadrant = min(int(arc / quarter), 3)
+        q = values[f"q[{i}]"] = arc - quadrant * quarter
+        values |= {f"c[{i}]": math.cos(arc), f"s[{i}]": math.sin(arc)}
+        values |= {f"cos_q[{i}]": math.cos(q), f"sin_q[{i}]": math.sin(q)}
+        values |= {f"quadrant[{i},{k}]": float(k == quadrant) for k in range(4)}
     values |= {f"word[{word}]": float(word == optimum.word) for word in ("LS", "RS", "LR", "RL")}
     text = export(scenario, "disjunctive", "nl")
     assert set(names_in(text)) == set(values)
@@ -215,10 +220,11 @@ def test_the_closed_form_solves_the_disjunctive_model(name, tmp_path):
     assert (point >= np.array(nl.x_lb) - 1e-12).all()
     assert (point <= np.array(nl.x_ub) + 1e-12).all()
     assert f == pytest.approx(optimum.total)
-    assert sum(nl.discrete) == 4
+    assert sum(nl.discrete) == 4 + 2 * 4
 
     in_gams = {re.sub(r"\W", "_", name): value for name, value in values.items()}
-    in_gams = {re.sub(r"^(word_.._)$", r"\1_binary_indicator_var", n): in_gams[n] for n in in_gams}
+    binary = re.compile(r"^(word_.._|quadrant_._._)$")
+    in_gams = {binary.sub(r"\1_binary_indicator_var", n): in_gams[n] for n in in_gams}
     equations = gams_equations(export(scenario, "disjunctive", "gams"))
     assert len(equations) == len(g) + 1
     for _, left, relation, right in equations:
