@@ -67,7 +67,7 @@ class Collocation:
         n: number of finite elements.
         points: collocation points in each.
         mesh: `free` elements, whose lengths are variables, so that a switch falls between two of
-            them and the gap is Ipopt's tolerance; or `equal` ones, whose gap falls like n^-2 or faster.
+            them and the gap is Ipopt's tolerance; or `equal` ones, whose gap falls like 1 / n^2
         correct: whether the miss is closed; left open, it is for the check to see.
         tol, max_iter: Ipopt's own.
         via: `executable`, `library` or `auto`: the executable if PATH has one.

@@ -109,8 +109,7 @@ class Slsqp:
             subproblem,
             {
                 "type": "eq",
-                "fun": lambda z: unit * equations(_full(z, free) / unit, X, Y),
-                "jac": lambda z: jacobian(_full(z, free) / unit)[:, free],
+                **_functions(X, Y, free, unit),
             },
             [(0.0, math.inf if i == 2 else arc) for i in free],
             self.ftol * max(1.0, unit * math.hypot(X, Y)),
@@ -154,6 +153,19 @@ class Slsqp:
         )
 
 
+def _functions(X: float, Y: float, free: list[int], unit: float) -> dict[str, Any]:
+    """The two equations of the free lengths and their Jacobian, a radius being `unit`."""
+    if unit == 1.0:
+        return {
+            "fun": lambda z: equations(_full(z, free), X, Y),
+            "jac": lambda z: jacobian(_full(z, free))[:, free],
+        }
+    return {
+        "fun": lambda z: unit * equations(_full(z, free) / unit, X, Y),
+        "jac": lambda z: jacobian(_full(z, free) / unit)[:, free],
+    }
+
+
 def _multipliers(result: Any, case: Case) -> tuple[float, float] | None:
     """Duals of the two equations: SciPy's Lagrangian is f - m c, the paper's f + m c.
 
@@ -163,6 +175,8 @@ def _multipliers(result: Any, case: Case) -> tuple[float, float] | None:
     duals = result.get("multipliers")
     if duals is None or len(duals) != 2:
         return None
+    if math.hypot(*duals) < 2:  # a unit vector where the path ends straight: nothing to doubt
+        return -float(duals[0]), -float(duals[1])
     slope = 1.0 - duals @ case.constraint["jac"](result.x)
     low, high = np.array(case.bounds).T
     between = (result.x > low + _AT_BOUND) & (result.x < high - _AT_BOUND)

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from itertools import groupby
+from operator import itemgetter
 from typing import Any, Self
 
 import numpy as np
@@ -12,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from study.scenario import Pose
 
 FloatArray = NDArray[np.float64]
+Piece = tuple[float, float, float]  # side (1 left, 0, -1 right), rad, length unit
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,12 +104,16 @@ class Path:
         """
         if not (np.isfinite(self.curvature).all() and np.isfinite(self.length).all()):
             return ""  # a broken path has no word
-        side = np.sign(self.curvature)
-        turns = _sums(side, np.abs(self.curvature * self.length))
-        side = np.where(turns > tolerance, side, 0.0)
-        lengths = _sums(side, self.length)
-        counts = np.where(side != 0, turns > 0, lengths > tolerance * self.total_length)
-        letters = ("LSR"[1 - int(kind)] for kind in side[counts])
+        bends = np.abs(self.curvature * self.length).tolist()
+        pieces = zip(np.sign(self.curvature).tolist(), bends, self.length.tolist(), strict=True)
+        runs = [
+            (side if bend > tolerance else 0.0, bend, length)
+            for side, bend, length in _joined(pieces)
+        ]
+        least = tolerance * self.total_length
+        letters = (
+            "LSR"[1 - int(side)] for side, _, length in _joined(runs) if side != 0 or length > least
+        )
         return "".join(letter for letter, _ in groupby(letters))
 
     def mirrored(self) -> Self:
@@ -135,17 +143,17 @@ def rollout(start: Pose, curvature: FloatArray, length: FloatArray) -> FloatArra
         Shape (n + 1, 3): x, y (length unit), heading (rad, not wrapped). Row 0 is `start`.
     """
     turn = curvature * length
-    turned = np.concatenate(([0.0], np.cumsum(turn)))
+    turned = turn.cumsum()
     chord = _chord(turn, length)
-    middle = turned[:-1] + turn / 2
+    middle = turned - turn / 2
     # driven in the start's frame: added to a heading of many turns, an angle loses its digits
-    forward, left = np.cumsum(chord * np.cos(middle)), np.cumsum(chord * np.sin(middle))
-    cos, sin = np.cos(start.heading), np.sin(start.heading)
+    forward, left = (chord * np.cos(middle)).cumsum(), (chord * np.sin(middle)).cumsum()
+    cos, sin = math.cos(start.heading), math.sin(start.heading)
     poses = np.empty((length.size + 1, 3))
     poses[0] = start
     poses[1:, 0] = start.x + (forward * cos - left * sin)
     poses[1:, 1] = start.y + (forward * sin + left * cos)
-    poses[1:, 2] = start.heading + turned[1:]
+    poses[1:, 2] = start.heading + turned
     return poses
 
 
@@ -160,17 +168,17 @@ def _advance(poses: FloatArray, curvature: FloatArray, length: FloatArray) -> Fl
 
 
 def _chord(turn: FloatArray, length: FloatArray) -> FloatArray:
-    return length * np.sinc(turn / (2 * np.pi))  # numpy's sinc(x) is sin(pi x) / (pi x)
+    half = turn / 2
+    half[half == 0] = 1e-20  # sin(x) / x is 1 there
+    chord: FloatArray = length * (np.sin(half) / half)
+    return chord
 
 
-def _sums(kinds: FloatArray, values: FloatArray) -> FloatArray:
-    """For every arc the sum of `values` over the run of equal `kinds` that it belongs to."""
-    if not kinds.size:
-        return values
-    begins = np.concatenate(([True], kinds[1:] != kinds[:-1]))
-    sums: FloatArray = np.add.reduceat(values, np.flatnonzero(begins))
-    of_each: FloatArray = sums[np.cumsum(begins) - 1]
-    return of_each
+def _joined(pieces: Iterable[Piece]) -> Iterator[Piece]:
+    """Neighbours of one side made one, their bends and lengths added."""
+    for side, group in groupby(pieces, key=itemgetter(0)):
+        _, bends, lengths = zip(*group, strict=True)
+        yield side, sum(bends), sum(lengths)
 
 
 def largest_distance(first: Path, second: Path, n: int = 257) -> float:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from enum import StrEnum
+from typing import Any
 
 import numpy as np
 
@@ -98,40 +99,30 @@ def judge(
     verdict `none exists`, its claim.
     """
     optimum = shortest(scenario, branch)
-    bare = None if optimum is None else optimum.total * scenario.radius
-    found = Judgement(
-        verdict=Verdict.NONE,
-        word=None,
-        word_ref=None if optimum is None else optimum.word,
-        length=None,
-        time=None,
-        reference=bare,
-        gap=None,
-        miss=None,
-        curvature_excess=None,
-        false_claim=False,
-        wrong_basin=False,
-        region=region(scenario),
-        margin=margin(scenario),
-    )
+    found: dict[str, Any] = dict.fromkeys(_ABSENT)
+    found |= {
+        "verdict": Verdict.MISSES,
+        "word_ref": None if optimum is None else optimum.word,
+        "reference": None if optimum is None else optimum.total * scenario.radius,
+        "wrong_basin": False,
+        "region": region(scenario),
+        "margin": margin(scenario),
+    }
     if path is None:
-        agrees = claim is Claim.INFEASIBLE and bare is None
-        found = replace(found, verdict=Verdict.NONE_EXISTS if agrees else Verdict.NONE)
-    elif not drivable(path):
-        found = replace(found, verdict=Verdict.MISSES)
-    else:
-        found = _judge_path(found, scenario, path, branch, optimum, tolerances)
-    return replace(found, false_claim=is_false(claim, found.verdict))
+        agrees = claim is Claim.INFEASIBLE and optimum is None
+        found["verdict"] = Verdict.NONE_EXISTS if agrees else Verdict.NONE
+    elif drivable(path):
+        found |= _judge_path(scenario, path, branch, optimum, tolerances)
+    return Judgement(**found, false_claim=is_false(claim, found["verdict"]))
+
+
+_ABSENT = ("word", "length", "time", "gap", "miss", "curvature_excess")
 
 
 def _judge_path(
-    found: Judgement,
-    scenario: Scenario,
-    path: Path,
-    branch: str,
-    optimum: Shortest | None,
-    tolerances: Tolerances,
-) -> Judgement:
+    scenario: Scenario, path: Path, branch: str, optimum: Shortest | None, tolerances: Tolerances
+) -> dict[str, Any]:
+    """The fields of `Judgement` that a path decides."""
     radius = scenario.radius
     end = path.end
     miss = math.hypot(end.x - scenario.target_x, end.y - scenario.target_y)
@@ -139,32 +130,29 @@ def _judge_path(
     length = path.total_length
     # driven in floating point, a path of this size cannot be checked any closer
     rounding = 32 * EPS * (scenario.extent + length)
-    driven = replace(
-        found,
-        word=path.word(WORD if path.length.size <= 3 else DISCRETISED_WORD),
-        length=length,
-        time=length / scenario.speed,
-        miss=miss,
-        curvature_excess=excess,
-        verdict=Verdict.MISSES,
-    )
+    driven: dict[str, Any] = {
+        "word": path.word(WORD if path.length.size <= 3 else DISCRETISED_WORD),
+        "length": length,
+        "time": length / scenario.speed,
+        "miss": miss,
+        "curvature_excess": excess,
+        "verdict": Verdict.MISSES,
+    }
     arrives = miss <= tolerances.miss * radius + rounding and rounding <= radius
     if path.start != scenario.start or not arrives or not excess <= tolerances.curvature:
         return driven
-    reference = relaxed_reference(scenario, branch, length, miss, (end.x, end.y))
+    reference = relaxed_reference(scenario, branch, length, miss, (end.x, end.y), optimum)
     if reference is None:
         return driven  # the branch has no path, here or at the path's end
     gap = (length - reference) / max(reference, radius)
-    if gap <= tolerances.gap:
-        return replace(driven, verdict=Verdict.OPTIMAL, gap=gap, reference=reference)
+    longer = gap > tolerances.gap
     turns = () if optimum is None else _turns(optimum)
-    return replace(
-        driven,
-        verdict=Verdict.LONGER,
-        gap=gap,
-        reference=reference,
-        wrong_basin=all(abs(path.turn - turn) > 1.0 for turn in turns),
-    )
+    return driven | {
+        "verdict": Verdict.LONGER if longer else Verdict.OPTIMAL,
+        "gap": gap,
+        "reference": reference,
+        "wrong_basin": longer and all(abs(path.turn - turn) > 1.0 for turn in turns),
+    }
 
 
 def _turns(optimum: Shortest) -> tuple[float, ...]:
@@ -175,11 +163,12 @@ def _turns(optimum: Shortest) -> tuple[float, ...]:
 
 
 def drivable(path: Path) -> bool:
-    """Whether all numbers are finite and no length is negative."""
-    # a sum of finite lengths may still overflow
-    with np.errstate(over="ignore"):
-        finite = np.isfinite(path.curvature).all() and np.isfinite(path.total_length)
-    return bool(finite and (path.length >= 0).all() and np.isfinite(path.start).all())
+    """Whether all numbers are finite, their sums too, and no length is negative."""
+    if not path.length.size:
+        return all(map(math.isfinite, path.start))
+    with np.errstate(over="ignore", invalid="ignore"):
+        sums = float(path.curvature.sum()), path.total_length, *path.start
+        return all(map(math.isfinite, sums)) and bool(path.length.min() >= 0)
 
 
 def curvature_excess(curvature: FloatArray, branch: str) -> float:
@@ -207,7 +196,12 @@ def curvature_excess(curvature: FloatArray, branch: str) -> float:
 
 
 def relaxed_reference(
-    scenario: Scenario, branch: str, length: float, miss: float, end: tuple[float, float]
+    scenario: Scenario,
+    branch: str,
+    length: float,
+    miss: float,
+    end: tuple[float, float],
+    optimum: Shortest | None,
 ) -> float | None:
     """The length that an answer is compared with.
 
@@ -217,7 +211,6 @@ def relaxed_reference(
     value is met, up to the miss itself, at the end point or at the nearest point of the circle.
     An answer that is shorter by no more than its miss explains has not made use of the jump.
     """
-    optimum = shortest(scenario, branch)
     bare = None if optimum is None else optimum.total * scenario.radius
     if bare is not None and length >= bare * (1.0 - ROUNDED):
         return bare
