@@ -27,7 +27,7 @@ def certificates_section(results: Results) -> Section | None:
         "bound is within the tolerance. Extremal: Pontryagin's conditions alone, which are "
         f"necessary and not sufficient. {sentences(frame, enclosures(rows))}"
     )
-    blocks = (_picture(frame), _table(frame))
+    blocks = (_picture(frame), _proofs_table(frame), _table(frame))
     return Section("certificates", "Certificates", text, blocks)
 
 
@@ -97,19 +97,32 @@ def _picture(frame: pd.DataFrame) -> Picture:
     return Picture("certificates", caption, figure, "Stacked bars of proofs, one a solver")
 
 
-def _table(frame: pd.DataFrame) -> Table:
-    number = digits(2)
+def _proofs_table(frame: pd.DataFrame) -> Table:
     columns = (
         Column("solver", "solver", kind="code"),
         Column("attempts", "attempts", count),
         *(Column(name, name, count) for name in PROOFS),
+        Column("bounds", "lower bounds", count),
+        Column("false_bounds", "false bounds", count),
+    )
+    caption = (
+        "Attempts by how far their proof goes; bounds that solvers report, and how many of them "
+        "lie above the shortest length."
+    )
+    rows = frame.to_dict("records")
+    marks = {(i, "false_bounds"): "bad" for i, row in enumerate(rows) if row["false_bounds"]}
+    return Table("proof-counts", caption, frame, columns, marks)
+
+
+def _table(frame: pd.DataFrame) -> Table:
+    number = digits(2)
+    columns = (
+        Column("solver", "solver", kind="code"),
         Column("pmp_residual", "worst residual", number),
         Column("cut_margin", "least cut margin, rad", number),
         Column("multipliers", "multipliers", count),
         Column("costate_median", "costate error, median", number),
         Column("costate_error", "worst", number),
-        Column("bounds", "bounds", count),
-        Column("false_bounds", "false bounds", count),
     )
     caption = (
         "Residual: the worst violation of Pontryagin's conditions among the optimal answers. Cut "
@@ -118,9 +131,4 @@ def _table(frame: pd.DataFrame) -> Table:
         "the costates of its own path, where that arrives and is an extremal of more than one "
         "arc: a single arc does not determine them."
     )
-    marks = {
-        (i, "false_bounds"): "bad"
-        for i, row in enumerate(frame.to_dict("records"))
-        if row["false_bounds"]
-    }
-    return Table("certificates", caption, frame, columns, marks)
+    return Table("certificates", caption, frame, columns)
