@@ -9,7 +9,7 @@ from time import perf_counter
 
 from benchmarks.harness import Measurement
 from solvers.protocol import AnySolver, Question
-from solvers.registry import load
+from solvers.registry import load, settings
 from study.scenario import Scenario
 from study.verify import Claim
 
@@ -38,7 +38,7 @@ def measure() -> Iterable[Measurement]:
     milp, qp = load("heading-milp"), load("turn-rate-qp")
     both = _alternating({"milp": milp, "qp": qp}, (*PAPER, *DISCS))
     yield Measurement(
-        f"{_named(milp)} beside turn-rate-qp, n=50, a scenario",
+        f"heading-milp, {settings(milp)['headings']} headings, beside turn-rate-qp, n=50",
         ours=both["milp"] * 1e3,
         peer=both["qp"] * 1e3,
         unit="ms",
@@ -95,7 +95,3 @@ def _least(call: Callable[[], object], repeats: int):  # type: ignore[no-untyped
         answer = call()
         best = min(best, perf_counter() - began)
     return best, answer
-
-
-def _named(solver: AnySolver) -> str:
-    return f"heading-milp, {getattr(solver, 'headings', getattr(solver, 'k', '?'))} headings"

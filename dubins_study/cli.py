@@ -46,7 +46,7 @@ def solve(
     from dubins_study import show, streams
     from solvers.answer import solve as solve_scenario
 
-    show.check_words([x, y], context.args)
+    show.check_words([x, y], context.args, "solve")
     scenario = show.scenario(x, y, start, radius, speed)
     with streams.solvers_to_stderr():
         answer = solve_scenario(scenario, solver, branch, profile=profile, limit=limit)
@@ -61,6 +61,7 @@ def solve(
 
 @app.command(context_settings=_NEGATIVE)
 def export(
+    context: typer.Context,
     x: Annotated[str, typer.Argument(metavar="X", help="target position")],
     y: Annotated[str, typer.Argument(metavar="Y", help="target position")],
     start: Annotated[
@@ -81,6 +82,7 @@ def export(
     from dubins_study import show
     from solvers.export import export as export_model
 
+    show.check_words([x, y], context.args, "export")
     text = export_model(show.scenario(x, y, start, radius, "1"), model, file_format, order)
     if out is None:
         print(text, end="")

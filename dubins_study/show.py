@@ -19,7 +19,7 @@ class ShowError(ValueError):
     """Something that the command line cannot read or draw."""
 
 
-def check_words(target: list[str], rest: list[str]) -> None:
+def check_words(target: list[str], rest: list[str], command: str) -> None:
     """Refuse options that there are not, and words after the target.
 
     Raises:
@@ -27,7 +27,7 @@ def check_words(target: list[str], rest: list[str]) -> None:
     """
     for word in (*target, *rest):
         if word.startswith("-") and not _is_number(word):
-            raise ShowError(f"no such option: {word}; see dubins-study solve --help")
+            raise ShowError(f"no such option: {word}; see dubins-study {command} --help")
     if rest:
         raise ShowError(f"unexpected argument {rest[0]!r}; expected a target of two numbers, X Y")
 

@@ -32,6 +32,7 @@ from study.path import FloatArray, Path
 from study.scenario import Scenario, ScenarioError
 from study.schema import SCENARIO, Key, names
 
+_LONGEST = 1e6  # radii; a first guess beyond says nothing
 # a cell takes about 700 bytes until its row is written
 MOST_CELLS = 2_000_000
 
@@ -110,7 +111,11 @@ def _specs(block: Block, number: int, experiment: Experiment) -> dict[str, bool]
         expanded = expand_solvers(given, experiment.profile)
     except SolverError as error:
         raise SolverError(f"{key}: {error}") from None
-    return {spec: load(spec).warm for spec in expanded}
+    warm = {spec: load(spec).warm for spec in expanded}
+    if block.begin is not None and "*" not in given and not all(warm.values()):
+        idle = next(spec for spec, takes in warm.items() if not takes)
+        raise SolverError(f"{key}: {idle} takes no start; expected only solvers that do, or *")
+    return warm
 
 
 def _check_size(experiment: Experiment, specs: list[dict[str, bool]]) -> None:
@@ -161,6 +166,10 @@ def _claim(swept: dict[Key, int], keys: tuple[Key, ...], block: int) -> None:
 def _begins(begin: Begin) -> Iterator[str]:
     """Starting points as the column `start` has them: z1, z2 and z3 to the last bit."""
     for point in itertools.product(*(_values(axis) for axis in (begin.z1, begin.z2, begin.z3))):
+        if not all(0 <= length <= _LONGEST for length in point):
+            raise ExperimentError(
+                f"begin is {point}; expected lengths from 0 to {_LONGEST:g} radii: z1, z2, z3"
+            )
         yield " ".join(repr(length) for length in point)
 
 
@@ -200,6 +209,8 @@ def _scenario(fields: dict[str, float], label: str) -> Scenario:
         fields["target_y"] = fields["y"] + reach * math.sin(direction)
     if "arc" in fields:
         arc, margin = (fields.pop(name) for name in CIRCULAR)
+        if margin < -1:
+            raise ScenarioError(f"margin is {margin}; expected at least -1, the circle's centre")
         r, side = 1 + margin, math.copysign(1.0, arc)
         # from the start: 1 - r cos(arc), written so that a small arc keeps its digits
         ahead, left = r * math.sin(abs(arc)), 2 * math.sin(arc / 2) ** 2 - margin * math.cos(arc)

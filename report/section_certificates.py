@@ -21,9 +21,10 @@ def certificates_section(results: Results) -> Section | None:
         return None
     frame = certificates(rows)
     text = (
-        "Every answer is certified from its controls alone. Proved: Pontryagin's conditions and "
-        "the cut margin hold, and the length agrees with a rigorous interval around the shortest "
-        "one; or there is provably no path, and none was returned. Bounded: the solver's own "
+        "Every answer is certified from its controls alone. Proved: the length agrees with a "
+        "rigorous interval around the shortest one, and Pontryagin's conditions hold, for the "
+        "branch best the cut margin too; or there is provably no path, and none was returned. "
+        "Bounded: the solver's own "
         "bound is within the tolerance. Extremal: Pontryagin's conditions alone, which are "
         f"necessary and not sufficient. {sentences(frame, enclosures(rows))}"
     )

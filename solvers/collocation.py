@@ -16,7 +16,7 @@ from solvers.ipopt_engine import CLAIMS, VIAS, Found, by_executable, unavailable
 from solvers.model import total
 from solvers.protocol import Guarantee, Question, Solution
 from solvers.reach import unreachable
-from solvers.settings import one_of, positive
+from solvers.settings import one_of, whole, within
 from solvers.turn_rate_dynamics import Rates
 from study.path import FloatArray, Path
 from study.synthesis import Local, local
@@ -95,12 +95,10 @@ class Collocation:
 
     def __post_init__(self) -> None:
         # three elements hold every word: an arc of up to a full turn takes two of the free ones
-        for name, least in (("n", 3), ("points", 1), ("max_iter", 1)):
-            value = getattr(self, name)
-            if not isinstance(value, int) or isinstance(value, bool) or value < least:
-                raise ValueError(f"{name} is {value!r}; expected a whole number from {least} up")
+        # Radau's points of more than ten are lost in rounding, and a thousand elements take minutes
+        whole(n=(self.n, 3, 1000), points=(self.points, 1, 10), max_iter=(self.max_iter, 1, 10**6))
         one_of(mesh=(self.mesh, MESHES), via=(self.via, VIAS))
-        positive(tol=self.tol)
+        within(tol=(self.tol, 1e-14, 1e-2))
 
     def unavailable(self) -> str | None:
         return unavailable(self.via)

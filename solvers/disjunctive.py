@@ -20,7 +20,7 @@ from solvers.disjunctive_model import TRANSFORMATIONS, WORDS, gdp_model, transfo
 from solvers.disjunctive_polish import Polished, meet_target
 from solvers.model import SUBPROBLEMS, already_there, as_path
 from solvers.protocol import Guarantee, Question, Solution
-from solvers.settings import one_of, positive
+from solvers.settings import one_of, within
 from study.path import FloatArray
 from study.verify import Claim
 
@@ -53,6 +53,8 @@ _PROVABLE = 1e5
 
 
 class Model(NamedTuple):
+    """A question as `solve` takes it, and what answers it."""
+
     question: Question
     words: tuple[str, ...]
     program: Any  # the transformed Pyomo model, of a type that its package does not state
@@ -112,7 +114,9 @@ class Disjunctive:
             transformation=(self.transformation, TRANSFORMATIONS),
             emphasis=(self.emphasis, EMPHASES),
         )
-        positive(gap=self.gap, feastol=self.feastol)
+        # SCIP takes tolerances up to 1e-3, and what it calls infeasible is asked again at 100 times
+        # ours; what is closed to no more than a hundredth proves nothing
+        within(gap=(self.gap, 1e-12, 1e-2), feastol=(self.feastol, 1e-12, 1e-5))
 
     def unavailable(self) -> str | None:
         for package in ("pyomo", "pyscipopt"):

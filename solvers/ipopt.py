@@ -38,7 +38,7 @@ from solvers.model import (
     target,
 )
 from solvers.protocol import Guarantee, Question, Solution
-from solvers.settings import one_of, positive
+from solvers.settings import one_of, positive, within
 from solvers.starts import STARTS, every_start, starting_points
 from study.path import FloatArray
 from study.synthesis import BRANCHES
@@ -74,6 +74,8 @@ Run = Callable[[Case, FloatArray], Native]
 
 
 class Model(NamedTuple):
+    """A question as `solve` takes it, and what answers it."""
+
     question: Question
     cases: list[Case]
     run: Run
@@ -119,7 +121,9 @@ class Ipopt:
     def __post_init__(self) -> None:
         one_of(model=(self.model, MODELS), order=(self.order, ORDERS), start=(self.start, STARTS))
         one_of(via=(self.via, VIAS), units=(self.units, UNITS))
-        positive(count=self.count, tol=self.tol, max_iter=self.max_iter)
+        positive(count=self.count, max_iter=self.max_iter)
+        within(tol=(self.tol, 1e-14, 1e-2), bound_relax=(self.bound_relax, 0, 1e-2))
+        within(mu_target=(self.mu_target, 0, 1))
 
     def unavailable(self) -> str | None:
         return unavailable(self.via)

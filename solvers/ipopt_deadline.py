@@ -28,6 +28,8 @@ class Deadline:
         sizes = {"x": variables, "lam_x": variables, "g": rows, "lam_g": rows, "f": 1}
 
         class Watch(casadi.Callback):
+            """Told of every iteration; answers whether to stop."""
+
             def __init__(self, deadline: Deadline) -> None:
                 casadi.Callback.__init__(self)
                 self.deadline = deadline

@@ -233,6 +233,8 @@ def choose(question: Question, points: list[Point]) -> Solution:
         best = min(points, key=lambda point: _residual(scenario, point))
         claims = {point.claim for point in points}
         claim = claims.pop() if len(claims) == 1 else Claim.FAILED
+        if claim is Claim.FEASIBLE and not _residual(scenario, best) <= _ARRIVES:
+            claim = Claim.FAILED  # feasible to a tolerance of its own, and no path to the target
     else:
         return Solution(Claim.LIMIT, message="no time to begin")
     duals = best.multipliers
@@ -255,6 +257,9 @@ def total(counts: Iterable[int | None]) -> int | None:
     """The sum, or None if a backend does not count."""
     known = list(counts)
     return None if None in known else sum(count for count in known if count is not None)
+
+
+_ARRIVES = 1e-6  # radii, as the check has it
 
 
 def _residual(scenario: Scenario, point: Point) -> float:

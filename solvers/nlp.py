@@ -29,7 +29,7 @@ from solvers.model import (
     target,
 )
 from solvers.protocol import Guarantee, Question, Solution
-from solvers.settings import one_of, positive
+from solvers.settings import one_of, positive, within
 from solvers.starts import STARTS, every_start, starting_points
 from solvers.trust_constr import trust_constr
 from study.path import FloatArray
@@ -43,6 +43,8 @@ Route = Callable[[Case, FloatArray, float], Point]
 
 
 class Model(NamedTuple):
+    """A question as `solve` takes it, and what answers it."""
+
     question: Question
     cases: list[Case]
     route: Route
@@ -83,7 +85,8 @@ class Nlp:
 
     def __post_init__(self) -> None:
         one_of(model=(self.model, MODELS), order=(self.order, ORDERS), start=(self.start, STARTS))
-        positive(count=self.count, tol=self.tol, max_iter=self.max_iter)
+        positive(count=self.count, max_iter=self.max_iter)
+        within(tol=(self.tol, 1e-14, 1e-2))
         if not _NAME.fullmatch(self.solver):
             raise ValueError(
                 f"solver is {self.solver!r}; expected trust-constr, knitro or the name of an "

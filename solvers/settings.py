@@ -26,3 +26,25 @@ def positive(**settings: float) -> None:
     for name, value in settings.items():
         if not (value > 0 and math.isfinite(value)):
             raise ValueError(f"{name} is {value}; expected a number above 0")
+
+
+def within(**settings: tuple[float, float, float]) -> None:
+    """Refuse a number outside its range; each setting is (value, least, most).
+
+    Raises:
+        ValueError: naming the setting, its value and the range.
+    """
+    for name, (value, least, most) in settings.items():
+        if not least <= value <= most:  # NaN is not either
+            raise ValueError(f"{name} is {value}; expected a number from {least:g} to {most:g}")
+
+
+def whole(**settings: tuple[object, int, int]) -> None:
+    """Refuse what is no whole number in a range; each setting is (value, least, most).
+
+    Raises:
+        ValueError: naming the setting, its value and the range.
+    """
+    for name, (value, least, most) in settings.items():
+        if not isinstance(value, int) or isinstance(value, bool) or not least <= value <= most:
+            raise ValueError(f"{name} is {value!r}; expected a whole number from {least} to {most}")

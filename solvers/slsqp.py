@@ -25,17 +25,18 @@ from solvers.model import (
     target,
 )
 from solvers.protocol import Guarantee, Question, Solution
-from solvers.settings import one_of, positive
+from solvers.settings import one_of, positive, within
 from solvers.starts import STARTS, every_start, starting_points
 from study.path import FloatArray
-from study.synthesis import BRANCHES
+from study.synthesis import BRANCHES, EPS
 from study.verify import Claim
 
 _AT_BOUND = 1e-6  # radii or the scenario's unit: nearer to a bound, its own dual has a say
 _STATIONARY = 1e-3  # slopes of 1 in all: what is off by more is no stationary point
 
-# SLSQP's own exit modes (scipy/optimize, slsqp): 4 is an infeasible linearisation
-_CLAIMS = {0: Claim.LOCAL, 4: Claim.INFEASIBLE, 9: Claim.LIMIT}
+# SLSQP's own exit modes (scipy/optimize, slsqp); 4, an infeasible linearisation, is no claim about
+# the problem
+_CLAIMS = {0: Claim.LOCAL, 9: Claim.LIMIT}
 
 
 class Case(NamedTuple):
@@ -49,6 +50,8 @@ class Case(NamedTuple):
 
 
 class Model(NamedTuple):
+    """A question as `solve` takes it, and what answers it."""
+
     question: Question
     cases: list[Case]
 
@@ -59,8 +62,9 @@ class Slsqp:
 
     `capped` bounds arcs by a full turn, which the paper does not. `ftol` is SLSQP's tolerance
     on the objective and the sum of constraint violations, in radii; it is multiplied by the
-    target's distance where that exceeds one radius, since rounding grows with it. `units` poses the
-    model in turning radii, or as the paper does in the scenario's own unit; so is `ftol` then.
+    target's distance where that exceeds one radius, up to a thousand, since rounding grows with
+    it. `units` poses the model in turning radii, or as the paper does in the scenario's own unit;
+    so is `ftol` then.
     """
 
     model: str = "words"
@@ -88,7 +92,8 @@ class Slsqp:
     def __post_init__(self) -> None:
         one_of(model=(self.model, MODELS), order=(self.order, ORDERS), start=(self.start, STARTS))
         one_of(units=(self.units, UNITS))
-        positive(count=self.count, ftol=self.ftol, maxiter=self.maxiter)
+        positive(count=self.count, maxiter=self.maxiter)
+        within(ftol=(self.ftol, 1e-16, 1e-2))
 
     def unavailable(self) -> str | None:
         return None
@@ -112,7 +117,7 @@ class Slsqp:
                 **_functions(X, Y, free, unit),
             },
             [(0.0, math.inf if i == 2 else arc) for i in free],
-            self.ftol * max(1.0, unit * math.hypot(X, Y)),
+            _tolerance(self.ftol, unit * math.hypot(X, Y)),
             unit,
         )
 
@@ -151,6 +156,15 @@ class Slsqp:
             f"mode {result.status}",
             str(result.message),
         )
+
+
+def _tolerance(ftol: float, distance: float) -> float:
+    """SLSQP's tolerance for a target so far away: grown with the rounding of such a distance.
+
+    By no more than a thousand times, since what it leaves of the equations is missed by; but
+    never less than the rounding of the sums themselves.
+    """
+    return max(ftol * min(max(1.0, distance), 1e3), 64 * EPS * distance)
 
 
 def _functions(X: float, Y: float, free: list[int], unit: float) -> dict[str, Any]:

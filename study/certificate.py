@@ -33,9 +33,10 @@ BOUND_TOLERANCE = 1e-9
 class Proof(StrEnum):
     """How far the proof of an answer goes, furthest first.
 
-    proved: the gap is within tolerance of a proven interval, and the path is an extremal clear
-        of its cut (of the branches LR and RL, which are finite families: the interval alone);
-        or there is provably no path, and none was returned.
+    proved: the length is within tolerance of a proven interval, and the path is an extremal, for
+        `best` also clear of its cut (of LR and RL the interval alone decides); or there is
+        provably no path, and none was returned. Of a word's few paths the interval holds the
+        shortest, so that its cut says nothing.
     bounded: the solver's own lower bound is within the tolerance, and contradicts nothing.
     extremal: an arriving path that satisfies Pontryagin's conditions.
     none: none of these.
@@ -103,7 +104,7 @@ def certify(
     if path is not None and drivable(path):
         driven = pieces(path, scenario.radius)
         found, cut = extremal(driven), cut_margin(driven)
-    bound = lower_bound if lower_bound is not None and math.isfinite(lower_bound) else None
+    bound = lower_bound if lower_bound is not None and not math.isnan(lower_bound) else None
     allowed = tolerances.gap * max(interval.low, scenario.radius)
     slack = BOUND_TOLERANCE * max(interval.low, scenario.radius)
     false_bound = bound is not None and bound > interval.high + slack

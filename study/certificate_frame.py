@@ -126,7 +126,7 @@ def _prove(
         scale = np.maximum(low, radius)
         allowed = tolerances.gap * scale
         bound = np.full(low.size, np.nan) if lower_bound is None else lower_bound
-        found.false_bound[:] = np.isfinite(bound) & (bound > high + BOUND_TOLERANCE * scale)
+        found.false_bound[:] = ~np.isnan(bound) & (bound > high + BOUND_TOLERANCE * scale)
         arrives = np.isfinite(judged.gap)
         tolerance = PMP_TOLERANCE + PMP_ROUNDING * judged.length / radius
         is_extremal = (judged.length == 0) | (numbers["pmp_residual"] <= tolerance)

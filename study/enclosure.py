@@ -20,8 +20,7 @@ from study.synthesis import Local, local
 
 # bits; the first decides nearly every scenario, the last tells apart whatever doubles can hold
 PRECISIONS = (160, 400, 1200)
-# rad: on a turning circle an arc of no length may come out as a full turn less a rounding
-_NO_ARC = 1e-6
+_WIDE = 1e-15  # rad: a ball of this radius is the data's own rounding, which no bits make smaller
 
 
 class Enclosure(NamedTuple):
@@ -144,11 +143,16 @@ def _right_left(target: _Target) -> list[arb]:
     d = square.sqrt()
     at_first = _acos((square + 3) / (4 * d))
     bearing = arb.atan2(X, 1 + Y)  # of T from C_R, from straight up, clockwise as R turns
-    turn = 2 * arb.pi()
-    return [
-        _wrapped(bearing + at_first, on_left) + turn - at_second,
-        _wrapped(bearing - at_first, on_left) + at_second,
-    ]
+    seconds = 2 * arb.pi() - at_second, at_second
+    firsts = bearing + at_first, bearing - at_first
+    if not on_left:
+        return [_wrapped(a) + b for a, b in zip(firsts, seconds, strict=True)]
+    # on the left circle one first arc is none, which its ball cannot tell from a full turn
+    other = max((0, 1), key=lambda i: 1 - math.cos(float(firsts[i].mid())))
+    [arc] = _left_straight(target)
+    if edge is not None:
+        arc = arc.union(seconds[1 - other])
+    return [arc, _wrapped(firsts[other]) + seconds[other]]
 
 
 _WORDS = {
@@ -166,14 +170,12 @@ def _acos(value: arb) -> arb:
     return arb.pi() - arb.atan2(root, -value) if value < 0 else arb.atan2(root, value)
 
 
-def _wrapped(angle: arb, on_circle: bool = False) -> arb:
-    """An angle in (-2 pi, 2 pi) brought to [0, 2 pi).
-
-    With `on_circle`, one that is short of a full turn by a rounding is none.
-    """
-    if on_circle and abs(float(angle.mid())) < _NO_ARC:
-        return abs(angle)
-    return angle + 2 * arb.pi() if _negative(angle) else angle
+def _wrapped(angle: arb) -> arb:
+    """An angle in (-2 pi, 2 pi) brought to [0, 2 pi); both if its ball is wide and holds 0."""
+    turned = angle + 2 * arb.pi()
+    if float(angle.rad()) > _WIDE and angle.contains(0):
+        return angle.union(turned)
+    return turned if _negative(angle) else angle
 
 
 def _negative(value: arb) -> bool:

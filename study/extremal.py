@@ -37,6 +37,7 @@ MEASURED = (
 )
 # a costate nu0 below this share of (nu1, nu2) is none: the extremal is abnormal
 ABNORMAL = 1e-9
+_LOST = 1e-4  # of a path's length; what passes over more describes another path
 _TURN = 2 * math.pi
 FULL_RATE = 1e-9  # how far from +1, -1 or 0 a rate may be and still name a letter
 
@@ -75,21 +76,32 @@ class Pieces(NamedTuple):
 def pieces(path: Path, radius: float) -> Pieces:
     """The pieces of a path that matter, neighbours of one rate joined.
 
-    As in `Path.word`, a turn of less than 1e-6 rad and a straight shorter than 1e-6 of the path
-    are passed over: a solver leaves such where it means none.
+    As in `Path.word`, what turns by less than 1e-6 rad is straight, and a straight shorter than
+    1e-6 of the path is passed over: a solver leaves such where it means none.
     """
-    u, length = path.curvature * radius, path.length / radius
-    rate = np.abs(u)
-    u[rate <= FULL_RATE] = 0.0
-    kept = length * np.maximum(rate, (rate <= FULL_RATE) / max(float(length.sum()), 1e-300)) > WORD
-    if not kept.all():
-        u, length = u[kept], length[kept]
-    if u.size > 1:
-        begins = np.abs(u[1:] - u[:-1]) > FULL_RATE
-        if not begins.all():
-            first = np.concatenate(([0], 1 + np.flatnonzero(begins)))
-            u, length = u[first], np.add.reduceat(length, first)
+    rate = path.curvature * radius
+    rate[np.abs(rate) <= FULL_RATE] = 0.0
+    u, length = _joined(rate, path.length / radius)
+    total = float(length.sum())
+    turns = np.abs(u) * length > WORD
+    kept = turns | (length > WORD * total)
+    if not turns.all() and length[kept].sum() >= (1 - _LOST) * total:
+        u, length = _joined(np.where(turns, u, 0.0)[kept], length[kept])
     return Pieces(path.start.heading, u, length)
+
+
+def _joined(u: FloatArray, length: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Neighbours of one rate made one; what has no length is left out."""
+    if not length.all():
+        u, length = u[length != 0], length[length != 0]
+    if u.size < 2:
+        return u, length
+    begins = np.abs(u[1:] - u[:-1]) > FULL_RATE
+    if begins.all():
+        return u, length
+    first = np.concatenate(([0], 1 + np.flatnonzero(begins)))
+    joined: FloatArray = np.add.reduceat(length, first)
+    return u[first], joined
 
 
 def extremal(driven: Pieces) -> Extremal | None:

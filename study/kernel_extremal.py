@@ -22,8 +22,7 @@ _TURN = 2 * math.pi
 @inlined
 def _counts(u: float, length: float, total: float) -> bool:
     """Whether a piece matters, as in `extremal.pieces`."""
-    rate = abs(u)
-    return length * rate > WORD if rate > FULL_RATE else length > WORD * total
+    return abs(u) * length > WORD or length > WORD * total
 
 
 @inlined
@@ -105,6 +104,7 @@ def extremal_rows(
         u1, u2 = curvature[0, i] * R, curvature[1, i] * R
         l1, l2 = length[0, i] / R, length[1, i] / R
         kept1, kept2 = _counts(u1, l1, l1 + l2), _counts(u2, l2, l1 + l2)
+        u1, u2 = u1 if abs(u1) * l1 > WORD else 0.0, u2 if abs(u2) * l2 > WORD else 0.0
         if not kept1:
             u1, l1 = u2, l2
         if not (kept1 and kept2):

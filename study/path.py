@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from study.scenario import Pose
 
 FloatArray = NDArray[np.float64]
+_RIPPLE = 1e-3
 Piece = tuple[float, float, float]  # side (1 left, 0, -1 right), rad, length unit
 
 
@@ -104,8 +105,11 @@ class Path:
         """
         if not (np.isfinite(self.curvature).all() and np.isfinite(self.length).all()):
             return ""  # a broken path has no word
-        bends = np.abs(self.curvature * self.length).tolist()
-        pieces = zip(np.sign(self.curvature).tolist(), bends, self.length.tolist(), strict=True)
+        rate = np.abs(self.curvature)
+        # what bends a thousandth as hard as the path's turns is a straight with a ripple
+        side = np.where(rate > _RIPPLE * rate.max(initial=0.0), np.sign(self.curvature), 0.0)
+        bends = (rate * self.length).tolist()
+        pieces = zip(side.tolist(), bends, self.length.tolist(), strict=True)
         runs = [
             (side if bend > tolerance else 0.0, bend, length)
             for side, bend, length in _joined(pieces)

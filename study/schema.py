@@ -46,7 +46,7 @@ ANSWER = (
     Column("claim", "string", "", "what the solver says"),
     Column("verdict", "string", "", "what the check finds"),
     Column("false_claim", "bool", "", "the claim is stronger than the verdict"),
-    Column("wrong_basin", "bool", "", "longer, and turns by another angle (1 rad or more off)"),
+    Column("wrong_basin", "bool", "", "longer, and turns by another angle or is of another word"),
     Column("native_status", "string", "", "the backend's own status"),
     Column("message", "string", "", "the backend's own message, or the error"),
     Column("length", "float64", "length", "length of the path, from its controls"),

@@ -51,6 +51,9 @@ class Tolerances:
     gap: float = 1e-4
 
 
+# A longer path of another word is coarse up to here; near a circle's rear, words turn by nearly the
+# same angle and differ by more than any discretisation of use.
+COARSE = 0.05
 # A path of up to three arcs is named as it is. One cut into many steps has a step that straddles
 # the switch and a ripple after it, which fades within a few steps; runs that turn by less than
 # this (rad) name nothing.
@@ -68,7 +71,8 @@ class Judgement:
 
     `gap` is (length - reference) / max(reference, radius) and only stands for a path that
     arrives. `wrong_basin` is a longer path that turns by another angle than the shortest one
-    (more than 1 rad apart): another local optimum, not a coarse answer.
+    (more than 1 rad apart), or is of another word and more than 5 % longer: another local
+    optimum, not a coarse answer.
     """
 
     verdict: Verdict
@@ -151,7 +155,11 @@ def _judge_path(
         "verdict": Verdict.LONGER if longer else Verdict.OPTIMAL,
         "gap": gap,
         "reference": reference,
-        "wrong_basin": longer and all(abs(path.turn - turn) > 1.0 for turn in turns),
+        "wrong_basin": longer
+        and (
+            all(abs(path.turn - turn) > 1.0 for turn in turns)
+            or (gap > COARSE and optimum is not None and driven["word"] not in optimum.words)
+        ),
     }
 
 

@@ -31,7 +31,7 @@ from study.kernel_words import NO_PATH, CodeArray
 from study.path import FloatArray, Path
 from study.scenario import NUMBERS, Scenario
 from study.synthesis import BRANCHES, shortest
-from study.verify import Claim, Judgement, Tolerances, Verdict, is_false, judge
+from study.verify import COARSE, Claim, Judgement, Tolerances, Verdict, is_false, judge
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -165,11 +165,15 @@ def _wrong_basins(
     word = best.word[rows]
     turn = FIRST_TURN[word] * best.first[rows] + LAST_TURN[word] * best.second[rows]
     driven_turn, turn = k1 * l1 + k2 * l2, turn / columns["radius"][rows]
-    wrong[rows] = np.abs(driven_turn - turn) > 1.0
+    # codes of `PATH_WORDS` and `WORDS` agree as far as the latter go
+    another = (found.gap[rows] > COARSE) & (found.word[rows] != word)
+    wrong[rows] = (np.abs(driven_turn - turn) > 1.0) | another
     # straight behind, the mirror image is as short: few rows turn like it, and fewer tie
     for row in rows[wrong[rows] & (np.abs(driven_turn + turn) <= 1.0)]:
         optimum = shortest(_scenario(columns, int(row)))
-        wrong[row] = optimum is None or len(optimum.words) == 1
+        words = () if optimum is None else optimum.words
+        other = found.gap[row] > COARSE and PATH_WORDS[found.word[row]] not in words
+        wrong[row] = len(words) < 2 or other
     return wrong
 
 

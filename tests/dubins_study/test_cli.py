@@ -288,3 +288,11 @@ def test_the_public_surface_from_python():
     assert rows["length"].tolist() == pytest.approx([answer.length] * 2)
     assert not math.isnan(rows["gap"].iloc[0])
     assert list(solve_frame(frame, solver="slsqp").columns) == list(rows.columns)
+
+
+def test_export_takes_no_word_that_it_does_not_know():
+    """A misspelt radius would export another problem."""
+    for words in (("--raduis", "25"), ("7",), ("--speed", "2")):
+        done = dubins("export", "10", "5", *words)
+        assert done.returncode == 2
+        assert words[0] in done.stderr

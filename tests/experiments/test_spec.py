@@ -13,7 +13,7 @@ from experiments import grid
 from experiments.grid import chains, scenario_id, shuffled
 from experiments.patterns import expand_solvers
 from experiments.spec import ExperimentError, packaged, parse, read
-from solvers.registry import SolverError, registered
+from solvers.registry import SolverError, load, registered
 from study.scenario import Scenario
 from study.synthesis import local, shortest
 
@@ -266,3 +266,30 @@ def test_scenario_ids_depend_on_every_bit():
     assert scenario_id(one) == scenario_id(Scenario(0, 0, 0, 1.0, 2, 1))
     assert scenario_id(one) != scenario_id(Scenario(0, 0, 0, math.nextafter(1, 2), 2, 1))
     assert scenario_id(one) != scenario_id(Scenario(0, 0, 0, 1, 2, 1, label="a"))
+
+
+@pytest.mark.parametrize(
+    ("block", "message"),
+    [
+        ("arc = 1\nmargin = -1.5", "margin is -1.5; expected at least -1"),
+        (
+            "target_x = 1\ntarget_y = 2\nbegin = {z1 = 0, z2 = 0, z3 = -1}",
+            "begin is .*expected",
+        ),
+        ("target_x = 1\ntarget_y = 2\nbegin = {z1 = 0, z2 = 0, z3 = 1e300}", "begin is .*expected"),
+    ],
+)
+def test_places_and_beginnings_that_cannot_be(block, message):
+    text = HEAD.replace("analytic", "ipopt") + "[[scenarios]]\n" + block + "\n"
+    with pytest.raises(ExperimentError, match=message):
+        expand(text)
+
+
+def test_a_solver_that_takes_no_start_is_not_dropped_in_silence():
+    """Named beside a `begin` it is a mistake; `*` means those that take one."""
+    block = "[[scenarios]]\ntarget_x = 1\ntarget_y = 2\nbegin = {z1 = 1, z2 = 0, z3 = [1, 2]}\n"
+
+    with pytest.raises(SolverError, match="analytic takes no start"):
+        expand(HEAD + block)
+    found = expand(HEAD.replace("analytic", "*") + block)
+    assert len(found) == 2 * sum(load(name).warm for name in registered())

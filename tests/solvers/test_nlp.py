@@ -242,7 +242,7 @@ def test_a_broken_sol_file_is_a_failure_with_a_message(programs, text, message):
     ("code", "claim"),
     [
         (2, Claim.LOCAL),
-        (103, Claim.FEASIBLE),
+        (103, Claim.FAILED),  # it says feasible, of a point that does not arrive
         (200, Claim.INFEASIBLE),
         (300, Claim.FAILED),
         (401, Claim.LIMIT),

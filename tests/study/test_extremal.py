@@ -190,3 +190,29 @@ def test_the_cut_is_where_the_closed_form_changes_its_mind():
 )
 def test_other_words_have_no_cut(curvature, length):
     assert cut_margin(pieces(Path(Pose(0, 0, 0), curvature, length), 1.0)) is None
+
+
+def test_a_nearly_straight_leg_is_a_leg():
+    """Found in review: 5 R at a rate of 1e-7 is no piece too small to matter."""
+    bent = pieces(Path(Pose(0, 0, 0), [1, 1e-7], [4.5, 5]), 1.0)
+    straight = pieces(Path(Pose(0, 0, 0), [1, 0], [4.5, 5]), 1.0)
+
+    assert bent.length.sum() == pytest.approx(9.5)
+    assert cut_margin(bent) == pytest.approx(cut_margin(straight))
+    assert cut_margin(bent) < 0
+
+
+def test_an_arc_in_a_million_pieces_is_an_arc():
+    arc = pieces(Path(Pose(0, 0, 0), np.ones(10**6), np.full(10**6, 4e-7)), 1.0)
+
+    assert arc.u.tolist() == [1.0]
+    assert arc.length == pytest.approx([0.4])
+
+
+def test_what_is_passed_over_is_next_to_nothing_or_kept():
+    """Pieces that are each too small, and together the whole path, stay."""
+    rates = np.resize([1.0, -1.0], 5 * 10**6)
+    found = pieces(Path(Pose(0, 0, 0), rates, np.full(rates.size, 1e-7)), 1.0)
+
+    assert found.length.sum() == pytest.approx(0.5)
+    assert cut_margin(found) is None

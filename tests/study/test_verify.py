@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from study.path import Path
 from study.scenario import Scenario
-from study.synthesis import shortest_path
+from study.synthesis import as_path, local, right_left_pair, shortest_path
 from study.verify import Claim, Tolerances, Verdict, judge
 
 PROBLEM = PAPER["problem 1"]
@@ -268,3 +268,24 @@ def test_margin_is_the_distance_to_the_nearer_circle(scenario):
         inside = [d < radius for d in distances]
         place = {(1, 0): "left disc", (0, 1): "right disc", (0, 0): "outside"}
         assert found.region == place[tuple(map(int, inside))]
+
+
+def test_another_word_far_off_is_a_wrong_basin_though_it_turns_as_far():
+    """Found in review: RL beside the rear of a circle's front turns as LS does, a third longer."""
+    scenario = on_left_circle(2.8, inside=-1e-5)
+    pair = right_left_pair(local(scenario))
+    assert pair is not None
+    path = as_path(scenario, "RL", pair[0])
+    found = judge(scenario, path, Claim.LOCAL)
+
+    assert found.gap > 0.3
+    assert abs(path.turn - 2.8) < 1
+    assert found.wrong_basin
+
+
+def test_a_ripple_on_a_straight_names_no_letter():
+    """A discretised straight bends by a rounding at every step: it is a straight."""
+    rate = np.concatenate((np.ones(5), np.full(5, 1e-9)))
+    path = Path(PROBLEM.start, rate, np.concatenate((np.full(5, 0.3), np.full(5, 2.0))))
+
+    assert path.word(0.05) == "LS"
