@@ -77,7 +77,8 @@ def answer_json(answer: Answer) -> str:
         for name in (
             *("word", "length", "time", "gap", "verdict", "claim", "outcome", "solver", "branch"),
             *("miss", "region", "margin", "reference", "word_ref", "curvature_excess"),
-            *("claimed_length", "lower_bound", "false_claim", "wrong_basin"),
+            *("claimed_length", "lower_bound", "false_claim", "wrong_basin", "proof"),
+            *("reference_low", "reference_high", "pmp_residual", "cut_margin", "false_bound"),
             *("native_status", "message", "wall_s"),
         )
     }
@@ -95,6 +96,7 @@ def _letter(curvature: float) -> str:
 def answer_text(answer: Answer) -> str:
     """A few lines for a person."""
     lines = [f"verdict   {answer.verdict}", f"claim     {answer.claim}  ({answer.solver})"]
+    lines.append(f"proof     {answer.proof}")
     if answer.length is not None:
         ties = [word for word in answer.tied_words if word != answer.word_ref]
         tied = f"  (tied with {', '.join(ties)})" if ties else ""
@@ -109,6 +111,8 @@ def answer_text(answer: Answer) -> str:
     lines.append(f"region    {answer.region}, {answer.margin:.3g} R from the nearer turning circle")
     if answer.false_claim:
         lines.append("false claim: the claim is stronger than the verdict")
+    if answer.false_bound:
+        lines.append("false bound: the solver's lower bound lies above the shortest length")
     if answer.outcome != Outcome.RETURNED:
         lines.append(f"outcome   {answer.outcome}")
     if answer.message:
