@@ -7,10 +7,10 @@ import pandas as pd
 from matplotlib.axes import Axes
 
 from report.content import count
+from report.figures_bars import plot_shares
 from report.metrics import VERDICTS, answerable, gaps_or_infinity, share_within, solver_order
 from report.style import (
     BLUE,
-    INK,
     MUTED,
     ORANGE,
     RULE,
@@ -18,7 +18,6 @@ from report.style import (
     log_axis,
     looks,
     name_of,
-    only_grid,
 )
 
 # dark to light, and hatched where something is wrong, so that the order survives grey printing
@@ -34,33 +33,8 @@ SMALLEST_GAP = 1e-16
 
 def plot_verdicts(ax: Axes, table: pd.DataFrame) -> None:
     """Share of each verdict, one bar a solver. Columns of `metrics.summary`."""
-    places = np.arange(len(table))[::-1]
-    left = np.zeros(len(table))
-    for verdict in VERDICTS:
-        colour, hatch = VERDICT_LOOK[verdict]
-        width = table[verdict].to_numpy() / table["attempts"].to_numpy()
-        if not width.any():
-            continue
-        ax.barh(
-            places,
-            width,
-            left=left,
-            height=0.62,
-            color=colour,
-            hatch=hatch,
-            edgecolor="white",
-            linewidth=0,
-            label=verdict,
-        )
-        left += width
-    for place, row in zip(places, table.itertuples(), strict=True):
-        ax.text(1.015, place, _counts(row), va="center", fontsize=7.5, color=MUTED)
-    ax.set_yticks(places, [name_of(solver) for solver in table["solver"]], color=INK)
-    ax.set(xlim=(0, 1), ylim=(-0.6, len(table) - 0.4), xlabel="share of all attempts")
-    ax.xaxis.set_major_formatter(lambda value, _: f"{100 * value:.0f} %")
-    only_grid(ax, "x")
-    ax.spines["left"].set_visible(False)
-    ax.tick_params(axis="y", length=0)
+    look = {verdict: VERDICT_LOOK[verdict] for verdict in VERDICTS}
+    plot_shares(ax, table, look, [_counts(row) for row in table.itertuples()])
     ax.legend(loc="lower left", bbox_to_anchor=(0, 1.0), ncols=5, borderaxespad=0.2)
 
 

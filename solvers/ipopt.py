@@ -30,7 +30,6 @@ from solvers.model import (
     MODELS,
     ORDERS,
     UNITS,
-    Attempts,
     Point,
     Subproblem,
     answer,
@@ -39,7 +38,7 @@ from solvers.model import (
 )
 from solvers.protocol import Guarantee, Question, Solution
 from solvers.settings import one_of, positive, within
-from solvers.starts import STARTS, every_start, starting_points
+from solvers.starts import STARTS, attempts
 from study.path import FloatArray
 from study.synthesis import BRANCHES
 from study.verify import Claim
@@ -130,10 +129,8 @@ class Ipopt:
 
     def build(self, question: Question) -> Model:
         template = executable_template if by_executable(self.via) else library_template
-        cases = [
-            self._case(question, subproblem)
-            for subproblem in subproblems(question, self.model, self.order)
-        ]
+        unit = question.scenario.radius if self.units == "scenario" else None
+        cases = cases_of(question, self.model, self.order, self.capped, unit)
         return Model(question, cases, template(self._options, self.units))
 
     @property
@@ -145,28 +142,29 @@ class Ipopt:
             ("mu_target", self.mu_target),
         )
 
-    def _case(self, question: Question, subproblem: Subproblem) -> Case:
-        arc = FULL_TURN if self.capped else math.inf
-        upper = np.where(subproblem.mask, (arc, arc, math.inf), 0.0)
-        return Case(
-            subproblem,
-            np.zeros(3),
-            upper,
-            target(question.scenario, subproblem.mirrored),
-            question.scenario.radius if self.units == "scenario" else None,
-        )
-
     def solve(self, model: Model, limit: float) -> Solution:
         question = model.question
-        attempts = [
-            Attempts(
-                partial(_attempt, model.run, case),
-                starting_points(question, case.subproblem, self.start, self.seed, self.count),
-                every_start(case.subproblem, self.start),
-            )
-            for case in model.cases
-        ]
-        return answer(question, attempts, limit)
+        tried = attempts(
+            question, model.cases, partial(_attempt, model.run), self.start, self.seed, self.count
+        )
+        return answer(question, tried, limit)
+
+
+def cases_of(
+    question: Question, model: str, order: str, capped: bool, unit: float | None = None
+) -> list[Case]:
+    """The subproblems of a question with their bounds; see `Case` and `model.subproblems`."""
+    arc = FULL_TURN if capped else math.inf
+    return [
+        Case(
+            subproblem,
+            np.zeros(3),
+            np.where(subproblem.mask, (arc, arc, math.inf), 0.0),
+            target(question.scenario, subproblem.mirrored),
+            unit,
+        )
+        for subproblem in subproblems(question, model, order)
+    ]
 
 
 def _attempt(run: Run, case: Case, start: FloatArray) -> Point:

@@ -5,7 +5,6 @@ An executable is looked for on PATH by its name and run as AMPL runs it (see `so
 
 from __future__ import annotations
 
-import math
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -13,24 +12,17 @@ from functools import partial
 from time import perf_counter
 from typing import Any, ClassVar, NamedTuple
 
-import numpy as np
-
 from solvers import ampl, pyomo_direct
-from solvers.ipopt import Case
+from solvers.ipopt import Case, cases_of
 from solvers.model import (
-    FULL_TURN,
     MODELS,
     ORDERS,
-    Attempts,
     Point,
-    Subproblem,
     answer,
-    subproblems,
-    target,
 )
 from solvers.protocol import Guarantee, Question, Solution
 from solvers.settings import one_of, positive, within
-from solvers.starts import STARTS, every_start, starting_points
+from solvers.starts import STARTS, attempts
 from solvers.trust_constr import trust_constr
 from study.path import FloatArray
 from study.synthesis import BRANCHES
@@ -101,10 +93,7 @@ class Nlp:
         return ampl.unavailable(self.solver)
 
     def build(self, question: Question) -> Model:
-        cases = [
-            self._case(question, subproblem)
-            for subproblem in subproblems(question, self.model, self.order)
-        ]
+        cases = cases_of(question, self.model, self.order, self.capped)
         return Model(question, cases, self._route())
 
     def _route(self) -> Route:
@@ -114,23 +103,11 @@ class Nlp:
             return partial(pyomo_direct.solve, interface="knitro_direct")
         return partial(ampl.solve, executable=self.solver)
 
-    def _case(self, question: Question, subproblem: Subproblem) -> Case:
-        arc = FULL_TURN if self.capped else math.inf
-        upper = np.where(subproblem.mask, (arc, arc, math.inf), 0.0)
-        return Case(subproblem, np.zeros(3), upper, target(question.scenario, subproblem.mirrored))
-
     def solve(self, model: Model, limit: float) -> Solution:
         question, deadline = model.question, perf_counter() + limit
 
         def run(case: Case, start: FloatArray) -> Point:
             return model.route(case, start, deadline - perf_counter())
 
-        attempts = [
-            Attempts(
-                partial(run, case),
-                starting_points(question, case.subproblem, self.start, self.seed, self.count),
-                every_start(case.subproblem, self.start),
-            )
-            for case in model.cases
-        ]
-        return answer(question, attempts, limit)
+        tried = attempts(question, model.cases, run, self.start, self.seed, self.count)
+        return answer(question, tried, limit)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
@@ -15,7 +14,6 @@ from solvers.model import (
     MODELS,
     ORDERS,
     UNITS,
-    Attempts,
     Point,
     Subproblem,
     answer,
@@ -26,7 +24,7 @@ from solvers.model import (
 )
 from solvers.protocol import Guarantee, Question, Solution
 from solvers.settings import one_of, positive, within
-from solvers.starts import STARTS, every_start, starting_points
+from solvers.starts import STARTS, attempts
 from study.path import FloatArray
 from study.synthesis import BRANCHES, EPS
 from study.verify import Claim
@@ -123,15 +121,8 @@ class Slsqp:
 
     def solve(self, model: Model, limit: float) -> Solution:
         question = model.question
-        attempts = [
-            Attempts(
-                partial(self._from, case),
-                starting_points(question, case.subproblem, self.start, self.seed, self.count),
-                every_start(case.subproblem, self.start),
-            )
-            for case in model.cases
-        ]
-        return answer(question, attempts, limit)
+        tried = attempts(question, model.cases, self._from, self.start, self.seed, self.count)
+        return answer(question, tried, limit)
 
     def _from(self, case: Case, start: FloatArray) -> Point:
         from scipy.optimize import minimize

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
+from functools import partial
+from typing import Protocol, TypeVar
 
 import numpy as np
 
-from solvers.model import FULL_TURN, Subproblem, target
+from solvers.model import FULL_TURN, Attempts, Point, Subproblem, target
 from solvers.protocol import Question
 from study.path import FloatArray, Path
 
@@ -80,6 +82,35 @@ def every_start(subproblem: Subproblem, kind: str) -> bool:
     LS and RS have one solution below a full turn; the others have more.
     """
     return kind == "random" or subproblem.free == (0, 1)
+
+
+class Posed(Protocol):
+    """A subproblem as a backend takes it."""
+
+    @property
+    def subproblem(self) -> Subproblem: ...
+
+
+Case = TypeVar("Case", bound=Posed)
+
+
+def attempts(
+    question: Question,
+    cases: Iterable[Case],
+    solve: Callable[[Case, FloatArray], Point],
+    start: str,
+    seed: int,
+    count: int,
+) -> list[Attempts]:
+    """Every case of a question with its starting points; for start, seed, count see above."""
+    return [
+        Attempts(
+            partial(solve, case),
+            starting_points(question, case.subproblem, start, seed, count),
+            every_start(case.subproblem, start),
+        )
+        for case in cases
+    ]
 
 
 def _bearing(
