@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from time import perf_counter
 
+import pandas as pd
+
 from benchmarks.harness import Measurement, Timing, side_by_side
 from benchmarks.peers import random_frame
-from solvers.registry import load
+from solvers.analytic import Analytic
 from study.certificate import certify
 from study.certificate_frame import certify_frame
 from study.enclosure import enclose
@@ -71,13 +73,13 @@ def _each(
     return lambda: [function(scenario, path) for scenario, path in pairs]
 
 
-def _frame(frame: object) -> tuple[Timing, int]:
-    solution = load("analytic").solve_frame(frame, "best")  # type: ignore[attr-defined]
-    judged = judge_frame(frame, solution.paths, solution.claim)  # type: ignore[arg-type]
+def _frame(frame: pd.DataFrame) -> tuple[Timing, int]:
+    solution = Analytic().solve_frame(frame, "best")
+    judged = judge_frame(frame, solution.paths, solution.claim)
     seconds, rows = [], 0
     for _ in range(4):
         began = perf_counter()
-        found = certify_frame(frame, solution.paths, judged, enclosures=False)  # type: ignore[arg-type]
+        found = certify_frame(frame, solution.paths, judged, enclosures=False)
         seconds.append(perf_counter() - began)
         rows = int((found.proof == 2).sum())
     return Timing(sorted(seconds)[1], min(seconds)), rows

@@ -9,18 +9,11 @@ from typing import Any
 
 import pyarrow as pa
 
-from study.schema import KEY, ROW, RUN, SCENARIO, names
+from study.schema import KEY, ROW, RUN, SCENARIO, arrow_schema, names
 
 Row = dict[str, Any]
 
-_TYPES = {
-    "string": pa.string(),
-    "float64": pa.float64(),
-    "int64": pa.int64(),
-    "bool": pa.bool_(),
-    "list<float64>": pa.list_(pa.float64()),
-}
-ARROW_SCHEMA = pa.schema([pa.field(column.name, _TYPES[column.type]) for column in ROW])
+ARROW_SCHEMA = arrow_schema()
 
 # columns that the solver has no part in, which outlive an answer that does not fit
 _OURS = (*names(KEY + SCENARIO + RUN), "region", "margin", "word_ref", "reference")

@@ -13,9 +13,6 @@ JUMP = "front, inside"  # where the shortest length is by up to 2 pi R above tha
 # what became of an attempt, best first
 FINDINGS = ("right", "coarse", "by its miss", "wrong basin", "no path")
 ANSWERED = ("right", "coarse")  # the shortest path, to whatever accuracy
-# a discretised answer of the right shape is off by less; where words turn by nearly the same angle,
-# as near a circle's rear, the net turn that `wrong_basin` goes by does not tell them apart
-COARSE = 0.05
 SHORTER = 1e-4  # relative; an answer shorter than the shortest by this is short by its miss
 
 
@@ -24,8 +21,8 @@ def rungs(rows: pd.DataFrame) -> pd.DataFrame:
 
     `right`: optimal, and as long as the scenario's shortest path. `by its miss`: optimal as the
     check says it, which relaxes its reference over the miss made, but shorter than the scenario's
-    shortest path. `coarse`: longer by up to 5 %, of the same shape. `wrong basin`: longer by more,
-    or of another shape. `no path`: it does not arrive, or there is none.
+    shortest path. `coarse`: longer, of the same shape. `wrong basin`: longer, of another.
+    `no path`: it does not arrive, or there is none.
 
     Returns:
         Columns solver, scenario_id, side, rung (margin as a power of ten), finding, false_claim,
@@ -52,7 +49,7 @@ def rungs(rows: pd.DataFrame) -> pd.DataFrame:
 def _findings(rows: pd.DataFrame) -> list[str]:
     optimal = (rows["verdict"] == "optimal").to_numpy()
     longer = (rows["verdict"] == "longer").to_numpy()
-    basin = rows["wrong_basin"].to_numpy(dtype=np.bool_) | (rows["gap"] > COARSE).to_numpy()
+    basin = rows["wrong_basin"].to_numpy(dtype=np.bool_)
     least = rows["reference_low"].fillna(0.0).to_numpy(dtype=np.float64)
     length: FloatArray = rows["length"].to_numpy(dtype=np.float64)
     short = length < least * (1 - SHORTER)

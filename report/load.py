@@ -15,20 +15,13 @@ import pyarrow.parquet as pq
 
 from study.path import Path
 from study.scenario import Pose
-from study.schema import KEY, ROW, VERSION, names
+from study.schema import KEY, ROW, VERSION, arrow_schema, names
 
-_ARROW = {
-    "string": pa.string(),
-    "int64": pa.int64(),
-    "float64": pa.float64(),
-    "bool": pa.bool_(),
-    "list<float64>": pa.list_(pa.float64()),
-}
 _CONTROLS = ["curvatures", "lengths"]
 # what a run writes beside its rows; the page shows it from the manifest, so the rows need not
 _UNREAD = {"versions", "host", "run_id"}
 _LIGHT = [name for name in names(ROW) if name not in _UNREAD and name not in _CONTROLS]
-_SCHEMA = pa.schema([(column.name, _ARROW[column.type]) for column in ROW])
+_SCHEMA = arrow_schema()
 
 
 class ReportError(ValueError):

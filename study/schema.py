@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
+
+if TYPE_CHECKING:
+    import pyarrow as pa
 
 VERSION = 2
 
@@ -93,6 +96,20 @@ ROW = KEY + SCENARIO + ANSWER + RUN
 
 def names(columns: tuple[Column, ...]) -> list[str]:
     return [column.name for column in columns]
+
+
+def arrow_schema() -> pa.Schema:
+    """The row as Arrow and Parquet hold it."""
+    import pyarrow as pa
+
+    types = {
+        "string": pa.string(),
+        "float64": pa.float64(),
+        "int64": pa.int64(),
+        "bool": pa.bool_(),
+        "list<float64>": pa.list_(pa.float64()),
+    }
+    return pa.schema([pa.field(column.name, types[column.type]) for column in ROW])
 
 
 def documentation() -> str:

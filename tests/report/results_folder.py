@@ -13,18 +13,11 @@ import pyarrow.parquet as pq
 from solvers.registry import SolverError, load, settings
 from study.path import Path
 from study.scenario import Scenario
-from study.schema import ROW, VERSION
+from study.schema import ROW, VERSION, arrow_schema
 from study.synthesis import shortest_path
 from study.verify import Claim, judge
 
-TYPES = {
-    "string": pa.string(),
-    "int64": pa.int64(),
-    "float64": pa.float64(),
-    "bool": pa.bool_(),
-    "list<float64>": pa.list_(pa.float64()),
-}
-SCHEMA = pa.schema([(column.name, TYPES[column.type]) for column in ROW])
+SCHEMA = arrow_schema()
 
 PAPER = {
     "problem 1": (2, 10, 5, 1),
