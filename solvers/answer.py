@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import asdict, dataclass, replace
 from time import perf_counter
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -106,6 +106,9 @@ class Times:
     wall: float | None = None
 
 
+_NEVER = Times()
+
+
 def solve(
     scenario: Scenario,
     solver: str = "analytic",
@@ -167,29 +170,30 @@ def attempt(
     A solver that raises, returns something else than a `Solution`, cannot run here or cannot
     answer the branch yields a row that says so.
     """
+    return judged(spec or solver.name, question, ask(solver, question, limit), allowed)
+
+
+class Reply(NamedTuple):
+    """What came back of a question, not judged yet: all that the process that solves need know."""
+
+    outcome: Outcome
+    solution: Solution
+    times: Times
+
+
+def nothing(outcome: Outcome, message: str, times: Times = _NEVER, status: str = "") -> Reply:
+    """The reply of a solver that did not answer, and why."""
+    return Reply(outcome, Solution(Claim.NONE, native_status=status, message=message), times)
+
+
+def ask(solver: AnySolver, question: Question, limit: float = DEFAULT_LIMIT) -> Reply:
+    """Put a question to a solver and time it. What a solver raises is its reply."""
     reason = unavailable(solver)
     if reason is not None:
-        outcome, solution, times = Outcome.UNAVAILABLE, _nothing(reason), Times()
-    elif question.branch not in solver.branches:
+        return nothing(Outcome.UNAVAILABLE, reason)
+    if question.branch not in solver.branches:
         reason = f"{solver.name} answers {', '.join(solver.branches)}, not {question.branch}"
-        outcome, solution, times = Outcome.UNSUPPORTED, _nothing(reason), Times()
-    else:
-        outcome, solution, times = _run(solver, question, limit)
-    claim = solution.claim
-    found = judge(question.scenario, solution.path, claim, question.branch, allowed)
-    certificate = certify(
-        question.scenario,
-        solution.path,
-        found,
-        question.branch,
-        lower_bound=solution.lower_bound,
-        multipliers=solution.multipliers,
-        tolerances=allowed,
-    )
-    return _answer(spec or solver.name, question, outcome, solution, times, found, certificate)
-
-
-def _run(solver: AnySolver, question: Question, limit: float) -> tuple[Outcome, Solution, Times]:
+        return nothing(Outcome.UNSUPPORTED, reason)
     # a solver is given copies, so that the question stays what was asked
     asked = replace(question, scenario=replace(question.scenario))
     began = perf_counter()
@@ -199,19 +203,45 @@ def _run(solver: AnySolver, question: Question, limit: float) -> tuple[Outcome, 
         built = perf_counter()
         solution = solver.solve(model, limit)
         ended = perf_counter()
-        times = Times(built - began, ended - built, ended - began)
         if not isinstance(solution, Solution):
             raise TypeError(f"solve returned {type(solution).__name__}; expected a Solution")
     except (Exception, SystemExit) as error:  # what a backend raises is its result
         ended = perf_counter()
         build = None if built is None else built - began
-        message = f"{type(error).__name__}: {error}"
-        return Outcome.RAISED, _nothing(message), Times(build, None, ended - began)
-    return Outcome.RETURNED, solution, times
+        outcome = Outcome.OUT_OF_MEMORY if isinstance(error, MemoryError) else Outcome.RAISED
+        return nothing(outcome, told(error), Times(build, None, ended - began))
+    return Reply(Outcome.RETURNED, solution, Times(built - began, ended - built, ended - began))
 
 
-def _nothing(message: str) -> Solution:
-    return Solution(Claim.NONE, message=message)
+_LONGEST_MESSAGE = 2000  # characters; a row is no place for more
+
+
+def told(error: BaseException) -> str:
+    """An exception in one text; it may fail even in telling what it is."""
+    name = type(error).__name__
+    try:
+        text = str(error)
+    except BaseException:  # see above
+        return name
+    return f"{name}: {text}"[:_LONGEST_MESSAGE]
+
+
+def judged(
+    spec: str, question: Question, reply: Reply, allowed: Tolerances = PROFILES["default"]
+) -> Answer:
+    """A reply judged by the check and certified."""
+    solution = reply.solution
+    found = judge(question.scenario, solution.path, solution.claim, question.branch, allowed)
+    certificate = certify(
+        question.scenario,
+        solution.path,
+        found,
+        question.branch,
+        lower_bound=solution.lower_bound,
+        multipliers=solution.multipliers,
+        tolerances=allowed,
+    )
+    return _answer(spec, question, *reply, found, certificate)
 
 
 def _answer(
