@@ -206,10 +206,11 @@ def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
 
 def status_text(folder: FilePath) -> str:
     """What a results folder holds."""
-    from experiments.store import read_manifest, read_rows
+    from experiments.store import by_code, read_manifest, read_rows
 
     manifest = read_manifest(folder)
     rows = read_rows(folder, ["outcome", "verdict"])
+    rows, stale = by_code(rows, manifest)
     counts: dict[str, Counter[str]] = {}
     for solver, outcome, verdict in zip(
         *(rows[name].to_pylist() for name in ("solver", "outcome", "verdict")), strict=True
@@ -220,6 +221,8 @@ def status_text(folder: FilePath) -> str:
     lines = [(s, *(str(c[kind] or "") for kind in kinds)) for s, c in sorted(counts.items())]
     state = "finished" if manifest.get("finished") else "not finished: run it again to go on"
     heading = f"{folder}: {len(rows)} of {manifest['cells']} cells done, {state}"
+    if stale:
+        heading += f"\n{stale} rows of earlier code, which count for nothing"
     if not lines:
         return heading
     return heading + "\n" + table(("solver", *kinds), lines)

@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.stats import qmc
 
+from experiments.fingerprint import code
 from experiments.patterns import expand_solvers
 from experiments.spec import (
     CIRCULAR,
@@ -46,11 +47,12 @@ class Cell(NamedTuple):
     branch: str
     start: str
     repeat: int
+    code: str
     scenario: Scenario
 
     @property
     def key(self) -> Key:
-        return self[:6]
+        return self[:7]
 
 
 # Cells that one worker must solve one after another: a sweep's warm starts, or a single cell.
@@ -89,8 +91,9 @@ def chains(experiment: Experiment) -> list[Chain]:
         ):
             if start != "cold" and not specs[number][spec]:
                 continue  # the method has no use for a starting point
+            digest = code(spec, experiment.profile)
             cells = [
-                Cell(name, spec, experiment.profile, branch, start, repeat, scenario)
+                Cell(name, spec, experiment.profile, branch, start, repeat, digest, scenario)
                 for name, scenario in zip(ids, scenarios, strict=True)
             ]
             groups = [tuple(cells)] if start == "warm" else [(cell,) for cell in cells]

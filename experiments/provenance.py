@@ -22,11 +22,17 @@ def now() -> str:
 @cache
 def versions(packages: tuple[str, ...] = ()) -> dict[str, str]:
     """Versions of Python, of what every row rests on, and of the packages named."""
-    found = {"python": platform.python_version()}
-    for package in (*_ALWAYS, *packages):
+    return {"python": platform.python_version()} | versions_of((*_ALWAYS, *packages))
+
+
+@cache
+def versions_of(packages: tuple[str, ...]) -> dict[str, str]:
+    """Versions of distributions."""
+    found = {}
+    for package in packages:
         try:
             found[package] = version(package)
-        except PackageNotFoundError:
+        except (PackageNotFoundError, ValueError):
             found[package] = "not installed"
     return found
 

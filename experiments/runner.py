@@ -2,24 +2,24 @@
 
 from __future__ import annotations
 
-import math
+from collections import Counter
 from pathlib import Path as FilePath
 from typing import Any
 from uuid import uuid4
 
 from experiments.execution import solve_left
+from experiments.fingerprint import code, plain_settings
 from experiments.grid import Chain
 from experiments.interruption import Interruption
-from experiments.provenance import machine, now, source, versions
+from experiments.provenance import machine, now, source, versions, versions_of
 from experiments.request import Request, accepted
 from experiments.spec import Source
 from experiments.store import compact, done, open_folder, write_manifest
 from experiments.worker import Run
 from experiments.writer import Progress, Writer
 from solvers.profiles import tolerances
-from solvers.protocol import AnySolver
-from solvers.registry import load, settings
-from study.schema import VERSION
+from solvers.registry import load
+from study.schema import VERSION, Key
 
 
 def run(
@@ -82,7 +82,7 @@ def _record(
         # the run that began the folder stays its origin; rows name their own versions
         manifest |= {"created": earlier.get("created"), "finished": earlier.get("finished")}
         manifest["solvers"] = {**earlier.get("solvers", {}), **manifest["solvers"]}
-    manifest["cells"] = len(keys | finished)
+    _count_cells(manifest, keys | finished)
     shared = Run(uuid4().hex[:12], found.experiment.limit, request.jobs)
     writer = Writer(folder, shared.run_id, len(keys), progress)
     if keys <= finished and manifest["finished"] is not None:
@@ -95,6 +95,17 @@ def _record(
         writer.flush()
     compact(folder, f"{shared.run_id}-all")
     write_manifest(folder, manifest | {"finished": now()})
+
+
+def _count_cells(manifest: dict[str, Any], keys: set[Key]) -> None:
+    """How many cells the folder is asked for: rows of earlier code are none of them."""
+    solvers = manifest["solvers"]
+    asked = Counter(
+        spec for _, spec, *_, digest in keys if solvers.get(spec, {}).get("code") == digest
+    )
+    manifest["cells"] = asked.total()
+    for spec, kept in solvers.items():
+        kept["cells"] = asked[spec]
 
 
 def _manifest(found: Source, groups: list[Chain], command: str) -> dict[str, Any]:
@@ -114,23 +125,17 @@ def _manifest(found: Source, groups: list[Chain], command: str) -> dict[str, Any
         "limit": found.experiment.limit,
         "profile": found.experiment.profile,
         "gap_tolerance": tolerances(found.experiment.profile).gap,
-        "solvers": {spec: _plain_settings(solver) for spec, solver in loaded.items()},
+        "solvers": {
+            spec: {
+                "settings": plain_settings(solver),
+                "code": code(spec, found.experiment.profile),
+                "packages": versions_of(tuple(solver.packages)),
+            }
+            for spec, solver in loaded.items()
+        },
         "versions": versions(tuple(packages)),
         "machine": machine(),
         "git": source(),
         "created": now(),
         "finished": None,
     }
-
-
-def _plain_settings(solver: AnySolver) -> dict[str, Any]:
-    """A solver's settings as JSON has them; what it cannot hold (a plug-in's) as text."""
-    return {
-        name: value if _is_plain(value) else str(value) for name, value in settings(solver).items()
-    }
-
-
-def _is_plain(value: object) -> bool:
-    if isinstance(value, float):
-        return math.isfinite(value)
-    return value is None or isinstance(value, str | int)

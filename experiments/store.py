@@ -144,6 +144,19 @@ def read_rows(folder: FilePath, columns: list[str] | None = None) -> pa.Table:
     return _unique(pa.concat_tables(tables))
 
 
+def by_code(rows: pa.Table, manifest: Mapping[str, Any]) -> tuple[pa.Table, int]:
+    """The rows made by the code that the manifest names, and how many there are of other code."""
+    solvers = manifest["solvers"]
+    current = pa.array(
+        [
+            solvers.get(spec, {}).get("code") == code
+            for spec, code in zip(rows["solver"].to_pylist(), rows["code"].to_pylist(), strict=True)
+        ],
+        pa.bool_(),
+    )
+    return rows.filter(current), len(rows) - (current.true_count or 0)
+
+
 def _unique(table: pa.Table) -> pa.Table:
     """The first row of every key: a run cut off while compacting leaves rows in two parts."""
     numbered = table.select(names(KEY)).append_column("row", pa.array(range(len(table))))

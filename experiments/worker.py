@@ -33,6 +33,7 @@ class Run(NamedTuple):
     run_id: str
     limit: float
     jobs: int
+    engine: str = "local"
 
 
 _VARIABLES = tuple(f"{library}_NUM_THREADS" for library in ("OMP", "OPENBLAS", "MKL"))
@@ -114,6 +115,7 @@ def shared(cell: Cell, run: Run, started: str) -> Row:
         "host": host(),
         "threads": THREADS,
         "jobs": run.jobs,
+        "engine": run.engine,
         "run_id": run.run_id,
         "started": started,
     }

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path as FilePath
 from typing import Any
 
@@ -15,7 +15,7 @@ import pyarrow.parquet as pq
 
 from study.path import Path
 from study.scenario import Pose
-from study.schema import KEY, ROW, VERSION, arrow_schema, names
+from study.schema import CELL, ROW, VERSION, arrow_schema, names
 
 _CONTROLS = ["curvatures", "lengths"]
 # what a run writes beside its rows; the page shows it from the manifest, so the rows need not
@@ -30,7 +30,14 @@ class ReportError(ValueError):
 
 @dataclass(frozen=True)
 class Manifest:
-    """What a run says of itself."""
+    """What a run says of itself, and what of its rows was left out.
+
+    Args:
+        solvers: every spec's settings.
+        codes: every spec's code; rows of another were made by something else.
+        stale: rows of another code in the folder.
+        replaced: cells left out since an earlier folder holds them, made by another code.
+    """
 
     name: str
     title: str
@@ -40,11 +47,14 @@ class Manifest:
     versions: dict[str, Any] = field(default_factory=dict)
     machine: dict[str, Any] = field(default_factory=dict)
     git: dict[str, Any] = field(default_factory=dict)
-    solvers: dict[str, Any] = field(default_factory=dict)
+    solvers: dict[str, dict[str, Any]] = field(default_factory=dict)
+    codes: dict[str, str] = field(default_factory=dict)
     gap_tolerance: float | None = None
     schema: int = VERSION
     created: str = ""
     finished: str = ""
+    stale: int = 0
+    replaced: int = 0
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,20 +93,38 @@ def load(folders: Iterable[str | FilePath]) -> Results:
     if not paths:
         raise ReportError("no results folder given; expected at least one")
     manifests, tables = [], []
-    for path in paths:
-        manifest = read_manifest(path)
-        table = _read_parts(path)
-        name = pa.array([manifest.name] * table.num_rows, pa.string())
+    for number, path in enumerate(paths):
+        manifest, table = _current(path, read_manifest(path), _read_parts(path))
         manifests.append(manifest)
-        tables.append(table.append_column("experiment", name))
+        for name, value in (("experiment", pa.scalar(manifest.name)), ("folder", number)):
+            table = table.append_column(name, pa.repeat(value, table.num_rows))
+        tables.append(table)
     return _joined(manifests, pa.concat_tables(tables))
 
 
+def _current(path: FilePath, manifest: Manifest, table: pa.Table) -> tuple[Manifest, pa.Table]:
+    """The rows of the code that the manifest names, and how many others there are."""
+    solver, code = (table[name].to_pandas() for name in ("solver", "code"))
+    stale = solver.map(manifest.codes).notna() & (solver.map(manifest.codes) != code)
+    if stale.all():
+        raise ReportError(f"{path} has no rows but of earlier code: run it again")
+    if stale.any():
+        table = table.filter(pa.array(~stale))
+    return replace(manifest, stale=int(stale.sum())), table
+
+
 def _joined(manifests: Sequence[Manifest], table: pa.Table) -> Results:
-    rows = table.select(["experiment", *_LIGHT]).to_pandas()
-    first = ~rows.duplicated(["experiment", *names(KEY)])
+    rows = table.select(["experiment", "folder", *_LIGHT]).to_pandas()
+    cell = ["experiment", *names(CELL)]
+    first = ~rows.duplicated(cell)
     if not first.all():
+        others = ~first & ~rows.duplicated([*cell, "code"])
+        count = rows.loc[others, "folder"].value_counts()
+        manifests = [
+            replace(manifest, replaced=int(count.get(i, 0))) for i, manifest in enumerate(manifests)
+        ]
         rows, table = rows[first].reset_index(drop=True), table.filter(pa.array(first))
+    rows = rows.drop(columns="folder")
     return Results(tuple(manifests), rows, table.select(_CONTROLS).combine_chunks())
 
 
@@ -134,6 +162,7 @@ def _manifest(experiment: dict[str, Any], data: dict[str, Any]) -> Manifest:
     def mapping(value: Any) -> dict[str, Any]:
         return value if isinstance(value, dict) else {}
 
+    solvers = mapping(data.get("solvers"))
     command, tolerance = data.get("command"), data.get("gap_tolerance")
     return Manifest(
         name=experiment["name"],
@@ -144,7 +173,8 @@ def _manifest(experiment: dict[str, Any], data: dict[str, Any]) -> Manifest:
         versions=mapping(data.get("versions")),
         machine=mapping(data.get("machine")),
         git=mapping(data.get("git")),
-        solvers=mapping(data.get("solvers")),
+        solvers={spec: mapping(mapping(own).get("settings")) for spec, own in solvers.items()},
+        codes={spec: text(mapping(own).get("code")) for spec, own in solvers.items()},
         gap_tolerance=tolerance if isinstance(tolerance, float) and tolerance > 0 else None,
         created=text(data.get("created")),
         finished=text(data.get("finished")),

@@ -18,6 +18,7 @@ from matplotlib.figure import Figure
 from report.content import Picture, Section, Table
 from report.load import Manifest, ReportError, Results, load
 from report.markup import markdown, to_csv, to_markdown, to_tex
+from report.section_summary import some
 from report.sections import SECTIONS
 from report.style import BLUE, GREEN, INK, MUTED, PAPER, RULE, VERMILION, drawing
 
@@ -164,6 +165,15 @@ def breakable(text: str) -> Markup:
     return Markup(escaped.replace("[", "<wbr>[").replace(",", ",<wbr>"))
 
 
+def left_out(run: Manifest) -> list[str]:
+    """What of a folder's rows the report does not show, and why; nothing if it shows all."""
+    lines = {
+        "of earlier code of their solvers": run.stale,
+        "of cells that a folder before this one holds, made by other code": run.replaced,
+    }
+    return [f"{some(number, 'row')} {why}" for why, number in lines.items() if number]
+
+
 def _environment() -> Environment:
     """Autoescape is on for HTML; Markdown escapes through its own filter."""
     environment = Environment(
@@ -174,6 +184,7 @@ def _environment() -> Environment:
         lstrip_blocks=True,
     )
     environment.filters |= {"breakable": breakable, "markdown": markdown, "pipe_table": to_markdown}
+    environment.filters["left_out"] = left_out
     environment.tests |= {
         "picture": lambda block: isinstance(block, Picture),
         "table": lambda block: isinstance(block, Table),

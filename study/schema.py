@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 if TYPE_CHECKING:
     import pyarrow as pa
 
-VERSION = 2
+VERSION = 3
 
 
 class Column(NamedTuple):
@@ -26,9 +26,14 @@ KEY = (
     Column("branch", "string", "", "best, LS, RS, LR or RL"),
     Column("start", "string", "", "cold, warm from the neighbour in the sweep, or z1 z2 z3"),
     Column("repeat", "int64", "", "0, 1, ... of the same cell"),
+    Column(
+        "code", "string", "", "digest of the solver's code, settings and libraries: 12 hex digits"
+    ),
 )
 # the values of the key columns
-Key = tuple[str, str, str, str, str, int]
+Key = tuple[str, str, str, str, str, int, str]
+# which attempt it is, whatever code makes it
+CELL = KEY[:-1]
 
 SCENARIO = (
     Column("x", "float64", "length", "start position"),
@@ -88,6 +93,7 @@ RUN = (
     Column("host", "string", "", "machine kind: system, processor, cores"),
     Column("threads", "int64", "", "threads the numerical libraries may use"),
     Column("jobs", "int64", "", "processes that solved side by side"),
+    Column("engine", "string", "", "local or dask"),
     Column("run_id", "string", "", "which run wrote the row"),
     Column("started", "string", "UTC", "when the attempt started, ISO 8601"),
 )

@@ -67,7 +67,7 @@ def test_the_manifest_says_where_the_run_came_from(small, tmp_path):
 
     assert manifest["schema"] == VERSION
     assert manifest["experiment"]["text"] == SMALL
-    assert manifest["solvers"]["slsqp"]["model"] == "words"
+    assert manifest["solvers"]["slsqp"]["settings"]["model"] == "words"
     assert manifest["command"].endswith("--jobs 1 --repeats 2")
     assert manifest["finished"]
     assert manifest["machine"]["cores"] >= 1

@@ -61,6 +61,7 @@ def attempt(
         "branch": branch,
         "start": "cold",
         "repeat": 0,
+        "code": "0123456789ab",
         "outcome": "returned",
         "claim": str(claim),
         "native_status": "",
@@ -75,6 +76,7 @@ def attempt(
         "host": "Linux x86_64",
         "threads": 1,
         "jobs": 1,
+        "engine": "local",
         "run_id": "a",
         "started": "2026-01-01T00:00:00Z",
     }
@@ -102,7 +104,10 @@ def write_folder(
         "command": f"dubins-study run {name}",
         "versions": {"numpy": "2.3"},
         "machine": {"system": "Linux"},
-        "solvers": {row["solver"]: _settings(row["solver"]) for row in rows},
+        "solvers": {
+            row["solver"]: {"settings": _settings(row["solver"]), "code": row["code"]}
+            for row in rows
+        },
         "gap_tolerance": 1e-4,
         "git": {"commit": "abc"},
         "created": "2026-01-01T00:00:00Z",
