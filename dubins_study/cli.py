@@ -111,7 +111,10 @@ def run(
         list[str] | None, typer.Option(metavar="NAME", help="instead of the experiment's own")
     ] = None,
     jobs: Annotated[int, typer.Option(help="processes; 1 where times are quoted")] = 1,
-    limit: Annotated[float | None, typer.Option(help="seconds per solve")] = None,
+    limit: Annotated[
+        float | None, typer.Option(help="seconds after which a solve is ended")
+    ] = None,
+    memory: Annotated[float | None, typer.Option(help="GiB that a solve may hold")] = None,
     repeats: Annotated[int | None, typer.Option(help="attempts per cell")] = None,
     fresh: Annotated[bool, typer.Option("--fresh", help="throw away earlier rows")] = False,
 ) -> None:
@@ -133,6 +136,7 @@ def run(
                     solvers=solver,
                     jobs=jobs,
                     limit=limit,
+                    memory=memory,
                     repeats=repeats,
                     fresh=fresh,
                     progress=tell,
@@ -198,7 +202,7 @@ _REFUSALS = (
     ("solvers.export", "ExportError"),
     ("experiments.spec", "ExperimentError"),
     ("experiments.store", "StoreError"),
-    ("experiments.execution", "RunError"),
+    ("experiments.supervisor", "RunError"),
     ("report.load", "ReportError"),
     ("report.audit_file", "AuditError"),
     ("dubins_study.show", "ShowError"),

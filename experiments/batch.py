@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import json
 from collections import defaultdict
 from typing import Any
 
 import pyarrow as pa
 
 from experiments.grid import Cell, Chain
-from experiments.provenance import now
+from experiments.isolation import THREADS
+from experiments.judging import Run, shared
+from experiments.provenance import now, versions
 from experiments.rows import ARROW_SCHEMA
-from experiments.worker import THREADS, Run, shared
 from solvers.registry import load
 from study.scenario import scenario_frame
 from study.schema import KEY, names
@@ -62,7 +64,7 @@ def solve_batch(cells: list[Cell], run: Run) -> pa.Table:
     by_name: dict[str, pa.Array] = {name: table[name] for name in table.column_names}
     for position, name in enumerate(names(KEY)):
         by_name[name] = pa.array([cell[position] for cell in cells])
-    for name, value in shared(first, run, started).items():
+    for name, value in shared(run, started, _versions(first.solver)).items():
         by_name[name] = pa.repeat(value, len(cells))
     arrays = [_cast(by_name[field.name], field.type) for field in ARROW_SCHEMA]
     return pa.Table.from_arrays(arrays, schema=ARROW_SCHEMA)
@@ -71,3 +73,7 @@ def solve_batch(cells: list[Cell], run: Run) -> pa.Table:
 def _cast(column: Any, kind: pa.DataType) -> Any:
     chunked = column if isinstance(column, pa.ChunkedArray) else pa.chunked_array([column])
     return chunked.cast(kind)
+
+
+def _versions(spec: str) -> str:
+    return json.dumps(versions(tuple(load(spec).packages)))

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import signal
 import threading
-from collections.abc import Iterator
-from contextlib import contextmanager
 from types import FrameType, TracebackType
 from typing import Any, Self
 
@@ -56,24 +54,3 @@ class Interruption:
             signal.signal(signal.SIGINT, self._previous)
         if kind is None:
             self.check()
-
-
-def ignore_interrupts() -> None:
-    """Leave SIGINT to the parent: Ctrl-C in a terminal reaches every process of its group."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-
-
-@contextmanager
-def interrupts_held_back() -> Iterator[None]:
-    """Processes started meanwhile never get a SIGINT; the caller gets its own afterwards.
-
-    A child that is still importing could not ignore it yet, and would print a traceback.
-    """
-    if not hasattr(signal, "pthread_sigmask"):
-        yield
-        return
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-    try:
-        yield
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)

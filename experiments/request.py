@@ -19,13 +19,19 @@ class Request(NamedTuple):
     solvers: list[str] | None
     jobs: int
     limit: float | None
+    memory: float | None
     repeats: int | None
 
     def command(self) -> str:
         """The command line that asks for the same rows; where they are put is left out."""
         words = ["dubins-study", "run", str(self.experiment)]
         words += [word for spec in self.solvers or () for word in ("--solver", spec)]
-        options = {"--jobs": self.jobs, "--limit": self.limit, "--repeats": self.repeats}
+        options = {
+            "--jobs": self.jobs,
+            "--limit": self.limit,
+            "--memory": self.memory,
+            "--repeats": self.repeats,
+        }
         words += [word for key, value in options.items() if value for word in (key, str(value))]
         return shlex.join(words)
 
@@ -63,7 +69,8 @@ def _check_types(request: Request, out: object) -> None:
 def _changed(found: Source, request: Request) -> Source:
     """The experiment with the caller's own solvers, limit and repeats, checked like the file's."""
     solvers = request.solvers
-    given = {"solvers": solvers, "limit": request.limit, "repeats": request.repeats}
+    named = ("limit", "memory", "repeats")
+    given = {"solvers": solvers} | {name: getattr(request, name) for name in named}
     changes = {key: value for key, value in given.items() if value is not None}
     if not changes:
         return found

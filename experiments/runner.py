@@ -11,11 +11,12 @@ from experiments.execution import solve_left
 from experiments.fingerprint import code, plain_settings
 from experiments.grid import Chain
 from experiments.interruption import Interruption
+from experiments.judging import Run
 from experiments.provenance import machine, now, source, versions, versions_of
 from experiments.request import Request, accepted
 from experiments.spec import Source
 from experiments.store import compact, done, open_folder, write_manifest
-from experiments.worker import Run
+from experiments.watch import Bounds
 from experiments.writer import Progress, Writer
 from solvers.profiles import tolerances
 from solvers.registry import load
@@ -29,6 +30,7 @@ def run(
     solvers: list[str] | None = None,
     jobs: int = 1,
     limit: float | None = None,
+    memory: float | None = None,
     repeats: int | None = None,
     fresh: bool = False,
     progress: Progress | None = None,
@@ -44,18 +46,19 @@ def run(
         solvers: specs to run instead of the experiment's own.
         jobs: processes that solve side by side.
         limit: seconds a solve may take, instead of the experiment's own.
+        memory: GiB that a worker process and its children may hold, instead of its own.
         repeats: how often each cell is attempted, instead of the experiment's own.
         fresh: throw away the rows that the folder holds.
         progress: called with (cells done, cells in all).
 
     Raises:
         ExperimentError, SolverError, StoreError: if the request or the folder is not valid.
-        RunError: if a worker process dies.
+        RunError: if worker processes end before they have done anything.
         KeyboardInterrupt: after a SIGINT (Ctrl-C), once the cell being solved is finished and all
             rows are written; a second SIGINT leaves the cell. Only in the main thread, where
             Python handles signals, and with the caller's own handler back in place.
     """
-    request = Request(experiment, solvers, jobs, limit, repeats)
+    request = Request(experiment, solvers, jobs, limit, memory, repeats)
     with Interruption() as stop:
         found, groups = accepted(request, out)
         folder = FilePath(out) if out is not None else FilePath("results") / found.name
@@ -84,13 +87,14 @@ def _record(
         manifest["solvers"] = {**earlier.get("solvers", {}), **manifest["solvers"]}
     _count_cells(manifest, keys | finished)
     shared = Run(uuid4().hex[:12], found.experiment.limit, request.jobs)
+    bounds = Bounds(found.experiment.limit, round(found.experiment.memory * 2**30))
     writer = Writer(folder, shared.run_id, len(keys), progress)
     if keys <= finished and manifest["finished"] is not None:
         writer.skip(len(keys))
         return
     write_manifest(folder, manifest | {"finished": None})
     try:
-        solve_left(folder, groups, finished, found.experiment.seed, shared, writer, stop)
+        solve_left(folder, groups, finished, found.experiment.seed, shared, bounds, writer, stop)
     finally:
         writer.flush()
     compact(folder, f"{shared.run_id}-all")
@@ -123,6 +127,7 @@ def _manifest(found: Source, groups: list[Chain], command: str) -> dict[str, Any
         "command": command,
         "seed": found.experiment.seed,
         "limit": found.experiment.limit,
+        "memory": found.experiment.memory,
         "profile": found.experiment.profile,
         "gap_tolerance": tolerances(found.experiment.profile).gap,
         "solvers": {

@@ -43,6 +43,7 @@ def _number(value: object) -> object:
 Number = Annotated[float, BeforeValidator(_number), Field(allow_inf_nan=False)]
 Count = Annotated[int, BeforeValidator(_no_boolean), Field(ge=1, le=10**9)]
 Seed = Annotated[int, BeforeValidator(_no_boolean), Field(ge=0)]
+Gibibytes = Annotated[float, BeforeValidator(_no_boolean), Field(ge=0.25, le=2**20)]
 Seconds = Annotated[float, BeforeValidator(_no_boolean), Field(gt=0, allow_inf_nan=False)]
 
 
@@ -177,7 +178,8 @@ class Experiment(_Strict):
 
     `solvers` are specs; `*` stands for every registered solver, and `{a,b}` in a spec for each of
     a and b. `starts` may hold `warm`: then each block is also solved in its order, every scenario
-    from the path found for the one before.
+    from the path found for the one before. A solve that takes longer than `limit` (s), or whose
+    process and children hold more than `memory` (GiB), is ended.
     """
 
     title: str = Field(min_length=1)
@@ -189,6 +191,7 @@ class Experiment(_Strict):
     profile: str = "default"
     repeats: Count = 1
     limit: Seconds = 60.0
+    memory: Gibibytes = 4.0
     seed: Seed = 0
 
     @field_validator("branches")

@@ -1,0 +1,52 @@
+"""Replies become rows: judged here, in a process that no solver has touched."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from experiments.grid import Cell
+from experiments.isolation import THREADS
+from experiments.provenance import host, now
+from experiments.rows import Row, raised_row
+from solvers.answer import Reply, judged, told
+from solvers.profiles import tolerances
+from solvers.protocol import Question
+from study.path import Path
+from study.schema import KEY, SCENARIO, names
+
+
+class Run(NamedTuple):
+    """What every row of a run shares."""
+
+    run_id: str
+    limit: float
+    jobs: int
+    engine: str = "local"
+
+
+def row_of(
+    cell: Cell, start: Path | None, run: Run, reply: Reply, started: str = "", versions: str = ""
+) -> tuple[Row, Path | None]:
+    """The row of a reply to a cell's question, and its path if it arrived."""
+    known = dict(zip(names(KEY), cell.key, strict=True))
+    known |= {name: getattr(cell.scenario, name) for name in names(SCENARIO)}
+    known |= shared(run, started or now(), versions)
+    question = Question(cell.scenario, cell.branch, start)
+    try:
+        answer = judged(cell.solver, question, reply, tolerances(cell.profile))
+    except Exception as error:  # a path that the check cannot drive is a row too
+        return raised_row(known, told(error)), None
+    return answer.row() | known, answer.path if answer.gap is not None else None
+
+
+def shared(run: Run, started: str, versions: str) -> Row:
+    """The columns that tell where a row came from."""
+    return {
+        "versions": versions,
+        "host": host(),
+        "threads": THREADS,
+        "jobs": run.jobs,
+        "engine": run.engine,
+        "run_id": run.run_id,
+        "started": started,
+    }

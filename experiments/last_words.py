@@ -1,0 +1,35 @@
+"""What a worker prints: read so that it never blocks, forgotten but for its last words."""
+
+from __future__ import annotations
+
+import os
+import threading
+from contextlib import suppress
+from multiprocessing.connection import Connection, Pipe
+
+_KEPT = 400  # bytes
+_AT_ONCE = 2**16
+
+
+class LastWords:
+    """A pipe for a worker's stdout and stderr; a thread reads it and keeps its end."""
+
+    def __init__(self) -> None:
+        self._reader, self.writer = Pipe(duplex=False)
+        self._kept = b""
+        threading.Thread(target=_read, args=(self, self._reader), daemon=True).start()
+
+    def take(self) -> str:
+        """What was said last, on one line; forgotten by this."""
+        kept, self._kept = self._kept, b""
+        return " ".join(kept.decode("utf-8", "replace").split())[-_KEPT // 2 :]
+
+    def close(self) -> None:
+        """No worker will come any more: the thread ends with the last process that writes."""
+        self.writer.close()
+
+
+def _read(words: LastWords, reader: Connection) -> None:
+    with reader, suppress(OSError):
+        while said := os.read(reader.fileno(), _AT_ONCE):
+            words._kept = (words._kept + said)[-_KEPT:]

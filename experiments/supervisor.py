@@ -1,0 +1,241 @@
+"""Cells solved in worker processes that are watched, killed and replaced, judged here."""
+
+from __future__ import annotations
+
+import signal
+from collections import deque
+from collections.abc import Iterator, Mapping
+from concurrent.futures import Future
+from itertools import count
+from queue import Empty, SimpleQueue
+from typing import NamedTuple
+
+from experiments.clock import Phase
+from experiments.grid import Cell, Chain, given_start
+from experiments.interruption import Interruption
+from experiments.judging import Run, row_of
+from experiments.rows import Row
+from experiments.slot import Slot
+from experiments.watch import Bounds, Watch
+from experiments.wire import Packed, unpacked
+from experiments.worker import Order
+from solvers.answer import Reply, nothing, told
+from solvers.protocol import Outcome
+from study.path import Path
+from study.schema import Key
+
+# Orders put to a worker in advance, so that it never waits; one where solves are long, so that
+# none waits behind them for a worker while another one is idle.
+_AHEAD, _QUICK = 4, 0.005
+# s without news after which whoever writes the rows is given a turn
+_TURN = 0.2
+# workers that may end in a row before they have taken up any order
+_FALSE_STARTS = 3
+
+
+class RunError(RuntimeError):
+    """A run that could not go on; what was done is kept."""
+
+
+class _Task(NamedTuple):
+    """Where a chain of cells has got to, and the last path found on the way."""
+
+    chain: Chain
+    place: int
+    path: Path | None
+
+    @property
+    def cell(self) -> Cell:
+        return self.chain[self.place]
+
+    def start(self) -> Path | None:
+        return self.path if self.cell.start == "warm" else given_start(self.cell)
+
+
+class Supervisor:
+    """Workers for as long as it is entered.
+
+    Args:
+        run: what the rows share.
+        bounds: of every solve.
+        jobs: workers side by side.
+    """
+
+    def __init__(self, run: Run, bounds: Bounds, jobs: int):
+        self.run, self.bounds = run, bounds
+        self._ended: SimpleQueue[tuple[Slot, int, Future[Packed]]] = SimpleQueue()
+        self._slots = [Slot(bounds.memory, self._told) for _ in range(jobs)]
+        self._watch = Watch(self._slots, bounds)
+        self._numbers = count()
+        self._tasks: dict[int, _Task] = {}
+        self._waiting: deque[_Task] = deque()
+        # solvers whose warm-up ended a worker: loaded without it from then on; and those that end
+        # every worker while they are loaded, with the reply that stands for all their cells
+        self._cold: set[tuple[str, str]] = set()
+        self._hopeless: dict[tuple[str, str], Reply] = {}
+        self._ahead = dict.fromkeys(self._slots, 1)
+        self._false_starts = 0
+
+    def __enter__(self) -> Supervisor:
+        self._watch.__enter__()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._watch.__exit__()
+        for slot in self._slots:
+            slot.close()
+
+    def _told(self, slot: Slot, number: int, future: Future[Packed]) -> None:
+        self._ended.put((slot, number, future))
+
+    def solve(
+        self, chains: list[Chain], before: Mapping[Key, Path], stop: Interruption
+    ) -> Iterator[list[Row]]:
+        """The rows of all cells as they come; an empty list now and then where none do.
+
+        Once the run is interrupted, only what is being solved is finished.
+
+        Args:
+            chains: single cells, and sweeps whose warm cells each start from the path before.
+            before: the path before the first cell of a chain whose beginning was solved earlier.
+            stop: asked after every row.
+
+        Raises:
+            RunError: if worker processes end before they have done anything.
+        """
+        self._waiting = deque(_Task(chain, 0, before.get(chain[0].key)) for chain in chains)
+        halting = False
+        while self._waiting or self._tasks:
+            if stop.asked and not halting:
+                halting = True
+                self._finish_up()
+                continue
+            yield from self._feed()
+            yield self._news()
+
+    def _finish_up(self) -> None:
+        """Forget every order that no worker is at."""
+        self._waiting.clear()
+        for slot in self._slots:
+            running = slot.running()
+            for number in list(slot.pending):
+                if running is None or number != running.number:
+                    del slot.pending[number], self._tasks[number]
+
+    def _feed(self) -> Iterator[list[Row]]:
+        for slot in self._slots:
+            while self._waiting and len(slot.pending) < self._ahead[slot]:
+                task = self._waiting.popleft()
+                solver = task.cell.solver, task.cell.profile
+                if solver in self._hopeless:
+                    yield self._rows(task, _again(self._hopeless[solver]))
+                    continue
+                number = next(self._numbers)
+                self._tasks[number] = task
+                slot.put(self._order(number, task, warm_up=solver not in self._cold))
+
+    def _order(self, number: int, task: _Task, warm_up: bool) -> Order:
+        cell = task.cell
+        return Order(
+            number,
+            cell.solver,
+            cell.profile,
+            cell.scenario,
+            cell.branch,
+            task.start(),
+            self.bounds.limit,
+            warm_up,
+        )
+
+    def _news(self) -> list[Row]:
+        try:
+            slot, number, future = self._ended.get(timeout=_TURN)
+        except Empty:
+            # pebble has no word of a worker that ends itself with code 0
+            return [row for slot in self._slots if slot.gone() for row in self._fallen(slot)]
+        if number not in slot.pending:
+            return []  # of a worker thrown away meanwhile, or not waited for any more
+        error = future.exception() if not future.cancelled() else None
+        if error is None and not future.cancelled():
+            del slot.pending[number]
+            sent: Packed = future.result()
+            self._false_starts = 0
+            self._ahead[slot] = _AHEAD if (sent.times[2] or 0) < _QUICK else 1
+            return self._rows(self._tasks.pop(number), unpacked(sent), sent.started, sent.versions)
+        if slot.pid and not slot.gone() and not isinstance(error, OSError | RuntimeError):
+            # the worker lives, and what it sent did not arrive
+            del slot.pending[number]
+            return self._rows(
+                self._tasks.pop(number), nothing(Outcome.RAISED, told(error or OSError()))
+            )
+        return self._fallen(slot, getattr(error, "exitcode", None))
+
+    def _fallen(self, slot: Slot, code: int | None = None) -> list[Row]:
+        """A worker has ended: the row of the order that it was at; the others wait again."""
+        order = slot.running()
+        loading = slot.clock.read().phase is Phase.PREPARING
+        if code is None:
+            code = slot.exit_code()
+        words, doom = slot.words.take(), slot.doom
+        left = slot.clear()
+        self._ahead[slot] = 1
+        again = [self._tasks.pop(one.number) for one in left if one != order]
+        self._waiting.extendleft(reversed(again))
+        if order is None:
+            self._strike(code, words)
+            return []
+        self._false_starts = 0
+        task = self._tasks.pop(order.number)
+        reply = doom[1] if doom and doom[0] == order.number else _crashed(code, words)
+        if loading and order.warm_up:
+            self._cold.add((order.solver, order.profile))
+            self._waiting.appendleft(task)
+            return []
+        if loading:
+            message, status = reply.solution.message, reply.solution.native_status
+            reply = nothing(reply.outcome, f"{message}, while it was loaded", status=status)
+            self._hopeless[order.solver, order.profile] = reply
+        return self._rows(task, reply)
+
+    def _strike(self, code: int | None, words: str) -> None:
+        self._false_starts += 1
+        if self._false_starts >= _FALSE_STARTS:
+            raise RunError(
+                f"worker processes end before they solve anything ({_ending(code)[1]}"
+                f"{': ' + words if words else ''}); the rows written so far are kept"
+            )
+
+    def _rows(self, task: _Task, reply: Reply, started: str = "", versions: str = "") -> list[Row]:
+        """The judged row of a task's cell; its chain goes on."""
+        row, path = row_of(task.cell, task.start(), self.run, reply, started, versions)
+        if task.place + 1 < len(task.chain):
+            # after a failure the last path that was found serves on
+            self._waiting.appendleft(_Task(task.chain, task.place + 1, path or task.path))
+        return [row]
+
+
+def _ending(code: int | None) -> tuple[str, str]:
+    """A worker's end in a word and in a sentence."""
+    if code is None:
+        return "unknown", "its process ended"
+    if code >= 0:
+        return f"exit {code}", f"its process ended itself with code {code}"
+    try:
+        name = signal.Signals(-code).name
+    except ValueError:
+        name = f"signal {-code}"
+    return name, f"its process was ended by {name}"
+
+
+def _crashed(code: int | None, words: str) -> Reply:
+    status, message = _ending(code)
+    said = f"{message}; its last words: {words}" if words else message
+    # C++ ends a process so that may have no more memory
+    starved = "bad_alloc" in words
+    return nothing(Outcome.OUT_OF_MEMORY if starved else Outcome.CRASHED, said, status=status)
+
+
+def _again(reply: Reply) -> Reply:
+    solution = reply.solution
+    said = f"{solution.message} for another cell; not tried again"
+    return nothing(reply.outcome, said, status=solution.native_status)
