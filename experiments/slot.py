@@ -2,21 +2,18 @@
 
 from __future__ import annotations
 
-import sys
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from concurrent.futures import Future
-from contextlib import contextmanager, suppress
-from multiprocessing import active_children
-from multiprocessing.context import ForkServerContext, ForkServerProcess
-from types import ModuleType
-from typing import Any
+from contextlib import suppress
+from multiprocessing.context import ForkServerProcess
 
 from pebble import CONSTS, ProcessPool
 
 from experiments import processes
 from experiments.clock import Clock, Phase
 from experiments.last_words import LastWords
+from experiments.spawning import Context
 from experiments.wire import Packed
 from experiments.worker import Order, answer, begin
 from solvers.answer import Reply
@@ -26,49 +23,8 @@ from solvers.answer import Reply
 CONSTS.sleep_unit = 0.02
 CONSTS.term_timeout = 0.2
 
-# looks at a process that is gone before it is held to be: pebble has noticed by then
-_LOOKS = 2
-
 # s that a pool thrown away is given to take its threads and semaphores back
 _PARTING = 2.0
-
-_main = threading.Lock()
-
-
-@contextmanager
-def _main_hidden() -> Iterator[None]:
-    """A worker needs nothing of the caller's script, and must not run it again.
-
-    multiprocessing imports a parent's main module into its children, which a script that calls
-    `run` without `if __name__ == "__main__"` does not survive.
-    """
-    with _main:
-        kept = sys.modules["__main__"]
-        sys.modules["__main__"] = ModuleType("__main__")
-        try:
-            yield
-        finally:
-            sys.modules["__main__"] = kept
-
-
-class _Process(ForkServerProcess):
-    @staticmethod
-    def _Popen(process_obj: Any) -> Any:  # noqa: N802
-        with _main_hidden():
-            return ForkServerProcess._Popen(process_obj)
-
-
-class _Context(ForkServerContext):
-    """Workers fork from a small server that has our modules loaded, and no solver, and no thread.
-
-    A plain fork would carry over the parent's threads; a spawn takes a second every time.
-    """
-
-    Process = _Process
-
-
-CONTEXT = _Context()
-CONTEXT.set_forkserver_preload(["experiments.worker"])
 
 # called when an order's future is done
 Told = Callable[["Slot", int, Future[Packed]], None]
@@ -84,23 +40,19 @@ class Slot:
         # set by the watch just before it kills: the order, and what became of it
         self.doom: tuple[int, Reply] | None = None
         self._pool: ProcessPool | None = None
-        self._process: Any = None
-        self._missed = 0
         self._leaving: list[threading.Thread] = []
-        self.clock = Clock(CONTEXT)
+        self._context = Context()
+        self.clock = Clock(self._context)
 
     def put(self, order: Order) -> None:
         """Give the worker one more order; the first one starts the worker."""
         self.pending[order.number] = order
-        fresh = self._pool is None
         if self._pool is None:
-            self.clock, self.doom, self._missed = Clock(CONTEXT), None, 0
+            self._context, self.doom = Context(), None
+            self.clock = Clock(self._context)
             begun = (self.clock, self.words.writer, self.memory)
-            self._pool = ProcessPool(1, initializer=begin, initargs=begun, context=CONTEXT)
-        others = set(active_children()) if fresh else set()
+            self._pool = ProcessPool(1, initializer=begin, initargs=begun, context=self._context)
         future = self._pool.schedule(answer, args=(order,))
-        if fresh:
-            self._process = next(iter(set(active_children()) - others), None)
         pool = self._pool
 
         def tell(done: Future[Packed]) -> None:
@@ -110,21 +62,18 @@ class Slot:
         future.add_done_callback(tell)
 
     @property
+    def _process(self) -> ForkServerProcess | None:
+        # pebble may have started another one since, in its place
+        return next(iter(self._context.started), None)
+
+    @property
     def pid(self) -> int:
         """The worker's process, 0 if there is none."""
         return (self._process and self._process.pid) or 0
 
-    def gone(self) -> bool:
-        """Whether there was a worker and it ended some looks ago.
-
-        Asked of the system: two threads that ask the process object at once, ours and pebble's,
-        can lose its exit code.
-        """
-        if not self.pid or processes.alive(self.pid):
-            self._missed = 0
-        else:
-            self._missed += 1
-        return self._missed > _LOOKS
+    def exit_code(self) -> int | None:
+        """How the worker ended: a negative number is a signal's. None if it lives."""
+        return None if self._process is None else self._process.exitcode
 
     def running(self) -> Order | None:
         """The order that the worker is at, or was when it ended."""
@@ -133,15 +82,10 @@ class Slot:
             return self.pending.get(reading.order)
         return None
 
-    def exit_code(self) -> int | None:
-        """How the worker ended: a negative number is a signal's. None if it is not known."""
-        code: int | None = self._process and self._process.exitcode
-        return code
-
     def clear(self) -> list[Order]:
         """End the worker and all that it started; the orders that were still pending."""
         pool, pid, left = self._pool, self.pid, list(self.pending.values())
-        self._pool = self._process = None
+        self._pool, self._context = None, Context()
         self.pending = {}
         if pid:
             processes.end(pid)

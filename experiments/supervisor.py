@@ -6,9 +6,12 @@ import signal
 from collections import deque
 from collections.abc import Iterator, Mapping
 from concurrent.futures import Future
+from concurrent.futures.process import BrokenProcessPool
 from itertools import count
 from queue import Empty, SimpleQueue
 from typing import NamedTuple
+
+from pebble import ProcessExpired
 
 from experiments.clock import Phase
 from experiments.grid import Cell, Chain, given_start
@@ -31,6 +34,10 @@ _AHEAD, _QUICK = 4, 0.005
 _TURN = 0.2
 # workers that may end in a row before they have taken up any order
 _FALSE_STARTS = 3
+
+
+# how pebble tells that a worker has ended
+_ENDED = (ProcessExpired, BrokenProcessPool)
 
 
 class RunError(RuntimeError):
@@ -152,7 +159,8 @@ class Supervisor:
             slot, number, future = self._ended.get(timeout=_TURN)
         except Empty:
             # pebble has no word of a worker that ends itself with code 0
-            return [row for slot in self._slots if slot.gone() for row in self._fallen(slot)]
+            ended = [slot for slot in self._slots if slot.exit_code() is not None]
+            return [row for slot in ended for row in self._fallen(slot)]
         if number not in slot.pending:
             return []  # of a worker thrown away meanwhile, or not waited for any more
         error = future.exception() if not future.cancelled() else None
@@ -162,21 +170,19 @@ class Supervisor:
             self._false_starts = 0
             self._ahead[slot] = _AHEAD if (sent.times[2] or 0) < _QUICK else 1
             return self._rows(self._tasks.pop(number), unpacked(sent), sent.started, sent.versions)
-        if slot.pid and not slot.gone() and not isinstance(error, OSError | RuntimeError):
+        if slot.pid and slot.exit_code() is None and not isinstance(error, _ENDED):
             # the worker lives, and what it sent did not arrive
             del slot.pending[number]
             return self._rows(
                 self._tasks.pop(number), nothing(Outcome.RAISED, told(error or OSError()))
             )
-        return self._fallen(slot, getattr(error, "exitcode", None))
+        return self._fallen(slot)
 
-    def _fallen(self, slot: Slot, code: int | None = None) -> list[Row]:
+    def _fallen(self, slot: Slot) -> list[Row]:
         """A worker has ended: the row of the order that it was at; the others wait again."""
         order = slot.running()
         loading = slot.clock.read().phase is Phase.PREPARING
-        if code is None:
-            code = slot.exit_code()
-        words, doom = slot.words.take(), slot.doom
+        code, words, doom = slot.exit_code(), slot.words.take(), slot.doom
         left = slot.clear()
         self._ahead[slot] = 1
         again = [self._tasks.pop(one.number) for one in left if one != order]
