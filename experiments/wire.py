@@ -6,6 +6,7 @@ unpickled. Here every value is made anew as Python's own int, float, str or byte
 
 from __future__ import annotations
 
+from dataclasses import fields
 from typing import NamedTuple
 
 import numpy as np
@@ -44,8 +45,10 @@ def packed(reply: Reply, started: str, versions: str) -> Packed:
     Raises:
         Exception: whatever a plug-in's values do when they are read.
     """
-    solution, path = reply.solution, reply.solution.path
-    dual = solution.multipliers
+    # checked once more: what a plug-in's class holds may have changed since it was made
+    given = (getattr(reply.solution, field.name) for field in fields(Solution))
+    solution = Solution(*given)
+    path, dual = solution.path, solution.multipliers
     return Packed(
         str(reply.outcome.value),
         (reply.times.build, reply.times.solve, reply.times.wall),

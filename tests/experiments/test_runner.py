@@ -8,11 +8,11 @@ from pathlib import Path
 
 import pytest
 
-from experiments import batch, execution, run
-from experiments.execution import RunError
+from experiments import batch, run
 from experiments.rows import ARROW_SCHEMA
 from experiments.spec import ExperimentError
 from experiments.store import StoreError, done, read_rows
+from experiments.supervisor import Supervisor
 from solvers.registry import SolverError
 from study.schema import ROW, VERSION, documentation, names
 
@@ -78,7 +78,7 @@ def test_a_finished_run_is_one_part_and_a_second_run_solves_nothing(small, tmp_p
     folder = run(small, tmp_path / "out")
     before = rows(folder)
     assert len(list((folder / "parts").iterdir())) == 1
-    monkeypatch.setattr(execution, "solve_chain", lambda *a: pytest.fail("solved again"))
+    monkeypatch.setattr(Supervisor, "solve", lambda *a: pytest.fail("solved again"))
 
     run(small, folder)
 
@@ -111,16 +111,15 @@ def test_adding_a_solver_keeps_what_is_there(small, tmp_path):
 def test_a_run_cut_short_is_completed(small, tmp_path, monkeypatch):
     """Whatever is done stays; the rest is added; a warm sweep goes on from its last path."""
     whole = rows(run(small, tmp_path / "whole"))
-    seen, original = [], execution.solve_chain
+    original = Supervisor.solve
 
-    def cut_short(chain, shared, start=None):
-        for row in original(chain, shared, start):
-            yield row
-            seen.append(row)
-            if row["start"] == "warm" and row["radius"] > 1:
+    def cut_short(self, *arguments):
+        for rows in original(self, *arguments):
+            yield rows
+            if any(row["start"] == "warm" and row["radius"] > 1 for row in rows):
                 raise KeyboardInterrupt
 
-    monkeypatch.setattr(execution, "solve_chain", cut_short)
+    monkeypatch.setattr(Supervisor, "solve", cut_short)
     with pytest.raises(KeyboardInterrupt):
         run(small, tmp_path / "cut")
     monkeypatch.undo()
@@ -154,14 +153,17 @@ def test_several_processes_find_the_same(small, tmp_path):
     assert one.equals(two)
 
 
-def test_a_dead_worker_is_a_message_and_loses_no_written_row(small, tmp_path):
+def test_a_worker_that_ends_is_a_row(small, tmp_path):
     plugin = tmp_path / "deadly.py"
     plugin.write_text(
         "import os\nfrom solvers.slsqp import Slsqp\n"
         "class Deadly(Slsqp):\n    def solve(self, model, limit): os._exit(1)\n"
     )
-    with pytest.raises(RunError, match="run again to go on"):
-        run(small, tmp_path / "out", solvers=[f"{plugin}:Deadly"], jobs=2)
+    found = rows(run(small, tmp_path / "out", solvers=[f"{plugin}:Deadly"], jobs=2))
+
+    assert len(found) == 16
+    assert set(found["outcome"]) == {"crashed"}
+    assert set(found["native_status"]) == {"exit 1"}
 
 
 def test_a_solver_that_raises_is_a_row(small, tmp_path):
@@ -306,7 +308,7 @@ def test_a_plugin_that_breaks_its_promise_spoils_no_other_row(small, tmp_path, j
     assert by_solver["analytic"] == by_solver[specs[1]] == {"returned"}
     assert by_solver[specs[0]] == by_solver[specs[2]] == {"raised"}
     said = set(found[found["solver"] == specs[2]]["message"])
-    assert said == {"TypeError: evaluations is 'x'; expected int64"}
+    assert said == {"TypeError: evaluations is 'x'; expected a count or None"}
 
 
 def test_a_malformed_frame_of_answers_is_asked_cell_by_cell(small, tmp_path, monkeypatch):
