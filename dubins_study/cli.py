@@ -201,7 +201,7 @@ _REFUSALS = (
     ("solvers.answer", "QuestionError"),
     ("solvers.export", "ExportError"),
     ("experiments.spec", "ExperimentError"),
-    ("experiments.store", "StoreError"),
+    ("experiments.disk", "StoreError"),
     ("experiments.supervisor", "RunError"),
     ("report.load", "ReportError"),
     ("report.audit_file", "AuditError"),
