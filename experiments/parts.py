@@ -40,7 +40,12 @@ def part_files(folder: FilePath, *, streams: bool = True) -> list[FilePath]:
     found = sorted((folder / PARTS).glob("*.parquet"))
     for part in found:
         refuse_link(part)
-    return [part for part in found if streams or not part.name.startswith(STREAM)]
+    return [part for part in found if streams or not is_stream(part)]
+
+
+def is_stream(part: FilePath) -> bool:
+    """Whether a part is of a stream, by its name."""
+    return part.name.startswith(STREAM)
 
 
 def write_part(
@@ -141,7 +146,7 @@ def damaged_parts(folder: FilePath) -> Iterator[DamagedPartError]:
     """
     for part in part_files(folder):
         try:
-            if part.name.startswith(STREAM):
+            if is_stream(part):
                 _check_columns(part, _opened(part).schema_arrow)
             else:
                 check_part(part)
@@ -182,7 +187,7 @@ def _opened(part: FilePath) -> pq.ParquetFile:
 def _unreadable(part: FilePath, error: Exception) -> NoReturn:
     if isinstance(error, OSError) and error.errno is not None:
         raise StoreError(f"{part} cannot be read: {reason(error)}") from None
-    remedy = "delete it, and run again" if part.name.startswith(STREAM) else "run again"
+    remedy = "delete it, and run again" if is_stream(part) else "run again"
     raise DamagedPartError(
         part, f"{part} cannot be read: it is no Parquet file, or damaged; {remedy} for its rows"
     ) from None

@@ -89,14 +89,3 @@ def recorded(
     if completes:
         manifest["finished"] = now()
     record.close(FINISHED)
-
-
-def state_of(entry: Mapping[str, Any], live: bool) -> str:
-    """Running, finished, interrupted or killed, which a run cannot say of itself.
-
-    Args:
-        entry: a run's in the manifest, whoever wrote it.
-        live: whether a process holds the folder, and this is the last of its runs.
-    """
-    state = str(entry.get("state"))
-    return "killed" if state == RUNNING and not live else state

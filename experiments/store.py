@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping
 from pathlib import Path as FilePath
 from typing import Any
@@ -25,8 +26,9 @@ from study.schema import KEY, Key, names
 
 __all__ = [
     "StoreError",
-    "by_code",
     "compact",
+    "count_part",
+    "counted",
     "done",
     "open_folder",
     "place",
@@ -117,18 +119,21 @@ def read_rows(folder: FilePath, columns: list[str] | None = None) -> pa.Table:
     tables = [read_part(part, wanted) for part in part_files(folder, streams=False)]
     empty = ARROW_SCHEMA.empty_table()
     tables.append(empty if wanted is None else empty.select(wanted))
-    return _unique(pa.concat_tables(tables))
+    return unique(pa.concat_tables(tables))
 
 
-def by_code(rows: pa.Table, manifest: Mapping[str, Any]) -> tuple[pa.Table, int]:
-    """The rows made by the code that the manifest names, and how many there are of other code."""
-    solvers = manifest.get("solvers") or {}
-    pairs = zip(rows["solver"].to_pylist(), rows["code"].to_pylist(), strict=True)
-    current = [solvers.get(spec, {}).get("code") == code for spec, code in pairs]
-    return rows.filter(pa.array(current, pa.bool_())), current.count(False)
+def counted(rows: pa.Table) -> Counter[tuple[str, str]]:
+    """How many rows there are by solver and code."""
+    found = rows.group_by(["solver", "code"]).aggregate([([], "count_all")]).to_pylist()
+    return Counter({(row["solver"], row["code"]): row["count_all"] for row in found})
 
 
-def _unique(table: pa.Table) -> pa.Table:
+def count_part(part: FilePath) -> Counter[tuple[str, str]]:
+    """The same of a part, of which nothing else is read."""
+    return counted(read_part(part, ["solver", "code"]))
+
+
+def unique(table: pa.Table) -> pa.Table:
     """The first row of every key: a run cut off while compacting leaves rows in two parts."""
     numbered = table.select(names(KEY)).append_column("row", pa.array(range(len(table))))
     first = numbered.group_by(names(KEY)).aggregate([("row", "min")])["row_min"]
