@@ -33,7 +33,9 @@ class RunStatus:
 
 def run_status(entry: Mapping[str, Any], live: bool) -> RunStatus:
     """An entry of the manifest, whoever wrote it."""
-    seconds, jobs, ended = (entry.get(key) for key in ("seconds", "jobs", "ended"))
+    seconds: Any = entry.get("seconds")
+    jobs: Any = entry.get("jobs")
+    ended = entry.get("ended")
     return RunStatus(
         run_id=str(entry.get("run_id")),
         started=str(entry.get("started")),
