@@ -12,8 +12,8 @@ from experiments.execution import solve_left
 from experiments.fingerprint import code, plain_settings
 from experiments.grid import Chain
 from experiments.interruption import Interruption
-from experiments.judging import Run
 from experiments.isolation import THREADS
+from experiments.judging import Run
 from experiments.lock import locked
 from experiments.manifest import count_cells, taken_up
 from experiments.provenance import machine, now, source, versions, versions_of
