@@ -125,7 +125,8 @@ def run(
     try:
         # from here on, since libraries that are interrupted while they load say odd things
         with Interruption() as stop:
-            from dubins_study import show, streams
+            from dubins_study import show_status, streams
+            from experiments.progress import status as status_of
             from experiments.runner import run as run_experiment
 
             stop.check()
@@ -141,7 +142,7 @@ def run(
                     fresh=fresh,
                     progress=tell,
                 )
-            print(show.status_text(folder))
+            print(show_status.status_text(status_of(folder)))
     except KeyboardInterrupt:
         again = "run the same command without --fresh" if fresh else "run the same command"
         cells = " ({} of {} cells done)".format(*told) if told else ""
@@ -150,11 +151,28 @@ def run(
 
 
 @app.command()
-def status(folder: Annotated[FilePath, typer.Argument(metavar="DIR")]) -> None:
-    """Tell what a results folder holds: cells done and left, outcomes and verdicts."""
-    from dubins_study import show
+def status(
+    folder: Annotated[FilePath, typer.Argument(metavar="DIR")],
+    as_json: Annotated[bool, typer.Option("--json", help="print one JSON object")] = False,
+) -> None:
+    """Tell what a results folder holds: done, left, failing, its runs, and the time left."""
+    from dubins_study import show_status
+    from experiments.progress import status as status_of
 
-    print(show.status_text(folder))
+    found = status_of(folder)
+    print(show_status.status_json(found) if as_json else show_status.status_text(found))
+
+
+@app.command()
+def merge(
+    folders: Annotated[list[FilePath], typer.Argument(metavar="DIR DIR...")],
+    out: Annotated[FilePath, typer.Option(metavar="DIR", help="new, or empty")],
+) -> None:
+    """Unite results folders of one experiment; refused if they contradict each other."""
+    from dubins_study import show_status
+    from experiments.union import merge as unite
+
+    print(show_status.merge_text(unite(folders, out)))
 
 
 @app.command()
@@ -201,7 +219,7 @@ _REFUSALS = (
     ("solvers.answer", "QuestionError"),
     ("solvers.export", "ExportError"),
     ("experiments.spec", "ExperimentError"),
-    ("experiments.store", "StoreError"),
+    ("experiments.disk", "StoreError"),
     ("experiments.supervisor", "RunError"),
     ("report.load", "ReportError"),
     ("report.audit_file", "AuditError"),

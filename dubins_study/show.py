@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from collections import Counter
 from collections.abc import Sequence
 from io import StringIO
 from pathlib import Path as FilePath
@@ -116,7 +115,7 @@ def answer_text(answer: Answer) -> str:
     if answer.outcome != Outcome.RETURNED:
         lines.append(f"outcome   {answer.outcome}")
     if answer.message:
-        lines.append(f"message   {_plain(answer.message)}")
+        lines.append(f"message   {plain(answer.message)}")
     return "\n".join(lines)
 
 
@@ -124,10 +123,10 @@ def no_answer(answer: Answer) -> str | None:
     """Why the solver was not asked at all, if so."""
     if answer.outcome not in (Outcome.UNAVAILABLE, Outcome.UNSUPPORTED):
         return None
-    return f"solver {answer.solver!r} is {answer.outcome}: {_plain(answer.message)}"
+    return f"solver {answer.solver!r} is {answer.outcome}: {plain(answer.message)}"
 
 
-def _plain(text: str) -> str:
+def plain(text: str) -> str:
     """Text from outside with its control characters made visible."""
     return "".join(c if c.isprintable() else repr(c)[1:-1] for c in text)
 
@@ -176,7 +175,7 @@ def solvers_text(entries: list[Entry]) -> str:
             entry.method,
             entry.guarantee,
             ", ".join(entry.branches),
-            "yes" if entry.reason is None else f"no: {_plain(entry.reason)}",
+            "yes" if entry.reason is None else f"no: {plain(entry.reason)}",
             entry.summary,
         )
         for entry in entries
@@ -202,30 +201,6 @@ def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     written = StringIO()
     Console(file=written, width=500, highlight=False).print(shown)
     return "\n".join(line.rstrip() for line in written.getvalue().strip("\n").splitlines())
-
-
-def status_text(folder: FilePath) -> str:
-    """What a results folder holds."""
-    from experiments.store import by_code, read_manifest, read_rows
-
-    manifest = read_manifest(folder)
-    rows = read_rows(folder, ["outcome", "verdict"])
-    rows, stale = by_code(rows, manifest)
-    counts: dict[str, Counter[str]] = {}
-    for solver, outcome, verdict in zip(
-        *(rows[name].to_pylist() for name in ("solver", "outcome", "verdict")), strict=True
-    ):
-        said = verdict if outcome == "returned" else outcome
-        counts.setdefault(solver, Counter())[said] += 1
-    kinds = sorted({kind for counter in counts.values() for kind in counter})
-    lines = [(s, *(str(c[kind] or "") for kind in kinds)) for s, c in sorted(counts.items())]
-    state = "finished" if manifest.get("finished") else "not finished: run it again to go on"
-    heading = f"{folder}: {len(rows)} of {manifest['cells']} cells done, {state}"
-    if stale:
-        heading += f"\n{stale} rows of earlier code, which count for nothing"
-    if not lines:
-        return heading
-    return heading + "\n" + table(("solver", *kinds), lines)
 
 
 # columns of the report's summary that fit a terminal, and how they are called there

@@ -4,11 +4,17 @@ from __future__ import annotations
 
 from typing import Any
 
+_PUBLIC = {
+    "merge": "experiments.union",
+    "run": "experiments.runner",
+    "status": "experiments.progress",
+}
+
 
 def __getattr__(name: str) -> Any:
     # lazily, so that the names of the experiments cost no import of every library
-    if name == "run":
-        from experiments.runner import run
+    from importlib import import_module
 
-        return run
+    if name in _PUBLIC:
+        return getattr(import_module(_PUBLIC[name]), name)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -10,6 +10,11 @@ from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path as FilePath
 
+import psutil
+
+from solvers.protocol import AnySolver
+
+THREAD_VARIABLES = tuple(f"{name}_NUM_THREADS" for name in ("OMP", "OPENBLAS", "MKL", "NUMBA"))
 # what every row rests on, whatever its solver
 _ALWAYS = ("dubins-study", "numpy", "pandas", "pyarrow", "numba")
 
@@ -37,6 +42,25 @@ def versions_of(packages: tuple[str, ...]) -> dict[str, str]:
     return found
 
 
+def solver_versions(solver: AnySolver) -> dict[str, str]:
+    """Versions that a row of this solver rests on, asked where it is solved.
+
+    Of Python, of what every row rests on, of the solver's packages, and of the libraries inside
+    them whose own versions the solver knows at run time.
+    """
+    return versions(tuple(solver.packages)) | _library_versions(solver)
+
+
+def _library_versions(solver: AnySolver) -> dict[str, str]:
+    ask = getattr(solver, "library_versions", None)
+    if ask is None:
+        return {}
+    try:
+        return {str(name): str(found) for name, found in dict(ask()).items()}
+    except Exception as error:  # a plug-in may fail in any way
+        return {"library_versions": f"raised {type(error).__name__}"}
+
+
 @cache
 def machine() -> dict[str, str | int]:
     """What kind of machine this is; its name and its paths are nobody's business."""
@@ -44,13 +68,48 @@ def machine() -> dict[str, str | int]:
         "system": f"{platform.system()} {platform.machine()}",
         "processor": _processor(),
         "cores": os.cpu_count() or 1,
+        "usable_cores": _usable_cores(),
+        "memory": f"{psutil.virtual_memory().total / 2**30:.1f} GiB",
+        "python": platform.python_version(),
     }
+
+
+def _usable_cores() -> int:
+    """How many cores this process may run on."""
+    try:
+        return len(os.sched_getaffinity(0))
+    except AttributeError:  # there is no affinity on this system
+        return os.cpu_count() or 1
 
 
 def host() -> str:
     """The machine in one line."""
     kind = machine()
     return f"{kind['system']}, {kind['processor']}, {kind['cores']} cores"
+
+
+def governor(cpus: FilePath = FilePath("/sys/devices/system/cpu")) -> str:
+    """What sets the cores' clock: performance, powersave, ...; all of them if they differ."""
+    found = set()
+    for file in cpus.glob("cpu[0-9]*/cpufreq/scaling_governor"):
+        try:
+            found.add(file.read_text(encoding="utf-8").strip())
+        except (OSError, UnicodeDecodeError):
+            continue
+    return ", ".join(sorted(found)) or "unknown"
+
+
+def load_average() -> list[float] | None:
+    """How many processes wanted a core over the last 1, 5 and 15 minutes, if that is known."""
+    try:
+        return [round(value, 2) for value in os.getloadavg()]
+    except (OSError, AttributeError):
+        return None
+
+
+def thread_limits() -> dict[str, str]:
+    """The variables of the environment that bound numerical libraries' threads, where set."""
+    return {name: value for name in THREAD_VARIABLES if (value := os.environ.get(name))}
 
 
 def _processor() -> str:

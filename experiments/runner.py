@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections import Counter
 from pathlib import Path as FilePath
 from typing import Any
@@ -11,16 +12,22 @@ from experiments.execution import solve_left
 from experiments.fingerprint import code, plain_settings
 from experiments.grid import Chain
 from experiments.interruption import Interruption
+from experiments.isolation import THREADS
 from experiments.judging import Run
+from experiments.lock import locked
+from experiments.manifest import count_cells, taken_up
 from experiments.provenance import machine, now, source, versions, versions_of
+from experiments.record import recorded
 from experiments.request import Request, accepted
 from experiments.spec import Source
-from experiments.store import compact, done, open_folder, write_manifest
+from experiments.store import compact, done, open_folder, place
 from experiments.watch import Bounds
 from experiments.writer import Progress, Writer
 from solvers.profiles import tolerances
 from solvers.registry import load
-from study.schema import VERSION, Key
+from study.schema import VERSION
+
+_LOG = logging.getLogger(__name__)
 
 
 def run(
@@ -77,39 +84,36 @@ def _record(
     stop: Interruption,
 ) -> None:
     """Solve the cells that the folder does not hold, and put them there."""
-    manifest = _manifest(found, groups, request.command())
-    earlier = open_folder(folder, manifest["experiment"], fresh)
-    finished = done(folder)
-    keys = {cell.key for group in groups for cell in group}
-    if earlier is not None:
-        # the run that began the folder stays its origin; rows name their own versions
-        manifest |= {"created": earlier.get("created"), "finished": earlier.get("finished")}
-        manifest["solvers"] = {**earlier.get("solvers", {}), **manifest["solvers"]}
-    _count_cells(manifest, keys | finished)
-    shared = Run(uuid4().hex[:12], found.experiment.limit, request.jobs)
-    bounds = Bounds(found.experiment.limit, round(found.experiment.memory * 2**30))
-    writer = Writer(folder, shared.run_id, len(keys), progress)
-    if keys <= finished and manifest["finished"] is not None:
-        writer.skip(len(keys))
-        return
-    write_manifest(folder, manifest | {"finished": None})
-    try:
-        solve_left(folder, groups, finished, found.experiment.seed, shared, bounds, writer, stop)
-    finally:
-        writer.flush()
-    compact(folder, f"{shared.run_id}-all")
-    write_manifest(folder, manifest | {"finished": now()})
-
-
-def _count_cells(manifest: dict[str, Any], keys: set[Key]) -> None:
-    """How many cells the folder is asked for: rows of earlier code are none of them."""
-    solvers = manifest["solvers"]
-    asked = Counter(
-        spec for _, spec, *_, digest in keys if solvers.get(spec, {}).get("code") == digest
-    )
-    manifest["cells"] = asked.total()
-    for spec, kept in solvers.items():
-        kept["cells"] = asked[spec]
+    place(folder)
+    with locked(folder):
+        manifest = _manifest(found, groups, request.command())
+        asked = set(manifest["solvers"])
+        earlier, mended = open_folder(folder, manifest["experiment"], fresh)
+        for line in mended:
+            _LOG.warning("dubins-study: %s", line)
+        manifest = taken_up(manifest, earlier)
+        finished = done(folder)
+        keys = {cell.key for group in groups for cell in group}
+        cells = Counter((spec, digest) for _, spec, *_, digest in keys | finished)
+        completes = count_cells(manifest, asked, cells)
+        shared = Run(uuid4().hex[:12], found.experiment.limit, request.jobs)
+        bounds = Bounds(found.experiment.limit, round(found.experiment.memory * 2**30))
+        writer = Writer(folder, shared.run_id, len(keys), progress)
+        if keys <= finished and (manifest["finished"] is not None or not completes):
+            writer.skip(len(keys))
+            return
+        said = shared._asdict() | {
+            "command": request.command(),
+            "memory": found.experiment.memory,
+            "threads": THREADS,
+        }
+        seed = found.experiment.seed
+        with recorded(folder, manifest, said, completes):
+            try:
+                solve_left(folder, groups, finished, seed, shared, bounds, writer, stop)
+            finally:
+                writer.flush()
+            compact(folder, shared.run_id)
 
 
 def _manifest(found: Source, groups: list[Chain], command: str) -> dict[str, Any]:

@@ -12,7 +12,7 @@ from typing import NamedTuple
 from experiments.clock import Clock, Phase
 from experiments.containment import contained
 from experiments.isolation import isolate
-from experiments.provenance import now, versions
+from experiments.provenance import now, solver_versions
 from experiments.wire import Packed, packed
 from solvers.answer import Reply, ask, nothing, told
 from solvers.protocol import AnySolver, Outcome, Question
@@ -93,4 +93,4 @@ def _ready(spec: str, profile: str, warm_up: bool) -> AnySolver:
 
 @lru_cache(maxsize=256)
 def _versions(spec: str) -> str:
-    return json.dumps(versions(tuple(load(spec).packages)))
+    return json.dumps(solver_versions(load(spec)))

@@ -7,8 +7,8 @@ from pathlib import Path as FilePath
 from time import monotonic
 from typing import Any
 
+from experiments.parts import RUN_ID, write_part
 from experiments.rows import Row, rows_table
-from experiments.store import write_part
 
 # rows are written when this many seconds have passed, so that a killed run loses little
 _FLUSH = 1.0
@@ -51,7 +51,8 @@ class Writer:
         self.flushed = monotonic()
 
     def _write(self, table: Any) -> None:
-        write_part(self.folder, f"{self.run_id}-{self.parts:06d}", table)
+        name = f"{self.run_id}-{self.parts:06d}"
+        write_part(self.folder, name, table, {RUN_ID: self.run_id})
         self.parts += 1
 
     def _tell(self) -> None:

@@ -9,6 +9,7 @@ from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
+from solvers import library_versions
 from solvers.collocation_correction import closed, miss
 from solvers.collocation_model import Elements, Template, template
 from solvers.collocation_starts import guesses
@@ -102,6 +103,9 @@ class Collocation:
 
     def unavailable(self) -> str | None:
         return unavailable(self.via)
+
+    def library_versions(self) -> dict[str, str]:
+        return library_versions.ipopt(by_executable(self.via))
 
     def build(self, question: Question) -> Model:
         if question.branch not in RATES:

@@ -16,6 +16,7 @@ from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
+from solvers import library_versions
 from solvers.disjunctive_model import TRANSFORMATIONS, WORDS, gdp_model, transformed
 from solvers.disjunctive_polish import Polished, meet_target
 from solvers.model import SUBPROBLEMS, already_there, as_path
@@ -123,6 +124,9 @@ class Disjunctive:
             if importlib.util.find_spec(package) is None:
                 return f"the package {package} is not installed"
         return None
+
+    def library_versions(self) -> dict[str, str]:
+        return library_versions.scip()
 
     def build(self, question: Question) -> Model:
         words = WORDS if question.branch == "best" else (question.branch,)

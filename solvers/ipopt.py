@@ -14,6 +14,7 @@ from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
+from solvers import library_versions
 from solvers.ipopt_engine import (
     CLAIMS,
     VIAS,
@@ -126,6 +127,9 @@ class Ipopt:
 
     def unavailable(self) -> str | None:
         return unavailable(self.via)
+
+    def library_versions(self) -> dict[str, str]:
+        return library_versions.ipopt(by_executable(self.via))
 
     def build(self, question: Question) -> Model:
         template = executable_template if by_executable(self.via) else library_template

@@ -148,9 +148,10 @@ class Solver(Protocol[Model]):
         packages: distributions whose versions belong to its rows.
         summary: one line for `dubins-study solvers`.
 
-    A backend may also have `solve_frame(frame, branch) -> FrameSolution` (see `solvers.frame`)
-    `profiles: dict[str, dict]`, settings that a named profile changes, and `variants`, specs of its
-    own that `dubins-study solvers` lists beside it.
+    A backend may also have `solve_frame(frame, branch) -> FrameSolution` (see `solvers.frame`),
+    `profiles: dict[str, dict]`, settings that a named profile changes, `variants`, specs of its own
+    that `dubins-study solvers` lists beside it, and `library_versions() -> dict[str, str]`, of the
+    libraries inside its packages that have versions of their own.
     """
 
     name: ClassVar[str]
