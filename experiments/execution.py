@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from itertools import pairwise
 from pathlib import Path as FilePath
 from typing import Any
@@ -30,6 +31,7 @@ def solve_left(
     bounds: Bounds,
     writer: Writer,
     stop: Interruption,
+    probed: Callable[[float], None] | None = None,
 ) -> None:
     """Attempt every cell whose key is not finished; the writer gets the rows as they come.
 
@@ -53,7 +55,7 @@ def solve_left(
     before = _paths_before(folder, single, groups)
     ordered = shuffled(single, seed)
     if ordered:
-        with pinned_threads(), Supervisor(shared, bounds, shared.jobs) as workers:
+        with pinned_threads(), Supervisor(shared, bounds, shared.jobs, probed) as workers:
             for rows in workers.solve(ordered, before, stop):
                 writer.add(rows)
     stop.check()

@@ -1,4 +1,4 @@
-"""Ctrl-C during a run: what is being solved is finished and kept; a second one stops at once."""
+"""Ctrl-C or SIGTERM in a run: what is being solved is finished and kept; a second stops at once."""
 
 from __future__ import annotations
 
@@ -7,27 +7,32 @@ import threading
 from types import FrameType, TracebackType
 from typing import Any, Self
 
+_SIGNALS = (signal.SIGINT, signal.SIGTERM)
+
 
 class Interruption:
-    """While it is entered, a first SIGINT only sets `asked`; the next raises KeyboardInterrupt.
+    """While it is entered, a first signal only sets `asked`; the next raises KeyboardInterrupt.
 
+    The signals are SIGINT (Ctrl-C) and SIGTERM, which a batch system sends before it kills.
     A flag, since some libraries (casadi) turn a KeyboardInterrupt raised inside them into a
     warning and go on. Leaving raises KeyboardInterrupt if it was asked for meanwhile. Outside the
-    main thread, where Python handles no signals, and where SIGINT is ignored, it does nothing.
+    main thread, where Python handles no signals, and for a signal that is ignored, it does nothing.
     """
 
     def __init__(self) -> None:
         self.asked = False
         # a library may have swallowed the second one too: what it returned then is no answer
         self.at_once = False
-        self._previous: Any = None
+        self._previous: dict[int, Any] = {}
 
     def __enter__(self) -> Self:
-        if threading.current_thread() is threading.main_thread():
-            previous = signal.getsignal(signal.SIGINT)
+        if threading.current_thread() is not threading.main_thread():
+            return self
+        for number in _SIGNALS:
+            previous = signal.getsignal(number)
             if previous not in (None, signal.SIG_IGN):
-                self._previous = previous
-                signal.signal(signal.SIGINT, self._handle)
+                self._previous[number] = previous
+                signal.signal(number, self._handle)
                 # within another, one that came just before counts as well
                 outer = getattr(previous, "__self__", None)
                 self.asked = self.asked or (isinstance(outer, Interruption) and outer.asked)
@@ -50,7 +55,7 @@ class Interruption:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        if self._previous is not None:
-            signal.signal(signal.SIGINT, self._previous)
+        for number, previous in self._previous.items():
+            signal.signal(number, previous)
         if kind is None:
             self.check()

@@ -108,9 +108,11 @@ def _record(
             "threads": THREADS,
         }
         seed = found.experiment.seed
-        with recorded(folder, manifest, said, completes):
+        with recorded(folder, manifest, said, completes) as record:
             try:
-                solve_left(folder, groups, finished, seed, shared, bounds, writer, stop)
+                solve_left(
+                    folder, groups, finished, seed, shared, bounds, writer, stop, record.probe
+                )
             finally:
                 writer.flush()
             compact(folder, shared.run_id)

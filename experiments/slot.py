@@ -7,14 +7,15 @@ from collections.abc import Callable
 from concurrent.futures import Future
 from contextlib import suppress
 from multiprocessing.context import ForkServerProcess
+from typing import Any
 
 from pebble import CONSTS, ProcessPool
 
 from experiments import processes
+from experiments.calibration import probe
 from experiments.clock import Clock, Phase
 from experiments.last_words import LastWords
 from experiments.spawning import Context
-from experiments.wire import Packed
 from experiments.worker import Order, answer, begin
 from solvers.answer import Reply
 
@@ -26,8 +27,11 @@ CONSTS.term_timeout = 0.2
 # s that a pool thrown away is given to take its threads and semaphores back
 _PARTING = 2.0
 
-# called when an order's future is done
-Told = Callable[["Slot", int, Future[Packed]], None]
+# the number of what is no order but a look at the machine's speed
+PROBE = -1
+
+# called when an order's future is done: with its reply, packed, or a probe's seconds
+Told = Callable[["Slot", int, Future[Any]], None]
 
 
 class Slot:
@@ -52,12 +56,17 @@ class Slot:
             self.clock = Clock(self._context)
             begun = (self.clock, self.words.writer, self.memory)
             self._pool = ProcessPool(1, initializer=begin, initargs=begun, context=self._context)
-        future = self._pool.schedule(answer, args=(order,))
-        pool = self._pool
+        self._tell_of(self._pool, order.number, self._pool.schedule(answer, args=(order,)))
 
-        def tell(done: Future[Packed]) -> None:
+    def measure(self) -> None:
+        """Have the worker do the calibration's piece of work when it has none of its own."""
+        if self._pool is not None and self.pid:
+            self._tell_of(self._pool, PROBE, self._pool.schedule(probe))
+
+    def _tell_of(self, pool: ProcessPool, number: int, future: Future[Any]) -> None:
+        def tell(done: Future[Any]) -> None:
             if pool is self._pool:
-                self._told(self, order.number, done)
+                self._told(self, number, done)
 
         future.add_done_callback(tell)
 

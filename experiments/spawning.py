@@ -7,6 +7,7 @@ import sys
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
+from multiprocessing import resource_tracker
 from multiprocessing.context import ForkServerContext, ForkServerProcess
 from multiprocessing.popen_forkserver import Popen
 from types import ModuleType
@@ -29,6 +30,23 @@ def _main_hidden() -> Iterator[None]:
             yield
         finally:
             sys.modules["__main__"] = kept
+
+
+def _start_tracker() -> None:
+    """Start multiprocessing's keeper of semaphores, and have it tidy up in silence.
+
+    It warns of whatever a process that was killed has left, and workers are killed on purpose.
+    """
+    kept = os.environ.get("PYTHONWARNINGS")
+    ours = "ignore::UserWarning:multiprocessing.resource_tracker"
+    os.environ["PYTHONWARNINGS"] = f"{kept},{ours}" if kept else ours
+    try:
+        resource_tracker.ensure_running()
+    finally:
+        if kept is None:
+            del os.environ["PYTHONWARNINGS"]
+        else:
+            os.environ["PYTHONWARNINGS"] = kept
 
 
 class _Popen(Popen):
@@ -59,6 +77,7 @@ class Context(ForkServerContext):
 
     def __init__(self) -> None:
         super().__init__()
+        _start_tracker()
         self.set_forkserver_preload(["experiments.worker"])
         self.started: list[ForkServerProcess] = []
 

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import signal
 from collections import deque
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import Future
 from concurrent.futures.process import BrokenProcessPool
 from itertools import count
 from queue import Empty, SimpleQueue
-from typing import NamedTuple
+from time import monotonic
+from typing import Any, NamedTuple
 
 from pebble import ProcessExpired
 
@@ -18,7 +19,7 @@ from experiments.grid import Cell, Chain, given_start
 from experiments.interruption import Interruption
 from experiments.judging import Run, row_of
 from experiments.rows import Row
-from experiments.slot import Slot
+from experiments.slot import PROBE, Slot
 from experiments.watch import Bounds, Watch
 from experiments.wire import Packed, unpacked
 from experiments.worker import Order
@@ -32,6 +33,8 @@ from study.schema import Key
 _AHEAD, _QUICK = 4, 0.005
 # s without news after which whoever writes the rows is given a turn
 _TURN = 0.2
+# s between two looks at how fast the machine is
+_PROBE_EVERY = 2.0
 # workers that may end in a row before they have taken up any order
 _FALSE_STARTS = 3
 
@@ -66,11 +69,15 @@ class Supervisor:
         run: what the rows share.
         bounds: of every solve.
         jobs: workers side by side.
+        probed: called now and then with the seconds that a fixed piece of work took in a worker.
     """
 
-    def __init__(self, run: Run, bounds: Bounds, jobs: int):
-        self.run, self.bounds = run, bounds
-        self._ended: SimpleQueue[tuple[Slot, int, Future[Packed]]] = SimpleQueue()
+    def __init__(
+        self, run: Run, bounds: Bounds, jobs: int, probed: Callable[[float], None] | None = None
+    ):
+        self.run, self.bounds, self._probed = run, bounds, probed
+        self._next_probe = monotonic()
+        self._ended: SimpleQueue[tuple[Slot, int, Future[Any]]] = SimpleQueue()
         self._slots = [Slot(bounds.memory, self._told) for _ in range(jobs)]
         self._watch = Watch(self._slots, bounds)
         self._numbers = count()
@@ -92,7 +99,7 @@ class Supervisor:
         for slot in self._slots:
             slot.close()
 
-    def _told(self, slot: Slot, number: int, future: Future[Packed]) -> None:
+    def _told(self, slot: Slot, number: int, future: Future[Any]) -> None:
         self._ended.put((slot, number, future))
 
     def solve(
@@ -140,6 +147,9 @@ class Supervisor:
                 number = next(self._numbers)
                 self._tasks[number] = task
                 slot.put(self._order(number, task, warm_up=solver not in self._cold))
+        if self._probed is not None and monotonic() > self._next_probe:
+            self._next_probe = monotonic() + _PROBE_EVERY
+            self._slots[0].measure()
 
     def _order(self, number: int, task: _Task, warm_up: bool) -> Order:
         cell = task.cell
@@ -161,6 +171,10 @@ class Supervisor:
             # pebble has no word of a worker that ends itself with code 0
             ended = [slot for slot in self._slots if slot.exit_code() is not None]
             return [row for slot in ended for row in self._fallen(slot)]
+        if number == PROBE:
+            if self._probed is not None and future.exception() is None:
+                self._probed(future.result())
+            return []
         if number not in slot.pending:
             return []  # of a worker thrown away meanwhile, or not waited for any more
         error = future.exception() if not future.cancelled() else None
