@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping
 from numbers import Real
+from types import NoneType
 from typing import Any
 
 import pyarrow as pa
@@ -69,9 +70,14 @@ def _shown(value: Any) -> str:
 
 
 def _clean(value: Any) -> Any:
+    kind = type(value)
+    if kind is float:  # most values are, and the tests below take longer
+        return value if math.isfinite(value) else None
+    if kind is NoneType or kind is bool or kind is int:
+        return value
     if isinstance(value, str):
         # a lone surrogate has no UTF-8
-        return str(value).encode("utf-8", "replace").decode("utf-8")
+        return value if value.isascii() else value.encode("utf-8", "replace").decode("utf-8")
     if isinstance(value, list):
         return [_clean(item) for item in value]
     if isinstance(value, Real) and not isinstance(value, int):

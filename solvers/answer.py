@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import math
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, fields, replace
 from time import perf_counter
 from typing import Any, NamedTuple
-
-import numpy as np
 
 from solvers.profiles import PROFILES, tolerances
 from solvers.protocol import AnySolver, Outcome, Question, Solution
@@ -92,9 +90,12 @@ class Answer:
 
     def row(self) -> dict[str, Any]:
         """The scenario's and the answer's columns of `study.schema`, non-finite numbers as None."""
-        row = {name: getattr(self.scenario, name) for name in names(SCENARIO)}
-        row |= {name: getattr(self, name) for name in names(ANSWER)}
+        row = {name: getattr(self.scenario, name) for name in _SCENARIO}
+        row |= {name: getattr(self, name) for name in _ANSWER}
         return row
+
+
+_SCENARIO, _ANSWER = names(SCENARIO), names(ANSWER)
 
 
 @dataclass(frozen=True, slots=True)
@@ -272,10 +273,13 @@ def _answer(
         wall_s=times.wall,
         iterations=solution.iterations,
         evaluations=solution.evaluations,
-        **asdict(found),
-        **asdict(certificate),
+        **{name: getattr(found, name) for name in _FOUND},
+        **{name: getattr(certificate, name) for name in _CERTIFIED},
     )
 
 
+_FOUND, _CERTIFIED = ([field.name for field in fields(kind)] for kind in (Judgement, Certificate))
+
+
 def _finite(value: float | None) -> float | None:
-    return None if value is None or not np.isfinite(value) else float(value)
+    return None if value is None or not math.isfinite(value) else float(value)

@@ -12,11 +12,11 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 from study.enclosure import Enclosure, enclose
-from study.extremal import Extremal, cut_margin, extremal, pieces
+from study.extremal import Extremal, measured
 from study.path import Path
 from study.scenario import Scenario
 from study.synthesis import EPS
-from study.verify import Judgement, Tolerances, Verdict, drivable
+from study.verify import Judgement, Tolerances, Verdict
 
 _DEFAULT = Tolerances()
 # A solver's 1e-8 on lengths leaves angles off by about as much; the turn of 1e-3 that an
@@ -101,9 +101,8 @@ def certify(
     """
     interval = enclose(scenario, branch)
     found, cut = None, None
-    if path is not None and drivable(path):
-        driven = pieces(path, scenario.radius)
-        found, cut = extremal(driven), cut_margin(driven)
+    if path is not None and judged.length is not None:
+        found, cut = measured(path, scenario.radius)
     bound = lower_bound if lower_bound is not None and not math.isnan(lower_bound) else None
     allowed = tolerances.gap * max(interval.low, scenario.radius)
     slack = BOUND_TOLERANCE * max(interval.low, scenario.radius)

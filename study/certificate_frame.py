@@ -13,7 +13,7 @@ import numpy as np
 
 from study.certificate import BOUND_TOLERANCE, CUT_TOLERANCE, PMP_ROUNDING, PMP_TOLERANCE, Proof
 from study.enclosure import enclose
-from study.extremal import MEASURED, cut_margin, extremal, pieces
+from study.extremal import MEASURED, measured
 from study.kernel_extremal import extremal_rows
 from study.kernel_judge import VERDICTS, BoolArray
 from study.kernel_words import CodeArray
@@ -103,8 +103,7 @@ def _one(found: FrameCertificate, row: int, path: Path | None, radius: float) ->
     found.measured[:, row] = np.nan
     if path is None or not drivable(path):
         return
-    driven = pieces(path, radius)
-    cut, best = cut_margin(driven), extremal(driven)
+    best, cut = measured(path, radius)
     if best is not None:
         found.abnormal[row] = best.abnormal
         numbers = best.hamiltonian, best.sign_margin, best.transversality, best.residual

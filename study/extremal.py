@@ -15,15 +15,18 @@ extremal is how far that matrix is from having one (docs/derivation.md, section 
 from __future__ import annotations
 
 import math
+from itertools import compress
+from operator import mul, or_
 from typing import NamedTuple
 
 import numpy as np
 
-from study.path import FloatArray, Path, rollout
+from study.path import Path, rollout
+from study.pieces import FULL_RATE, Pieces, pieces
 from study.scenario import Pose
-from study.verify import WORD
 
 _ORIGIN = Pose(0.0, 0.0, 0.0)
+_ZEROS = (0.0, 0.0, 0.0, 0.0)
 
 # columns of `study.schema` that hold what is measured here
 MEASURED = (
@@ -37,9 +40,7 @@ MEASURED = (
 )
 # a costate nu0 below this share of (nu1, nu2) is none: the extremal is abnormal
 ABNORMAL = 1e-9
-_LOST = 1e-4  # of a path's length; what passes over more describes another path
 _TURN = 2 * math.pi
-FULL_RATE = 1e-9  # how far from +1, -1 or 0 a rate may be and still name a letter
 
 
 class Extremal(NamedTuple):
@@ -65,86 +66,63 @@ class Extremal(NamedTuple):
     residual: float
 
 
-class Pieces(NamedTuple):
-    """A path in units of its radius: start heading (rad), rates u and lengths of shape (n,)."""
-
-    heading: float
-    u: FloatArray
-    length: FloatArray
+# coefficients of nu0, nu1, nu2 and of nu3 at the end
+Row = tuple[float, float, float, float]
 
 
-def pieces(path: Path, radius: float) -> Pieces:
-    """The pieces of a path that matter, neighbours of one rate joined.
+class Conditions(NamedTuple):
+    """What has to vanish: H on every piece, nu3 at the ends of straights, and what fixes the end.
 
-    As in `Path.word`, what turns by less than 1e-6 rad is straight, and a straight shorter than
-    1e-6 of the path is passed over: a solver leaves such where it means none.
+    The conditions on nu3 along straights are divided by the path's length.
     """
-    rate = path.curvature * radius
-    rate[np.abs(rate) <= FULL_RATE] = 0.0
-    u, length = _joined(rate, path.length / radius)
-    total = float(length.sum())
-    turns = np.abs(u) * length > WORD
-    kept = turns | (length > WORD * total)
-    if not turns.all() and length[kept].sum() >= (1 - _LOST) * total:
-        u, length = _joined(np.where(turns, u, 0.0)[kept], length[kept])
-    return Pieces(path.start.heading, u, length)
+
+    hamiltonian: list[Row]
+    straight: list[Row]
+    ends: list[Row]
 
 
-def _joined(u: FloatArray, length: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Neighbours of one rate made one; what has no length is left out."""
-    if not length.all():
-        u, length = u[length != 0], length[length != 0]
-    if u.size < 2:
-        return u, length
-    begins = np.abs(u[1:] - u[:-1]) > FULL_RATE
-    if begins.all():
-        return u, length
-    first = np.concatenate(([0], 1 + np.flatnonzero(begins)))
-    joined: FloatArray = np.add.reduceat(length, first)
-    return u[first], joined
+def measured(path: Path, radius: float) -> tuple[Extremal | None, float | None]:
+    """The costates and the cut margin of a path that can be driven.
+
+    Neither of one whose numbers overflow in units of the radius, which fits no scenario.
+    """
+    driven = pieces(path, radius)
+    rates, lengths = map(abs, driven.u.tolist()), driven.length.tolist()
+    turns = sum(u * length + u for u, length in zip(rates, lengths, strict=True))
+    if not math.isfinite(turns + sum(lengths)):
+        return None, None
+    return extremal(driven), cut_margin(driven)
 
 
 def extremal(driven: Pieces) -> Extremal | None:
-    """The costates that fit a path best, and how well; None for a path of no length."""
-    start, u, length = driven
-    n = u.size
-    if not n:
+    """The costates that fit a path best, and how well; None for a path of no length.
+
+    None too where the conditions overflow.
+    """
+    u = driven.u.tolist()
+    if not u:
         return None
     # in the frame of the start, where angles are small; the costates are turned back at the end
-    poses = rollout(_ORIGIN, u, length)
-    stretch = max(1.0, float(length.sum()))
-    # columns: nu0, nu1, nu2, nu3 at the end
-    nu3 = np.empty((n + 1, 4))
-    nu3[:, 0], nu3[:, 3] = 0.0, 1.0
-    nu3[:, 1], nu3[:, 2] = poses[:, 1] - poses[-1, 1], poses[-1, 0] - poses[:, 0]
-    cos, sin = np.cos(poses[:, 2]), np.sin(poses[:, 2])
-    # H is constant along a piece: one row for each
-    hamiltonian = u[:, None] * nu3[:-1]
-    hamiltonian[:, 0] += 1.0
-    hamiltonian[:, 1] += cos[:-1]
-    hamiltonian[:, 2] += sin[:-1]
-    straight = np.abs(u) < 1 - FULL_RATE
-    ends = np.zeros(n + 1, np.bool_)
-    ends[:-1] = straight
-    ends[1:] |= straight
-    still = nu3[ends] / stretch
-    # the row of zeros keeps the matrix as high as it is wide
-    rows = [hamiltonian, still, nu3[-1:], np.zeros((1, 4))]
-    if n == 1 and not straight[0]:
-        # a single arc has a family of costates; the one of a straight of no length after it
-        rows.append(np.array([[0.0, -sin[-1], cos[-1], 0.0]]))
-    costates = np.linalg.svd(np.concatenate(rows), full_matrices=False)[2][-1]
-    costates = costates / max(abs(costates[0]), math.hypot(costates[1], costates[2]))
-    abnormal = bool(abs(costates[0]) < ABNORMAL)
+    poses = rollout(_ORIGIN, driven.u, driven.length).tolist()
+    stretch = max(1.0, float(driven.length.sum()))
+    conditions = _conditions(u, poses, stretch)
+    if not math.isfinite(sum(map(sum, conditions.hamiltonian))):
+        return None  # rates times positions overflow
+    costates = _null_vector(conditions)
+    abnormal = abs(costates[0]) < ABNORMAL
     signs = (1.0, -1.0) if abnormal else (math.copysign(1.0, costates[0]),)
-    arcs = poses[:-1, 2][u != 0], poses[1:, 2][u != 0]
-    margin, sign = max((_sign_margin(sign * costates, *arcs), sign) for sign in signs)
-    found = sign * costates
-    H = float(np.abs(hamiltonian @ found).max())
-    transversality = abs(float(found[3])) / stretch
-    off_straight = float(np.abs(still @ found).max()) if still.size else 0.0
-    nu1, nu2 = (found[1:3] if abnormal else found[1:3] / found[0]).tolist()
-    c, s = math.cos(start), math.sin(start)
+    arcs = [(a, b) for k, (_, _, a), (_, _, b) in zip(u, poses, poses[1:], strict=False) if k != 0]
+    signed = [[sign * c for c in costates] for sign in signs]
+    margins = [_sign_margin(one, arcs) for one in signed]
+    margin = max(margins)
+    found = signed[margins.index(margin)]
+    H = _largest(conditions.hamiltonian, found)
+    off_straight = _largest(conditions.straight, found)
+    nu0, nu1, nu2, nu3 = found
+    transversality = abs(nu3) / stretch
+    if not abnormal:
+        nu1, nu2 = nu1 / nu0, nu2 / nu0
+    c, s = math.cos(driven.heading), math.sin(driven.heading)
     return Extremal(
         nu=(nu1 * c - nu2 * s, nu1 * s + nu2 * c),
         abnormal=abnormal,
@@ -155,19 +133,64 @@ def extremal(driven: Pieces) -> Extremal | None:
     )
 
 
-def _sign_margin(costates: FloatArray, before: FloatArray, after: FloatArray) -> float:
+def _conditions(u: list[float], poses: list[list[float]], stretch: float) -> Conditions:
+    """The linear conditions on the costates of a path that begins at the origin.
+
+    Args:
+        u: rates of the n pieces.
+        poses: x, y (radii) and heading (rad) at their n + 1 ends.
+        stretch: what nu3 is divided by.
+    """
+    end_x, end_y, end = poses[-1]
+    nu3 = [(0.0, y - end_y, end_x - x, 1.0) for x, y, _ in poses]
+    hamiltonian = [  # constant along a piece: one row for each
+        (1.0, math.cos(theta) + k * along, math.sin(theta) + k * across, k)
+        for k, (_, _, theta), (_, along, across, _) in zip(u, poses, nu3, strict=False)
+    ]
+    straight = [abs(k) < 1 - FULL_RATE for k in u]
+    touching = map(or_, [*straight, False], [False, *straight])
+    still = [
+        (0.0, along / stretch, across / stretch, 1.0 / stretch)
+        for _, along, across, _ in compress(nu3, touching)
+    ]
+    ends = [nu3[-1]]
+    if len(u) == 1 and not straight[0]:
+        # a single arc has a family of costates; the one of a straight of no length after it
+        ends = [nu3[-1], (0.0, -math.sin(end), math.cos(end), 0.0)]
+    return Conditions(hamiltonian, still, ends)
+
+
+def _null_vector(conditions: Conditions) -> list[float]:
+    """The costates that violate the conditions least, scaled to max(nu0, |(nu1, nu2)|) = 1."""
+    hamiltonian, straight, ends = conditions
+    # the row of zeros keeps the matrix as high as it is wide
+    matrix = np.array([*hamiltonian, *straight, ends[0], _ZEROS, *ends[1:]])
+    costates = np.linalg.svd(matrix, full_matrices=False)[2][-1].tolist()
+    size = max(abs(costates[0]), math.hypot(costates[1], costates[2]))
+    return [c / size for c in costates]
+
+
+def _largest(rows: list[Row], costates: list[float]) -> float:
+    """The worst violation of some conditions."""
+    return max((abs(sum(map(mul, row, costates))) for row in rows), default=0.0)
+
+
+def _sign_margin(costates: list[float], arcs: list[tuple[float, float]]) -> float:
     """Least nu0 + nu1 cos + nu2 sin over the turning pieces, which is -u nu3 where H = 0.
 
-    `before` and `after` are the headings (rad) at the arcs' ends.
+    `arcs` are the headings (rad) at their ends.
     """
-    if not before.size:
+    if not arcs:
         return 0.0
-    nu0, nu1, nu2, _ = costates.tolist()
+    nu0, nu1, nu2, _ = costates
     # least at the heading opposite to (nu1, nu2) if an arc passes through it, or at an end
-    a, b = before - math.atan2(-nu2, -nu1), after - math.atan2(-nu2, -nu1)
-    passed = np.floor(np.maximum(a, b) / _TURN) > np.floor(np.minimum(a, b) / _TURN)
-    nearest = np.where(passed, 1.0, np.maximum(np.cos(a), np.cos(b)))
-    return float(nu0 - math.hypot(nu1, nu2) * nearest.max())
+    opposite = math.atan2(-nu2, -nu1)
+    nearest = -1.0
+    for before, after in arcs:
+        a, b = before - opposite, after - opposite
+        passed = max(a, b) // _TURN > min(a, b) // _TURN
+        nearest = max(nearest, 1.0 if passed else max(math.cos(a), math.cos(b)))
+    return nu0 - math.hypot(nu1, nu2) * nearest
 
 
 def cut_margin(driven: Pieces) -> float | None:

@@ -11,9 +11,10 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from study.extremal import ABNORMAL, FULL_RATE
+from study.extremal import ABNORMAL
 from study.kernel_compile import compiled, inlined
 from study.path import FloatArray
+from study.pieces import FULL_RATE
 from study.verify import WORD
 
 _TURN = 2 * math.pi
@@ -21,7 +22,7 @@ _TURN = 2 * math.pi
 
 @inlined
 def _counts(u: float, length: float, total: float) -> bool:
-    """Whether a piece matters, as in `extremal.pieces`."""
+    """Whether a piece matters, as in `pieces.pieces`."""
     return abs(u) * length > WORD or length > WORD * total
 
 

@@ -19,8 +19,9 @@ from study.kernel_compile import compiled, inlined, threaded
 from study.kernel_math import LARGEST_ANGLE, sine_cosine
 from study.kernel_words import CodeArray
 from study.path import FloatArray
+from study.relaxation import ROUNDED
 from study.synthesis import EPS
-from study.verify import ROUNDED, WORD, Verdict
+from study.verify import WORD, Verdict
 
 VERDICTS = tuple(Verdict)
 REGIONS = ("outside", "left disc", "right disc", "circle")

@@ -6,7 +6,6 @@ import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from itertools import groupby
-from operator import itemgetter
 from typing import Any, Self
 
 import numpy as np
@@ -16,7 +15,9 @@ from study.scenario import Pose
 
 FloatArray = NDArray[np.float64]
 _RIPPLE = 1e-3
-Piece = tuple[float, float, float]  # side (1 left, 0, -1 right), rad, length unit
+# up to so many arcs a loop is quicker than a call of numpy's for every step of the sum
+FEW = 7
+Piece = tuple[int, float, float]  # side (1 left, 0, -1 right), rad, length unit
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,7 +79,7 @@ class Path:
 
     @property
     def end(self) -> Pose:
-        return Pose(*map(float, self.poses[-1]))
+        return Pose(*self.poses[-1].tolist())
 
     def at(self, distance: ArrayLike) -> FloatArray:
         """Poses at given distances along the path, shape (m, 3).
@@ -103,21 +104,21 @@ class Path:
         A run to one side that turns by no more than `tolerance` (rad) counts as straight, and a
         straight that is no longer than `tolerance` times the path is passed over.
         """
-        if not (np.isfinite(self.curvature).all() and np.isfinite(self.length).all()):
+        curvatures, lengths = self.curvature.tolist(), self.length.tolist()
+        if not (all(map(math.isfinite, curvatures)) and all(map(math.isfinite, lengths))):
             return ""  # a broken path has no word
-        rate = np.abs(self.curvature)
         # what bends a thousandth as hard as the path's turns is a straight with a ripple
-        side = np.where(rate > _RIPPLE * rate.max(initial=0.0), np.sign(self.curvature), 0.0)
-        bends = (rate * self.length).tolist()
-        pieces = zip(side.tolist(), bends, self.length.tolist(), strict=True)
+        ripple = _RIPPLE * max(map(abs, curvatures), default=0.0)
+        pieces = (
+            (0 if abs(k) <= ripple else 1 if k > 0 else -1, abs(k) * length, length)
+            for k, length in zip(curvatures, lengths, strict=True)
+        )
         runs = [
-            (side if bend > tolerance else 0.0, bend, length)
+            (side if bend > tolerance else 0, bend, length)
             for side, bend, length in _joined(pieces)
         ]
         least = tolerance * self.total_length
-        letters = (
-            "LSR"[1 - int(side)] for side, _, length in _joined(runs) if side != 0 or length > least
-        )
+        letters = ("SLR"[side] for side, _, length in _joined(runs) if side or length > least)
         return "".join(letter for letter, _ in groupby(letters))
 
     def mirrored(self) -> Self:
@@ -146,6 +147,8 @@ def rollout(start: Pose, curvature: FloatArray, length: FloatArray) -> FloatArra
     Returns:
         Shape (n + 1, 3): x, y (length unit), heading (rad, not wrapped). Row 0 is `start`.
     """
+    if length.size <= FEW and (poses := _few(start, curvature.tolist(), length.tolist())):
+        return np.array(poses)
     turn = curvature * length
     turned = turn.cumsum()
     chord = _chord(turn, length)
@@ -153,11 +156,32 @@ def rollout(start: Pose, curvature: FloatArray, length: FloatArray) -> FloatArra
     # driven in the start's frame: added to a heading of many turns, an angle loses its digits
     forward, left = (chord * np.cos(middle)).cumsum(), (chord * np.sin(middle)).cumsum()
     cos, sin = math.cos(start.heading), math.sin(start.heading)
-    poses = np.empty((length.size + 1, 3))
-    poses[0] = start
-    poses[1:, 0] = start.x + (forward * cos - left * sin)
-    poses[1:, 1] = start.y + (forward * sin + left * cos)
-    poses[1:, 2] = start.heading + turned
+    driven = np.empty((length.size + 1, 3))
+    driven[0] = start
+    driven[1:, 0] = start.x + (forward * cos - left * sin)
+    driven[1:, 1] = start.y + (forward * sin + left * cos)
+    driven[1:, 2] = start.heading + turned
+    return driven
+
+
+def _few(start: Pose, curvature: list[float], length: list[float]) -> list[Pose] | None:
+    """The poses of `rollout`, one arc after another; None if an angle is too large for a sine."""
+    cos, sin = math.cos(start.heading), math.sin(start.heading)
+    turned = forward = left = 0.0
+    poses = [start]
+    for k, s in zip(curvature, length, strict=True):
+        turn = k * s
+        turned += turn
+        if not math.isfinite(turned):
+            return None
+        half = turn / 2 or 1e-20  # sin(x) / x is 1 there
+        chord = s * (math.sin(half) / half)
+        middle = turned - turn / 2
+        forward += chord * math.cos(middle)
+        left += chord * math.sin(middle)
+        x = start.x + (forward * cos - left * sin)
+        y = start.y + (forward * sin + left * cos)
+        poses.append(Pose(x, y, start.heading + turned))
     return poses
 
 
@@ -180,9 +204,16 @@ def _chord(turn: FloatArray, length: FloatArray) -> FloatArray:
 
 def _joined(pieces: Iterable[Piece]) -> Iterator[Piece]:
     """Neighbours of one side made one, their bends and lengths added."""
-    for side, group in groupby(pieces, key=itemgetter(0)):
-        _, bends, lengths = zip(*group, strict=True)
-        yield side, sum(bends), sum(lengths)
+    last, bends, lengths = None, 0.0, 0.0
+    for side, bend, length in pieces:
+        if side == last:
+            bends, lengths = bends + bend, lengths + length
+            continue
+        if last is not None:
+            yield last, bends, lengths
+        last, bends, lengths = side, bend, length
+    if last is not None:
+        yield last, bends, lengths
 
 
 def largest_distance(first: Path, second: Path, n: int = 257) -> float:

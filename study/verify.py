@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass
 from enum import StrEnum
+from itertools import accumulate
+from operator import mul
 from typing import Any
 
-import numpy as np
-
-from study.path import FloatArray, Path
+from study.path import Path
+from study.relaxation import relaxed_reference
 from study.scenario import Scenario
-from study.synthesis import EPS, TURN, Shortest, margin, region, shortest
+from study.synthesis import EPS, TURN, Shortest, local, margin_local, region_of, shortest_local
 
 
 class Claim(StrEnum):
@@ -59,10 +61,6 @@ COARSE = 0.05
 # this (rad) name nothing.
 WORD = 1e-6
 DISCRETISED_WORD = 0.05
-ROUNDED = 8 * EPS  # relative error of two lengths that ought to be equal
-# By how much the optimal length may change per shift of the target, at least: it does by 1 where
-# the path ends straight, and more near a turning circle, where that changes within the shift.
-STEEP = 10.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,15 +100,16 @@ def judge(
     Nothing that the solver reports enters but its controls and, for `false_claim` and the
     verdict `none exists`, its claim.
     """
-    optimum = shortest(scenario, branch)
+    target = local(scenario)
+    optimum = shortest_local(target, branch)
     found: dict[str, Any] = dict.fromkeys(_ABSENT)
     found |= {
         "verdict": Verdict.MISSES,
         "word_ref": None if optimum is None else optimum.word,
         "reference": None if optimum is None else optimum.total * scenario.radius,
         "wrong_basin": False,
-        "region": region(scenario),
-        "margin": margin(scenario),
+        "region": region_of(target.w, target.mirrored.w),
+        "margin": margin_local(target.X, abs(target.Y)),
     }
     if path is None:
         agrees = claim is Claim.INFEASIBLE and optimum is None
@@ -130,12 +129,14 @@ def _judge_path(
     radius = scenario.radius
     end = path.end
     miss = math.hypot(end.x - scenario.target_x, end.y - scenario.target_y)
-    excess = curvature_excess(path.curvature[path.length > 0] * radius, branch)
+    lengths = path.length.tolist()
+    rates = [k * radius for k, s in zip(path.curvature.tolist(), lengths, strict=True) if s > 0]
+    excess = curvature_excess(rates, branch)
     length = path.total_length
     # driven in floating point, a path of this size cannot be checked any closer
     rounding = 32 * EPS * (scenario.extent + length)
     driven: dict[str, Any] = {
-        "word": path.word(WORD if path.length.size <= 3 else DISCRETISED_WORD),
+        "word": path.word(WORD if len(lengths) <= 3 else DISCRETISED_WORD),
         "length": length,
         "time": length / scenario.speed,
         "miss": miss,
@@ -172,14 +173,13 @@ def _turns(optimum: Shortest) -> tuple[float, ...]:
 
 def drivable(path: Path) -> bool:
     """Whether all numbers are finite, their sums too, and no length is negative."""
-    if not path.length.size:
-        return all(map(math.isfinite, path.start))
-    with np.errstate(over="ignore", invalid="ignore"):
-        sums = float(path.curvature.sum()), path.total_length, *path.start
-        return all(map(math.isfinite, sums)) and bool(path.length.min() >= 0)
+    curvatures, lengths = path.curvature.tolist(), path.length.tolist()
+    turned = sum(map(mul, curvatures, lengths))
+    sums = sum(curvatures), sum(lengths), turned, *path.start
+    return all(map(math.isfinite, sums)) and min(lengths, default=0.0) >= 0
 
 
-def curvature_excess(curvature: FloatArray, branch: str) -> float:
+def curvature_excess(curvature: Sequence[float], branch: str) -> float:
     """Largest amount by which curvatures leave what a branch allows, in units of 1 / radius.
 
     `best` allows [-1, 1]; `LS` [0, 1] and `RS` [-1, 0], since where the word exists no path of
@@ -187,79 +187,20 @@ def curvature_excess(curvature: FloatArray, branch: str) -> float:
     -1, in that order.
 
     Args:
-        curvature: shape (n,), in units of 1 / radius, arcs of no length left out.
+        curvature: of each arc, in units of 1 / radius, arcs of no length left out.
         branch: one of `study.synthesis.BRANCHES`.
     """
-    if not curvature.size:
+    if not curvature:
         return 0.0
     if branch == "best":
-        return max(0.0, float(np.abs(curvature).max()) - 1.0)
+        return max(0.0, max(map(abs, curvature)) - 1.0)
+    side = 1 if branch[0] == "L" else -1
+    first = [side * u for u in curvature]
     if branch in ("LS", "RS"):
-        left = curvature if branch == "LS" else -curvature
-        return max(0.0, float(left.max()) - 1.0, -float(left.min()))
-    first = curvature if branch == "LR" else -curvature
-    before = np.concatenate(([0.0], np.maximum.accumulate(np.abs(first - 1))))
-    after = np.concatenate((np.maximum.accumulate(np.abs(first[::-1] + 1))[::-1], [0.0]))
-    return float(np.maximum(before, after).min())
-
-
-def relaxed_reference(
-    scenario: Scenario,
-    branch: str,
-    length: float,
-    miss: float,
-    end: tuple[float, float],
-    optimum: Shortest | None,
-) -> float | None:
-    """The length that an answer is compared with.
-
-    The shortest length of the scenario; but an answer shorter than that, which only a miss makes
-    possible, is compared with the least length over the ball of the miss that it made. The length
-    jumps only across the front half of a turning circle (THEORY section 4), so the ball's least
-    value is met, up to the miss itself, at the end point or at the nearest point of the circle.
-    An answer that is shorter by no more than its miss explains has not made use of the jump.
-    """
-    bare = None if optimum is None else optimum.total * scenario.radius
-    if bare is not None and length >= bare * (1.0 - ROUNDED):
-        return bare
-    at_end = _shortest_length(replace(scenario, target_x=end[0], target_y=end[1]), branch)
-    if optimum is not None and bare is not None:
-        explained = bare - _steepness(optimum) * miss
-        if length >= explained:
-            jumps = at_end is None or at_end < explained
-            return length if jumps or at_end is None else min(bare, at_end)
-    lengths = [at_end]
-    if margin(scenario) * scenario.radius <= miss:
-        x, y = _onto_circle(scenario)
-        lengths.append(_shortest_length(replace(scenario, target_x=x, target_y=y), branch))
-    return min((value for value in (bare, *lengths) if value is not None), default=None)
-
-
-def _steepness(optimum: Shortest) -> float:
-    """How much a shortest length changes per shift of its target, with room for a small shift.
-
-    The gradient's norm is 1 for words that end straight and 1 / |cos(a2 / 2)| for RL and LR
-    (docs/derivation.md, section 6), which grows without bound toward the rear of a circle.
-    """
-    if optimum.word not in ("LR", "RL"):
-        return STEEP
-    return max(STEEP, 2.0 / max(abs(math.cos(optimum.segments.second / 2)), EPS))
-
-
-def _shortest_length(scenario: Scenario, branch: str) -> float | None:
-    optimum = shortest(scenario, branch)
-    return None if optimum is None else optimum.total * scenario.radius
-
-
-def _onto_circle(scenario: Scenario) -> tuple[float, float]:
-    """The point of the nearer turning circle that is nearest to the target."""
-    _, Y = scenario.local()
-    side = math.copysign(scenario.radius, Y)
-    x = scenario.x - side * math.sin(scenario.heading)
-    y = scenario.y + side * math.cos(scenario.heading)
-    dx, dy = scenario.target_x - x, scenario.target_y - y
-    stretch = scenario.radius / math.hypot(dx, dy)
-    return x + dx * stretch, y + dy * stretch
+        return max(0.0, max(first) - 1.0, -min(first))
+    before = list(accumulate((abs(u - 1) for u in first), max, initial=0.0))
+    after = list(accumulate((abs(u + 1) for u in reversed(first)), max, initial=0.0))
+    return min(map(max, before, reversed(after)))
 
 
 _HONEST = {

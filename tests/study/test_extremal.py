@@ -12,8 +12,9 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
-from study.extremal import cut_margin, extremal, pieces
+from study.extremal import cut_margin, extremal, measured
 from study.path import Path
+from study.pieces import pieces
 from study.scenario import Pose, Scenario, scenarios
 from study.synthesis import margin as distance
 from study.synthesis import shortest, shortest_path
@@ -216,3 +217,19 @@ def test_what_is_passed_over_is_next_to_nothing_or_kept():
 
     assert found.length.sum() == pytest.approx(0.5)
     assert cut_margin(found) is None
+
+
+@pytest.mark.parametrize(
+    ("curvature", "length", "radius"),
+    [
+        ([1e308], [1e-3], 1e4),
+        ([1, 1e308], [0, 1], 1e4),
+        ([0], [1e308], 1e-4),
+        ([1e200, 0], [1, 1e200], 1),
+    ],
+)
+def test_numbers_that_overflow_are_not_measured(curvature, length, radius):
+    """Found by fuzzing: infinite conditions have no costates, and their factors raise."""
+    found, _ = measured(Path(Pose(0, 0, 0), curvature, length), radius)
+
+    assert found is None
