@@ -12,7 +12,11 @@ from experiments.execution import solve_left
 from experiments.fingerprint import code, plain_settings
 from experiments.grid import Chain
 from experiments.interruption import Interruption
+<<<<<<< HEAD
 from experiments.isolation import THREADS
+=======
+from experiments.isolation import pinned_threads
+>>>>>>> 7401465 (Streams: the closed form answers blocks of many scenarios chunk by chunk, in bounded memory)
 from experiments.judging import Run
 from experiments.lock import locked
 from experiments.manifest import count_cells, taken_up
@@ -20,7 +24,12 @@ from experiments.provenance import machine, now, source, versions, versions_of
 from experiments.record import recorded
 from experiments.request import Request, accepted
 from experiments.spec import Source
+<<<<<<< HEAD
 from experiments.store import compact, done, open_folder, place
+=======
+from experiments.store import compact, done, open_folder, write_manifest
+from experiments.stream import Stream, solve_streams, streamed_totals, streams_done
+>>>>>>> 7401465 (Streams: the closed form answers blocks of many scenarios chunk by chunk, in bounded memory)
 from experiments.watch import Bounds
 from experiments.writer import Progress, Writer
 from solvers.profiles import tolerances
@@ -67,10 +76,10 @@ def run(
     """
     request = Request(experiment, solvers, jobs, limit, memory, repeats)
     with Interruption() as stop:
-        found, groups = accepted(request, out)
+        found, groups, wanted = accepted(request, out)
         folder = FilePath(out) if out is not None else FilePath("results") / found.name
         stop.check()
-        _record(folder, found, groups, request, fresh, progress, stop)
+        _record(folder, found, groups, wanted, request, fresh, progress, stop)
     return folder
 
 
@@ -78,12 +87,14 @@ def _record(
     folder: FilePath,
     found: Source,
     groups: list[Chain],
+    wanted: list[Stream],
     request: Request,
     fresh: bool,
     progress: Progress | None,
     stop: Interruption,
 ) -> None:
     """Solve the cells that the folder does not hold, and put them there."""
+<<<<<<< HEAD
     place(folder)
     with locked(folder):
         manifest = _manifest(found, groups, request.command())
@@ -114,10 +125,52 @@ def _record(
             finally:
                 writer.flush()
             compact(folder, shared.run_id)
+=======
+    manifest = _manifest(found, groups, wanted, request.command())
+    earlier = open_folder(folder, manifest["experiment"], fresh)
+    finished = done(folder)
+    keys = {cell.key for group in groups for cell in group}
+    if earlier is not None:
+        # the run that began the folder stays its origin; rows name their own versions
+        manifest |= {"created": earlier.get("created"), "finished": earlier.get("finished")}
+        manifest["solvers"] = {**earlier.get("solvers", {}), **manifest["solvers"]}
+    _count_cells(manifest, keys | finished, streamed_totals(folder, wanted))
+    shared = Run(uuid4().hex[:12], found.experiment.limit, request.jobs)
+    bounds = Bounds(found.experiment.limit, round(found.experiment.memory * 2**30))
+    total = len(keys) + sum(stream.rows for stream in wanted)
+    writer = Writer(folder, shared.run_id, total, progress)
+    done_before = keys <= finished and streams_done(folder, wanted)
+    if done_before and manifest["finished"] is not None:
+        writer.skip(total)
+        return
+    write_manifest(folder, manifest | {"finished": None})
+    try:
+        with pinned_threads():
+            solve_streams(folder, wanted, shared, writer, stop)
+        solve_left(folder, groups, finished, found.experiment.seed, shared, bounds, writer, stop)
+    finally:
+        writer.flush()
+    compact(folder, f"{shared.run_id}-all")
+    write_manifest(folder, manifest | {"finished": now()})
 
 
-def _manifest(found: Source, groups: list[Chain], command: str) -> dict[str, Any]:
-    specs = dict.fromkeys(cell.solver for group in groups for cell in group)
+def _count_cells(
+    manifest: dict[str, Any], keys: set[Key], streamed: Counter[tuple[str, str]]
+) -> None:
+    """How many cells the folder is asked for: rows of earlier code are none of them."""
+    solvers = manifest["solvers"]
+    made = Counter((spec, digest) for _, spec, *_, digest in keys) + streamed
+    for spec, kept in solvers.items():
+        kept["cells"] = made[spec, kept.get("code")]
+    manifest["cells"] = sum(kept["cells"] for kept in solvers.values())
+>>>>>>> 7401465 (Streams: the closed form answers blocks of many scenarios chunk by chunk, in bounded memory)
+
+
+def _manifest(
+    found: Source, groups: list[Chain], wanted: list[Stream], command: str
+) -> dict[str, Any]:
+    specs = dict.fromkeys(stream.solver for stream in wanted)
+    specs |= dict.fromkeys(cell.solver for group in groups for cell in group)
     loaded = {spec: load(spec, found.experiment.profile) for spec in specs}
     packages = sorted({package for solver in loaded.values() for package in solver.packages})
     return {
