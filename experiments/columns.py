@@ -89,7 +89,7 @@ def scenarios(block: Block, where: str) -> Iterator[Scenario]:
     for columns in windows(block, where, tiled(size(block), _ROWS)):
         values = (columns[name].tolist() for name in NUMBERS)
         for numbers in zip(*values, strict=True):
-            yield Scenario(*numbers, label=block.label)
+            yield Scenario(**dict(zip(NUMBERS, numbers, strict=True)), label=block.label)
 
 
 def _crossed(block: Block, row: NDArray[np.int64]) -> Columns:
@@ -120,7 +120,7 @@ def _evenly(first: float, last: float, count: int, place: NDArray[np.int64]) -> 
     span, steps = last - first, max(1, count - 1)
     step = span / steps
     # so small a step is lost, and then the division comes later
-    values: FloatArray = place * step + first if step else place / steps * span + first
+    values: FloatArray = (place * step if step else place / steps * span) + first
     values[(place == count - 1) & (place > 0)] = last
     return values
 
@@ -163,9 +163,8 @@ class _Points:
             self.engine.fast_forward(first - at_hand)
             at_hand = first
         kept = self.drawn[first - self.first :] if first < at_hand else self.drawn[:0]
-        with (
-            warnings.catch_warnings()
-        ):  # that a window is no power of two says nothing of the whole
+        with warnings.catch_warnings():
+            # that a window is no power of two says nothing of the whole
             warnings.simplefilter("ignore", UserWarning)
             more = [self.engine.random(end - at_hand)] if end > at_hand else []
         self.first, self.drawn = first, np.concatenate([kept, *more])
@@ -200,7 +199,7 @@ def _refuse(fields: Columns, columns: Columns, where: str, first: int) -> None:
                 raise ScenarioError(
                     f"margin is {fields['margin'][i]}; expected at least -1, the circle's centre"
                 )
-            Scenario(*(float(columns[name][i]) for name in NUMBERS))
+            Scenario(**{name: float(columns[name][i]) for name in NUMBERS}, label="")
         except ScenarioError as error:
             raise ExperimentError(f"{where}, scenario {first + i}: {error}") from None
 

@@ -1,4 +1,4 @@
-"""Scenarios that a streamed block repeats: found before the run, since no key is looked at later."""
+"""Scenarios that a streamed block repeats: found before the run, since none looks at keys later."""
 
 from __future__ import annotations
 
@@ -36,17 +36,14 @@ def refuse_repeats(blocks: Sequence[Block], alike: Mapping[int, Iterable[int]]) 
     Raises:
         ExperimentError: naming both blocks and rows, or as `columns.windows`.
     """
-    for together in _groups(blocks, alike):
-        if sum(size(block) for _, block in together) <= MOST_LOOKED_THROUGH:
-            _look_through(together, {number for number, _ in together} & alike.keys())
-
-
-def _groups(blocks: Sequence[Block], alike: Mapping[int, Iterable[int]]) -> list[list[Numbered]]:
-    by_label: dict[str, set[int]] = defaultdict(set)
+    groups: dict[frozenset[int], set[int]] = defaultdict(set)
     for number, others in alike.items():
         label = blocks[number].label
-        by_label[label] |= {number} | {i for i in others if blocks[i].label == label}
-    return [[(number, blocks[number]) for number in sorted(own)] for own in by_label.values()]
+        groups[frozenset({number, *(i for i in others if blocks[i].label == label)})].add(number)
+    for group, streamed in groups.items():
+        together = [(number, blocks[number]) for number in sorted(group)]
+        if sum(size(block) for _, block in together) <= MOST_LOOKED_THROUGH:
+            _look_through(together, streamed)
 
 
 def _look_through(together: list[Numbered], streamed: set[int]) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import struct
 
@@ -51,7 +52,7 @@ def test_windows_hold_the_same_bits_in_any_order(name, cuts, data):
     """However a block's rows are cut, and in whatever order they are asked for."""
     found = block(name)
     places = sorted({0, size(found), *(cut % size(found) for cut in cuts)})
-    wanted = [(a, b - a) for a, b in zip(places, places[1:], strict=False)]
+    wanted = [(a, b - a) for a, b in itertools.pairwise(places)]
     order = data.draw(st.permutations(range(len(wanted))))
     asked = [wanted[i] for i in order]
     made = dict(zip(order, windows(found, "b", asked), strict=True))
@@ -87,13 +88,8 @@ def test_a_name_is_the_hash_of_doubles_and_label():
 def test_targets_are_those_of_the_scalar_formulas():
     """Distance and bearing, arc and margin: with `math`, number by number, to the last bit."""
     polar, made = block("polar"), whole(block("polar"))
-    expected = []
-    for R in polar.radius:
-        for distance in np.geomspace(0.1, 30, 9):
-            for bearing in polar.bearing:
-                expected.append(
-                    (distance * R * math.cos(bearing), distance * R * math.sin(bearing))
-                )
+    product = itertools.product(polar.radius, np.geomspace(0.1, 30, 9), polar.bearing)
+    expected = [(R * d * math.cos(bearing), R * d * math.sin(bearing)) for R, d, bearing in product]
     assert list(zip(made["target_x"].tolist(), made["target_y"].tolist(), strict=True)) == expected
 
     made = whole(block("circular"))
