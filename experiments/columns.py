@@ -119,8 +119,13 @@ def axis_values(axis: Axis, place: NDArray[np.int64]) -> FloatArray:
 def _evenly(first: float, last: float, count: int, place: NDArray[np.int64]) -> FloatArray:
     span, steps = last - first, max(1, count - 1)
     step = span / steps
-    # so small a step is lost, and then the division comes later
-    values: FloatArray = (place * step if step else place / steps * span) + first
+    values = place.astype(np.float64)
+    if step:
+        values *= step
+    else:  # too small for a double: the division comes first
+        values /= steps
+        values *= span
+    values += first
     values[(place == count - 1) & (place > 0)] = last
     return values
 

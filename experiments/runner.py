@@ -12,11 +12,7 @@ from experiments.execution import solve_left
 from experiments.fingerprint import code, plain_settings
 from experiments.grid import Chain
 from experiments.interruption import Interruption
-<<<<<<< HEAD
-from experiments.isolation import THREADS
-=======
-from experiments.isolation import pinned_threads
->>>>>>> 7401465 (Streams: the closed form answers blocks of many scenarios chunk by chunk, in bounded memory)
+from experiments.isolation import THREADS, pinned_threads
 from experiments.judging import Run
 from experiments.lock import locked
 from experiments.manifest import count_cells, taken_up
@@ -24,12 +20,8 @@ from experiments.provenance import machine, now, source, versions, versions_of
 from experiments.record import recorded
 from experiments.request import Request, accepted
 from experiments.spec import Source
-<<<<<<< HEAD
 from experiments.store import compact, done, open_folder, place
-=======
-from experiments.store import compact, done, open_folder, write_manifest
 from experiments.stream import Stream, solve_streams, streamed_totals, streams_done
->>>>>>> 7401465 (Streams: the closed form answers blocks of many scenarios chunk by chunk, in bounded memory)
 from experiments.watch import Bounds
 from experiments.writer import Progress, Writer
 from solvers.profiles import tolerances
@@ -94,10 +86,9 @@ def _record(
     stop: Interruption,
 ) -> None:
     """Solve the cells that the folder does not hold, and put them there."""
-<<<<<<< HEAD
     place(folder)
     with locked(folder):
-        manifest = _manifest(found, groups, request.command())
+        manifest = _manifest(found, groups, wanted, request.command())
         asked = set(manifest["solvers"])
         earlier, mended = open_folder(folder, manifest["experiment"], fresh)
         for line in mended:
@@ -106,12 +97,14 @@ def _record(
         finished = done(folder)
         keys = {cell.key for group in groups for cell in group}
         cells = Counter((spec, digest) for _, spec, *_, digest in keys | finished)
-        completes = count_cells(manifest, asked, cells)
+        completes = count_cells(manifest, asked, cells + streamed_totals(folder, wanted))
         shared = Run(uuid4().hex[:12], found.experiment.limit, request.jobs)
         bounds = Bounds(found.experiment.limit, round(found.experiment.memory * 2**30))
-        writer = Writer(folder, shared.run_id, len(keys), progress)
-        if keys <= finished and (manifest["finished"] is not None or not completes):
-            writer.skip(len(keys))
+        total = len(keys) + sum(stream.rows for stream in wanted)
+        writer = Writer(folder, shared.run_id, total, progress)
+        all_done = keys <= finished and streams_done(folder, wanted)
+        if all_done and (manifest["finished"] is not None or not completes):
+            writer.skip(total)
             return
         said = shared._asdict() | {
             "command": request.command(),
@@ -121,49 +114,12 @@ def _record(
         seed = found.experiment.seed
         with recorded(folder, manifest, said, completes):
             try:
+                with pinned_threads():
+                    solve_streams(folder, wanted, shared, writer, stop)
                 solve_left(folder, groups, finished, seed, shared, bounds, writer, stop)
             finally:
                 writer.flush()
             compact(folder, shared.run_id)
-=======
-    manifest = _manifest(found, groups, wanted, request.command())
-    earlier = open_folder(folder, manifest["experiment"], fresh)
-    finished = done(folder)
-    keys = {cell.key for group in groups for cell in group}
-    if earlier is not None:
-        # the run that began the folder stays its origin; rows name their own versions
-        manifest |= {"created": earlier.get("created"), "finished": earlier.get("finished")}
-        manifest["solvers"] = {**earlier.get("solvers", {}), **manifest["solvers"]}
-    _count_cells(manifest, keys | finished, streamed_totals(folder, wanted))
-    shared = Run(uuid4().hex[:12], found.experiment.limit, request.jobs)
-    bounds = Bounds(found.experiment.limit, round(found.experiment.memory * 2**30))
-    total = len(keys) + sum(stream.rows for stream in wanted)
-    writer = Writer(folder, shared.run_id, total, progress)
-    done_before = keys <= finished and streams_done(folder, wanted)
-    if done_before and manifest["finished"] is not None:
-        writer.skip(total)
-        return
-    write_manifest(folder, manifest | {"finished": None})
-    try:
-        with pinned_threads():
-            solve_streams(folder, wanted, shared, writer, stop)
-        solve_left(folder, groups, finished, found.experiment.seed, shared, bounds, writer, stop)
-    finally:
-        writer.flush()
-    compact(folder, f"{shared.run_id}-all")
-    write_manifest(folder, manifest | {"finished": now()})
-
-
-def _count_cells(
-    manifest: dict[str, Any], keys: set[Key], streamed: Counter[tuple[str, str]]
-) -> None:
-    """How many cells the folder is asked for: rows of earlier code are none of them."""
-    solvers = manifest["solvers"]
-    made = Counter((spec, digest) for _, spec, *_, digest in keys) + streamed
-    for spec, kept in solvers.items():
-        kept["cells"] = made[spec, kept.get("code")]
-    manifest["cells"] = sum(kept["cells"] for kept in solvers.values())
->>>>>>> 7401465 (Streams: the closed form answers blocks of many scenarios chunk by chunk, in bounded memory)
 
 
 def _manifest(

@@ -24,10 +24,10 @@ from experiments.interruption import Interruption
 from experiments.isolation import THREADS
 from experiments.judging import Run
 from experiments.overlap import refuse_repeats
+from experiments.parts import write_part
 from experiments.spec import Block, Experiment
-from experiments.store import write_part
 from experiments.stream_parts import metadata, part_name, streamed_parts
-from experiments.stream_table import chunk_table, verdict_counts
+from experiments.stream_table import chunk_table
 from experiments.writer import Writer
 
 # Enclosing every reference takes ten times as long as all the rest together: 40 microseconds a row
@@ -174,7 +174,7 @@ def _solve_chunks(
             if stop.at_once:  # no row for an answer that a library gave since it was interrupted
                 raise KeyboardInterrupt
             _written(writing, writer)
-            writing = pool.submit(_write, folder, stream, window, table)
+            writing = pool.submit(_write, folder, stream, window, table, run.run_id)
     finally:
         _written(writing, writer)
     stop.check()
@@ -202,9 +202,10 @@ def _table(stream: Stream, columns: Columns, run: Run) -> Any:
     )
 
 
-def _write(folder: FilePath, stream: Stream, window: Window, table: Any) -> int:
-    said = metadata(stream.id, window, stream.solver, stream.code, verdict_counts(table))
-    write_part(folder, part_name(stream.id, window), table, said)
+def _write(folder: FilePath, stream: Stream, window: Window, table: Any, run_id: str) -> int:
+    name = stream.id
+    said = metadata(table, name, window, stream.solver, stream.code, run_id)
+    write_part(folder, part_name(name, window), table, said)
     return window[1]
 
 

@@ -1,27 +1,39 @@
 """The parts of streams in a results folder: known by their names, counted by their metadata.
 
-A streamed part holds one chunk of one stream. No key of its rows is ever looked at: which chunk it
-is stands in the file's name and in its metadata, and a file whose metadata can be read and agrees
-with its name is whole, since it was written to another name and renamed, and Parquet's metadata
-come last.
+A streamed part holds one chunk of one stream. No row of it is read again by a run: which chunk it
+is, and how many rows of which kind it holds, stand in its name and in its metadata. A file whose
+metadata can be read and agrees with its name is whole, since it was put in its place in one step,
+and Parquet's metadata come last.
 """
 
 from __future__ import annotations
 
 import json
-import re
+import math
 from collections import Counter
 from collections.abc import Iterator, Mapping
 from pathlib import Path as FilePath
 from typing import Any, NamedTuple
 
 import pyarrow as pa
-import pyarrow.parquet as pq
 
 from experiments.columns import Window
+from experiments.disk import StoreError
+from experiments.manifest import is_count
+from experiments.parts import RUN_ID, STREAM, about_part, count_rows, is_stream, part_files
 
-_NAME = re.compile(r"stream-([0-9a-f]{12})-(\d{11})-(\d{6})\.parquet")
-_KEY = "dubins-study stream"
+# the key of the Parquet metadata
+_CHUNK = "dubins-study chunk"
+_KINDS = ("outcome", "verdict")
+
+
+class Kind(NamedTuple):
+    """So many rows of one outcome and verdict, and the seconds that they took in all."""
+
+    outcome: str
+    verdict: str
+    rows: int
+    wall: float
 
 
 class Part(NamedTuple):
@@ -30,8 +42,8 @@ class Part(NamedTuple):
     Args:
         stream: its `Stream.id`.
         window: which of the stream's rows it holds.
-        solver, code: of all its rows.
-        said: how many of its rows have each verdict.
+        solver, code, run_id: of all its rows.
+        kinds: what its rows are.
     """
 
     file: FilePath
@@ -39,60 +51,73 @@ class Part(NamedTuple):
     window: Window
     solver: str
     code: str
-    said: Mapping[str, int]
+    run_id: str
+    kinds: tuple[Kind, ...]
 
 
 def part_name(stream: str, window: Window) -> str:
     """The stem of a chunk's file: names sort as the rows do."""
     first, count = window
-    return f"stream-{stream}-{first:011d}-{count:06d}"
-
-
-def is_streamed(part: FilePath) -> bool:
-    """Whether a part's name is that of a stream's chunk."""
-    return _NAME.fullmatch(part.name) is not None
+    return f"{STREAM}{stream}-{first:011d}-{count:06d}"
 
 
 def metadata(
-    stream: str, window: Window, solver: str, code: str, said: Mapping[str, int]
+    table: pa.Table, stream: str, window: Window, solver: str, code: str, run_id: str
 ) -> dict[str, str]:
     """What the file of a chunk says of itself."""
     first, count = window
     held = {"stream": stream, "first": first, "count": count, "solver": solver, "code": code}
-    return {_KEY: json.dumps(held | {"said": dict(said)})}
+    return {RUN_ID: run_id, _CHUNK: json.dumps(held | {"kinds": _kinds(table)})}
+
+
+def _kinds(table: pa.Table) -> list[Kind]:
+    grouped = table.group_by(_KINDS).aggregate([([], "count_all"), ("wall_s", "sum")])
+    return [
+        Kind(row["outcome"], row["verdict"], row["count_all"], row["wall_s_sum"] or 0.0)
+        for row in grouped.to_pylist()
+    ]
 
 
 def streamed_parts(folder: FilePath) -> Iterator[Part]:
-    """The chunks that a folder holds whole, in the order of their names; no row is read."""
-    for file in sorted((folder / "parts").glob("stream-*.parquet")):
-        part = _read(file)
+    """The chunks that a folder holds whole, in the order of their names; no row is read.
+
+    Raises:
+        StoreError: if one is a link.
+    """
+    for file in filter(is_stream, part_files(folder)):
+        part = streamed_part(file)
         if part is not None:
             yield part
 
 
-def _read(file: FilePath) -> Part | None:
+def streamed_part(file: FilePath) -> Part | None:
     """A chunk, or None where the file is damaged or another's: its rows are then solved again."""
-    named = _NAME.fullmatch(file.name)
     try:
-        footer = pq.read_metadata(file)
-        held = json.loads((footer.metadata or {})[_KEY.encode()])
-        part = _part(file, held)
-        count = footer.num_rows
-    except (OSError, pa.ArrowException, KeyError, ValueError, TypeError, RecursionError):
+        about, count = about_part(file), count_rows(file)
+        part = _part(file, json.loads(about[_CHUNK]), about.get(RUN_ID, ""))
+    except (StoreError, KeyError, ValueError, TypeError, RecursionError):
         return None
     agrees = part_name(part.stream, part.window) == file.stem and part.window[1] == count
-    return part if named and agrees and sum(part.said.values()) == count else None
+    return part if agrees and sum(kind.rows for kind in part.kinds) == count else None
 
 
-def _part(file: FilePath, held: Mapping[str, Any]) -> Part:
-    said = {str(verdict): int(n) for verdict, n in held["said"].items()}
+def _part(file: FilePath, held: Mapping[str, Any], run_id: str) -> Part:
+    kinds = tuple(_kind(*given) for given in held["kinds"])
     window = int(held["first"]), int(held["count"])
-    return Part(file, str(held["stream"]), window, str(held["solver"]), str(held["code"]), said)
+    solver, code = str(held["solver"]), str(held["code"])
+    return Part(file, str(held["stream"]), window, solver, code, run_id, kinds)
 
 
-def streamed_counts(folder: FilePath) -> dict[tuple[str, str], Counter[str]]:
-    """Streamed rows of a folder by solver and code, and among them by verdict."""
-    counts: dict[tuple[str, str], Counter[str]] = {}
+def _kind(outcome: Any, verdict: Any, rows: Any, wall: Any) -> Kind:
+    """A kind as a file tells it, whoever wrote that."""
+    if not is_count(rows) or not math.isfinite(wall):
+        raise ValueError
+    return Kind(str(outcome), str(verdict), rows, float(wall))
+
+
+def streamed_counts(folder: FilePath) -> Counter[tuple[str, str]]:
+    """Streamed rows of a folder by solver and code."""
+    counts = Counter[tuple[str, str]]()
     for part in streamed_parts(folder):
-        counts.setdefault((part.solver, part.code), Counter()).update(part.said)
+        counts[part.solver, part.code] += part.window[1]
     return counts

@@ -76,9 +76,3 @@ def _as_written(column: Any, kind: pa.DataType) -> Any:
         finite = pc.is_finite(column)
         return column if pc.all(finite).as_py() else pc.if_else(finite, column, None)
     return column if column.type == kind else column.cast(kind)
-
-
-def verdict_counts(table: pa.Table) -> dict[str, int]:
-    """How many rows have each verdict."""
-    counted = pc.value_counts(table["verdict"])
-    return {str(item["values"]): item["counts"].as_py() for item in counted}

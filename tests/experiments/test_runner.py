@@ -7,12 +7,7 @@ from pathlib import Path
 
 import pytest
 
-<<<<<<< HEAD
-from experiments import batch, run
-=======
-from experiments import execution, run
-from experiments.execution import RunError
->>>>>>> 7401465 (Streams: the closed form answers blocks of many scenarios chunk by chunk, in bounded memory)
+from experiments import run
 from experiments.rows import ARROW_SCHEMA
 from experiments.spec import ExperimentError
 from experiments.store import StoreError, done, read_rows

@@ -8,6 +8,7 @@ import signal
 import subprocess
 import sys
 import time
+from collections import Counter
 from pathlib import Path
 
 import numpy as np
@@ -19,10 +20,11 @@ import pytest
 from experiments import run, stream
 from experiments.grid import chains
 from experiments.identity import scenario_id
+from experiments.progress import status
 from experiments.spec import ExperimentError, parse
-from experiments.store import done, read_rows
+from experiments.store import StoreError, done, read_rows
 from experiments.stream import streamed_totals, streams
-from experiments.stream_parts import streamed_counts, streamed_parts
+from experiments.stream_parts import streamed_parts
 from solvers.answer import solve
 from solvers.frame import solve_frame
 from study.scenario import COLUMNS, Scenario
@@ -97,7 +99,8 @@ def test_rows_are_those_of_single_cells(experiment, tmp_path, small_chunks):
             assert np.isnan([row.length, row.gap, row.time]).all()
             continue
         assert row.length == pytest.approx(answer.length, rel=1e-13)
-        assert row.reference_low <= answer.length <= row.reference_high * (1 + 1e-15)
+        assert row.reference_low <= answer.length * (1 + 1e-15)
+        assert answer.length * (1 - 1e-15) <= row.reference_high
         assert row.pmp_residual == pytest.approx(answer.pmp_residual, abs=1e-13)
         assert list(row.lengths) == pytest.approx(answer.path.length, rel=1e-9)
         assert list(row.curvatures) == pytest.approx(answer.path.curvature)
@@ -228,21 +231,32 @@ def test_counts_come_from_metadata(experiment, tmp_path, small_chunks, monkeypat
     text += '[[scenarios]]\nlabel = "few"\ntarget_x = 3\ntarget_y = { linear = [1, 9, 9] }\n'
     folder = run(experiment(text), tmp_path / "out", progress=tell)
     with monkeypatch.context() as patched:
-        patched.setattr(pq, "read_table", None)
-        said = streamed_counts(folder)
+        # no row of a stream is read
+        patched.setattr(pq.ParquetFile, "read", _only_cells(pq.ParquetFile.read))
+        patched.setattr(pq.ParquetFile, "iter_batches", _only_cells(pq.ParquetFile.iter_batches))
+        found = status(folder)
         assert streamed_totals(folder, []).total() == 3000
+        run(experiment(text), folder)
 
     assert json.loads((folder / "manifest.json").read_text())["cells"] == 3009
     assert told[-1] == (3009, 3009)
     assert [n for n, _ in told] == sorted(n for n, _ in told)
-    [((solver, _), counts)] = said.items()
-    assert solver == "analytic"
-    assert counts == held(folder)["verdict"].value_counts().to_dict()
     assert len(done(folder)) == len(read_rows(folder)) == 9
-    from dubins_study.show import status_text
+    assert (found.cells, found.done, found.left, found.finished) == (3009, 3009, {}, True)
+    verdicts = [*held(folder)["verdict"], *read_rows(folder, ["verdict"])["verdict"].to_pylist()]
+    assert found.verdicts == {"analytic": dict(Counter(verdicts))}
+    [part] = [p for p in streamed_parts(folder) if p.window[0] == 700]
+    rows = pq.read_table(part.file).to_pandas()
+    assert sum(kind.wall for kind in part.kinds) == pytest.approx(rows["wall_s"].sum())
+    assert {part.run_id} == set(rows["run_id"])
 
-    assert "3009 of 3009 cells done, finished" in status_text(folder)
-    assert str(counts["none exists"]) in status_text(folder)
+
+def _only_cells(read):
+    def checked(file, *rest, **more):
+        assert "stream" not in str(file.metadata.metadata)
+        return read(file, *rest, **more)
+
+    return checked
 
 
 def test_a_finished_run_solves_nothing_again(experiment, tmp_path, small_chunks, monkeypatch):
@@ -267,13 +281,7 @@ def _swap(part):
     part.write_bytes(other.read_bytes())
 
 
-def _alien(part):
-    pq.write_table(pa.table({"a": [1]}), part)
-
-
-@pytest.mark.parametrize(
-    "spoil", [_truncate, _swap, _alien, lambda p: p.write_bytes(b""), Path.unlink]
-)
+@pytest.mark.parametrize("spoil", [_truncate, _swap, _empty, Path.unlink])
 def test_exactly_the_missing_chunks_are_solved(
     experiment, tmp_path, small_chunks, monkeypatch, spoil
 ):
@@ -322,16 +330,15 @@ def test_an_interruption_finishes_the_chunk(experiment, tmp_path, small_chunks, 
 
 def test_a_full_disk_is_a_message(experiment, tmp_path, small_chunks, monkeypatch):
     """It comes out of the thread that writes; what was written before stays."""
-    import experiments.store as store
 
     class Full(pq.ParquetWriter):
-        def write_table(self, table):
+        def write_table(self, table, *rest):
             if "0000001400" in str(self.where):
                 raise OSError(28, "No space left on device")
             super().write_table(table)
 
-    monkeypatch.setattr(store.pq, "ParquetWriter", Full)
-    with pytest.raises(store.StoreError, match="No space left on device"):
+    monkeypatch.setattr(pq, "ParquetWriter", Full)
+    with pytest.raises(StoreError, match="No space left on device"):
         run(experiment(), tmp_path / "out")
     assert len([*streamed_parts(tmp_path / "out")]) == 2
 
