@@ -82,6 +82,11 @@ class Stream(NamedTuple):
         text = json.dumps([self.chunk, block, *self[2:]], sort_keys=True)
         return hashlib.sha256(text.encode("utf-8", "replace")).hexdigest()[:12]
 
+    @property
+    def question(self) -> str:
+        """The same whatever code answers."""
+        return self._replace(code="").id
+
 
 def streams(experiment: Experiment) -> list[Stream]:
     """What an experiment asks of the closed form in so many scenarios that they are streamed.
@@ -204,7 +209,8 @@ def _table(stream: Stream, columns: Columns, run: Run) -> Any:
 
 def _write(folder: FilePath, stream: Stream, window: Window, table: Any, run_id: str) -> int:
     name = stream.id
-    said = metadata(table, name, window, stream.solver, stream.code, run_id)
+    about = {"question": stream.question, "solver": stream.solver, "code": stream.code}
+    said = metadata(table, name, window, about, run_id)
     write_part(folder, part_name(name, window), table, said)
     return window[1]
 

@@ -21,9 +21,8 @@ from experiments.columns import Window
 from experiments.disk import StoreError
 from experiments.manifest import is_count
 from experiments.parts import RUN_ID, STREAM, about_part, count_rows, is_stream, part_files
+from study.schema import CHUNK
 
-# the key of the Parquet metadata
-_CHUNK = "dubins-study chunk"
 _KINDS = ("outcome", "verdict")
 
 
@@ -62,12 +61,20 @@ def part_name(stream: str, window: Window) -> str:
 
 
 def metadata(
-    table: pa.Table, stream: str, window: Window, solver: str, code: str, run_id: str
+    table: pa.Table, stream: str, window: Window, about: Mapping[str, str], run_id: str
 ) -> dict[str, str]:
-    """What the file of a chunk says of itself."""
+    """What the file of a chunk says of itself.
+
+    Args:
+        table: its rows.
+        stream: `Stream.id`.
+        window: which of the stream's rows they are.
+        about: the stream's `question`, `solver` and `code`.
+        run_id: of the run that writes them.
+    """
     first, count = window
-    held = {"stream": stream, "first": first, "count": count, "solver": solver, "code": code}
-    return {RUN_ID: run_id, _CHUNK: json.dumps(held | {"kinds": _kinds(table)})}
+    held = {"stream": stream, **about, "first": first, "count": count, "kinds": _kinds(table)}
+    return {RUN_ID: run_id, CHUNK: json.dumps(held)}
 
 
 def _kinds(table: pa.Table) -> list[Kind]:
@@ -94,7 +101,7 @@ def streamed_part(file: FilePath) -> Part | None:
     """A chunk, or None where the file is damaged or another's: its rows are then solved again."""
     try:
         about, count = about_part(file), count_rows(file)
-        part = _part(file, json.loads(about[_CHUNK]), about.get(RUN_ID, ""))
+        part = _part(file, json.loads(about[CHUNK]), about.get(RUN_ID, ""))
     except (StoreError, KeyError, ValueError, TypeError, RecursionError):
         return None
     agrees = part_name(part.stream, part.window) == file.stem and part.window[1] == count

@@ -281,6 +281,10 @@ def _swap(part):
     part.write_bytes(other.read_bytes())
 
 
+def _empty(part):
+    part.write_bytes(b"")
+
+
 @pytest.mark.parametrize("spoil", [_truncate, _swap, _empty, Path.unlink])
 def test_exactly_the_missing_chunks_are_solved(
     experiment, tmp_path, small_chunks, monkeypatch, spoil
