@@ -1,4 +1,4 @@
-"""Solve the cells that are left: in batches, then chain by chain in worker processes."""
+"""Solve the cells that are left: chain by chain, in worker processes."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ from itertools import pairwise
 from pathlib import Path as FilePath
 from typing import Any
 
-from experiments.batch import batched, solve_batch
 from experiments.grid import Chain, shuffled
 from experiments.interruption import Interruption
 from experiments.isolation import pinned_threads
@@ -41,17 +40,7 @@ def solve_left(
     """
     left = [_left(group, finished) for group in groups]
     writer.skip(sum(map(len, groups)) - sum(map(len, left)))
-    batches, single = batched([group for group in left if group])
-    with pinned_threads():
-        for batch in batches:
-            try:
-                table = solve_batch(batch, shared)
-            except Exception:  # a plug-in's frame of answers, malformed: its cells one by one then
-                single += [(cell,) for cell in batch]
-            else:
-                _refuse_if_cut(stop)
-                writer.add_table(table)
-            stop.check()
+    single = [group for group in left if group]
     before = _paths_before(folder, single, groups)
     ordered = shuffled(single, seed)
     if ordered:
@@ -63,12 +52,6 @@ def solve_left(
 
 def _left(group: Chain, finished: set[Key]) -> Chain:
     return tuple(cell for cell in group if cell.key not in finished)
-
-
-def _refuse_if_cut(stop: Interruption) -> None:
-    """No row for an answer that a library gave because it was interrupted."""
-    if stop.at_once:
-        raise KeyboardInterrupt
 
 
 def _row_path(row: Row) -> Path | None:

@@ -2,40 +2,31 @@
 
 from __future__ import annotations
 
-import hashlib
 import itertools
 import math
 from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
-from scipy.stats import qmc
 
+from experiments.columns import axis_size, axis_values, scenarios, size
 from experiments.fingerprint import code
+from experiments.identity import scenario_id
 from experiments.patterns import expand_solvers
-from experiments.spec import (
-    CIRCULAR,
-    FIELDS,
-    POLAR,
-    Axis,
-    Begin,
-    Block,
-    Experiment,
-    ExperimentError,
-    Linear,
-    LinearRange,
-    Log,
-    Range,
-    Sample,
-)
+from experiments.spec import Axis, Begin, Block, Experiment, ExperimentError
+from solvers.analytic import Analytic
 from solvers.registry import SolverError, load
-from study.path import FloatArray, Path
-from study.scenario import Scenario, ScenarioError
-from study.schema import SCENARIO, Key, names
+from study.path import Path
+from study.scenario import Scenario
+from study.schema import Key
 
 _LONGEST = 1e6  # radii; a first guess beyond says nothing
 # a cell takes about 700 bytes until its row is written
 MOST_CELLS = 2_000_000
+# rows that are streamed take no memory, but a disk has an end
+MOST_ROWS = 10**10
+# a block of fewer scenarios is solved cell by cell, each with a time of its own
+FEWEST_STREAMED = 2000
 
 
 class Cell(NamedTuple):
@@ -59,17 +50,10 @@ class Cell(NamedTuple):
 Chain = tuple[Cell, ...]
 
 
-def scenario_id(scenario: Scenario) -> str:
-    """A name for a scenario that depends on its numbers to the last bit, and on its label."""
-    values = [getattr(scenario, name) for name in names(SCENARIO)]
-    text = "|".join(value.hex() if isinstance(value, float) else value for value in values)
-    return hashlib.sha256(text.encode()).hexdigest()[:16]
-
-
 def chains(experiment: Experiment) -> list[Chain]:
     """All cells of an experiment in the order of the file, grouped as they must be solved.
 
-    A cell that several blocks ask for is solved once.
+    A cell that several blocks ask for is solved once. What `streamed` holds for is left out.
 
     Raises:
         ExperimentError: if a block holds a scenario that cannot be, two sweeps give one warm
@@ -78,13 +62,13 @@ def chains(experiment: Experiment) -> list[Chain]:
     """
     found: dict[tuple[Key, ...], Chain] = {}
     swept: dict[Key, int] = {}
-    specs = [_specs(block, number, experiment) for number, block in enumerate(experiment.scenarios)]
-    _check_size(experiment, specs)
+    specs = asked(experiment)
     for number, block in enumerate(experiment.scenarios):
-        scenarios = list(block_scenarios(block, f"scenarios.{number}"))
-        ids = [scenario_id(scenario) for scenario in scenarios]
+        single = [s for s in specs[number] if not streamed(block, s, experiment.profile)]
+        made = list(scenarios(block, f"scenarios.{number}")) if single else []
+        ids = [scenario_id(scenario) for scenario in made]
         for spec, branch, repeat, start in itertools.product(
-            specs[number],
+            single,
             block.branches or experiment.branches,
             range(experiment.repeats),
             experiment.starts if block.begin is None else _begins(block.begin),
@@ -94,7 +78,7 @@ def chains(experiment: Experiment) -> list[Chain]:
             digest = code(spec, experiment.profile)
             cells = [
                 Cell(name, spec, experiment.profile, branch, start, repeat, digest, scenario)
-                for name, scenario in zip(ids, scenarios, strict=True)
+                for name, scenario in zip(ids, made, strict=True)
             ]
             groups = [tuple(cells)] if start == "warm" else [(cell,) for cell in cells]
             for group in groups:
@@ -103,6 +87,27 @@ def chains(experiment: Experiment) -> list[Chain]:
                     _claim(swept, keys, number)
                 found.setdefault(keys, group)
     return list(found.values())
+
+
+def asked(experiment: Experiment) -> list[dict[str, bool]]:
+    """Of every block its solvers, and whether their methods have a use for a starting point.
+
+    Raises:
+        ExperimentError: if there are more than `MOST_CELLS` cells or `MOST_ROWS` streamed rows.
+        SolverError: if a solver's spec is not valid.
+    """
+    specs = [_specs(block, number, experiment) for number, block in enumerate(experiment.scenarios)]
+    _check_size(experiment, specs)
+    return specs
+
+
+def streamed(block: Block, spec: str, profile: str) -> bool:
+    """Whether a block's scenarios go to a solver in frames (`experiments.stream`), not as cells.
+
+    Only to our own closed form: a plug-in's answers to whole frames are made where the run is.
+    """
+    cold = block.begin is None and size(block) >= FEWEST_STREAMED
+    return cold and type(load(spec, profile)) is Analytic
 
 
 def _specs(block: Block, number: int, experiment: Experiment) -> dict[str, bool]:
@@ -122,20 +127,30 @@ def _specs(block: Block, number: int, experiment: Experiment) -> dict[str, bool]
 
 
 def _check_size(experiment: Experiment, specs: list[dict[str, bool]]) -> None:
-    """Refuse what no memory would hold, before any of it is expanded."""
-    total = 0
+    """Refuse what no memory and no disk would hold, before any of it is expanded."""
+    total = rows = 0
     for number, (block, solvers) in enumerate(zip(experiment.scenarios, specs, strict=True)):
-        scenarios = math.prod(_count(getattr(block, name)) for name in FIELDS)
-        scenarios *= 1 if block.sample is None else block.sample.count
+        scenarios = size(block)
         branches = len(block.branches or experiment.branches)
-        asked = sum(_starts(block, experiment, warm) for warm in solvers.values())
-        cells = scenarios * branches * experiment.repeats * asked
+        questions = scenarios * branches * experiment.repeats
+        counted = {
+            spec: _starts(block, experiment, warm)
+            for spec, warm in solvers.items()
+            if not streamed(block, spec, experiment.profile)
+        }
+        cells = questions * sum(counted.values())
         total += cells
+        rows += questions * (len(solvers) - len(counted))
         if total > MOST_CELLS:
             raise ExperimentError(
                 f"scenarios.{number}: {scenarios} scenarios and {cells} cells (a cell for every "
                 f"solver, branch, start and repeat), {total} cells up to here; expected at most "
                 f"{MOST_CELLS} in all"
+            )
+        if rows > MOST_ROWS:
+            raise ExperimentError(
+                f"scenarios.{number}: {rows} rows of the closed form up to here; expected at most "
+                f"{MOST_ROWS} in all"
             )
 
 
@@ -143,15 +158,7 @@ def _starts(block: Block, experiment: Experiment, warm: bool) -> int:
     """From how many starting points a solver is asked each of a block's questions."""
     if block.begin is None:
         return sum(warm or start == "cold" for start in experiment.starts)
-    return warm * math.prod(map(_count, (block.begin.z1, block.begin.z2, block.begin.z3)))
-
-
-def _count(axis: Axis | None) -> int:
-    if isinstance(axis, Linear):
-        return axis.linear[2]
-    if isinstance(axis, Log):
-        return axis.log[2]
-    return len(axis) if isinstance(axis, list) else 1
+    return warm * math.prod(map(axis_size, (block.begin.z1, block.begin.z2, block.begin.z3)))
 
 
 def _claim(swept: dict[Key, int], keys: tuple[Key, ...], block: int) -> None:
@@ -168,7 +175,7 @@ def _claim(swept: dict[Key, int], keys: tuple[Key, ...], block: int) -> None:
 
 def _begins(begin: Begin) -> Iterator[str]:
     """Starting points as the column `start` has them: z1, z2 and z3 to the last bit."""
-    for point in itertools.product(*(_values(axis) for axis in (begin.z1, begin.z2, begin.z3))):
+    for point in itertools.product(*map(_values, (begin.z1, begin.z2, begin.z3))):
         if not all(0 <= length <= _LONGEST for length in point):
             raise ExperimentError(
                 f"begin is {point}; expected lengths from 0 to {_LONGEST:g} radii: z1, z2, z3"
@@ -191,66 +198,5 @@ def shuffled(groups: list[Chain], seed: int) -> list[Chain]:
     return [groups[i] for i in order]
 
 
-def block_scenarios(block: Block, where: str) -> Iterator[Scenario]:
-    """The scenarios of one block: fields vary in the order of `FIELDS`, the last one fastest."""
-    named = [name for name in FIELDS if getattr(block, name) is not None]
-    axes = [_values(getattr(block, name)) for name in named]
-    sampled = _sampled(block.sample) if block.sample is not None else [{}]
-    for row, (point, values) in enumerate(itertools.product(sampled, itertools.product(*axes))):
-        fields = dict(zip(named, values, strict=True)) | point
-        try:
-            yield _scenario(fields, block.label)
-        except ScenarioError as error:
-            raise ExperimentError(f"{where}, scenario {row}: {error}") from None
-
-
-def _scenario(fields: dict[str, float], label: str) -> Scenario:
-    if "distance" in fields:
-        distance, bearing = (fields.pop(name) for name in POLAR)
-        reach, direction = distance * fields["radius"], fields["heading"] + bearing
-        fields["target_x"] = fields["x"] + reach * math.cos(direction)
-        fields["target_y"] = fields["y"] + reach * math.sin(direction)
-    if "arc" in fields:
-        arc, margin = (fields.pop(name) for name in CIRCULAR)
-        if margin < -1:
-            raise ScenarioError(f"margin is {margin}; expected at least -1, the circle's centre")
-        r, side = 1 + margin, math.copysign(1.0, arc)
-        # from the start: 1 - r cos(arc), written so that a small arc keeps its digits
-        ahead, left = r * math.sin(abs(arc)), 2 * math.sin(arc / 2) ** 2 - margin * math.cos(arc)
-        cos, sin = math.cos(fields["heading"]), math.sin(fields["heading"])
-        R = fields["radius"]
-        fields["target_x"] = fields["x"] + R * (ahead * cos - side * left * sin)
-        fields["target_y"] = fields["y"] + R * (ahead * sin + side * left * cos)
-    return Scenario(**fields, label=label)
-
-
 def _values(axis: Axis) -> list[float]:
-    if isinstance(axis, Linear):
-        return [float(v) for v in np.linspace(*axis.linear)]
-    if isinstance(axis, Log):
-        return [float(v) for v in np.geomspace(*axis.log)]
-    return axis if isinstance(axis, list) else [axis]
-
-
-def _sampled(sample: Sample) -> list[dict[str, float]]:
-    dimension = len(sample.ranges)
-    rng = np.random.default_rng(sample.seed)
-    engine = (
-        qmc.Sobol(dimension, rng=rng)
-        if sample.method == "sobol"
-        else qmc.LatinHypercube(dimension, rng=rng)
-    )
-    points = engine.random(sample.count)
-    columns = [_spread(points[:, i], r) for i, r in enumerate(sample.ranges.values())]
-    return [
-        dict(zip(sample.ranges, map(float, row), strict=True)) for row in zip(*columns, strict=True)
-    ]
-
-
-def _spread(unit: FloatArray, over: Range) -> FloatArray:
-    if isinstance(over, LinearRange):
-        low, high = over.linear
-        return low + unit * (high - low)
-    low, high = over.log
-    spread: FloatArray = low * (high / low) ** unit
-    return spread
+    return [float(value) for value in axis_values(axis, np.arange(axis_size(axis)))]

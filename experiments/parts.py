@@ -63,13 +63,14 @@ def write_part(
         StoreError: if the folder cannot be written, a full disk included.
     """
     final = folder / PARTS / f"{name}.parquet"
-    marked = table.replace_schema_metadata({SCHEMA: str(VERSION), **(metadata or {})})
+    # without Arrow's own schema a dictionary of texts is read as texts
+    form = {"compression": "zstd", "write_page_checksum": True, "store_schema": False}
 
     def write(file: FilePath) -> None:
-        # without Arrow's own schema a dictionary of texts is read as texts
-        pq.write_table(
-            marked, file, compression="zstd", write_page_checksum=True, store_schema=False
-        )
+        with pq.ParquetWriter(file, table.schema, **form) as writer:
+            writer.write_table(table)
+            # which are lost from the table's own schema, if that is not stored
+            writer.add_key_value_metadata({SCHEMA: str(VERSION), **(metadata or {})})
 
     refuse_link(final.parent)
     try:

@@ -9,6 +9,7 @@ from typing import NamedTuple
 from experiments.grid import Chain, chains
 from experiments.patterns import expand_solvers
 from experiments.spec import Experiment, ExperimentError, Source, read, validated
+from experiments.stream import Stream, streams
 from solvers.registry import SolverError
 
 
@@ -36,8 +37,8 @@ class Request(NamedTuple):
         return shlex.join(words)
 
 
-def accepted(request: Request, out: object) -> tuple[Source, list[Chain]]:
-    """The experiment as the request changes it, and all its cells.
+def accepted(request: Request, out: object) -> tuple[Source, list[Chain], list[Stream]]:
+    """The experiment as the request changes it, all its cells, and what is streamed instead.
 
     Raises:
         ExperimentError, SolverError: naming the argument or the file and key, its value, and what
@@ -49,7 +50,7 @@ def accepted(request: Request, out: object) -> tuple[Source, list[Chain]]:
         # before the file is: it is not to blame for these
         expand_solvers(request.solvers, found.experiment.profile)
     try:
-        return found, chains(found.experiment)
+        return found, chains(found.experiment), streams(found.experiment)
     except (ExperimentError, SolverError) as error:
         raise type(error)(f"{found.file}: {error}") from None
 

@@ -12,7 +12,7 @@ from experiments.execution import solve_left
 from experiments.fingerprint import code, plain_settings
 from experiments.grid import Chain
 from experiments.interruption import Interruption
-from experiments.isolation import THREADS
+from experiments.isolation import THREADS, pinned_threads
 from experiments.judging import Run
 from experiments.lock import locked
 from experiments.manifest import count_cells, taken_up
@@ -21,6 +21,7 @@ from experiments.record import recorded
 from experiments.request import Request, accepted
 from experiments.spec import Source
 from experiments.store import compact, done, open_folder, place
+from experiments.stream import Stream, solve_streams, streamed_totals, streams_done
 from experiments.watch import Bounds
 from experiments.writer import Progress, Writer
 from solvers.profiles import tolerances
@@ -67,10 +68,10 @@ def run(
     """
     request = Request(experiment, solvers, jobs, limit, memory, repeats)
     with Interruption() as stop:
-        found, groups = accepted(request, out)
+        found, groups, wanted = accepted(request, out)
         folder = FilePath(out) if out is not None else FilePath("results") / found.name
         stop.check()
-        _record(folder, found, groups, request, fresh, progress, stop)
+        _record(folder, found, groups, wanted, request, fresh, progress, stop)
     return folder
 
 
@@ -78,6 +79,7 @@ def _record(
     folder: FilePath,
     found: Source,
     groups: list[Chain],
+    wanted: list[Stream],
     request: Request,
     fresh: bool,
     progress: Progress | None,
@@ -86,7 +88,7 @@ def _record(
     """Solve the cells that the folder does not hold, and put them there."""
     place(folder)
     with locked(folder):
-        manifest = _manifest(found, groups, request.command())
+        manifest = _manifest(found, groups, wanted, request.command())
         asked = set(manifest["solvers"])
         earlier, mended = open_folder(folder, manifest["experiment"], fresh)
         for line in mended:
@@ -95,12 +97,14 @@ def _record(
         finished = done(folder)
         keys = {cell.key for group in groups for cell in group}
         cells = Counter((spec, digest) for _, spec, *_, digest in keys | finished)
-        completes = count_cells(manifest, asked, cells)
+        completes = count_cells(manifest, asked, cells + streamed_totals(folder, wanted))
         shared = Run(uuid4().hex[:12], found.experiment.limit, request.jobs)
         bounds = Bounds(found.experiment.limit, round(found.experiment.memory * 2**30))
-        writer = Writer(folder, shared.run_id, len(keys), progress)
-        if keys <= finished and (manifest["finished"] is not None or not completes):
-            writer.skip(len(keys))
+        total = len(keys) + sum(stream.rows for stream in wanted)
+        writer = Writer(folder, shared.run_id, total, progress)
+        all_done = keys <= finished and streams_done(folder, wanted)
+        if all_done and (manifest["finished"] is not None or not completes):
+            writer.skip(total)
             return
         said = shared._asdict() | {
             "command": request.command(),
@@ -110,6 +114,8 @@ def _record(
         seed = found.experiment.seed
         with recorded(folder, manifest, said, completes) as record:
             try:
+                with pinned_threads():
+                    solve_streams(folder, wanted, shared, writer, stop)
                 solve_left(
                     folder, groups, finished, seed, shared, bounds, writer, stop, record.probe
                 )
@@ -118,8 +124,11 @@ def _record(
             compact(folder, shared.run_id)
 
 
-def _manifest(found: Source, groups: list[Chain], command: str) -> dict[str, Any]:
-    specs = dict.fromkeys(cell.solver for group in groups for cell in group)
+def _manifest(
+    found: Source, groups: list[Chain], wanted: list[Stream], command: str
+) -> dict[str, Any]:
+    specs = dict.fromkeys(stream.solver for stream in wanted)
+    specs |= dict.fromkeys(cell.solver for group in groups for cell in group)
     loaded = {spec: load(spec, found.experiment.profile) for spec in specs}
     packages = sorted({package for solver in loaded.values() for package in solver.packages})
     return {

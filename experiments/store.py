@@ -27,7 +27,6 @@ from study.schema import KEY, Key, names
 __all__ = [
     "StoreError",
     "compact",
-    "count_part",
     "counted",
     "done",
     "open_folder",
@@ -126,11 +125,6 @@ def counted(rows: pa.Table) -> Counter[tuple[str, str]]:
     """How many rows there are by solver and code."""
     found = rows.group_by(["solver", "code"]).aggregate([([], "count_all")]).to_pylist()
     return Counter({(row["solver"], row["code"]): row["count_all"] for row in found})
-
-
-def count_part(part: FilePath) -> Counter[tuple[str, str]]:
-    """The same of a part, of which nothing else is read."""
-    return counted(read_part(part, ["solver", "code"]))
 
 
 def unique(table: pa.Table) -> pa.Table:

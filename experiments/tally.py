@@ -11,6 +11,7 @@ import pyarrow as pa
 from experiments.parts import DamagedPartError, is_stream, part_files, read_part
 from experiments.rows import ARROW_SCHEMA
 from experiments.store import unique
+from experiments.stream_parts import streamed_part
 from study.schema import KEY, names
 
 _TOLD = ("solver", "code", "outcome", "verdict", "run_id")
@@ -33,21 +34,41 @@ def counted(folder: FilePath) -> tuple[list[Tally], int]:
     single: list[pa.Table] = []
     found: list[Tally] = []
     damaged = 0
+    columns = list(dict.fromkeys((*names(KEY), *_TOLD, "wall_s")))
     for part in part_files(folder):
-        own = _TOLD if is_stream(part) else (*names(KEY), *_TOLD)
+        if is_stream(part):
+            told = _streamed(part)
+            found += told
+            damaged += not told
+            continue
         try:
-            table = read_part(part, list(dict.fromkeys((*own, "wall_s"))))
+            single.append(read_part(part, columns))
         except DamagedPartError:
             damaged += 1
-            continue
-        if is_stream(part):
-            found += _counted(table)
-        else:
-            single.append(table)
-    columns = list(dict.fromkeys((*names(KEY), *_TOLD, "wall_s")))
     empty = pa.schema([ARROW_SCHEMA.field(name) for name in columns]).empty_table()
     found += _counted(unique(pa.concat_tables([*single, empty])))
     return found, damaged
+
+
+def _streamed(part: FilePath) -> list[Tally]:
+    """What a streamed part says of its rows, however many; nothing if it is damaged."""
+    held = streamed_part(part)
+    return (
+        []
+        if held is None
+        else [
+            Tally(
+                held.solver,
+                held.code,
+                kind.outcome,
+                kind.verdict,
+                held.run_id,
+                kind.rows,
+                kind.wall,
+            )
+            for kind in held.kinds
+        ]
+    )
 
 
 def _counted(table: pa.Table) -> Iterator[Tally]:

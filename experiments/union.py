@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import shutil
 import tempfile
-from collections import Counter
 from collections.abc import Iterable, Sequence
 from pathlib import Path as FilePath
 from typing import Any, NamedTuple
@@ -15,7 +14,8 @@ from experiments.disk import StoreError, reason, sync_folder
 from experiments.lock import LOCK, held, locked
 from experiments.manifest import check_same, count_cells, read_manifest, write_manifest
 from experiments.parts import PARTS, RUN_ID, is_stream, part_files, read_part, write_part
-from experiments.store import count_part, counted, read_rows
+from experiments.store import counted, read_rows
+from experiments.stream_parts import streamed_counts
 from study.schema import KEY, names
 
 _DEFAULT_GAP = 1e-4
@@ -131,13 +131,13 @@ def _united(
     found = merged_rows([read_rows(folder) for folder in folders], folders, gap)
     try:
         (fresh / PARTS).mkdir()
-        streams = _with_streams(folders, fresh, gap)
+        _with_streams(folders, fresh, gap)
     except OSError as error:
         raise StoreError(f"cannot write to {fresh}: {reason(error)}") from None
     if len(found.table):
         write_part(fresh, "merged-all", found.table, {RUN_ID: "merged"})
     manifest = _manifest(manifests)
-    counts = counted(found.table) + sum(map(count_part, streams), Counter())
+    counts = counted(found.table) + streamed_counts(fresh)
     if count_cells(manifest, (), counts):
         manifest["finished"] = max(
             filter(None, (m.get("finished") for m in manifests)), default=None
@@ -148,7 +148,7 @@ def _united(
     return Union(fresh, counts.total(), found.again, stale)
 
 
-def _with_streams(folders: Sequence[FilePath], fresh: FilePath, gap: float) -> list[FilePath]:
+def _with_streams(folders: Sequence[FilePath], fresh: FilePath, gap: float) -> None:
     """The streamed parts of all folders, each chunk once, as files; rows are read of doubles only.
 
     Raises:
@@ -161,15 +161,13 @@ def _with_streams(folders: Sequence[FilePath], fresh: FilePath, gap: float) -> l
             if first is not part:
                 both = [read_part(file, [*names(KEY), *JUDGED]) for file in (first, part)]
                 merged_rows(both, (first, part), gap)
-    made = []
     for name, part in found.items():
-        made.append(fresh / PARTS / name)
+        copy = fresh / PARTS / name
         try:
-            os.link(part, made[-1])
+            os.link(part, copy)
         except OSError:  # another disk, or one that knows no links
-            shutil.copyfile(part, made[-1])
+            shutil.copyfile(part, copy)
     sync_folder(fresh / PARTS)
-    return made
 
 
 def _manifest(manifests: Sequence[dict[str, Any]]) -> dict[str, Any]:

@@ -38,11 +38,6 @@ class Writer:
             self.flush()
         self._tell()
 
-    def add_table(self, table: Any) -> None:
-        self._write(table)
-        self.done += len(table)
-        self._tell()
-
     def flush(self) -> None:
         # Interrupted in the middle, it writes the same rows again: a folder is read without copies.
         if self.rows:

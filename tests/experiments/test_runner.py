@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import json
-import math
 from pathlib import Path
 
 import pytest
 
-from experiments import batch, run
+from experiments import run
 from experiments.rows import ARROW_SCHEMA
 from experiments.spec import ExperimentError
 from experiments.store import StoreError, done, read_rows
@@ -179,39 +178,6 @@ def test_a_solver_that_raises_is_a_row(small, tmp_path):
     assert set(found["verdict"]) == {"none"}
 
 
-def test_many_cells_of_the_closed_form_go_in_one_batch(tmp_path):
-    """The batch's rows are those of the scalar path, to rounding."""
-    file = tmp_path / "grid.toml"
-    file.write_text(
-        SMALL.replace('starts = ["cold", "warm"]', "")
-        .replace('"slsqp"', "")
-        .replace(
-            "target_x = 0\ntarget_y = 3\nradius = { linear = [1.0, 2.0, 4] }",
-            "target_x = { linear = [-4, 4, 50] }\ntarget_y = { linear = [-4, 4, 50] }",
-        )
-    )
-    found = rows(run(str(file), tmp_path / "batch")).sort_values(["scenario_id", "branch"])
-    file.write_text(file.read_text() + "[[scenarios]]\ntarget_x = 9\ntarget_y = 9\n")
-    assert len(found) == 5000
-    sample = found.sample(50, random_state=0)
-    from solvers.answer import solve
-    from study.scenario import Scenario
-
-    for row in sample.itertuples():
-        answer = solve(
-            Scenario(row.x, row.y, row.heading, row.target_x, row.target_y, row.radius),
-            branch=row.branch,
-        )
-        assert answer.verdict == row.verdict
-        assert (answer.word or None) == (row.word if isinstance(row.word, str) else None)
-        if answer.length is None:
-            assert math.isnan(row.length)
-        else:
-            assert row.length == pytest.approx(answer.length, rel=1e-13)
-            assert list(row.lengths) == pytest.approx(answer.path.length, rel=1e-9)
-            assert list(row.curvatures) == pytest.approx(answer.path.curvature)
-
-
 def test_folders_that_cannot_be_used(small, tmp_path):
     other = tmp_path / "other"
     other.mkdir()
@@ -309,24 +275,6 @@ def test_a_plugin_that_breaks_its_promise_spoils_no_other_row(small, tmp_path, j
     assert by_solver[specs[0]] == by_solver[specs[2]] == {"raised"}
     said = set(found[found["solver"] == specs[2]]["message"])
     assert said == {"TypeError: evaluations is 'x'; expected a count or None"}
-
-
-def test_a_malformed_frame_of_answers_is_asked_cell_by_cell(small, tmp_path, monkeypatch):
-    """A plug-in's batch that makes no table costs its cells neither their rows nor the run."""
-    monkeypatch.setattr(batch, "SMALLEST", 2)
-    plugin = tmp_path / "framed.py"
-    plugin.write_text(
-        "from solvers.analytic import Analytic\n"
-        "class Framed(Analytic):\n"
-        "    def solve_frame(self, frame, branch):\n"
-        "        solution = super().solve_frame(frame, branch)\n"
-        "        object.__setattr__(solution, 'claimed_length', ['x'] * len(frame))\n"
-        "        return solution\n"
-    )
-    found = rows(run(small, tmp_path / "out", solvers=[f"{plugin}:Framed"]))
-
-    assert len(found) == 8
-    assert set(found["outcome"]) == {"returned"}
 
 
 def test_progress_counts_every_cell(small, tmp_path):

@@ -18,6 +18,7 @@ from study.scenario import Scenario
 from study.synthesis import local, shortest
 
 HEAD = 'title = "t"\nquestion = "q"\nsolvers = ["analytic"]\n'
+LOCAL = HEAD.replace("analytic", "slsqp")
 BLOCK = "[[scenarios]]\ntarget_x = 3\ntarget_y = 2\n"
 
 
@@ -225,13 +226,17 @@ def test_sizes_are_counted_exactly():
         (HEAD + BLOCK + sample(1, -1), "sample.seed is -1: expected a number of at least 0"),
         (HEAD + BLOCK + sample(0, 1), "sample.count is 0: expected a number of at least 1"),
         (HEAD + BLOCK + sample(1, 1).replace("0, 1", "1"), "is [1]: expected [low, high]"),
-        (HEAD + BLOCK + sample(10**9, 1), "scenarios.0: 1000000000 scenarios and 1000000000 cells"),
+        (LOCAL + BLOCK + sample(10**9, 1), "scenarios.0: 1000000000 scenarios and 1000000000 cel"),
         (
-            HEAD + BLOCK + "radius = { linear = [1, 2, 1000000000] }\nx = [1, 2]\n",
+            HEAD + BLOCK + "x = { linear = [1, 2, 11] }\n" + sample(10**9, 1),
+            "scenarios.0: 11000000000 rows of the closed form up to here; expected at most 10000",
+        ),
+        (
+            LOCAL + BLOCK + "radius = { linear = [1, 2, 1000000000] }\nx = [1, 2]\n",
             "at most 2000000",
         ),
         (HEAD + "repeats = 1000000000\n" + BLOCK, "scenarios.0: 1 scenarios and 1000000000 cells"),
-        (HEAD + 2 * (BLOCK + "x = { linear = [1, 2, 1500000] }\n"), "3000000 cells up to here"),
+        (LOCAL + 2 * (BLOCK + "x = { linear = [1, 2, 1500000] }\n"), "3000000 cells up to here"),
     ],
 )
 def test_mistakes_name_file_key_and_value(text, message):
