@@ -8,6 +8,8 @@ if TYPE_CHECKING:
     import pyarrow as pa
 
 VERSION = 3
+# under which the metadata of a Parquet file of rows say the version
+VERSION_KEY = "dubins-study schema"
 
 
 class Column(NamedTuple):
