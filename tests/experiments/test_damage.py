@@ -96,7 +96,8 @@ def flipped(content: bytes) -> bytes:
     place = ARROW_SCHEMA.names.index("wall_s")
     column = file.metadata.row_group(0).column(place)
     changed = bytearray(content)
-    changed[column.data_page_offset + column.total_compressed_size - 1] ^= 1
+    first = column.dictionary_page_offset or column.data_page_offset
+    changed[first + column.total_compressed_size - 1] ^= 1
     return bytes(changed)
 
 
@@ -107,8 +108,7 @@ def test_a_damaged_part_is_put_aside_and_its_cells_are_solved_again(folder, expe
     part = folder / "parts" / "b.parquet"
     spoilt = damage(part.read_bytes())
     part.write_bytes(spoilt)
-    found = status(folder)
-    assert found.damaged == (damage is not flipped)  # which only a whole reading shows
+    assert status(folder).damaged == 1
     with pytest.raises(ReportError, match=r"b\.parquet"):
         load([folder])
 
