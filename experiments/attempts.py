@@ -75,8 +75,14 @@ def _differ(pairs: pd.DataFrame, name: str) -> pd.Series[bool]:
 def _told(pair: pd.Series[str], wrong: pd.Series[bool]) -> str:
     cell = ", ".join(str(pair[name]) for name in names(KEY))
     values = "; ".join(
-        f"{name} is {pair[f'{name}_kept']!r} in {pair['folder_kept']} and {pair[name]!r} in "
-        f"{pair['folder']}"
+        f"{name} is {_shown(pair[f'{name}_kept'])} in {pair['folder_kept']} and "
+        f"{_shown(pair[name])} in {pair['folder']}"
         for name in wrong.index[wrong]
     )
     return f"{cell}: {values}"
+
+
+def _shown(value: object) -> str:
+    if isinstance(value, str):
+        return repr(value)
+    return "missing" if pd.isna(value) else f"{value:g}"  # type: ignore[call-overload]

@@ -11,13 +11,13 @@ import pyarrow.parquet as pq
 
 from experiments.disk import StoreError, put, reason, refuse_link
 from experiments.rows import ARROW_SCHEMA
-from study.schema import VERSION
+from study.schema import VERSION, VERSION_KEY
 
 PARTS, DAMAGED = "parts", "damaged"
 # how parts of streams are named, of which no run reads more than the ends
 STREAM = "stream-"
-# keys of the Parquet metadata
-SCHEMA, RUN_ID = "dubins-study schema", "dubins-study run"
+# key of the Parquet metadata, beside that of the schema's version
+RUN_ID = "dubins-study run"
 
 _ELSEWHERE = "it is none of this folder's parts, move it elsewhere"
 
@@ -70,7 +70,7 @@ def write_part(
         with pq.ParquetWriter(file, table.schema, **form) as writer:
             writer.write_table(table)
             # which are lost from the table's own schema, if that is not stored
-            writer.add_key_value_metadata({SCHEMA: str(VERSION), **(metadata or {})})
+            writer.add_key_value_metadata({VERSION_KEY: str(VERSION), **(metadata or {})})
 
     refuse_link(final.parent)
     try:
@@ -89,13 +89,13 @@ def about_part(part: FilePath) -> dict[str, str]:
     Raises:
         StoreError: if it cannot be read.
     """
-    return _about(_opened(part).schema_arrow)
+    return _about(_opened(part))
 
 
-def _about(schema: pa.Schema) -> dict[str, str]:
+def _about(file: pq.ParquetFile) -> dict[str, str]:
     return {
         key.decode("utf-8", "replace"): value.decode("utf-8", "replace")
-        for key, value in (schema.metadata or {}).items()
+        for key, value in (file.metadata.metadata or {}).items()
     }
 
 
@@ -113,7 +113,7 @@ def read_part(part: FilePath, columns: list[str] | None = None) -> pa.Table:
     """
     wanted = columns or ARROW_SCHEMA.names
     file = _opened(part)
-    _check_columns(part, file.schema_arrow)
+    _check_columns(part, file)
     try:
         table = file.read(columns=wanted)
     except (OSError, pa.ArrowException, UnicodeDecodeError) as error:
@@ -129,7 +129,7 @@ def check_part(part: FilePath) -> None:
         DamagedPartError, StoreError: as `read_part`.
     """
     file = _opened(part)
-    _check_columns(part, file.schema_arrow)
+    _check_columns(part, file)
     try:
         for batch in file.iter_batches():
             piece = pa.Table.from_batches([batch])
@@ -148,7 +148,7 @@ def damaged_parts(folder: FilePath) -> Iterator[DamagedPartError]:
     for part in part_files(folder):
         try:
             if is_stream(part):
-                _check_columns(part, _opened(part).schema_arrow)
+                _check_columns(part, _opened(part))
             else:
                 check_part(part)
         except DamagedPartError as error:
@@ -194,15 +194,15 @@ def _unreadable(part: FilePath, error: Exception) -> NoReturn:
     ) from None
 
 
-def _check_columns(part: FilePath, schema: pa.Schema) -> None:
-    version = _about(schema).get(SCHEMA, str(VERSION))
+def _check_columns(part: FilePath, file: pq.ParquetFile) -> None:
+    columns, version = file.schema_arrow.names, _about(file).get(VERSION_KEY, str(VERSION))
     if version != str(VERSION):
         raise StoreError(f"{part} is of schema {version!r:.60}; expected {VERSION}: {_ELSEWHERE}")
     problem = None
-    if missing := [name for name in ARROW_SCHEMA.names if name not in schema.names]:
+    if missing := [name for name in ARROW_SCHEMA.names if name not in columns]:
         problem = f"it has no column {missing[0]!r}"
-    elif len(schema.names) != len(ARROW_SCHEMA.names):
-        other = next((n for n in schema.names if n not in ARROW_SCHEMA.names), None)
+    elif len(columns) != len(ARROW_SCHEMA.names):
+        other = next((n for n in columns if n not in ARROW_SCHEMA.names), None)
         problem = "it has a column twice" if other is None else f"it has a column {other!r:.60}"
     if problem:
         raise StoreError(

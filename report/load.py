@@ -15,7 +15,7 @@ import pyarrow.parquet as pq
 
 from study.path import Path
 from study.scenario import Pose
-from study.schema import CELL, ROW, VERSION, arrow_schema, names
+from study.schema import CELL, ROW, VERSION, VERSION_KEY, arrow_schema, names
 
 _CONTROLS = ["curvatures", "lengths"]
 # what a run writes beside its rows; the page shows it from the manifest, so the rows need not
@@ -137,6 +137,7 @@ def read_manifest(folder: FilePath) -> Manifest:
     file = folder / "manifest.json"
     if not folder.is_dir():
         raise ReportError(f"{folder} is not a folder; expected a results folder")
+    _refuse_link(file)
     if not file.is_file():
         raise ReportError(f"{folder} has no manifest.json; expected a results folder")
     try:
@@ -182,6 +183,7 @@ def _manifest(experiment: dict[str, Any], data: dict[str, Any]) -> Manifest:
 
 
 def _read_parts(folder: FilePath) -> pa.Table:
+    _refuse_link(folder / "parts")
     parts = sorted((folder / "parts").glob("*.parquet"))
     if not parts:
         raise ReportError(f"{folder} has no rows: expected Parquet files in {folder / 'parts'}")
@@ -191,17 +193,32 @@ def _read_parts(folder: FilePath) -> pa.Table:
     return table
 
 
+def _refuse_link(place: FilePath) -> None:
+    if place.is_symlink():
+        raise ReportError(
+            f"{place} is a link; expected a file or folder of its own, since nothing outside a "
+            "results folder is read: put a copy in its place"
+        )
+
+
 def _read_part(part: FilePath) -> pa.Table:
+    _refuse_link(part)
     try:
-        found = pq.read_schema(part)
-        if problem := _difference(found.names):
-            raise ReportError(f"{part}: {problem}; expected the columns of schema {VERSION}")
         # a file object, or Arrow would read hive-style column names out of the folder's name
-        with part.open("rb") as file:
-            table = pq.read_table(file, columns=[*_LIGHT, *_CONTROLS])
+        with part.open("rb") as stream:
+            file = pq.ParquetFile(stream, page_checksum_verification=True)
+            said = (file.metadata.metadata or {}).get(VERSION_KEY.encode(), str(VERSION).encode())
+            problem = _difference(file.schema_arrow.names)
+            if said != str(VERSION).encode():
+                problem = f"schema is {said!r:.60}"
+            if problem:
+                raise ReportError(f"{part}: {problem}; expected the columns of schema {VERSION}")
+            table = file.read(columns=[*_LIGHT, *_CONTROLS])
         return table.cast(pa.schema([_SCHEMA.field(name) for name in table.column_names]))
     except (pa.ArrowException, OSError) as error:
         reason = str(error).splitlines()[0] if str(error) else type(error).__name__
+        if not isinstance(error, OSError) or error.errno is None:
+            reason += "; if it is damaged, run it again into this folder for its rows"
         raise ReportError(f"{part} cannot be read: {reason}") from None
 
 
@@ -211,4 +228,4 @@ def _difference(found: Sequence[str]) -> str | None:
         return f"missing column {missing[0]!r}"
     if unknown := [name for name in found if name not in wanted]:
         return f"unknown column {unknown[0]!r}"
-    return None
+    return None if len(found) == len(wanted) else "a column twice"

@@ -8,6 +8,8 @@ if TYPE_CHECKING:
     import pyarrow as pa
 
 VERSION = 3
+# under which the metadata of a Parquet file of rows say the version
+VERSION_KEY = "dubins-study schema"
 # under which the Parquet metadata of a streamed part tell, as JSON, which chunk of what it is
 CHUNK = "dubins-study chunk"
 

@@ -1,0 +1,97 @@
+"""Runs of `dubins-study` in processes of their own, which tests wait for, kill and look at."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+SLOW = """
+import time
+from pathlib import Path
+from solvers.slsqp import Slsqp
+
+class Slow(Slsqp):
+    def solve(self, model, limit):
+        time.sleep({nap})
+        return super().solve(model, limit)
+"""
+TARGETS = """
+title = "slow"
+question = "is it kept?"
+solvers = ["{solver}"]
+[[scenarios]]
+target_x = {{ linear = [2, 5, {count}] }}
+target_y = 3
+"""
+
+
+def slow_experiment(folder: Path, nap: float = 0.1, count: int = 30) -> Path:
+    """An experiment of one solver that naps before each of its solves."""
+    (folder / "slow.py").write_text(SLOW.format(nap=nap))
+    file = folder / "slow.toml"
+    file.write_text(TARGETS.format(solver=f"{folder}/slow.py:Slow", count=count))
+    return file
+
+
+def quick_experiment(folder: Path, count: int = 30, solver: str = "slsqp") -> Path:
+    """An experiment whose cells take a few milliseconds each."""
+    file = folder / "quick.toml"
+    file.write_text(TARGETS.format(solver=solver, count=count))
+    return file
+
+
+def command(*arguments: object) -> list[str]:
+    return [sys.executable, "-m", "dubins_study", *map(str, arguments)]
+
+
+def finished(*arguments: object, **environment: str) -> subprocess.CompletedProcess[str]:
+    """The command, run to its end; its output is text."""
+    return subprocess.run(
+        command(*arguments),
+        capture_output=True,
+        text=True,
+        timeout=300,
+        env={**os.environ, **environment},
+    )
+
+
+@contextmanager
+def started(*arguments: object) -> Iterator[subprocess.Popen[str]]:
+    """The command in a process group of its own, of which nothing is left afterwards."""
+    process = subprocess.Popen(
+        command(*arguments),
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
+    try:
+        yield process
+    finally:
+        with suppress(ProcessLookupError):
+            os.killpg(process.pid, signal.SIGKILL)
+        process.communicate()
+
+
+def wait_for(condition: Callable[[], object], seconds: float = 60) -> None:
+    """Come back as soon as the condition holds."""
+    until = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < until, "waited in vain"
+        time.sleep(0.02)
+
+
+def parts(folder: Path) -> list[Path]:
+    return sorted((folder / "parts").glob("*.parquet"))
+
+
+def manifest(folder: Path) -> dict[str, object]:
+    found: dict[str, object] = json.loads((folder / "manifest.json").read_text())
+    return found
