@@ -117,6 +117,9 @@ def run(
     memory: Annotated[float | None, typer.Option(help="GiB that a solve may hold")] = None,
     repeats: Annotated[int | None, typer.Option(help="attempts per cell")] = None,
     fresh: Annotated[bool, typer.Option("--fresh", help="throw away earlier rows")] = False,
+    trust: Annotated[
+        bool, typer.Option("--trust", help="the experiment may name plug-ins and programs")
+    ] = False,
 ) -> None:
     """Run an experiment; cells that are done are skipped."""
     from experiments.interruption import Interruption
@@ -140,6 +143,7 @@ def run(
                     memory=memory,
                     repeats=repeats,
                     fresh=fresh,
+                    trust=trust,
                     progress=tell,
                 )
             print(show_status.status_text(status_of(folder)))

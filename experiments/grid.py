@@ -10,12 +10,11 @@ from typing import NamedTuple
 import numpy as np
 
 from experiments.columns import axis_size, axis_values, scenarios, size
-from experiments.fingerprint import code
+from experiments.description import described
 from experiments.identity import scenario_id
 from experiments.patterns import expand_solvers
 from experiments.spec import Axis, Begin, Block, Experiment, ExperimentError
-from solvers.analytic import Analytic
-from solvers.registry import SolverError, load
+from solvers.registry import SolverError
 from study.path import Path
 from study.scenario import Scenario
 from study.schema import Key
@@ -75,7 +74,7 @@ def chains(experiment: Experiment) -> list[Chain]:
         ):
             if start != "cold" and not specs[number][spec]:
                 continue  # the method has no use for a starting point
-            digest = code(spec, experiment.profile)
+            digest = described(spec, experiment.profile).code
             cells = [
                 Cell(name, spec, experiment.profile, branch, start, repeat, digest, scenario)
                 for name, scenario in zip(ids, made, strict=True)
@@ -107,7 +106,7 @@ def streamed(block: Block, spec: str, profile: str) -> bool:
     Only to our own closed form: a plug-in's answers to whole frames are made where the run is.
     """
     cold = block.begin is None and size(block) >= FEWEST_STREAMED
-    return cold and type(load(spec, profile)) is Analytic
+    return cold and described(spec, profile).closed_form
 
 
 def _specs(block: Block, number: int, experiment: Experiment) -> dict[str, bool]:
@@ -119,7 +118,7 @@ def _specs(block: Block, number: int, experiment: Experiment) -> dict[str, bool]
         expanded = expand_solvers(given, experiment.profile)
     except SolverError as error:
         raise SolverError(f"{key}: {error}") from None
-    warm = {spec: load(spec).warm for spec in expanded}
+    warm = {spec: described(spec, experiment.profile).warm for spec in expanded}
     if block.begin is not None and "*" not in given and not all(warm.values()):
         idle = next(spec for spec, takes in warm.items() if not takes)
         raise SolverError(f"{key}: {idle} takes no start; expected only solvers that do, or *")

@@ -5,7 +5,8 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 
-from solvers.registry import SolverError, canonical, registered
+from experiments.description import described
+from solvers.registry import SolverError, ours, registered
 
 _BRACES = re.compile(r"\{([^{}]*)\}")
 _CLOSES = {"}": "{", "]": "["}
@@ -17,8 +18,24 @@ def expand_solvers(specs: list[str], profile: str = "default") -> list[str]:
     for spec in specs:
         _check_brackets(spec)
         for name in registered() if spec == "*" else _expand_braces(spec):
-            expanded.setdefault(canonical(name, profile))
+            expanded.setdefault(described(name, profile).spec)
     return list(expanded)
+
+
+def foreign(specs: list[str], profile: str = "default") -> str | None:
+    """The first spec that runs code beside this package's: a plug-in file, a program on PATH.
+
+    No such code is run to find out.
+
+    Raises:
+        SolverError: if a spec of this package's own is not valid.
+    """
+    for spec in specs:
+        _check_brackets(spec)
+        for name in () if spec == "*" else _expand_braces(spec):
+            if ".py:" in name or (ours(name) and described(name, profile).runs):
+                return name
+    return None
 
 
 def _check_brackets(spec: str) -> None:

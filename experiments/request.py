@@ -7,7 +7,7 @@ from pathlib import Path as FilePath
 from typing import NamedTuple
 
 from experiments.grid import Chain, chains
-from experiments.patterns import expand_solvers
+from experiments.patterns import expand_solvers, foreign
 from experiments.spec import Experiment, ExperimentError, Source, read, validated
 from experiments.stream import Stream, streams
 from solvers.registry import SolverError
@@ -22,6 +22,7 @@ class Request(NamedTuple):
     limit: float | None
     memory: float | None
     repeats: int | None
+    trust: bool = False
 
     def command(self) -> str:
         """The command line that asks for the same rows; where they are put is left out."""
@@ -34,6 +35,7 @@ class Request(NamedTuple):
             "--repeats": self.repeats,
         }
         words += [word for key, value in options.items() if value for word in (key, str(value))]
+        words += ["--trust"] * self.trust
         return shlex.join(words)
 
 
@@ -50,9 +52,30 @@ def accepted(request: Request, out: object) -> tuple[Source, list[Chain], list[S
         # before the file is: it is not to blame for these
         expand_solvers(request.solvers, found.experiment.profile)
     try:
+        if request.solvers is None and not request.trust:
+            _refuse_foreign(found)
         return found, chains(found.experiment), streams(found.experiment)
     except (ExperimentError, SolverError) as error:
         raise type(error)(f"{found.file}: {error}") from None
+
+
+def _refuse_foreign(found: Source) -> None:
+    """An experiment may come from anyone; what it makes run is for the caller to say."""
+    experiment = found.experiment
+    lists = {"solvers": experiment.solvers} | {
+        f"scenarios.{number}.solvers": block.solvers or []
+        for number, block in enumerate(experiment.scenarios)
+    }
+    for key, specs in lists.items():
+        try:
+            name = foreign(specs, experiment.profile)
+        except SolverError as error:
+            raise SolverError(f"{key}: {error}") from None
+        if name is not None:
+            raise ExperimentError(
+                f"{key}: {name} runs a program or file that is not this package's; expected "
+                "--trust, if you know what it is, or your own choice of --solver"
+            )
 
 
 def _check_types(request: Request, out: object) -> None:

@@ -8,15 +8,15 @@ from pathlib import Path as FilePath
 from typing import Any
 from uuid import uuid4
 
+from experiments.description import described
 from experiments.execution import solve_left
-from experiments.fingerprint import code, plain_settings
 from experiments.grid import Chain
 from experiments.interruption import Interruption
 from experiments.isolation import THREADS, pinned_threads
 from experiments.judging import Run
 from experiments.lock import locked
 from experiments.manifest import count_cells, taken_up
-from experiments.provenance import machine, now, source, versions, versions_of
+from experiments.provenance import machine, now, source, versions
 from experiments.record import recorded
 from experiments.request import Request, accepted
 from experiments.spec import Source
@@ -25,7 +25,6 @@ from experiments.stream import Stream, solve_streams, streamed_totals, streams_d
 from experiments.watch import Bounds
 from experiments.writer import Progress, Writer
 from solvers.profiles import tolerances
-from solvers.registry import load
 from study.schema import VERSION
 
 _LOG = logging.getLogger(__name__)
@@ -41,6 +40,7 @@ def run(
     memory: float | None = None,
     repeats: int | None = None,
     fresh: bool = False,
+    trust: bool = False,
     progress: Progress | None = None,
 ) -> FilePath:
     """Run an experiment and return its results folder.
@@ -57,6 +57,8 @@ def run(
         memory: GiB that a worker process and its children may hold, instead of its own.
         repeats: how often each cell is attempted, instead of the experiment's own.
         fresh: throw away the rows that the folder holds.
+        trust: let the experiment's own text name plug-in files and programs on PATH as solvers;
+            those among `solvers` are trusted anyway.
         progress: called with (cells done, cells in all).
 
     Raises:
@@ -66,7 +68,7 @@ def run(
             rows are written; a second SIGINT leaves the cell. Only in the main thread, where
             Python handles signals, and with the caller's own handler back in place.
     """
-    request = Request(experiment, solvers, jobs, limit, memory, repeats)
+    request = Request(experiment, solvers, jobs, limit, memory, repeats, trust)
     with Interruption() as stop:
         found, groups, wanted = accepted(request, out)
         folder = FilePath(out) if out is not None else FilePath("results") / found.name
@@ -129,8 +131,8 @@ def _manifest(
 ) -> dict[str, Any]:
     specs = dict.fromkeys(stream.solver for stream in wanted)
     specs |= dict.fromkeys(cell.solver for group in groups for cell in group)
-    loaded = {spec: load(spec, found.experiment.profile) for spec in specs}
-    packages = sorted({package for solver in loaded.values() for package in solver.packages})
+    solvers = {spec: described(spec, found.experiment.profile) for spec in specs}
+    packages = sorted({package for solver in solvers.values() for package in solver.packages})
     return {
         "schema": VERSION,
         "experiment": {
@@ -147,11 +149,11 @@ def _manifest(
         "gap_tolerance": tolerances(found.experiment.profile).gap,
         "solvers": {
             spec: {
-                "settings": plain_settings(solver),
-                "code": code(spec, found.experiment.profile),
-                "packages": versions_of(tuple(solver.packages)),
+                "settings": solver.settings,
+                "code": solver.code,
+                "packages": solver.versions,
             }
-            for spec, solver in loaded.items()
+            for spec, solver in solvers.items()
         },
         "versions": versions(tuple(packages)),
         "machine": machine(),

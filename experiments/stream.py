@@ -18,7 +18,7 @@ from pathlib import Path as FilePath
 from typing import Any, NamedTuple
 
 from experiments.columns import Columns, Window, size, tiled, windows
-from experiments.fingerprint import code
+from experiments.description import described
 from experiments.grid import asked, streamed
 from experiments.interruption import Interruption
 from experiments.isolation import THREADS
@@ -106,7 +106,9 @@ def streams(experiment: Experiment) -> list[Stream]:
         questions.append(set(itertools.product(specs, branches)))
         closed = [spec for spec in specs if streamed(block, spec, profile)]
         for spec, branch, repeat in itertools.product(closed, branches, range(experiment.repeats)):
-            stream = Stream(number, block, spec, profile, branch, repeat, code(spec, profile))
+            stream = Stream(
+                number, block, spec, profile, branch, repeat, described(spec, profile).code
+            )
             found.setdefault(stream.id, stream)
     alike: dict[int, set[int]] = {}
     for stream in found.values():

@@ -85,6 +85,11 @@ class Nlp:
                 "executable on PATH: letters, digits, '_', '.' and '-', no folders"
             )
 
+    @property
+    def runs(self) -> str | None:
+        """The program on PATH that is started, if any."""
+        return None if self.solver in ("trust-constr", "knitro") else self.solver
+
     def unavailable(self) -> str | None:
         if self.solver == "trust-constr":
             return None

@@ -151,7 +151,8 @@ class Solver(Protocol[Model]):
     A backend may also have `solve_frame(frame, branch) -> FrameSolution` (see `solvers.frame`),
     `profiles: dict[str, dict]`, settings that a named profile changes, `variants`, specs of its own
     that `dubins-study solvers` lists beside it, and `library_versions() -> dict[str, str]`, of the
-    libraries inside its packages that have versions of their own.
+    libraries inside its packages that have versions of their own. `runs` is the name of the
+    program on PATH that it starts, if any.
     """
 
     name: ClassVar[str]

@@ -40,6 +40,15 @@ def _registered() -> dict[str, EntryPoint]:
     return {point.name: point for point in sorted(entry_points(group=GROUP), key=lambda p: p.name)}
 
 
+def ours(spec: str) -> bool:
+    """Whether a spec, sound or not, could name no other code than this package's own."""
+    name = spec.partition("[")[0].strip() if isinstance(spec, str) else ""
+    point = _registered().get(name)
+    if point is None:
+        return ".py:" not in name
+    return point.dist is not None and point.dist.name == "dubins-study"
+
+
 def registered() -> list[str]:
     """The names of all solvers, available or not."""
     return list(_registered())
