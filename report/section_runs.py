@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Hashable, Mapping
 from typing import Any
 
@@ -50,12 +51,12 @@ def _table(frame: pd.DataFrame) -> Table:
     columns = (
         Column("experiment", "experiment", kind="code"),
         Column("run", "run", kind="code"),
-        Column("started", "started (UTC)", kind="text"),
+        Column("started", "started (UTC)", _minute, kind="text"),
         Column("seconds", "took", seconds),
         Column("state", "state", kind="text"),
         Column("engine", "engine", kind="text"),
         Column("jobs", "jobs"),
-        Column("machine", "machine", kind="text"),
+        Column("machine", "machine", kind="prose"),
         Column("governor", "governor", kind="text"),
         Column("load", "load", kind="text"),
         Column("spread", "varied by", share),
@@ -68,6 +69,12 @@ def _table(frame: pd.DataFrame) -> Table:
     rows = enumerate(frame["spread"])
     marks = {(place, "spread"): "bad" for place, varied in rows if varied > NOISY}
     return Table("runs", caption, frame.drop(columns="probes"), columns, marks)
+
+
+def _minute(started: Any) -> str:
+    """2026-01-31 12:34 of a time as ISO 8601 has it; any other text as it is."""
+    found = re.fullmatch(r"(\d{4}-\d\d-\d\d)T(\d\d:\d\d)[\d:.+Z]*", str(started))
+    return f"{found[1]} {found[2]}" if found else str(started)
 
 
 def plot_probes(ax: Axes, frame: pd.DataFrame) -> None:

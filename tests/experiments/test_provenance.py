@@ -15,6 +15,7 @@ from live_run import manifest, quick_experiment
 from experiments import provenance, run
 from experiments.calibration import probe, spread
 from experiments.provenance import governor, load_average, machine, solver_versions
+from experiments.record import recorded
 from experiments.store import read_rows
 from solvers import library_versions
 from solvers.registry import load
@@ -148,3 +149,22 @@ def test_probes_of_any_entry_are_numbers(value):
         found = probes_of(entry)
         assert all(np.isfinite(took) and took > 0 and when >= 0 for when, took in found)
         assert len(found) < 5 or spread([took for _, took in found]) >= 0
+
+
+def test_a_long_run_keeps_a_thousand_probes_at_most(tmp_path):
+    """Evenly over the whole run, each pair on a line of its own."""
+    held = {"schema": 3, "runs": [], "finished": None}
+    asked = {"run_id": "r"}
+    with recorded(tmp_path, held, asked) as record:
+        for i in range(10_000):
+            record.probe(1.0 + i)
+    (entry,) = manifest(tmp_path)["runs"]
+    took = [taken for _, taken in entry["probes"]]
+
+    assert 400 < len(took) <= 1000
+    assert set(np.diff(took)) == {16.0}
+    assert took[0] < 33
+    assert took[-1] > 9980
+    text = (tmp_path / "manifest.json").read_text()
+    assert f"[{entry['probes'][0][0]}, {entry['probes'][0][1]}]" in text
+    assert json.loads(text)["finished"] is not None
