@@ -240,8 +240,13 @@ def main() -> Any:
     except Exception as error:
         if not isinstance(error, _refusals()):
             raise
-        print(f"dubins-study: {error}", file=sys.stderr)
+        print(f"dubins-study: {_visible(str(error))}", file=sys.stderr)
         sys.exit(2)
+
+
+def _visible(message: str) -> str:
+    """The message with its control characters, which may come from a file, made visible."""
+    return "".join(c if c.isprintable() or c == "\n" else repr(c)[1:-1] for c in message)
 
 
 def _refusals() -> tuple[type[Exception], ...]:

@@ -6,10 +6,10 @@ import json
 from collections.abc import Mapping
 
 from dubins_study.show import plain, table
-from experiments.calibration import NOISY
 from experiments.progress import Status
 from experiments.run_status import RunStatus
 from experiments.union import Union
+from study.noise import NOISY
 
 # runs listed at most, the last ones
 _MOST_RUNS = 10

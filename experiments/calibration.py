@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from time import perf_counter
 
 import numpy as np
 
-# above this a run says so
-NOISY = 0.05
+from study.noise import spread
+
+__all__ = ["probe", "spread"]
+
 _LOOPS, _ARRAYS, _LEAST_OF = 9000, 300, 3
 
 
@@ -32,18 +33,3 @@ def _timed() -> float:
         vector = matrix @ vector
         vector /= float(np.abs(vector).max()) or 1.0
     return perf_counter() - began
-
-
-def spread(probes: Sequence[float]) -> float | None:
-    """How much the machine's speed varied: from the 5th to the 95th percentile, over the median.
-
-    Args:
-        probes: seconds.
-
-    Returns:
-        A share, 0.05 for 5 %; None of fewer than 5 probes, which say nothing.
-    """
-    if len(probes) < 5:
-        return None
-    low, middle, high = np.percentile(np.asarray(probes, np.float64), [5, 50, 95])
-    return float((high - low) / middle) if middle > 0 else None

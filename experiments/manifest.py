@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from collections.abc import Collection, Mapping
 from pathlib import Path as FilePath
 from typing import Any
@@ -12,6 +13,8 @@ from experiments.disk import StoreError, put, reason, refuse_link
 from study.schema import VERSION
 
 MANIFEST = "manifest.json"
+# two numbers on lines of their own; no text holds a line break that is not escaped
+_PAIR = re.compile(r"\[\n\s+([^\s\"\[\],]+),\n\s+([^\s\"\[\],]+)\n\s+\]")
 
 
 def read_manifest(folder: FilePath) -> dict[str, Any]:
@@ -49,7 +52,10 @@ def _check(file: FilePath, manifest: Any) -> None:
         raise StoreError(f"{file} holds {manifest!r:.60}; expected a JSON object")
     schema = manifest.get("schema")
     if schema != VERSION or isinstance(schema, bool):
-        raise StoreError(f"{file} has schema {schema!r:.60}; expected {VERSION}")
+        raise StoreError(
+            f"{file} has schema {schema!r:.60}; expected {VERSION}: run it again, into a new "
+            "folder or with --fresh"
+        )
     experiment = manifest.get("experiment")
     if not (isinstance(experiment, dict) and {"name", "text"} <= experiment.keys()):
         raise StoreError(
@@ -104,7 +110,7 @@ def write_manifest(folder: FilePath, manifest: Mapping[str, Any]) -> None:
         StoreError: if the folder cannot be written.
     """
     text = json.dumps(manifest, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
-    content = text.encode("utf-8", "replace")
+    content = _PAIR.sub(r"[\1, \2]", text).encode("utf-8", "replace")
     try:
         put(folder / MANIFEST, lambda file: _write(file, content))
     except OSError as error:

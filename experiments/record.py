@@ -14,6 +14,8 @@ from experiments.provenance import governor, load_average, machine, now, source,
 
 # how often a run that goes on brings its entry up to date, in seconds
 _BEAT = 10.0
+# a manifest is read and written as a whole
+_MOST_PROBES = 1000
 
 RUNNING, FINISHED, INTERRUPTED = "running", "finished", "interrupted"
 
@@ -24,6 +26,7 @@ class RunRecord:
     def __init__(self, folder: FilePath, manifest: dict[str, Any], asked: Mapping[str, Any]):
         self._folder, self._manifest, self._began = folder, manifest, monotonic()
         self._written = self._began
+        self._made, self._stride = 0, 1
         self._entry: dict[str, Any] = {
             **asked,
             "machine": machine(),
@@ -41,8 +44,17 @@ class RunRecord:
         manifest["runs"] = [*manifest["runs"], self._entry]
 
     def probe(self, seconds: float) -> None:
-        """Note how long the calibration probe just took; once in a while this is written."""
-        self._entry["probes"].append([round(monotonic() - self._began, 3), seconds])
+        """Note how long the calibration probe just took; once in a while this is written.
+
+        Of more than `_MOST_PROBES` every other is forgotten, and of those to come.
+        """
+        self._made += 1
+        if self._made % self._stride == 0:
+            probes = self._entry["probes"]
+            probes.append([round(monotonic() - self._began, 3), round(seconds, 9)])
+            if len(probes) > _MOST_PROBES:
+                self._stride *= 2
+                del probes[::2]
         if monotonic() - self._written > _BEAT:
             self.write()
 

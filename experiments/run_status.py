@@ -6,9 +6,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from experiments.calibration import spread
 from experiments.manifest import is_count
 from experiments.record import RUNNING
+from study.noise import is_number, probes_of, spread
 
 
 @dataclass(frozen=True)
@@ -40,23 +40,12 @@ def run_status(entry: Mapping[str, Any], live: bool) -> RunStatus:
         run_id=str(entry.get("run_id")),
         started=str(entry.get("started")),
         ended=None if ended is None else str(ended),
-        seconds=float(seconds) if _is_number(seconds) and seconds >= 0 else None,
+        seconds=float(seconds) if is_number(seconds) and seconds >= 0 else None,
         state=_state(entry, live),
         jobs=max(1, jobs) if is_count(jobs) else 1,
         engine=str(entry.get("engine", "local")),
-        spread=spread(probe_seconds(entry)),
+        spread=spread([took for _, took in probes_of(entry)]),
     )
-
-
-def probe_seconds(entry: Mapping[str, Any]) -> list[float]:
-    """What the calibration probe took, each time, in a run's entry."""
-    listed = entry.get("probes")
-    pairs = [p for p in listed if isinstance(p, list)] if isinstance(listed, list) else []
-    return [float(p[1]) for p in pairs if len(p) == 2 and _is_number(p[1]) and p[1] > 0]
-
-
-def _is_number(value: Any) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) < 1e15
 
 
 def _state(entry: Mapping[str, Any], live: bool) -> str:

@@ -53,22 +53,10 @@ def counted(folder: FilePath) -> tuple[list[Tally], int]:
 def _streamed(part: FilePath) -> list[Tally]:
     """What a streamed part says of its rows, however many; nothing if it is damaged."""
     held = streamed_part(part)
-    return (
-        []
-        if held is None
-        else [
-            Tally(
-                held.solver,
-                held.code,
-                kind.outcome,
-                kind.verdict,
-                held.run_id,
-                kind.rows,
-                kind.wall,
-            )
-            for kind in held.kinds
-        ]
-    )
+    if held is None:
+        return []
+    made = (held.solver, held.code)
+    return [Tally(*made, k.outcome, k.verdict, held.run_id, k.rows, k.wall) for k in held.kinds]
 
 
 def _counted(table: pa.Table) -> Iterator[Tally]:

@@ -14,8 +14,9 @@ from experiments.disk import StoreError, reason, sync_folder
 from experiments.lock import LOCK, held, locked
 from experiments.manifest import check_same, count_cells, read_manifest, write_manifest
 from experiments.parts import PARTS, RUN_ID, is_stream, part_files, read_part, write_part
+from experiments.provenance import now
 from experiments.store import counted, read_rows
-from experiments.stream_parts import streamed_counts
+from experiments.stream_parts import streamed_counts, streamed_part
 from study.schema import KEY, names
 
 _DEFAULT_GAP = 1e-4
@@ -139,9 +140,8 @@ def _united(
     manifest = _manifest(manifests)
     counts = counted(found.table) + streamed_counts(fresh)
     if count_cells(manifest, (), counts):
-        manifest["finished"] = max(
-            filter(None, (m.get("finished") for m in manifests)), default=None
-        )
+        ends = [str(other["finished"]) for other in manifests if other.get("finished")]
+        manifest["finished"] = max(ends, default=None) or now()
     write_manifest(fresh, manifest)
     current = {(spec, known["code"]) for spec, known in manifest["solvers"].items()}
     stale = sum(number for made, number in counts.items() if made not in current)
@@ -152,11 +152,13 @@ def _with_streams(folders: Sequence[FilePath], fresh: FilePath, gap: float) -> N
     """The streamed parts of all folders, each chunk once, as files; rows are read of doubles only.
 
     Raises:
-        StoreError: if two folders hold different rows of one chunk.
+        StoreError: if two folders hold different rows of one chunk, or one is damaged.
     """
     found: dict[str, FilePath] = {}
     for folder in folders:
         for part in filter(is_stream, part_files(folder)):
+            if streamed_part(part) is None:
+                raise StoreError(f"{part} is damaged; run that folder again before it is merged")
             first = found.setdefault(part.name, part)
             if first is not part:
                 both = [read_part(file, [*names(KEY), *JUDGED]) for file in (first, part)]

@@ -35,6 +35,7 @@ class Manifest:
     Args:
         solvers: every spec's settings.
         codes: every spec's code; rows of another were made by something else.
+        runs: an entry a run, as the run wrote it.
         stale: rows of another code in the folder.
         replaced: cells left out since an earlier folder holds them, made by another code.
     """
@@ -49,6 +50,7 @@ class Manifest:
     git: dict[str, Any] = field(default_factory=dict)
     solvers: dict[str, dict[str, Any]] = field(default_factory=dict)
     codes: dict[str, str] = field(default_factory=dict)
+    runs: tuple[dict[str, Any], ...] = ()
     gap_tolerance: float | None = None
     schema: int = VERSION
     created: str = ""
@@ -163,7 +165,7 @@ def _manifest(experiment: dict[str, Any], data: dict[str, Any]) -> Manifest:
     def mapping(value: Any) -> dict[str, Any]:
         return value if isinstance(value, dict) else {}
 
-    solvers = mapping(data.get("solvers"))
+    solvers, runs = mapping(data.get("solvers")), data.get("runs")
     command, tolerance = data.get("command"), data.get("gap_tolerance")
     return Manifest(
         name=experiment["name"],
@@ -176,6 +178,7 @@ def _manifest(experiment: dict[str, Any], data: dict[str, Any]) -> Manifest:
         git=mapping(data.get("git")),
         solvers={spec: mapping(mapping(own).get("settings")) for spec, own in solvers.items()},
         codes={spec: text(mapping(own).get("code")) for spec, own in solvers.items()},
+        runs=tuple(run for run in runs if isinstance(run, dict)) if isinstance(runs, list) else (),
         gap_tolerance=tolerance if isinstance(tolerance, float) and tolerance > 0 else None,
         created=text(data.get("created")),
         finished=text(data.get("finished")),

@@ -17,6 +17,7 @@ from report.section_paper import figures_section, paper_section
 from report.section_plane import plane_section
 from report.section_proofs import proofs_section
 from report.section_radius import radius_section
+from report.section_runs import runs_section
 from report.section_scale import scale_section
 from report.section_summary import success_section, summary_section
 from report.section_time import discretisation_section, time_section
@@ -39,4 +40,5 @@ SECTIONS: dict[str, Callable[[Results], Section | None]] = {
     "the order of convergence": convergence_section,
     "the ladder toward a circle": ladder_section,
     "what a proof costs": proofs_section,
+    "the runs and their machines": runs_section,
 }
