@@ -85,6 +85,7 @@ def in_process(cells: int, folder: FilePath) -> Spent:
     solver, shared = load(_SOLVER), Run("in-process", 60.0, 1)
     replies = [ask(solver, Question(group[0].scenario)) for group in groups]
     rows = [row_of(group[0], None, shared, r)[0] for group, r in zip(groups, replies, strict=True)]
+    (folder / "parts").mkdir()
     write_part(folder, "in-process", rows_table(rows))
     whole = perf_counter() - began
     return Spent(whole, sum(row["wall_s"] for row in rows))
