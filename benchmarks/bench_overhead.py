@@ -1,0 +1,103 @@
+"""What a cell costs beyond its solver: our harness beside benchopt and qpbenchmark.
+
+The same trivial solver (`benchmarks/overhead/trivial.py`, some ten microseconds of closed form) is
+run under each harness over the same number of cells, with one job, as its own command line would:
+a fresh folder, no cache, no plots. Ours does there what it does for any solver: a worker process
+that is watched, the check, the certificate, a row of some seventy columns, Parquet every second.
+
+    overhead of a cell = (W(N2) - W(N1)) / (N2 - N1),  W = seconds of the run - the solver's own
+
+What is paid once, imports, folders and the start of a worker, cancels out of the difference of
+two sizes; the note has the whole run all the same. Every run is a process of its own, the
+harnesses take turns, and the least of the rounds counts for each size. The solver's own seconds are
+those that the harness itself writes into its results.
+"""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from collections.abc import Iterable
+from importlib.util import find_spec
+from itertools import product
+from tempfile import TemporaryDirectory
+
+from benchmarks.harness import Measurement, absent
+from benchmarks.overhead.harnesses import HARNESSES, Spent
+
+FEW, MANY, ROUNDS = 200, 1200, 3
+TARGET = 300.0  # microseconds
+_EXTRA = "is not installed: pip install 'dubins-study[harnesses]'"
+PEERS = ("benchopt", "qpbenchmark")
+
+
+def measure() -> Iterable[Measurement]:
+    present = [name for name in HARNESSES if name not in PEERS or find_spec(name)]
+    runs = _runs(present)
+    cell = {name: _overhead(runs, name) for name in present}
+    ours = cell["ours"]
+    yield Measurement(
+        "our harness: a cell's overhead beyond its solver",
+        ours=ours,
+        peer=TARGET,
+        unit="µs/cell",
+        ratio=ours / TARGET,
+        target=1.0,
+        note=f"beside what is aimed at; {_whole(runs, 'ours')}",
+    )
+    alone = cell["in process"]
+    yield Measurement(
+        "the same, judged but not isolated",
+        ours=ours,
+        peer=alone,
+        unit="µs/cell",
+        ratio=ours / alone,
+        note=f"a watched process of its own costs {ours - alone:.0f} µs a cell",
+    )
+    for name in PEERS:
+        what = f"our harness beside {name}"
+        if name not in cell:
+            yield absent(what, f"{name} {_EXTRA}")
+            continue
+        yield Measurement(
+            what,
+            ours=ours,
+            peer=cell[name],
+            unit="µs/cell",
+            ratio=ours / cell[name],
+            target=1.0,
+            note=_whole(runs, name),
+        )
+
+
+def _runs(names: list[str]) -> dict[tuple[str, int], list[Spent]]:
+    """Every harness at both sizes, in turn."""
+    runs: dict[tuple[str, int], list[Spent]] = {key: [] for key in product(names, (FEW, MANY))}
+    for _ in range(ROUNDS):
+        for (name, cells), spent in runs.items():
+            spent.append(_spent(name, cells))
+    return runs
+
+
+def _spent(name: str, cells: int) -> Spent:
+    with TemporaryDirectory() as folder:
+        command = [sys.executable, "-m", "benchmarks.overhead.harnesses", name, str(cells), folder]
+        done = subprocess.run(command, capture_output=True, text=True)
+    if done.returncode:
+        raise RuntimeError(f"{name} with {cells} cells: {done.stderr.strip().splitlines()[-1]}")
+    return Spent(*map(float, done.stdout.split()[-2:]))
+
+
+def _least(spent: list[Spent]) -> float:
+    return min(run.whole - run.solver for run in spent)
+
+
+def _overhead(runs: dict[tuple[str, int], list[Spent]], name: str) -> float:
+    """Microseconds a cell."""
+    return (_least(runs[name, MANY]) - _least(runs[name, FEW])) / (MANY - FEW) * 1e6
+
+
+def _whole(runs: dict[tuple[str, int], list[Spent]], name: str) -> str:
+    whole = min(run.whole for run in runs[name, MANY])
+    own = min(run.solver for run in runs[name, MANY])
+    return f"{MANY} cells in {whole:.2f} s, {own * 1e3:.0f} ms of them the solver's"

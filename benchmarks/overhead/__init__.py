@@ -1,0 +1,1 @@
+"""One trivial solver under three harnesses: what a cell costs beyond it."""

@@ -1,0 +1,49 @@
+"""The solver that all harnesses run: it knows the answer, so that what they add is what is seen."""
+
+from __future__ import annotations
+
+from solvers.protocol import Guarantee, Question, Solution
+from study.path import Path
+from study.scenario import Scenario
+from study.synthesis import BRANCHES, shortest_path
+from study.verify import Claim
+
+HEADING, TARGET_Y, FIRST, LAST = 0.3, 3.0, 2.0, 10.0
+
+
+def question(target_x: float) -> Scenario:
+    """One of the scenarios asked, which differ in where the target lies."""
+    return Scenario(0.0, 0.0, HEADING, target_x, TARGET_Y, 1.0)
+
+
+def targets(cells: int) -> list[float]:
+    """Where the targets of so many cells lie, evenly spaced."""
+    return [FIRST + (LAST - FIRST) * i / (cells - 1) for i in range(cells)]
+
+
+def solved(scenario: Scenario) -> Path:
+    """All that the solver does, under every harness."""
+    path = shortest_path(scenario)
+    assert path is not None  # `best` always has one
+    return path
+
+
+class Trivial:
+    """The closed form as a plug-in."""
+
+    name = "trivial"
+    method = "closed form"
+    guarantee = Guarantee.EXACT
+    branches = BRANCHES[:1]
+    warm = False
+    packages = ()
+    summary = "the closed form, for measuring what a harness costs"
+
+    def unavailable(self) -> str | None:
+        return None
+
+    def build(self, question: Question) -> Scenario:
+        return question.scenario
+
+    def solve(self, model: Scenario, limit: float) -> Solution:
+        return Solution(Claim.OPTIMAL, path=solved(model))
