@@ -1,0 +1,180 @@
+"""Plug-ins that never end, by themselves or in children."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections import deque
+from dataclasses import dataclass
+from itertools import repeat
+from pathlib import Path
+
+from solvers.analytic import Analytic
+
+
+def loop_in_c():
+    """A loop in C that holds the interpreter's lock and never looks for a signal."""
+    deque(repeat(None), maxlen=0)
+
+
+def deaf():
+    """Let no signal but SIGKILL and SIGSTOP have an effect."""
+    for number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP, signal.SIGALRM, signal.SIGXCPU):
+        signal.signal(number, signal.SIG_IGN)
+
+
+class LoopInC(Analytic):
+    """Its handlers, which would be Python, never come to run."""
+
+    def solve(self, model, limit):
+        signal.signal(signal.SIGTERM, lambda *_: None)
+        signal.signal(signal.SIGINT, lambda *_: None)
+        loop_in_c()
+
+
+class Loop(Analytic):
+    """An endless loop in Python."""
+
+    def solve(self, model, limit):
+        while True:
+            pass
+
+
+class Stubborn(Analytic):
+    """Catches everything that is raised into it."""
+
+    def solve(self, model, limit):
+        deaf()
+        while True:
+            try:
+                while True:
+                    time.sleep(3600)
+            except BaseException:
+                continue
+
+
+class Stopped(Analytic):
+    """Stops itself, as Ctrl-Z would: it takes no signal but SIGKILL and SIGCONT."""
+
+    def solve(self, model, limit):
+        os.kill(os.getpid(), signal.SIGSTOP)
+
+
+class OwnSession(Analytic):
+    """Leaves the run's session and group."""
+
+    def solve(self, model, limit):
+        if os.getpid() != os.getsid(0):
+            os.setsid()
+        loop_in_c()
+
+
+@dataclass(frozen=True)
+class ForkTwo(Analytic):
+    """Two children, one in a session of its own, that loop while it loops itself."""
+
+    pids: str = ""
+
+    def solve(self, model, limit):
+        for own_session in (False, True):
+            if os.fork() == 0:
+                try:
+                    if own_session:
+                        os.setsid()
+                    deaf()
+                    note(self.pids)
+                    loop_in_c()
+                finally:
+                    os._exit(1)
+        note(self.pids)
+        loop_in_c()
+
+
+@dataclass(frozen=True)
+class ForkAndDie(Analytic):
+    """Two children that loop, and a parent that crashes at once."""
+
+    pids: str = ""
+
+    def solve(self, model, limit):
+        for own_session in (False, True):
+            if os.fork() == 0:
+                try:
+                    if own_session:
+                        os.setsid()
+                    note(self.pids)
+                    loop_in_c()
+                finally:
+                    os._exit(1)
+        time.sleep(0.2)
+        os.abort()
+
+
+@dataclass(frozen=True)
+class LeavesChild(Analytic):
+    """A program that goes on after the answer was given."""
+
+    pids: str = ""
+
+    def solve(self, model, limit):
+        child = subprocess.Popen([sys.executable, "-c", "import time; time.sleep(3600)"])
+        note(self.pids, child.pid)
+        return super().solve(model, limit)
+
+
+@dataclass(frozen=True)
+class Daemon(Analytic):
+    """A grandchild in its own session whose parent is gone, and an answer."""
+
+    pids: str = ""
+
+    def solve(self, model, limit):
+        child = os.fork()
+        if child == 0:
+            os.setsid()
+            if os.fork() == 0:
+                deaf()
+                note(self.pids)
+                for fd in range(3, 256):
+                    try:
+                        os.close(fd)
+                    except OSError:
+                        continue
+                time.sleep(3600)
+            os._exit(0)
+        os.waitpid(child, 0)
+        return super().solve(model, limit)
+
+
+class LoopInBuild(Analytic):
+    """Never gets to solve."""
+
+    def build(self, question):
+        loop_in_c()
+
+
+class LoopInUnavailable(Analytic):
+    """Never says whether it is there."""
+
+    def unavailable(self):
+        loop_in_c()
+
+
+class DeadThreads(Analytic):
+    """Two threads that wait for one another, and one that burns."""
+
+    def solve(self, model, limit):
+        lock = threading.Lock()
+        lock.acquire()
+        threading.Thread(target=lock.acquire).start()
+        lock.acquire()
+
+
+def note(file: str, pid: int | None = None) -> None:
+    """Tell the test which process this is."""
+    with Path(file).open("a") as stream:
+        stream.write(f"{pid or os.getpid()}\n")
