@@ -20,7 +20,7 @@ class Rude(BaseException):
     """No Exception, so that `except Exception` lets it pass."""
 
 
-class Speechless(Exception):
+class Speechless(Exception):  # noqa: N818
     """Cannot even say what it is."""
 
     def __str__(self):
@@ -238,7 +238,7 @@ class TrappedError(Analytic):
         trap = Trap("hello")
         trap.file = self.sprung
 
-        class Sprung(Exception):
+        class Sprung(Exception):  # noqa: N818
             __reduce__ = trap.__reduce__
 
         raise Sprung(trap)

@@ -29,7 +29,7 @@ SEED = 424242
 
 def _seed():
     random.seed(SEED)
-    np.random.seed(SEED)
+    np.random.seed(SEED)  # noqa: NPY002
 
 
 def _files():
@@ -73,8 +73,9 @@ def _blocked():
 
 
 def _seeded():
-    state = random.Random(SEED).getstate()[1][0]
-    return random.getstate()[1][0] == state or np.random.get_state()[1][0] == SEED
+    state = random.Random(SEED).getstate()[1][:9]
+    legacy = np.random.get_state()  # noqa: NPY002
+    return random.getstate()[1][:9] == state or legacy[1][0] == SEED
 
 
 def _named(name):

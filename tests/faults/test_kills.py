@@ -84,7 +84,7 @@ def finished(folder):
 @pytest.mark.slow
 @pytest.mark.parametrize("damage", ["truncated", "emptied", "overwritten"])
 def test_a_damaged_part_is_repaired_or_named(asking, tmp_path, damage):
-    """The run says which part it is, or solves its cells again; never a wrong row or a traceback."""
+    """The run says which part it is, or solves its cells again: no wrong row, no traceback."""
     out = tmp_path / "out"
     options = ("--jobs", 2, "--limit", 10, "--out", out)
     with started("run", asking, *options) as run:

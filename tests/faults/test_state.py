@@ -31,6 +31,22 @@ def tainted(request, tmp_path_factory):
     return ended, rows(folder / "out")
 
 
+@pytest.mark.parametrize("name", STATES)
+def test_the_witness_would_see_it(name):
+    """Each change, made in a process of its own, is told apart from its absence."""
+    change, changed = STATES[name]
+    child = os.fork()
+    if child == 0:
+        code = 9
+        try:
+            before = changed()
+            change()
+            code = 0 if changed() and not before else 1
+        finally:
+            os._exit(code)
+    assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 0
+
+
 def test_every_row_is_there(tainted):
     ended, found = tainted
 
