@@ -22,6 +22,9 @@ class Shared(NamedTuple):
     rows: pd.DataFrame
     folder: Path
     scratch: Path
+    table: dict[str, expected.Case]
+    asked: int
+    limit: float
 
 
 def shared_run(folder: Path, table: dict, asked: int, jobs: int, limit: float) -> Shared:
@@ -33,7 +36,7 @@ def shared_run(folder: Path, table: dict, asked: int, jobs: int, limit: float) -
     options = ("--jobs", jobs, "--limit", limit, "--memory", 2, "--out", folder / "out")
     ended = study("run", asking, *options, cwd=scratch, env={"TMPDIR": str(scratch)})
     assert (folder / "out" / "manifest.json").is_file(), ended.err
-    return Shared(ended, rows(folder / "out"), folder / "out", scratch)
+    return Shared(ended, rows(folder / "out"), folder / "out", scratch, table, asked, limit)
 
 
 def _settings(scratch: Path, case: expected.Case) -> dict[str, Path]:
@@ -52,23 +55,17 @@ def clean(tmp_path_factory: pytest.TempPathFactory) -> pd.DataFrame:
     return found[found["label"] == "block 1"]
 
 
-_JOBS = [2, pytest.param(1, marks=pytest.mark.slow)]
+# tables of hostile plug-ins: questions to each, limit (s)
+TABLES = {
+    "quick": (expected.CRASHES | expected.RAISES | expected.ANSWERS, 2, 10.0),
+    "endless": (expected.ENDLESS, 1, 0.5),
+    "greedy": (expected.MEMORY, 1, 30.0),
+}
 
 
-@pytest.fixture(scope="session", params=_JOBS, ids=lambda jobs: f"{jobs} jobs")
-def quick(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Shared:
-    """Plug-ins that crash, raise or answer nonsense at once."""
-    table = expected.CRASHES | expected.RAISES | expected.ANSWERS
-    return shared_run(tmp_path_factory.mktemp("quick"), table, 2, request.param, 10)
-
-
-@pytest.fixture(scope="session", params=_JOBS, ids=lambda jobs: f"{jobs} jobs")
-def endless(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Shared:
-    """Plug-ins that never end."""
-    return shared_run(tmp_path_factory.mktemp("endless"), expected.ENDLESS, 1, request.param, 0.5)
-
-
-@pytest.fixture(scope="session", params=_JOBS, ids=lambda jobs: f"{jobs} jobs")
-def greedy(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Shared:
-    """Plug-ins that want all the memory."""
-    return shared_run(tmp_path_factory.mktemp("greedy"), expected.MEMORY, 1, request.param, 30)
+@pytest.fixture(scope="session")
+def shared(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Shared:
+    """The run of one table with so many jobs; the parameter is both."""
+    kind, jobs = request.param
+    table, asked, limit = TABLES[kind]
+    return shared_run(tmp_path_factory.mktemp(kind), table, asked, jobs, limit)

@@ -256,13 +256,16 @@ class TrappedReturn(Analytic):
         return trap
 
 
+@dataclass(frozen=True)
 class Huge(Analytic):
-    """The shortest path in a million pieces."""
+    """The shortest path in many pieces."""
+
+    pieces: int = 20_000
 
     def solve(self, model, limit):
         path = shortest_path(model.scenario)
-        pieces = 500_000
-        k, lengths = np.repeat(path.curvature, pieces), np.repeat(path.length / pieces, pieces)
+        k = np.repeat(path.curvature, self.pieces)
+        lengths = np.repeat(path.length / self.pieces, self.pieces)
         return Solution(Claim.OPTIMAL, Path(path.start, k, lengths))
 
 

@@ -95,6 +95,20 @@ def test_one_that_takes_all_its_time_is_in_time(tainted):
         assert on_time or (row["outcome"] == "timeout" and row["wall_s"] >= 1.0), row
 
 
+@pytest.mark.slow
+def test_a_path_of_a_million_arcs_is_a_row_like_any_other(tmp_path, clean):
+    huge = spec("hostile_answers", "Huge", pieces=500_000)
+    asking = experiment(tmp_path, ([huge], 1), ([spec("honest", "Honest")], 8))
+    ended = study("run", asking, "--out", tmp_path / "out", "--jobs", 2)
+
+    assert ended.code == 0, ended.err
+    found = rows(tmp_path / "out").sort_values("plugin")
+    assert len(found) == 9
+    assert found["curvatures"].iloc[-1].size == 10**6
+    assert set(found["verdict"]) == {"optimal"}
+    assert lasting(found[found["plugin"] == "Honest"]).equals(lasting(clean))
+
+
 # What a plug-in does as its file is read or its class is made, always and in workers only.
 LINES = {
     "raises": "raise OSError('no library')",
