@@ -59,6 +59,7 @@ def clean(tmp_path_factory: pytest.TempPathFactory) -> pd.DataFrame:
 TABLES = {
     "quick": (expected.CRASHES | expected.RAISES | expected.ANSWERS, 2, 10.0),
     "endless": (expected.ENDLESS, 1, 0.5),
+    "stuck": (expected.STUCK, 1, 0.5),
     "greedy": (expected.MEMORY, 1, 30.0),
 }
 

@@ -104,8 +104,13 @@ ENDLESS = {
     "hostile_endless:Daemon": Case("returned", "optimal", files=_PIDS),
     "hostile_endless:DeadThreads": _LATE,
     "hostile_endless:LoopInBuild": _LATE,
-    "hostile_endless:LoopInUnavailable": Case("timeout|unavailable", message="."),
     "hostile_state:FloodsForever": _LATE,
+}
+# these never get past being made ready, which has a minute
+STUCK = {
+    "hostile_endless:LoopInWarmUp": Case("returned", "optimal"),
+    "hostile_endless:LoopAlways": _LATE,
+    "hostile_endless:LoopInUnavailable": Case("timeout|unavailable", message="."),
 }
 _MUCH = Case("out_of_memory", message=".")
 MEMORY = {

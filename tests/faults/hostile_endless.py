@@ -27,27 +27,36 @@ def deaf():
         signal.signal(number, signal.SIG_IGN)
 
 
-class LoopInC(Analytic):
-    """Its handlers, which would be Python, never come to run."""
+class Endless(Analytic):
+    """Answers the easy question that a worker asks first, so that its own turn comes."""
 
     def solve(self, model, limit):
+        if model.scenario.label == "warm-up":
+            return super().solve(model, limit)
+        return self.hang() or super().solve(model, limit)
+
+
+class LoopInC(Endless):
+    """Its handlers, which would be Python, never come to run."""
+
+    def hang(self):
         signal.signal(signal.SIGTERM, lambda *_: None)
         signal.signal(signal.SIGINT, lambda *_: None)
         loop_in_c()
 
 
-class Loop(Analytic):
+class Loop(Endless):
     """An endless loop in Python."""
 
-    def solve(self, model, limit):
+    def hang(self):
         while True:
             pass
 
 
-class Stubborn(Analytic):
+class Stubborn(Endless):
     """Catches everything that is raised into it."""
 
-    def solve(self, model, limit):
+    def hang(self):
         deaf()
         while True:
             try:
@@ -57,29 +66,29 @@ class Stubborn(Analytic):
                 continue
 
 
-class Stopped(Analytic):
+class Stopped(Endless):
     """Stops itself, as Ctrl-Z would: it takes no signal but SIGKILL and SIGCONT."""
 
-    def solve(self, model, limit):
+    def hang(self):
         os.kill(os.getpid(), signal.SIGSTOP)
 
 
-class OwnSession(Analytic):
+class OwnSession(Endless):
     """Leaves the run's session and group."""
 
-    def solve(self, model, limit):
+    def hang(self):
         if os.getpid() != os.getsid(0):
             os.setsid()
         loop_in_c()
 
 
 @dataclass(frozen=True)
-class ForkTwo(Analytic):
+class ForkTwo(Endless):
     """Two children, one in a session of its own, that loop while it loops itself."""
 
     pids: str = ""
 
-    def solve(self, model, limit):
+    def hang(self):
         for own_session in (False, True):
             if os.fork() == 0:
                 try:
@@ -95,12 +104,12 @@ class ForkTwo(Analytic):
 
 
 @dataclass(frozen=True)
-class ForkAndDie(Analytic):
+class ForkAndDie(Endless):
     """Two children that loop, and a parent that crashes at once."""
 
     pids: str = ""
 
-    def solve(self, model, limit):
+    def hang(self):
         for own_session in (False, True):
             if os.fork() == 0:
                 try:
@@ -115,24 +124,23 @@ class ForkAndDie(Analytic):
 
 
 @dataclass(frozen=True)
-class LeavesChild(Analytic):
+class LeavesChild(Endless):
     """A program that goes on after the answer was given."""
 
     pids: str = ""
 
-    def solve(self, model, limit):
+    def hang(self):
         child = subprocess.Popen([sys.executable, "-c", "import time; time.sleep(3600)"])
         note(self.pids, child.pid)
-        return super().solve(model, limit)
 
 
 @dataclass(frozen=True)
-class Daemon(Analytic):
+class Daemon(Endless):
     """A grandchild in its own session whose parent is gone, and an answer."""
 
     pids: str = ""
 
-    def solve(self, model, limit):
+    def hang(self):
         child = os.fork()
         if child == 0:
             os.setsid()
@@ -147,7 +155,6 @@ class Daemon(Analytic):
                 time.sleep(3600)
             os._exit(0)
         os.waitpid(child, 0)
-        return super().solve(model, limit)
 
 
 class LoopInBuild(Analytic):
@@ -164,10 +171,10 @@ class LoopInUnavailable(Analytic):
         loop_in_c()
 
 
-class DeadThreads(Analytic):
+class DeadThreads(Endless):
     """Two threads that wait for one another, and one that burns."""
 
-    def solve(self, model, limit):
+    def hang(self):
         lock = threading.Lock()
         lock.acquire()
         threading.Thread(target=lock.acquire).start()

@@ -14,7 +14,8 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, NamedTuple
+from tempfile import TemporaryFile
+from typing import IO, Any, NamedTuple
 from uuid import uuid4
 
 import pandas as pd
@@ -41,23 +42,25 @@ class Ended(NamedTuple):
 
 
 class Started(NamedTuple):
-    """A run under way."""
+    """A run under way; what it prints goes to files, which no child of it can hold open."""
 
-    process: subprocess.Popen[str]
+    process: subprocess.Popen[bytes]
     mark: str
+    streams: tuple[IO[bytes], IO[bytes]]
 
     def wait(self) -> Ended:
         """Wait for the end; a run that hangs is killed and fails the test."""
         try:
-            out, err = self.process.communicate(timeout=PATIENCE)
+            code = self.process.wait(PATIENCE)
         except subprocess.TimeoutExpired:
-            trees = [
-                f"{p.pid} {p.ppid()} {p.status()} {p.cmdline()[-1:]}" for p in alive(self.mark)
-            ]
-            kill_all(self.mark)
-            out, err = self.process.communicate()
-            raise AssertionError(f"the run hangs\n{err}\n{trees}") from None
-        return Ended(self.process.returncode, out, err, left_behind(self.mark))
+            trees = [f"{p.pid} {p.ppid()} {p.status()}" for p in alive(self.mark)]
+            raise AssertionError(f"the run hangs\n{self.said(1)}\n{trees}") from None
+        return Ended(code, self.said(0), self.said(1), left_behind(self.mark))
+
+    def said(self, stream: int) -> str:
+        """What was printed so far; 0 is stdout, 1 stderr."""
+        file = self.streams[stream]
+        return os.pread(file.fileno(), 2**24, 0).decode(errors="replace")
 
     def workers(self) -> list[psutil.Process]:
         """Every process of the run but the one that was started."""
@@ -70,24 +73,21 @@ def started(*arguments: object, **options: Any) -> Iterator[Started]:
     mark = uuid4().hex
     paths = os.pathsep.join(filter(None, (str(ROOT), os.environ.get("PYTHONPATH"))))
     environment = {**os.environ, "PYTHONPATH": paths, **options.pop("env", {}), MARK: mark}
-    process = subprocess.Popen(
-        [sys.executable, "-m", "dubins_study", *map(str, arguments)],
-        env=environment,
-        stdin=subprocess.DEVNULL,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-        errors="replace",
-        start_new_session=True,
-        **options,
-    )
-    try:
-        yield Started(process, mark)
-    finally:
-        kill_all(mark)
-        for stream in (process.stdout, process.stderr):
-            stream.close()
-        process.wait()
+    with TemporaryFile() as out, TemporaryFile() as err:
+        process = subprocess.Popen(
+            [sys.executable, "-m", "dubins_study", *map(str, arguments)],
+            env=environment,
+            stdin=subprocess.DEVNULL,
+            stdout=out,
+            stderr=err,
+            start_new_session=True,
+            **options,
+        )
+        try:
+            yield Started(process, mark, (out, err))
+        finally:
+            kill_all(mark)
+            process.wait()
 
 
 def study(*arguments: object, **options: Any) -> Ended:
@@ -139,7 +139,7 @@ def until(condition: Callable[[], Any], run: Started | None = None) -> Any:
     give_up = time.monotonic() + PATIENCE
     while not (found := condition()):
         if run is not None and run.process.poll() is not None:
-            raise AssertionError(f"the run ended early:\n{run.process.stderr.read()}")
+            raise AssertionError(f"the run ended early:\n{run.said(1)}")
         assert time.monotonic() < give_up
         time.sleep(0.02)
     return found
