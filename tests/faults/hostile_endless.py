@@ -161,6 +161,24 @@ class LoopInBuild(Analytic):
     """Never gets to solve."""
 
     def build(self, question):
+        if question.scenario.label != "warm-up":
+            loop_in_c()
+        return question
+
+
+class LoopInWarmUp(Analytic):
+    """Never ends the first question that it is asked, and answers the others."""
+
+    def solve(self, model, limit):
+        if model.scenario.label == "warm-up":
+            loop_in_c()
+        return super().solve(model, limit)
+
+
+class LoopAlways(Analytic):
+    """Never ends a question, the first one included."""
+
+    def solve(self, model, limit):
         loop_in_c()
 
 

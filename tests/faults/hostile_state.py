@@ -217,6 +217,8 @@ class FloodsForever(Analytic):
     """As long as it is let."""
 
     def solve(self, model, limit):
+        if model.scenario.label == "warm-up":
+            return super().solve(model, limit)
         line = b"flood " * 2**17 + b"\n"
         while True:
             os.write(1, line)
