@@ -1,0 +1,72 @@
+"""The runs that many tests look at: made once, each in processes of its own."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import NamedTuple
+
+import pandas as pd
+import pytest
+
+from tests.faults import expected
+from tests.faults.launch import Ended, experiment, rows, spec, study
+
+HONEST = spec("honest", "Honest")
+ASKED = 8  # questions to the honest solver, beside the hostile ones
+
+
+class Shared(NamedTuple):
+    """A finished run of hostile plug-ins beside an honest one."""
+
+    ended: Ended
+    rows: pd.DataFrame
+    folder: Path
+    scratch: Path
+    table: dict[str, expected.Case]
+    asked: int
+    limit: float
+
+
+def shared_run(folder: Path, table: dict, asked: int, jobs: int, limit: float) -> Shared:
+    """Every plug-in of a table asked so many questions, in one run."""
+    scratch = folder / "scratch"
+    scratch.mkdir()
+    specs = [spec(*name.split(":"), **_settings(scratch, case)) for name, case in table.items()]
+    asking = experiment(folder, (specs, asked), ([HONEST], ASKED))
+    options = ("--jobs", jobs, "--limit", limit, "--memory", 2, "--out", folder / "out")
+    ended = study("run", asking, *options, cwd=scratch, env={"TMPDIR": str(scratch)})
+    assert (folder / "out" / "manifest.json").is_file(), ended.err
+    return Shared(ended, rows(folder / "out"), folder / "out", scratch, table, asked, limit)
+
+
+def _settings(scratch: Path, case: expected.Case) -> dict[str, Path]:
+    """Files that a plug-in writes for the test to see."""
+    return {name: scratch / name for name in case.files}
+
+
+@pytest.fixture(scope="session")
+def clean(tmp_path_factory: pytest.TempPathFactory) -> pd.DataFrame:
+    """What the honest solver answers where nobody else is asked."""
+    folder = tmp_path_factory.mktemp("clean")
+    asking = experiment(folder, ([HONEST], 1), ([HONEST], ASKED))
+    ended = study("run", asking, "--out", folder / "out")
+    assert ended.code == 0, ended.err
+    found = rows(folder / "out")
+    return found[found["label"] == "block 1"]
+
+
+# tables of hostile plug-ins: questions to each, limit (s)
+TABLES = {
+    "quick": (expected.CRASHES | expected.RAISES | expected.ANSWERS, 2, 10.0),
+    "endless": (expected.ENDLESS, 1, 0.5),
+    "stuck": (expected.STUCK, 1, 0.5),
+    "greedy": (expected.MEMORY, 1, 30.0),
+}
+
+
+@pytest.fixture(scope="session")
+def shared(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Shared:
+    """The run of one table with so many jobs; the parameter is both."""
+    kind, jobs = request.param
+    table, asked, limit = TABLES[kind]
+    return shared_run(tmp_path_factory.mktemp(kind), table, asked, jobs, limit)

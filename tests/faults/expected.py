@@ -1,0 +1,123 @@
+"""What the row of each hostile plug-in must say."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+
+class Case(NamedTuple):
+    """Columns of a plug-in's rows; `message` and `native` are patterns that must be found."""
+
+    outcome: str
+    verdict: str = "none"
+    message: str = ""
+    native: str = ""
+    false_claim: bool = False
+    files: tuple[str, ...] = ()  # settings that name a file
+
+
+def _crash(native: str, message: str = ".") -> Case:
+    return Case("crashed", native=f"^{native}$", message=message)
+
+
+def _raised(message: str) -> Case:
+    return Case("raised", message=message)
+
+
+_LIE = Case("returned", "misses", false_claim=True)
+_TRAP = ("sprung",)
+
+CRASHES = {
+    "hostile:Segfault": _crash("SIGSEGV"),
+    "hostile:Abort": _crash("SIGABRT", "Assertion `x > 0' failed"),
+    "hostile:FloatingPoint": _crash("SIGFPE"),
+    "hostile:Illegal": _crash("SIGILL"),
+    "hostile:Bus": _crash("SIGBUS"),
+    "hostile:Killed": _crash("SIGKILL"),
+    "hostile:Terminated": _crash("SIGTERM"),
+    "hostile:ExitZero": _crash("exit 0"),
+    "hostile:ExitThree": _crash("exit 3", "no licence for more than 3 variables"),
+    "hostile:ExitInC": _crash("exit 5"),
+    "hostile:Chatty": _crash("SIGABRT", "last words"),
+    "hostile:Unprintable": _crash("SIGABRT", "alert"),
+    "hostile:Overflown": _crash("SIGSEGV"),
+    "hostile:CrashInBuild": _crash("SIGABRT"),
+    "hostile:CrashInUnavailable": Case("crashed|unavailable", message="."),
+    "hostile:Missing": Case("unavailable", message="no licence on this machine"),
+    "hostile:Narrow": Case("unsupported", message="RL, not best"),
+}
+RAISES = {
+    "hostile_answers:RaisesRude": _raised("Rude: not for you"),
+    "hostile_answers:RaisesExit": _raised("SystemExit: 7"),
+    "hostile_answers:RaisesInterrupt": _raised("KeyboardInterrupt: from inside"),
+    "hostile_answers:RaisesSpeechless": _raised("Speechless"),
+    "hostile_answers:RaisesAtLength": _raised("OSError: licence licence"),
+    "hostile_answers:RaisesMarkup": _raised("OSError: .*alert"),
+    "hostile_answers:RaisesGroup": _raised("ExceptionGroup: several"),
+    "hostile_answers:RaisesInBuild": _raised("RuntimeError: cannot be translated"),
+    "hostile_answers:RaisesInUnavailable": Case("unavailable", message="cannot say"),
+    "hostile_answers:NoClaim": _raised("claim is 'superb'"),
+    "hostile_answers:ForcedClaim": _raised("claim is 'superb'"),
+    "hostile_answers:ForcedCount": _raised("iterations is 'many'"),
+    "hostile_answers:ForcedPath": _raised("shape"),
+    "hostile_answers:AnswersNone": _raised("NoneType; expected a Solution"),
+    "hostile_answers:AnswersText": _raised("str; expected a Solution"),
+    "hostile_answers:AnswersDict": _raised("dict; expected a Solution"),
+    "hostile_answers:AnswersNumber": _raised("int; expected a Solution"),
+    "hostile_answers:AnswersGenerator": _raised("generator; expected a Solution"),
+    "hostile_answers:TrappedError": _raised("Sprung")._replace(files=_TRAP),
+    "hostile_answers:TrappedReturn": _raised("Trap; expected a Solution")._replace(files=_TRAP),
+}
+ANSWERS = {
+    "hostile_answers:NotANumber": _LIE,
+    "hostile_answers:Infinite": _LIE,
+    "hostile_answers:Elsewhere": _LIE,
+    "hostile_answers:OtherStart": _LIE,
+    "hostile_answers:Empty": _LIE,
+    "hostile_answers:LyingPath": _LIE,
+    "hostile_answers:Easier": _LIE,
+    "hostile_answers:NoPath": Case("returned", false_claim=True),
+    "hostile_answers:SaysImpossible": Case("returned", false_claim=True),
+    "hostile_answers:Modest": Case("returned"),
+    "hostile_answers:Trapped": Case("returned|raised", "optimal|none", files=_TRAP),
+    "hostile_answers:Huge": Case("returned", "optimal"),
+    "hostile_answers:Wordy": Case("returned", "optimal", message="^word word"),
+    "hostile_answers:WritesFile": Case("returned", "optimal"),
+    "hostile_state:HangsAtExit": Case("returned", "optimal"),
+    "hostile_state:ClosesStandard": Case("returned", "optimal"),
+    "hostile_state:ClosesAll": Case("crashed|raised", message="."),
+    "hostile_state:Scribbles": Case("returned|crashed|raised", "optimal|none"),
+    "hostile_state:Floods": Case("returned", "optimal"),
+    "hostile_state:ReadsStdin": Case("returned", "optimal"),
+}
+_LATE = Case("timeout", message=r"stopped after \d+(\.\d+)? s; the limit is 0\.5 s")
+_PIDS = ("pids",)
+ENDLESS = {
+    "hostile_endless:LoopInC": _LATE,
+    "hostile_endless:Loop": _LATE,
+    "hostile_endless:Stubborn": _LATE,
+    "hostile_endless:Stopped": _LATE,
+    "hostile_endless:OwnSession": _LATE,
+    "hostile_endless:ForkTwo": _LATE._replace(files=_PIDS),
+    "hostile_endless:ForkAndDie": _crash("SIGABRT")._replace(files=_PIDS),
+    "hostile_endless:LeavesChild": Case("returned", "optimal", files=_PIDS),
+    "hostile_endless:Daemon": Case("returned", "optimal", files=_PIDS),
+    "hostile_endless:DeadThreads": _LATE,
+    "hostile_endless:LoopInBuild": _LATE,
+    "hostile_state:FloodsForever": _LATE,
+}
+# these never get past being made ready, which has a minute
+STUCK = {
+    "hostile_endless:LoopInWarmUp": Case("returned", "optimal"),
+    "hostile_endless:LoopAlways": _LATE,
+    "hostile_endless:LoopInUnavailable": Case("timeout|unavailable", message="."),
+}
+_MUCH = Case("out_of_memory", message=".")
+MEMORY = {
+    "hostile_memory:Creeping": _MUCH,
+    "hostile_memory:Sudden": _MUCH,
+    "hostile_memory:InChild": _MUCH,
+    "hostile_memory:Refused": _MUCH,
+    "hostile_memory:OutOfMemory": Case("out_of_memory", message="tree of nodes does not fit"),
+    "hostile_memory:Modest": Case("returned", "optimal"),
+}

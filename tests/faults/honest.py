@@ -1,0 +1,47 @@
+"""Plug-ins that do as they promise, slowly or quickly, and tell what they notice."""
+
+from __future__ import annotations
+
+import os
+import time
+from dataclasses import dataclass
+from pathlib import Path
+from typing import ClassVar
+
+from solvers.analytic import Analytic
+
+
+class Honest(Analytic):
+    """The closed form under another name: right at once, the same every time."""
+
+    name: ClassVar[str] = "honest"
+
+
+@dataclass(frozen=True)
+class Napping(Honest):
+    """Right after a nap; appends a line with its process id to a file when it begins."""
+
+    name: ClassVar[str] = "napping"
+    nap: float = 0.05
+    note: str = ""
+
+    def solve(self, model, limit):
+        if self.note and model.scenario.label != "warm-up":
+            with Path(self.note).open("a") as file:
+                file.write(f"{os.getpid()}\n")
+        if model.scenario.label != "warm-up":
+            time.sleep(self.nap)
+        return super().solve(model, limit)
+
+
+class Punctual(Honest):
+    """Takes exactly the time it is allowed."""
+
+    name: ClassVar[str] = "punctual"
+
+    def solve(self, model, limit):
+        began = time.perf_counter()
+        solution = super().solve(model, limit)
+        if model.scenario.label != "warm-up":
+            time.sleep(max(0.0, limit - (time.perf_counter() - began)))
+        return solution

@@ -1,0 +1,205 @@
+"""Plug-ins that never end, by themselves or in children."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections import deque
+from dataclasses import dataclass
+from itertools import repeat
+from pathlib import Path
+
+from solvers.analytic import Analytic
+
+
+def loop_in_c():
+    """A loop in C that holds the interpreter's lock and never looks for a signal."""
+    deque(repeat(None), maxlen=0)
+
+
+def deaf():
+    """Let no signal but SIGKILL and SIGSTOP have an effect."""
+    for number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP, signal.SIGALRM, signal.SIGXCPU):
+        signal.signal(number, signal.SIG_IGN)
+
+
+class Endless(Analytic):
+    """Answers the easy question that a worker asks first, so that its own turn comes."""
+
+    def solve(self, model, limit):
+        if model.scenario.label == "warm-up":
+            return super().solve(model, limit)
+        return self.hang() or super().solve(model, limit)
+
+
+class LoopInC(Endless):
+    """Its handlers, which would be Python, never come to run."""
+
+    def hang(self):
+        signal.signal(signal.SIGTERM, lambda *_: None)
+        signal.signal(signal.SIGINT, lambda *_: None)
+        loop_in_c()
+
+
+class Loop(Endless):
+    """An endless loop in Python."""
+
+    def hang(self):
+        while True:
+            pass
+
+
+class Stubborn(Endless):
+    """Catches everything that is raised into it."""
+
+    def hang(self):
+        deaf()
+        while True:
+            try:
+                while True:
+                    time.sleep(3600)
+            except BaseException:
+                continue
+
+
+class Stopped(Endless):
+    """Stops itself, as Ctrl-Z would: it takes no signal but SIGKILL and SIGCONT."""
+
+    def hang(self):
+        os.kill(os.getpid(), signal.SIGSTOP)
+
+
+class OwnSession(Endless):
+    """Leaves the run's session and group."""
+
+    def hang(self):
+        if os.getpid() != os.getsid(0):
+            os.setsid()
+        loop_in_c()
+
+
+@dataclass(frozen=True)
+class ForkTwo(Endless):
+    """Two children, one in a session of its own, that loop while it loops itself."""
+
+    pids: str = ""
+
+    def hang(self):
+        for own_session in (False, True):
+            if os.fork() == 0:
+                try:
+                    if own_session:
+                        os.setsid()
+                    deaf()
+                    note(self.pids)
+                    loop_in_c()
+                finally:
+                    os._exit(1)
+        note(self.pids)
+        loop_in_c()
+
+
+@dataclass(frozen=True)
+class ForkAndDie(Endless):
+    """Two children that loop, and a parent that crashes at once."""
+
+    pids: str = ""
+
+    def hang(self):
+        for own_session in (False, True):
+            if os.fork() == 0:
+                try:
+                    if own_session:
+                        os.setsid()
+                    note(self.pids)
+                    loop_in_c()
+                finally:
+                    os._exit(1)
+        time.sleep(0.2)
+        os.abort()
+
+
+@dataclass(frozen=True)
+class LeavesChild(Endless):
+    """A program that goes on after the answer was given."""
+
+    pids: str = ""
+
+    def hang(self):
+        child = subprocess.Popen([sys.executable, "-c", "import time; time.sleep(3600)"])
+        note(self.pids, child.pid)
+
+
+@dataclass(frozen=True)
+class Daemon(Endless):
+    """A grandchild in its own session whose parent is gone, and an answer."""
+
+    pids: str = ""
+
+    def hang(self):
+        child = os.fork()
+        if child == 0:
+            os.setsid()
+            if os.fork() == 0:
+                deaf()
+                note(self.pids)
+                for fd in range(3, 256):
+                    try:
+                        os.close(fd)
+                    except OSError:
+                        continue
+                time.sleep(3600)
+            os._exit(0)
+        os.waitpid(child, 0)
+
+
+class LoopInBuild(Analytic):
+    """Never gets to solve."""
+
+    def build(self, question):
+        if question.scenario.label != "warm-up":
+            loop_in_c()
+        return question
+
+
+class LoopInWarmUp(Analytic):
+    """Never ends the first question that it is asked, and answers the others."""
+
+    def solve(self, model, limit):
+        if model.scenario.label == "warm-up":
+            loop_in_c()
+        return super().solve(model, limit)
+
+
+class LoopAlways(Analytic):
+    """Never ends a question, the first one included."""
+
+    def solve(self, model, limit):
+        loop_in_c()
+
+
+class LoopInUnavailable(Analytic):
+    """Never says whether it is there."""
+
+    def unavailable(self):
+        loop_in_c()
+
+
+class DeadThreads(Endless):
+    """Two threads that wait for one another, and one that burns."""
+
+    def hang(self):
+        lock = threading.Lock()
+        lock.acquire()
+        threading.Thread(target=lock.acquire).start()
+        lock.acquire()
+
+
+def note(file: str, pid: int | None = None) -> None:
+    """Tell the test which process this is."""
+    with Path(file).open("a") as stream:
+        stream.write(f"{pid or os.getpid()}\n")

@@ -1,0 +1,74 @@
+"""Plug-ins that want all the memory; each stops at 5 GiB, should nobody stop it."""
+
+from __future__ import annotations
+
+import os
+import time
+
+import numpy as np
+
+from solvers.analytic import Analytic
+
+GIB = 2**30
+
+
+class Greedy(Analytic):
+    """Answers the easy question that a worker asks first, so that its own turn comes."""
+
+    def solve(self, model, limit):
+        if model.scenario.label != "warm-up":
+            self.take()
+        return super().solve(model, limit)
+
+
+class Creeping(Greedy):
+    """1 GiB a second, every page touched."""
+
+    def take(self):
+        kept = []
+        for _ in range(5 * 16):
+            kept.append(np.ones(GIB // 16, np.uint8))
+            time.sleep(1 / 16)
+        os._exit(9)
+
+
+class Sudden(Greedy):
+    """All at once, in one call of C."""
+
+    def take(self):
+        kept = np.ones(5 * GIB, np.uint8)
+        os._exit(int(kept[0]) + 8)
+
+
+class InChild(Greedy):
+    """The worker stays small; its child does not."""
+
+    def take(self):
+        child = os.fork()
+        if child == 0:
+            os.setsid()
+            kept = [np.ones(GIB // 4, np.uint8) for _ in range(20)]
+            os._exit(len(kept))
+        os.waitpid(child, 0)
+        os._exit(9)
+
+
+class Refused(Greedy):
+    """Asks for what no machine has."""
+
+    def take(self):
+        np.ones(2**60, np.uint8)
+
+
+class OutOfMemory(Greedy):
+    """Says by itself that there is no more."""
+
+    def take(self):
+        raise MemoryError("the tree of nodes does not fit")
+
+
+class Modest(Greedy):
+    """Takes half a GiB and gives it back: no reason to be stopped."""
+
+    def take(self):
+        np.ones(GIB // 2, np.uint8)

@@ -1,0 +1,235 @@
+"""Plug-ins that change what a process shares, and a witness that tells what reached it."""
+
+from __future__ import annotations
+
+import atexit
+import decimal
+import gc
+import locale
+import os
+import random
+import resource
+import signal
+import sys
+import threading
+import time
+import warnings
+from multiprocessing.util import Finalize
+
+import numpy as np
+from threadpoolctl import threadpool_info, threadpool_limits
+
+import solvers.answer
+import study.verify
+from solvers.analytic import Analytic
+from study.verify import Verdict
+
+SEED = 424242
+
+
+def _seed():
+    random.seed(SEED)
+    np.random.seed(SEED)  # noqa: NPY002
+
+
+def _files():
+    resource.setrlimit(resource.RLIMIT_NOFILE, (61, 4096))
+
+
+def _burn():
+    def burn():
+        while True:
+            pass
+
+    threading.Thread(target=burn, name="faults-burner").start()
+
+
+def _believing(judge):
+    def believe(*arguments, **options):
+        found = judge(*arguments, **options)
+        object.__setattr__(found, "verdict", Verdict.OPTIMAL)
+        return found
+
+    believe.faults = True
+    return believe
+
+
+def _patch():
+    for module in (study.verify, solvers.answer):
+        module.judge = _believing(module.judge)
+
+
+def _hooks():
+    sys.settrace(lambda *_: None)
+    sys.excepthook = lambda *_: os._exit(77)
+
+
+def _mask():
+    signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGTERM, signal.SIGINT, signal.SIGCHLD})
+
+
+def _blocked():
+    return signal.SIGCHLD in signal.pthread_sigmask(signal.SIG_BLOCK, ())
+
+
+def _seeded():
+    state = random.Random(SEED).getstate()[1][:9]
+    legacy = np.random.get_state()  # noqa: NPY002
+    return random.getstate()[1][:9] == state or legacy[1][0] == SEED
+
+
+def _named(name):
+    return any(thread.name == name for thread in threading.enumerate())
+
+
+# what is changed, how, and how one sees that it is
+STATES = {
+    "seed": (_seed, _seeded),
+    "warnings": (
+        lambda: warnings.simplefilter("error", FutureWarning),
+        lambda: ("error", None, FutureWarning, None, 0) in warnings.filters,
+    ),
+    "cwd": (lambda: os.chdir("/proc"), lambda: os.getcwd() == "/proc"),  # noqa: PTH109
+    "environ": (
+        lambda: os.environ.update(FAULTS_TAINT="1", OMP_NUM_THREADS="7", PATH="/nowhere"),
+        lambda: "FAULTS_TAINT" in os.environ or os.environ.get("PATH") == "/nowhere",
+    ),
+    "seterr": (lambda: np.seterr(all="raise"), lambda: np.geterr()["under"] == "raise"),
+    "threads": (
+        lambda: threadpool_limits(3),
+        lambda: any(pool["num_threads"] == 3 for pool in threadpool_info()),
+    ),
+    "signals": (
+        lambda: signal.signal(signal.SIGUSR1, signal.SIG_IGN),
+        lambda: signal.getsignal(signal.SIGUSR1) == signal.SIG_IGN,
+    ),
+    "mask": (_mask, _blocked),
+    "alarm": (
+        lambda: signal.setitimer(signal.ITIMER_REAL, 3600),
+        lambda: signal.getitimer(signal.ITIMER_REAL)[0] > 0,
+    ),
+    "locale": (
+        lambda: locale.setlocale(locale.LC_ALL, "C"),
+        lambda: locale.setlocale(locale.LC_CTYPE) == "C",
+    ),
+    "recursion": (lambda: sys.setrecursionlimit(345), lambda: sys.getrecursionlimit() == 345),
+    "sys.path": (lambda: sys.path.insert(0, "/faults"), lambda: "/faults" in sys.path),
+    "decimal": (
+        lambda: setattr(decimal.getcontext(), "prec", 3),
+        lambda: decimal.getcontext().prec == 3,
+    ),
+    "judge": (_patch, lambda: hasattr(solvers.answer.judge, "faults")),
+    "files": (_files, lambda: resource.getrlimit(resource.RLIMIT_NOFILE)[0] == 61),
+    "nice": (lambda: os.nice(3), lambda: os.nice(0) >= 3),
+    "umask": (lambda: os.umask(0o777), lambda: _umask() == 0o777),
+    "gc": (gc.disable, lambda: not gc.isenabled()),
+    "hooks": (_hooks, lambda: sys.gettrace() is not None),
+    "thread": (_burn, lambda: _named("faults-burner")),
+    "affinity": (
+        lambda: os.sched_setaffinity(0, {min(os.sched_getaffinity(0))}),
+        lambda: len(os.sched_getaffinity(0)) == 1 < (os.cpu_count() or 1),
+    ),
+    "switch": (lambda: sys.setswitchinterval(60), lambda: sys.getswitchinterval() == 60),
+    "stdout": (lambda: setattr(sys, "stdout", None), lambda: sys.stdout is None),
+}
+
+
+def _umask():
+    found = os.umask(0)
+    os.umask(found)
+    return found
+
+
+class Tainting(Analytic):
+    """Changes everything, one thing at each question, and answers right."""
+
+    def solve(self, model, limit):
+        solution = super().solve(model, limit)
+        if model.scenario.label != "warm-up":
+            number = round((model.scenario.target_x - 2.0) / 7.0 * (len(STATES) - 1))
+            list(STATES.values())[number][0]()
+        return solution
+
+
+class Witness(Analytic):
+    """Answers right, and says what it found changed."""
+
+    def solve(self, model, limit):
+        solution = super().solve(model, limit)
+        found = [name for name, (_, changed) in STATES.items() if changed()]
+        object.__setattr__(solution, "message", " ".join(found))
+        return solution
+
+
+class HangsAtExit(Analytic):
+    """The worker has an end that does not end."""
+
+    def solve(self, model, limit):
+        atexit.register(time.sleep, 3600)
+        Finalize(None, time.sleep, args=(3600,), exitpriority=100)
+        threading.Thread(target=time.sleep, args=(3600,)).start()
+        return super().solve(model, limit)
+
+
+class ClosesStandard(Analytic):
+    """Closes stdin, stdout and stderr."""
+
+    def solve(self, model, limit):
+        for fd in (0, 1, 2):
+            os.close(fd)
+        return super().solve(model, limit)
+
+
+class ClosesAll(Analytic):
+    """Closes all that is open above: the way back to whoever asked, too."""
+
+    def solve(self, model, limit):
+        os.closerange(3, 4096)
+        return super().solve(model, limit)
+
+
+class Scribbles(Analytic):
+    """Writes rubbish wherever it may, pipes back to the supervisor included."""
+
+    def solve(self, model, limit):
+        for fd in range(3, 256):
+            try:
+                os.set_blocking(fd, False)
+                os.write(fd, b"\xff\xff rubbish \x80\x04." * 64)
+            except OSError:
+                continue
+        return super().solve(model, limit)
+
+
+class Floods(Analytic):
+    """A quarter of a GB on stdout and stderr, in Python and in C."""
+
+    def solve(self, model, limit):
+        line = "flood " * 2**17 + "\n"
+        for _ in range(96):
+            print(line)
+            os.write(1, line.encode())
+            os.write(2, line.encode())
+        return super().solve(model, limit)
+
+
+class FloodsForever(Analytic):
+    """As long as it is let."""
+
+    def solve(self, model, limit):
+        if model.scenario.label == "warm-up":
+            return super().solve(model, limit)
+        line = b"flood " * 2**17 + b"\n"
+        while True:
+            os.write(1, line)
+            os.write(2, line)
+
+
+class ReadsStdin(Analytic):
+    """Asks the user something."""
+
+    def solve(self, model, limit):
+        try:
+            input("licence key? ")
+        except EOFError:
+            return super().solve(model, limit)

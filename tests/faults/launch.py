@@ -1,0 +1,183 @@
+"""Runs of the command in processes of their own, each marked, so that none is left behind unseen.
+
+The mark is an environment variable. A process shows the environment that it was started with for
+as long as it lives, whatever it does to its session, group, parent or `os.environ`.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from tempfile import TemporaryFile
+from typing import IO, Any, NamedTuple
+from uuid import uuid4
+
+import pandas as pd
+import psutil
+
+from experiments.store import read_rows
+
+ROOT = Path(__file__).parents[2]
+HERE = Path(__file__).parent
+MARK = "FAULTS_RUN"
+# far above what any run here takes; only a run that hangs gets there
+PATIENCE = 150.0
+# what differs between two runs that find the same
+MEASURED = ["build_s", "solve_s", "wall_s", "host", "jobs", "engine", "run_id", "started"]
+
+
+class Ended(NamedTuple):
+    """A run that ended by itself: exit code, what it printed, and what it left alive."""
+
+    code: int
+    out: str
+    err: str
+    alive: list[str]
+
+
+class Started(NamedTuple):
+    """A run under way; what it prints goes to files, which no child of it can hold open."""
+
+    process: subprocess.Popen[bytes]
+    mark: str
+    streams: tuple[IO[bytes], IO[bytes]]
+
+    def wait(self) -> Ended:
+        """Wait for the end; a run that hangs is killed and fails the test."""
+        try:
+            code = self.process.wait(PATIENCE)
+        except subprocess.TimeoutExpired:
+            trees = [f"{p.pid} {p.ppid()} {p.status()}" for p in alive(self.mark)]
+            raise AssertionError(f"the run hangs\n{self.said(1)}\n{trees}") from None
+        return Ended(code, self.said(0), self.said(1), left_behind(self.mark))
+
+    def said(self, stream: int) -> str:
+        """What was printed so far; 0 is stdout, 1 stderr."""
+        file = self.streams[stream]
+        return os.pread(file.fileno(), 2**24, 0).decode(errors="replace")
+
+    def workers(self) -> list[psutil.Process]:
+        """Every process of the run but the one that was started."""
+        return [process for process in alive(self.mark) if process.pid != self.process.pid]
+
+
+@contextmanager
+def started(*arguments: object, **options: Any) -> Iterator[Started]:
+    """Start `dubins-study ARGUMENTS`; whatever is left of it at the end is killed."""
+    mark = uuid4().hex
+    paths = os.pathsep.join(filter(None, (str(ROOT), os.environ.get("PYTHONPATH"))))
+    environment = {**os.environ, "PYTHONPATH": paths, **options.pop("env", {}), MARK: mark}
+    with TemporaryFile() as out, TemporaryFile() as err:
+        process = subprocess.Popen(
+            [sys.executable, "-m", "dubins_study", *map(str, arguments)],
+            env=environment,
+            stdin=subprocess.DEVNULL,
+            stdout=out,
+            stderr=err,
+            start_new_session=True,
+            **options,
+        )
+        try:
+            yield Started(process, mark, (out, err))
+        finally:
+            kill_all(mark)
+            process.wait()
+
+
+def study(*arguments: object, **options: Any) -> Ended:
+    """Run `dubins-study ARGUMENTS` to its end."""
+    with started(*arguments, **options) as run:
+        return run.wait()
+
+
+def alive(mark: str) -> list[psutil.Process]:
+    """The processes of a run that are still there; one that only waits to be reaped is not."""
+    found = []
+    for process in psutil.process_iter():
+        try:
+            if process.status() == psutil.STATUS_ZOMBIE:
+                continue
+            if process.environ().get(MARK) == mark:
+                found.append(process)
+        except psutil.Error:
+            continue
+    return found
+
+
+def left_behind(mark: str, within: float = 5.0) -> list[str]:
+    """What is alive of a run after its end, given a moment to go."""
+    give_up = time.monotonic() + within
+    while found := alive(mark):
+        if time.monotonic() > give_up:
+            break
+        time.sleep(0.02)
+    return [f"{process.pid} of {process.ppid()}: {process.cmdline()}" for process in found]
+
+
+def kill_all(mark: str) -> None:
+    """SIGKILL every process of a run."""
+    for _ in range(50):
+        found = alive(mark)
+        if not found:
+            return
+        for process in found:
+            try:
+                process.send_signal(signal.SIGKILL)
+            except psutil.Error:
+                continue
+        time.sleep(0.02)
+
+
+def until(condition: Callable[[], Any], run: Started | None = None) -> Any:
+    """Wait for something to become true while a run lives; what it was."""
+    give_up = time.monotonic() + PATIENCE
+    while not (found := condition()):
+        if run is not None and run.process.poll() is not None:
+            raise AssertionError(f"the run ended early:\n{run.said(1)}")
+        assert time.monotonic() < give_up
+        time.sleep(0.02)
+    return found
+
+
+def spec(file: str, name: str, **settings: object) -> str:
+    """The spec of a plug-in in this folder, by the path that rows show as well."""
+    given = ",".join(f"{key}={value}" for key, value in settings.items())
+    return f"{HERE / file}.py:{name}" + (f"[{given}]" if given else "")
+
+
+def experiment(folder: Path, *blocks: tuple[list[str], int], name: str = "faults") -> Path:
+    """An experiment that asks each list of solvers so many questions."""
+    lines = [f'title = "{name}"', 'question = "is every row there?"', 'solvers = ["analytic"]']
+    for number, (solvers, count) in enumerate(blocks):
+        lines += [
+            "[[scenarios]]",
+            f'label = "block {number}"',
+            f"target_x = {{ linear = [2.0, 9.0, {count}] }}",
+            "target_y = 3.0",
+            f"solvers = {solvers!r}",
+        ]
+    file = folder / f"{name}.toml"
+    file.write_text("\n".join(lines) + "\n")
+    return file
+
+
+def rows(folder: Path) -> pd.DataFrame:
+    """All rows of a folder, one more column telling the plug-in's class."""
+    found = read_rows(folder).to_pandas()
+    found["plugin"] = found["solver"].str.extract(r":(\w+)", expand=False)
+    return found
+
+
+def lasting(found: pd.DataFrame) -> pd.DataFrame:
+    """What two runs of one experiment must agree in, sorted by its key."""
+    kept = found.drop(columns=MEASURED, errors="ignore")
+    for column in ("curvatures", "lengths"):
+        kept[column] = kept[column].map(lambda v: None if v is None else tuple(v))
+    keys = ["solver", "branch", "start", "repeat", "label", "target_x"]
+    return kept.sort_values(keys, ignore_index=True)

@@ -1,0 +1,182 @@
+"""kill -9 of the whole run at any moment: resume completes exactly what is missing."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import time
+from random import Random
+
+import pytest
+
+from experiments.store import done
+from tests.faults.launch import (
+    experiment,
+    kill_all,
+    lasting,
+    left_behind,
+    rows,
+    spec,
+    started,
+    study,
+)
+
+MOMENTS = 20
+CELLS = 260
+
+
+@pytest.fixture
+def asking(tmp_path):
+    """Answers of every outcome that takes no time to come, some cells in two blocks alike."""
+    solvers = [
+        spec("honest", "Honest"),
+        spec("honest", "Napping", nap=0.05),
+        spec("hostile", "SomeTimes"),
+        spec("hostile_answers", "Elsewhere"),
+    ]
+    return experiment(tmp_path, (solvers, 65))
+
+
+@pytest.mark.slow
+def test_killed_at_twenty_random_moments(asking, tmp_path):
+    """Each time the run is begun anew and killed, in turn all of it and its supervisor alone."""
+    draw, cut, kept = Random(20260), 0, set()
+    options = ("--jobs", 2, "--limit", 10)
+    whole = tmp_path / "whole"
+    assert study("run", asking, "--out", whole, *options).code == 0
+    folders = [tmp_path / "cut 0"]
+    for moment in range(MOMENTS):
+        with started("run", asking, "--out", folders[-1], *options) as run:
+            time.sleep(draw.uniform(0.2, 4.0))
+            cut += run.process.poll() is None
+            if moment % 2:
+                os.kill(run.process.pid, signal.SIGKILL)
+                run.process.wait()
+                assert left_behind(run.mark) == []
+            else:
+                kill_all(run.mark)
+        if not (folders[-1] / "manifest.json").exists():
+            continue  # so early that there is no folder yet
+        found = done(folders[-1])
+        assert kept <= found  # what was written stays
+        assert len(rows(folders[-1])) == len(found)
+        kept = found
+        if len(found) == CELLS and finished(folders[-1]):
+            folders.append(tmp_path / f"cut {len(folders)}")
+            kept = set()
+    assert cut >= MOMENTS // 2  # else this test would have seen nothing
+
+    expected = lasting(rows(whole))
+    assert len(expected) == CELLS
+    for folder in folders:
+        ended = study("run", asking, "--out", folder, *options)
+        assert ended.code == 0, ended.err
+        assert finished(folder)
+        assert lasting(rows(folder)).equals(expected)
+        assert not [file for file in (folder / "parts").iterdir() if file.name.startswith(".")]
+
+
+def finished(folder):
+    return bool(json.loads((folder / "manifest.json").read_text())["finished"])
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("damage", ["truncated", "emptied", "overwritten"])
+def test_a_damaged_part_is_repaired_or_named(asking, tmp_path, damage):
+    """The run says which part it is, or solves its cells again: no wrong row, no traceback."""
+    out = tmp_path / "out"
+    options = ("--jobs", 2, "--limit", 10, "--out", out)
+    with started("run", asking, *options) as run:
+        while len(parts := sorted((out / "parts").glob("[!.]*.parquet"))) < 3:
+            assert run.process.poll() is None
+            time.sleep(0.05)
+        kill_all(run.mark)
+    before, content = len(done(out)), parts[1].read_bytes()
+    changes = {"truncated": content[: len(content) // 2], "emptied": b"", "overwritten": b"x" * 99}
+    parts[1].write_bytes(changes[damage])
+
+    ended = study("run", asking, *options)
+
+    assert "Traceback" not in ended.err
+    if ended.code == 2:
+        assert parts[1].name in ended.err
+        parts[1].unlink()  # as the message says
+        ended = study("run", asking, *options)
+    assert ended.code == 0, ended.err
+    assert before < CELLS
+    found = rows(out)
+    assert len(found) == CELLS
+    assert not found.duplicated(["solver", "target_x"]).any()
+
+
+@pytest.mark.slow
+def test_a_full_disk_is_a_message_and_loses_nothing_written(asking, small_disk, tmp_path):
+    """A tmpfs fills up in the middle of a run; with room again, the same command completes it."""
+    out, filler = small_disk / "out", small_disk / "filler"
+    options = ("--jobs", 2, "--limit", 10, "--out", out)
+    with started("run", asking, *options) as run:
+        while not list((out / "parts").glob("[!.]*.parquet")):
+            assert run.process.poll() is None
+            time.sleep(0.02)
+        fill(filler)
+        ended = run.wait()
+
+    assert ended.code == 2, (ended.code, ended.err)
+    assert "Traceback" not in ended.err
+    assert "No space left on device" in ended.err
+    assert ended.alive == []
+    filler.unlink()
+    kept = done(out)
+    assert 0 < len(kept) < CELLS
+
+    ended = study("run", asking, *options)
+    assert ended.code == 0, ended.err
+    assert kept <= done(out)
+    assert len(rows(out)) == CELLS
+
+
+@pytest.fixture
+def small_disk(tmp_path):
+    """A file system of a megabyte in memory."""
+    import subprocess
+
+    disk = tmp_path / "disk"
+    disk.mkdir()
+    command = ["mount", "-t", "tmpfs", "-o", "size=1M", "tmpfs", str(disk)]
+    try:
+        subprocess.run(command, check=True, capture_output=True)
+    except (OSError, subprocess.CalledProcessError):
+        pytest.skip("only root may mount a tmpfs")
+    yield disk
+    subprocess.run(["umount", "-l", str(disk)], check=True)
+
+
+def fill(file):
+    with file.open("wb", buffering=0) as stream:
+        while True:
+            try:
+                stream.write(b"x" * 4096)
+            except OSError:
+                return
+
+
+@pytest.mark.slow
+def test_two_runs_in_one_folder(asking, tmp_path):
+    """The second is refused and says who is there; the first does not notice."""
+    out = tmp_path / "out"
+    with started("run", asking, "--out", out, "--jobs", 2) as first:
+        while not list((out / "parts").glob("[!.]*.parquet")):
+            assert first.process.poll() is None
+            time.sleep(0.02)
+        second = study("run", asking, "--out", out)
+        assert first.process.poll() is None
+        ended = first.wait()
+
+    assert second.code == 2
+    assert str(first.process.pid) in second.err
+    assert "Traceback" not in second.err
+    assert ended.code == 0, ended.err
+    assert len(rows(out)) == CELLS
+    # the lock of a run that was killed holds nobody up
+    assert study("run", asking, "--out", out).code == 0

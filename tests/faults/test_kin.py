@@ -1,0 +1,123 @@
+"""Solvers that turn on the processes around them, and processes that others turn on."""
+
+from __future__ import annotations
+
+import os
+import signal
+import time
+
+import pytest
+
+from tests.faults.launch import experiment, lasting, left_behind, rows, spec, started, study, until
+
+HONEST = spec("honest", "Honest")
+
+
+def noted(file):
+    """The process ids that a plug-in wrote down so far."""
+    return [int(line) for line in file.read_text().split()] if file.exists() else []
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("jobs", [1, 2])
+@pytest.mark.parametrize("name", ["KillsGroup", "KillsParent", "InterruptsGroup"])
+def test_kin_that_is_attacked_lives_on_or_says_so(tmp_path, clean, name, jobs):
+    """At worst the run ends with a message and resumes; no row is wrong and no process is left."""
+    hostile = spec("hostile_kin", name)
+    asking = experiment(tmp_path, ([hostile], 3), ([HONEST], 8))
+    out = tmp_path / "out"
+    ended = study("run", asking, "--out", out, "--jobs", jobs, "--limit", 5)
+
+    assert ended.alive == []
+    assert "Traceback" not in ended.err
+    assert ended.code == 0, ended.err
+    found = rows(out)
+    assert len(found) == 11
+    if name == "KillsGroup":
+        assert set(found[found["plugin"] == name]["native_status"]) == {"SIGKILL"}
+    assert lasting(found[found["plugin"] == "Honest"]).equals(lasting(clean))
+
+
+def slow_run(folder, nap, count, file="pids"):
+    napping = spec("honest", "Napping", nap=nap, note=folder / file)
+    return experiment(folder, ([napping], count), ([HONEST], 8)), folder / file
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("jobs", [1, 2])
+def test_a_worker_killed_from_outside_is_one_crashed_row(tmp_path, clean, jobs):
+    """The cell it was at says SIGKILL; the others know nothing of it."""
+    asking, file = slow_run(tmp_path, 1.0, 4)
+    with started("run", asking, "--out", tmp_path / "out", "--jobs", jobs, "--limit", 20) as run:
+        os.kill(until(lambda: noted(file), run)[0], signal.SIGKILL)
+        ended = run.wait()
+
+    assert ended.code == 0, ended.err
+    found = rows(tmp_path / "out")
+    napping = found[found["plugin"] == "Napping"]
+    assert sorted(napping["outcome"]) == ["crashed", "returned", "returned", "returned"]
+    assert set(napping[napping["outcome"] == "crashed"]["native_status"]) == {"SIGKILL"}
+    assert lasting(found[found["plugin"] == "Honest"]).equals(lasting(clean))
+    assert ended.alive == []
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("jobs", [1, 2])
+def test_a_worker_stopped_from_outside_is_killed_at_the_limit(tmp_path, clean, jobs):
+    asking, file = slow_run(tmp_path, 0.7, 4)
+    with started("run", asking, "--out", tmp_path / "out", "--jobs", jobs, "--limit", 2) as run:
+        os.kill(until(lambda: noted(file), run)[0], signal.SIGSTOP)
+        ended = run.wait()
+
+    assert ended.code == 0, ended.err
+    found = rows(tmp_path / "out")
+    napping = found[found["plugin"] == "Napping"]
+    assert sorted(napping["outcome"]) == ["returned", "returned", "returned", "timeout"]
+    assert lasting(found[found["plugin"] == "Honest"]).equals(lasting(clean))
+    assert ended.alive == []
+
+
+@pytest.mark.slow
+def test_an_idle_worker_killed_from_outside_costs_no_row(tmp_path):
+    """Every process of the run but the first, killed in between; whatever they did, each cell
+    has one row."""
+    asking, file = slow_run(tmp_path, 0.3, 12)
+    with started("run", asking, "--out", tmp_path / "out", "--jobs", 2, "--limit", 20) as run:
+        for n in (1, 4, 8):
+            until(lambda n=n: len(noted(file)) >= n, run)
+            for process in run.workers():
+                process.kill()
+        ended = run.wait()
+
+    assert ended.code == 0, ended.err
+    found = rows(tmp_path / "out")
+    assert len(found) == 20
+    assert not found.duplicated(["solver", "target_x", "label"]).any()
+    assert set(found["outcome"]) <= {"returned", "crashed"}
+    assert set(found[found["outcome"] == "returned"]["verdict"]) == {"optimal"}
+    assert ended.alive == []
+
+
+@pytest.mark.parametrize(
+    ("file", "name"),
+    [
+        ("hostile_kin", "Orphan"),
+        pytest.param("hostile_endless", "LoopInC", marks=pytest.mark.slow),
+        pytest.param("hostile_endless", "Stubborn", marks=pytest.mark.slow),
+        pytest.param("hostile_endless", "OwnSession", marks=pytest.mark.slow),
+        pytest.param("hostile_endless", "Stopped", marks=pytest.mark.slow),
+    ],
+)
+def test_workers_die_with_their_supervisor(tmp_path, file, name):
+    """Only the supervisor is killed, and its workers answer to nobody."""
+    napping = spec("honest", "Napping", nap=600, note=tmp_path / "pids")
+    asking = experiment(tmp_path, ([spec(file, name), napping], 1))
+    options = ("--jobs", 2, "--limit", 600, "--out", tmp_path / "out")
+    with started("run", asking, *options) as run:
+        # the napping one is under way; a moment later the hostile one beside it is as well
+        until(lambda: noted(tmp_path / "pids"), run)
+        time.sleep(1.0)
+        assert len(run.workers()) >= 2
+        os.kill(run.process.pid, signal.SIGKILL)
+        run.process.wait()
+        assert left_behind(run.mark) == []

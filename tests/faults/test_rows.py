@@ -1,0 +1,135 @@
+"""Hostile plug-ins beside an honest one: one right row each, and nothing left behind."""
+
+from __future__ import annotations
+
+import re
+
+import psutil
+import pytest
+
+from study.schema import KEY, names
+from tests.faults.conftest import ASKED, TABLES
+from tests.faults.launch import lasting, study
+
+RUNS = [
+    pytest.param(
+        *[(kind, jobs)],
+        marks=[pytest.mark.slow] * (jobs == 1 or kind == "stuck"),
+        id=f"{kind}, {jobs} jobs",
+    )
+    for kind in TABLES
+    for jobs in (2, 1)
+    if (kind, jobs) != ("stuck", 1)
+]
+EACH = [
+    pytest.param(*run.values, name, marks=run.marks, id=f"{run.id}, {name}")
+    for run in RUNS
+    for name in TABLES[run.values[0][0]][0]
+]
+in_every_run = pytest.mark.parametrize("shared", RUNS, indirect=True)
+in_a_quick_run = pytest.mark.parametrize("shared", RUNS[:2], indirect=True)
+
+
+def check(found, case):
+    """The rows of one plug-in against what is expected of them."""
+    shown = found[["outcome", "verdict", "native_status", "message"]].to_dict("records")
+    for row in found.to_dict("records"):
+        assert re.fullmatch(case.outcome, row["outcome"]), shown
+        assert re.fullmatch(case.verdict, row["verdict"]), shown
+        assert row["false_claim"] == case.false_claim, shown
+        assert re.search(case.native, row["native_status"]), shown
+        assert re.search(case.message, row["message"], re.DOTALL), shown
+        if row["outcome"] != "returned":
+            assert row["claim"] == "none", shown
+            assert row["curvatures"] is None
+            assert row["reference"] > 0  # the question's own columns stay
+
+
+def of(run, name):
+    return run.rows[run.rows["plugin"] == name.split(":")[1]]
+
+
+@pytest.mark.parametrize(("shared", "name"), EACH, indirect=["shared"])
+def test_each_has_its_rows(shared, name):
+    found = of(shared, name)
+
+    assert len(found) == shared.asked
+    check(found, shared.table[name])
+    late = found[found["outcome"] == "timeout"]
+    # generous: how late exactly is for the benchmarks
+    assert late["wall_s"].between(shared.limit, shared.limit + 5).all()
+
+
+@in_every_run
+def test_no_row_is_lost_or_doubled(shared):
+    assert shared.ended.code == 0, shared.ended.err
+    assert len(shared.rows) == shared.asked * len(shared.table) + ASKED
+    assert not shared.rows.duplicated(names(KEY)).any()
+    assert shared.rows["run_id"].nunique() == 1
+
+
+@in_every_run
+def test_the_honest_solver_beside_them_answers_as_if_alone(shared, clean):
+    beside = lasting(of(shared, "honest:Honest"))
+
+    assert set(beside["verdict"]) == {"optimal"}
+    assert beside.equals(lasting(clean))
+
+
+@in_every_run
+def test_no_process_outlives_the_run(shared):
+    """By its mark, and by the numbers that the plug-ins wrote down of themselves."""
+    noted = shared.scratch / "pids"
+    pids = [int(line) for line in noted.read_text().split()] if noted.exists() else []
+
+    assert shared.ended.alive == []
+    assert [pid for pid in pids if psutil.pid_exists(pid) and status(pid) != "zombie"] == []
+    with_pids = any("pids" in case.files for case in shared.table.values())
+    assert not with_pids or len(pids) >= 7  # else this test would see nothing
+
+
+def status(pid):
+    try:
+        return psutil.Process(pid).status()
+    except psutil.Error:
+        return "zombie"
+
+
+@in_every_run
+def test_what_solvers_print_stays_theirs(shared):
+    """stdout holds the run's own summary; no log on stderr grows with what solvers print."""
+    out, err = shared.ended.out, shared.ended.err
+
+    for theirs in ("flood", "licence", "Assertion", "<script>", "\x1b[31mred"):
+        assert theirs not in out
+    assert len(out) < 10_000
+    assert len(err) < 200_000
+    assert "Traceback" not in err
+
+
+@in_a_quick_run
+def test_a_trap_is_never_sprung(shared):
+    """No text of a plug-in runs code in whoever reads its answer."""
+    assert not (shared.scratch / "sprung").exists()
+
+
+@in_a_quick_run
+def test_words_are_short_and_can_be_shown(shared):
+    """Last words and errors fit a row, and hold nothing that a terminal obeys."""
+    crashed = shared.rows[shared.rows["outcome"] == "crashed"]
+    others = shared.rows[shared.rows["outcome"] != "crashed"]
+
+    assert (crashed["message"].str.len() <= 400).all()
+    assert (others["message"].str.len() <= 10_000).all()
+    for message in (*crashed["message"], *others["message"]):
+        message.encode()
+    shown = study("status", shared.folder)
+    assert shown.code == 0, shown.err
+    assert "\x1b" not in shown.out
+
+
+@in_a_quick_run
+def test_nothing_of_a_flood_is_kept_on_disk(shared):
+    left = [file for file in shared.scratch.rglob("*") if file.is_file()]
+
+    assert sum(file.stat().st_size for file in left) < 10 * 2**20, left

@@ -1,0 +1,88 @@
+"""Ctrl-C and SIGTERM in the middle of a long cell."""
+
+from __future__ import annotations
+
+import os
+import signal
+import time
+
+import pytest
+
+from experiments.store import done
+from tests.faults.launch import experiment, rows, spec, started, study, until
+
+pytestmark = pytest.mark.slow
+HONEST = spec("honest", "Honest")
+
+
+def during_a_cell(tmp_path, numbers, jobs, limit, nap=600.0, asked=1):
+    """Signals to the whole group, as a terminal sends them, once the long cells are under way."""
+    file, out = tmp_path / "pids", tmp_path / "out"
+    napping = spec("honest", "Napping", nap=nap, note=file)
+    asking = experiment(tmp_path, ([napping], 4), ([HONEST], 8))
+    options = ("--out", out, "--jobs", jobs, "--limit", limit)
+    with started("run", asking, *options) as run:
+        until(lambda: file.exists() and len(file.read_text().split()) >= asked, run)
+        time.sleep(0.3)
+        for number in numbers:
+            os.killpg(run.process.pid, number)
+            time.sleep(0.3)
+        ended = run.wait()
+    assert ended.alive == []
+    assert "Traceback" not in ended.err
+    return ended, asking, out
+
+
+def kept(out, ended):
+    """The cells that the run says it kept are those that the folder holds."""
+    count = len(done(out))
+    assert "what was done is kept" in ended.err
+    assert f"({count} of 12 cells done)" in ended.err
+    return rows(out)
+
+
+@pytest.mark.parametrize("jobs", [1, 2])
+def test_the_first_lets_the_cell_come_to_its_limit(tmp_path, jobs):
+    """A cell that never ends is a timeout like any other; then the run stops."""
+    ended, _, out = during_a_cell(tmp_path, [signal.SIGINT], jobs, 3, asked=jobs)
+
+    assert ended.code == 130, ended.err
+    found = kept(out, ended)
+    late = found[found["plugin"] == "Napping"]
+    assert jobs <= len(late) < 4
+    assert set(late["outcome"]) == {"timeout"}
+
+
+@pytest.mark.parametrize("jobs", [1, 2])
+def test_the_first_lets_the_cell_be_answered(tmp_path, jobs):
+    ended, asking, out = during_a_cell(tmp_path, [signal.SIGINT], jobs, 60, nap=2.0, asked=jobs)
+
+    assert ended.code == 130, ended.err
+    found = kept(out, ended)
+    late = found[found["plugin"] == "Napping"]
+    assert jobs <= len(late) < 4
+    assert set(late["outcome"]) == {"returned"}
+
+    # and the same command completes it
+    options = ("--out", out, "--jobs", jobs, "--limit", 60)
+    assert study("run", asking, *options).code == 0
+    assert len(rows(out)) == 12
+    assert set(rows(out)["verdict"]) == {"optimal"}
+
+
+@pytest.mark.parametrize("jobs", [1, 2])
+def test_the_second_stops_at_once(tmp_path, jobs):
+    """Long before the limit of ten minutes; the cell under way has no row."""
+    ended, _, out = during_a_cell(tmp_path, [signal.SIGINT, signal.SIGINT], jobs, 600)
+
+    assert ended.code == 130, ended.err
+    assert not (kept(out, ended)["plugin"] == "Napping").any()
+
+
+@pytest.mark.parametrize("jobs", [1, 2])
+def test_sigterm_ends_it_in_order(tmp_path, jobs):
+    """As a machine that shuts down, or a batch system, ends it: rows written, nothing left."""
+    ended, _, out = during_a_cell(tmp_path, [signal.SIGTERM], jobs, 3, asked=jobs)
+
+    assert ended.code in (130, 143), ended.err
+    assert set(kept(out, ended)["outcome"]) <= {"returned", "timeout"}

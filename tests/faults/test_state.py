@@ -1,0 +1,185 @@
+"""Solvers that change what a process shares: no other solver's row shows it."""
+
+from __future__ import annotations
+
+import os
+import re
+
+import numpy as np
+import pytest
+
+from tests.faults.hostile_state import STATES
+from tests.faults.launch import experiment, lasting, rows, spec, study
+
+TAINTING = spec("hostile_state", "Tainting")
+WITNESS = spec("hostile_state", "Witness")
+SOMETIMES = spec("hostile", "SomeTimes")
+PUNCTUAL = spec("honest", "Punctual")
+N = len(STATES)
+
+
+@pytest.fixture(
+    scope="module", params=[1, pytest.param(2, marks=pytest.mark.slow)], ids=lambda n: f"{n} jobs"
+)
+def tainted(request, tmp_path_factory):
+    """Every state changed once; two witnesses for each change, in a drawn order."""
+    folder = tmp_path_factory.mktemp("tainted")
+    asking = experiment(folder, ([TAINTING, SOMETIMES], N), ([WITNESS], 2 * N), ([PUNCTUAL], 2))
+    options = ("--jobs", request.param, "--limit", 1, "--out", folder / "out")
+    ended = study("run", asking, *options)
+    assert ended.code == 0, ended.err
+    return ended, rows(folder / "out")
+
+
+@pytest.mark.parametrize("name", STATES)
+def test_the_witness_would_see_it(name):
+    """Each change, made in a process of its own, is told apart from its absence."""
+    change, changed = STATES[name]
+    child = os.fork()
+    if child == 0:
+        code = 9
+        try:
+            before = changed()
+            change()
+            code = 0 if changed() and not before else 1
+        finally:
+            os._exit(code)
+    assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 0
+
+
+def test_every_row_is_there(tainted):
+    ended, found = tainted
+
+    assert found["plugin"].value_counts().to_dict() == {
+        "Tainting": N,
+        "SomeTimes": N,
+        "Witness": 2 * N,
+        "Punctual": 2,
+    }
+    assert ended.alive == []
+
+
+def test_who_changes_things_is_still_judged(tainted):
+    found = tainted[1]
+    found = found[found["plugin"] == "Tainting"]
+
+    assert set(found["outcome"]) == {"returned"}, set(found["message"])
+    assert set(found["verdict"]) == {"optimal"}
+
+
+def test_nobody_else_notices(tainted):
+    found = tainted[1]
+    found = found[found["plugin"] == "Witness"]
+
+    assert set(found["message"]) == {""}
+    assert set(found["verdict"]) == {"optimal"}
+
+
+def test_one_that_dies_now_and_then_dies_exactly_there(tainted):
+    found = tainted[1]
+    found = found[found["plugin"] == "SomeTimes"].sort_values("target_x")
+    dies = [round(x * 1000) % 3 == 0 for x in np.linspace(2.0, 9.0, N)]
+
+    assert 0 < sum(dies) < N
+    assert list(found["outcome"]) == ["crashed" if dead else "returned" for dead in dies]
+    assert list(found["native_status"] == "SIGABRT") == dies
+
+
+def test_one_that_takes_all_its_time_is_in_time(tainted):
+    found = tainted[1]
+    found = found[found["plugin"] == "Punctual"]
+
+    for row in found.to_dict("records"):
+        # a busy machine may wake it late; then it is late, and the row must say so
+        on_time = (row["outcome"], row["verdict"]) == ("returned", "optimal")
+        assert on_time or (row["outcome"] == "timeout" and row["wall_s"] >= 1.0), row
+
+
+@pytest.mark.slow
+def test_a_path_of_a_million_arcs_is_a_row_like_any_other(tmp_path, clean):
+    huge = spec("hostile_answers", "Huge", pieces=500_000)
+    asking = experiment(tmp_path, ([huge], 1), ([spec("honest", "Honest")], 8))
+    ended = study("run", asking, "--out", tmp_path / "out", "--jobs", 2)
+
+    assert ended.code == 0, ended.err
+    found = rows(tmp_path / "out").sort_values("plugin")
+    assert len(found) == 9
+    assert found["curvatures"].iloc[-1].size == 10**6
+    assert set(found["verdict"]) == {"optimal"}
+    assert lasting(found[found["plugin"] == "Honest"]).equals(lasting(clean))
+
+
+# What a plug-in does as its file is read or its class is made, always and in workers only.
+LINES = {
+    "raises": "raise OSError('no library')",
+    "exits": "raise SystemExit(5)",
+    "dies": "os.abort()",
+    "leaves": "os._exit(0)",
+    "loops": "from collections import deque; deque(itertools.repeat(0), maxlen=0)",
+    "taints": (
+        "import solvers.answer, study.verify; study.verify.judge = solvers.answer.judge = None"
+    ),
+}
+PLUGIN = """
+import itertools, os, sys
+from solvers.analytic import Analytic
+{imported}
+class Plugin(Analytic):
+    def __init__(self):
+        {made}
+"""
+
+
+@pytest.mark.parametrize("where", ["imported", "made"])
+@pytest.mark.parametrize(
+    "what", [pytest.param(what, marks=[pytest.mark.slow] * (what != "dies")) for what in LINES]
+)
+def test_plugins_that_go_wrong_before_they_are_asked(tmp_path, clean, what, where):
+    """Refused with one message, or a row of each cell; never a run that dies or hangs."""
+    lines = {"imported": "", "made": "pass"} | {where: LINES[what]}
+    file = tmp_path / "plugin.py"
+    file.write_text(PLUGIN.format(**lines))
+    refused(tmp_path, file, clean)
+
+
+def refused(folder, file, clean):
+    honest = spec("honest", "Honest")
+    asking = experiment(folder, ([f"{file}:Plugin"], 1), ([honest], 8))
+    ended = study("run", asking, "--out", folder / "out", "--limit", 1)
+
+    assert ended.alive == []
+    assert "Traceback" not in ended.err
+    if ended.code == 2:
+        assert re.search(r"^dubins-study: .*plugin\.py", ended.err, re.MULTILINE), ended.err
+        assert not (folder / "out").exists()
+        return
+    assert ended.code == 0, (ended.code, ended.err)
+    found = rows(folder / "out")
+    assert len(found) == 9
+    assert set(found[found["plugin"] == "Plugin"]["outcome"]) <= {
+        *("unavailable", "crashed", "raised", "timeout", "returned")
+    }
+    assert lasting(found[found["plugin"] == "Honest"]).equals(lasting(clean))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("what", ["dies", "loops", "raises"])
+def test_plugins_that_go_wrong_only_in_a_worker(tmp_path, clean, what):
+    """The class was read once without harm; then each of its cells is a row."""
+    file = tmp_path / "plugin.py"
+    seen = tmp_path / "seen"
+    guard = f"if os.path.exists({str(seen)!r}): {LINES[what]}\nopen({str(seen)!r}, 'w').close()"
+    file.write_text(PLUGIN.format(imported=guard, made="pass"))
+    refused(tmp_path, file, clean)
+
+
+def test_state_of_the_caller_is_left_alone(tmp_path, monkeypatch):
+    """A run from Python changes nothing of the process that asks for it."""
+    from experiments import run
+
+    before = os.getcwd(), dict(os.environ), np.geterr()  # noqa: PTH109
+    asking = experiment(tmp_path, ([TAINTING], N))
+    run(asking, tmp_path / "out", limit=5)
+
+    assert (os.getcwd(), dict(os.environ), np.geterr()) == before  # noqa: PTH109
+    assert not [name for name, (_, changed) in STATES.items() if changed()]
