@@ -5,17 +5,15 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-import numpy as np
 import pandas as pd
 
 from report.metrics import (
-    answerable,
     fitted_order,
-    gaps_or_infinity,
+    gaps,
     parse_spec,
     success,
-    upper_quantile,
 )
+from report.reduction import of
 
 SOLVER = "turn-rate-qp"
 Settings = Mapping[str, Mapping[str, Any]]
@@ -68,15 +66,15 @@ def _engine(spec: str, settings: Settings) -> str:
 
 
 def _record(engine: str, n: int, rows: pd.DataFrame) -> dict[str, object]:
-    gaps = gaps_or_infinity(answerable(rows))
+    found = gaps(of(rows).total)
     return {
         "engine": engine,
         "n": n,
         "attempts": len(rows),
-        "arrived": float(np.isfinite(gaps).mean()) if gaps.size else float("nan"),
+        "arrived": found.finite / found.size if found.size else float("nan"),
         "success": float(success(rows).mean()),
-        "gap": upper_quantile(gaps, 0.5),
-        "gap_q90": upper_quantile(gaps, 0.9),
+        "gap": found.upper(0.5),
+        "gap_q90": found.upper(0.9),
         "wall_s": rows["wall_s"].median(),
         "iterations": rows["iterations"].median(),
     }

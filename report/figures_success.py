@@ -8,7 +8,8 @@ from matplotlib.axes import Axes
 
 from report.content import count
 from report.figures_bars import plot_shares
-from report.metrics import VERDICTS, answerable, gaps_or_infinity, share_within, solver_order
+from report.metrics import VERDICTS, gaps, solver_order
+from report.reduction import Reduction
 from report.style import (
     BLUE,
     MUTED,
@@ -46,20 +47,20 @@ def _counts(row: object) -> str:
     )
 
 
-def plot_gap_profile(ax: Axes, rows: pd.DataFrame, tolerance: float | None = None) -> None:
-    """Share of attempts within each gap. Columns: solver, gap (NaN if it did not arrive).
+def plot_gap_profile(ax: Axes, found: Reduction, tolerance: float | None = None) -> None:
+    """Share of attempts within each gap.
 
     Args:
         ax: where to draw.
-        rows: attempts; those at questions without an answer are left out.
+        found: attempts; those at questions without an answer are left out.
         tolerance: the gap up to which the check says optimal, drawn as a line if given.
     """
-    asked = answerable(rows)
-    solvers = solver_order(asked["solver"].tolist())
+    spreads = {solver: gaps(own) for solver, own in found.solvers.items()}
+    solvers = solver_order([solver for solver, spread in spreads.items() if spread.size])
     style = looks(solvers)
     for place, solver in enumerate(solvers):
-        gaps, share = share_within(gaps_or_infinity(asked[asked["solver"] == solver]))
-        x = np.concatenate(([SMALLEST_GAP], np.maximum(gaps, SMALLEST_GAP), [10.0]))
+        within, share = spreads[solver].shares()
+        x = np.concatenate(([SMALLEST_GAP], np.maximum(within, SMALLEST_GAP), [10.0]))
         y = np.concatenate(([0.0], share, share[-1:] if share.size else [0.0]))
         ax.step(
             x,

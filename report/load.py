@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from pathlib import Path as FilePath
 from typing import Any
@@ -11,21 +11,26 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import pyarrow as pa
-import pyarrow.parquet as pq
 
+from report.parts import (
+    CONTROLS,
+    LIGHT,
+    MOST_ROWS,
+    ReportError,
+    Seen,
+    count,
+    drawn,
+    parts_of,
+    pieces,
+    plain,
+    refuse_link,
+)
+from report.reduction import NEEDED, Reduction, merged, of
 from study.path import Path
 from study.scenario import Pose
-from study.schema import CELL, ROW, VERSION, VERSION_KEY, arrow_schema, names
+from study.schema import VERSION
 
-_CONTROLS = ["curvatures", "lengths"]
-# what a run writes beside its rows; the page shows it from the manifest, so the rows need not
-_UNREAD = {"versions", "host", "run_id"}
-_LIGHT = [name for name in names(ROW) if name not in _UNREAD and name not in _CONTROLS]
-_SCHEMA = arrow_schema()
-
-
-class ReportError(ValueError):
-    """A results folder that cannot be read, or a place that cannot be written."""
+__all__ = ["Manifest", "ReportError", "Results", "load", "read_manifest"]
 
 
 @dataclass(frozen=True)
@@ -65,15 +70,23 @@ class Results:
 
     Args:
         manifests: one per folder, in the order given.
+        reduction: what the numbers over all attempts need.
         rows: one row an attempt, index 0, 1, ...: the scalar columns of `study.schema` that a
-            report needs, and `experiment`, the manifest's name.
+            report needs, and `experiment`, the manifest's name. Of more attempts than
+            `parts.MOST_ROWS` only those at some scenarios, chosen by their names.
         controls: the columns `curvatures` and `lengths` of the same rows, left in Arrow because
             most sections draw no path.
     """
 
     manifests: tuple[Manifest, ...]
+    reduction: Reduction
     rows: pd.DataFrame
     controls: pa.Table
+
+    @property
+    def sampled(self) -> bool:
+        """Whether `rows` leaves attempts out."""
+        return len(self.rows) < self.reduction.total.attempts
 
     def path(self, index: int) -> Path | None:
         """The path of the row with this index, or None if no path came back."""
@@ -88,46 +101,51 @@ class Results:
 def load(folders: Iterable[str | FilePath]) -> Results:
     """Read results folders and join them; of a cell that two folders hold, the first is kept.
 
+    Read piece by piece: memory does not grow with the number of streamed rows.
+
     Raises:
         ReportError: naming the folder and what is wrong with it.
     """
     paths = [FilePath(folder) for folder in folders]
     if not paths:
         raise ReportError("no results folder given; expected at least one")
-    manifests, tables = [], []
-    for number, path in enumerate(paths):
-        manifest, table = _current(path, read_manifest(path), _read_parts(path))
-        manifests.append(manifest)
-        for name, value in (("experiment", pa.scalar(manifest.name)), ("folder", number)):
-            table = table.append_column(name, pa.repeat(value, table.num_rows))
-        tables.append(table)
-    return _joined(manifests, pa.concat_tables(tables))
+    manifests = [read_manifest(path) for path in paths]
+    parts = [parts_of(path) for path in paths]
+    attempts = sum(count(part) for own in parts for part in own)
+    seen, kept, reduced = Seen(), [], [Reduction()]
+    for number, (path, manifest) in enumerate(zip(paths, manifests, strict=True)):
+        stale = replaced = current = 0
+        for part in parts[number]:
+            chunk, replaces = seen.is_new(manifest.name, part)
+            for piece in pieces(part):
+                table = _current(manifest, piece)
+                stale += len(piece) - len(table)
+                current += len(table)
+                if chunk is False:
+                    replaced += len(table) * replaces
+                    continue
+                if chunk is None:
+                    table, others = seen.new(manifest.name, table)
+                    replaced += others
+                name = pa.repeat(pa.scalar(manifest.name), len(table)).dictionary_encode()
+                table = table.append_column("experiment", name)
+                reduced.append(of(table.select(list(NEEDED)).to_pandas()))
+                kept.append(table if attempts <= MOST_ROWS else drawn(table, attempts))
+            reduced = [merged(reduced)]
+        if not current:
+            raise ReportError(f"{path} has no rows but of earlier code: run it again")
+        manifests[number] = replace(manifest, stale=stale, replaced=replaced)
+    table = pa.concat_tables([plain(table) for table in kept])
+    rows = table.select(["experiment", *LIGHT]).to_pandas()
+    return Results(tuple(manifests), reduced[0], rows, table.select(CONTROLS).combine_chunks())
 
 
-def _current(path: FilePath, manifest: Manifest, table: pa.Table) -> tuple[Manifest, pa.Table]:
-    """The rows of the code that the manifest names, and how many others there are."""
-    solver, code = (table[name].to_pandas() for name in ("solver", "code"))
-    stale = solver.map(manifest.codes).notna() & (solver.map(manifest.codes) != code)
-    if stale.all():
-        raise ReportError(f"{path} has no rows but of earlier code: run it again")
-    if stale.any():
-        table = table.filter(pa.array(~stale))
-    return replace(manifest, stale=int(stale.sum())), table
-
-
-def _joined(manifests: Sequence[Manifest], table: pa.Table) -> Results:
-    rows = table.select(["experiment", "folder", *_LIGHT]).to_pandas()
-    cell = ["experiment", *names(CELL)]
-    first = ~rows.duplicated(cell)
-    if not first.all():
-        others = ~first & ~rows.duplicated([*cell, "code"])
-        count = rows.loc[others, "folder"].value_counts()
-        manifests = [
-            replace(manifest, replaced=int(count.get(i, 0))) for i, manifest in enumerate(manifests)
-        ]
-        rows, table = rows[first].reset_index(drop=True), table.filter(pa.array(first))
-    rows = rows.drop(columns="folder")
-    return Results(tuple(manifests), rows, table.select(_CONTROLS).combine_chunks())
+def _current(manifest: Manifest, table: pa.Table) -> pa.Table:
+    """The rows of the code that the manifest names; of a solver that it does not name, all."""
+    solver, code = (table[name].to_pandas().astype(object) for name in ("solver", "code"))
+    named = solver.map(manifest.codes)
+    stale = named.notna() & (named != code)
+    return table.filter(pa.array(~stale)) if stale.any() else table
 
 
 def read_manifest(folder: FilePath) -> Manifest:
@@ -139,7 +157,7 @@ def read_manifest(folder: FilePath) -> Manifest:
     file = folder / "manifest.json"
     if not folder.is_dir():
         raise ReportError(f"{folder} is not a folder; expected a results folder")
-    _refuse_link(file)
+    refuse_link(file)
     if not file.is_file():
         raise ReportError(f"{folder} has no manifest.json; expected a results folder")
     try:
@@ -183,52 +201,3 @@ def _manifest(experiment: dict[str, Any], data: dict[str, Any]) -> Manifest:
         created=text(data.get("created")),
         finished=text(data.get("finished")),
     )
-
-
-def _read_parts(folder: FilePath) -> pa.Table:
-    _refuse_link(folder / "parts")
-    parts = sorted((folder / "parts").glob("*.parquet"))
-    if not parts:
-        raise ReportError(f"{folder} has no rows: expected Parquet files in {folder / 'parts'}")
-    table = pa.concat_tables([_read_part(part) for part in parts])
-    if not table.num_rows:
-        raise ReportError(f"{folder} has no rows: its parts are empty")
-    return table
-
-
-def _refuse_link(place: FilePath) -> None:
-    if place.is_symlink():
-        raise ReportError(
-            f"{place} is a link; expected a file or folder of its own, since nothing outside a "
-            "results folder is read: put a copy in its place"
-        )
-
-
-def _read_part(part: FilePath) -> pa.Table:
-    _refuse_link(part)
-    try:
-        # a file object, or Arrow would read hive-style column names out of the folder's name
-        with part.open("rb") as stream:
-            file = pq.ParquetFile(stream, page_checksum_verification=True)
-            said = (file.metadata.metadata or {}).get(VERSION_KEY.encode(), str(VERSION).encode())
-            problem = _difference(file.schema_arrow.names)
-            if said != str(VERSION).encode():
-                problem = f"schema is {said!r:.60}"
-            if problem:
-                raise ReportError(f"{part}: {problem}; expected the columns of schema {VERSION}")
-            table = file.read(columns=[*_LIGHT, *_CONTROLS])
-        return table.cast(pa.schema([_SCHEMA.field(name) for name in table.column_names]))
-    except (pa.ArrowException, OSError) as error:
-        reason = str(error).splitlines()[0] if str(error) else type(error).__name__
-        if not isinstance(error, OSError) or error.errno is None:
-            reason += "; if it is damaged, run it again into this folder for its rows"
-        raise ReportError(f"{part} cannot be read: {reason}") from None
-
-
-def _difference(found: Sequence[str]) -> str | None:
-    wanted = set(_SCHEMA.names)
-    if missing := [name for name in _SCHEMA.names if name not in found]:
-        return f"missing column {missing[0]!r}"
-    if unknown := [name for name in found if name not in wanted]:
-        return f"unknown column {unknown[0]!r}"
-    return None if len(found) == len(wanted) else "a column twice"

@@ -1,4 +1,4 @@
-"""Numbers from rows. Pure: every function takes frames and gives new ones.
+"""Numbers from rows, or from what `report.reduction` makes of them. Pure.
 
 A failed attempt stays in every denominator: shares are of all attempts, and a quantile of the gap
 counts an attempt without one as infinitely far off.
@@ -14,9 +14,13 @@ import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike, NDArray
 
+from report.reduction import SUCCESSES, Reduction, Tally, success
+from report.spread import Spread
+
+__all__ = ["SUCCESSES", "success"]
+
 FloatArray = NDArray[np.float64]
 
-SUCCESSES = ("optimal", "none exists")
 VERDICTS = ("optimal", "none exists", "longer", "misses", "none")
 # experiments that set variants against each other or ask extreme questions on purpose: each has a
 # section of its own, and its rows enter no number pooled over experiments
@@ -45,95 +49,64 @@ def solver_order(solvers: Sequence[str]) -> list[str]:
     return sorted(set(solvers), key=rank)
 
 
-def success(rows: pd.DataFrame) -> pd.Series[bool]:
-    """Whether the check found the attempt's answer right."""
-    return rows["verdict"].isin(SUCCESSES)
-
-
-def summary(rows: pd.DataFrame) -> pd.DataFrame:
+def summary(found: Reduction) -> pd.DataFrame:
     """One row a solver: attempts, counts of each verdict, false claims, wrong basins, times.
 
     Columns: solver, attempts, one per verdict, success (share of all attempts), false_claims,
     wrong_basins, not_returned (timeout, crashed, raised, ...), wall_s (median, s).
     """
     records = []
-    for solver in solver_order(rows["solver"].tolist()):
-        own = rows[rows["solver"] == solver]
-        record: dict[str, object] = {"solver": solver, "attempts": len(own)}
-        record |= {verdict: int((own["verdict"] == verdict).sum()) for verdict in VERDICTS}
+    for solver in solver_order(list(found.solvers)):
+        own = found.solvers[solver]
+        record: dict[str, object] = {"solver": solver, "attempts": own.attempts}
+        record |= {verdict: own.count("verdict", verdict) for verdict in VERDICTS}
         record |= {
-            "success": float(success(own).mean()),
-            "false_claims": int(own["false_claim"].sum()),
-            "wrong_basins": int(own["wrong_basin"].sum()),
-            "not_returned": int((own["outcome"] != "returned").sum()),
-            "wall_s": float(own["wall_s"].median()),
+            "success": own.success / own.attempts,
+            "false_claims": own.count("false_claim"),
+            "wrong_basins": own.count("wrong_basin"),
+            "not_returned": own.attempts - own.count("outcome", "returned"),
+            "wall_s": own.spread("wall_s").median,
         }
         records.append(record)
     return pd.DataFrame.from_records(records)
 
 
-def gist(message: str) -> str:
-    """A message without its numbers and repetitions, so that like messages count as one."""
-    parts = [re.sub(r"\d[\d.]*(?:[eE][+-]?\d+)?", "#", part) for part in message.split("; ")]
-    return "; ".join(dict.fromkeys(parts))[:160]
-
-
-def failures(rows: pd.DataFrame) -> pd.DataFrame:
+def failures(found: Reduction) -> pd.DataFrame:
     """Attempts without success, grouped by what was said and found, most frequent first.
 
     Columns: solver, outcome, claim, verdict, said (the backend's status and message), attempts.
     """
-    bad = rows[~success(rows)]
-    said = bad["message"].fillna("").where(bad["message"].fillna("") != "", bad["native_status"])
-    bad = bad.assign(said=said.fillna("").map(gist))
     keys = ["solver", "outcome", "claim", "verdict", "said"]
-    grouped = bad.groupby(keys, dropna=False).size().rename("attempts").reset_index()
+    records = [
+        (solver, *kind, number)
+        for solver, own in found.solvers.items()
+        for kind, number in own.kinds("failure").items()
+    ]
+    grouped = pd.DataFrame.from_records(records, columns=[*keys, "attempts"])
     return grouped.sort_values(["attempts", *keys], ascending=[False] + [True] * 5)
 
 
-def answerable(rows: pd.DataFrame) -> pd.DataFrame:
-    """The attempts at questions that have an answer: those where a gap could be measured.
-
-    Some row of the question names the shortest word; a crashed attempt may not.
-    """
-    known = rows["word_ref"].notna()
-    return rows[known.groupby([rows[key] for key in QUESTION]).transform("any")]
-
-
-def gaps_or_infinity(rows: pd.DataFrame) -> FloatArray:
-    """Gaps, never below zero; infinite for an attempt that did not arrive. Shape (n,)."""
-    gaps: FloatArray = rows["gap"].fillna(np.inf).clip(lower=0).to_numpy(dtype=np.float64)
-    return gaps
-
-
-def upper_quantile(values: ArrayLike, q: float) -> float:
-    """The least value that a share `q` of all values does not exceed; no interpolation.
-
-    Interpolating towards an infinite gap would make every quantile infinite.
-    """
-    ordered = np.sort(np.asarray(values, dtype=np.float64))
-    if not ordered.size:
-        return float("nan")
-    place = int(np.ceil(q * ordered.size - 1e-9)) - 1
-    return float(ordered[max(0, place)])
+def gaps(own: Tally, region: str = "all") -> Spread:
+    """Gaps of the attempts at questions that have an answer, infinite where none arrived."""
+    there = own.kinds("answerable") if region == "all" else [(region,)]
+    return own.spread(*(f"gap {name}" for (name,) in there))
 
 
 def gap_quantiles(
-    rows: pd.DataFrame, quantiles: Sequence[float] = (0.5, 0.9, 0.99, 1.0)
+    found: Reduction, quantiles: Sequence[float] = (0.5, 0.9, 0.99, 1.0)
 ) -> pd.DataFrame:
     """Gap quantiles per solver and region; columns solver, region, attempts, arrived, q50, ..."""
-    asked = answerable(rows)
     records = []
-    for solver in solver_order(asked["solver"].tolist()):
-        own = asked[asked["solver"] == solver]
+    for solver in solver_order(list(found.solvers)):
+        own = found.solvers[solver]
+        asked = gaps(own).size
         for region in REGIONS:
-            there = own if region == "all" else own[own["region"] == region]
-            if there.empty or (region != "all" and len(there) == len(own)):
+            there = gaps(own, region)
+            if not there.size or (region != "all" and there.size == asked):
                 continue  # nothing, or nothing new
-            gaps = gaps_or_infinity(there)
             record: dict[str, object] = {"solver": solver, "region": region}
-            record |= {"attempts": len(there), "arrived": float(np.isfinite(gaps).mean())}
-            record |= {f"q{100 * q:g}": upper_quantile(gaps, q) for q in quantiles}
+            record |= {"attempts": there.size, "arrived": there.finite / there.size}
+            record |= {f"q{100 * q:g}": there.upper(q) for q in quantiles}
             records.append(record)
     return pd.DataFrame.from_records(records)
 
@@ -141,10 +114,9 @@ def gap_quantiles(
 REGIONS = ("all", "outside", "left disc", "right disc", "circle")
 
 
-def share_within(gaps: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Sorted finite gaps and the share of all attempts within each; both of shape (m,)."""
-    finite = np.sort(gaps[np.isfinite(gaps)])
-    return finite, np.arange(1, finite.size + 1) / max(1, gaps.size)
+def upper_quantile(values: ArrayLike, q: float) -> float:
+    """The least value that a share `q` of all values does not exceed; no interpolation."""
+    return Spread.of(values).upper(q)
 
 
 def circle_radius(x: float, y: float, heading: float, target_x: float, target_y: float) -> float:

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import pandas as pd
 
-from report.certificates import PROOFS, certificates, enclosures
+from report.certificates import PROOFS, certificates
 from report.content import Column, Picture, Section, Table, count, digits, share
 from report.figures_certificates import plot_proofs
 from report.load import Results
 from report.section_summary import attempts
+from report.spread import Spread
 from report.style import WIDE, name_of, new_figure
 
 _RIGOROUS = 1e-12  # relative; an interval narrower than this is called proven
@@ -16,28 +17,28 @@ _RIGOROUS = 1e-12  # relative; an interval narrower than this is called proven
 
 def certificates_section(results: Results) -> Section | None:
     """Proofs as bars and counts, the worst residuals, and the width of the enclosures."""
-    rows = attempts(results)
-    if not rows["proof"].notna().any():
+    found = attempts(results)
+    if not found.total.count("certified"):
         return None
-    frame = certificates(rows)
+    frame = certificates(found)
     text = (
         "Every answer is certified from its controls alone. Proved: the length agrees with a "
         "rigorous interval around the shortest one, and Pontryagin's conditions hold, for the "
         "branch best the cut margin too; or there is provably no path, and none was returned. "
         "Bounded: the solver's own "
         "bound is within the tolerance. Extremal: Pontryagin's conditions alone, which are "
-        f"necessary and not sufficient. {sentences(frame, enclosures(rows))}"
+        f"necessary and not sufficient. {sentences(frame, found.total.spread('width'))}"
     )
     blocks = (_picture(frame), _proofs_table(frame), _table(frame))
     return Section("certificates", "Certificates", text, blocks)
 
 
-def sentences(frame: pd.DataFrame, width: pd.Series) -> str:
+def sentences(frame: pd.DataFrame, width: Spread) -> str:
     """What the certificates say.
 
     Args:
         frame: of `certificates.certificates`.
-        width: of `certificates.enclosures`.
+        width: of the intervals around the shortest lengths, relative.
     """
     said = [_proved(frame), _enclosed(width), _reported(frame)]
     return " ".join(sentence for sentence in said if sentence)
@@ -52,14 +53,13 @@ def _proved(frame: pd.DataFrame) -> str:
     )
 
 
-def _enclosed(width: pd.Series) -> str:
-    if width.empty:
+def _enclosed(width: Spread) -> str:
+    if not width.size:
         return ""
-    widest = float(width.max())
+    widest = width.largest
     said = "below" if widest < _RIGOROUS else "not below"
     return (
-        f"The widest of the {count(len(width))} intervals around a shortest length is "
-        f"{digits(2)(widest)} of it, {said} 1e-12."
+        f"The widest interval around a shortest length is {digits(2)(widest)} of it, {said} 1e-12."
     )
 
 

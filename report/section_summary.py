@@ -2,22 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import pandas as pd
 
 from report.content import Column, Picture, Section, Table, count, digits, seconds, share, slug
 from report.figures_success import plot_gap_profile, plot_verdicts
 from report.load import Results
-from report.metrics import STUDIES, answerable, failures, gap_quantiles, success, summary
+from report.metrics import STUDIES, failures, gap_quantiles, gaps, summary
+from report.reduction import Reduction
 from report.style import HALF, WIDE, legend_lines, name_of, new_figure
 
 _MOST_FAILURES = 25
 
 
-def attempts(results: Results) -> pd.DataFrame:
-    """The rows that count here: all but those of the studies, if there are others."""
-    rows = results.rows
-    others = rows[~rows["experiment"].isin(STUDIES)]
-    return others if len(others) else rows
+def attempts(results: Results) -> Reduction:
+    """The attempts that count here: all but those of the studies, if there are others."""
+    others = results.reduction.without(STUDIES)
+    return others if others.tallies else results.reduction
 
 
 def some(number: int, noun: str) -> str:
@@ -27,18 +29,19 @@ def some(number: int, noun: str) -> str:
 
 def summary_section(results: Results) -> Section | None:
     """Attempts, verdicts and times, solver by solver."""
-    rows = attempts(results)
-    frame = summary(rows)
+    found = attempts(results)
+    frame = summary(found)
     caption = (
         "What the check found of every attempt. Success is optimal or none exists, as a share of "
         "all attempts, those that failed included. A false claim says more than the check finds; "
         "a wrong basin is a longer path that turns by another angle. "
         "Not returned: timed out, crashed, raised, unsupported or unavailable."
     )
-    asked = list(rows["experiment"].unique())
-    right = float(success(rows).mean())
+    asked = [run.name for run in results.manifests if run.name in found.experiments]
+    asked = list(dict.fromkeys(asked))
+    right = found.total.success / found.total.attempts
     text = (
-        f"{some(len(rows), 'attempt')} by {some(len(frame), 'solver')} in the "
+        f"{some(found.total.attempts, 'attempt')} by {some(len(frame), 'solver')} in the "
         f"{'experiment' if len(asked) == 1 else 'experiments'} {', '.join(asked)}; "
         f"success: {share(right)}. No number here rests on a solver's own word: each path "
         "is driven again from its controls and judged against the closed form."
@@ -68,18 +71,16 @@ def _bad_counts(frame: pd.DataFrame) -> dict[tuple[int, str], str]:
 
 def success_section(results: Results) -> Section | None:
     """Verdicts, gap profiles, gap quantiles per region, and what failed."""
-    rows = attempts(results)
-    blocks: list[Picture | Table] = [_verdict_picture(rows)]
-    if rows["experiment"].nunique() > 1:
-        blocks.append(_experiment_table(rows))
-    if len(answerable(rows)):
+    found = attempts(results)
+    each = {name: found.only(name) for name in found.experiments}
+    blocks: list[Picture | Table] = [_verdict_picture(found)]
+    if len(each) > 1:
+        blocks.append(_experiment_table(each))
+    if gaps(found.total).size:
         allowed = _tolerances(results)
-        blocks += [
-            _profile_picture(str(name), own, allowed.get(str(name)))
-            for name, own in rows.groupby("experiment")
-        ]
-        blocks.append(_quantile_table(rows))
-    failed = failures(rows)
+        blocks += [_profile_picture(name, own, allowed.get(name)) for name, own in each.items()]
+        blocks.append(_quantile_table(found))
+    failed = failures(found)
     if len(failed):
         blocks.append(_failure_table(failed))
     text = (
@@ -90,8 +91,8 @@ def success_section(results: Results) -> Section | None:
     return Section("success", "Success and gaps", text, tuple(blocks))
 
 
-def _experiment_table(rows: pd.DataFrame) -> Table:
-    parts = [summary(own).assign(experiment=name) for name, own in rows.groupby("experiment")]
+def _experiment_table(each: Mapping[str, Reduction]) -> Table:
+    parts = [summary(own).assign(experiment=name) for name, own in each.items()]
     frame = pd.concat(parts, ignore_index=True)
     left_out = ("optimal", "none exists", "not_returned")  # the rest says it, and fits
     kept = [column for column in _summary_columns() if column.key not in left_out]
@@ -100,8 +101,8 @@ def _experiment_table(rows: pd.DataFrame) -> Table:
     return Table("summary-by-experiment", caption, frame, columns, _bad_counts(frame))
 
 
-def _verdict_picture(rows: pd.DataFrame) -> Picture:
-    frame = summary(rows)
+def _verdict_picture(found: Reduction) -> Picture:
+    frame = summary(found)
     lines = max(name_of(solver).count("\n") + 1 for solver in frame["solver"])
     figure = new_figure(WIDE, 0.9 + max(0.42, 0.14 * lines) * len(frame))
     plot_verdicts(figure.add_subplot(), frame)
@@ -120,10 +121,10 @@ def _tolerances(results: Results) -> dict[str, float]:
     return {name: gap for name, (gap, *others) in found.items() if gap is not None and not others}
 
 
-def _profile_picture(experiment: str, rows: pd.DataFrame, tolerance: float | None) -> Picture:
-    figure = new_figure(HALF, 3.0 + 0.17 * legend_lines(rows["solver"].unique(), width=40))
+def _profile_picture(experiment: str, found: Reduction, tolerance: float | None) -> Picture:
+    figure = new_figure(HALF, 3.0 + 0.17 * legend_lines(list(found.solvers), width=40))
     ax = figure.add_subplot()
-    plot_gap_profile(ax, rows, tolerance)
+    plot_gap_profile(ax, found, tolerance)
     figure.legend(loc="outside lower left", ncols=1, fontsize=7.5)
     caption = (
         f"Experiment {experiment}: share of attempts within each gap. Higher is more reliable, "
@@ -134,8 +135,8 @@ def _profile_picture(experiment: str, rows: pd.DataFrame, tolerance: float | Non
     return Picture(f"gap-profile-{slug(experiment)}", caption, figure, alt, True)
 
 
-def _quantile_table(rows: pd.DataFrame) -> Table:
-    frame = gap_quantiles(rows)
+def _quantile_table(found: Reduction) -> Table:
+    frame = gap_quantiles(found)
     gap = digits(3)
     columns = (
         Column("solver", "solver", kind="code"),

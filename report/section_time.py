@@ -21,7 +21,8 @@ def time_section(results: Results) -> Section | None:
     """Medians and quartiles; build and solve apart; shifted geometric means."""
     rows = results.rows[~results.rows["experiment"].isin(_ELSEWHERE)]
     cold = rows[rows["start"] == "cold"]
-    frame = times(cold)
+    found = results.reduction.without(_ELSEWHERE)
+    frame = times(found)
     if frame.empty:
         return None
     figure = new_figure(WIDE, 0.7 + 0.46 * len(frame))
@@ -39,8 +40,10 @@ def time_section(results: Results) -> Section | None:
     means, shift = mean_times(plain)
     if len(means) > 1:
         blocks.append(_mean_table(means, shift))
-    jobs = ", ".join(str(n) for n in sorted(rows["jobs"].unique()))
-    threads = ", ".join(str(n) for n in sorted(rows["threads"].unique()))
+    jobs, threads = (
+        ", ".join(map(str, sorted(int(n) for (n,) in found.total.kinds(kind) if n is not None)))
+        for kind in ("jobs", "threads")
+    )
     text = (
         "Measured in the process that solves, after a warm-up that is not recorded; "
         f"threads: {threads}; jobs side by side: {jobs}. Judging is not timed. Compiled "

@@ -8,23 +8,22 @@ import numpy as np
 import pandas as pd
 
 from report.metrics import QUESTION, solver_order, success
+from report.reduction import TIMES, Reduction
 
-_PARTS = ("build_s", "solve_s", "wall_s")
 
-
-def times(rows: pd.DataFrame) -> pd.DataFrame:
-    """One row a solver: attempts timed, and median and quartiles (s) of build, solve and whole.
+def times(found: Reduction) -> pd.DataFrame:
+    """One row a solver: cold attempts timed, and median and quartiles (s) of each part of them.
 
     Columns: solver, timed, and for each part `build_s`, `solve_s`, `wall_s` also `_q1` and `_q3`.
     """
     records = []
-    for solver in solver_order(rows["solver"].tolist()):
-        own = rows[rows["solver"] == solver]
-        if not own["wall_s"].notna().any():
+    for solver in solver_order(list(found.solvers)):
+        parts = {part: found.solvers[solver].spread(f"cold {part}") for part in TIMES}
+        if not parts["wall_s"].size:
             continue
-        record: dict[str, object] = {"solver": solver, "timed": int(own["wall_s"].notna().sum())}
-        for part in _PARTS:
-            low, middle, high = own[part].quantile([0.25, 0.5, 0.75])
+        record: dict[str, object] = {"solver": solver, "timed": parts["wall_s"].size}
+        for part, spread in parts.items():
+            low, middle, high = map(spread.quantile, (0.25, 0.5, 0.75))
             record |= {part: middle, f"{part}_q1": low, f"{part}_q3": high}
         records.append(record)
     return pd.DataFrame.from_records(records)

@@ -8,8 +8,9 @@ import pytest
 
 from experiments import run
 from report import render
-from report.certificates import certificates, compared, enclosures
+from report.certificates import certificates
 from report.load import load
+from report.reduction import compared, widths
 from study.scenario import Scenario
 from study.synthesis import shortest
 from study.verify import Claim
@@ -52,7 +53,7 @@ def rows():
 
 def test_numbers_by_hand(results):
     """Counts of each word, a lost row has no proof; worst and least of what is measured."""
-    table = certificates(load([results("tiny", rows())]).rows).set_index("solver")
+    table = certificates(load([results("tiny", rows())]).reduction).set_index("solver")
     words = ["attempts", "proved", "bounded", "extremal", "none"]
 
     assert table.loc["slsqp", words].tolist() == [2, 2, 0, 0, 0]
@@ -79,13 +80,15 @@ def test_multipliers_are_compared_with_costates_that_are_there(results):
 
 
 def test_width_of_enclosures(results):
-    """Once a question, and not where no path exists."""
+    """Of every attempt, and not where no path exists."""
     made = rows()
     made[0] |= {"reference_low": 2.0, "reference_high": 2.5}
     made[2] |= {"reference_low": 2.0, "reference_high": 2.5}
-    width = enclosures(load([results("tiny", made)]).rows)
+    found = load([results("tiny", made)])
+    width = set(widths(found.rows))
 
     assert sorted(width) == pytest.approx([4e-16, 0.2])
+    assert found.reduction.total.spread("width").largest == pytest.approx(0.2)
 
 
 def text_of(folder, out):
@@ -136,15 +139,15 @@ def test_real_answers_are_certified(tmp_path):
     """Right answers to easy questions are all proved, RS to the right disc by its absence; the
     enclosures hold the closed form's length and are narrower than 1e-12."""
     (tmp_path / "certified.toml").write_text(EXPERIMENT, encoding="utf-8")
-    loaded = load([run(str(tmp_path / "certified.toml"), tmp_path / "out")]).rows
-    table = certificates(loaded).set_index("solver")
+    results = load([run(str(tmp_path / "certified.toml"), tmp_path / "out")])
+    loaded, table = results.rows, certificates(results.reduction).set_index("solver")
     disc = loaded[loaded["region"] == "right disc"]
 
     assert table["none"].sum() == 0
     assert table.loc["analytic", "proved"] == 4
     assert set(disc.loc[disc["branch"] == "RS", "verdict"]) == {"none exists"}
-    assert len(enclosures(loaded)) == 3
-    assert enclosures(loaded).max() < 1e-12
+    assert len(widths(loaded)) == 3 * 3
+    assert widths(loaded).max() < 1e-12
     assert table["false_bounds"].sum() == 0
     best = disc[disc["branch"] == "best"].iloc[0]
     # a unit in the last place, which is what the closed form's own arithmetic loses

@@ -11,8 +11,9 @@ import pytest
 from report import metrics, timing
 from report.agreement import agreement
 from report.discretisation import work_precision
+from report.reduction import of
 from study.path import Path
-from study.scenario import Pose
+from study.scenario import COLUMNS, Pose
 
 NAN = float("nan")
 
@@ -55,7 +56,7 @@ def test_failures_stay_in_every_denominator():
         outcome=["returned", "returned", "returned", "timeout"],
         false_claim=[False, False, True, False],
     )
-    line = metrics.summary(rows).iloc[0]
+    line = metrics.summary(of(rows)).iloc[0]
 
     assert (line["attempts"], line["success"]) == (4, 0.5)
     assert (line["misses"], line["none"], line["none exists"]) == (1, 1, 1)
@@ -65,7 +66,7 @@ def test_failures_stay_in_every_denominator():
 def test_every_attempt_is_in_one_verdict_column():
     """Verdict counts add up to the attempts."""
     rows = frame(verdict=["optimal", "longer", "longer", "misses", "none", "none exists"])
-    line = metrics.summary(rows).iloc[0]
+    line = metrics.summary(of(rows)).iloc[0]
 
     assert sum(line[verdict] for verdict in metrics.VERDICTS) == line["attempts"]
 
@@ -73,7 +74,7 @@ def test_every_attempt_is_in_one_verdict_column():
 def test_gap_quantiles_count_what_did_not_arrive_as_infinite():
     """Of ten attempts nine arrive: the median is a number, the worst is not."""
     rows = frame(gap=[0.1 * i for i in range(9)] + [NAN])
-    line = metrics.gap_quantiles(rows).iloc[0]
+    line = metrics.gap_quantiles(of(rows)).iloc[0]
 
     assert line["attempts"] == 10
     assert line["arrived"] == 0.9
@@ -85,23 +86,19 @@ def test_gap_quantiles_count_what_did_not_arrive_as_infinite():
 def test_questions_without_an_answer_have_no_gap_to_measure():
     """LS inside the left disc does not exist; refusing it must not look like an infinite gap."""
     rows = frame(gap=[0.0, NAN], word_ref=["LS", None], verdict=["optimal", "none exists"])
-    assert metrics.gap_quantiles(rows).iloc[0]["attempts"] == 1
+    assert metrics.gap_quantiles(of(rows)).iloc[0]["attempts"] == 1
 
 
-def test_a_crash_counts_where_another_solver_shows_that_an_answer_exists():
-    """A row that lost everything still belongs to a question that has an answer."""
-    rows = frame(scenario_id=["0", "0"], solver=["a", "b"], word_ref=["LS", None], gap=[0.0, NAN])
-    table = metrics.gap_quantiles(rows).set_index(["solver", "region"])
+def test_a_crash_counts_where_an_answer_exists():
+    """A row that lost everything still belongs to a question that has an answer, or has none: the
+    target in the left disc is reached by RS and not by LS."""
+    lost = {"word_ref": None, "region": None, "gap": NAN, "verdict": "none", "outcome": "crashed"}
+    place = dict(zip(COLUMNS, (0.0, 0.0, 0.0, 0.5, 0.8, 1.0, 1.0, ""), strict=True))
+    rows = frame(solver=["a", "b"], branch=["LS", "RS"], **(place | lost))
+    table = metrics.gap_quantiles(of(rows)).set_index(["solver", "region"])
 
+    assert list(table.index) == [("b", "all")]
     assert table.loc[("b", "all"), "q50"] == math.inf
-
-
-def test_share_within_ends_at_the_share_that_arrives():
-    """Three of four arrive."""
-    gaps, share = metrics.share_within(np.array([1e-3, np.inf, 0.0, 1e-9]))
-
-    assert gaps.tolist() == [0.0, 1e-9, 1e-3]
-    assert share.tolist() == [0.25, 0.5, 0.75]
 
 
 @pytest.mark.parametrize(
@@ -198,7 +195,7 @@ def test_time_ratios_keep_failures_as_never_solved():
 def test_messages_that_differ_in_numbers_are_one():
     """Grouping failures by their gist."""
     rows = frame(verdict="none", message=["off by 2.3e-01; off by 1.1e+02", "off by 7; off by 0.5"])
-    table = metrics.failures(rows)
+    table = metrics.failures(of(rows))
 
     assert table[["said", "attempts"]].to_numpy().tolist() == [["off by #", 2]]
 
