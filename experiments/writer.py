@@ -11,7 +11,7 @@ from experiments.parts import RUN_ID, write_part
 from experiments.rows import Row, rows_table
 
 # rows are written when this many seconds have passed, so that a killed run loses little
-_FLUSH = 1.0
+_FLUSH = 0.8
 
 # called with (cells done, cells in all) after every step
 Progress = Callable[[int, int], None]
