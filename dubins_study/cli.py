@@ -36,7 +36,7 @@ def solve(
     solver: Annotated[str, typer.Option(help="name or name[setting=value]")] = "analytic",
     branch: Annotated[str, typer.Option(help="best, LS, RS, LR or RL")] = "best",
     profile: Annotated[str, typer.Option(help="default, fast or accurate")] = "default",
-    limit: Annotated[float, typer.Option(help="seconds the solver is asked to keep to")] = 60.0,
+    limit: Annotated[float, typer.Option(help="seconds that the solve may take")] = 60.0,
     as_json: Annotated[bool, typer.Option("--json", help="print one JSON object")] = False,
     plot: Annotated[
         FilePath | None, typer.Option(metavar="FILE", help="draw the path: .svg, .pdf or .png")
@@ -44,12 +44,11 @@ def solve(
 ) -> None:
     """Solve one scenario and judge the answer."""
     from dubins_study import show, streams
-    from solvers.answer import solve as solve_scenario
 
     show.check_words([x, y], context.args, "solve")
     scenario = show.scenario(x, y, start, radius, speed)
     with streams.solvers_to_stderr():
-        answer = solve_scenario(scenario, solver, branch, profile=profile, limit=limit)
+        answer = show.solved(scenario, solver, branch, profile, limit)
     refusal = show.no_answer(answer)
     if plot is not None and refusal is None:
         show.plot(answer, plot)

@@ -119,6 +119,17 @@ def answer_text(answer: Answer) -> str:
     return "\n".join(lines)
 
 
+def solved(scenario: Scenario, solver: str, branch: str, profile: str, limit: float) -> Answer:
+    """The closed form's answer, or another solver's from a process of its own."""
+    if solver == "analytic":
+        from solvers.answer import solve
+
+        return solve(scenario, solver, branch, profile=profile, limit=limit)
+    from experiments.isolated import solve_isolated
+
+    return solve_isolated(scenario, solver, branch, profile=profile, limit=limit)
+
+
 def no_answer(answer: Answer) -> str | None:
     """Why the solver was not asked at all, if so."""
     if answer.outcome not in (Outcome.UNAVAILABLE, Outcome.UNSUPPORTED):

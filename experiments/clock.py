@@ -9,12 +9,13 @@ from typing import Any, NamedTuple
 
 
 class Phase(IntEnum):
-    """Starting lasts until the first order; preparing is loading a solver and warming it up."""
+    """Starting lasts until the first order; a solver new to the worker is loaded and warmed up."""
 
     STARTING = 0
     IDLE = 1
-    PREPARING = 2
-    SOLVING = 3
+    LOADING = 2
+    WARMING = 3
+    SOLVING = 4
 
 
 class Reading(NamedTuple):

@@ -87,7 +87,7 @@ class Slot:
     def running(self) -> Order | None:
         """The order that the worker is at, or was when it ended."""
         reading = self.clock.read()
-        if reading.phase in (Phase.PREPARING, Phase.SOLVING):
+        if reading.phase >= Phase.LOADING:
             return self.pending.get(reading.order)
         return None
 

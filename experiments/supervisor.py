@@ -70,12 +70,21 @@ class Supervisor:
         bounds: of every solve.
         jobs: workers side by side.
         probed: called now and then with the seconds that a fixed piece of work took in a worker.
+        made: what a reply becomes, and the path that a sweep goes on from: a row.
+        warm_up: whether solvers are asked an easy question before the first of their own.
     """
 
     def __init__(
-        self, run: Run, bounds: Bounds, jobs: int, probed: Callable[[float], None] | None = None
+        self,
+        run: Run,
+        bounds: Bounds,
+        jobs: int,
+        probed: Callable[[float], None] | None = None,
+        made: Callable[..., tuple[Any, Path | None]] = row_of,
+        warm_up: bool = True,
     ):
-        self.run, self.bounds, self._probed = run, bounds, probed
+        self.run, self.bounds, self._probed, self._made = run, bounds, probed, made
+        self._warm_up = warm_up
         self._next_probe = monotonic()
         self._ended: SimpleQueue[tuple[Slot, int, Future[Any]]] = SimpleQueue()
         self._slots = [Slot(bounds.memory, self._told) for _ in range(jobs)]
@@ -146,7 +155,7 @@ class Supervisor:
                     continue
                 number = next(self._numbers)
                 self._tasks[number] = task
-                slot.put(self._order(number, task, warm_up=solver not in self._cold))
+                slot.put(self._order(number, task, solver not in self._cold))
         if self._probed is not None and monotonic() > self._next_probe:
             self._next_probe = monotonic() + _PROBE_EVERY
             self._slots[0].measure()
@@ -161,7 +170,7 @@ class Supervisor:
             cell.branch,
             task.start(),
             self.bounds.limit,
-            warm_up,
+            warm_up and self._warm_up,
         )
 
     def _news(self) -> list[Row]:
@@ -195,7 +204,7 @@ class Supervisor:
     def _fallen(self, slot: Slot) -> list[Row]:
         """A worker has ended: the row of the order that it was at; the others wait again."""
         order = slot.running()
-        loading = slot.clock.read().phase is Phase.PREPARING
+        phase = slot.clock.read().phase
         code, words, doom = slot.exit_code(), slot.words.take(), slot.doom
         left = slot.clear()
         self._ahead[slot] = 1
@@ -207,11 +216,11 @@ class Supervisor:
         self._false_starts = 0
         task = self._tasks.pop(order.number)
         reply = doom[1] if doom and doom[0] == order.number else _crashed(code, words)
-        if loading and order.warm_up:
+        if phase < Phase.SOLVING and order.warm_up:
             self._cold.add((order.solver, order.profile))
             self._waiting.appendleft(task)
             return []
-        if loading:
+        if phase < Phase.SOLVING:
             message, status = reply.solution.message, reply.solution.native_status
             reply = nothing(reply.outcome, f"{message}, while it was loaded", status=status)
             self._hopeless[order.solver, order.profile] = reply
@@ -227,7 +236,7 @@ class Supervisor:
 
     def _rows(self, task: _Task, reply: Reply, started: str = "", versions: str = "") -> list[Row]:
         """The judged row of a task's cell; its chain goes on."""
-        row, path = row_of(task.cell, task.start(), self.run, reply, started, versions)
+        row, path = self._made(task.cell, task.start(), self.run, reply, started, versions)
         if task.place + 1 < len(task.chain):
             # after a failure the last path that was found serves on
             self._waiting.appendleft(_Task(task.chain, task.place + 1, path or task.path))

@@ -17,8 +17,10 @@ TICK = 0.02  # s between two looks
 # A solver that keeps to its limit needs a moment to hand its answer over. With the looks and the
 # kill itself, a solve ends within 0.3 s of its limit.
 GRACE = 0.1
-# s for a process to start, or a solver to be loaded; the warm-up solve has its limit on top
+# s for a process to start, or a solver to be loaded
 START_UP = 60.0
+# s that a warm-up solve may take beyond its limit: what is imported late comes here
+_WARM_UP = 10.0
 # s in which an idle worker must take up its next order
 _STALL = 10.0
 # looks between two at a worker's children, which cost milliseconds where many processes run
@@ -75,14 +77,15 @@ class Watch:
         allowed = {
             Phase.STARTING: START_UP,
             Phase.IDLE: _STALL if slot.pending else float("inf"),
-            Phase.PREPARING: START_UP + limit,
+            Phase.LOADING: START_UP,
+            Phase.WARMING: limit + _WARM_UP,
             Phase.SOLVING: limit + GRACE,
         }[reading.phase]
         if seconds <= allowed:
             return None
         message = f"stopped after {seconds:.2f} s; the limit is {limit:g} s"
-        if reading.phase is Phase.PREPARING:
-            message = f"stopped after {seconds:.0f} s of loading and warming up"
+        if reading.phase is not Phase.SOLVING:
+            message = f"stopped after {seconds:.0f} s"
         return nothing(Outcome.TIMEOUT, message, Times(wall=seconds))
 
     def _too_much(self, pid: int, reading: Reading, whole: bool) -> Reply | None:

@@ -59,13 +59,12 @@ def answer(order: Order) -> Packed:
     started = now()
     try:
         with contained():
-            _tell(order.number, Phase.PREPARING)
-            solver = _ready(order.solver, order.profile, order.warm_up)
+            solver, said = _ready(order)
             question = Question(order.scenario, order.branch, order.start)
             started = now()
             _tell(order.number, Phase.SOLVING)
             reply = ask(solver, question, order.limit)
-            return packed(reply, started, _versions(order.solver))
+            return packed(reply, started, said)
     except BaseException as error:  # a plug-in that breaks more than its own calls is a row too
         return packed(_failed(error), started, "")
     finally:
@@ -82,15 +81,22 @@ def _tell(number: int, phase: Phase) -> None:
         _clock.write(os.getpid(), number, phase)
 
 
+def _ready(order: Order) -> tuple[AnySolver, str]:
+    """A solver with its imports, templates and caches behind it, and the versions it rests on."""
+    solver = order.solver, order.profile
+    _tell(order.number, Phase.LOADING)
+    loaded = _loaded(*solver)
+    if order.warm_up and solver not in _warm:
+        _tell(order.number, Phase.WARMING)
+        ask(loaded[0], Question(_WARM_UP, loaded[0].branches[0]), order.limit)
+        _warm.add(solver)
+    return loaded
+
+
+_warm: set[tuple[str, str]] = set()
+
+
 @lru_cache(maxsize=256)
-def _ready(spec: str, profile: str, warm_up: bool) -> AnySolver:
-    """A solver that has its imports, templates and caches behind it."""
+def _loaded(spec: str, profile: str) -> tuple[AnySolver, str]:
     solver = load(spec, profile)
-    if warm_up:
-        ask(solver, Question(_WARM_UP, solver.branches[0]))
-    return solver
-
-
-@lru_cache(maxsize=256)
-def _versions(spec: str) -> str:
-    return json.dumps(solver_versions(load(spec)))
+    return solver, json.dumps(solver_versions(solver))

@@ -1,0 +1,54 @@
+"""One question, asked in a worker process of its own."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from experiments.description import described
+from experiments.grid import Cell
+from experiments.interruption import Interruption
+from experiments.isolation import pinned_threads
+from experiments.judging import Run
+from experiments.supervisor import Supervisor
+from experiments.watch import Bounds
+from solvers.answer import DEFAULT_LIMIT, Answer, Reply, check_request, judged
+from solvers.profiles import tolerances
+from solvers.protocol import Question
+from study.path import Path
+from study.scenario import Scenario
+
+MEMORY = 4.0  # GiB
+
+
+def solve_isolated(
+    scenario: Scenario,
+    solver: str,
+    branch: str = "best",
+    *,
+    profile: str = "default",
+    limit: float = DEFAULT_LIMIT,
+    memory: float = MEMORY,
+) -> Answer:
+    """Solve one scenario as a run does: whatever the solver does to its process is an answer.
+
+    Args and Raises as `solvers.solve`, where the caller's own process is asked; `memory` is in
+    GiB. Interrupted once, it waits for the answer; twice, it does not.
+    """
+    check_request(branch, limit)
+    tolerances(profile)
+    described(solver, profile)
+    cell = Cell("", solver, profile, branch, "cold", 0, "", scenario)
+    bounds = Bounds(limit, round(memory * 2**30))
+    asked = Supervisor(Run("", limit, 1), bounds, 1, made=_answer, warm_up=False)
+    with Interruption() as stop, pinned_threads(), asked as workers:
+        found: list[Any] = [one for made in workers.solve([(cell,)], {}, stop) for one in made]
+        stop.check()
+    answer: Answer = found[0]
+    return answer
+
+
+def _answer(
+    cell: Cell, start: Path | None, run: Run, reply: Reply, started: str, versions: str
+) -> tuple[Answer, None]:
+    question = Question(cell.scenario, cell.branch, start)
+    return judged(cell.solver, question, reply, tolerances(cell.profile)), None
