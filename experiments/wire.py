@@ -64,6 +64,7 @@ def packed(reply: Reply, started: str, versions: str) -> Packed:
 
 
 def _controls(path: Path) -> tuple[tuple[float, ...], bytes, bytes]:
+    path = Path(path.start, path.curvature, path.length)  # its arrays may be others by now
     held = (np.asarray(values, np.float64).tobytes() for values in (path.curvature, path.length))
     start: tuple[float, ...] = tuple(float(value) for value in path.start)
     curvature, length = held

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import json
 import os
-import signal
 from functools import lru_cache
 from multiprocessing.connection import Connection
 from typing import NamedTuple
 
 from experiments.clock import Clock, Phase
 from experiments.containment import contained
-from experiments.isolation import isolate
+from experiments.isolation import depend, isolate
 from experiments.provenance import now, solver_versions
 from experiments.wire import Packed, packed
 from solvers.answer import Reply, ask, nothing, told
@@ -41,14 +40,9 @@ _clock: Clock | None = None
 
 
 def begin(clock: Clock, output: Connection, memory: int) -> None:
-    """Make this process a worker.
-
-    One that pebble starts in place of one that ended waits to be stopped: what the clock says of
-    the first is still to be read.
-    """
+    """Make this process a worker."""
     global _clock
-    while clock.read().pid:
-        signal.pause()
+    depend()
     isolate(output, memory)
     _clock = clock
     clock.write(os.getpid(), -1, Phase.IDLE)
@@ -59,8 +53,7 @@ def answer(order: Order) -> Packed:
     started = now()
     try:
         with contained():
-            _tell(order.number, Phase.PREPARING)
-            solver = _ready(order.solver, order.profile, order.warm_up)
+            solver = _ready(order)
             question = Question(order.scenario, order.branch, order.start)
             started = now()
             _tell(order.number, Phase.SOLVING)
@@ -69,7 +62,7 @@ def answer(order: Order) -> Packed:
     except BaseException as error:  # a plug-in that breaks more than its own calls is a row too
         return packed(_failed(error), started, "")
     finally:
-        _tell(-1, Phase.IDLE)
+        _tell(order.number, Phase.IDLE)
 
 
 def _failed(error: BaseException) -> Reply:
@@ -82,13 +75,20 @@ def _tell(number: int, phase: Phase) -> None:
         _clock.write(os.getpid(), number, phase)
 
 
-@lru_cache(maxsize=256)
-def _ready(spec: str, profile: str, warm_up: bool) -> AnySolver:
+_solvers: dict[tuple[str, str], AnySolver] = {}
+
+
+def _ready(order: Order) -> AnySolver:
     """A solver that has its imports, templates and caches behind it."""
-    solver = load(spec, profile)
-    if warm_up:
-        ask(solver, Question(_WARM_UP, solver.branches[0]))
-    return solver
+    key = order.solver, order.profile
+    if key not in _solvers:
+        _tell(order.number, Phase.PREPARING)
+        solver = load(*key)
+        if order.warm_up:
+            _tell(order.number, Phase.WARMING_UP)
+            ask(solver, Question(_WARM_UP, solver.branches[0]), order.limit)
+        _solvers[key] = solver
+    return _solvers[key]
 
 
 @lru_cache(maxsize=256)

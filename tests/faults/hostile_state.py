@@ -14,6 +14,7 @@ import sys
 import threading
 import time
 import warnings
+from contextlib import suppress
 from multiprocessing.util import Finalize
 
 import numpy as np
@@ -78,6 +79,14 @@ def _seeded():
     return random.getstate()[1][:9] == state or legacy[1][0] == SEED
 
 
+def _unprintable():
+    """Whether stdout or stderr is gone, or leads to a file that a solver opened."""
+    try:
+        return os.fstat(1)[:3] != os.fstat(2)[:3]
+    except OSError:
+        return True
+
+
 def _named(name):
     return any(thread.name == name for thread in threading.enumerate())
 
@@ -130,8 +139,18 @@ STATES = {
         lambda: len(os.sched_getaffinity(0)) == 1 < (os.cpu_count() or 1),
     ),
     "switch": (lambda: sys.setswitchinterval(60), lambda: sys.getswitchinterval() == 60),
+    "closed": (lambda: os.close(1), _unprintable),
+    "opened": (lambda: os.dup2(os.open("/dev/zero", os.O_RDWR), 1), _unprintable),
     "stdout": (lambda: setattr(sys, "stdout", None), lambda: sys.stdout is None),
 }
+
+
+def _unprintable():
+    """Whether stdout or stderr is gone, or leads to a file that a solver opened."""
+    try:
+        return os.fstat(1)[:3] != os.fstat(2)[:3]
+    except OSError:
+        return True
 
 
 def _umask():
@@ -176,7 +195,8 @@ class ClosesStandard(Analytic):
 
     def solve(self, model, limit):
         for fd in (0, 1, 2):
-            os.close(fd)
+            with suppress(OSError):  # closed already
+                os.close(fd)
         return super().solve(model, limit)
 
 
