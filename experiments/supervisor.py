@@ -186,7 +186,10 @@ class Supervisor:
             sent: Packed = future.result()
             self._false_starts = 0
             self._ahead[slot] = _AHEAD if (sent.times[2] or 0) < _QUICK else 1
-            return self._rows(self._tasks.pop(number), _read(sent), sent.started, sent.versions)
+            task = self._tasks.pop(number)
+            if sent.worn:
+                self._empty(slot)
+            return self._rows(task, _read(sent), sent.started, sent.versions)
         if slot.pid and slot.exit_code() is None and not isinstance(error, _ENDED):
             # the worker lives, and what it sent did not arrive
             del slot.pending[number]
@@ -200,10 +203,7 @@ class Supervisor:
         order = slot.running()
         loading = slot.clock.read().phase in (Phase.PREPARING, Phase.WARMING_UP)
         code, words, doom = slot.exit_code(), slot.words.take(), slot.doom
-        left = slot.clear()
-        self._ahead[slot] = 1
-        again = [self._tasks.pop(one.number) for one in left if one != order]
-        self._waiting.extendleft(reversed(again))
+        self._empty(slot, order)
         if order is None:
             self._strike(code, words)
             return []
@@ -220,6 +220,13 @@ class Supervisor:
             reply = nothing(reply.outcome, f"{message}, while it was loaded", status=status)
             self._hopeless[order.solver, order.profile] = reply
         return self._rows(task, reply)
+
+    def _empty(self, slot: Slot, order: Order | None = None) -> None:
+        """Throw a worker away; all its orders but one wait again."""
+        left = slot.clear()
+        self._ahead[slot] = 1
+        again = [self._tasks.pop(one.number) for one in left if one != order]
+        self._waiting.extendleft(reversed(again))
 
     def _strike(self, code: int | None, words: str) -> None:
         self._false_starts += 1

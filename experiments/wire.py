@@ -31,6 +31,7 @@ class Packed(NamedTuple):
     texts: tuple[str, str]
     started: str
     versions: str
+    worn: bool = False  # whether the worker is to be replaced
 
 
 _NUMBERS = ("claimed_length", "lower_bound")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import signal
 from functools import lru_cache
 from multiprocessing.connection import Connection
 from typing import NamedTuple
@@ -48,21 +49,33 @@ def begin(clock: Clock, output: Connection, memory: int) -> None:
     clock.write(os.getpid(), -1, Phase.IDLE)
 
 
+_worn = False
+
+
 def answer(order: Order) -> Packed:
-    """Put one question to one solver. Whatever happens short of the process's end is a reply."""
-    started = now()
+    """Put one question to one solver. Whatever happens short of the process's end is a reply.
+
+    A worker that a solver has left worn answers no more, and waits to be replaced.
+    """
+    global _worn
+    while _worn:
+        signal.pause()
+    started, state = now(), None
     try:
-        with contained():
+        with contained() as state:
             solver = _ready(order)
+            state.pardon()
             question = Question(order.scenario, order.branch, order.start)
             started = now()
             _tell(order.number, Phase.SOLVING)
             reply = ask(solver, question, order.limit)
-            return packed(reply, started, _versions(order.solver))
+            sent = packed(reply, started, _versions(order.solver))
     except BaseException as error:  # a plug-in that breaks more than its own calls is a row too
-        return packed(_failed(error), started, "")
+        sent = packed(_failed(error), started, "")
     finally:
         _tell(order.number, Phase.IDLE)
+    _worn = state is not None and state.worn
+    return sent._replace(worn=_worn)
 
 
 def _failed(error: BaseException) -> Reply:
