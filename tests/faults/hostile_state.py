@@ -16,6 +16,7 @@ import time
 import warnings
 from contextlib import suppress
 from multiprocessing.util import Finalize
+from pathlib import Path
 
 import numpy as np
 from threadpoolctl import threadpool_info, threadpool_limits
@@ -80,9 +81,9 @@ def _seeded():
 
 
 def _unprintable():
-    """Whether stdout or stderr is gone, or leads to a file that a solver opened."""
+    """Whether stdout is gone, or leads to the file that a solver opened."""
     try:
-        return os.fstat(1)[:3] != os.fstat(2)[:3]
+        return os.fstat(1).st_rdev == Path("/dev/zero").stat().st_rdev
     except OSError:
         return True
 
@@ -146,9 +147,9 @@ STATES = {
 
 
 def _unprintable():
-    """Whether stdout or stderr is gone, or leads to a file that a solver opened."""
+    """Whether stdout is gone, or leads to the file that a solver opened."""
     try:
-        return os.fstat(1)[:3] != os.fstat(2)[:3]
+        return os.fstat(1).st_rdev == Path("/dev/zero").stat().st_rdev
     except OSError:
         return True
 

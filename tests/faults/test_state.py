@@ -173,7 +173,7 @@ def test_plugins_that_go_wrong_only_in_a_worker(tmp_path, clean, what):
     refused(tmp_path, file, clean)
 
 
-def test_state_of_the_caller_is_left_alone(tmp_path, monkeypatch):
+def test_state_of_the_caller_is_left_alone(tmp_path):
     """A run from Python changes nothing of the process that asks for it."""
     from experiments import run
 
