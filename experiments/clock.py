@@ -9,13 +9,17 @@ from typing import Any, NamedTuple
 
 
 class Phase(IntEnum):
-    """Starting lasts until the first order; a solver new to the worker is loaded and warmed up."""
+    """Starting lasts until the first order; preparing is loading a solver.
+
+    The clock is lost if a solver writes rubbish over it.
+    """
 
     STARTING = 0
     IDLE = 1
-    LOADING = 2
-    WARMING = 3
+    PREPARING = 2
+    WARMING_UP = 3
     SOLVING = 4
+    LOST = 5
 
 
 class Reading(NamedTuple):
@@ -42,4 +46,7 @@ class Clock:
 
     def read(self) -> Reading:
         pid, order, phase, since = self._numbers[:]
-        return Reading(int(pid), int(order), Phase(int(phase)), since)
+        try:
+            return Reading(int(pid), int(order), Phase(int(phase)), since)
+        except (ValueError, OverflowError):
+            return Reading(0, -1, Phase.LOST, 0.0)

@@ -4,11 +4,14 @@ changed by the one before."""
 from __future__ import annotations
 
 import decimal
+import gc
 import locale
 import os
 import random
+import resource
 import signal
 import sys
+import threading
 import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
@@ -45,8 +48,32 @@ def _set_streams(kept: tuple[Any, ...]) -> None:
     sys.stdin, sys.stdout, sys.stderr = kept
 
 
+def _set_hooks(kept: tuple[Any, ...]) -> None:
+    sys.excepthook, sys.unraisablehook, threading.excepthook, trace, profile = kept
+    sys.settrace(trace)
+    sys.setprofile(profile)
+
+
+def _descriptors() -> list[int | None]:
+    """Copies of stdin, stdout and stderr; None for one that is closed."""
+    copies: list[int | None] = [None] * 3
+    for number in range(3):
+        with suppress(OSError):
+            copies[number] = os.dup(number)
+    return copies
+
+
+def _set_descriptors(kept: list[int | None]) -> None:
+    for number, copy in enumerate(kept):
+        if copy is not None:
+            with suppress(OSError):
+                os.dup2(copy, number)
+                os.close(copy)
+
+
 # how a piece of state is read, and how it is put back
 _STATE: tuple[tuple[Callable[[], Any], Callable[[Any], object]], ...] = (
+    (_descriptors, _set_descriptors),
     (os.getcwd, os.chdir),
     (lambda: dict(os.environ), _set_environment),
     (lambda: list(warnings.filters), lambda kept: warnings.filters.__setitem__(slice(None), kept)),  # type: ignore[index]
@@ -56,26 +83,79 @@ _STATE: tuple[tuple[Callable[[], Any], Callable[[Any], object]], ...] = (
     (lambda: locale.setlocale(locale.LC_ALL), lambda kept: locale.setlocale(locale.LC_ALL, kept)),
     (lambda: list(sys.path), lambda kept: sys.path.__setitem__(slice(None), kept)),
     (sys.getrecursionlimit, sys.setrecursionlimit),
+    (sys.getswitchinterval, sys.setswitchinterval),
+    (gc.isenabled, lambda kept: gc.enable() if kept else gc.disable()),
+    (
+        lambda: (
+            *(sys.excepthook, sys.unraisablehook, threading.excepthook),
+            *(sys.gettrace(), sys.getprofile()),
+        ),
+        _set_hooks,
+    ),
     (_umask, os.umask),
     (lambda: [signal.getsignal(number) for number in _SIGNALS], _set_signals),
+    (
+        lambda: signal.pthread_sigmask(signal.SIG_BLOCK, ()),
+        lambda kept: signal.pthread_sigmask(signal.SIG_SETMASK, kept),
+    ),
     (lambda: (sys.stdin, sys.stdout, sys.stderr), _set_streams),
 )
 
 
+def _limits() -> list[tuple[int, int]]:
+    return [resource.getrlimit(number) for number in _LIMITS]
+
+
+def _set_limits(kept: list[tuple[int, int]]) -> None:
+    for number, limits in zip(_LIMITS, kept, strict=True):
+        if resource.getrlimit(number) != limits:
+            resource.setrlimit(number, limits)
+
+
+_LIMITS = sorted({getattr(resource, name) for name in dir(resource) if name.startswith("RLIMIT_")})
+
+# the same for what a process may be refused to put back
+_GRANTED: tuple[tuple[Callable[[], Any], Callable[[Any], object]], ...] = (
+    (_limits, _set_limits),
+    (lambda: os.getpriority(os.PRIO_PROCESS, 0), lambda n: os.setpriority(os.PRIO_PROCESS, 0, n)),
+)
+if hasattr(os, "sched_getaffinity"):
+    _GRANTED += ((lambda: os.sched_getaffinity(0), lambda kept: os.sched_setaffinity(0, kept)),)
+
+
+class Containment:
+    """Whether a solver has left what cannot be undone: a thread, or less than it had been given."""
+
+    def __init__(self) -> None:
+        self.worn = False
+        self._threads = set(threading.enumerate())
+
+    def pardon(self) -> None:
+        """Threads that are there by now are a library's own, and may stay."""
+        self._threads.update(threading.enumerate())
+
+    def check(self, granted: list[Any]) -> None:
+        kept = all(read() == value for value, (read, _) in zip(granted, _GRANTED, strict=True))
+        self.worn = not kept or not self._threads.issuperset(threading.enumerate())
+
+
 @contextmanager
-def contained() -> Iterator[None]:
+def contained() -> Iterator[Containment]:
     """Global generators seeded; on leaving, state that others rely on is what it was."""
     random.seed(SEED)
     np.random.seed(SEED)  # noqa: NPY002
+    found = Containment()
     kept = [read() for read, _ in _STATE]
+    granted = [read() for read, _ in _GRANTED]
     try:
-        yield
+        yield found
     finally:
         signal.setitimer(signal.ITIMER_REAL, 0)
-        for value, (_, put_back) in zip(kept, _STATE, strict=True):
+        for value, (_, put_back) in zip(kept + granted, _STATE + _GRANTED, strict=True):
             with suppress(Exception):  # e.g. a directory that is gone: the rest is put back still
                 put_back(value)
         _one_thread()
+        found.check(granted)
 
 
 _libraries: tuple[int, Any] = (0, None)

@@ -8,7 +8,9 @@ import signal
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from multiprocessing import forkserver
 from multiprocessing.connection import Connection
+from typing import Any
 
 THREADS = 1
 _VARIABLES = tuple(f"{library}_NUM_THREADS" for library in ("OMP", "OPENBLAS", "MKL", "NUMBA"))
@@ -22,12 +24,11 @@ def isolate(output: Connection, memory: int) -> None:
     """Make this process one that can be killed whole, and that hurts nobody else.
 
     It leads a session of its own, so that Ctrl-C in a terminal passes it by and its children can
-    be told; it dies with its parent; what it and its solvers print goes to `output`; each numerical
+    be told; what it and its solvers print goes to `output`; each numerical
     library has one thread; allocations far beyond `memory` bytes fail.
     """
     with suppress(OSError):  # it leads one already
         os.setsid()
-    _die_with_parent()
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
     _redirect(output)
@@ -35,10 +36,18 @@ def isolate(output: Connection, memory: int) -> None:
     pin_threads()
 
 
-def _die_with_parent() -> None:
-    """Even in an endless loop: the kernel sends the signal."""
+def depend() -> None:
+    """Make this process end with its supervisor, even in an endless loop.
+
+    The kernel ends it with the server that it was forked from, and that ends once nobody holds a
+    line to it but the supervisor: a worker's own copy of the line is closed.
+    """
     if sys.platform == "linux":
         ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
+    server: Any = forkserver._forkserver
+    if server._forkserver_alive_fd is not None:
+        os.close(server._forkserver_alive_fd)
+        server._forkserver_alive_fd = server._forkserver_address = None
 
 
 def _redirect(output: Connection) -> None:

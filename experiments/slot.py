@@ -7,7 +7,7 @@ from collections.abc import Callable
 from concurrent.futures import Future
 from contextlib import suppress
 from multiprocessing.context import ForkServerProcess
-from typing import Any
+from typing import Any, NamedTuple
 
 from pebble import CONSTS, ProcessPool
 
@@ -15,7 +15,7 @@ from experiments import processes
 from experiments.calibration import probe
 from experiments.clock import Clock, Phase
 from experiments.last_words import LastWords
-from experiments.spawning import Context
+from experiments.spawning import Context, end_orphans
 from experiments.worker import Order, answer, begin
 from solvers.answer import Reply
 
@@ -34,6 +34,14 @@ PROBE = -1
 Told = Callable[["Slot", int, Future[Any]], None]
 
 
+class Doom(NamedTuple):
+    """A process that is killed for what it does with an order, and the reply to that."""
+
+    pid: int
+    order: int
+    reply: Reply
+
+
 class Slot:
     """A place for one worker at a time. `pending` are the orders put and not yet answered."""
 
@@ -41,8 +49,8 @@ class Slot:
         self.memory, self._told = memory, told
         self.words = LastWords()
         self.pending: dict[int, Order] = {}
-        # set by the watch just before it kills: the order, and what became of it
-        self.doom: tuple[int, Reply] | None = None
+        # set by the watch just before it kills
+        self.doom: Doom | None = None
         self._pool: ProcessPool | None = None
         self._leaving: list[threading.Thread] = []
         self._context = Context()
@@ -72,8 +80,7 @@ class Slot:
 
     @property
     def _process(self) -> ForkServerProcess | None:
-        # pebble may have started another one since, in its place
-        return next(iter(self._context.started), None)
+        return self._context.worker
 
     @property
     def pid(self) -> int:
@@ -87,9 +94,10 @@ class Slot:
     def running(self) -> Order | None:
         """The order that the worker is at, or was when it ended."""
         reading = self.clock.read()
-        if reading.phase >= Phase.LOADING:
-            return self.pending.get(reading.order)
-        return None
+        if reading.phase is Phase.LOST:  # it takes them up in turn
+            return next(iter(self.pending.values()), None)
+        # one that is idle may not have handed over its last answer yet
+        return self.pending.get(reading.order)
 
     def clear(self) -> list[Order]:
         """End the worker and all that it started; the orders that were still pending."""
@@ -98,6 +106,7 @@ class Slot:
         self.pending = {}
         if pid:
             processes.end(pid)
+            end_orphans()
         if pool is not None:
             pool.stop()
             # its threads need a moment to notice; the next worker does not wait for them

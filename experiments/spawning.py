@@ -6,14 +6,20 @@ import os
 import sys
 import threading
 from collections.abc import Iterator
-from contextlib import contextmanager
-from multiprocessing import resource_tracker
+from contextlib import contextmanager, suppress
+from multiprocessing import active_children, forkserver, resource_tracker
 from multiprocessing.context import ForkServerContext, ForkServerProcess
 from multiprocessing.popen_forkserver import Popen
 from types import ModuleType
 from typing import Any
 
+import psutil
+
+from experiments import processes
+
 _main = threading.Lock()
+# every process that was ever started here
+_born: set[int] = set()
 
 
 @contextmanager
@@ -56,6 +62,7 @@ class _Popen(Popen):
         self._asking = threading.Lock()
         with _main_hidden():
             super().__init__(process)
+            _born.add(self.pid)
 
     def poll(self, flag: int = os.WNOHANG) -> int | None:
         with self._asking:
@@ -68,20 +75,64 @@ class _Process(ForkServerProcess):
         return _Popen(process_obj)
 
 
+class _Nobody:
+    """Stands where pebble wants a new worker in a pool whose worker has ended: none is started.
+
+    Such a pool is thrown away, and what the clock says of its worker is still to be read.
+    """
+
+    pid = exitcode = None
+    daemon = False
+
+    def __init__(self) -> None:
+        self._wanted = True
+
+    def start(self) -> None:
+        """There is nothing to start."""
+
+    def is_alive(self) -> bool:
+        return self._wanted
+
+    def terminate(self) -> None:
+        self._wanted = False
+
+    def join(self, timeout: float | None = None) -> None:
+        """There is nothing to wait for."""
+
+
 class Context(ForkServerContext):
     """Workers fork from a server that has our modules loaded, and no solver and no thread.
 
     A plain fork would carry over the parent's threads; a spawn takes a second every time.
-    `started` are the processes of this context, the oldest first.
+    A context is for one worker, `worker` once it is there.
     """
 
     def __init__(self) -> None:
         super().__init__()
         _start_tracker()
-        self.set_forkserver_preload(["experiments.worker"])
-        self.started: list[ForkServerProcess] = []
+        self.set_forkserver_preload(["experiments.worker", "experiments.nursery"])
+        self.worker: ForkServerProcess | None = None
 
-    def Process(self, *args: Any, **options: Any) -> ForkServerProcess:  # type: ignore[override]  # noqa: N802
-        process = _Process(*args, **options)
-        self.started.append(process)
-        return process
+    def Process(self, *args: Any, **options: Any) -> Any:  # type: ignore[override]  # noqa: N802
+        if self.worker is not None:
+            return _Nobody()
+        self.worker = _Process(*args, **options)
+        return self.worker
+
+
+def end_orphans() -> None:
+    """End what workers that are gone have left behind: the server has taken it in (`nursery`)."""
+    server = getattr(forkserver._forkserver, "_forkserver_pid", None)
+    if server is None:
+        return
+    with _main, suppress(psutil.Error, OSError):
+        ours = _born | {child.pid for child in active_children()}
+        # a process of somebody else's that is just being started is in the server's session still
+        session = os.getsid(server)
+        orphans = [
+            child.pid
+            for child in psutil.Process(server).children()
+            if child.pid not in ours and os.getsid(child.pid) != session
+        ]
+        for orphan in orphans:
+            processes.end(orphan)

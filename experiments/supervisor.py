@@ -127,12 +127,11 @@ class Supervisor:
             RunError: if worker processes end before they have done anything.
         """
         self._waiting = deque(_Task(chain, 0, before.get(chain[0].key)) for chain in chains)
-        halting = False
-        while self._waiting or self._tasks:
-            if stop.asked and not halting:
-                halting = True
+        while True:
+            if stop.asked:
                 self._finish_up()
-                continue
+            if not (self._waiting or self._tasks):
+                return
             yield from self._feed()
             yield self._news()
 
@@ -155,7 +154,11 @@ class Supervisor:
                     continue
                 number = next(self._numbers)
                 self._tasks[number] = task
-                slot.put(self._order(number, task, solver not in self._cold))
+                order = self._order(number, task, warm_up=solver not in self._cold)
+                try:
+                    slot.put(order)
+                except RuntimeError:  # what came from the worker made no sense to pebble
+                    yield self._fallen(slot)
         if self._probed is not None and monotonic() > self._next_probe:
             self._next_probe = monotonic() + _PROBE_EVERY
             self._slots[0].measure()
@@ -192,7 +195,10 @@ class Supervisor:
             sent: Packed = future.result()
             self._false_starts = 0
             self._ahead[slot] = _AHEAD if (sent.times[2] or 0) < _QUICK else 1
-            return self._rows(self._tasks.pop(number), unpacked(sent), sent.started, sent.versions)
+            task = self._tasks.pop(number)
+            if sent.worn:
+                self._empty(slot)
+            return self._rows(task, _read(sent), sent.started, sent.versions)
         if slot.pid and slot.exit_code() is None and not isinstance(error, _ENDED):
             # the worker lives, and what it sent did not arrive
             del slot.pending[number]
@@ -204,27 +210,32 @@ class Supervisor:
     def _fallen(self, slot: Slot) -> list[Row]:
         """A worker has ended: the row of the order that it was at; the others wait again."""
         order = slot.running()
-        phase = slot.clock.read().phase
+        loading = slot.clock.read().phase in (Phase.PREPARING, Phase.WARMING_UP)
         code, words, doom = slot.exit_code(), slot.words.take(), slot.doom
-        left = slot.clear()
-        self._ahead[slot] = 1
-        again = [self._tasks.pop(one.number) for one in left if one != order]
-        self._waiting.extendleft(reversed(again))
+        self._empty(slot, order)
         if order is None:
             self._strike(code, words)
             return []
         self._false_starts = 0
         task = self._tasks.pop(order.number)
-        reply = doom[1] if doom and doom[0] == order.number else _crashed(code, words)
-        if phase < Phase.SOLVING and order.warm_up:
+        doomed = doom if doom is not None and doom.order == order.number else None
+        reply = doomed.reply if doomed else _crashed(code, words)
+        if loading and order.warm_up:
             self._cold.add((order.solver, order.profile))
             self._waiting.appendleft(task)
             return []
-        if phase < Phase.SOLVING:
+        if loading:
             message, status = reply.solution.message, reply.solution.native_status
             reply = nothing(reply.outcome, f"{message}, while it was loaded", status=status)
             self._hopeless[order.solver, order.profile] = reply
         return self._rows(task, reply)
+
+    def _empty(self, slot: Slot, order: Order | None = None) -> None:
+        """Throw a worker away; all its orders but one wait again."""
+        left = slot.clear()
+        self._ahead[slot] = 1
+        again = [self._tasks.pop(one.number) for one in left if one != order]
+        self._waiting.extendleft(reversed(again))
 
     def _strike(self, code: int | None, words: str) -> None:
         self._false_starts += 1
@@ -241,6 +252,13 @@ class Supervisor:
             # after a failure the last path that was found serves on
             self._waiting.appendleft(_Task(task.chain, task.place + 1, path or task.path))
         return [row]
+
+
+def _read(sent: Packed) -> Reply:
+    try:
+        return unpacked(sent)
+    except Exception as error:  # a worker sends what it is made to send
+        return nothing(Outcome.RAISED, told(error))
 
 
 def _ending(code: int | None) -> tuple[str, str]:

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from experiments import processes
 from experiments.clock import Phase, Reading
-from experiments.slot import Slot
+from experiments.slot import Doom, Slot
 from solvers.answer import Reply, Times, nothing
 from solvers.protocol import Outcome
 
@@ -19,13 +19,23 @@ TICK = 0.02  # s between two looks
 GRACE = 0.1
 # s for a process to start, or a solver to be loaded
 START_UP = 60.0
-# s that a warm-up solve may take beyond its limit: what is imported late comes here
-_WARM_UP = 10.0
+# s that a first solve may take beyond the limit: it loads what the others find loaded
+FIRST = 10.0
 # s in which an idle worker must take up its next order
 _STALL = 10.0
 # looks between two at a worker's children, which cost milliseconds where many processes run
 _FAMILY_EVERY = 10
+# s by which a look may be late on a busy machine
+_LATE = 10.0
 _GIB = 2**30
+
+
+_DOING = {
+    Phase.STARTING: "starting a worker",
+    Phase.IDLE: "waiting for its answer to arrive",
+    Phase.PREPARING: "loading the solver",
+    Phase.WARMING_UP: "warming up",
+}
 
 
 class Bounds(NamedTuple):
@@ -52,48 +62,58 @@ class Watch:
         self._thread.join()
 
     def _keep(self) -> None:
-        before: dict[Slot, Reading] = {}
+        before: dict[Slot, tuple[Reading, float]] = {}
         looks = 0
         while not self._over.wait(TICK):
             looks += 1
             for slot in self.slots:
                 reading = slot.clock.read()
+                earlier, seen = before.get(slot, (None, 0.0))
                 # one that was being written while it was read is not the same again
-                if reading == before.get(slot):
-                    self._look(slot, reading, whole=looks % _FAMILY_EVERY == 0)
-                before[slot] = reading
+                if reading == earlier:
+                    since = _since(reading, seen)
+                    self._look(slot, reading, since, whole=looks % _FAMILY_EVERY == 0)
+                else:
+                    before[slot] = reading, monotonic()
 
-    def _look(self, slot: Slot, reading: Reading, whole: bool) -> None:
-        pid = slot.pid
-        if slot.doom is not None or not pid or reading.pid not in (0, pid):
+    def _look(self, slot: Slot, reading: Reading, since: float, whole: bool) -> None:
+        pid, order = slot.pid, slot.running()
+        if not pid or reading.pid not in (0, pid) or (slot.doom and slot.doom.pid == pid):
             return
-        doom = self._too_long(slot, reading) or self._too_much(pid, reading, whole)
-        if doom is not None:
-            slot.doom = (reading.order, doom)
+        reply = self._too_long(slot, reading.phase, since) or self._too_much(pid, since, whole)
+        if reply is not None:
+            slot.doom = Doom(pid, -1 if order is None else order.number, reply)
             processes.end(pid)
 
-    def _too_long(self, slot: Slot, reading: Reading) -> Reply | None:
-        seconds, limit = monotonic() - reading.since, self.bounds.limit
+    def _too_long(self, slot: Slot, phase: Phase, since: float) -> Reply | None:
+        if phase is Phase.LOST:
+            return nothing(Outcome.CRASHED, "stopped: it wrote over its supervisor's memory")
+        seconds, limit = monotonic() - since, self.bounds.limit
         allowed = {
             Phase.STARTING: START_UP,
             Phase.IDLE: _STALL if slot.pending else float("inf"),
-            Phase.LOADING: START_UP,
-            Phase.WARMING: limit + _WARM_UP,
+            Phase.PREPARING: START_UP,
+            Phase.WARMING_UP: limit + FIRST,
             Phase.SOLVING: limit + GRACE,
-        }[reading.phase]
+        }[phase]
         if seconds <= allowed:
             return None
         message = f"stopped after {seconds:.2f} s; the limit is {limit:g} s"
-        if reading.phase is not Phase.SOLVING:
-            message = f"stopped after {seconds:.0f} s"
+        if phase is not Phase.SOLVING:
+            message = f"stopped after {seconds:.0f} s of {_DOING[phase]}"
         return nothing(Outcome.TIMEOUT, message, Times(wall=seconds))
 
-    def _too_much(self, pid: int, reading: Reading, whole: bool) -> Reply | None:
+    def _too_much(self, pid: int, since: float, whole: bool) -> Reply | None:
         held = processes.resident(pid, whole)
         if held <= self.bounds.memory:
             return None
         message = (
             f"stopped holding {held / _GIB:.2f} GiB; the limit is {self.bounds.memory / _GIB:g} GiB"
         )
-        times = Times(wall=monotonic() - reading.since)
+        times = Times(wall=monotonic() - since)
         return nothing(Outcome.OUT_OF_MEMORY, message, times)
+
+
+def _since(reading: Reading, seen: float) -> float:
+    """The moment that the clock tells, unless a solver has set it; else when it was first seen."""
+    return reading.since if seen - _LATE <= reading.since <= seen else seen

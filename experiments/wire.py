@@ -31,6 +31,7 @@ class Packed(NamedTuple):
     texts: tuple[str, str]
     started: str
     versions: str
+    worn: bool = False  # whether the worker is to be replaced
 
 
 _NUMBERS = ("claimed_length", "lower_bound")
@@ -64,6 +65,7 @@ def packed(reply: Reply, started: str, versions: str) -> Packed:
 
 
 def _controls(path: Path) -> tuple[tuple[float, ...], bytes, bytes]:
+    path = Path(path.start, path.curvature, path.length)  # its arrays may be others by now
     held = (np.asarray(values, np.float64).tobytes() for values in (path.curvature, path.length))
     start: tuple[float, ...] = tuple(float(value) for value in path.start)
     curvature, length = held

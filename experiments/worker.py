@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 from experiments.clock import Clock, Phase
 from experiments.containment import contained
-from experiments.isolation import isolate
+from experiments.isolation import depend, isolate
 from experiments.provenance import now, solver_versions
 from experiments.wire import Packed, packed
 from solvers.answer import Reply, ask, nothing, told
@@ -41,34 +41,41 @@ _clock: Clock | None = None
 
 
 def begin(clock: Clock, output: Connection, memory: int) -> None:
-    """Make this process a worker.
-
-    One that pebble starts in place of one that ended waits to be stopped: what the clock says of
-    the first is still to be read.
-    """
+    """Make this process a worker."""
     global _clock
-    while clock.read().pid:
-        signal.pause()
+    depend()
     isolate(output, memory)
     _clock = clock
     clock.write(os.getpid(), -1, Phase.IDLE)
 
 
+_worn = False
+
+
 def answer(order: Order) -> Packed:
-    """Put one question to one solver. Whatever happens short of the process's end is a reply."""
-    started = now()
+    """Put one question to one solver. Whatever happens short of the process's end is a reply.
+
+    A worker that a solver has left worn answers no more, and waits to be replaced.
+    """
+    global _worn
+    while _worn:
+        signal.pause()
+    started, state = now(), None
     try:
-        with contained():
-            solver, said = _ready(order)
+        with contained() as state:
+            solver = _ready(order)
+            state.pardon()
             question = Question(order.scenario, order.branch, order.start)
             started = now()
             _tell(order.number, Phase.SOLVING)
             reply = ask(solver, question, order.limit)
-            return packed(reply, started, said)
+            sent = packed(reply, started, _versions(order.solver))
     except BaseException as error:  # a plug-in that breaks more than its own calls is a row too
-        return packed(_failed(error), started, "")
+        sent = packed(_failed(error), started, "")
     finally:
-        _tell(-1, Phase.IDLE)
+        _tell(order.number, Phase.IDLE)
+    _worn = state is not None and state.worn
+    return sent._replace(worn=_worn)
 
 
 def _failed(error: BaseException) -> Reply:
@@ -81,22 +88,23 @@ def _tell(number: int, phase: Phase) -> None:
         _clock.write(os.getpid(), number, phase)
 
 
-def _ready(order: Order) -> tuple[AnySolver, str]:
-    """A solver with its imports, templates and caches behind it, and the versions it rests on."""
-    solver = order.solver, order.profile
-    _tell(order.number, Phase.LOADING)
-    loaded = _loaded(*solver)
-    if order.warm_up and solver not in _warm:
-        _tell(order.number, Phase.WARMING)
-        ask(loaded[0], Question(_WARM_UP, loaded[0].branches[0]), order.limit)
-        _warm.add(solver)
-    return loaded
+_solvers: dict[tuple[str, str], AnySolver] = {}
 
 
-_warm: set[tuple[str, str]] = set()
+def _ready(order: Order) -> AnySolver:
+    """A solver that has its imports, templates and caches behind it."""
+    key = order.solver, order.profile
+    if key not in _solvers:
+        _tell(order.number, Phase.PREPARING)
+        solver = load(*key)
+        _versions(order.solver)  # which may have to load the libraries
+        if order.warm_up:
+            _tell(order.number, Phase.WARMING_UP)
+            ask(solver, Question(_WARM_UP, solver.branches[0]), order.limit)
+        _solvers[key] = solver
+    return _solvers[key]
 
 
 @lru_cache(maxsize=256)
-def _loaded(spec: str, profile: str) -> tuple[AnySolver, str]:
-    solver = load(spec, profile)
-    return solver, json.dumps(solver_versions(solver))
+def _versions(spec: str) -> str:
+    return json.dumps(solver_versions(load(spec)))

@@ -86,7 +86,6 @@ ANSWERS = {
     "hostile_state:HangsAtExit": Case("returned", "optimal"),
     "hostile_state:ClosesStandard": Case("returned", "optimal"),
     "hostile_state:ClosesAll": Case("crashed|raised", message="."),
-    "hostile_state:Scribbles": Case("returned|crashed|raised", "optimal|none"),
     "hostile_state:Floods": Case("returned", "optimal"),
     "hostile_state:ReadsStdin": Case("returned", "optimal"),
 }

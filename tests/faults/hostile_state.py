@@ -14,7 +14,9 @@ import sys
 import threading
 import time
 import warnings
+from contextlib import suppress
 from multiprocessing.util import Finalize
+from pathlib import Path
 
 import numpy as np
 from threadpoolctl import threadpool_info, threadpool_limits
@@ -78,6 +80,14 @@ def _seeded():
     return random.getstate()[1][:9] == state or legacy[1][0] == SEED
 
 
+def _unprintable():
+    """Whether stdout is gone, or leads to the file that a solver opened."""
+    try:
+        return os.fstat(1).st_rdev == Path("/dev/zero").stat().st_rdev
+    except OSError:
+        return True
+
+
 def _named(name):
     return any(thread.name == name for thread in threading.enumerate())
 
@@ -130,8 +140,18 @@ STATES = {
         lambda: len(os.sched_getaffinity(0)) == 1 < (os.cpu_count() or 1),
     ),
     "switch": (lambda: sys.setswitchinterval(60), lambda: sys.getswitchinterval() == 60),
+    "closed": (lambda: os.close(1), _unprintable),
+    "opened": (lambda: os.dup2(os.open("/dev/zero", os.O_RDWR), 1), _unprintable),
     "stdout": (lambda: setattr(sys, "stdout", None), lambda: sys.stdout is None),
 }
+
+
+def _unprintable():
+    """Whether stdout is gone, or leads to the file that a solver opened."""
+    try:
+        return os.fstat(1).st_rdev == Path("/dev/zero").stat().st_rdev
+    except OSError:
+        return True
 
 
 def _umask():
@@ -176,7 +196,8 @@ class ClosesStandard(Analytic):
 
     def solve(self, model, limit):
         for fd in (0, 1, 2):
-            os.close(fd)
+            with suppress(OSError):  # closed already
+                os.close(fd)
         return super().solve(model, limit)
 
 
