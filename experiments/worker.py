@@ -54,6 +54,11 @@ def begin(clock: Clock, output: Connection, memory: int) -> None:
     clock.write(os.getpid(), -1, Phase.IDLE)
 
 
+def answers(orders: list[Order]) -> list[Packed]:
+    """Put several questions one after another, and send the replies back in one message."""
+    return [answer(order) for order in orders]
+
+
 def answer(order: Order) -> Packed:
     """Put one question to one solver. Whatever happens short of the process's end is a reply."""
     started = now()
