@@ -28,8 +28,8 @@ def row_of(
     cell: Cell, start: Path | None, run: Run, reply: Reply, started: str = "", versions: str = ""
 ) -> tuple[Row, Path | None]:
     """The row of a reply to a cell's question, and its path if it arrived."""
-    known = dict(zip(names(KEY), cell.key, strict=True))
-    known |= {name: getattr(cell.scenario, name) for name in names(SCENARIO)}
+    known = dict(zip(_KEY, cell.key, strict=True))
+    known |= {name: getattr(cell.scenario, name) for name in _SCENARIO}
     known |= shared(run, started or now(), versions)
     question = Question(cell.scenario, cell.branch, start)
     try:
@@ -37,6 +37,9 @@ def row_of(
     except Exception as error:  # a path that the check cannot drive is a row too
         return raised_row(known, told(error)), None
     return answer.row() | known, answer.path if answer.gap is not None else None
+
+
+_KEY, _SCENARIO = names(KEY), names(SCENARIO)
 
 
 def shared(run: Run, started: str, versions: str) -> Row:

@@ -82,6 +82,7 @@ def _usable_cores() -> int:
         return os.cpu_count() or 1
 
 
+@cache
 def host() -> str:
     """The machine in one line."""
     kind = machine()

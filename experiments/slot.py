@@ -16,7 +16,7 @@ from experiments.calibration import probe
 from experiments.clock import Clock, Phase
 from experiments.last_words import LastWords
 from experiments.spawning import Context, end_orphans
-from experiments.worker import Order, answer, begin
+from experiments.worker import Order, answers, begin
 from solvers.answer import Reply
 
 # How often pebble looks after its workers, and how long it asks them politely to go. A worker that
@@ -27,11 +27,12 @@ CONSTS.term_timeout = 0.2
 # s that a pool thrown away is given to take its threads and semaphores back
 _PARTING = 2.0
 
-# the number of what is no order but a look at the machine's speed
-PROBE = -1
+# numbers of orders that travel in one message; a look at the machine's speed is of none
+Batch = tuple[int, ...]
+PROBE: Batch = ()
 
-# called when an order's future is done: with its reply, packed, or a probe's seconds
-Told = Callable[["Slot", int, Future[Any]], None]
+# called when a batch's future is done: with its replies, packed, or with a probe's seconds
+Told = Callable[["Slot", Batch, Future[Any]], None]
 
 
 class Doom(NamedTuple):
@@ -49,6 +50,7 @@ class Slot:
         self.memory, self._told = memory, told
         self.words = LastWords()
         self.pending: dict[int, Order] = {}
+        self.batches: list[Batch] = []  # those that no future has told of yet, the first one first
         # set by the watch just before it kills
         self.doom: Doom | None = None
         self._pool: ProcessPool | None = None
@@ -56,25 +58,32 @@ class Slot:
         self._context = Context()
         self.clock = Clock(self._context)
 
-    def put(self, order: Order) -> None:
-        """Give the worker one more order; the first one starts the worker."""
-        self.pending[order.number] = order
+    def put(self, orders: list[Order]) -> None:
+        """Give the worker more orders in one message; the first ones start the worker."""
+        self.pending |= {order.number: order for order in orders}
+        batch = tuple(order.number for order in orders)
+        self.batches.append(batch)
         if self._pool is None:
             self._context, self.doom = Context(), None
             self.clock = Clock(self._context)
             begun = (self.clock, self.words.writer, self.memory)
             self._pool = ProcessPool(1, initializer=begin, initargs=begun, context=self._context)
-        self._tell_of(self._pool, order.number, self._pool.schedule(answer, args=(order,)))
+        self._tell_of(self._pool, batch, self._pool.schedule(answers, args=(orders,)))
 
     def measure(self) -> None:
         """Have the worker do the calibration's piece of work when it has none of its own."""
         if self._pool is not None and self.pid:
             self._tell_of(self._pool, PROBE, self._pool.schedule(probe))
 
-    def _tell_of(self, pool: ProcessPool, number: int, future: Future[Any]) -> None:
+    def take(self, batch: Batch) -> list[Order]:
+        """The orders of a batch that has been told of, those that are still waited for."""
+        self.batches.remove(batch)
+        return [self.pending.pop(number) for number in batch if number in self.pending]
+
+    def _tell_of(self, pool: ProcessPool, batch: Batch, future: Future[Any]) -> None:
         def tell(done: Future[Any]) -> None:
             if pool is self._pool:
-                self._told(self, number, done)
+                self._told(self, batch, done)
 
         future.add_done_callback(tell)
 
@@ -103,7 +112,7 @@ class Slot:
         """End the worker and all that it started; the orders that were still pending."""
         pool, pid, left = self._pool, self.pid, list(self.pending.values())
         self._pool, self._context = None, Context()
-        self.pending = {}
+        self.pending, self.batches = {}, []
         if pid:
             processes.end(pid)
             end_orphans()

@@ -19,7 +19,7 @@ from experiments.grid import Cell, Chain, given_start
 from experiments.interruption import Interruption
 from experiments.judging import Run, row_of
 from experiments.rows import Row
-from experiments.slot import PROBE, Slot
+from experiments.slot import PROBE, Batch, Slot
 from experiments.watch import Bounds, Watch
 from experiments.wire import Packed, unpacked
 from experiments.worker import Order
@@ -28,9 +28,10 @@ from solvers.protocol import Outcome
 from study.path import Path
 from study.schema import Key
 
-# Orders put to a worker in advance, so that it never waits; one where solves are long, so that
-# none waits behind them for a worker while another one is idle.
-_AHEAD, _QUICK = 4, 0.005
+# Orders put to a worker in advance, so that it never waits, and how many of them travel in one
+# message, each of which costs as much as judging a cell. One where solves are long, so that none
+# waits behind them for a worker while another one is idle.
+_AHEAD, _TOGETHER, _QUICK = 32, 16, 0.005
 # s without news after which whoever writes the rows is given a turn
 _TURN = 0.2
 # s between two looks at how fast the machine is
@@ -86,7 +87,7 @@ class Supervisor:
         self.run, self.bounds, self._probed, self._made = run, bounds, probed, made
         self._warm_up = warm_up
         self._next_probe = monotonic()
-        self._ended: SimpleQueue[tuple[Slot, int, Future[Any]]] = SimpleQueue()
+        self._ended: SimpleQueue[tuple[Slot, Batch, Future[Any]]] = SimpleQueue()
         self._slots = [Slot(bounds.memory, self._told) for _ in range(jobs)]
         self._watch = Watch(self._slots, bounds)
         self._numbers = count()
@@ -108,8 +109,8 @@ class Supervisor:
         for slot in self._slots:
             slot.close()
 
-    def _told(self, slot: Slot, number: int, future: Future[Any]) -> None:
-        self._ended.put((slot, number, future))
+    def _told(self, slot: Slot, batch: Batch, future: Future[Any]) -> None:
+        self._ended.put((slot, batch, future))
 
     def solve(
         self, chains: list[Chain], before: Mapping[Key, Path], stop: Interruption
@@ -136,17 +137,20 @@ class Supervisor:
             yield self._news()
 
     def _finish_up(self) -> None:
-        """Forget every order that no worker is at."""
+        """Forget every order that no worker is at, those of a batch that it is at excepted."""
         self._waiting.clear()
         for slot in self._slots:
-            running = slot.running()
-            for number in list(slot.pending):
-                if running is None or number != running.number:
-                    del slot.pending[number], self._tasks[number]
+            running, first = slot.running(), (*slot.batches, PROBE)[0]
+            # between two orders of a batch a worker is at none
+            begun = len(first) > 1 or (running is not None and running.number in first)
+            for number in slot.pending.keys() - (first if begun else PROBE):
+                del slot.pending[number], self._tasks[number]
 
     def _feed(self) -> Iterator[list[Row]]:
         for slot in self._slots:
-            while self._waiting and len(slot.pending) < self._ahead[slot]:
+            orders: list[Order] = []
+            share = min(self._ahead[slot], -(-len(self._waiting) // len(self._slots)))
+            while self._waiting and len(slot.pending) + len(orders) < share:
                 task = self._waiting.popleft()
                 solver = task.cell.solver, task.cell.profile
                 if solver in self._hopeless:
@@ -154,9 +158,10 @@ class Supervisor:
                     continue
                 number = next(self._numbers)
                 self._tasks[number] = task
-                order = self._order(number, task, warm_up=solver not in self._cold)
+                orders.append(self._order(number, task, warm_up=solver not in self._cold))
+            for first in range(0, len(orders), _TOGETHER):
                 try:
-                    slot.put(order)
+                    slot.put(orders[first : first + _TOGETHER])
                 except RuntimeError:  # what came from the worker made no sense to pebble
                     yield self._fallen(slot)
         if self._probed is not None and monotonic() > self._next_probe:
@@ -178,34 +183,46 @@ class Supervisor:
 
     def _news(self) -> list[Row]:
         try:
-            slot, number, future = self._ended.get(timeout=_TURN)
+            slot, batch, future = self._ended.get(timeout=_TURN)
         except Empty:
             # pebble has no word of a worker that ends itself with code 0
             ended = [slot for slot in self._slots if slot.exit_code() is not None]
             return [row for slot in ended for row in self._fallen(slot)]
-        if number == PROBE:
+        if batch == PROBE:
             if self._probed is not None and future.exception() is None:
                 self._probed(future.result())
             return []
-        if number not in slot.pending:
-            return []  # of a worker thrown away meanwhile, or not waited for any more
+        if batch not in slot.batches:
+            return []  # of a worker thrown away meanwhile
         error = future.exception() if not future.cancelled() else None
         if error is None and not future.cancelled():
-            del slot.pending[number]
-            sent: Packed = future.result()
-            self._false_starts = 0
-            self._ahead[slot] = _AHEAD if (sent.times[2] or 0) < _QUICK else 1
-            task = self._tasks.pop(number)
-            if sent.worn:
-                self._empty(slot)
-            return self._rows(task, _read(sent), sent.started, sent.versions)
+            return self._arrived(slot, batch, future.result())
         if slot.pid and slot.exit_code() is None and not isinstance(error, _ENDED):
             # the worker lives, and what it sent did not arrive
-            del slot.pending[number]
-            return self._rows(
-                self._tasks.pop(number), nothing(Outcome.RAISED, told(error or OSError()))
-            )
+            tasks = [self._tasks.pop(order.number) for order in slot.take(batch)]
+            if len(tasks) == 1:
+                return self._rows(tasks[0], nothing(Outcome.RAISED, told(error or OSError())))
+            self._ahead[slot] = 1  # which of them it was, is seen when they are asked alone
+            self._waiting.extendleft(reversed(tasks))
+            return []
         return self._fallen(slot)
+
+    def _arrived(self, slot: Slot, batch: Batch, replies: list[Packed]) -> list[Row]:
+        left = {order.number for order in slot.take(batch)}
+        self._false_starts = 0
+        quick = all((sent.times[2] or 0) < _QUICK for sent in replies)
+        self._ahead[slot] = _AHEAD if quick else 1
+        rows = []
+        for number, sent in zip(batch, replies, strict=False):
+            if number in left:
+                left.remove(number)
+                task = self._tasks.pop(number)
+                rows += self._rows(task, _read(sent), sent.started, sent.versions)
+        # a worn worker leaves the rest of its batch
+        self._waiting.extendleft(self._tasks.pop(number) for number in sorted(left, reverse=True))
+        if replies[-1].worn:
+            self._empty(slot)
+        return rows
 
     def _fallen(self, slot: Slot) -> list[Row]:
         """A worker has ended: the row of the order that it was at; the others wait again."""

@@ -49,6 +49,19 @@ def begin(clock: Clock, output: Connection, memory: int) -> None:
     clock.write(os.getpid(), -1, Phase.IDLE)
 
 
+def answers(orders: list[Order]) -> list[Packed]:
+    """Put several questions one after another, and send the replies back in one message.
+
+    A worker that a solver has left worn stops there, and answers no more until it is replaced.
+    """
+    replies = []
+    for order in orders:
+        replies.append(answer(order))
+        if replies[-1].worn:
+            break
+    return replies
+
+
 _worn = False
 
 

@@ -23,7 +23,7 @@ _EXPERIMENT = """
 title = "What a cell costs"
 question = "How long does the harness take beyond the solver?"
 branches = ["best"]
-solvers = ["{solver}"]
+solvers = ["analytic"]
 
 [[scenarios]]
 heading = {heading}
@@ -43,7 +43,6 @@ class Spent(NamedTuple):
 def _experiment(cells: int, folder: FilePath) -> FilePath:
     file = folder / "overhead.toml"
     text = _EXPERIMENT.format(
-        solver=_SOLVER,
         heading=trivial.HEADING,
         first=trivial.FIRST,
         last=trivial.LAST,
@@ -61,7 +60,7 @@ def ours(cells: int, folder: FilePath) -> Spent:
 
     file = _experiment(cells, folder)
     began = perf_counter()
-    run(file, folder / "results")
+    run(file, folder / "results", solvers=[_SOLVER])
     whole = perf_counter() - began
     rows = read_rows(folder / "results", ["proof", "wall_s"]).to_pydict()
     if rows["proof"] != ["proved"] * cells:
@@ -81,7 +80,7 @@ def in_process(cells: int, folder: FilePath) -> Spent:
 
     file = _experiment(cells, folder)
     began = perf_counter()
-    _, groups, _ = accepted(Request(file, None, 1, None, None, None), folder / "results")
+    _, groups, _ = accepted(Request(file, [_SOLVER], 1, None, None, None), folder / "results")
     solver, shared = load(_SOLVER), Run("in-process", 60.0, 1)
     replies = [ask(solver, Question(group[0].scenario)) for group in groups]
     rows = [row_of(group[0], None, shared, r)[0] for group, r in zip(groups, replies, strict=True)]
