@@ -5,7 +5,8 @@ from __future__ import annotations
 import pandas as pd
 
 from report.metrics import solver_order
-from report.reduction import PROOFS, Reduction, proof
+from report.reduction import Reduction
+from report.tally import PROOFS, proof
 
 __all__ = ["PROOFS", "certificates", "proof"]
 

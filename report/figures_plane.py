@@ -17,9 +17,9 @@ from report.metrics import SUCCESSES
 from report.style import BLUE, INK, MAP_PAPER, MUTED, ON_MAP, ORANGE, RULE, VERMILION
 
 # a light and a dark shade of two hues: apart in hue for the eye, apart in lightness for grey
-_WORDS = {"LS": "#cfe3f1", "RS": "#fbe6c8", "RL": "#5d9cc6", "LR": "#d69a3c"}
+WORD_COLOURS = {"LS": "#cfe3f1", "RS": "#fbe6c8", "RL": "#5d9cc6", "LR": "#d69a3c"}
 _HATCHES = {"LS": "", "RS": "", "RL": "////", "LR": "\\\\\\\\"}
-_OTHER = "#8a8f96"
+OTHER = "#8a8f96"
 
 
 def grid_of(rows: pd.DataFrame, column: str) -> tuple[NDArray[np.float64], ...]:
@@ -37,18 +37,18 @@ def _extent(x: NDArray[np.float64], y: NDArray[np.float64]) -> tuple[float, floa
 
 def plot_words(ax: Axes, rows: pd.DataFrame) -> None:
     """Which word is shortest where. Columns: target_x, target_y, word (on a grid)."""
-    codes = {word: float(i) for i, word in enumerate(_WORDS)}
-    other = float(len(_WORDS))
+    codes = {word: float(i) for i, word in enumerate(WORD_COLOURS)}
+    other = float(len(WORD_COLOURS))
     known = rows.assign(code=rows["word"].map(lambda word: codes.get(word, other)))
     x, y, code = grid_of(known, "code")
-    colours = ListedColormap([*_WORDS.values(), _OTHER])
+    colours = ListedColormap([*WORD_COLOURS.values(), OTHER])
     ax.imshow(
         code,
         origin="lower",
         extent=_extent(x, y),
         cmap=colours,
         vmin=-0.5,
-        vmax=len(_WORDS) + 0.5,
+        vmax=len(WORD_COLOURS) + 0.5,
         interpolation="nearest",
     )
     for word, value in codes.items():
@@ -66,15 +66,15 @@ def plot_words(ax: Axes, rows: pd.DataFrame) -> None:
             )
             hatch.set_edgecolor("#ffffff80")
             hatch.set_linewidth(0)
-        row, column = _deepest(inside)
+        row, column = deepest(inside)
         box = {"facecolor": MAP_PAPER, "edgecolor": "none", "pad": 1.5, "alpha": 0.85}
         ax.text(
             x[column], y[row], word, ha="center", va="center", fontsize=10, bbox=box, color=ON_MAP
         )
-    _frame(ax, x, y)
+    frame(ax, x, y)
 
 
-def _deepest(inside: NDArray[np.bool_]) -> tuple[int, int]:
+def deepest(inside: NDArray[np.bool_]) -> tuple[int, int]:
     """The cell farthest from the edge of its region: where a label has most room."""
     depth = np.zeros(inside.shape, dtype=int)
     left = np.pad(inside, 1)
@@ -102,11 +102,11 @@ def plot_lengths(ax: Axes, rows: pd.DataFrame) -> ScalarMappable:
         if np.isfinite(values).sum() > 4:
             lines = ax.contour(x, y, values, levels=levels, colors="white", linewidths=0.6)
             ax.clabel(lines, levels[::2], fmt=lambda v: f"{v:g}", fontsize=7, inline_spacing=2)
-    _frame(ax, x, y)
+    frame(ax, x, y)
     return image
 
 
-def _frame(ax: Axes, x: NDArray[np.float64], y: NDArray[np.float64], ink: str = ON_MAP) -> None:
+def frame(ax: Axes, x: NDArray[np.float64], y: NDArray[np.float64], ink: str = ON_MAP) -> None:
     """Turning circles, the half that jumps drawn heavily, and the start."""
     for side in (1, -1):
         ax.add_patch(Circle((0, side), 1, fill=False, edgecolor=ink, linewidth=0.6))
@@ -181,4 +181,4 @@ def plot_failures(ax: Axes, rows: pd.DataFrame) -> None:
             text = f"{verdict} ({len(own)})"
             ax.plot(own["target_x"], own["target_y"], markerfacecolor="none", label=text, **mark)
     x, y = np.sort(rows["target_x"].unique()), np.sort(rows["target_y"].unique())
-    _frame(ax, x.astype(np.float64), y.astype(np.float64), INK)
+    frame(ax, x.astype(np.float64), y.astype(np.float64), INK)

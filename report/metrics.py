@@ -14,8 +14,9 @@ import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike, NDArray
 
-from report.reduction import SUCCESSES, Reduction, Tally, success
+from report.reduction import Reduction
 from report.spread import Spread
+from report.tally import SUCCESSES, Tally, success
 
 __all__ = ["SUCCESSES", "success"]
 

@@ -19,7 +19,7 @@ from report.content import Picture, Section, Table
 from report.load import Manifest, ReportError, Results, load
 from report.markup import markdown, to_csv, to_markdown, to_tex
 from report.section_summary import some
-from report.sections import SECTIONS
+from report.sections import SECTIONS, told_of_sample
 from report.style import BLUE, GREEN, INK, MUTED, PAPER, RULE, VERMILION, drawing
 
 Progress = Callable[[str], None]
@@ -76,7 +76,7 @@ def _sections(results: Results, progress: Progress | None) -> list[Section]:
             progress(title)
         made = section(results)
         if made is not None:
-            found.append(made)
+            found.append(told_of_sample(made, results))
     return found
 
 

@@ -11,6 +11,8 @@ from report.metrics import solver_order, success
 from report.style import HALF, new_figure
 
 EXPERIMENT, EXACT = "plane", "analytic"
+# of a grid; scattered targets have one for every pair of them
+_MOST_CELLS = 4_000_000
 
 
 def plane_section(results: Results) -> Section | None:
@@ -21,7 +23,8 @@ def plane_section(results: Results) -> Section | None:
     exact = rows[(rows["solver"] == EXACT) & rows["length"].notna()]
     exact = exact.drop_duplicates(["target_x", "target_y"])
     pictures: list[Picture] = []
-    if exact["target_x"].nunique() > 4 and exact["target_y"].nunique() > 4:
+    columns, lines = exact["target_x"].nunique(), exact["target_y"].nunique()
+    if min(columns, lines) > 4 and columns * lines <= _MOST_CELLS:
         pictures += [_words(exact), _lengths(exact), _jump(exact)]
     coarse = rows[rows["solver"] != EXACT]
     for number, solver in enumerate(solver_order(coarse["solver"].tolist()), start=1):

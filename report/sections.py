@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
-from report.content import Section
+from report.content import Section, count
 from report.load import Results
 from report.section_agreement import agreement_section
 from report.section_audit import audit_section
@@ -13,6 +14,7 @@ from report.section_bias import bias_section
 from report.section_certificates import certificates_section
 from report.section_convergence import convergence_section
 from report.section_ladder import ladder_section
+from report.section_map import map_section
 from report.section_paper import figures_section, paper_section
 from report.section_plane import plane_section
 from report.section_proofs import proofs_section
@@ -34,6 +36,7 @@ SECTIONS: dict[str, Callable[[Results], Section | None]] = {
     "time": time_section,
     "work and precision": discretisation_section,
     "the target plane": plane_section,
+    "the plane, counted": map_section,
     "where starting points lead": basins_section,
     "the interior-point bias": bias_section,
     "scale invariance": scale_section,
@@ -42,3 +45,20 @@ SECTIONS: dict[str, Callable[[Results], Section | None]] = {
     "what a proof costs": proofs_section,
     "the runs and their machines": runs_section,
 }
+
+# their numbers count every attempt, however many there are; those of others need single rows
+_COUNTED = ("summary", "success", "certificates", "map")
+
+
+def told_of_sample(section: Section, results: Results) -> Section:
+    """The section with a sentence on what it leaves out, if it does."""
+    if not results.sampled or section.key in _COUNTED:
+        return section
+    kept, attempts = len(results.rows), results.reduction.total.attempts
+    said = (
+        f"What follows is of {count(kept)} of the {count(attempts)} attempts, all those at some of "
+        "the scenarios, drawn by the hashes that name them"
+    )
+    if section.key == "time":
+        said += "; quartiles and medians are of all"
+    return replace(section, text=f"{section.text} {said}.")

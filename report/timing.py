@@ -8,7 +8,8 @@ import numpy as np
 import pandas as pd
 
 from report.metrics import QUESTION, solver_order, success
-from report.reduction import TIMES, Reduction
+from report.reduction import Reduction
+from report.tally import TIMES
 
 
 def times(found: Reduction) -> pd.DataFrame:

@@ -10,7 +10,7 @@ from experiments import run
 from report import render
 from report.certificates import certificates
 from report.load import load
-from report.reduction import compared, widths
+from report.tally import compared, widths
 from study.scenario import Scenario
 from study.synthesis import shortest
 from study.verify import Claim
