@@ -31,7 +31,7 @@ def asking(tmp_path):
     """Answers of every outcome that takes no time to come, some cells in two blocks alike."""
     solvers = [
         spec("honest", "Honest"),
-        spec("honest", "Napping", nap=0.05),
+        spec("honest", "Napping", nap=0.15),
         spec("hostile", "SomeTimes"),
         spec("hostile_answers", "Elsewhere"),
     ]
