@@ -162,7 +162,7 @@ def read_manifest(folder: FilePath) -> Manifest:
         raise ReportError(f"{folder} has no manifest.json; expected a results folder")
     try:
         data = json.loads(file.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError, json.JSONDecodeError) as error:
+    except (OSError, ValueError, RecursionError) as error:
         raise ReportError(f"{file} cannot be read as JSON: {error}") from None
     if not isinstance(data, dict):
         raise ReportError(f"{file} holds {type(data).__name__}; expected an object")

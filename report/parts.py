@@ -83,17 +83,24 @@ def pieces(part: FilePath) -> Iterator[pa.Table]:
     try:
         # a file object, or Arrow would read hive-style column names out of the folder's name
         with part.open("rb") as stream:
-            file = pq.ParquetFile(stream, page_checksum_verification=True, **form)
-            said = (file.metadata.metadata or {}).get(VERSION_KEY.encode(), str(VERSION).encode())
-            problem = _difference(file.schema_arrow.names)
-            if said != str(VERSION).encode():
-                problem = f"schema is {said!r:.60}"
-            if problem:
+            footer = pq.read_metadata(stream)
+            # before the file is opened for good, which fails on a column that is not there
+            if problem := _stranger(footer):
                 raise ReportError(f"{part}: {problem}; expected the columns of schema {VERSION}")
+            file = pq.ParquetFile(stream, metadata=footer, page_checksum_verification=True, **form)
             for batch in file.iter_batches(_PIECE, columns=columns):
                 yield _typed(pa.Table.from_batches([batch]).select(columns), fields)
     except (pa.ArrowException, OSError) as error:
         raise _unreadable(part, error) from None
+
+
+def _stranger(footer: pq.FileMetaData) -> str | None:
+    """What makes a file none of this schema's, if anything does."""
+    version = str(VERSION).encode()
+    said = (footer.metadata or {}).get(VERSION_KEY.encode(), version)
+    if said != version:
+        return f"schema is {said!r:.60}"
+    return _difference(footer.schema.to_arrow_schema().names)
 
 
 def _typed(table: pa.Table, fields: pa.Schema) -> pa.Table:

@@ -54,8 +54,8 @@ class Reduction:
     def solvers(self) -> dict[str, Tally]:
         """Every solver's attempts in all experiments."""
         found: dict[str, list[Tally]] = {}
-        for (_, solver), tally in self.tallies.items():
-            found.setdefault(solver, []).append(tally)
+        for (_, solver), own in self.tallies.items():
+            found.setdefault(solver, []).append(own)
         return {solver: united(tallies) for solver, tallies in found.items()}
 
     @cached_property
@@ -69,12 +69,12 @@ def merged(reductions: Iterable[Reduction]) -> Reduction:
     found: dict[tuple[str, str], list[Tally]] = {}
     maps: dict[str, list[PlaneMap]] = {}
     for reduction in reductions:
-        for key, tally in reduction.tallies.items():
-            found.setdefault(key, []).append(tally)
+        for key, own in reduction.tallies.items():
+            found.setdefault(key, []).append(own)
         for experiment, plane in reduction.planes.items():
             maps.setdefault(experiment, []).append(plane)
-    tallies = {key: united(own) for key, own in found.items()}
-    return Reduction(tallies, {name: PlaneMap.merged(own) for name, own in maps.items()})
+    tallies = {key: united(each) for key, each in found.items()}
+    return Reduction(tallies, {name: PlaneMap.merged(each) for name, each in maps.items()})
 
 
 # the columns that are read; a missing one is taken for one without values

@@ -12,6 +12,11 @@ from report.section_summary import attempts
 from report.spread import Spread
 from report.style import WIDE, name_of, new_figure
 
+_NOT_ENCLOSED = (
+    "No reference length was enclosed, so that no answer can be proved or bounded: where a block "
+    "has more than a million scenarios, its answers are certified by Pontryagin's conditions and "
+    "the cut alone."
+)
 _RIGOROUS = 1e-12  # relative; an interval narrower than this is called proven
 
 
@@ -40,7 +45,7 @@ def sentences(frame: pd.DataFrame, width: Spread) -> str:
         frame: of `certificates.certificates`.
         width: of the intervals around the shortest lengths, relative.
     """
-    said = [_proved(frame), _enclosed(width), _reported(frame)]
+    said = [_proved(frame), _enclosed(frame, width), _reported(frame)]
     return " ".join(sentence for sentence in said if sentence)
 
 
@@ -53,9 +58,10 @@ def _proved(frame: pd.DataFrame) -> str:
     )
 
 
-def _enclosed(width: Spread) -> str:
+def _enclosed(frame: pd.DataFrame, width: Spread) -> str:
     if not width.size:
-        return ""
+        without = frame["extremal"].sum() > 0
+        return _NOT_ENCLOSED if without else ""
     widest = width.largest
     said = "below" if widest < _RIGOROUS else "not below"
     return (

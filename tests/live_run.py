@@ -33,7 +33,7 @@ target_y = 3
 
 
 def slow_experiment(folder: Path, nap: float = 0.1, count: int = 30) -> Path:
-    """An experiment of one solver that naps before each of its solves."""
+    """An experiment of one solver, to be trusted, that naps before each of its solves."""
     (folder / "slow.py").write_text(SLOW.format(nap=nap))
     file = folder / "slow.toml"
     file.write_text(TARGETS.format(solver=f"{folder}/slow.py:Slow", count=count))

@@ -123,7 +123,7 @@ def test_rows_of_earlier_code_are_solved_anew_and_never_shown(tmp_path):
     out = tmp_path / "out"
     for patience in (1, 2):
         plugin.write_text(PLUGIN.format(patience=patience, remark=""))
-        done = dubins_study("run", str(file), "--out", str(out))
+        done = dubins_study("run", str(file), "--trust", "--out", str(out))
         assert "4 of 4 cells done, finished" in done
 
     kept = read_rows(out, ["run_id"]).to_pandas()
@@ -166,7 +166,7 @@ def test_folders_of_two_codes(tmp_path):
     file.write_text(EXPERIMENT.format(spec=f"{plugin}:Mine"))
     for patience in (1, 2):
         plugin.write_text(PLUGIN.format(patience=patience, remark=""))
-        dubins_study("run", str(file), "--out", str(tmp_path / str(patience)))
+        dubins_study("run", str(file), "--trust", "--out", str(tmp_path / str(patience)))
     one, two = tmp_path / "1", tmp_path / "2"
 
     found = load([one, two])

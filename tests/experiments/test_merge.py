@@ -224,7 +224,7 @@ def test_places_that_are_taken(halves, tmp_path):
 
 def test_a_folder_in_use_is_left_alone(tmp_path):
     experiment, out = slow_experiment(tmp_path, nap=0.3, count=1000), tmp_path / "out"
-    with started("run", experiment, "--out", out):
+    with started("run", experiment, "--trust", "--out", out):
         wait_for(lambda: parts(out))
         with pytest.raises(StoreError, match="is in use by a run; merge it when that has ended"):
             merge([out, out], tmp_path / "all")

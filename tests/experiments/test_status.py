@@ -164,7 +164,7 @@ def test_subsets_and_repeats_keep_count(tmp_path):
 def test_runs_tell_how_they_ended(tmp_path):
     """Interrupted, then finished; each with when and how long."""
     experiment, out = slow_experiment(tmp_path, nap=0.1, count=40), tmp_path / "out"
-    with started("run", experiment, "--out", out) as process:
+    with started("run", experiment, "--trust", "--out", out) as process:
         wait_for(lambda: parts(out))
         assert status(out).runs[-1].state == "running"
         assert status(out).process == process.pid
@@ -175,5 +175,5 @@ def test_runs_tell_how_they_ended(tmp_path):
     assert entry["ended"] >= entry["started"]
     assert 0 < entry["seconds"] < 120
 
-    assert finished("run", experiment, "--out", out).returncode == 0
+    assert finished("run", experiment, "--trust", "--out", out).returncode == 0
     assert [known.state for known in status(out).runs] == ["interrupted", "finished"]

@@ -81,6 +81,8 @@ def _change_type(folder):
         (lambda f: (f / "manifest.json").unlink(), "has no manifest.json"),
         (lambda f: (f / "manifest.json").write_text("{"), "cannot be read as JSON"),
         (lambda f: (f / "manifest.json").write_text("[]"), "expected an object"),
+        (lambda f: (f / "manifest.json").write_text("[" * 100_000), "cannot be read as JSON"),
+        (lambda f: (f / "manifest.json").write_text("9" * 5_000), "cannot be read as JSON"),
         (lambda f: (f / "manifest.json").write_bytes(b"\xff\xfe\x00"), "cannot be read as JSON"),
         (_spoil_schema, f"schema is {VERSION + 1}; expected {VERSION}"),
         (_spoil_name, "experiment has no name"),
