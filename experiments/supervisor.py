@@ -218,7 +218,7 @@ class Supervisor:
                 left.remove(number)
                 task = self._tasks.pop(number)
                 rows += self._rows(task, _read(sent), sent.started, sent.versions)
-        # a worn worker leaves the rest of its batch
+        # a worker that is worn, or slow, leaves the rest of its batch
         self._waiting.extendleft(self._tasks.pop(number) for number in sorted(left, reverse=True))
         if replies[-1].worn:
             self._empty(slot)

@@ -7,6 +7,7 @@ import os
 import signal
 from functools import lru_cache
 from multiprocessing.connection import Connection
+from time import monotonic
 from typing import NamedTuple
 
 from experiments.clock import Clock, Phase
@@ -37,6 +38,9 @@ class Order(NamedTuple):
     warm_up: bool  # whether a solver that is new here is asked an easy question first
 
 
+# s of solving after which replies are sent
+_MOMENT = 0.1
+
 _clock: Clock | None = None
 
 
@@ -52,12 +56,14 @@ def begin(clock: Clock, output: Connection, memory: int) -> None:
 def answers(orders: list[Order]) -> list[Packed]:
     """Put several questions one after another, and send the replies back in one message.
 
-    A worker that a solver has left worn stops there, and answers no more until it is replaced.
+    Once that has taken a moment the rest is left for another message: replies that wait are lost
+    if the run is killed, and an interrupted run waits for no more than the solve under way. A
+    worker that a solver has left worn stops as well, and answers no more until it is replaced.
     """
-    replies = []
+    replies, began = [], monotonic()
     for order in orders:
         replies.append(answer(order))
-        if replies[-1].worn:
+        if replies[-1].worn or monotonic() - began > _MOMENT:
             break
     return replies
 
