@@ -13,6 +13,7 @@ from typing import Any, NamedTuple, Self
 
 from experiments import dask_worker
 from experiments.chunk import Chunk, encoded, remainder, rows_received
+from experiments.dask_client import connected, installed, quiet
 from experiments.dask_host import local_cluster
 from experiments.engine import Probed
 from experiments.grid import Chain
@@ -41,8 +42,8 @@ _RETRIES = 1
 _TURN = 0.2
 # s between two looks at how many workers there are, which may come and go
 _LOOK = 1.0
-# s for a scheduler to answer, and for rows to arrive from where they were solved
-_ANSWER, _FETCH = 10.0, 30.0
+# s for rows to arrive from where they were solved
+_FETCH = 30.0
 
 
 class _Flight(NamedTuple):
@@ -71,11 +72,11 @@ class DaskEngine:
 
     def __enter__(self) -> Self:
         with ExitStack() as entered:
-            version = _distributed()
-            entered.enter_context(_quiet())
+            version = installed()
+            entered.enter_context(quiet())
             workers = self.jobs
             if self._scheduler is not None:
-                self._client = entered.enter_context(_connected(self._scheduler))
+                self._client = entered.enter_context(connected(self._scheduler))
                 threads = self._client.nthreads()
                 workers, self.jobs = len(threads), max(1, sum(threads.values()))
             self.said = {"workers": workers, "distributed": version}
@@ -92,7 +93,7 @@ class DaskEngine:
             client = self._client
             if client is None:
                 host = entered.enter_context(local_cluster(self.jobs))
-                client = entered.enter_context(_connected(host.address))
+                client = entered.enter_context(connected(host.address))
                 _LOG.warning("dubins-study: Dask's dashboard is at %s", host.dashboard)
             crew = DaskCrew(client, run, bounds)
             try:
@@ -281,78 +282,3 @@ def _explained(error: Exception) -> str:
             "same versions of dubins-study, Python and Dask there as here"
         )
     return f"a Dask worker failed: {said}; the rows written so far are kept"
-
-
-def _distributed() -> str:
-    try:
-        import distributed
-    except ImportError as error:
-        raise RunError(
-            f"engine 'dask' needs Dask: pip install 'dubins-study[dask]' ({error})"
-        ) from None
-    return str(distributed.__version__)
-
-
-# who tells on stderr what is told by exceptions as well
-_LOUD = ("distributed", "tornado", "asyncio")
-
-
-@contextmanager
-def _quiet() -> Iterator[None]:
-    loggers = [logging.getLogger(name) for name in _LOUD]
-    levels = [logger.level for logger in loggers]
-    for logger in loggers:
-        logger.setLevel(logging.CRITICAL + 1)
-    try:
-        yield
-    finally:
-        for logger, level in zip(loggers, levels, strict=True):
-            logger.setLevel(level)
-
-
-@contextmanager
-def _connected(address: str) -> Iterator[Any]:
-    """A client of a scheduler.
-
-    Raises:
-        RunError: if it does not answer, or is of another version.
-    """
-    from distributed import Client
-
-    try:
-        client = Client(address, timeout=_ANSWER, set_as_default=False)
-    except Exception as error:  # of every layer below: names, sockets, certificates, protocols
-        raise RunError(
-            f"no Dask scheduler answers at {address!r} ({told(error)}); expected an address such "
-            "as tcp://127.0.0.1:8786 or tls://..., and certificates if it wants them"
-        ) from None
-    try:
-        problem = mismatch(client.get_versions())
-        if problem:
-            raise RunError(problem)
-        yield client
-    finally:
-        with suppress(Exception):
-            client.close(timeout=_ANSWER)
-
-
-def mismatch(versions: Mapping[str, Any]) -> str | None:
-    """Why the machines of a cluster cannot work with this one: Python's or Dask's versions.
-
-    Args:
-        versions: as `distributed.Client.get_versions` returns them.
-    """
-    own = _release(versions["client"])
-    others = {"the Dask scheduler": versions["scheduler"]}
-    others |= {f"the Dask worker {name}": found for name, found in versions["workers"].items()}
-    for who, found in others.items():
-        for what, version in _release(found).items() if found else ():
-            if version != own[what]:
-                return f"{who} has {what} {version}; expected {own[what]}, as here"
-    return None
-
-
-def _release(found: Mapping[str, Any]) -> dict[str, str]:
-    packages = found["packages"]
-    python = ".".join(str(packages["python"]).split(".")[:2])
-    return {"Python": python, "distributed": str(packages["distributed"])}

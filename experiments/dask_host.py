@@ -1,4 +1,4 @@
-"""A Dask cluster of this machine alone, in processes of its own.
+"""A Dask cluster of this machine alone, in a process of its own.
 
 Dask's LocalCluster changes the environment of the process that it is made in, imports its main
 module once more in every worker, lets Ctrl-C end its workers and prints what goes wrong. Here it
@@ -19,13 +19,12 @@ from experiments import processes
 from experiments.last_words import LastWords
 from experiments.supervisor import RunError
 
-LOOPBACK = "127.0.0.1"
 # s that a cluster is given to end by itself
 _PARTING = 5.0
 # the caller's search path, so that whatever is imported there is found; -P: nothing else is
 _PROGRAM = (
     "import sys, json; sys.path[:] = json.loads(sys.stdin.readline()); "
-    "from experiments.dask_host import main; main()"
+    "from experiments.dask_cluster import main; main()"
 )
 
 
@@ -88,27 +87,3 @@ def _end(process: subprocess.Popen[str]) -> None:
         process.wait()
         assert process.stdout is not None
         process.stdout.close()
-
-
-def main() -> None:
-    """Be the cluster until standard input ends."""
-    import dask
-    from distributed import LocalCluster
-
-    workers, scratch = json.loads(sys.stdin.readline())
-    # a worker's solvers are processes of its own, and get the environment that they always get
-    settings = {"distributed.worker.daemon": False, "distributed.nanny.pre-spawn-environ": {}}
-    with (
-        dask.config.set(settings),
-        LocalCluster(
-            n_workers=workers,
-            threads_per_worker=1,
-            processes=True,
-            host=LOOPBACK,
-            dashboard_address=f"{LOOPBACK}:0",
-            memory_limit=0,  # a solver's memory is bounded by its supervisor
-            local_directory=scratch,
-        ) as cluster,
-    ):
-        print(json.dumps([cluster.scheduler_address, cluster.dashboard_link]), flush=True)
-        sys.stdin.read()
