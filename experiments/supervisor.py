@@ -235,7 +235,8 @@ class Supervisor:
     def _check_code(self, cell: Cell, sent: Packed) -> None:
         """No row under a digest that is not that of the code which replied."""
         # one that does not load here, where it does on the machine that asks, is other code too
-        if sent.code == cell.code or (not sent.code and self.run.engine == "local"):
+        told = sent.code or self.run.engine != "local"
+        if sent.code == cell.code or not (cell.code and told):
             return
         found = f"is {sent.code} now" if sent.code else f"does not load: {sent.texts[1]}"
         raise RunError(
