@@ -28,19 +28,17 @@ class Crew(Protocol):
 
 
 class Engine(Protocol):
-    """Where a run's cells are solved, for as long as it is entered.
+    """Where a run's cells are solved, for as long as it is entered."""
 
-    Attributes:
-        jobs: how many cells are solved side by side.
-        said: what the run's entry in the manifest tells of it beside.
-    """
+    @property
+    def jobs(self) -> int:
+        """How many cells are solved side by side."""
 
-    jobs: int
-    said: dict[str, Any]
+    @property
+    def said(self) -> dict[str, Any]:
+        """What the run's entry in the manifest tells of it beside."""
 
-    def crew(
-        self, run: Run, bounds: Bounds, probed: Probed | None
-    ) -> AbstractContextManager[Crew]:
+    def crew(self, run: Run, bounds: Bounds, probed: Probed | None) -> AbstractContextManager[Crew]:
         """Get ready to solve cells; until then nothing is started that takes long.
 
         Args:
@@ -57,9 +55,7 @@ class _Local(NamedTuple):
     jobs: int
     said: dict[str, Any]
 
-    def crew(
-        self, run: Run, bounds: Bounds, probed: Probed | None
-    ) -> AbstractContextManager[Crew]:
+    def crew(self, run: Run, bounds: Bounds, probed: Probed | None) -> AbstractContextManager[Crew]:
         return Supervisor(run, bounds, self.jobs, probed)
 
 
