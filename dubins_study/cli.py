@@ -119,6 +119,10 @@ def run(
     trust: Annotated[
         bool, typer.Option("--trust", help="the experiment may name plug-ins and programs")
     ] = False,
+    engine: Annotated[str, typer.Option(help="local, or dask")] = "local",
+    scheduler: Annotated[
+        str | None, typer.Option(metavar="ADDRESS", help="of Dask's; default: one on this machine")
+    ] = None,
 ) -> None:
     """Run an experiment; cells that are done are skipped."""
     from experiments.interruption import Interruption
@@ -143,6 +147,8 @@ def run(
                     repeats=repeats,
                     fresh=fresh,
                     trust=trust,
+                    engine=engine,
+                    scheduler=scheduler,
                     progress=tell,
                 )
             print(show_status.status_text(status_of(folder)))

@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
-from scipy.stats import qmc
 
 from experiments.spec import (
     CIRCULAR,
@@ -142,6 +141,8 @@ class _Points:
                     f"{where}: sample.count is {sample.count}; expected at most {MOST_LATIN} for "
                     "method 'latin hypercube', which is drawn whole: 'sobol' takes more"
                 )
+            from scipy.stats import qmc  # here: half a second, and most experiments sample nothing
+
             rng = np.random.default_rng(sample.seed)
             self.drawn = qmc.LatinHypercube(len(sample.ranges), rng=rng).random(sample.count)
         self.engine: Any = None
@@ -160,6 +161,8 @@ class _Points:
         """Have the points from `first` to `end` at hand; the engine only goes forward."""
         assert self.sample is not None
         if self.engine is None or first < self.first:
+            from scipy.stats import qmc
+
             rng = np.random.default_rng(self.sample.seed)
             self.engine = qmc.Sobol(len(self.sample.ranges), rng=rng)
             self.first, self.drawn = 0, self.drawn[:0]

@@ -1,5 +1,5 @@
-"""The global state of a worker process: put back after every solve, so that no solver finds it
-changed by the one before."""
+"""The global state of a worker process: put back after every solve to what it was before the
+first one, so that no solver finds it changed by another."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ import threading
 import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -73,13 +74,12 @@ def _set_descriptors(kept: list[int | None]) -> None:
 
 # how a piece of state is read, and how it is put back
 _STATE: tuple[tuple[Callable[[], Any], Callable[[Any], object]], ...] = (
-    (_descriptors, _set_descriptors),
     (os.getcwd, os.chdir),
     (lambda: dict(os.environ), _set_environment),
     (lambda: list(warnings.filters), lambda kept: warnings.filters.__setitem__(slice(None), kept)),  # type: ignore[index]
     (np.geterr, lambda kept: np.seterr(**kept)),
     (decimal.getcontext, decimal.setcontext),
-    (lambda: decimal.getcontext().copy(), decimal.setcontext),
+    (lambda: decimal.getcontext().copy(), lambda kept: decimal.setcontext(kept.copy())),
     (lambda: locale.setlocale(locale.LC_ALL), lambda kept: locale.setlocale(locale.LC_ALL, kept)),
     (lambda: list(sys.path), lambda kept: sys.path.__setitem__(slice(None), kept)),
     (sys.getrecursionlimit, sys.setrecursionlimit),
@@ -123,6 +123,12 @@ if hasattr(os, "sched_getaffinity"):
     _GRANTED += ((lambda: os.sched_getaffinity(0), lambda kept: os.sched_setaffinity(0, kept)),)
 
 
+@cache
+def _at_first() -> tuple[list[Any], list[Any]]:
+    """What `_STATE` and `_GRANTED` hold before the first solve, and then before every one."""
+    return [read() for read, _ in _STATE], [read() for read, _ in _GRANTED]
+
+
 class Containment:
     """Whether a solver has left what cannot be undone: a thread, or less than it had been given."""
 
@@ -145,12 +151,13 @@ def contained() -> Iterator[Containment]:
     random.seed(SEED)
     np.random.seed(SEED)  # noqa: NPY002
     found = Containment()
-    kept = [read() for read, _ in _STATE]
-    granted = [read() for read, _ in _GRANTED]
+    kept, granted = _at_first()
+    descriptors = _descriptors()
     try:
         yield found
     finally:
         signal.setitimer(signal.ITIMER_REAL, 0)
+        _set_descriptors(descriptors)
         for value, (_, put_back) in zip(kept + granted, _STATE + _GRANTED, strict=True):
             with suppress(Exception):  # e.g. a directory that is gone: the rest is put back still
                 put_back(value)

@@ -1,24 +1,21 @@
-"""Solve the cells that are left: chain by chain, in worker processes."""
+"""Solve the cells that are left: chain by chain, by the run's engine."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from itertools import pairwise
 from pathlib import Path as FilePath
-from typing import Any
 
+from experiments.engine import Engine, Probed
 from experiments.grid import Chain, shuffled
 from experiments.interruption import Interruption
 from experiments.isolation import pinned_threads
 from experiments.judging import Run
-from experiments.rows import Row
+from experiments.rows import row_key, row_path
 from experiments.store import read_rows
-from experiments.supervisor import Supervisor
 from experiments.watch import Bounds
 from experiments.writer import Writer
 from study.path import Path
-from study.scenario import Pose
-from study.schema import KEY, Key, names
+from study.schema import Key
 
 
 def solve_left(
@@ -30,13 +27,14 @@ def solve_left(
     bounds: Bounds,
     writer: Writer,
     stop: Interruption,
-    probed: Callable[[float], None] | None = None,
+    engine: Engine,
+    probed: Probed | None = None,
 ) -> None:
     """Attempt every cell whose key is not finished; the writer gets the rows as they come.
 
     Raises:
         KeyboardInterrupt: if the run is interrupted.
-        RunError: if worker processes end before they have done anything.
+        RunError: if the engine cannot go on.
     """
     left = [_left(group, finished) for group in groups]
     writer.skip(sum(map(len, groups)) - sum(map(len, left)))
@@ -44,21 +42,14 @@ def solve_left(
     before = _paths_before(folder, single, groups)
     ordered = shuffled(single, seed)
     if ordered:
-        with pinned_threads(), Supervisor(shared, bounds, shared.jobs, probed) as workers:
-            for rows in workers.solve(ordered, before, stop):
+        with pinned_threads(), engine.crew(shared, bounds, probed) as crew:
+            for rows in crew.solve(ordered, before, stop):
                 writer.add(rows)
     stop.check()
 
 
 def _left(group: Chain, finished: set[Key]) -> Chain:
     return tuple(cell for cell in group if cell.key not in finished)
-
-
-def _row_path(row: Row) -> Path | None:
-    """The path of a row, if it arrived."""
-    if row["gap"] is None:
-        return None
-    return Path(Pose(row["x"], row["y"], row["heading"]), row["curvatures"], row["lengths"])
 
 
 def _paths_before(folder: FilePath, left: list[Chain], groups: list[Chain]) -> dict[Key, Path]:
@@ -74,8 +65,6 @@ def _paths_before(folder: FilePath, left: list[Chain], groups: list[Chain]) -> d
         return {}
     columns = ["x", "y", "heading", "gap", "curvatures", "lengths"]
     rows = read_rows(folder, columns).to_pylist()
-    paths: dict[Any, Path | None] = {
-        tuple(row[name] for name in names(KEY)): _row_path(row) for row in rows
-    }
+    paths = {row_key(row): row_path(row) for row in rows}
     found = {key: paths.get(previous) for key, previous in before.items()}
     return {key: path for key, path in found.items() if path is not None}

@@ -6,6 +6,7 @@ import shlex
 from pathlib import Path as FilePath
 from typing import NamedTuple
 
+from experiments.engine import ENGINES
 from experiments.grid import Chain, chains
 from experiments.patterns import expand_solvers, foreign
 from experiments.spec import Experiment, ExperimentError, Source, read, validated
@@ -23,9 +24,14 @@ class Request(NamedTuple):
     memory: float | None
     repeats: int | None
     trust: bool = False
+    engine: str = "local"
+    scheduler: str | None = None
 
     def command(self) -> str:
-        """The command line that asks for the same rows; where they are put is left out."""
+        """The command line that asks for the same rows; where they are put is left out.
+
+        So is a scheduler's address, which is nobody else's business.
+        """
         words = ["dubins-study", "run", str(self.experiment)]
         words += [word for spec in self.solvers or () for word in ("--solver", spec)]
         options = {
@@ -33,6 +39,7 @@ class Request(NamedTuple):
             "--limit": self.limit,
             "--memory": self.memory,
             "--repeats": self.repeats,
+            "--engine": self.engine if self.engine != "local" else None,
         }
         words += [word for key, value in options.items() if value for word in (key, str(value))]
         words += ["--trust"] * self.trust
@@ -88,6 +95,28 @@ def _check_types(request: Request, out: object) -> None:
     jobs = request.jobs
     if isinstance(jobs, bool) or not isinstance(jobs, int) or jobs < 1:
         raise ExperimentError(f"jobs is {jobs!r}; expected a whole number of processes above 0")
+    _check_engine(request)
+
+
+def _check_engine(request: Request) -> None:
+    engine, scheduler, jobs = request.engine, request.scheduler, request.jobs
+    if not isinstance(engine, str) or engine not in ENGINES:
+        raise ExperimentError(f"engine is {engine!r}; expected one of: {', '.join(ENGINES)}")
+    if scheduler is None:
+        return
+    if not (isinstance(scheduler, str) and scheduler):
+        raise ExperimentError(
+            f"scheduler is {scheduler!r}; expected an address such as tcp://127.0.0.1:8786"
+        )
+    if engine != "dask":
+        raise ExperimentError(
+            f"scheduler is {scheduler!r} and engine {engine!r}; only engine 'dask' has a scheduler"
+        )
+    if jobs != 1:
+        raise ExperimentError(
+            f"jobs is {jobs}; how many cells are solved side by side is for the cluster of "
+            f"scheduler {scheduler!r} to say, so leave it out"
+        )
 
 
 def _changed(found: Source, request: Request) -> Source:

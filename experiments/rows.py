@@ -10,7 +10,9 @@ from typing import Any
 
 import pyarrow as pa
 
-from study.schema import KEY, ROW, RUN, SCENARIO, arrow_schema, names
+from study.path import Path
+from study.scenario import Pose
+from study.schema import KEY, ROW, RUN, SCENARIO, Key, arrow_schema, names
 
 Row = dict[str, Any]
 
@@ -60,6 +62,19 @@ def raised_row(known: Mapping[str, Any], message: str) -> Row:
     said = {"outcome": "raised", "claim": "none", "verdict": "none", "message": message}
     flags = {"false_claim": False, "wrong_basin": False, "native_status": ""}
     return dict.fromkeys(names(ROW)) | kept | flags | said
+
+
+def row_key(row: Mapping[str, Any]) -> Key:
+    """The values of the key columns."""
+    key: Any = tuple(row[name] for name in names(KEY))
+    return key  # type: ignore[no-any-return]
+
+
+def row_path(row: Mapping[str, Any]) -> Path | None:
+    """The path of a row, if it arrived."""
+    if row["gap"] is None:
+        return None
+    return Path(Pose(row["x"], row["y"], row["heading"]), row["curvatures"], row["lengths"])
 
 
 def _shown(value: Any) -> str:

@@ -9,6 +9,7 @@ from typing import Any
 from uuid import uuid4
 
 from experiments.description import described
+from experiments.engine import ENGINES, Engine
 from experiments.execution import solve_left
 from experiments.grid import Chain
 from experiments.interruption import Interruption
@@ -41,6 +42,8 @@ def run(
     repeats: int | None = None,
     fresh: bool = False,
     trust: bool = False,
+    engine: str = "local",
+    scheduler: str | None = None,
     progress: Progress | None = None,
 ) -> FilePath:
     """Run an experiment and return its results folder.
@@ -59,21 +62,25 @@ def run(
         fresh: throw away the rows that the folder holds.
         trust: let the experiment's own text name plug-in files and programs on PATH as solvers;
             those among `solvers` are trusted anyway.
+        engine: `local`, or `dask`: the same by Dask's workers, on other machines too.
+        scheduler: the address of Dask's scheduler; without one, `jobs` workers are started here.
         progress: called with (cells done, cells in all).
 
     Raises:
         ExperimentError, SolverError, StoreError: if the request or the folder is not valid.
-        RunError: if worker processes end before they have done anything.
+        RunError: if worker processes end before they have done anything, or Dask cannot go on.
         KeyboardInterrupt: after a SIGINT (Ctrl-C), once the cell being solved is finished and all
             rows are written; a second SIGINT leaves the cell. Only in the main thread, where
             Python handles signals, and with the caller's own handler back in place.
     """
-    request = Request(experiment, solvers, jobs, limit, memory, repeats, trust)
+    asked = (experiment, solvers, jobs, limit, memory, repeats, trust, engine, scheduler)
+    request = Request(*asked)
     with Interruption() as stop:
         found, groups, wanted = accepted(request, out)
         folder = FilePath(out) if out is not None else FilePath("results") / found.name
         stop.check()
-        _record(folder, found, groups, wanted, request, fresh, progress, stop)
+        with ENGINES[engine](jobs, scheduler) as entered:
+            _record(folder, found, groups, wanted, request, fresh, progress, stop, entered)
     return folder
 
 
@@ -86,6 +93,7 @@ def _record(
     fresh: bool,
     progress: Progress | None,
     stop: Interruption,
+    engine: Engine,
 ) -> None:
     """Solve the cells that the folder does not hold, and put them there."""
     place(folder)
@@ -100,7 +108,7 @@ def _record(
         keys = {cell.key for group in groups for cell in group}
         cells = Counter((spec, digest) for _, spec, *_, digest in keys | finished)
         completes = count_cells(manifest, asked, cells + streamed_totals(folder, wanted))
-        shared = Run(uuid4().hex[:12], found.experiment.limit, request.jobs)
+        shared = Run(uuid4().hex[:12], found.experiment.limit, engine.jobs, request.engine)
         bounds = Bounds(found.experiment.limit, round(found.experiment.memory * 2**30))
         total = len(keys) + sum(stream.rows for stream in wanted)
         writer = Writer(folder, shared.run_id, total, progress)
@@ -112,6 +120,7 @@ def _record(
             "command": request.command(),
             "memory": found.experiment.memory,
             "threads": THREADS,
+            **engine.said,
         }
         seed = found.experiment.seed
         with recorded(folder, manifest, said, completes) as record:
@@ -119,7 +128,16 @@ def _record(
                 with pinned_threads():
                     solve_streams(folder, wanted, shared, writer, stop)
                 solve_left(
-                    folder, groups, finished, seed, shared, bounds, writer, stop, record.probe
+                    folder,
+                    groups,
+                    finished,
+                    seed,
+                    shared,
+                    bounds,
+                    writer,
+                    stop,
+                    engine,
+                    record.probe,
                 )
             finally:
                 writer.flush()

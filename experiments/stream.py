@@ -17,7 +17,7 @@ from contextlib import contextmanager
 from pathlib import Path as FilePath
 from typing import Any, NamedTuple
 
-from experiments.columns import Columns, Window, size, tiled, windows
+from experiments.columns import Window, size, tiled, windows
 from experiments.description import described
 from experiments.grid import asked, streamed
 from experiments.interruption import Interruption
@@ -27,7 +27,7 @@ from experiments.overlap import refuse_repeats
 from experiments.parts import write_part
 from experiments.spec import Block, Experiment
 from experiments.stream_parts import metadata, part_name, streamed_parts
-from experiments.stream_table import chunk_table
+from experiments.stream_table import chunk_table, warm_up
 from experiments.writer import Writer
 
 # Enclosing every reference takes ten times as long as all the rest together: 40 microseconds a row
@@ -65,6 +65,18 @@ class Stream(NamedTuple):
     def proved(self) -> bool:
         """Whether every row's reference length is enclosed."""
         return self.rows <= MOST_PROVED
+
+    @property
+    def key(self) -> dict[str, Any]:
+        """The columns of the key but the scenario's, the same for all rows."""
+        return {
+            "solver": self.solver,
+            "profile": self.profile,
+            "branch": self.branch,
+            "start": "cold",
+            "repeat": self.repeat,
+            "code": self.code,
+        }
 
     @property
     def chunk(self) -> int:
@@ -174,10 +186,14 @@ def _solve_chunks(
 ) -> None:
     """One chunk is solved while the one before is compressed and written, never two before."""
     writing: Future[int] | None = None
+    cold = True
     try:
         for window, columns in zip(left, windows(stream.block, stream.where, left), strict=True):
             stop.check()
-            table = _table(stream, columns, run)
+            if cold:
+                warm_up(columns, stream.key, run)
+            cold = False
+            table = chunk_table(columns, stream.block.label, stream.key, run, stream.proved)
             if stop.at_once:  # no row for an answer that a library gave since it was interrupted
                 raise KeyboardInterrupt
             _written(writing, writer)
@@ -190,23 +206,6 @@ def _solve_chunks(
 def _written(writing: Future[int] | None, writer: Writer) -> None:
     if writing is not None:
         writer.skip(writing.result())
-
-
-def _table(stream: Stream, columns: Columns, run: Run) -> Any:
-    return chunk_table(
-        columns,
-        stream.block.label,
-        key={
-            "solver": stream.solver,
-            "profile": stream.profile,
-            "branch": stream.branch,
-            "start": "cold",
-            "repeat": stream.repeat,
-            "code": stream.code,
-        },
-        run=run,
-        proved=stream.proved,
-    )
 
 
 def _write(folder: FilePath, stream: Stream, window: Window, table: Any, run_id: str) -> int:

@@ -34,18 +34,8 @@ def chunk_table(
         run: what the rows of the run share.
         proved: whether to enclose every reference length.
     """
-    from solvers.frame import solve_frame
-
     n, started = len(columns["x"]), now()
-    answers = solve_frame(
-        pd.DataFrame(columns, copy=False),
-        solver=key["solver"],
-        branch=key["branch"],
-        profile=key["profile"],
-        limit=run.limit,
-        certified=True,
-        enclosed=proved,
-    )
+    answers = _answers(columns, key, run, proved)
     own = [name for name in answers.columns if name not in names(SCENARIO)]
     table = pa.Table.from_pandas(answers[own], preserve_index=False)
     by_name: dict[str, Any] = {name: table[name] for name in own}
@@ -55,6 +45,25 @@ def chunk_table(
     by_name |= {name: _repeated(value, n) for name, value in same.items()}
     arrays = [_as_written(by_name[field.name], field.type) for field in ARROW_SCHEMA]
     return pa.Table.from_arrays(arrays, names=ARROW_SCHEMA.names)
+
+
+def warm_up(columns: Columns, key: Mapping[str, Any], run: Run) -> None:
+    """Solve a chunk and record nothing: what is compiled meanwhile is not the solver's time."""
+    _answers(columns, key, run, proved=False)
+
+
+def _answers(columns: Columns, key: Mapping[str, Any], run: Run, proved: bool) -> pd.DataFrame:
+    from solvers.frame import solve_frame
+
+    return solve_frame(
+        pd.DataFrame(columns, copy=False),
+        solver=key["solver"],
+        branch=key["branch"],
+        profile=key["profile"],
+        limit=run.limit,
+        certified=True,
+        enclosed=proved,
+    )
 
 
 def _versions(spec: str) -> str:

@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 
 from pebble import ProcessExpired
 
+from experiments import processes
 from experiments.clock import Phase
 from experiments.grid import Cell, Chain, given_start
 from experiments.interruption import Interruption
@@ -108,6 +109,12 @@ class Supervisor:
         self._watch.__exit__()
         for slot in self._slots:
             slot.close()
+
+    def end_solves(self) -> None:
+        """Whatever is being solved ends here and now; may be called from any thread."""
+        for slot in self._slots:
+            if slot.pid:
+                processes.end(slot.pid)
 
     def _told(self, slot: Slot, batch: Batch, future: Future[Any]) -> None:
         self._ended.put((slot, batch, future))
@@ -217,12 +224,25 @@ class Supervisor:
             if number in left:
                 left.remove(number)
                 task = self._tasks.pop(number)
+                self._check_code(task.cell, sent)
                 rows += self._rows(task, _read(sent), sent.started, sent.versions)
         # a worker that is worn, or slow, leaves the rest of its batch
         self._waiting.extendleft(self._tasks.pop(number) for number in sorted(left, reverse=True))
         if replies[-1].worn:
             self._empty(slot)
         return rows
+
+    def _check_code(self, cell: Cell, sent: Packed) -> None:
+        """No row under a digest that is not that of the code which replied."""
+        # one that does not load here, where it does on the machine that asks, is other code too
+        told = sent.code or self.run.engine != "local"
+        if sent.code == cell.code or not (cell.code and told):
+            return
+        found = f"is {sent.code} now" if sent.code else f"does not load: {sent.texts[1]}"
+        raise RunError(
+            f"the code of {cell.solver} is not what was asked: its digest was {cell.code} and "
+            f"{found}; its files, its settings or its libraries' versions differ"
+        )
 
     def _fallen(self, slot: Slot) -> list[Row]:
         """A worker has ended: the row of the order that it was at; the others wait again."""

@@ -19,7 +19,10 @@ from study.verify import Claim
 
 
 class Packed(NamedTuple):
-    """A reply, the moment its question was put (UTC, ISO 8601), and the versions it rests on."""
+    """A reply, the moment its question was put (UTC, ISO 8601), and what it rests on.
+
+    `code` is the digest of what replied (see `experiments.fingerprint`), empty if it did not load.
+    """
 
     outcome: str
     times: tuple[float | None, ...]
@@ -31,6 +34,7 @@ class Packed(NamedTuple):
     texts: tuple[str, str]
     started: str
     versions: str
+    code: str
     worn: bool = False  # whether the worker is to be replaced
 
 
@@ -40,7 +44,7 @@ _TEXTS = ("native_status", "message")
 _LONGEST = 2000  # characters of a text
 
 
-def packed(reply: Reply, started: str, versions: str) -> Packed:
+def packed(reply: Reply, started: str, versions: str, code: str) -> Packed:
     """A reply as plain values.
 
     Raises:
@@ -61,6 +65,7 @@ def packed(reply: Reply, started: str, versions: str) -> Packed:
         (_text(solution.native_status), _text(solution.message)),
         started,
         versions,
+        code,
     )
 
 

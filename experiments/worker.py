@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 from experiments.clock import Clock, Phase
 from experiments.containment import contained
+from experiments.fingerprint import code
 from experiments.isolation import depend, isolate
 from experiments.provenance import now, solver_versions
 from experiments.wire import Packed, packed
@@ -88,9 +89,9 @@ def answer(order: Order) -> Packed:
             started = now()
             _tell(order.number, Phase.SOLVING)
             reply = ask(solver, question, order.limit)
-            sent = packed(reply, started, _versions(order.solver))
+            sent = packed(reply, started, _versions(order.solver), _code(order))
     except BaseException as error:  # a plug-in that breaks more than its own calls is a row too
-        sent = packed(_failed(error), started, "")
+        sent = packed(_failed(error), started, "", _code(order))
     finally:
         _tell(order.number, Phase.IDLE)
     _worn = state is not None and state.worn
@@ -108,6 +109,8 @@ def _tell(number: int, phase: Phase) -> None:
 
 
 _solvers: dict[tuple[str, str], AnySolver] = {}
+# of those that were loaded: the digests of their code, read as they were
+_codes: dict[tuple[str, str], str] = {}
 
 
 def _ready(order: Order) -> AnySolver:
@@ -116,12 +119,17 @@ def _ready(order: Order) -> AnySolver:
     if key not in _solvers:
         _tell(order.number, Phase.PREPARING)
         solver = load(*key)
+        _codes[key] = code(*key)
         _versions(order.solver)  # which may have to load the libraries
         if order.warm_up:
             _tell(order.number, Phase.WARMING_UP)
             ask(solver, Question(_WARM_UP, solver.branches[0]), order.limit)
         _solvers[key] = solver
     return _solvers[key]
+
+
+def _code(order: Order) -> str:
+    return _codes.get((order.solver, order.profile), "")
 
 
 @lru_cache(maxsize=256)

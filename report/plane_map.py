@@ -72,5 +72,5 @@ class PlaneMap:
 
 
 def _cell(place: FloatArray) -> NDArray[np.int64]:
-    beyond = np.clip(np.floor((place + REACH) * (CELLS / (2 * REACH))), -1, CELLS)
-    return beyond.astype(np.int64)
+    cell = np.clip(np.floor((place + REACH) * (CELLS / (2 * REACH))), -1, CELLS)
+    return np.nan_to_num(cell, nan=-1).astype(np.int64)

@@ -47,7 +47,7 @@ SECTIONS: dict[str, Callable[[Results], Section | None]] = {
 }
 
 # their numbers count every attempt, however many there are; those of others need single rows
-_COUNTED = ("summary", "success", "certificates", "map")
+_COUNTED = ("summary", "success", "certificates", "map", "audit", "runs")
 
 
 def told_of_sample(section: Section, results: Results) -> Section:
@@ -56,8 +56,8 @@ def told_of_sample(section: Section, results: Results) -> Section:
         return section
     kept, attempts = len(results.rows), results.reduction.total.attempts
     said = (
-        f"What follows is of {count(kept)} of the {count(attempts)} attempts, all those at some of "
-        "the scenarios, drawn by the hashes that name them"
+        f"Where single attempts are shown or compared, they are {count(kept)} of the "
+        f"{count(attempts)}: all those at some of the scenarios, drawn by the hashes that name them"
     )
     if section.key == "time":
         said += "; quartiles and medians are of all"

@@ -120,9 +120,9 @@ def test_the_page_says_what_it_leaves_out(many, sampling, tmp_path):
     assert table["none exists"].tolist() == [(rows["verdict"] == "none exists").sum()]
     spaced = f"{kept:,}".replace(",", "\u202f")
     time = page.split('<section id="time"')[1].split("<figure")[0]
-    assert f"is of {spaced} of the 12\u202f818 attempts" in time
+    assert f"they are {spaced} of the 12\u202f818:" in time
     assert "quartiles and medians are of all" in time
-    assert "What follows is" not in page.split('<section id="summary"')[1].split("<table")[0]
+    assert "Where single attempts" not in page.split('<section id="summary"')[1].split("<table")[0]
 
 
 def test_small_folders_are_read_whole(many, tmp_path):
@@ -132,7 +132,7 @@ def test_small_folders_are_read_whole(many, tmp_path):
 
     assert not found.sampled
     assert len(found.rows) == ROWS
-    assert "What follows is of" not in page
+    assert "Where single attempts" not in page
     assert 'id="map"' not in page
     whole = of(every_row(many).assign(experiment="many"))
     pd.testing.assert_frame_equal(summary(found.reduction), summary(whole))

@@ -1,0 +1,77 @@
+"""Who solves the cells of a run: worker processes of this machine, or a Dask cluster's."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import AbstractContextManager, nullcontext
+from typing import Any, NamedTuple, Protocol
+
+from experiments.grid import Chain
+from experiments.interruption import Interruption
+from experiments.judging import Run
+from experiments.rows import Row
+from experiments.supervisor import Supervisor
+from experiments.watch import Bounds
+from study.path import Path
+from study.schema import Key
+
+Probed = Callable[[float], None]
+
+
+class Crew(Protocol):
+    """What solves the cells of one run; `experiments.supervisor.Supervisor` is one."""
+
+    def solve(
+        self, chains: list[Chain], before: Mapping[Key, Path], stop: Interruption
+    ) -> Iterator[list[Row]]:
+        """The rows of all cells as they come; see `Supervisor.solve`."""
+
+
+class Engine(Protocol):
+    """Where a run's cells are solved, for as long as it is entered."""
+
+    @property
+    def jobs(self) -> int:
+        """How many cells are solved side by side."""
+
+    @property
+    def said(self) -> dict[str, Any]:
+        """What the run's entry in the manifest tells of it beside."""
+
+    def crew(self, run: Run, bounds: Bounds, probed: Probed | None) -> AbstractContextManager[Crew]:
+        """Get ready to solve cells; until then nothing is started that takes long.
+
+        Args:
+            run: what the rows share.
+            bounds: of every solve.
+            probed: called now and then with the seconds that a fixed piece of work took.
+
+        Raises:
+            RunError: if nobody can be made ready.
+        """
+
+
+class _Local(NamedTuple):
+    jobs: int
+    said: dict[str, Any]
+
+    def crew(self, run: Run, bounds: Bounds, probed: Probed | None) -> AbstractContextManager[Crew]:
+        return Supervisor(run, bounds, self.jobs, probed)
+
+
+def _local(jobs: int, scheduler: str | None) -> AbstractContextManager[Engine]:
+    return nullcontext(_Local(jobs, {}))
+
+
+def _dask(jobs: int, scheduler: str | None) -> AbstractContextManager[Engine]:
+    # only here: `distributed` is an extra, and takes half a second to import
+    from experiments.dask_engine import DaskEngine
+
+    return DaskEngine(jobs, scheduler)
+
+
+# by name: made of the number of jobs and the address of a scheduler
+ENGINES: dict[str, Callable[[int, str | None], AbstractContextManager[Engine]]] = {
+    "local": _local,
+    "dask": _dask,
+}

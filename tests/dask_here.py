@@ -1,0 +1,92 @@
+"""Dask on this machine, for tests: experiments small enough for it, schedulers and workers."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+import pandas as pd
+import psutil
+
+from experiments import processes
+from experiments.store import read_rows
+from study.schema import KEY, ROW, names
+
+# what differs between two runs that find the same
+OF_THE_RUN = {"build_s", "solve_s", "wall_s", "jobs", "engine", "run_id", "started"}
+PATIENCE = 60.0
+
+
+def table(folder: Path) -> pd.DataFrame:
+    """The rows of a folder in the order of their keys: the columns that must not differ."""
+    frame = read_rows(folder).to_pandas().sort_values(names(KEY), ignore_index=True)
+    for column in ("curvatures", "lengths"):
+        frame[column] = frame[column].map(lambda held: held if held is None else tuple(held))
+    return frame[[name for name in names(ROW) if name not in OF_THE_RUN]]
+
+
+def assert_same(one: Path, other: Path) -> None:
+    """Both folders hold the same rows, each once."""
+    pd.testing.assert_frame_equal(table(one), table(other), check_exact=True)
+
+
+def until(holds: Callable[[], bool], what: str) -> None:
+    """Wait for something."""
+    give_up = time.monotonic() + PATIENCE
+    while not holds():
+        assert time.monotonic() < give_up, what
+        time.sleep(0.05)
+
+
+def family(pid: int) -> list[psutil.Process]:
+    """A process and its descendants."""
+    with suppress(psutil.NoSuchProcess):
+        process = psutil.Process(pid)
+        return [process, *process.children(recursive=True)]
+    return []
+
+
+def gone(pids: list[int]) -> bool:
+    return not any(processes.alive(pid) for pid in pids)
+
+
+@contextmanager
+def scheduler(folder: Path, *options: str, **environment: str) -> Iterator[str]:
+    """A scheduler started as its own users do; its address."""
+    file = folder / "scheduler.json"
+    asked = ("--host", "127.0.0.1", "--port", "0", "--no-dashboard", "--scheduler-file", str(file))
+    with _running("distributed.cli.dask_scheduler", *asked, *options, **environment) as process:
+        until(lambda: file.is_file() or process.poll() is not None, "the scheduler starts")
+        until(lambda: bool(file.read_text()), "the scheduler says where it is")
+        yield json.loads(file.read_text())["address"]
+
+
+@contextmanager
+def worker(address: str, *options: str, **environment: str) -> Iterator[subprocess.Popen[str]]:
+    """A worker started as its own users do: a nanny and its process."""
+    asked = (address, "--host", "127.0.0.1", "--no-dashboard", *options)
+    with _running("distributed.cli.dask_worker", *asked, **environment) as process:
+        yield process
+
+
+@contextmanager
+def _running(module: str, *options: str, **environment: str) -> Iterator[subprocess.Popen[str]]:
+    process = subprocess.Popen(
+        [sys.executable, "-m", module, *options],
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+        text=True,
+        start_new_session=True,
+        env={**os.environ, **environment},
+    )
+    try:
+        yield process
+    finally:
+        processes.end(process.pid)
+        process.wait()
