@@ -39,8 +39,8 @@ def test_kin_that_is_attacked_lives_on_or_says_so(tmp_path, clean, name, jobs):
 
 
 @pytest.mark.slow
-def test_rubbish_in_every_pipe_costs_no_row(tmp_path, clean):
-    """Whatever the writer's own row says. One job: the clocks of two workers lie side by side."""
+def test_rubbish_in_every_pipe_costs_no_row(tmp_path):
+    """All are there and no answer is wrong, but whoever shared the worker may be blamed."""
     asking = experiment(tmp_path, ([spec("hostile_state", "Scribbles")], 1), ([HONEST], 8))
     ended = study("run", asking, "--out", tmp_path / "out", "--limit", 5)
 
@@ -48,7 +48,7 @@ def test_rubbish_in_every_pipe_costs_no_row(tmp_path, clean):
     assert ended.alive == []
     found = rows(tmp_path / "out")
     assert found["plugin"].value_counts().to_dict() == {"Scribbles": 1, "Honest": 8}
-    assert lasting(found[found["plugin"] == "Honest"]).equals(lasting(clean))
+    assert set(found[found["outcome"] == "returned"]["verdict"]) == {"optimal"}
 
 
 def slow_run(folder, nap, count, file="pids"):
