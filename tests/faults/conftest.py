@@ -65,8 +65,21 @@ TABLES = {
 
 
 @pytest.fixture(scope="session")
-def shared(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Shared:
+def made() -> dict[tuple[str, int], Shared]:
+    """The runs made so far: pytest would make one again for every test that comes back to it."""
+    return {}
+
+
+@pytest.fixture
+def shared(
+    request: pytest.FixtureRequest,
+    made: dict[tuple[str, int], Shared],
+    tmp_path_factory: pytest.TempPathFactory,
+) -> Shared:
     """The run of one table with so many jobs; the parameter is both."""
     kind, jobs = request.param
-    table, asked, limit = TABLES[kind]
-    return shared_run(tmp_path_factory.mktemp(kind), table, asked, jobs, limit)
+    if request.param not in made:
+        table, asked, limit = TABLES[kind]
+        folder = tmp_path_factory.mktemp(kind)
+        made[request.param] = shared_run(folder, table, asked, jobs, limit)
+    return made[request.param]
