@@ -6,9 +6,11 @@ import os
 import threading
 from contextlib import suppress
 from multiprocessing.connection import Connection, Pipe
+from time import monotonic, sleep
 
 _KEPT = 400  # bytes
 _AT_ONCE = 2**16
+_PATIENCE = 0.05  # s that the end of what was said is waited for
 
 
 class LastWords:
@@ -21,6 +23,11 @@ class LastWords:
 
     def take(self) -> str:
         """What was said last, on one line; forgotten by this."""
+        until = monotonic() + _PATIENCE
+        with suppress(OSError):
+            while self._reader.poll() and monotonic() < until:
+                sleep(0.001)  # the thread has not got to the end yet
+        sleep(0.001)
         kept, self._kept = self._kept, b""
         return " ".join(kept.decode("utf-8", "replace").split())[-_KEPT // 2 :]
 

@@ -108,6 +108,11 @@ class Slot:
         # one that is idle may not have handed over its last answer yet
         return self.pending.get(reading.order)
 
+    def answered_among_others(self, order: Order) -> bool:
+        """Whether the worker is through with an order of several whose replies travel together."""
+        together = any(order.number in batch for batch in self.batches if len(batch) > 1)
+        return together and self.clock.read().phase is Phase.IDLE
+
     def clear(self) -> list[Order]:
         """End the worker and all that it started; the orders that were still pending."""
         pool, pid, left = self._pool, self.pid, list(self.pending.values())

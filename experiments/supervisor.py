@@ -100,6 +100,8 @@ class Supervisor:
         self._hopeless: dict[tuple[str, str], Reply] = {}
         self._ahead = dict.fromkeys(self._slots, 1)
         self._false_starts = 0
+        # orders in one message; a single one once there was one that did not come back
+        self._together = _TOGETHER
 
     def __enter__(self) -> Supervisor:
         self._watch.__enter__()
@@ -166,9 +168,9 @@ class Supervisor:
                 number = next(self._numbers)
                 self._tasks[number] = task
                 orders.append(self._order(number, task, warm_up=solver not in self._cold))
-            for first in range(0, len(orders), _TOGETHER):
+            for first in range(0, len(orders), self._together):
                 try:
-                    slot.put(orders[first : first + _TOGETHER])
+                    slot.put(orders[first : first + self._together])
                 except RuntimeError:  # what came from the worker made no sense to pebble
                     yield self._fallen(slot)
         if self._probed is not None and monotonic() > self._next_probe:
@@ -209,7 +211,7 @@ class Supervisor:
             tasks = [self._tasks.pop(order.number) for order in slot.take(batch)]
             if len(tasks) == 1:
                 return self._rows(tasks[0], nothing(Outcome.RAISED, told(error or OSError())))
-            self._ahead[slot] = 1  # which of them it was, is seen when they are asked alone
+            self._together = 1  # which of them it was, is seen when they are asked alone
             self._waiting.extendleft(reversed(tasks))
             return []
         return self._fallen(slot)
@@ -249,6 +251,10 @@ class Supervisor:
         order = slot.running()
         loading = slot.clock.read().phase in (Phase.PREPARING, Phase.WARMING_UP)
         code, words, doom = slot.exit_code(), slot.words.take(), slot.doom
+        if order is not None and slot.answered_among_others(order):
+            self._together = 1  # as above
+            self._empty(slot)
+            return []
         self._empty(slot, order)
         if order is None:
             self._strike(code, words)

@@ -161,13 +161,13 @@ def _umask():
 
 
 class Tainting(Analytic):
-    """Changes everything, one thing at each question, and answers right."""
+    """Changes everything twice, one thing at each question, and answers right."""
 
     def solve(self, model, limit):
         solution = super().solve(model, limit)
         if model.scenario.label != "warm-up":
-            number = round((model.scenario.target_x - 2.0) / 7.0 * (len(STATES) - 1))
-            list(STATES.values())[number][0]()
+            number = round((model.scenario.target_x - 2.0) / 7.0 * (2 * len(STATES) - 1))
+            list(STATES.values())[number // 2][0]()
         return solution
 
 
