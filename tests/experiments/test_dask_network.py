@@ -132,7 +132,7 @@ def test_workers_without_our_packages_are_told(experiment, tmp_path):
     with (
         here.scheduler(tmp_path) as address,
         here.worker(address, "--nthreads", "1", PYTHONPATH=str(tmp_path / "copy")),
-        pytest.raises(RunError, match="^dubins-study is not on a Dask worker, or of"),
+        pytest.raises(RunError, match=r"^dubins-study is not on a Dask worker, or of"),
     ):
         run(experiment, tmp_path / "out", engine="dask", scheduler=address)
 
