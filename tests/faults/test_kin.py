@@ -38,6 +38,19 @@ def test_kin_that_is_attacked_lives_on_or_says_so(tmp_path, clean, name, jobs):
     assert lasting(found[found["plugin"] == "Honest"]).equals(lasting(clean))
 
 
+@pytest.mark.slow
+def test_rubbish_in_every_pipe_costs_no_row(tmp_path, clean):
+    """Whatever the writer's own row says. One job: the clocks of two workers lie side by side."""
+    asking = experiment(tmp_path, ([spec("hostile_state", "Scribbles")], 1), ([HONEST], 8))
+    ended = study("run", asking, "--out", tmp_path / "out", "--limit", 5)
+
+    assert ended.code == 0, ended.err
+    assert ended.alive == []
+    found = rows(tmp_path / "out")
+    assert found["plugin"].value_counts().to_dict() == {"Scribbles": 1, "Honest": 8}
+    assert lasting(found[found["plugin"] == "Honest"]).equals(lasting(clean))
+
+
 def slow_run(folder, nap, count, file="pids"):
     napping = spec("honest", "Napping", nap=nap, note=folder / file)
     return experiment(folder, ([napping], count), ([HONEST], 8)), folder / file
