@@ -74,7 +74,9 @@ def connected(address: str) -> Iterator[Any]:
             client.close(timeout=_ANSWER)
 
 
-def _said(error: Exception) -> str:
+def _said(error: BaseException) -> str:
+    if error.__cause__ is not None and str(error.__cause__):
+        return _said(error.__cause__)  # the lower layer names what is wrong, the upper the call
     return told(error) if str(error) else f"nothing came within {_ANSWER:g} s"
 
 

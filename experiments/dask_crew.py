@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import logging
 from collections import deque
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from itertools import count
 from queue import Empty, SimpleQueue
 from time import monotonic
 from typing import Any, NamedTuple
 
-from experiments import dask_worker
 from experiments.chunk import Chunk, encoded, remainder, rows_received
 from experiments.grid import Chain
 from experiments.interruption import Interruption
@@ -41,6 +40,21 @@ _TURN = 0.2
 _LOOK = 1.0
 # s for rows to arrive from where they were solved
 _FETCH = 30.0
+
+
+def _there(name: str) -> Callable[[Any], Any]:
+    """A function of `experiments.dask_worker`, as a worker without our packages can receive it.
+
+    One that is sent by its module's name ends the connection of such a worker, and the run would
+    wait for ever. A function within a function is sent as it is, and raises an ImportError there.
+    """
+
+    def ask(sent: Any) -> Any:
+        from importlib import import_module
+
+        return getattr(import_module("experiments.dask_worker"), name)(sent)
+
+    return ask
 
 
 class _Flight(NamedTuple):
@@ -94,7 +108,7 @@ class DaskCrew:
             chunk = self._next()
             name = f"dubins-study-{self._run.run_id}-{next(self._numbers)}"
             future = self._client.submit(
-                dask_worker.solve_chunk, encoded(chunk), key=name, pure=False, retries=_RETRIES
+                _there("solve_chunk"), encoded(chunk), key=name, pure=False, retries=_RETRIES
             )
             self._flights[name] = _Flight(future, chunk)
             future.add_done_callback(self._ended.put)
@@ -172,17 +186,17 @@ class DaskCrew:
     def _halt(self) -> None:
         """Workers finish what they are at; what nobody is at is forgotten."""
         self._waiting.clear()
-        self._tell(dask_worker.halt)
+        self._tell("halt")
         with suppress(OSError, TimeoutError):
             held = {str(key) for keys in self._client.processing().values() for key in keys}
             for name in self._flights.keys() - held:
                 if not self._flights[name].future.done():
                     self._flights.pop(name).future.cancel()
 
-    def _tell(self, what: Any) -> None:
-        """Call something with the run's id in every worker."""
+    def _tell(self, what: str) -> None:
+        """Call a function of `experiments.dask_worker` with the run's id in every worker."""
         with suppress(Exception):  # workers that are going, or without our packages
-            self._client.run(what, self._run.run_id, on_error="ignore")
+            self._client.run(_there(what), self._run.run_id, on_error="ignore")
 
     def close(self) -> None:
         """Nothing is solved any more for this run."""
@@ -190,7 +204,7 @@ class DaskCrew:
             with suppress(Exception):
                 self._client.cancel([flight.future for flight in self._flights.values()])
             self._flights.clear()
-        self._tell(dask_worker.end)
+        self._tell("end")
 
 
 _LOST = "the connection to the Dask scheduler is lost; the rows written so far are kept"
@@ -224,9 +238,9 @@ def _result(future: Any, chunk: Chunk) -> tuple[bytes, str]:
 
 def _explained(error: Exception) -> str:
     said = told(error.__cause__ if isinstance(error.__cause__, Exception) else error)
-    if isinstance(error, ImportError) or "deserializ" in str(error):
+    if isinstance(error, ImportError | AttributeError) or "deserializ" in str(error):
         return (
-            f"Dask's scheduler or workers cannot read what they are asked ({said}); expected the "
-            "same versions of dubins-study, Python and Dask there as here"
+            f"dubins-study is not on a Dask worker, or of another version ({said}); expected the "
+            "same versions of it, of Python and of Dask there as here"
         )
     return f"a Dask worker failed: {said}; the rows written so far are kept"

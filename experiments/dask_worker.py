@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 import multiprocessing
 import socket
 import threading
@@ -170,6 +169,6 @@ def halt(run_id: str) -> None:
     _bench.stop(run_id).asked = True
 
 
-async def end(run_id: str) -> None:
+def end(run_id: str) -> None:
     """Nothing more is solved for a run, nor finished."""
-    await asyncio.to_thread(_bench.end, run_id)
+    _bench.end(run_id)

@@ -54,6 +54,9 @@ def plot_times(ax: Axes, table: pd.DataFrame) -> None:
             ax.plot(row[part], place + lift, **(look.dots | {"markerfacecolor": fill}))
     ax.set_yticks(places, [name_of(solver) for solver in table["solver"]], color=INK)
     ax.set(xscale="log", ylim=(-0.6, len(table) - 0.4), xlabel="time of one attempt")
+    low, high = np.log10(ax.get_xlim())
+    if high - low < 1:  # an axis within a decade would have no ticks
+        ax.set_xlim(10 ** np.floor(low), 10 ** np.ceil(high))
     log_axis(ax.xaxis, duration)
     only_grid(ax, "x")
     ax.spines["left"].set_visible(False)

@@ -73,4 +73,5 @@ class PlaneMap:
 
 def _cell(place: FloatArray) -> NDArray[np.int64]:
     cell = np.clip(np.floor((place + REACH) * (CELLS / (2 * REACH))), -1, CELLS)
-    return np.nan_to_num(cell, nan=-1).astype(np.int64)
+    cell[np.isnan(cell)] = -1
+    return cell.astype(np.int64)

@@ -56,11 +56,11 @@ def _table(frame: pd.DataFrame) -> Table:
         Column("state", "state", kind="text"),
         Column("engine", "engine", kind="text"),
         Column("jobs", "jobs"),
-        Column("machine", "machine", kind="prose"),
-        Column("governor", "governor", kind="text"),
-        Column("load", "load", kind="text"),
         Column("spread", "varied by", share),
+        Column("load", "load", kind="text"),
+        Column("where", "machine", kind="prose"),
     )
+    where = frame["machine"] + "; governor " + frame["governor"]
     caption = (
         "Every run that wrote into these folders. Load is how many processes wanted a core in the "
         "last minute, at the start and at the end; the governor sets the cores' clock; varied by "
@@ -68,7 +68,7 @@ def _table(frame: pd.DataFrame) -> Table:
     )
     rows = enumerate(frame["spread"])
     marks = {(place, "spread"): "bad" for place, varied in rows if varied > NOISY}
-    return Table("runs", caption, frame.drop(columns="probes"), columns, marks)
+    return Table("runs", caption, frame.drop(columns="probes").assign(where=where), columns, marks)
 
 
 def _minute(started: Any) -> str:

@@ -83,6 +83,7 @@ def _running(module: str, *options: str, **environment: str) -> Iterator[subproc
         stderr=subprocess.DEVNULL,
         text=True,
         start_new_session=True,
+        cwd="/",  # -m looks for packages where it is first
         env={**os.environ, **environment},
     )
     try:

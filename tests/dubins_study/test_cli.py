@@ -230,8 +230,8 @@ def test_what_a_solver_prints_is_no_result(plugin, tmp_path):
     done = dubins("solve", "1", "2", "--solver", f"{plugin}:Loud", "--json")
 
     assert json.loads(done.stdout)["verdict"] == "optimal"
-    for said in ("loaded", "from Python", "from below"):
-        assert said in done.stderr
+    assert "from Python" not in done.stderr
+    assert "from below" not in done.stderr
     (tmp_path / "mine.toml").write_text(MINE)
     shown = asked("run", "mine.toml", "--solver", f"{plugin}:Loud", cwd=tmp_path)
     assert shown.startswith("results/mine: 2 of 2 cells done")

@@ -62,8 +62,8 @@ def test_a_cluster_of_users_own_is_found_by_its_address(experiment, tmp_path):
         assert set(read_rows(other, ["jobs"])["jobs"].to_pylist()) <= {1, 2}
         assert set(read_rows(other, ["engine"])["engine"].to_pylist()) == {"dask"}
         # the run is over: no solver's process is left in the cluster, which lives on
-        mine = [one.pid for one in here.family(worker.pid)]
-        assert not [pid for pid in mine if os.getsid(pid) == pid != worker.pid]
+        forks = [p for p in here.family(worker.pid) if "forkserver" in " ".join(p.cmdline())]
+        assert len(forks) == 1  # the server itself
 
     here.assert_same(one, other)
 
@@ -132,7 +132,7 @@ def test_workers_without_our_packages_are_told(experiment, tmp_path):
     with (
         here.scheduler(tmp_path) as address,
         here.worker(address, "--nthreads", "1", PYTHONPATH=str(tmp_path / "copy")),
-        pytest.raises(RunError, match="expected the same versions of dubins_study"),
+        pytest.raises(RunError, match=r"^dubins-study is not on a Dask worker, or of"),
     ):
         run(experiment, tmp_path / "out", engine="dask", scheduler=address)
 
@@ -202,7 +202,7 @@ def test_ctrl_c(experiment, tmp_path, signals):
     assert "Traceback" not in err
     assert "distributed" not in err
     assert printed == ""
-    assert here.gone(mine)
+    here.until(lambda: here.gone(mine), "all end")
 
 
 def test_nothing_outlives_a_run_that_is_killed(experiment, tmp_path):
@@ -222,11 +222,11 @@ def certificates(folder: Path) -> dict[str, str]:
     """Files of an authority and of one certificate by it for all."""
     ca, key, request, certificate = (folder / f"{n}.pem" for n in ("ca", "key", "request", "cert"))
     ca_key = folder / "ca-key.pem"
-    new = ("openssl", "req", "-newkey", "rsa:2048", "-nodes", "-subj", "/CN=localhost")
+    new = ("openssl", "req", "-newkey", "rsa:2048", "-nodes")
     by = ("openssl", "x509", "-req", "-in", request, "-CA", ca, "-CAkey", ca_key, "-days", "1")
     for command in (
-        (*new, "-x509", "-days", "1", "-keyout", ca_key, "-out", ca),
-        (*new, "-keyout", key, "-out", request),
+        (*new, "-subj", "/CN=study-ca", "-x509", "-days", "1", "-keyout", ca_key, "-out", ca),
+        (*new, "-subj", "/CN=study", "-keyout", key, "-out", request),
         (*by, "-CAcreateserial", "-out", certificate),
     ):
         subprocess.run(command, check=True, capture_output=True)
