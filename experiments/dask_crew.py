@@ -4,21 +4,22 @@ from __future__ import annotations
 
 import logging
 from collections import deque
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from itertools import count
 from queue import Empty, SimpleQueue
+from threading import Thread
 from time import monotonic
 from typing import Any, NamedTuple
 
 from experiments.chunk import Chunk, encoded, remainder, rows_received
+from experiments.dask_call import LOST, everywhere, returned, there
 from experiments.grid import Chain
 from experiments.interruption import Interruption
 from experiments.judging import Run
 from experiments.rows import Row, row_key
 from experiments.supervisor import RunError
 from experiments.watch import Bounds
-from solvers.answer import told
 from study.path import Path
 from study.schema import Key
 
@@ -38,23 +39,8 @@ _RETRIES = 1
 _TURN = 0.2
 # s between two looks at how many workers there are, which may come and go
 _LOOK = 1.0
-# s for rows to arrive from where they were solved
-_FETCH = 30.0
-
-
-def _there(name: str) -> Callable[[Any], Any]:
-    """A function of `experiments.dask_worker`, as a worker without our packages can receive it.
-
-    One that is sent by its module's name ends the connection of such a worker, and the run would
-    wait for ever. A function within a function is sent as it is, and raises an ImportError there.
-    """
-
-    def ask(sent: Any) -> Any:
-        from importlib import import_module
-
-        return getattr(import_module("experiments.dask_worker"), name)(sent)
-
-    return ask
+# s for workers to be told something
+_TELL = 10.0
 
 
 class _Flight(NamedTuple):
@@ -108,7 +94,7 @@ class DaskCrew:
             chunk = self._next()
             name = f"dubins-study-{self._run.run_id}-{next(self._numbers)}"
             future = self._client.submit(
-                _there("solve_chunk"), encoded(chunk), key=name, pure=False, retries=_RETRIES
+                there("solve_chunk"), encoded(chunk), key=name, pure=False, retries=_RETRIES
             )
             self._flights[name] = _Flight(future, chunk)
             future.add_done_callback(self._ended.put)
@@ -116,7 +102,7 @@ class DaskCrew:
     def _look(self) -> None:
         """How many threads there are now."""
         if self._client.status not in ("running", "connecting"):
-            raise RunError(_LOST)
+            raise RunError(LOST)
         with suppress(OSError, TimeoutError):  # lost, perhaps for a moment: seen again next time
             self._threads = sum(self._client.nthreads().values())
         self._looked = monotonic()
@@ -150,7 +136,7 @@ class DaskCrew:
             self._later(future)  # the worker that held the rows has died: they are made again
             return
         try:
-            sent, refusal = _result(future, flight.chunk)
+            sent, refusal = returned(future, flight.chunk)
         except TimeoutError:
             self._later(future)
             return
@@ -194,9 +180,14 @@ class DaskCrew:
                     self._flights.pop(name).future.cancel()
 
     def _tell(self, what: str) -> None:
-        """Call a function of `experiments.dask_worker` with the run's id in every worker."""
-        with suppress(Exception):  # workers that are going, or without our packages
-            self._client.run(_there(what), self._run.run_id, on_error="ignore")
+        """Call a function of `experiments.dask_worker` with the run's id in every worker.
+
+        From a thread, since a worker that does not answer is not waited for.
+        """
+        asked = (self._client, what, self._run.run_id)
+        telling = Thread(target=everywhere, args=asked, daemon=True)
+        telling.start()
+        telling.join(_TELL)
 
     def close(self) -> None:
         """Nothing is solved any more for this run."""
@@ -205,42 +196,3 @@ class DaskCrew:
                 self._client.cancel([flight.future for flight in self._flights.values()])
             self._flights.clear()
         self._tell("end")
-
-
-_LOST = "the connection to the Dask scheduler is lost; the rows written so far are kept"
-
-
-def _result(future: Any, chunk: Chunk) -> tuple[bytes, str]:
-    """What a worker returned for a chunk.
-
-    Raises:
-        RunError: if there is nothing and will be nothing.
-        TimeoutError: if it does not arrive in time.
-    """
-    from distributed import KilledWorker
-
-    if future.status in ("cancelled", "lost"):
-        raise RunError(_LOST)
-    try:
-        sent: tuple[bytes, str] = future.result(timeout=_FETCH)
-    except TimeoutError:
-        raise
-    except KilledWorker as error:
-        raise RunError(
-            f"{error.allowed_failures + 1} Dask workers ended while they solved the same chunk of "
-            f"{chunk.cells} cells, the last one at {error.last_worker.address}; the rows written "
-            "so far are kept"
-        ) from None
-    except Exception as error:  # whatever Dask raises, here or there
-        raise RunError(_explained(error)) from None
-    return sent
-
-
-def _explained(error: Exception) -> str:
-    said = told(error.__cause__ if isinstance(error.__cause__, Exception) else error)
-    if isinstance(error, ImportError | AttributeError) or "deserializ" in str(error):
-        return (
-            f"dubins-study is not on a Dask worker, or of another version ({said}); expected the "
-            "same versions of it, of Python and of Dask there as here"
-        )
-    return f"a Dask worker failed: {said}; the rows written so far are kept"
