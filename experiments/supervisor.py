@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import signal
 from collections import deque
 from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import Future
@@ -16,6 +15,7 @@ from pebble import ProcessExpired
 
 from experiments import processes
 from experiments.clock import Phase
+from experiments.endings import again, crashed, ending
 from experiments.grid import Cell, Chain, given_start
 from experiments.interruption import Interruption
 from experiments.judging import Run, row_of
@@ -163,7 +163,7 @@ class Supervisor:
                 task = self._waiting.popleft()
                 solver = task.cell.solver, task.cell.profile
                 if solver in self._hopeless:
-                    yield self._rows(task, _again(self._hopeless[solver]))
+                    yield self._rows(task, again(self._hopeless[solver]))
                     continue
                 number = next(self._numbers)
                 self._tasks[number] = task
@@ -262,7 +262,7 @@ class Supervisor:
         self._false_starts = 0
         task = self._tasks.pop(order.number)
         doomed = doom if doom is not None and doom.order == order.number else None
-        reply = doomed.reply if doomed else _crashed(code, words)
+        reply = doomed.reply if doomed else crashed(code, words)
         if loading and order.warm_up:
             self._cold.add((order.solver, order.profile))
             self._waiting.appendleft(task)
@@ -277,14 +277,14 @@ class Supervisor:
         """Throw a worker away; all its orders but one wait again."""
         left = slot.clear()
         self._ahead[slot] = 1
-        again = [self._tasks.pop(one.number) for one in left if one != order]
-        self._waiting.extendleft(reversed(again))
+        others = [self._tasks.pop(one.number) for one in left if one != order]
+        self._waiting.extendleft(reversed(others))
 
     def _strike(self, code: int | None, words: str) -> None:
         self._false_starts += 1
         if self._false_starts >= _FALSE_STARTS:
             raise RunError(
-                f"worker processes end before they solve anything ({_ending(code)[1]}"
+                f"worker processes end before they solve anything ({ending(code)[1]}"
                 f"{': ' + words if words else ''}); the rows written so far are kept"
             )
 
@@ -302,30 +302,3 @@ def _read(sent: Packed) -> Reply:
         return unpacked(sent)
     except Exception as error:  # a worker sends what it is made to send
         return nothing(Outcome.RAISED, told(error))
-
-
-def _ending(code: int | None) -> tuple[str, str]:
-    """A worker's end in a word and in a sentence."""
-    if code is None:
-        return "unknown", "its process ended"
-    if code >= 0:
-        return f"exit {code}", f"its process ended itself with code {code}"
-    try:
-        name = signal.Signals(-code).name
-    except ValueError:
-        name = f"signal {-code}"
-    return name, f"its process was ended by {name}"
-
-
-def _crashed(code: int | None, words: str) -> Reply:
-    status, message = _ending(code)
-    said = f"{message}; its last words: {words}" if words else message
-    # C++ ends a process so that may have no more memory
-    starved = "bad_alloc" in words
-    return nothing(Outcome.OUT_OF_MEMORY if starved else Outcome.CRASHED, said, status=status)
-
-
-def _again(reply: Reply) -> Reply:
-    solution = reply.solution
-    said = f"{solution.message} for another cell; not tried again"
-    return nothing(reply.outcome, said, status=solution.native_status)
