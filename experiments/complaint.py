@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import Any
 
 from pydantic import ValidationError
@@ -24,9 +25,12 @@ _EXPECTED = {
     "finite_number": "expected a finite number",
     "greater_than": "expected a number above {gt}",
     "greater_than_equal": "expected a number of at least {ge}",
+    "less_than": "expected a number below {lt}",
     "less_than_equal": "expected a number of at most {le}",
     "literal_error": "expected {expected}",
 }
+_BARE = re.compile(r"[A-Za-z0-9_-]{1,80}")
+_LONGEST = 80  # characters of what is quoted
 _AXIS = (
     "expected a number, a list of numbers, { linear = [first, last, count] } "
     "or { log = [first, last, count] }"
@@ -55,7 +59,7 @@ def complaint(error: ValidationError) -> str:
     said = first["msg"].removeprefix("Value error, ")
     if kind in _EXPECTED:
         said = _EXPECTED[kind].format(**first.get("ctx", {}))
-    return f"{key}{_shown(first['input'])}: {said}"
+    return f"{key}{_shown(first['input'])}: {said:.{4 * _LONGEST}}"
 
 
 def _variant(kind: str, place: tuple[Any, ...], variant: int, value: object) -> str | None:
@@ -73,11 +77,22 @@ def _variant(kind: str, place: tuple[Any, ...], variant: int, value: object) -> 
 
 
 def _key(place: tuple[Any, ...]) -> str:
-    return ".".join(str(part) for part in place if not _is_variant(part))
+    return ".".join(_step(part) for part in place if not _is_variant(part))
+
+
+def _step(part: object) -> str:
+    """A key as a file would write it: whoever wrote this one may have put anything into it."""
+    text = str(part)
+    return text if _BARE.fullmatch(text) else f"{text[:_LONGEST]!r}"
 
 
 def _shown(value: object) -> str:
-    return "" if isinstance(value, dict) else f" is {value!r:.80}"
+    if isinstance(value, dict):
+        return ""
+    try:
+        return f" is {value!r:.{_LONGEST}}"
+    except ValueError:  # Python does not write integers of thousands of digits
+        return " holds an integer of thousands of digits"
 
 
 def _is_variant(part: object) -> bool:

@@ -24,6 +24,8 @@ _LONGEST = 1e6  # radii; a first guess beyond says nothing
 MOST_CELLS = 2_000_000
 # rows that are streamed take no memory, but a disk has an end
 MOST_ROWS = 10**10
+# each has a name, a hash of its block
+MOST_STREAMS = 10_000
 # a block of fewer scenarios is solved cell by cell, each with a time of its own
 FEWEST_STREAMED = 2000
 
@@ -63,8 +65,14 @@ def chains(experiment: Experiment) -> list[Chain]:
     swept: dict[Key, int] = {}
     specs = asked(experiment)
     for number, block in enumerate(experiment.scenarios):
-        single = [s for s in specs[number] if not streamed(block, s, experiment.profile)]
-        made = list(scenarios(block, f"scenarios.{number}")) if single else []
+        single = [
+            spec
+            for spec, warm in specs[number].items()
+            if not streamed(block, spec, experiment.profile) and _starts(block, experiment, warm)
+        ]
+        if not single:
+            continue  # nobody is asked, however often: `product` would write all repeats out
+        made = list(scenarios(block, f"scenarios.{number}"))
         ids = [scenario_id(scenario) for scenario in made]
         for spec, branch, repeat, start in itertools.product(
             single,
@@ -127,7 +135,7 @@ def _specs(block: Block, number: int, experiment: Experiment) -> dict[str, bool]
 
 def _check_size(experiment: Experiment, specs: list[dict[str, bool]]) -> None:
     """Refuse what no memory and no disk would hold, before any of it is expanded."""
-    total = rows = 0
+    total = rows = frames = 0
     for number, (block, solvers) in enumerate(zip(experiment.scenarios, specs, strict=True)):
         scenarios = size(block)
         branches = len(block.branches or experiment.branches)
@@ -140,6 +148,7 @@ def _check_size(experiment: Experiment, specs: list[dict[str, bool]]) -> None:
         cells = questions * sum(counted.values())
         total += cells
         rows += questions * (len(solvers) - len(counted))
+        frames += branches * experiment.repeats * (len(solvers) - len(counted))
         if total > MOST_CELLS:
             raise ExperimentError(
                 f"scenarios.{number}: {scenarios} scenarios and {cells} cells (a cell for every "
@@ -150,6 +159,11 @@ def _check_size(experiment: Experiment, specs: list[dict[str, bool]]) -> None:
             raise ExperimentError(
                 f"scenarios.{number}: {rows} rows of the closed form up to here; expected at most "
                 f"{MOST_ROWS} in all"
+            )
+        if frames > MOST_STREAMS:
+            raise ExperimentError(
+                f"scenarios.{number}: {frames} branches and repeats of large blocks up to here; "
+                f"expected at most {MOST_STREAMS} in all"
             )
 
 

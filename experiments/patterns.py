@@ -3,22 +3,23 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 from experiments.description import described
 from solvers.registry import SolverError, ours, registered
 
 _BRACES = re.compile(r"\{([^{}]*)\}")
 _CLOSES = {"}": "{", "]": "["}
+# a few braces say more than any memory holds
+MOST_SPECS = 1000
+_LONGEST = 500  # characters of a spec
 
 
 def expand_solvers(specs: list[str], profile: str = "default") -> list[str]:
     """Canonical specs under a profile, `*` and `{a,b}` written out, each once."""
     expanded: dict[str, None] = {}
-    for spec in specs:
-        _check_brackets(spec)
-        for name in registered() if spec == "*" else _expand_braces(spec):
-            expanded.setdefault(described(name, profile).spec)
+    for name in _written_out(specs, registered()):
+        expanded.setdefault(described(name, profile).spec)
     return list(expanded)
 
 
@@ -30,15 +31,36 @@ def foreign(specs: list[str], profile: str = "default") -> str | None:
     Raises:
         SolverError: if a spec of this package's own is not valid.
     """
-    for spec in specs:
-        _check_brackets(spec)
-        for name in () if spec == "*" else _expand_braces(spec):
-            if ".py:" in name or (ours(name) and described(name, profile).runs):
-                return name
+    for name in _written_out(specs, ()):
+        if ".py:" in name or (ours(name) and described(name, profile).runs):
+            return name
     return None
 
 
+def _written_out(specs: Iterable[str], every: Iterable[str]) -> Iterator[str]:
+    """Specs without braces; `every` takes the place of `*`.
+
+    Raises:
+        SolverError: if there are more than `MOST_SPECS`, once so many were handed out.
+    """
+    number = 0
+    for spec in specs:
+        _check_brackets(spec)
+        for name in every if spec == "*" else _expand_braces(spec):
+            number += 1
+            if number > MOST_SPECS:
+                raise SolverError(
+                    f"solver {spec!r:.80}: more than {MOST_SPECS} specs up to here, braces written "
+                    "out; expected fewer"
+                )
+            yield name
+
+
 def _check_brackets(spec: str) -> None:
+    if len(spec) > _LONGEST:
+        raise SolverError(
+            f"solver {spec!r:.80}... has {len(spec)} characters; expected at most {_LONGEST}"
+        )
     opened = []
     for place, letter in enumerate(spec):
         if letter in _CLOSES.values():

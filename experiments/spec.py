@@ -42,7 +42,7 @@ def _number(value: object) -> object:
 
 Number = Annotated[float, BeforeValidator(_number), Field(allow_inf_nan=False)]
 Count = Annotated[int, BeforeValidator(_no_boolean), Field(ge=1, le=10**9)]
-Seed = Annotated[int, BeforeValidator(_no_boolean), Field(ge=0)]
+Seed = Annotated[int, BeforeValidator(_no_boolean), Field(ge=0, lt=2**63)]
 Gibibytes = Annotated[float, BeforeValidator(_no_boolean), Field(ge=0.25, le=2**20)]
 Seconds = Annotated[float, BeforeValidator(_no_boolean), Field(gt=0, allow_inf_nan=False)]
 
@@ -235,7 +235,8 @@ def read(name: str) -> Source:
         if file.name == f"{name}.toml":
             return parse(name, file.name, file.read_text(encoding="utf-8"))
     path = FilePath(name)
-    if path.suffix != ".toml":
+    # of `..toml` and `...toml` no name is left that a results folder could have
+    if path.suffix != ".toml" or path.stem in (".", ".."):
         raise ExperimentError(
             f"no experiment named {name!r}; choose one of: {', '.join(packaged())}, "
             "or give the path of a .toml file"
