@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import sys
 from pathlib import Path as FilePath
 from typing import Annotated, Any
@@ -250,8 +251,13 @@ def main() -> Any:
 
 
 def _visible(message: str) -> str:
-    """The message with its control characters, which may come from a file, made visible."""
-    return "".join(c if c.isprintable() or c == "\n" else repr(c)[1:-1] for c in message)
+    """The message with its control characters, which may come from a file, made visible.
+
+    Line breaks too, but those of a list: of indented lines.
+    """
+    from study.plain import plain
+
+    return "\n".join(map(plain, re.split(r"\n(?=  )", message)))
 
 
 def _refusals() -> tuple[type[Exception], ...]:

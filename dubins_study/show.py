@@ -11,6 +11,7 @@ from solvers.answer import Answer
 from solvers.protocol import Outcome
 from solvers.registry import Entry
 from study.angle import AngleError, parse_angle
+from study.plain import plain
 from study.scenario import Scenario
 
 
@@ -137,11 +138,6 @@ def no_answer(answer: Answer) -> str | None:
     return f"solver {answer.solver!r} is {answer.outcome}: {plain(answer.message)}"
 
 
-def plain(text: str) -> str:
-    """Text from outside with its control characters made visible."""
-    return "".join(c if c.isprintable() else repr(c)[1:-1] for c in text)
-
-
 def plot(answer: Answer, file: FilePath) -> None:
     """Draw the answer's path, with its turning circles and the target.
 
@@ -235,10 +231,13 @@ def report_text(page: FilePath) -> str:
 
     with (page.parent / "tables" / "summary.csv").open(encoding="utf-8", newline="") as stream:
         rows = [
-            [row[name] if name != "wall_s" else _milliseconds(row[name]) for name in _SUMMARY]
+            [
+                plain(row[name]) if name != "wall_s" else _milliseconds(row[name])
+                for name in _SUMMARY
+            ]
             for row in csv.DictReader(stream)
         ]
-    return f"{table(list(_SUMMARY.values()), rows)}\n\npage: {page}"
+    return f"{table(list(_SUMMARY.values()), rows)}\n\npage: {plain(str(page))}"
 
 
 def _milliseconds(seconds: str) -> str:

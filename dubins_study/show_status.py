@@ -5,11 +5,12 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 
-from dubins_study.show import plain, table
+from dubins_study.show import table
 from experiments.progress import Status
 from experiments.run_status import RunStatus
 from experiments.union import Union
 from study.noise import NOISY
+from study.plain import plain
 
 # runs listed at most, the last ones
 _MOST_RUNS = 10
@@ -22,7 +23,7 @@ def status_json(found: Status) -> str:
 
 def status_text(found: Status) -> str:
     """A few lines and two tables for a person."""
-    lines = [f"{found.folder}: {found.done} of {found.cells} cells done, {_state(found)}"]
+    lines = [f"{plain(found.folder)}: {found.done} of {found.cells} cells done, {_state(found)}"]
     left = sum(found.left.values())
     if left:
         lines.append(f"left      {left}: {_listed(found.left)}")
@@ -108,7 +109,7 @@ def _run(run: RunStatus) -> tuple[str, ...]:
 
 def merge_text(made: Union) -> str:
     """What a merge made, in a line or three."""
-    lines = [f"{made.folder}: {made.rows} rows"]
+    lines = [f"{plain(str(made.folder))}: {made.rows} rows"]
     if made.again:
         lines.append(f"{made.again} cells were solved in several folders, alike: the earliest kept")
     if made.stale:

@@ -32,9 +32,13 @@ def progress(what: str, told: list[int]) -> Iterator[Callable[[int, int], None]]
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
     from rich.progress import TimeRemainingColumn as Remaining
 
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), Remaining())
+    from study.plain import plain
+
+    # a file's name may hold brackets
+    name = TextColumn("{task.description}", markup=False)
+    columns = (name, BarColumn(), MofNCompleteColumn(), Remaining())
     bar = Progress(*columns, console=Console(stderr=True))
-    task = bar.add_task(what, total=None)
+    task = bar.add_task(plain(what), total=None)
 
     def tell(done: int, total: int) -> None:
         told[:] = done, total

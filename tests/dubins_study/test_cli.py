@@ -296,3 +296,23 @@ def test_export_takes_no_word_that_it_does_not_know():
         done = dubins("export", "10", "5", *words)
         assert done.returncode == 2
         assert words[0] in done.stderr
+
+
+def test_a_message_is_one_line_whatever_it_quotes(tmp_path):
+    done = dubins("status", "a\nb\x1b[31m", cwd=tmp_path)
+
+    assert done.returncode == 2
+    assert done.stderr.startswith("dubins-study: a\\nb\\x1b[31m is no results folder")
+    assert len(done.stderr.splitlines()) == 1
+
+
+def test_brackets_in_names_are_no_markup(tmp_path):
+    """The bar that shows an experiment's name would take them for colours, and fail."""
+    (tmp_path / "[").mkdir()
+    file = tmp_path / "[" / "red].toml"
+    file.write_text(
+        'title = "t"\nquestion = "q"\nsolvers = ["analytic"]\n'
+        "[[scenarios]]\ntarget_x = 3\ntarget_y = 2\n"
+    )
+
+    asked("run", "[/red].toml", "--out", "out", cwd=tmp_path)
