@@ -73,7 +73,11 @@ def refuse_link(place: FilePath) -> None:
     Raises:
         StoreError: if it is a link: what strangers' folders name is not read, let alone written.
     """
-    if place.is_symlink():
+    try:
+        link = place.is_symlink()
+    except OSError as error:  # a name that is too long
+        raise StoreError(f"{place} cannot be read: {reason(error)}") from None
+    if link:
         raise StoreError(
             f"{place} is a link; expected a file or folder of its own, since nothing outside a "
             "results folder is read or written: put a copy in its place"

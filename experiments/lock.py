@@ -10,10 +10,12 @@ from pathlib import Path as FilePath
 
 from filelock import FileLock, Timeout
 
-from experiments.disk import StoreError, reason
+from experiments.disk import StoreError, reason, refuse_link
 from experiments.provenance import now
 
 LOCK = ".lock"
+# a link leads elsewhere, and a pipe would be waited for
+_LOOKING = os.O_RDONLY | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0)
 # another's look at whether it is held lasts microseconds; a run holds it much longer
 _PATIENCE, _POLL = 0.3, 0.02
 
@@ -29,6 +31,9 @@ def locked(folder: FilePath) -> Iterator[None]:
             cannot be written.
     """
     file = folder / LOCK
+    refuse_link(file)
+    if file.exists() and not file.is_file():
+        raise StoreError(f"cannot lock {file}: it is no file")
     lock = FileLock(file, timeout=_PATIENCE, poll_interval=_POLL, fallback_to_soft=False)
     try:
         lock.acquire()
@@ -65,7 +70,7 @@ def holder(folder: FilePath) -> dict[str, object]:
 def held(folder: FilePath) -> bool:
     """Whether a process is at work in a folder; nothing is written to find out."""
     try:
-        handle = os.open(folder / LOCK, os.O_RDONLY | getattr(os, "O_NOFOLLOW", 0))
+        handle = os.open(folder / LOCK, _LOOKING)
     except OSError:
         return False
     try:

@@ -13,6 +13,9 @@ from experiments.disk import StoreError, put, reason, refuse_link
 from study.schema import VERSION
 
 MANIFEST = "manifest.json"
+_MOST = 10**15  # of whatever is counted; what is larger is no float, or not exactly
+# levels; what writes a manifest goes down level by level
+_DEEPEST = 50
 # two numbers on lines of their own; no text holds a line break that is not escaped
 _PAIR = re.compile(r"\[\n\s+([^\s\"\[\],]+),\n\s+([^\s\"\[\],]+)\n\s+\]")
 
@@ -25,6 +28,8 @@ def read_manifest(folder: FilePath) -> dict[str, Any]:
     """
     file = folder / MANIFEST
     refuse_link(file)
+    if file.exists() and not file.is_file():  # a pipe would be waited for
+        raise StoreError(f"{file} cannot be read: it is no file")
     try:
         manifest = json.loads(
             file.read_text(encoding="utf-8"), parse_constant=_number, parse_float=_number
@@ -36,7 +41,15 @@ def read_manifest(folder: FilePath) -> dict[str, Any]:
     except (ValueError, RecursionError) as error:
         raise StoreError(f"{file} cannot be read: not JSON: {error}") from None
     _check(file, manifest)
+    if _deeper(manifest, _DEEPEST):
+        raise StoreError(f"{file} is nested more than {_DEEPEST} levels deep; expected a manifest")
     return dict(manifest)
+
+
+def _deeper(value: Any, levels: int) -> bool:
+    """Whether a value of JSON has more levels."""
+    inner = value.values() if isinstance(value, dict) else value if isinstance(value, list) else ()
+    return levels < 0 or any(_deeper(item, levels - 1) for item in inner)
 
 
 def _number(text: str) -> float:
@@ -77,8 +90,8 @@ def _check(file: FilePath, manifest: Any) -> None:
 
 
 def is_count(value: object) -> bool:
-    """Whether a value is a whole number of at least 0."""
-    return isinstance(value, int) and not isinstance(value, bool) and value >= 0
+    """Whether a value is a whole number of at least 0 that can be reckoned with."""
+    return isinstance(value, int) and not isinstance(value, bool) and 0 <= value <= _MOST
 
 
 def _is_time(value: object) -> bool:

@@ -22,6 +22,7 @@ from experiments.parts import (
     write_part,
 )
 from experiments.rows import ARROW_SCHEMA
+from study.plain import plain
 from study.schema import KEY, Key, names
 
 __all__ = [
@@ -98,7 +99,8 @@ def _mended(folder: FilePath) -> list[str]:
     for place_of in (folder, folder / PARTS):
         tidy(place_of)
     return [
-        f"{part} is damaged: moved to {set_aside(folder, part)}, its cells are solved again"
+        f"{plain(str(part))} is damaged: moved to {plain(str(set_aside(folder, part)))}, its cells "
+        "are solved again"
         for part in damaged
     ]
 

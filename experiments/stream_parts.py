@@ -102,7 +102,7 @@ def streamed_part(file: FilePath) -> Part | None:
     try:
         about, count = about_part(file), count_rows(file)
         part = _part(file, json.loads(about[CHUNK]), about.get(RUN_ID, ""))
-    except (StoreError, KeyError, ValueError, TypeError, RecursionError):
+    except (StoreError, KeyError, ValueError, TypeError, OverflowError, RecursionError):
         return None
     agrees = part_name(part.stream, part.window) == file.stem and part.window[1] == count
     return part if agrees and sum(kind.rows for kind in part.kinds) == count else None

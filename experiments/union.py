@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import glob
 import os
 import shutil
 import tempfile
@@ -91,15 +92,20 @@ def _accepted(folders: Sequence[FilePath]) -> list[dict[str, Any]]:
 
 
 def _check_target(target: FilePath) -> None:
-    if target.is_symlink() or (target.exists() and not target.is_dir()):
+    try:
+        taken = target.is_symlink() or (target.exists() and not target.is_dir())
+        filled = target.is_dir() and any(target.iterdir())
+    except OSError as error:  # a name that is too long, a folder that nobody may look into
+        raise StoreError(f"cannot write to {target}: {reason(error)}") from None
+    if taken:
         raise StoreError(f"{target} is no folder; expected a new one or an empty one to merge into")
-    if target.is_dir() and any(target.iterdir()):
+    if filled:
         raise StoreError(f"{target} is not empty; expected a new folder or an empty one")
 
 
 def _clear_abandoned(target: FilePath) -> None:
     """Remove what merges into the same folder left that were killed; live ones hold a lock."""
-    for folder in target.parent.glob(f".{target.name}.merging-*"):
+    for folder in target.parent.glob(f".{glob.escape(target.name)}.merging-*"):
         ours = folder.is_dir() and not folder.is_symlink() and (folder / LOCK).exists()
         if ours and not held(folder):
             shutil.rmtree(folder, ignore_errors=True)
