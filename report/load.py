@@ -26,6 +26,7 @@ from report.parts import (
     refuse_link,
 )
 from report.reduction import NEEDED, Reduction, merged, of
+from report.visible import visible_values
 from study.path import Path
 from study.scenario import Pose
 from study.schema import VERSION
@@ -155,13 +156,17 @@ def read_manifest(folder: FilePath) -> Manifest:
         ReportError: if there is none, or it is not one of this schema version.
     """
     file = folder / "manifest.json"
-    if not folder.is_dir():
+    try:
+        there = folder.is_dir()
+    except OSError as error:  # a name that is too long
+        raise ReportError(f"{folder} cannot be read: {error.strerror}") from None
+    if not there:
         raise ReportError(f"{folder} is not a folder; expected a results folder")
     refuse_link(file)
     if not file.is_file():
         raise ReportError(f"{folder} has no manifest.json; expected a results folder")
     try:
-        data = json.loads(file.read_text(encoding="utf-8"))
+        data = visible_values(json.loads(file.read_text(encoding="utf-8")))
     except (OSError, ValueError, RecursionError) as error:
         raise ReportError(f"{file} cannot be read as JSON: {error}") from None
     if not isinstance(data, dict):

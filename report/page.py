@@ -44,15 +44,22 @@ def render(
     given = [folders] if isinstance(folders, (str, FilePath)) else list(folders)
     results = load(given)
     target = FilePath(given[0]) / "report" if out is None else FilePath(out)
-    _check_target(target)
+    try:
+        _check_target(target)
+    except OSError as error:  # a name that is too long, a folder that nobody may look into
+        raise _unwritable(target, error) from None
     with drawing():
         sections = _sections(results, progress)
         try:
             target.parent.mkdir(parents=True, exist_ok=True)
             _write_whole(target, sections, results.manifests)
         except OSError as error:
-            raise ReportError(f"{target} cannot be written: {error.strerror or error}") from None
+            raise _unwritable(target, error) from None
     return target / "index.html"
+
+
+def _unwritable(target: FilePath, error: OSError) -> ReportError:
+    return ReportError(f"{target} cannot be written: {error.strerror or error}")
 
 
 # all that a report consists of: a folder with anything else in it is never replaced

@@ -13,6 +13,8 @@ import pyarrow as pa
 import pyarrow.compute as pc
 import pyarrow.parquet as pq
 
+from report.row_check import impossible
+from report.visible import visible_column
 from study.schema import CELL, CHUNK, ROW, VERSION, VERSION_KEY, arrow_schema, names
 
 CONTROLS = ["curvatures", "lengths"]
@@ -64,9 +66,11 @@ def count(part: FilePath) -> int:
         ReportError: if it cannot be read, or is a link.
     """
     refuse_link(part)
+    if not part.is_file():  # a pipe would be waited for
+        raise ReportError(f"{part} cannot be read: it is no file")
     try:
         return int(pq.read_metadata(part).num_rows)
-    except (pa.ArrowException, OSError) as error:
+    except Exception as error:  # as for `pieces`
         raise _unreadable(part, error) from None
 
 
@@ -88,9 +92,14 @@ def pieces(part: FilePath) -> Iterator[pa.Table]:
             if problem := _stranger(footer):
                 raise ReportError(f"{part}: {problem}; expected the columns of schema {VERSION}")
             file = pq.ParquetFile(stream, metadata=footer, page_checksum_verification=True, **form)
-            for batch in file.iter_batches(_PIECE, columns=columns):
-                yield _typed(pa.Table.from_batches([batch]).select(columns), fields)
-    except (pa.ArrowException, OSError) as error:
+            for number, batch in enumerate(file.iter_batches(_PIECE, columns=columns)):
+                table = _typed(batch.select(columns), fields)
+                if wrong := impossible(table):
+                    raise ReportError(f"{part}, rows from {number * _PIECE} on: {wrong}")
+                yield table
+    except ReportError:
+        raise
+    except Exception as error:  # types of other makers are read by code that raises what it likes
         raise _unreadable(part, error) from None
 
 
@@ -103,12 +112,16 @@ def _stranger(footer: pq.FileMetaData) -> str | None:
     return _difference(footer.schema.to_arrow_schema().names)
 
 
-def _typed(table: pa.Table, fields: pa.Schema) -> pa.Table:
+def _typed(batch: pa.RecordBatch, fields: pa.Schema) -> pa.Table:
     columns = [
         column if _is_text(column.type) and field.type == pa.string() else column.cast(field.type)
-        for column, field in zip(table.columns, fields, strict=True)
+        for column, field in zip(batch.columns, fields, strict=True)
     ]
-    return pa.Table.from_arrays(columns, names=fields.names)
+    table = pa.Table.from_arrays(columns, names=fields.names)
+    table.validate(full=True)  # texts that are no UTF-8 are found nowhere else
+    texts = [field.type == pa.string() for field in fields]
+    shown = [visible_column(c) if text else c for c, text in zip(columns, texts, strict=True)]
+    return pa.Table.from_arrays(shown, names=fields.names)
 
 
 def _is_text(kind: pa.DataType) -> bool:
