@@ -1,0 +1,84 @@
+"""Canaries that sing if code from data is run, and a bound on memory."""
+
+from __future__ import annotations
+
+import resource
+from collections.abc import Iterator
+from pathlib import Path
+from typing import NamedTuple
+
+import psutil
+import pytest
+
+from experiments import grid, overlap, run
+
+_CANARY = """
+from pathlib import Path
+Path({song!r}).touch()
+class Canary: pass
+"""
+_SMALL = """
+title = "small"
+question = "is it read?"
+solvers = ["analytic"]
+[[scenarios]]
+target_x = { linear = [2, 5, 4] }
+target_y = 3
+[[scenarios]]
+label = "many"
+target_x = { linear = [2, 5, 120] }
+target_y = -3
+"""
+_ROOM = 3 * 2**30  # bytes beyond what the process holds, of addresses
+
+
+@pytest.fixture(scope="module")
+def song(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
+    """A folder with a plug-in `canary.py` and a program `canary`, which is on PATH.
+
+    Whichever runs leaves a file; the folder is the working directory, and must not change.
+    """
+    cage = tmp_path_factory.mktemp("cage")
+    left = tmp_path_factory.mktemp("song") / "sung"
+    (cage / "canary.py").write_text(_CANARY.format(song=str(left)))
+    for name in ("canary", "ipopt"):
+        (cage / name).write_text(f"#!/bin/sh\ntouch {left}\n")
+        (cage / name).chmod(0o755)
+    patch = pytest.MonkeyPatch()
+    patch.setenv("PATH", str(cage), prepend=":")
+    patch.chdir(cage)
+    held = sorted(cage.iterdir())
+    yield left
+    patch.undo()
+    assert sorted(cage.iterdir()) == held
+
+
+class SmallRun(NamedTuple):
+    """A finished run and the experiment that it is of."""
+
+    folder: Path
+    experiment: Path
+
+
+@pytest.fixture(scope="session")
+def small_run(tmp_path_factory: pytest.TempPathFactory) -> SmallRun:
+    """Some cells of the closed form, and some streamed, in two parts as a cut run leaves them."""
+    place = tmp_path_factory.mktemp("small")
+    experiment = place / "small.toml"
+    experiment.write_text(_SMALL)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(grid, "FEWEST_STREAMED", 100)
+        return SmallRun(run(experiment, place / "out"), experiment)
+
+
+@pytest.fixture
+def little_room(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """What would fill the memory fails at once, and bounds on sizes are met early."""
+    monkeypatch.setattr(grid, "MOST_CELLS", 3000)
+    monkeypatch.setattr(grid, "FEWEST_STREAMED", 100)
+    monkeypatch.setattr(overlap, "MOST_LOOKED_THROUGH", 10_000)
+    soft, hard = resource.getrlimit(resource.RLIMIT_AS)
+    held = psutil.Process().memory_info().vms
+    resource.setrlimit(resource.RLIMIT_AS, (held + _ROOM, hard))
+    yield
+    resource.setrlimit(resource.RLIMIT_AS, (soft, hard))

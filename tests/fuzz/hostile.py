@@ -1,0 +1,77 @@
+"""Texts, numbers and nested values that no honest file holds."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from hypothesis import HealthCheck, settings
+from hypothesis import strategies as st
+
+
+def cases(number: int) -> settings:
+    """So many cases; fixtures that live longer than one of them are meant."""
+    return settings(max_examples=number, suppress_health_check=list(HealthCheck))
+
+
+# what must never stand in a page or on a terminal as it is
+MARK = "evil7"
+HOSTILE = (
+    f"<script>{MARK}()</script>",
+    f"<img src=x onerror={MARK}()>",
+    f'"><iframe src="javascript:{MARK}()"></iframe>',
+    f"' onmouseover='{MARK}()",
+    f"</title></style></svg><svg onload={MARK}()>",
+    f"]]><script>{MARK}()</script>",
+    f"{{{{ {MARK}.__class__ }}}}{{% raw %}}",
+    f"[{MARK}](javascript:alert(1)) ![x](http://{MARK}.example/x.png)",
+    f"| a | {MARK} |\n|---|---|\n# {MARK}",
+    f"\\input{{/etc/passwd}}\\write18{{touch {MARK}}}$x^{{2}}$%",
+    f"\x1b[31m{MARK}\x1b[0m\x1b]0;{MARK}\x07",
+    f"\r{MARK}\x08\x7f\x9b31m",
+    f"../../{MARK}",
+    f"/{MARK}/{MARK}",
+    f"..\\..\\{MARK}",
+    f"a\x00{MARK}",
+    f"\u202e{MARK}\u2066\ufeff",
+    f"=cmd|'/c {MARK}'!A1",
+    "$\\frac{1}$ $ \\undefined",
+    "[/red][bold]" + MARK,
+    "%s%n{0}{x!r}",
+    "a" * 5000,
+    f"s[{','.join(f'k{i}=1' for i in range(500))}]",
+    "",
+    " ",
+    ".",
+    "..",
+    "*",
+    "-",
+    "--trust",
+    "𝔘\u0301\u0301\u0301",
+)
+
+texts = st.one_of(st.sampled_from(HOSTILE), st.text(max_size=20))
+# of JSON, which may hold halves of a pair
+any_texts = st.one_of(texts, st.sampled_from(["\ud800", f"{MARK}\udfff<b>"]))
+huge = st.sampled_from([10**9, -(10**9), 2**31, 2**63, 2**64, 10**20, -(10**400), 10**4000])
+integers = st.one_of(st.integers(-3, 5), huge)
+floats = st.one_of(
+    st.floats(),
+    st.sampled_from([float("nan"), float("inf"), -0.0, 1e308, -1e308, 5e-324, 1e16, 0.1]),
+)
+scalars = st.one_of(texts, integers, floats, st.booleans())
+
+
+def nested(leaves: st.SearchStrategy[Any]) -> st.SearchStrategy[Any]:
+    """Lists and tables of leaves, some levels deep."""
+    return st.recursive(
+        leaves,
+        lambda inner: st.one_of(
+            st.lists(inner, max_size=4), st.dictionaries(any_texts, inner, max_size=3)
+        ),
+        max_leaves=8,
+    )
+
+
+def deep(levels: int, kind: str) -> str:
+    """JSON, and TOML, that is nested deeper than most programs go."""
+    return "[" * levels + "]" * levels if kind == "list" else '{"a":' * levels + "1" + "}" * levels

@@ -1,0 +1,170 @@
+"""Any words at all after `dubins-study`: an answer, or one refusal; never a traceback."""
+
+from __future__ import annotations
+
+import re
+import shutil
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import report.page  # noqa: F401  its libraries write to places of their own when loaded
+from tests.fuzz.hostile import HOSTILE, cases
+from tests.fuzz.page import check_json
+from tests.fuzz.watched import command, raw_controls, watched
+
+# what no argument of a process can hold
+_WORDS = [text for text in HOSTILE if "\x00" not in text] + ["\udcff", "x" * 300, "é\udc80"]
+_NUMBERS = st.one_of(
+    st.sampled_from(["0", "1", "-1", "10", "1e308", "-1e308", "1e-320", "nan", "inf", "9" * 400]),
+    st.sampled_from(["1e16", "1_0", "٣", "0x10", "120deg", "pi", "1e3000", "", " 1 ", "1,5"]),
+    st.floats(-20, 20).map(str),
+)
+_PLACES = st.sampled_from(
+    [
+        *("new", "a/b/c", "file", "full", "file/x", "empty", "link", "dangling", "loop"),
+        *("gone/../new2", "folder.toml", "plain.toml", ".", "[a]", "**", "*", "path.svg"),
+        *("path.png", "x.pdf", "run", "run2", "run/parts", "run/manifest.json", "\udcff"),
+        *("\x1b[31m", "n" * 300, "a\nb", "~", "empty.svg", "dev.svg", "[/b].toml", "..toml"),
+        "...toml",
+    ]
+)
+_JUNK = st.one_of(st.sampled_from(_WORDS), _NUMBERS, _PLACES)
+
+
+def _option(name: str, *values: st.SearchStrategy[str]) -> st.SearchStrategy[list[str]]:
+    """An option with values that fit, or do not; with too many, or none."""
+    right = st.tuples(st.just(name), *values).map(list)
+    odd = st.tuples(st.just(name), st.lists(_JUNK, max_size=4)).map(lambda p: [p[0], *p[1]])
+    joined = st.tuples(*values, _JUNK).map(lambda p: [f"{name}={p[0]}"])
+    return st.one_of(right, right, right, odd, joined)
+
+
+_TARGET = st.lists(_NUMBERS, min_size=2, max_size=2)
+_SOLVERS = st.sampled_from(["analytic", "analytic[a=1]", "no", "slsqp[", "canary.pyc", "x.toml:Y"])
+_POSE = _option("--from", _NUMBERS, _NUMBERS, _NUMBERS)
+# every command with words that fit it, and options that do
+_COMMANDS: dict[str, tuple[st.SearchStrategy[list[str]], list[st.SearchStrategy[list[str]]]]] = {
+    "solve": (
+        _TARGET,
+        [
+            *(_POSE, _option("--radius", _NUMBERS), _option("--speed", _NUMBERS)),
+            *(_option("--limit", _NUMBERS), _option("--solver", _SOLVERS), st.just(["--json"])),
+            _option("--branch", st.sampled_from(["best", "LS", "RL", "SL"])),
+            _option("--profile", st.sampled_from(["default", "accurate", "no"])),
+        ],
+    ),
+    "export": (
+        _TARGET,
+        [
+            *(_POSE, _option("--radius", _NUMBERS), _option("--out", _PLACES)),
+            _option("--model", st.sampled_from(["paper", "disjunctive"])),
+            _option("--format", st.sampled_from(["nl", "gams", "mod"])),
+            _option("--order", st.sampled_from(["LRS", "RLS"])),
+        ],
+    ),
+    "status": (_PLACES.map(lambda p: [p]), [st.just(["--json"])]),
+    "merge": (st.lists(_PLACES, max_size=3), [_option("--out", _PLACES)]),
+    "report": (st.lists(_PLACES, max_size=2), [_option("--out", _PLACES)]),
+    "run": (
+        _PLACES.map(lambda p: [p]),
+        [
+            *(_option("--out", _PLACES), _option("--limit", _NUMBERS), st.just(["--fresh"])),
+            *(_option("--memory", _NUMBERS), _option("--solver", _SOLVERS), st.just(["--trust"])),
+            _option("--jobs", st.sampled_from(["1", "0", "-1", "9" * 30, "1.5"])),
+            _option("--repeats", st.sampled_from(["0", "-1", "9" * 30, "1000000000", "x"])),
+        ],
+    ),
+    "": (st.lists(_JUNK, max_size=3), []),
+}
+_SLOW = {"plot": _option("--plot", _PLACES)}
+
+
+@st.composite
+def requests(draw: st.DrawFn, plots: bool = False) -> list[str]:
+    """A command line: mostly as the help says, with something missing, doubled or out of place."""
+    name = "solve" if plots else draw(st.sampled_from(list(_COMMANDS)))
+    words, options = _COMMANDS[name]
+    chosen = draw(st.lists(st.one_of(*options), max_size=4)) if options else []
+    groups = [*chosen, draw(words), *([draw(_SLOW["plot"])] if plots else [])]
+    made = [name, *(word for group in draw(st.permutations(groups)) for word in group)]
+    how = draw(st.sampled_from(["", "", "", "drop", "double", "junk", "help"]))
+    at = draw(st.integers(0, len(made) - 1))
+    if how == "drop":
+        del made[at]
+    elif how == "double":
+        made.insert(at, made[at])
+    elif how == "junk":
+        made.insert(at, draw(_JUNK))
+    elif how == "help":
+        made.append("--help")
+    return made
+
+
+@pytest.fixture(scope="module")
+def place(tmp_path_factory, small_run, song):
+    """A working directory with all kinds of things in it."""
+    folder = tmp_path_factory.mktemp("outer") / "inner"
+    folder.mkdir()
+    (folder / "file").write_text("text")
+    for name in ("full", "empty", "folder.toml", "empty.svg", "[a]", "["):
+        (folder / name).mkdir()
+    (folder / "full" / "file").write_text("text")
+    (folder / "plain.toml").write_text("title = 1")
+    shutil.copy(small_run.experiment, folder / "[/b].toml")
+    (folder / "link").symlink_to("empty")
+    (folder / "dangling").symlink_to("nowhere")
+    (folder / "loop").symlink_to("loop")
+    (folder / "dev.svg").symlink_to("/dev/full")
+    for name in ("run", "run2"):
+        shutil.copytree(small_run.folder, folder / name)
+    patch = pytest.MonkeyPatch()
+    patch.chdir(folder)
+    yield folder
+    patch.undo()
+
+
+def answered_or_refused(words: list[str], place: Path, song: Path) -> None:
+    outer = sorted(place.parent.iterdir())
+    with watched() as seen:
+        said = command(*words)
+    assert said.code in (0, 1, 2)
+    assert "Traceback" not in said.out + said.err
+    if said.code == 2:
+        assert not said.out
+        # what is no word of ours is refused by click, in a few lines; nothing at all gets help
+        if words and not re.search(r"^Error: ", said.err, re.MULTILINE):
+            assert re.fullmatch(r"dubins-study: [^\n]+\n(  [^\n]+\n)*", said.err)
+            assert not raw_controls(said.err)
+    else:
+        assert said.out or any(word.startswith("--out") for word in words)
+        assert not raw_controls(said.out)
+        if "--json" in words and "--help" not in words:
+            check_json(said.out)
+    assert not song.exists()
+    assert not seen.unpickled
+    # /dev/full is what a link of ours names
+    assert [p for p in seen.outside(place) if not p.startswith("/dev/")] == []
+    assert sorted(place.parent.iterdir()) == outer
+
+
+@cases(150)
+@given(words=requests())
+def test_a_request_is_answered_or_refused(words, place, song):
+    answered_or_refused(words, place, song)
+
+
+@pytest.mark.slow
+@cases(3000)
+@given(words=requests())
+def test_thousands_of_requests_are(words, place, song):
+    answered_or_refused(words, place, song)
+
+
+@pytest.mark.slow
+@cases(40)
+@given(words=requests(plots=True))
+def test_places_of_plots(words, place, song):
+    answered_or_refused(words, place, song)

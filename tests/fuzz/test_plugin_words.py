@@ -1,0 +1,94 @@
+"""What solvers say of themselves is text wherever it is shown: page, tables, terminal, JSON."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import report.page  # noqa: F401  its libraries write to places of their own when loaded
+from study.scenario import Scenario
+from tests.fuzz.hostile import HOSTILE, MARK, cases, texts
+from tests.fuzz.page import check_json, check_report
+from tests.fuzz.watched import command, raw_controls
+from tests.report.results_folder import attempt, write_folder
+
+# what a row may hold: a text without halves of pairs
+words = st.one_of(texts, st.text(st.characters(exclude_categories=["Cs"]), max_size=12))
+_RUDE = """
+from solvers.slsqp import Slsqp
+from solvers.protocol import Claim, Solution
+
+class Rude(Slsqp):
+    name = method = summary = {text!r}
+
+    def solve(self, model, limit):
+        print({text!r})
+        return Solution(Claim.FAILED, native_status={text!r}, message={text!r})
+"""
+
+
+@st.composite
+def rows(draw):
+    """Some attempts, a few of them with a path, with any texts where a plug-in may put its own."""
+    made = []
+    for number in range(draw(st.integers(1, 3))):
+        said = {name: draw(words) for name in ("message", "native_status", "word", "run_id")}
+        scenario = Scenario(0, 0, 0, 5, number + 2, 1, label=draw(words))
+        path = draw(st.sampled_from(["exact", None]))
+        made.append(attempt(scenario, draw(words) or "s", path=path, **said))
+        if draw(st.booleans()):
+            made[-1] |= {name: draw(words) for name in ("outcome", "claim", "verdict", "proof")}
+    return made
+
+
+def shown_as_text(made, name, tmp_path_factory):
+    folder = write_folder(tmp_path_factory.mktemp("words") / "run", name, made, cells=len(made))
+    for request in (["status"], ["status", "--json"], ["report"]):
+        said = command(*request, str(folder))
+        assert said.code == 0, said.err
+        assert not raw_controls(said.out)
+        if "--json" in request:
+            check_json(said.out)
+    check_report(folder / "report")
+
+
+@cases(2)
+@given(made=rows(), name=words)
+def test_words_of_rows_are_shown_as_text(made, name, tmp_path_factory):
+    shown_as_text(made, name, tmp_path_factory)
+
+
+@pytest.mark.slow
+@cases(40)
+@given(made=rows(), name=words)
+def test_dozens_of_folders_of_words_are(made, name, tmp_path_factory):
+    shown_as_text(made, name, tmp_path_factory)
+
+
+def test_a_rude_plugin_is_quoted(tmp_path):
+    """It is asked for real, once; its words come through escaped, and JSON stays JSON."""
+    text = "".join(word for word in HOSTILE if MARK in word)
+    plugin = tmp_path / "rude.py"
+    plugin.write_text(_RUDE.format(text=text))
+    spec = f"{plugin}:Rude"
+
+    plain = command("solve", "3", "2", "--solver", spec)
+    said = command("solve", "3", "2", "--solver", spec, "--json")
+
+    assert "<script>" in plain.out
+    assert not raw_controls(plain.out)
+    assert json.loads(said.out)["message"] == text
+    experiment = tmp_path / "rude.toml"
+    experiment.write_text(
+        'title = "t"\nquestion = "q"\nsolvers = ["analytic"]\n'
+        "[[scenarios]]\ntarget_x = 3\ntarget_y = 2\n"
+    )
+    out = tmp_path / "out"
+    ran = command("run", str(experiment), "--solver", spec, "--out", str(out))
+    assert ran.code == 0, ran.err
+    assert not raw_controls(ran.out)
+    assert command("report", str(out)).code == 0
+    check_report(out / "report")

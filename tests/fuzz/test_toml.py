@@ -1,0 +1,82 @@
+"""Experiments from strangers: expanded, or refused in one line; never a traceback, never code."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+
+from experiments import grid
+from experiments.request import Request, accepted
+from experiments.spec import ExperimentError, packaged, parse
+from solvers.registry import SolverError
+from tests.fuzz.hostile import MARK, cases
+from tests.fuzz.toml_text import experiments, mutilated, text_of
+from tests.fuzz.watched import raw_controls, watched
+
+FOLDER = Path(__file__).parents[2] / "experiments"
+PACKAGED = [(FOLDER / f"{name}.toml").read_bytes() for name in packaged()]
+pytestmark = pytest.mark.usefixtures("little_room")
+# longer, for a message that quotes what it is about
+LONGEST = 1000
+
+
+def expanded_or_refused(content: bytes, place: Path, song: Path) -> None:
+    """Ask for it as `dubins-study run FILE` does, up to the point where cells are solved."""
+    file = place / f"{MARK}.toml"
+    file.write_bytes(content)
+    request = Request(str(file), None, 1, None, None, None)
+    with watched() as seen:
+        try:
+            _, chains, _ = accepted(request, None)
+        except (ExperimentError, SolverError) as error:
+            message = str(error)
+            assert file.name in message
+            assert not raw_controls(message)
+            assert "\n" not in message
+            assert len(message) < LONGEST
+        else:
+            assert sum(map(len, chains)) <= grid.MOST_CELLS
+    assert not song.exists()
+    assert not [*seen.started, *seen.unpickled, *seen.outside(place)]
+
+
+@cases(120)
+@given(fields=experiments())
+def test_an_experiment_is_expanded_or_refused(fields, tmp_path_factory, song):
+    expanded_or_refused(text_of(fields).encode(), tmp_path_factory.getbasetemp(), song)
+
+
+@pytest.mark.slow
+@cases(3000)
+@given(fields=experiments())
+def test_thousands_of_experiments_are(fields, tmp_path_factory, song):
+    expanded_or_refused(text_of(fields).encode(), tmp_path_factory.getbasetemp(), song)
+
+
+def parsed_or_refused(content: bytes) -> None:
+    text = content.decode("utf-8", "replace")
+    try:
+        parse("name", f"{MARK}.toml", text)
+    except ExperimentError as refusal:
+        message = str(refusal)
+    else:
+        return
+    assert message.startswith(f"{MARK}.toml: ")
+    assert not raw_controls(message)
+    assert "\n" not in message
+    assert len(message) < LONGEST
+
+
+@cases(150)
+@given(content=mutilated(PACKAGED))
+def test_a_mutilated_file_is_parsed_or_refused(content):
+    parsed_or_refused(content)
+
+
+@pytest.mark.slow
+@cases(3000)
+@given(content=mutilated(PACKAGED))
+def test_thousands_of_mutilated_files_are(content):
+    parsed_or_refused(content)
