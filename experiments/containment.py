@@ -16,6 +16,7 @@ import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from functools import cache
+from pathlib import Path as FilePath
 from typing import Any
 
 import numpy as np
@@ -129,20 +130,51 @@ def _at_first() -> tuple[list[Any], list[Any]]:
     return [read() for read, _ in _STATE], [read() for read, _ in _GRANTED]
 
 
+_PAGE = os.sysconf("SC_PAGE_SIZE")
+# of its memory that a worker may have lost to what its solvers leave, and files left open
+_LEAKED, _LEFT_OPEN = 0.25, 64
+_bound = float("inf")
+_held = {"bytes": 0, "files": 0}  # at the start, and by the libraries that were loaded since
+
+
+def bound(memory: int) -> None:
+    """Say how many bytes the process may hold."""
+    global _bound
+    _bound = memory
+    _held.update(_holds())
+
+
+def _holds() -> dict[str, int]:
+    """Resident bytes and open files of this process; none where /proc does not tell."""
+    with suppress(OSError, ValueError, IndexError):
+        resident = int(FilePath("/proc/self/statm").read_bytes().split()[1])
+        return {"bytes": resident * _PAGE, "files": len(os.listdir("/proc/self/fd"))}  # noqa: PTH208
+    return {"bytes": 0, "files": 0}
+
+
 class Containment:
-    """Whether a solver has left what cannot be undone: a thread, or less than it had been given."""
+    """Whether a solver has left what cannot be undone.
+
+    That is a thread, less than it had been given, files open or much memory taken: other solvers
+    would run into limits in its place.
+    """
 
     def __init__(self) -> None:
         self.worn = False
         self._threads = set(threading.enumerate())
+        self._began = _holds()
 
     def pardon(self) -> None:
         """Threads that are there by now are a library's own, and may stay."""
         self._threads.update(threading.enumerate())
+        for what, now in _holds().items():
+            _held[what] += max(0, now - self._began[what])
 
     def check(self, granted: list[Any]) -> None:
         kept = all(read() == value for value, (read, _) in zip(granted, _GRANTED, strict=True))
-        self.worn = not kept or not self._threads.issuperset(threading.enumerate())
+        lost = {what: now - _held[what] for what, now in _holds().items()}
+        leaked = lost["bytes"] > _LEAKED * _bound or lost["files"] > _LEFT_OPEN
+        self.worn = leaked or not kept or not self._threads.issuperset(threading.enumerate())
 
 
 @contextmanager

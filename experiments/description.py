@@ -6,7 +6,7 @@ entry point, is loaded by a process of its own, which may hang, crash or change 
 
 from __future__ import annotations
 
-import signal
+import json
 from concurrent.futures import TimeoutError
 from functools import cache
 from typing import Any, NamedTuple
@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 from pebble import ProcessExpired
 from pebble.concurrent import process
 
+from experiments.endings import ending
 from experiments.fingerprint import code, plain_settings
 from experiments.provenance import versions_of
 from experiments.spawning import Context
@@ -63,14 +64,13 @@ def described(spec: str, profile: str = "default") -> Description:
         return _describe(spec, profile)
     elsewhere = process(timeout=_PATIENCE, context=Context())(_describe_apart)
     try:
-        found: Description = elsewhere(spec, profile).result()
+        found = json.loads(elsewhere(spec, profile).result())
     except TimeoutError:
         raise SolverError(f"solver {spec!r} takes longer than {_PATIENCE:g} s to load") from None
     except ProcessExpired as error:
-        ended = error.exitcode
-        how = signal.Signals(-ended).name if ended < 0 else f"exit code {ended}"
+        how = ending(error.exitcode)[0]
         raise SolverError(f"solver {spec!r} ends the process that loads it: {how}") from None
-    return found
+    return Description(**(found | {"packages": tuple(found["packages"])}))
 
 
 def _describe(spec: str, profile: str) -> Description:
@@ -87,10 +87,11 @@ def _describe(spec: str, profile: str) -> Description:
     )
 
 
-def _describe_apart(spec: str, profile: str) -> Description:
-    """The same where a plug-in may raise what it likes: the run cannot unpickle its classes."""
+def _describe_apart(spec: str, profile: str) -> str:
+    """The same as JSON, where a plug-in may hold and raise what it likes: nothing of its own
+    classes is to be unpickled in the run."""
     try:
-        return _describe(spec, profile)
+        return json.dumps(_describe(spec, profile)._asdict())
     except SolverError as error:
         raise SolverError(str(error)) from None
     except BaseException as error:

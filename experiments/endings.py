@@ -26,7 +26,7 @@ def crashed(code: int | None, words: str) -> Reply:
     status, message = ending(code)
     said = f"{message}; its last words: {words}" if words else message
     # C++ ends a process so that may have no more memory
-    starved = "bad_alloc" in words
+    starved = code == -signal.SIGABRT and "bad_alloc" in words
     return nothing(Outcome.OUT_OF_MEMORY if starved else Outcome.CRASHED, said, status=status)
 
 

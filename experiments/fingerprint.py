@@ -65,9 +65,9 @@ def plain_settings(solver: AnySolver) -> dict[str, Any]:
 
 
 def _is_plain(value: object) -> bool:
-    if isinstance(value, float):
+    if type(value) is float:
         return math.isfinite(value)
-    return value is None or isinstance(value, str | int)
+    return value is None or type(value) in (str, int, bool)  # an enum's member may be a str
 
 
 def _sources(spec: str, kind: type[Any]) -> dict[str, bytes]:

@@ -6,6 +6,7 @@ import ctypes
 import os
 import signal
 import sys
+import threading
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from multiprocessing import forkserver
@@ -87,19 +88,29 @@ def pin_threads() -> None:
     threadpool_limits(THREADS)
 
 
+_pinning, _pinned = threading.Lock(), list[int]()
+_before: dict[str, str | None] = {}
+
+
 @contextmanager
 def pinned_threads() -> Iterator[None]:
     """The same for a while: the caller's own settings come back."""
     from threadpoolctl import threadpool_limits
 
-    before = {name: os.environ.get(name) for name in _VARIABLES}
-    os.environ.update(dict.fromkeys(_VARIABLES, str(THREADS)))
+    with _pinning:
+        if not _pinned:
+            _before.update({name: os.environ.get(name) for name in _VARIABLES})
+        _pinned.append(1)
+        os.environ.update(dict.fromkeys(_VARIABLES, str(THREADS)))
     try:
         with threadpool_limits(THREADS):
             yield
     finally:
-        for name, value in before.items():
-            if value is None:
-                del os.environ[name]
-            else:
-                os.environ[name] = value
+        with _pinning:
+            _pinned.pop()
+            # the last of several threads that run something at once
+            for name, value in () if _pinned else _before.items():
+                if value is None:
+                    os.environ.pop(name, None)
+                else:
+                    os.environ[name] = value

@@ -23,6 +23,29 @@ def resident(pid: int, whole: bool) -> int:
     return total
 
 
+def proportional(pid: int) -> int:
+    """The same for a process and its descendants, what they share counted once (Linux)."""
+    total = 0
+    for process in _family(pid):
+        with suppress(psutil.Error):
+            held = process.memory_full_info()
+            total += getattr(held, "pss", held.rss)
+    return total
+
+
+def halt(pid: int) -> None:
+    """Stop a process where it is; it may be resumed."""
+    with suppress(OSError):
+        os.kill(pid, signal.SIGSTOP)
+    sleep(0.001)  # it is delivered at the process's next step
+
+
+def resume(pid: int) -> None:
+    """Let a process that was halted go on."""
+    with suppress(OSError):
+        os.kill(pid, signal.SIGCONT)
+
+
 def alive(pid: int) -> bool:
     """Whether a process exists and still runs."""
     with suppress(psutil.Error):
@@ -78,5 +101,6 @@ def _session(pid: int) -> set[int]:
 
 def _kill(pids: set[int]) -> None:
     for pid in pids:
-        with suppress(OSError):
-            os.kill(pid, signal.SIGKILL)
+        if pid > 1:  # 0 would be our own group
+            with suppress(OSError):
+                os.kill(pid, signal.SIGKILL)

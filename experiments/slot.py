@@ -94,11 +94,13 @@ class Slot:
     @property
     def pid(self) -> int:
         """The worker's process, 0 if there is none."""
-        return (self._process and self._process.pid) or 0
+        worker = self._process  # once: another thread may throw it away meanwhile
+        return 0 if worker is None else worker.pid or 0
 
     def exit_code(self) -> int | None:
         """How the worker ended: a negative number is a signal's. None if it lives."""
-        return None if self._process is None else self._process.exitcode
+        worker = self._process
+        return None if worker is None else worker.exitcode
 
     def running(self) -> Order | None:
         """The order that the worker is at, or was when it ended."""

@@ -98,6 +98,7 @@ class Supervisor:
         # every worker while they are loaded, with the reply that stands for all their cells
         self._cold: set[tuple[str, str]] = set()
         self._hopeless: dict[tuple[str, str], Reply] = {}
+        self._answered: set[tuple[str, str]] = set()
         self._ahead = dict.fromkeys(self._slots, 1)
         self._false_starts = 0
         # orders in one message; a single one once there was one that did not come back
@@ -115,8 +116,9 @@ class Supervisor:
     def end_solves(self) -> None:
         """Whatever is being solved ends here and now; may be called from any thread."""
         for slot in self._slots:
-            if slot.pid:
-                processes.end(slot.pid)
+            pid = slot.pid
+            if pid:
+                processes.end(pid)
 
     def _told(self, slot: Slot, batch: Batch, future: Future[Any]) -> None:
         self._ended.put((slot, batch, future))
@@ -168,9 +170,10 @@ class Supervisor:
                 number = next(self._numbers)
                 self._tasks[number] = task
                 orders.append(self._order(number, task, warm_up=solver not in self._cold))
-            for first in range(0, len(orders), self._together):
+            together = self._together  # which may change on the way
+            for first in range(0, len(orders), together):
                 try:
-                    slot.put(orders[first : first + self._together])
+                    slot.put(orders[first : first + together])
                 except RuntimeError:  # what came from the worker made no sense to pebble
                     yield self._fallen(slot)
         if self._probed is not None and monotonic() > self._next_probe:
@@ -191,6 +194,11 @@ class Supervisor:
         )
 
     def _news(self) -> list[Row]:
+        if self._watch.failure is not None:
+            raise RunError(
+                f"the watch over the workers has ended ({told(self._watch.failure)}), and no limit "
+                "would hold; the rows written so far are kept"
+            )
         try:
             slot, batch, future = self._ended.get(timeout=_TURN)
         except Empty:
@@ -219,6 +227,7 @@ class Supervisor:
     def _arrived(self, slot: Slot, batch: Batch, replies: list[Packed]) -> list[Row]:
         left = {order.number for order in slot.take(batch)}
         self._false_starts = 0
+        slot.words.forget()
         quick = all((sent.times[2] or 0) < _QUICK for sent in replies)
         self._ahead[slot] = _AHEAD if quick else 1
         rows = []
@@ -227,6 +236,7 @@ class Supervisor:
                 left.remove(number)
                 task = self._tasks.pop(number)
                 self._check_code(task.cell, sent)
+                self._answered.add((task.cell.solver, task.cell.profile))
                 rows += self._rows(task, _read(sent), sent.started, sent.versions)
         # a worker that is worn, or slow, leaves the rest of its batch
         self._waiting.extendleft(self._tasks.pop(number) for number in sorted(left, reverse=True))
@@ -255,14 +265,15 @@ class Supervisor:
             self._together = 1  # as above
             self._empty(slot)
             return []
-        self._empty(slot, order)
+        astray = order is not None and doom is not None and doom.order != order.number
+        self._empty(slot, None if astray else order)
         if order is None:
             self._strike(code, words)
-            return []
+        if order is None or astray:
+            return []  # killed for what another order did: this one is asked again
         self._false_starts = 0
         task = self._tasks.pop(order.number)
-        doomed = doom if doom is not None and doom.order == order.number else None
-        reply = doomed.reply if doomed else crashed(code, words)
+        reply = crashed(code, words) if doom is None else doom.reply
         if loading and order.warm_up:
             self._cold.add((order.solver, order.profile))
             self._waiting.appendleft(task)
@@ -270,7 +281,8 @@ class Supervisor:
         if loading:
             message, status = reply.solution.message, reply.solution.native_status
             reply = nothing(reply.outcome, f"{message}, while it was loaded", status=status)
-            self._hopeless[order.solver, order.profile] = reply
+            if (order.solver, order.profile) not in self._answered:
+                self._hopeless[order.solver, order.profile] = reply
         return self._rows(task, reply)
 
     def _empty(self, slot: Slot, order: Order | None = None) -> None:

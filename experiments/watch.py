@@ -25,6 +25,8 @@ FIRST = 10.0
 _STALL = 10.0
 # looks between two at a worker's children, which cost milliseconds where many processes run
 _FAMILY_EVERY = 10
+# s between two looks from which on nothing was looked at because everything slept
+_ASLEEP = 1.0
 # s by which a look may be late on a busy machine
 _LATE = 10.0
 _GIB = 2**30
@@ -50,6 +52,8 @@ class Watch:
 
     def __init__(self, slots: Iterable[Slot], bounds: Bounds):
         self.slots, self.bounds = list(slots), bounds
+        self.failure: Exception | None = None
+        self._away = 0.0  # s, in all, in which no look was taken: the machine or the run slept
         self._over = threading.Event()
         self._thread = threading.Thread(target=self._keep, name="watch", daemon=True)
 
@@ -62,28 +66,44 @@ class Watch:
         self._thread.join()
 
     def _keep(self) -> None:
-        before: dict[Slot, tuple[Reading, float]] = {}
-        looks = 0
+        try:
+            self._keep_looking()
+        except Exception as error:  # without it no limit holds: the supervisor ends the run
+            self.failure = error
+
+    def _keep_looking(self) -> None:
+        before: dict[Slot, tuple[Reading, float, float]] = {}
+        looks, last = 0, monotonic()
         while not self._over.wait(TICK):
             looks += 1
+            last, pause = monotonic(), monotonic() - last
+            # what is stopped as a whole (a suspended job, a laptop's lid) solves nothing meanwhile
+            self._away += pause if pause > _ASLEEP else 0.0
             for slot in self.slots:
                 reading = slot.clock.read()
-                earlier, seen = before.get(slot, (None, 0.0))
+                earlier, seen, away = before.get(slot, (None, 0.0, 0.0))
                 # one that was being written while it was read is not the same again
                 if reading == earlier:
-                    since = _since(reading, seen)
+                    since = _since(reading, seen) + self._away - away
                     self._look(slot, reading, since, whole=looks % _FAMILY_EVERY == 0)
                 else:
-                    before[slot] = reading, monotonic()
+                    before[slot] = reading, monotonic(), self._away
 
     def _look(self, slot: Slot, reading: Reading, since: float, whole: bool) -> None:
         pid, order = slot.pid, slot.running()
-        if not pid or reading.pid not in (0, pid) or (slot.doom and slot.doom.pid == pid):
+        if not pid or (slot.doom and slot.doom.pid == pid):
             return
-        reply = self._too_long(slot, reading.phase, since) or self._too_much(pid, since, whole)
-        if reply is not None:
-            slot.doom = Doom(pid, -1 if order is None else order.number, reply)
-            processes.end(pid)
+        # a child that took its parent's place writes a process of its own
+        phase = reading.phase if reading.pid in (0, pid) else Phase.LOST
+        reply = self._too_long(slot, phase, since) or self._too_much(pid, since, whole)
+        if reply is None:
+            return
+        processes.halt(pid)
+        if slot.clock.read() != reading:  # it answered just now: the next order is not to blame
+            processes.resume(pid)
+            return
+        slot.doom = Doom(pid, -1 if order is None else order.number, reply)
+        processes.end(pid)
 
     def _too_long(self, slot: Slot, phase: Phase, since: float) -> Reply | None:
         if phase is Phase.LOST:
@@ -105,6 +125,8 @@ class Watch:
 
     def _too_much(self, pid: int, since: float, whole: bool) -> Reply | None:
         held = processes.resident(pid, whole)
+        if held > self.bounds.memory and whole:
+            held = processes.proportional(pid)  # slower: what they share counts once
         if held <= self.bounds.memory:
             return None
         message = (

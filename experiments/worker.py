@@ -11,7 +11,7 @@ from time import monotonic
 from typing import NamedTuple
 
 from experiments.clock import Clock, Phase
-from experiments.containment import contained
+from experiments.containment import bound, contained
 from experiments.fingerprint import code
 from experiments.isolation import depend, isolate
 from experiments.provenance import now, solver_versions
@@ -43,15 +43,17 @@ class Order(NamedTuple):
 _MOMENT = 0.1
 
 _clock: Clock | None = None
+_pid = 0
 
 
 def begin(clock: Clock, output: Connection, memory: int) -> None:
     """Make this process a worker."""
-    global _clock
+    global _clock, _pid
     depend()
+    bound(memory)
     isolate(output, memory)
-    _clock = clock
-    clock.write(os.getpid(), -1, Phase.IDLE)
+    _clock, _pid = clock, os.getpid()
+    clock.write(_pid, -1, Phase.IDLE)
 
 
 def answers(orders: list[Order]) -> list[Packed]:
@@ -104,8 +106,12 @@ def _failed(error: BaseException) -> Reply:
 
 
 def _tell(number: int, phase: Phase) -> None:
-    if _clock is not None:
-        _clock.write(os.getpid(), number, phase)
+    if _clock is None:
+        return
+    if os.getpid() != _pid:
+        # a child that a solver forked and lost: it must not answer in its parent's place
+        os._exit(1)
+    _clock.write(_pid, number, phase)
 
 
 _solvers: dict[tuple[str, str], AnySolver] = {}

@@ -54,8 +54,8 @@ def test_a_plugin_is_loaded_by_another_process(tmp_path):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("import os; os._exit(0)", "ends the process that loads it: exit code 0"),
-        ("import os; os._exit(3)", "ends the process that loads it: exit code 3"),
+        ("import os; os._exit(0)", "ends the process that loads it: exit 0"),
+        ("import os; os._exit(3)", "ends the process that loads it: exit 3"),
         ("import os; os.abort()", "ends the process that loads it: SIGABRT"),
         ("raise KeyboardInterrupt", "cannot be described: KeyboardInterrupt"),
         ("class Own(BaseException): pass\nraise Own('x')", "cannot be described: Own: x"),
