@@ -10,7 +10,7 @@ from pathlib import Path as FilePath
 
 from filelock import FileLock, Timeout
 
-from experiments.disk import StoreError, reason, refuse_link
+from experiments.disk import StoreError, reason
 from experiments.provenance import now
 
 LOCK = ".lock"
@@ -31,7 +31,6 @@ def locked(folder: FilePath) -> Iterator[None]:
             cannot be written.
     """
     file = folder / LOCK
-    refuse_link(file)
     if file.exists() and not file.is_file():
         raise StoreError(f"cannot lock {file}: it is no file")
     lock = FileLock(file, timeout=_PATIENCE, poll_interval=_POLL, fallback_to_soft=False)
