@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
+from itertools import groupby
 from pathlib import Path as FilePath
 
 from experiments.engine import Engine, Probed
@@ -36,10 +36,8 @@ def solve_left(
         KeyboardInterrupt: if the run is interrupted.
         RunError: if the engine cannot go on.
     """
-    left = [_left(group, finished) for group in groups]
-    writer.skip(sum(map(len, groups)) - sum(map(len, left)))
-    single = [group for group in left if group]
-    before = _paths_before(folder, single, groups)
+    single, before = _unfinished(folder, groups, finished)
+    writer.skip(sum(map(len, groups)) - sum(map(len, single)))
     ordered = shuffled(single, seed)
     if ordered:
         with pinned_threads(), engine.crew(shared, bounds, probed) as crew:
@@ -48,23 +46,27 @@ def solve_left(
     stop.check()
 
 
-def _left(group: Chain, finished: set[Key]) -> Chain:
-    return tuple(cell for cell in group if cell.key not in finished)
+def _unfinished(
+    folder: FilePath, groups: list[Chain], finished: set[Key]
+) -> tuple[list[Chain], dict[Key, Path]]:
+    """What is left of every chain, in pieces where cells between are done, and the paths before.
 
-
-def _paths_before(folder: FilePath, left: list[Chain], groups: list[Chain]) -> dict[Key, Path]:
-    """For every chain cut short: the path of the last cell done before the first one left."""
-    cut = {group[0].key for group in left if group[0].start == "warm"}
-    before = {
-        cell.key: previous.key
-        for group in groups
-        for previous, cell in pairwise(group)
-        if cell.key in cut
-    }
-    if not before:
-        return {}
+    After a failure the last path that was found serves on, as in a run that is not interrupted.
+    """
+    begun = any(cell.start == "warm" and cell.key in finished for group in groups for cell in group)
     columns = ["x", "y", "heading", "gap", "curvatures", "lengths"]
-    rows = read_rows(folder, columns).to_pylist()
-    paths = {row_key(row): row_path(row) for row in rows}
-    found = {key: paths.get(previous) for key, previous in before.items()}
-    return {key: path for key, path in found.items() if path is not None}
+    rows = read_rows(folder, columns).to_pylist() if begun else []
+    found = {row_key(row): row_path(row) for row in rows}
+    left: list[Chain] = []
+    before: dict[Key, Path] = {}
+    for group in groups:
+        path: Path | None = None
+        for done, cells in groupby(group, lambda cell: cell.key in finished):
+            piece = tuple(cells)
+            if done:
+                path = next(filter(None, (found.get(cell.key) for cell in piece[::-1])), path)
+                continue
+            left.append(piece)
+            if path is not None:
+                before[piece[0].key] = path
+    return left, before

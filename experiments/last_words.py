@@ -31,10 +31,6 @@ class LastWords:
         kept, self._kept = self._kept, b""
         return " ".join(kept.decode("utf-8", "replace").split())[-_KEPT // 2 :]
 
-    def forget(self) -> None:
-        """What was said so far says nothing of what comes."""
-        self._kept = b""
-
     def close(self) -> None:
         """No worker will come any more: the thread ends with the last process that writes."""
         self.writer.close()

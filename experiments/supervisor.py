@@ -227,7 +227,6 @@ class Supervisor:
     def _arrived(self, slot: Slot, batch: Batch, replies: list[Packed]) -> list[Row]:
         left = {order.number for order in slot.take(batch)}
         self._false_starts = 0
-        slot.words.forget()
         quick = all((sent.times[2] or 0) < _QUICK for sent in replies)
         self._ahead[slot] = _AHEAD if quick else 1
         rows = []

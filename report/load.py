@@ -117,7 +117,7 @@ def load(folders: Iterable[str | FilePath]) -> Results:
     for number, (path, manifest) in enumerate(zip(paths, manifests, strict=True)):
         stale = replaced = current = 0
         for part in parts[number]:
-            chunk, replaces = seen.is_new(manifest.name, part)
+            chunk, replaces = seen.is_new(manifest.name, part, manifest.codes)
             for piece in pieces(part):
                 table = _current(manifest, piece)
                 stale += len(piece) - len(table)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path as FilePath
 from typing import Any
 
@@ -181,17 +181,22 @@ class Seen:
         self._keys = np.concatenate([self._keys, keys])
         return table.filter(pa.array(first)), int(other.sum())
 
-    def is_new(self, experiment: str, part: FilePath) -> tuple[bool | None, bool]:
+    def is_new(
+        self, experiment: str, part: FilePath, codes: Mapping[str, str]
+    ) -> tuple[bool | None, bool]:
         """Whether a streamed part's chunk was not seen, and whether one seen is of another code.
 
-        None of a part that is no chunk.
+        None of a part that is no chunk. A chunk of another code than its folder's own (`codes`, by
+        solver) holds no row that is shown, and does not count as seen.
         """
         try:
             told = json.loads((pq.read_metadata(part).metadata or {})[CHUNK.encode()])
             chunk = (experiment, *(str(told[key]) for key in ("question", "first", "count")))
-            code = str(told["code"])
+            solver, code = str(told["solver"]), str(told["code"])
         except (KeyError, ValueError, TypeError, RecursionError):
             return None, False
+        if codes.get(solver, code) != code:
+            return True, False
         earlier = self._chunks.get(chunk)
         self._chunks.setdefault(chunk, code)
         return earlier is None, earlier not in (None, code)

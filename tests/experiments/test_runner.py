@@ -5,12 +5,15 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+import pyarrow as pa
+import pyarrow.compute as pc
+import pyarrow.parquet as pq
 import pytest
 
 from experiments import run
 from experiments.rows import ARROW_SCHEMA
 from experiments.spec import ExperimentError
-from experiments.store import StoreError, done, read_rows
+from experiments.store import StoreError, done, read_rows, write_part
 from experiments.supervisor import Supervisor
 from solvers.registry import SolverError
 from study.schema import ROW, VERSION, documentation, names
@@ -291,3 +294,46 @@ def test_the_schema_and_its_documentation_agree():
 
     assert documentation() in readme.read_text(encoding="utf-8")
     assert ARROW_SCHEMA.names == names(ROW)
+
+
+LATE = """
+from pathlib import Path
+from solvers.slsqp import Slsqp
+class Warmed(Slsqp):
+    def solve(self, model, limit):
+        scenario, start = model.question.scenario, model.question.start
+        if scenario.radius == 2 and FAILS:
+            raise ValueError("the second fails")
+        solution = super().solve(model, limit)
+        told = "none" if start is None else f"{start.length.sum():.6f}"
+        object.__setattr__(solution, "message", told)
+        return solution
+"""
+
+
+def test_a_resumed_sweep_starts_where_an_unbroken_one_would(tmp_path):
+    """After a failure, and across holes: from the last path that was found before."""
+    plugin, file = tmp_path / "late.py", tmp_path / "sweep.toml"
+    plugin.write_text(LATE.replace("FAILS", "True"))
+    file.write_text(
+        'title = "sweep"\nquestion = "?"\nsolvers = ["analytic"]\nstarts = ["warm"]\n'
+        "[[scenarios]]\ntarget_x = 9\ntarget_y = 3\nradius = [1, 2, 3, 4, 5]\n"
+    )
+    spec = f"{plugin}:Warmed"
+    whole = rows(run(file, tmp_path / "out", solvers=[spec])).sort_values("radius")
+    started = whole["message"].tolist()
+    assert started[1] == "ValueError: the second fails"
+    assert started[0] == "none" not in started[2:]
+
+    for gone in ([3.0, 4.0, 5.0], [3.0, 5.0], [4.0], [2.0, 3.0]):
+        part = next((tmp_path / "out" / "parts").glob("*.parquet"))
+        table = pq.read_table(part)
+        kept = table.filter(pc.invert(pc.is_in(table["radius"], value_set=pa.array(gone))))
+        name = part.stem
+        part.unlink()
+        write_part(tmp_path / "out", name, kept)
+
+        again = rows(run(file, tmp_path / "out", solvers=[spec])).sort_values("radius")
+
+        assert again["message"].tolist() == started
+        assert len(again) == 5

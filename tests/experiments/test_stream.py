@@ -22,14 +22,15 @@ from experiments.grid import chains
 from experiments.identity import scenario_id
 from experiments.progress import status
 from experiments.spec import ExperimentError, parse
-from experiments.store import StoreError, done, read_rows
+from experiments.store import StoreError, done, read_rows, write_part
 from experiments.stream import streamed_totals, streams
 from experiments.stream_parts import streamed_parts
+from report.load import load
 from solvers import frame
 from solvers.answer import solve
 from solvers.frame import solve_frame
 from study.scenario import COLUMNS, Scenario
-from study.schema import KEY, ROW, arrow_schema, names
+from study.schema import CHUNK, KEY, ROW, arrow_schema, names
 
 HEAD = 'title = "t"\nquestion = "q?"\nsolvers = ["analytic"]\n'
 GRID = """
@@ -423,3 +424,21 @@ def test_memory_does_not_grow_with_the_rows(experiment, tmp_path):
         peaks.append(int(done.stdout.split()[-1]) / 1024)
     assert peaks[1] < 1.1 * peaks[0] + 8 * 6.0  # the marks of 6 million scenarios, looked through
     assert peaks[1] < 1500
+
+
+@pytest.mark.parametrize("digit", ["0", "f"])
+def test_a_stale_chunk_hides_no_current_one(experiment, tmp_path, digit):
+    """Whichever of the two comes first in the folder."""
+    folder = run(experiment(HEAD + GRID), tmp_path / "out")
+    (part,) = (folder / "parts").glob("*.parquet")
+    table, about = pq.read_table(part), pq.read_metadata(part).metadata
+    stream, code = part.stem.split("-")[1], table["code"][0].as_py()
+    other = digit * 12
+    told = about[CHUNK.encode()].decode().replace(stream, other).replace(code, other)
+    place = table.schema.get_field_index("code")
+    stale = table.set_column(place, "code", pa.array([other] * len(table)))
+    write_part(folder, part.stem.replace(stream, other), stale, {CHUNK: told})
+
+    found = load([folder])
+
+    assert len(found.rows) == len(table)
