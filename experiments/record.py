@@ -13,7 +13,7 @@ from experiments.manifest import write_manifest
 from experiments.provenance import governor, load_average, machine, now, source, thread_limits
 
 # how often a run that goes on brings its entry up to date, in seconds
-_BEAT = 10.0
+_BEAT = 2.0
 # a manifest is read and written as a whole
 _MOST_PROBES = 1000
 
@@ -44,7 +44,7 @@ class RunRecord:
         manifest["runs"] = [*manifest["runs"], self._entry]
 
     def probe(self, seconds: float) -> None:
-        """Note how long the calibration probe just took; once in a while this is written.
+        """Note how long the calibration probe just took.
 
         Of more than `_MOST_PROBES` every other is forgotten, and of those to come.
         """
@@ -55,6 +55,10 @@ class RunRecord:
             if len(probes) > _MOST_PROBES:
                 self._stride *= 2
                 del probes[::2]
+        self.beat()
+
+    def beat(self) -> None:
+        """The run goes on: how long it has taken is written once in a while."""
         if monotonic() - self._written > _BEAT:
             self.write()
 

@@ -124,6 +124,7 @@ def _record(
         }
         seed = found.experiment.seed
         with recorded(folder, manifest, said, completes) as record:
+            writer.beat = record.beat
             try:
                 with pinned_threads():
                     solve_streams(folder, wanted, shared, writer, stop)

@@ -26,6 +26,7 @@ class Writer:
         self.parts = 0
         self.done = 0
         self.flushed = monotonic()
+        self.beat: Callable[[], None] | None = None  # called after every step
 
     def skip(self, cells: int) -> None:
         self.done += cells
@@ -51,5 +52,7 @@ class Writer:
         self.parts += 1
 
     def _tell(self) -> None:
+        if self.beat is not None:
+            self.beat()
         if self.progress is not None:
             self.progress(self.done, self.total)
