@@ -158,7 +158,7 @@ def test_a_request_is_answered_or_refused(words, place, song):
 
 
 @pytest.mark.slow
-@cases(3000)
+@cases(2000)
 @given(words=requests())
 def test_thousands_of_requests_are(words, place, song):
     answered_or_refused(words, place, song)
