@@ -202,7 +202,8 @@ def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     for place, name in enumerate(head):
         cells = [row[place] for row in rows]
         numbers = all(cell.replace(".", "").replace("e-", "").isdigit() for cell in cells if cell)
-        shown.add_column(name, no_wrap=True, justify="right" if numbers else "left")
+        # as text: a word that a folder holds may look like markup
+        shown.add_column(Text(name), no_wrap=True, justify="right" if numbers else "left")
     for row in rows:
         shown.add_row(*(Text(cell) for cell in row))
     written = StringIO()

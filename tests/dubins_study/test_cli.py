@@ -316,3 +316,12 @@ def test_brackets_in_names_are_no_markup(tmp_path):
     )
 
     asked("run", "[/red].toml", "--out", "out", cwd=tmp_path)
+
+
+def test_tables_hold_text():
+    """Names come from folders: brackets in a head or a cell are no markup."""
+    from dubins_study.show import table
+
+    head, _, row, *_ = filter(str.strip, table(("[/red]", "n"), [("[bold]x", "1")]).splitlines())
+    assert head.split() == ["[/red]", "n"]
+    assert row.split() == ["[bold]x", "1"]

@@ -255,5 +255,5 @@ def spoil(folder: Path, seed: int) -> None:
     for _ in range(dice.choice([1, 1, 1, 2, 3])):
         try:
             dice.choice(DAMAGES)(folder, dice)
-        except (OSError, ValueError, TypeError, LookupError, pa.ArrowException):
+        except (OSError, ValueError, TypeError, LookupError, RecursionError, pa.ArrowException):
             continue  # what an earlier damage took away

@@ -144,7 +144,8 @@ def answered_or_refused(words: list[str], place: Path, song: Path) -> None:
         if "--json" in words and "--help" not in words:
             check_json(said.out)
     assert not song.exists()
-    assert not seen.unpickled
+    # a run's own workers answer it in pickles
+    assert words[:1] == ["run"] or not seen.unpickled
     # /dev/full is what a link of ours names
     assert [p for p in seen.outside(place) if not p.startswith("/dev/")] == []
     assert sorted(place.parent.iterdir()) == outer
@@ -157,7 +158,7 @@ def test_a_request_is_answered_or_refused(words, place, song):
 
 
 @pytest.mark.slow
-@cases(3000)
+@cases(2000)
 @given(words=requests())
 def test_thousands_of_requests_are(words, place, song):
     answered_or_refused(words, place, song)

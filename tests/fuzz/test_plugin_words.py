@@ -62,7 +62,7 @@ def test_words_of_rows_are_shown_as_text(made, name, tmp_path_factory):
 
 
 @pytest.mark.slow
-@cases(40)
+@cases(30)
 @given(made=rows(), name=words)
 def test_dozens_of_folders_of_words_are(made, name, tmp_path_factory):
     shown_as_text(made, name, tmp_path_factory)
