@@ -78,6 +78,10 @@ def _sources(spec: str, kind: type[Any]) -> dict[str, bytes]:
     file, colon, _ = spec.partition("[")[0].strip().rpartition(":")
     if colon and file.endswith(".py"):
         found["plug-in"] = _read(FilePath(file))
+        # the modules and packages that lie beside it
+        folder = FilePath(file).resolve().parent
+        beside = [*folder.glob("*.py"), *(init.parent for init in folder.glob("*/__init__.py"))]
+        roots |= {place.stem: folder for place in beside if place.stem not in roots}
         left += _imported(found["plug-in"], "", whole=True)
     while left:
         name = left.pop()

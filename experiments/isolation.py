@@ -14,7 +14,7 @@ from multiprocessing.connection import Connection
 from typing import Any
 
 THREADS = 1
-_VARIABLES = tuple(f"{library}_NUM_THREADS" for library in ("OMP", "OPENBLAS", "MKL", "NUMBA"))
+_VARIABLES = tuple(f"{library}_NUM_THREADS" for library in ("OMP", "OPENBLAS", "MKL"))
 _PR_SET_PDEATHSIG = 1
 # beyond the memory limit, which the supervisor reads every few hundredths of a second: as much as
 # a solver may take between two readings before its own allocations fail
@@ -84,7 +84,8 @@ def pin_threads() -> None:
     """Keep every numerical library of this process, loaded or not, to one thread for good."""
     from threadpoolctl import threadpool_limits
 
-    os.environ.update(dict.fromkeys(_VARIABLES, str(THREADS)))
+    # Numba follows its variable at once, and fails where its threads run already: only here
+    os.environ.update(dict.fromkeys((*_VARIABLES, "NUMBA_NUM_THREADS"), str(THREADS)))
     threadpool_limits(THREADS)
 
 

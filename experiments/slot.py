@@ -49,6 +49,7 @@ class Slot:
     def __init__(self, memory: int, told: Told):
         self.memory, self._told = memory, told
         self.words = LastWords()
+        self.kind = ""  # of the cells that its worker is asked
         self.pending: dict[int, Order] = {}
         self.batches: list[Batch] = []  # those that no future has told of yet, the first one first
         # set by the watch just before it kills

@@ -6,6 +6,7 @@ from collections import deque
 from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import Future
 from concurrent.futures.process import BrokenProcessPool
+from functools import cache
 from itertools import count
 from queue import Empty, SimpleQueue
 from time import monotonic
@@ -26,6 +27,7 @@ from experiments.wire import Packed, unpacked
 from experiments.worker import Order
 from solvers.answer import Reply, nothing, told
 from solvers.protocol import Outcome
+from solvers.registry import ours
 from study.path import Path
 from study.schema import Key
 
@@ -138,7 +140,9 @@ class Supervisor:
         Raises:
             RunError: if worker processes end before they have done anything.
         """
-        self._waiting = deque(_Task(chain, 0, before.get(chain[0].key)) for chain in chains)
+        # ours first, then each plug-in by itself: workers are not shared between these
+        apart = sorted(chains, key=lambda chain: _kind(chain[0]))
+        self._waiting = deque(_Task(chain, 0, before.get(chain[0].key)) for chain in apart)
         while True:
             if stop.asked:
                 self._finish_up()
@@ -162,6 +166,8 @@ class Supervisor:
             orders: list[Order] = []
             share = min(self._ahead[slot], -(-len(self._waiting) // len(self._slots)))
             while self._waiting and len(slot.pending) + len(orders) < share:
+                if not self._fits(slot, self._waiting[0].cell, bool(orders)):
+                    break
                 task = self._waiting.popleft()
                 solver = task.cell.solver, task.cell.profile
                 if solver in self._hopeless:
@@ -179,6 +185,17 @@ class Supervisor:
         if self._probed is not None and monotonic() > self._next_probe:
             self._next_probe = monotonic() + _PROBE_EVERY
             self._slots[0].measure()
+
+    def _fits(self, slot: Slot, cell: Cell, taken: bool) -> bool:
+        """Whether a slot's worker may be asked a cell; an idle one of another kind is replaced.
+
+        A plug-in may have changed any module of its process, which nothing puts back.
+        """
+        kind = _kind(cell)
+        if slot.kind != kind and not (slot.pending or taken):
+            slot.clear()
+            slot.kind = kind
+        return slot.kind == kind
 
     def _order(self, number: int, task: _Task, warm_up: bool) -> Order:
         cell = task.cell
@@ -306,6 +323,16 @@ class Supervisor:
             # after a failure the last path that was found serves on
             self._waiting.appendleft(_Task(task.chain, task.place + 1, path or task.path))
         return [row]
+
+
+@cache
+def _spec_kind(spec: str) -> str:
+    return "" if ours(spec) else spec
+
+
+def _kind(cell: Cell) -> str:
+    """Cells of one kind share workers: all of our own solvers do, a plug-in's have their own."""
+    return _spec_kind(cell.solver)
 
 
 def _read(sent: Packed) -> Reply:

@@ -140,7 +140,7 @@ def _field(field: pa.Field) -> pa.Field:
 def _unreadable(part: FilePath, error: Exception) -> ReportError:
     reason = str(error).splitlines()[0] if str(error) else type(error).__name__
     if not isinstance(error, OSError) or error.errno is None:
-        reason += "; if it is damaged, run it again into this folder for its rows"
+        reason += "; if it is damaged, delete it, and run again for its rows"
     return ReportError(f"{part} cannot be read: {reason}")
 
 

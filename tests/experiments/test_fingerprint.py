@@ -49,6 +49,7 @@ def test_all_modules_that_a_solver_imports_are_read(name):
     """The quick reading misses no import, lazy ones included."""
     kind = type(fingerprint.load(name))
     wanted, left = set(), {kind.__module__, "study.verify", "study.certificate"}
+    left |= {"solvers.profiles", "solvers.answer"}
     while left:
         wanted |= left
         left = set().union(*map(read_imports, left)) - wanted
@@ -177,3 +178,24 @@ def test_folders_of_two_codes(tmp_path):
     said = "2 rows of cells that a folder before this one holds, made by other code"
     assert said in (tmp_path / "page" / "index.html").read_text()
     assert set(read_rows(one)["code"].to_pylist()) != set(read_rows(two)["code"].to_pylist())
+
+
+def test_what_lies_beside_a_plugin_file_counts(tmp_path):
+    """As it would be imported if the plug-in puts its own folder on the path."""
+    (tmp_path / "beside.py").write_text("SCALE = 1.0\n")
+    (tmp_path / "mine.py").write_text(
+        "import sys\nfrom pathlib import Path\nsys.path.insert(0, str(Path(__file__).parent))\n"
+        "import beside\nfrom solvers.slsqp import Slsqp\nclass Mine(Slsqp):\n    pass\n"
+    )
+    spec = f"{tmp_path}/mine.py:Mine"
+    command = f"from experiments.fingerprint import code; print(code({spec!r}))"
+
+    def digest():
+        return subprocess.run(
+            [sys.executable, "-c", command], capture_output=True, text=True, check=True
+        ).stdout
+
+    before = digest()
+    assert digest() == before
+    (tmp_path / "beside.py").write_text("SCALE = 2.0\n")
+    assert digest() != before
