@@ -17,6 +17,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from functools import cache
 from pathlib import Path as FilePath
+from time import monotonic
 from typing import Any
 
 import numpy as np
@@ -133,6 +134,8 @@ def _at_first() -> tuple[list[Any], list[Any]]:
 _PAGE = os.sysconf("SC_PAGE_SIZE")
 # of its memory that a worker may have lost to what its solvers leave, and files left open
 _LEAKED, _LEFT_OPEN = 0.25, 64
+_LOOK_EVERY = 0.02  # s
+_next_look = 0.0
 _bound = float("inf")
 _held = {"bytes": 0, "files": 0}  # at the start, and by the libraries that were loaded since
 
@@ -152,6 +155,16 @@ def _holds() -> dict[str, int]:
     return {"bytes": 0, "files": 0}
 
 
+def _leaks() -> bool:
+    """Whether too much was left behind; looked at now and then, since reading /proc takes time."""
+    global _next_look
+    if monotonic() < _next_look:
+        return False
+    _next_look = monotonic() + _LOOK_EVERY
+    lost = {what: now - _held[what] for what, now in _holds().items()}
+    return lost["bytes"] > _LEAKED * _bound or lost["files"] > _LEFT_OPEN
+
+
 class Containment:
     """Whether a solver has left what cannot be undone.
 
@@ -162,19 +175,17 @@ class Containment:
     def __init__(self) -> None:
         self.worn = False
         self._threads = set(threading.enumerate())
-        self._began = _holds()
 
-    def pardon(self) -> None:
+    def pardon(self, loaded: bool) -> None:
         """Threads that are there by now are a library's own, and may stay."""
         self._threads.update(threading.enumerate())
-        for what, now in _holds().items():
-            _held[what] += max(0, now - self._began[what])
+        if loaded:
+            _held.update(_holds())
 
     def check(self, granted: list[Any]) -> None:
         kept = all(read() == value for value, (read, _) in zip(granted, _GRANTED, strict=True))
-        lost = {what: now - _held[what] for what, now in _holds().items()}
-        leaked = lost["bytes"] > _LEAKED * _bound or lost["files"] > _LEFT_OPEN
-        self.worn = leaked or not kept or not self._threads.issuperset(threading.enumerate())
+        new = not self._threads.issuperset(threading.enumerate())
+        self.worn = new or not kept or _leaks()
 
 
 @contextmanager

@@ -85,8 +85,9 @@ def answer(order: Order) -> Packed:
     started, state = now(), None
     try:
         with contained() as state:
+            loaded = (order.solver, order.profile) not in _solvers
             solver = _ready(order)
-            state.pardon()
+            state.pardon(loaded)
             question = Question(order.scenario, order.branch, order.start)
             started = now()
             _tell(order.number, Phase.SOLVING)
