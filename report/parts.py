@@ -140,7 +140,10 @@ def _field(field: pa.Field) -> pa.Field:
 def _unreadable(part: FilePath, error: Exception) -> ReportError:
     reason = str(error).splitlines()[0] if str(error) else type(error).__name__
     if not isinstance(error, OSError) or error.errno is None:
-        reason += "; if it is damaged, delete it, and run again for its rows"
+        reason += (
+            "; if it is damaged, run it again into this folder for its rows (a part of a stream: "
+            "delete it before)"
+        )
     return ReportError(f"{part} cannot be read: {reason}")
 
 
