@@ -11,9 +11,9 @@ from experiments.isolation import pinned_threads
 from experiments.judging import Run
 from experiments.supervisor import Supervisor
 from experiments.watch import Bounds
-from solvers.answer import DEFAULT_LIMIT, Answer, Reply, check_request, judged
+from solvers.answer import DEFAULT_LIMIT, Answer, Reply, check_request, judged, nothing, told
 from solvers.profiles import tolerances
-from solvers.protocol import Question
+from solvers.protocol import Outcome, Question
 from study.path import Path
 from study.scenario import Scenario
 
@@ -50,5 +50,9 @@ def solve_isolated(
 def _answer(
     cell: Cell, start: Path | None, run: Run, reply: Reply, started: str, versions: str
 ) -> tuple[Answer, None]:
-    question = Question(cell.scenario, cell.branch, start)
-    return judged(cell.solver, question, reply, tolerances(cell.profile)), None
+    question, profile = Question(cell.scenario, cell.branch, start), tolerances(cell.profile)
+    try:
+        return judged(cell.solver, question, reply, profile), None
+    except Exception as error:  # a path that the check cannot drive, as in a run
+        failed = nothing(Outcome.RAISED, told(error))
+        return judged(cell.solver, question, failed, profile), None

@@ -44,6 +44,7 @@ class Manifest:
         runs: an entry a run, as the run wrote it.
         stale: rows of another code in the folder.
         replaced: cells left out since an earlier folder holds them, made by another code.
+        contradicting: cells left out where the same code found something else in an earlier folder.
     """
 
     name: str
@@ -63,6 +64,7 @@ class Manifest:
     finished: str = ""
     stale: int = 0
     replaced: int = 0
+    contradicting: int = 0
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,7 +117,7 @@ def load(folders: Iterable[str | FilePath]) -> Results:
     attempts = sum(count(part) for own in parts for part in own)
     seen, kept, reduced = Seen(), [], [Reduction()]
     for number, (path, manifest) in enumerate(zip(paths, manifests, strict=True)):
-        stale = replaced = current = 0
+        stale = replaced = contradicting = current = 0
         for part in parts[number]:
             chunk, replaces = seen.is_new(manifest.name, part, manifest.codes)
             for piece in pieces(part):
@@ -126,8 +128,10 @@ def load(folders: Iterable[str | FilePath]) -> Results:
                     replaced += len(table) * replaces
                     continue
                 if chunk is None:
-                    table, others = seen.new(manifest.name, table)
-                    replaced += others
+                    new = seen.new(manifest.name, table)
+                    table = new.table
+                    replaced += new.other_code
+                    contradicting += new.contradicting
                 name = pa.repeat(pa.scalar(manifest.name), len(table)).dictionary_encode()
                 table = table.append_column("experiment", name)
                 reduced.append(of(table.select(list(NEEDED)).to_pandas()))
@@ -135,7 +139,9 @@ def load(folders: Iterable[str | FilePath]) -> Results:
             reduced = [merged(reduced)]
         if not current:
             raise ReportError(f"{path} has no rows but of earlier code: run it again")
-        manifests[number] = replace(manifest, stale=stale, replaced=replaced)
+        manifests[number] = replace(
+            manifest, stale=stale, replaced=replaced, contradicting=contradicting
+        )
     table = pa.concat_tables([plain(table) for table in kept])
     rows = table.select(["experiment", *LIGHT]).to_pandas()
     return Results(tuple(manifests), reduced[0], rows, table.select(CONTROLS).combine_chunks())

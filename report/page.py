@@ -172,6 +172,19 @@ def breakable(text: str) -> Markup:
     return Markup(escaped.replace("[", "<wbr>[").replace(",", ",<wbr>"))
 
 
+def warnings(run: Manifest) -> list[str]:
+    """What a reader of a folder's numbers must know first; nothing if all is well."""
+    said = []
+    if not run.finished:
+        said.append("Not finished: numbers below are of the cells done so far.")
+    if run.contradicting:
+        said.append(
+            f"It contradicts a folder before it in {some(run.contradicting, 'cell')}, by the same "
+            "code: the earlier folder's attempts are shown, and `dubins-study merge` names both."
+        )
+    return said
+
+
 def left_out(run: Manifest) -> list[str]:
     """What of a folder's rows the report does not show, and why; nothing if it shows all."""
     lines = {
@@ -191,7 +204,7 @@ def _environment() -> Environment:
         lstrip_blocks=True,
     )
     environment.filters |= {"breakable": breakable, "markdown": markdown, "pipe_table": to_markdown}
-    environment.filters["left_out"] = left_out
+    environment.filters |= {"left_out": left_out, "warnings": warnings}
     environment.tests |= {
         "picture": lambda block: isinstance(block, Picture),
         "table": lambda block: isinstance(block, Table),

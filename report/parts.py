@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path as FilePath
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -21,6 +21,8 @@ CONTROLS = ["curvatures", "lengths"]
 # what a run writes beside its rows; the page shows it from the manifest, so the rows need not
 _UNREAD = {"versions", "host", "run_id"}
 LIGHT = [name for name in names(ROW) if name not in _UNREAD and name not in CONTROLS]
+# what two attempts at a cell, made by the same code, contradict each other in
+_FINDING = ["outcome", "claim", "verdict", "word"]
 # rows are kept whole up to so many attempts; of more, so many are drawn by their scenarios' names
 MOST_ROWS, SAMPLE = 500_000, 100_000
 _PIECE = 2**17  # rows
@@ -166,23 +168,41 @@ def drawn(table: pa.Table, attempts: int) -> pa.Table:
     return table.filter(pc.less(table["scenario_id"], f"{bound:08x}"))
 
 
+class New(NamedTuple):
+    """The rows of a table that are of cells not seen before, and what the others were.
+
+    Args:
+        other_code: how many of the others are of another code than those seen.
+        contradicting: how many are of the same code and find something else.
+    """
+
+    table: pa.Table
+    other_code: int
+    contradicting: int
+
+
 class Seen:
     """Attempts seen so far, by hashes of their cells: nothing that grows with streamed rows."""
 
     def __init__(self) -> None:
-        self._cells = np.empty(0, np.uint64)
-        self._keys = np.empty(0, np.uint64)
+        self._cells, self._keys, self._found = (np.empty(0, np.uint64) for _ in range(3))
         self._chunks: dict[tuple[str, ...], str] = {}
 
-    def new(self, experiment: str, table: pa.Table) -> tuple[pa.Table, int]:
-        """The rows of cells that were not seen, and how many of the others are of another code."""
-        frame = table.select([*names(CELL), "code"]).to_pandas().assign(experiment=experiment)
-        cells, keys = _hashes(frame, ["experiment", *names(CELL)]), _hashes(frame, list(frame))
+    def new(self, experiment: str, table: pa.Table) -> New:
+        """The rows of cells that were not seen, each once."""
+        frame = table.select([*names(CELL), "code", *_FINDING]).to_pandas()
+        frame["experiment"] = experiment
+        cell = ["experiment", *names(CELL)]
+        cells, keys = _hashes(frame, cell), _hashes(frame, [*cell, "code"])
+        found = _hashes(frame, [*cell, "code", *_FINDING])
         first = ~(np.isin(cells, self._cells) | pd.Series(cells).duplicated().to_numpy())
         other = ~first & ~np.isin(keys, self._keys) & ~np.isin(keys, keys[first])
+        known = np.isin(found, self._found) | np.isin(found, found[first])
         self._cells = np.concatenate([self._cells, cells[first]])
-        self._keys = np.concatenate([self._keys, keys])
-        return table.filter(pa.array(first)), int(other.sum())
+        self._keys = np.concatenate([self._keys, keys[first]])
+        self._found = np.concatenate([self._found, found[first]])
+        contradicting = ~first & ~other & ~known
+        return New(table.filter(pa.array(first)), int(other.sum()), int(contradicting.sum()))
 
     def is_new(
         self, experiment: str, part: FilePath, codes: Mapping[str, str]

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import json
 import os
-import signal
 import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from pathlib import Path
+
+from marked import kill_all, marked
 
 SLOW = """
 import time
@@ -64,19 +65,20 @@ def finished(*arguments: object, **environment: str) -> subprocess.CompletedProc
 
 @contextmanager
 def started(*arguments: object) -> Iterator[subprocess.Popen[str]]:
-    """The command in a process group of its own, of which nothing is left afterwards."""
+    """The command in a session of its own; whatever is left of it at the end is killed."""
+    mark, marking = marked()
     process = subprocess.Popen(
         command(*arguments),
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
         start_new_session=True,
+        env={**os.environ, **marking},
     )
     try:
         yield process
     finally:
-        with suppress(ProcessLookupError):
-            os.killpg(process.pid, signal.SIGKILL)
+        kill_all(mark)  # its orphans too, stopped ones among them: they hold its pipes open
         process.communicate()
 
 

@@ -106,7 +106,7 @@ def test_nothing_listens_beyond_the_loopback():
 
     assert len(found) >= 4  # scheduler and its page, two workers and their nannies
     assert set(found) == {"127.0.0.1"}
-    assert here.gone([process.pid for process in processes])
+    here.until(lambda: here.gone([process.pid for process in processes]), "all end")
 
 
 def test_other_code_is_refused(experiment, tmp_path):

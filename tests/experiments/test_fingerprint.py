@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import json
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -178,6 +179,35 @@ def test_folders_of_two_codes(tmp_path):
     said = "2 rows of cells that a folder before this one holds, made by other code"
     assert said in (tmp_path / "page" / "index.html").read_text()
     assert set(read_rows(one)["code"].to_pylist()) != set(read_rows(two)["code"].to_pylist())
+
+
+def test_folders_that_contradict_each_other(tmp_path):
+    """The same code that found two things: the page says so first, however many folders do."""
+    plugin, file = tmp_path / "mine.py", tmp_path / "chance.toml"
+    plugin.write_text(
+        "import os\nfrom solvers.slsqp import Slsqp\nclass Mine(Slsqp):\n"
+        "    def solve(self, model, limit):\n"
+        "        if os.environ.get('FAIL') and model.question.scenario.target_x == 2:\n"
+        "            raise ValueError('bad luck')\n"
+        "        return super().solve(model, limit)\n"
+    )
+    file.write_text(EXPERIMENT.format(spec=f"{plugin}:Mine"))
+    folders = [tmp_path / name for name in ("one", "two", "three")]
+    for folder, fail in zip(folders, ("", "yes", "yes"), strict=True):
+        asked = ["run", str(file), "--trust", "--out", str(folder)]
+        command = [sys.executable, "-m", "dubins_study", *asked]
+        subprocess.run(command, check=True, env={**os.environ, "FAIL": fail}, capture_output=True)
+
+    found = load(folders)
+
+    assert len(found.rows) == 4
+    assert "raised" not in set(found.rows["outcome"])
+    assert [manifest.contradicting for manifest in found.manifests] == [0, 1, 1]
+    assert load(folders[1:]).manifests[1].contradicting == 0
+    dubins_study("report", *map(str, folders), "--out", str(tmp_path / "page"))
+    for page in ("index.html", "report.md"):
+        text = (tmp_path / "page" / page).read_text()
+        assert text.count("It contradicts a folder before it in 1 cell, by the same code") == 2
 
 
 def test_what_lies_beside_a_plugin_file_counts(tmp_path):

@@ -48,7 +48,7 @@ def test_a_second_run_is_told_who_is_at_work_and_touches_nothing(tmp_path):
 
 def test_a_killed_run_holds_nothing_even_while_its_workers_live(tmp_path):
     """kill -9 of the run alone: workers that nap on do not keep the next run out."""
-    experiment, out = slow_experiment(tmp_path, nap=0.2, count=8), tmp_path / "out"
+    experiment, out = slow_experiment(tmp_path, nap=0.2, count=24), tmp_path / "out"
     with started("run", experiment, "--trust", "--out", out, "--jobs", "2") as first:
         wait_for(lambda: parts(out))
         children = descendants(first.pid)
@@ -69,7 +69,7 @@ def test_a_killed_run_holds_nothing_even_while_its_workers_live(tmp_path):
 
     assert again.returncode == 0, again.stderr
     assert kept <= done(out)
-    assert len(done(out)) == 8
+    assert len(done(out)) == 24
     assert [run["state"] for run in manifest(out)["runs"]] == ["running", "finished"]
     assert [run.state for run in status(out).runs] == ["killed", "finished"]
 

@@ -1,13 +1,8 @@
-"""Runs of the command in processes of their own, each marked, so that none is left behind unseen.
-
-The mark is an environment variable. A process shows the environment that it was started with for
-as long as it lives, whatever it does to its session, group, parent or `os.environ`.
-"""
+"""Runs of the command in processes of their own, marked, so that none is left behind unseen."""
 
 from __future__ import annotations
 
 import os
-import signal
 import subprocess
 import sys
 import time
@@ -16,16 +11,15 @@ from contextlib import contextmanager
 from pathlib import Path
 from tempfile import TemporaryFile
 from typing import IO, Any, NamedTuple
-from uuid import uuid4
 
 import pandas as pd
 import psutil
+from marked import alive, kill_all, left_behind, marked
 
 from experiments.store import read_rows
 
 ROOT = Path(__file__).parents[2]
 HERE = Path(__file__).parent
-MARK = "FAULTS_RUN"
 # far above what any run here takes; only a run that hangs gets there
 PATIENCE = 150.0
 # what differs between two runs that find the same
@@ -70,11 +64,11 @@ class Started(NamedTuple):
 @contextmanager
 def started(*arguments: object, **options: Any) -> Iterator[Started]:
     """Start `dubins-study ARGUMENTS`; whatever is left of it at the end is killed."""
-    mark = uuid4().hex
+    mark, marking = marked()
     if arguments[0] == "run":
         arguments += ("--trust",)  # the experiments here name plug-ins
     paths = os.pathsep.join(filter(None, (str(ROOT), os.environ.get("PYTHONPATH"))))
-    environment = {**os.environ, "PYTHONPATH": paths, **options.pop("env", {}), MARK: mark}
+    environment = {**os.environ, "PYTHONPATH": paths, **options.pop("env", {}), **marking}
     with TemporaryFile() as out, TemporaryFile() as err:
         process = subprocess.Popen(
             [sys.executable, "-m", "dubins_study", *map(str, arguments)],
@@ -96,44 +90,6 @@ def study(*arguments: object, **options: Any) -> Ended:
     """Run `dubins-study ARGUMENTS` to its end."""
     with started(*arguments, **options) as run:
         return run.wait()
-
-
-def alive(mark: str) -> list[psutil.Process]:
-    """The processes of a run that are still there; one that only waits to be reaped is not."""
-    found = []
-    for process in psutil.process_iter():
-        try:
-            if process.status() == psutil.STATUS_ZOMBIE:
-                continue
-            if process.environ().get(MARK) == mark:
-                found.append(process)
-        except psutil.Error:
-            continue
-    return found
-
-
-def left_behind(mark: str, within: float = 5.0) -> list[str]:
-    """What is alive of a run after its end, given a moment to go."""
-    give_up = time.monotonic() + within
-    while found := alive(mark):
-        if time.monotonic() > give_up:
-            break
-        time.sleep(0.02)
-    return [f"{process.pid} of {process.ppid()}: {process.cmdline()}" for process in found]
-
-
-def kill_all(mark: str) -> None:
-    """SIGKILL every process of a run."""
-    for _ in range(50):
-        found = alive(mark)
-        if not found:
-            return
-        for process in found:
-            try:
-                process.send_signal(signal.SIGKILL)
-            except psutil.Error:
-                continue
-        time.sleep(0.02)
 
 
 def until(condition: Callable[[], Any], run: Started | None = None) -> Any:
