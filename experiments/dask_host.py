@@ -11,6 +11,7 @@ import json
 import subprocess
 import sys
 import tempfile
+import threading
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from typing import NamedTuple
@@ -19,8 +20,9 @@ from experiments import processes
 from experiments.last_words import LastWords
 from experiments.supervisor import RunError
 
-# s that a cluster is given to end by itself
-_PARTING = 5.0
+# s that a cluster is given to start (its workers load this project, on a busy machine too), and to
+# end by itself
+_START_UP, _PARTING = 120.0, 5.0
 # the caller's search path, so that whatever is imported there is found; -P: nothing else is
 _PROGRAM = (
     "import sys, json; sys.path[:] = json.loads(sys.stdin.readline()); "
@@ -66,7 +68,10 @@ def _told(process: subprocess.Popen[str], workers: int, scratch: str, words: Las
     with suppress(BrokenPipeError):  # it has ended; its last words say why
         process.stdin.write(asked)
         process.stdin.flush()
+    patience = threading.Timer(_START_UP, process.kill)
+    patience.start()
     said = process.stdout.readline()
+    patience.cancel()
     if not said:
         process.wait(_PARTING)
         raise RunError(f"Dask's cluster on this machine did not start: {words.take()}")

@@ -137,11 +137,18 @@ def unique(table: pa.Table) -> pa.Table:
 
 
 def compact(folder: FilePath, run_id: str) -> None:
-    """Make one part of all single cells' parts. A crash in the middle leaves rows twice."""
+    """Make one part of all single cells' parts, if there is room for it.
+
+    A crash in the middle leaves rows twice.
+    """
     parts = part_files(folder, streams=False)
     if len(parts) < 2:
         return
-    kept = write_part(folder, f"{run_id}-all", read_rows(folder), {RUN_ID: run_id})
+    rows = read_rows(folder)
+    try:
+        kept = write_part(folder, f"{run_id}-all", rows, {RUN_ID: run_id})
+    except StoreError:  # a full disk: the many parts hold all that the one would
+        return
     for part in parts:
         if part != kept:
             part.unlink()

@@ -9,7 +9,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
-from experiments import run
+from experiments import run, store
 from experiments.rows import ARROW_SCHEMA
 from experiments.store import StoreError, done, read_manifest, read_rows
 from study.schema import VERSION
@@ -120,3 +120,27 @@ def test_parts_that_were_deleted_are_solved_again(experiment, folder):
     assert len(read_rows(folder)) == 0
     run(experiment, folder)  # finished, says the manifest; its rows are gone all the same
     assert len(done(folder)) == 2
+
+
+def test_no_room_for_one_part_leaves_the_many(experiment, folder, monkeypatch):
+    """They hold the same rows: nothing is lost, so nothing is said."""
+    run(experiment, folder, solvers=["slsqp"])
+    (whole,) = (folder / "parts").iterdir()
+    rows = pq.read_table(whole)
+    whole.unlink()
+    for number in range(2):
+        pq.write_table(rows.slice(2 * number, 2), folder / "parts" / f"{number}.parquet")
+    before = sorted((folder / "parts").iterdir())
+    real = store.write_part
+
+    def full(*arguments):
+        raise StoreError("No space left on device")
+
+    monkeypatch.setattr(store, "write_part", full)
+    store.compact(folder, "run")
+    assert sorted((folder / "parts").iterdir()) == before
+    monkeypatch.setattr(store, "write_part", real)
+    store.compact(folder, "run")
+
+    (one,) = (folder / "parts").iterdir()
+    assert pq.read_table(one, columns=rows.column_names).equals(rows)
