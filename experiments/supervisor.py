@@ -2,32 +2,30 @@
 
 from __future__ import annotations
 
-from collections import deque
 from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import Future
 from concurrent.futures.process import BrokenProcessPool
-from functools import cache
-from itertools import count
 from queue import Empty, SimpleQueue
 from time import monotonic
-from typing import Any, NamedTuple
+from typing import Any
 
 from pebble import ProcessExpired
 
 from experiments import processes
 from experiments.clock import Phase
-from experiments.endings import again, crashed, ending
-from experiments.grid import Cell, Chain, given_start
+from experiments.endings import crashed, ending
+from experiments.grid import Cell, Chain
 from experiments.interruption import Interruption
 from experiments.judging import Run, row_of
+from experiments.loading import Loading
 from experiments.rows import Row
 from experiments.slot import PROBE, Batch, Slot
+from experiments.tasks import Task, Tasks
 from experiments.watch import Bounds, Watch
 from experiments.wire import Packed, unpacked
 from experiments.worker import Order
 from solvers.answer import Reply, nothing, told
 from solvers.protocol import Outcome
-from solvers.registry import ours
 from study.path import Path
 from study.schema import Key
 
@@ -49,21 +47,6 @@ _ENDED = (ProcessExpired, BrokenProcessPool)
 
 class RunError(RuntimeError):
     """A run that could not go on; what was done is kept."""
-
-
-class _Task(NamedTuple):
-    """Where a chain of cells has got to, and the last path found on the way."""
-
-    chain: Chain
-    place: int
-    path: Path | None
-
-    @property
-    def cell(self) -> Cell:
-        return self.chain[self.place]
-
-    def start(self) -> Path | None:
-        return self.path if self.cell.start == "warm" else given_start(self.cell)
 
 
 class Supervisor:
@@ -88,19 +71,11 @@ class Supervisor:
         warm_up: bool = True,
     ):
         self.run, self.bounds, self._probed, self._made = run, bounds, probed, made
-        self._warm_up = warm_up
         self._next_probe = monotonic()
         self._ended: SimpleQueue[tuple[Slot, Batch, Future[Any]]] = SimpleQueue()
         self._slots = [Slot(bounds.memory, self._told) for _ in range(jobs)]
         self._watch = Watch(self._slots, bounds)
-        self._numbers = count()
-        self._tasks: dict[int, _Task] = {}
-        self._waiting: deque[_Task] = deque()
-        # solvers whose warm-up ended a worker: loaded without it from then on; and those that end
-        # every worker while they are loaded, with the reply that stands for all their cells
-        self._cold: set[tuple[str, str]] = set()
-        self._hopeless: dict[tuple[str, str], Reply] = {}
-        self._answered: set[tuple[str, str]] = set()
+        self._tasks, self._loading = Tasks(), Loading(warm_up)
         self._ahead = dict.fromkeys(self._slots, 1)
         self._false_starts = 0
         # orders in one message; a single one once there was one that did not come back
@@ -140,42 +115,41 @@ class Supervisor:
         Raises:
             RunError: if worker processes end before they have done anything.
         """
-        # ours first, then each plug-in by itself: workers are not shared between these
-        apart = sorted(chains, key=lambda chain: _kind(chain[0]))
-        self._waiting = deque(_Task(chain, 0, before.get(chain[0].key)) for chain in apart)
+        self._tasks = Tasks(chains, before)
         while True:
             if stop.asked:
                 self._finish_up()
-            if not (self._waiting or self._tasks):
+            if not self._tasks:
                 return
             yield from self._feed()
             yield self._news()
 
     def _finish_up(self) -> None:
         """Forget every order that no worker is at, those of a batch that it is at excepted."""
-        self._waiting.clear()
+        self._tasks.waiting.clear()
         for slot in self._slots:
             running, first = slot.running(), (*slot.batches, PROBE)[0]
             # between two orders of a batch a worker is at none
             begun = len(first) > 1 or (running is not None and running.number in first)
             for number in slot.pending.keys() - (first if begun else PROBE):
-                del slot.pending[number], self._tasks[number]
+                del slot.pending[number]
+                self._tasks.take(number)
 
     def _feed(self) -> Iterator[list[Row]]:
+        waiting = self._tasks.waiting
         for slot in self._slots:
             orders: list[Order] = []
-            share = min(self._ahead[slot], -(-len(self._waiting) // len(self._slots)))
-            while self._waiting and len(slot.pending) + len(orders) < share:
-                if not self._fits(slot, self._waiting[0].cell, bool(orders)):
+            share = min(self._ahead[slot], -(-len(waiting) // len(self._slots)))
+            while waiting and len(slot.pending) + len(orders) < share:
+                if not _fits(slot, waiting[0].kind, taken=bool(orders)):
                     break
-                task = self._waiting.popleft()
-                solver = task.cell.solver, task.cell.profile
-                if solver in self._hopeless:
-                    yield self._rows(task, again(self._hopeless[solver]))
+                task = waiting.popleft()
+                reply = self._loading.reply(task.cell)
+                if reply is not None:
+                    yield self._rows(task, reply)
                     continue
-                number = next(self._numbers)
-                self._tasks[number] = task
-                orders.append(self._order(number, task, warm_up=solver not in self._cold))
+                warm_up = self._loading.warms_up(task.cell)
+                orders.append(self._tasks.give(task, self.bounds.limit, warm_up))
             together = self._together  # which may change on the way
             for first in range(0, len(orders), together):
                 try:
@@ -185,30 +159,6 @@ class Supervisor:
         if self._probed is not None and monotonic() > self._next_probe:
             self._next_probe = monotonic() + _PROBE_EVERY
             self._slots[0].measure()
-
-    def _fits(self, slot: Slot, cell: Cell, taken: bool) -> bool:
-        """Whether a slot's worker may be asked a cell; an idle one of another kind is replaced.
-
-        A plug-in may have changed any module of its process, which nothing puts back.
-        """
-        kind = _kind(cell)
-        if slot.kind != kind and not (slot.pending or taken):
-            slot.clear()
-            slot.kind = kind
-        return slot.kind == kind
-
-    def _order(self, number: int, task: _Task, warm_up: bool) -> Order:
-        cell = task.cell
-        return Order(
-            number,
-            cell.solver,
-            cell.profile,
-            cell.scenario,
-            cell.branch,
-            task.start(),
-            self.bounds.limit,
-            warm_up and self._warm_up,
-        )
 
     def _news(self) -> list[Row]:
         if self._watch.failure is not None:
@@ -233,11 +183,12 @@ class Supervisor:
             return self._arrived(slot, batch, future.result())
         if slot.pid and slot.exit_code() is None and not isinstance(error, _ENDED):
             # the worker lives, and what it sent did not arrive
-            tasks = [self._tasks.pop(order.number) for order in slot.take(batch)]
-            if len(tasks) == 1:
-                return self._rows(tasks[0], nothing(Outcome.RAISED, told(error or OSError())))
+            orders = slot.take(batch)
+            if len(orders) == 1:
+                task = self._tasks.take(orders[0].number)
+                return self._rows(task, nothing(Outcome.RAISED, told(error or OSError())))
             self._together = 1  # which of them it was, is seen when they are asked alone
-            self._waiting.extendleft(reversed(tasks))
+            self._tasks.take_back(order.number for order in orders)
             return []
         return self._fallen(slot)
 
@@ -250,12 +201,12 @@ class Supervisor:
         for number, sent in zip(batch, replies, strict=False):
             if number in left:
                 left.remove(number)
-                task = self._tasks.pop(number)
+                task = self._tasks.take(number)
                 self._check_code(task.cell, sent)
-                self._answered.add((task.cell.solver, task.cell.profile))
+                self._loading.answered(task.cell)
                 rows += self._rows(task, _read(sent), sent.started, sent.versions)
         # a worker that is worn, or slow, leaves the rest of its batch
-        self._waiting.extendleft(self._tasks.pop(number) for number in sorted(left, reverse=True))
+        self._tasks.take_back(sorted(left))
         if replies[-1].worn:
             self._empty(slot)
         return rows
@@ -288,25 +239,21 @@ class Supervisor:
         if order is None or astray:
             return []  # killed for what another order did: this one is asked again
         self._false_starts = 0
-        task = self._tasks.pop(order.number)
+        task = self._tasks.take(order.number)
         reply = crashed(code, words) if doom is None else doom.reply
-        if loading and order.warm_up:
-            self._cold.add((order.solver, order.profile))
-            self._waiting.appendleft(task)
+        if not loading:
+            return self._rows(task, reply)
+        failed = self._loading.failed(task.cell, order.warm_up, reply)
+        if failed is None:
+            self._tasks.waiting.appendleft(task)
             return []
-        if loading:
-            message, status = reply.solution.message, reply.solution.native_status
-            reply = nothing(reply.outcome, f"{message}, while it was loaded", status=status)
-            if (order.solver, order.profile) not in self._answered:
-                self._hopeless[order.solver, order.profile] = reply
-        return self._rows(task, reply)
+        return self._rows(task, failed)
 
     def _empty(self, slot: Slot, order: Order | None = None) -> None:
         """Throw a worker away; all its orders but one wait again."""
         left = slot.clear()
         self._ahead[slot] = 1
-        others = [self._tasks.pop(one.number) for one in left if one != order]
-        self._waiting.extendleft(reversed(others))
+        self._tasks.take_back(one.number for one in left if one != order)
 
     def _strike(self, code: int | None, words: str) -> None:
         self._false_starts += 1
@@ -316,23 +263,19 @@ class Supervisor:
                 f"{': ' + words if words else ''}); the rows written so far are kept"
             )
 
-    def _rows(self, task: _Task, reply: Reply, started: str = "", versions: str = "") -> list[Row]:
+    def _rows(self, task: Task, reply: Reply, started: str = "", versions: str = "") -> list[Row]:
         """The judged row of a task's cell; its chain goes on."""
         row, path = self._made(task.cell, task.start(), self.run, reply, started, versions)
-        if task.place + 1 < len(task.chain):
-            # after a failure the last path that was found serves on
-            self._waiting.appendleft(_Task(task.chain, task.place + 1, path or task.path))
+        self._tasks.go_on(task, path)
         return [row]
 
 
-@cache
-def _spec_kind(spec: str) -> str:
-    return "" if ours(spec) else spec
-
-
-def _kind(cell: Cell) -> str:
-    """Cells of one kind share workers: all of our own solvers do, a plug-in's have their own."""
-    return _spec_kind(cell.solver)
+def _fits(slot: Slot, kind: str, taken: bool) -> bool:
+    """Whether a slot's worker may be asked cells of a kind; an idle one of another is replaced."""
+    if slot.kind != kind and not (slot.pending or taken):
+        slot.clear()
+        slot.kind = kind
+    return slot.kind == kind
 
 
 def _read(sent: Packed) -> Reply:
