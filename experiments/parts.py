@@ -11,7 +11,7 @@ import pyarrow.parquet as pq
 
 from experiments.disk import StoreError, put, reason, refuse_link
 from experiments.rows import ARROW_SCHEMA
-from study.schema import VERSION, VERSION_KEY
+from study.schema import CHUNK, VERSION, VERSION_KEY
 
 PARTS, DAMAGED = "parts", "damaged"
 # how parts of streams are named, of which no run reads more than the ends
@@ -201,7 +201,13 @@ def _unreadable(part: FilePath, error: Exception) -> NoReturn:
 
 
 def _check_columns(part: FilePath, file: pq.ParquetFile) -> None:
-    columns, version = file.schema_arrow.names, _about(file).get(VERSION_KEY, str(VERSION))
+    columns, about = file.schema_arrow.names, _about(file)
+    version = about.get(VERSION_KEY, str(VERSION))
+    if CHUNK in about and not is_stream(part):  # its rows would count twice, beside the original
+        raise StoreError(
+            f"{part} holds a chunk of a stream under a name that is not its own: name it as it "
+            f"was ({STREAM}...), or move it elsewhere"
+        )
     if version != str(VERSION):
         raise StoreError(f"{part} is of schema {version!r:.60}; expected {VERSION}: {_ELSEWHERE}")
     problem = None

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -324,6 +325,22 @@ def test_exactly_the_missing_chunks_are_solved(
     after = held(folder)
     numbers = ["scenario_id", "length", "verdict", "proof"]
     assert after[numbers].equals(before[numbers])
+
+
+def test_a_chunk_under_another_name_is_refused(experiment, tmp_path, small_chunks):
+    """Beside the original its rows would count twice; where it is read as cells, unbounded."""
+    file = experiment()
+    folder = run(file, tmp_path / "out")
+    first = sorted((folder / "parts").iterdir())[0]
+    copy = first.with_name(f"copy of {first.name}")
+    shutil.copyfile(first, copy)
+
+    for use in (status, done, read_rows, lambda folder: run(file, folder)):
+        with pytest.raises(StoreError, match="a chunk of a stream under a name that is not its"):
+            use(folder)
+    copy.unlink()
+    assert status(folder).done == 3000
+    assert len(load([folder]).rows) == 3000
 
 
 def test_an_interruption_finishes_the_chunk(experiment, tmp_path, small_chunks, monkeypatch):
