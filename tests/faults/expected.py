@@ -115,7 +115,7 @@ _MUCH = Case("out_of_memory", message=".")
 MEMORY = {
     "hostile_memory:Creeping": _MUCH,
     "hostile_memory:Sudden": _MUCH,
-    "hostile_memory:InChild": _MUCH,
+    "hostile_memory:InChildren": _MUCH,
     "hostile_memory:Refused": _MUCH,
     "hostile_memory:OutOfMemory": Case("out_of_memory", message="tree of nodes does not fit"),
     "hostile_memory:Modest": Case("returned", "optimal"),

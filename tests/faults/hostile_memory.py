@@ -40,16 +40,21 @@ class Sudden(Greedy):
         os._exit(int(kept[0]) + 8)
 
 
-class InChild(Greedy):
-    """The worker stays small; its child does not."""
+class InChildren(Greedy):
+    """The worker stays small, and so does each of its children; together they do not."""
 
     def take(self):
-        child = os.fork()
-        if child == 0:
-            os.setsid()
-            kept = [np.ones(GIB // 4, np.uint8) for _ in range(20)]
-            os._exit(len(kept))
-        os.waitpid(child, 0)
+        children = []
+        for _ in range(3):
+            child = os.fork()
+            if child == 0:
+                os.setsid()
+                kept = np.ones(GIB, np.uint8)
+                time.sleep(60)
+                os._exit(int(kept[0]))
+            children.append(child)
+        for child in children:
+            os.waitpid(child, 0)
         os._exit(9)
 
 

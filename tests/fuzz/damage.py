@@ -37,9 +37,20 @@ def odd(dice: Dice, depth: int = 3) -> Any:
     return {dice.choice(HOSTILE): odd(dice, depth - 1) for _ in range(size)}
 
 
+def _own(file: Path) -> Path:
+    """A file that earlier damage has not made a link to elsewhere, or a pipe, which is waited for.
+
+    Raises:
+        LookupError: if it has.
+    """
+    if file.is_symlink() or not file.is_file():
+        raise LookupError(file)
+    return file
+
+
 def change_manifest(folder: Path, dice: Dice) -> None:
     """Other values, in any place of it."""
-    file = folder / "manifest.json"
+    file = _own(folder / "manifest.json")
     manifest = json.loads(file.read_text())
     for _ in range(dice.randint(1, 3)):
         place: Any = manifest
@@ -64,7 +75,7 @@ def change_manifest(folder: Path, dice: Dice) -> None:
 
 def hostile_names(folder: Path, dice: Dice) -> None:
     """Every name and text of the manifest is hostile, and all of it is otherwise sound."""
-    file = folder / "manifest.json"
+    file = _own(folder / "manifest.json")
     manifest, text = json.loads(file.read_text()), dice.choice(HOSTILE)
     manifest |= {"command": text, "created": text, "machine": {text: text}, "git": {text: text}}
     manifest["experiment"] |= {"title": text, "question": text}
@@ -98,7 +109,10 @@ def no_manifest(folder: Path, dice: Dice) -> None:
 
 
 def _a_part(folder: Path, dice: Dice) -> Path:
-    return dice.choice(sorted((folder / "parts").iterdir()))
+    parts = folder / "parts"
+    if parts.is_symlink():
+        raise LookupError(parts)
+    return _own(dice.choice(sorted(parts.iterdir())))
 
 
 def change_bytes(folder: Path, dice: Dice) -> None:
@@ -132,9 +146,9 @@ def odd_files(folder: Path, dice: Dice) -> None:
     name = folder / dice.choice([*names, "damaged", ".lock", "parts/z.parquet", "report"])
     how = dice.randrange(7)
     if how == 0:
-        part.rename(name) if not name.exists() else None
+        _instead(name, lambda: part.rename(name))
     elif how == 1:
-        shutil.copyfile(part, name)
+        _instead(name, lambda: shutil.copyfile(part, name))
     elif how == 2:
         _instead(name, lambda: name.symlink_to(dice.choice(["/etc/passwd", "..", "loop", "/"])))
     elif how == 3:
@@ -142,7 +156,8 @@ def odd_files(folder: Path, dice: Dice) -> None:
     elif how == 4:
         _instead(name, lambda: os.mkfifo(name))
     elif how == 5:
-        name.write_bytes(dice.choice([b"", b"PAR1", b"PAR1PAR1", b'{"pid": "\x1b[31m"}']))
+        content = dice.choice([b"", b"PAR1", b"PAR1PAR1", b'{"pid": "\x1b[31m"}'])
+        _instead(name, lambda: name.write_bytes(content))
     else:
         shutil.rmtree(folder / "parts")
         if dice.random() < 0.7:
@@ -150,7 +165,7 @@ def odd_files(folder: Path, dice: Dice) -> None:
 
 
 def _instead(name: Path, make: Callable[[], Any]) -> None:
-    if name.is_file():
+    if name.is_symlink() or name.is_file():
         name.unlink()
     if not name.exists():
         make()
