@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from contextlib import suppress
-from typing import Any
+from typing import Any, NamedTuple
 
 from experiments.chunk import Chunk
 from experiments.supervisor import RunError
@@ -14,6 +14,22 @@ from solvers.answer import told
 _FETCH = 30.0
 
 LOST = "the connection to the Dask scheduler is lost; the rows written so far are kept"
+
+
+class Returned(NamedTuple):
+    """What `experiments.dask_worker.solve_chunk` returns.
+
+    Args:
+        rows: of the chunk's first cells, as an Arrow stream.
+        refusal: why there can be no more, if so.
+        machine: the name of the worker's machine.
+        probes: seconds that the calibration's piece of work took there.
+    """
+
+    rows: bytes
+    refusal: str
+    machine: str
+    probes: list[float]
 
 
 def there(name: str) -> Callable[[Any], Any]:
@@ -37,7 +53,7 @@ def everywhere(client: Any, name: str, argument: str) -> None:
         client.run(there(name), argument, on_error="ignore")
 
 
-def returned(future: Any, chunk: Chunk) -> tuple[bytes, str]:
+def returned(future: Any, chunk: Chunk) -> Returned:
     """What a worker returned for a chunk.
 
     Raises:
@@ -49,7 +65,7 @@ def returned(future: Any, chunk: Chunk) -> tuple[bytes, str]:
     if future.status == "cancelled":
         raise RunError(LOST)
     try:
-        sent: tuple[bytes, str] = future.result(timeout=_FETCH)
+        return Returned(*future.result(timeout=_FETCH))
     except TimeoutError:
         raise
     except KilledWorker as error:
@@ -60,7 +76,6 @@ def returned(future: Any, chunk: Chunk) -> tuple[bytes, str]:
         ) from None
     except Exception as error:  # whatever Dask raises, here or there
         raise RunError(_explained(error)) from None
-    return sent
 
 
 def _explained(error: Exception) -> str:

@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 
 from experiments.chunk import Chunk, encoded, remainder, rows_received
 from experiments.dask_call import LOST, everywhere, returned, there
+from experiments.engine import Probed
 from experiments.grid import Chain
 from experiments.interruption import Interruption
 from experiments.judging import Run
@@ -53,8 +54,10 @@ class _Flight(NamedTuple):
 class DaskCrew:
     """The workers of a cluster, as far as one run is concerned."""
 
-    def __init__(self, client: Any, run: Run, bounds: Bounds):
-        self._client, self._run, self._bounds = client, run, bounds
+    def __init__(self, client: Any, run: Run, bounds: Bounds, probed: Probed | None):
+        self._client, self._run, self._bounds, self._probed = client, run, bounds, probed
+        # whose names are recorded nowhere: they are numbered as their first probes arrive
+        self._machines: dict[str, int] = {}
         self._ended: SimpleQueue[Any] = SimpleQueue()
         self._numbers = count()
         self._flights: dict[str, _Flight] = {}
@@ -136,15 +139,19 @@ class DaskCrew:
             self._later(future)  # the worker that held the rows has died: they are made again
             return
         try:
-            sent, refusal = returned(future, flight.chunk)
+            sent = returned(future, flight.chunk)
         except TimeoutError:
             self._later(future)
             return
         del self._flights[future.key]
-        rows = self._checked(flight.chunk, sent)
+        rows = self._checked(flight.chunk, sent.rows)
+        if self._probed is not None:
+            for seconds in sent.probes:
+                number = self._machines.setdefault(sent.machine, len(self._machines) + 1)
+                self._probed(seconds, number)
         yield rows
-        if refusal:
-            raise RunError(f"{refusal}; the rows written so far are kept")
+        if sent.refusal:
+            raise RunError(f"{sent.refusal}; the rows written so far are kept")
         if not halting:
             self._take_back(flight.chunk, rows)
 

@@ -59,7 +59,7 @@ class DaskEngine:
                 host = entered.enter_context(local_cluster(self.jobs))
                 client = entered.enter_context(connected(host.address))
                 _LOG.warning("dubins-study: Dask's dashboard is at %s", host.dashboard)
-            crew = DaskCrew(client, run, bounds)
+            crew = DaskCrew(client, run, bounds, probed)
             try:
                 yield crew
             finally:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import multiprocessing
 import socket
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from multiprocessing.util import Finalize
 from pathlib import Path as FilePath
@@ -49,6 +49,7 @@ class _Bench:
         self._idle: list[Supervisor] = []
         self._busy: list[Supervisor] = []
         self._stops: dict[str, Interruption] = {}
+        self._probes: dict[str, list[float]] = {}  # by run, those that were not sent yet
         # a Dask worker that is told to close; one that is killed takes its processes with it
         Finalize(None, self.clear, exitpriority=100)
 
@@ -65,7 +66,7 @@ class _Bench:
             self._idle = [one for one in self._idle if one not in others]
             found = self._idle.pop() if self._idle else None
         _close(others)
-        found = found or Supervisor(run, bounds, 1).__enter__()
+        found = found or Supervisor(run, bounds, 1, self._probed(run.run_id)).__enter__()
         with self._lock:
             self._busy.append(found)
         sound = False
@@ -77,6 +78,18 @@ class _Bench:
                 self._busy.remove(found)
                 self._idle += [found] if sound else []
             _close([] if sound else [found])
+
+    def _probed(self, run_id: str) -> Callable[[float], None]:
+        def note(seconds: float) -> None:
+            with self._lock:
+                self._probes.setdefault(run_id, []).append(seconds)
+
+        return note
+
+    def probes(self, run_id: str) -> list[float]:
+        """How fast this machine was lately; forgotten by this."""
+        with self._lock:
+            return self._probes.pop(run_id, [])
 
     def end(self, run_id: str) -> None:
         """What is being solved for a run is ended; its supervisors are closed."""
@@ -103,24 +116,24 @@ def _close(supervisors: list[Supervisor]) -> None:
 _bench = _Bench()
 
 
-def solve_chunk(sent: bytes) -> tuple[bytes, str]:
+def solve_chunk(sent: bytes) -> tuple[bytes, str, str, list[float]]:
     """Solve the cells of a chunk for about a second, at least one of them.
 
     Returns:
-        Rows of its first cells as an Arrow stream, and why there can be no more, if so.
+        As `experiments.dask_call.Returned`.
     """
-    chunk = decoded(sent)
+    chunk, machine = decoded(sent), socket.gethostname()
     refusal = _refusal(chunk)
     if refusal:
-        return b"", f"on the Dask worker on {socket.gethostname()}, {refusal}"
+        return b"", f"on the Dask worker on {machine}, {refusal}", machine, []
     rows: list[Row] = []
     try:
         with _bench.supervisor(chunk.run, chunk.bounds) as supervisor:
             for some in _solved(chunk, supervisor, _bench.stop(chunk.run.run_id)):
                 rows += some
     except RunError as error:
-        refusal = f"on the Dask worker on {socket.gethostname()}, {error}"
-    return rows_sent(rows), refusal
+        refusal = f"on the Dask worker on {machine}, {error}"
+    return rows_sent(rows), refusal, machine, _bench.probes(chunk.run.run_id)
 
 
 def _solved(chunk: Chunk, supervisor: Supervisor, stop: Interruption) -> Iterator[list[Row]]:

@@ -15,7 +15,11 @@ from experiments.watch import Bounds
 from study.path import Path
 from study.schema import Key
 
-Probed = Callable[[float], None]
+
+class Probed(Protocol):
+    """Told that a fixed piece of work took so many seconds, on which of several machines."""
+
+    def __call__(self, seconds: float, machine: int = 0) -> None: ...
 
 
 class Crew(Protocol):
@@ -44,7 +48,7 @@ class Engine(Protocol):
         Args:
             run: what the rows share.
             bounds: of every solve.
-            probed: called now and then with the seconds that a fixed piece of work took.
+            probed: called now and then.
 
         Raises:
             RunError: if nobody can be made ready.

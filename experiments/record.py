@@ -43,15 +43,16 @@ class RunRecord:
         }
         manifest["runs"] = [*manifest["runs"], self._entry]
 
-    def probe(self, seconds: float) -> None:
-        """Note how long the calibration probe just took.
+    def probe(self, seconds: float, machine: int = 0) -> None:
+        """Note how long the calibration probe just took, and on which of several machines.
 
         Of more than `_MOST_PROBES` every other is forgotten, and of those to come.
         """
         self._made += 1
         if self._made % self._stride == 0:
             probes = self._entry["probes"]
-            probes.append([round(monotonic() - self._began, 3), round(seconds, 9)])
+            when = round(monotonic() - self._began, 3)
+            probes.append([when, round(seconds, 9), *([machine] if machine else [])])
             if len(probes) > _MOST_PROBES:
                 self._stride *= 2
                 del probes[::2]

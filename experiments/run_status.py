@@ -8,7 +8,7 @@ from typing import Any
 
 from experiments.manifest import is_count
 from experiments.record import RUNNING
-from study.noise import is_number, probes_of, spread
+from study.noise import is_number, probes_of, varied
 
 
 @dataclass(frozen=True)
@@ -18,7 +18,7 @@ class RunStatus:
     Args:
         seconds: how long it took, or has taken so far.
         state: running, finished, interrupted or killed.
-        spread: of the calibration probe (see `experiments.calibration.spread`).
+        spread: of the calibration probe (see `study.noise.varied`).
     """
 
     run_id: str
@@ -44,7 +44,7 @@ def run_status(entry: Mapping[str, Any], live: bool) -> RunStatus:
         state=_state(entry, live),
         jobs=max(1, jobs) if is_count(jobs) else 1,
         engine=str(entry.get("engine", "local")),
-        spread=spread([took for _, took in probes_of(entry)]),
+        spread=varied(probes_of(entry)),
     )
 
 

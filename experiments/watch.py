@@ -27,6 +27,8 @@ _STALL = 10.0
 _FAMILY_EVERY = 10
 # s between two looks from which on nothing was looked at because everything slept
 _ASLEEP = 1.0
+# s that the end of a killed worker is waited for when the watch is over
+_PARTING = 2.0
 # s by which a look may be late on a busy machine
 _LATE = 10.0
 _GIB = 2**30
@@ -54,6 +56,7 @@ class Watch:
         self.slots, self.bounds = list(slots), bounds
         self.failure: Exception | None = None
         self._away = 0.0  # s, in all, in which no look was taken: the machine or the run slept
+        self._endings: list[threading.Thread] = []
         self._over = threading.Event()
         self._thread = threading.Thread(target=self._keep, name="watch", daemon=True)
 
@@ -64,6 +67,8 @@ class Watch:
     def __exit__(self, *_: object) -> None:
         self._over.set()
         self._thread.join()
+        for ending in self._endings:
+            ending.join(_PARTING)
 
     def _keep(self) -> None:
         try:
@@ -103,7 +108,10 @@ class Watch:
             processes.resume(pid)
             return
         slot.doom = Doom(pid, -1 if order is None else order.number, reply)
-        processes.end(pid)
+        # looking for its children takes milliseconds, which other workers' limits do not wait for
+        ending = threading.Thread(target=processes.end, args=(pid,), daemon=True)
+        ending.start()
+        self._endings = [*filter(threading.Thread.is_alive, self._endings), ending]
 
     def _too_long(self, slot: Slot, phase: Phase, since: float) -> Reply | None:
         if phase is Phase.LOST:

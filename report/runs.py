@@ -8,7 +8,7 @@ from typing import Any
 import pandas as pd
 
 from report.load import Manifest
-from study.noise import is_number, probes_of, spread
+from study.noise import is_number, probes_of, varied
 
 COLUMNS = (
     *("experiment", "run", "started", "seconds", "state", "engine", "jobs"),
@@ -22,7 +22,7 @@ def runs(manifests: Iterable[Manifest]) -> pd.DataFrame:
     Returns:
         Columns experiment, run, started, seconds (NaN if it does not say), state, engine, jobs,
         machine and governor (texts), load (of the last minute, at its start and its end), probes
-        (a list of pairs as `study.noise.probes_of` has them), spread (a share, NaN if unknown).
+        (a list as `study.noise.probes_of` has it), spread (a share, NaN if unknown).
     """
     rows = [_row(manifest, entry) for manifest in manifests for entry in manifest.runs]
     return pd.DataFrame(rows, columns=list(COLUMNS))
@@ -32,7 +32,7 @@ def _row(manifest: Manifest, entry: Mapping[str, Any]) -> dict[str, Any]:
     probes, jobs = probes_of(entry), entry.get("jobs")
     seconds: Any = entry.get("seconds")
     state = str(entry.get("state", "unknown"))
-    varied = spread([took for _, took in probes])
+    share = varied(probes)
     return {
         "experiment": manifest.name,
         "run": str(entry.get("run_id", "")),
@@ -46,7 +46,7 @@ def _row(manifest: Manifest, entry: Mapping[str, Any]) -> dict[str, Any]:
         "governor": str(entry.get("governor", "unknown")),
         "load": f"{_load(entry.get('load_start'))} to {_load(entry.get('load_end'))}",
         "probes": probes,
-        "spread": float("nan") if varied is None else varied,
+        "spread": float("nan") if share is None else share,
     }
 
 

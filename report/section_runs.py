@@ -13,7 +13,7 @@ from report.content import Column, Picture, Section, Table, digits, seconds, sha
 from report.load import Results
 from report.runs import runs
 from report.style import WIDE, new_figure
-from study.noise import NOISY
+from study.noise import NOISY, Probe, by_machine
 
 _MOST_DRAWN = 6
 
@@ -42,7 +42,7 @@ def runs_section(results: Results) -> Section | None:
 
 def _sentence(run: Mapping[Hashable, Any]) -> str:
     return (
-        f"Run {run['run']} of {run['experiment']} varied by {share(run['spread'])}: the machine "
+        f"Run {run['run']} of {run['experiment']} varied by {share(run['spread'])}: its machine "
         "was not quiet, and times of it that differ by less say nothing."
     )
 
@@ -78,10 +78,15 @@ def _minute(started: Any) -> str:
 
 
 def plot_probes(ax: Axes, frame: pd.DataFrame) -> None:
-    """What the probe took, relative to its median, against time (columns as `report.runs`)."""
+    """What the probe took, relative to its median, against time (columns as `report.runs`).
+
+    Of a run on several machines, the one that varied most.
+    """
     for run, probes in zip(frame["run"], frame["probes"], strict=True):
-        found = pd.DataFrame(probes, columns=["when", "took"])
-        ax.plot(found["when"], found["took"] / found["took"].median(), lw=0.8, label=str(run)[:24])
+        machine, own = next(iter(by_machine(probes).items()))
+        found = pd.DataFrame(own, columns=list(Probe._fields))
+        name = str(run)[:24] + (f", machine {machine}" if machine else "")
+        ax.plot(found["when"], found["took"] / found["took"].median(), lw=0.8, label=name)
     ax.axhspan(1 - NOISY / 2, 1 + NOISY / 2, alpha=0.15, lw=0)
     ax.set(xlabel="time since the run began (s)", ylabel="probe / its median")
 

@@ -6,13 +6,27 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 # a run whose speed varied by more says so
 NOISY = 0.05
 _FEWEST = 5
+
+
+class Probe(NamedTuple):
+    """One look at how fast a machine is.
+
+    Args:
+        when: seconds since the run began.
+        took: seconds that the work took.
+        machine: which of several it was, from 1; 0 where there is but one.
+    """
+
+    when: float
+    took: float
+    machine: int = 0
 
 
 def spread(probes: Sequence[float]) -> float | None:
@@ -30,19 +44,40 @@ def spread(probes: Sequence[float]) -> float | None:
     return float((high - low) / middle)
 
 
-def probes_of(entry: Mapping[str, Any]) -> list[tuple[float, float]]:
-    """The probes of a run's entry in a manifest, whoever wrote that.
+def by_machine(probes: Sequence[Probe]) -> dict[int, list[Probe]]:
+    """The probes of each machine, the one that varied most first; those of few probes last."""
+    found: dict[int, list[Probe]] = {}
+    for probe in probes:
+        found.setdefault(probe.machine, []).append(probe)
+    shares = {machine: _varied(own) for machine, own in found.items()}
+    order = sorted(found, key=lambda one: -1.0 if (v := shares[one]) is None else v, reverse=True)
+    return {machine: found[machine] for machine in order}
+
+
+def varied(probes: Sequence[Probe]) -> float | None:
+    """The spread of the machine that varied most: machines are not compared with each other.
 
     Returns:
-        (seconds since the run began, seconds that the work took), as they were made.
+        As `spread`; None if no machine has enough probes.
     """
+    found = [_varied(own) for own in by_machine(probes).values()]
+    return max((one for one in found if one is not None), default=None)
+
+
+def _varied(probes: Sequence[Probe]) -> float | None:
+    return spread([probe.took for probe in probes])
+
+
+def probes_of(entry: Mapping[str, Any]) -> list[Probe]:
+    """The probes of a run's entry in a manifest, whoever wrote that, as they were made."""
     listed = entry.get("probes")
-    pairs = [pair for pair in listed if _is_pair(pair)] if isinstance(listed, list) else []
-    return [(float(when), float(took)) for when, took in pairs if when >= 0 and took > 0]
+    known = [held for held in listed if _is_probe(held)] if isinstance(listed, list) else []
+    found = [Probe(float(held[0]), float(held[1]), *map(int, held[2:])) for held in known]
+    return [probe for probe in found if probe.when >= 0 and probe.took > 0]
 
 
-def _is_pair(value: Any) -> bool:
-    return isinstance(value, list) and len(value) == 2 and all(map(is_number, value))
+def _is_probe(value: Any) -> bool:
+    return isinstance(value, list) and len(value) in (2, 3) and all(map(is_number, value))
 
 
 def is_number(value: Any) -> bool:

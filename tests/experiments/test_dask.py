@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import logging
+import socket
 from pathlib import Path
 
 import psutil
@@ -16,6 +17,7 @@ import dask_here as here
 
 from experiments import dask_worker, run
 from experiments.chunk import Chunk, encoded
+from experiments.dask_call import Returned
 from experiments.dask_client import mismatch
 from experiments.dask_host import local_cluster
 from experiments.judging import Run
@@ -86,6 +88,21 @@ def test_the_rows_are_those_of_a_serial_run(experiment, tmp_path, address):
     entry = json.loads((other / "manifest.json").read_text())["runs"][-1]
     assert (entry["engine"], entry["jobs"], entry["workers"]) == ("dask", 2, 2)
     assert address not in (other / "manifest.json").read_text()
+
+
+@pytest.mark.slow
+def test_probes_come_from_the_machines_that_solve(experiment, tmp_path, address):
+    """Known by a number; their names are recorded nowhere."""
+    solver = plugin(tmp_path, "time.sleep(0.4)")
+    asked = {"solvers": [solver], "engine": "dask", "scheduler": address}
+    out = run(experiment, tmp_path / "out", **asked)
+    held = (out / "manifest.json").read_text()
+    entry = json.loads(held)["runs"][-1]
+
+    assert entry["probes"]
+    assert {machine for _, _, machine in entry["probes"]} == {1}
+    assert all(0 <= when <= entry["seconds"] and 0 < took < 1 for when, took, _ in entry["probes"])
+    assert json.dumps(socket.gethostname()) not in held
 
 
 # the first to come by here ends the Dask worker that it works for
@@ -208,10 +225,11 @@ def test_loggers_are_left_as_they_were(experiment, tmp_path, address):
 def test_a_worker_whose_files_were_changed_is_to_be_restarted(monkeypatch):
     """What it has imported is not what is on disk, whose digest it would tell."""
     monkeypatch.setattr(dask_worker, "_IMPORTED", frozenset())
-    rows, refusal = dask_worker.solve_chunk(encoded(Chunk(Run("r", 1.0, 1), Bounds(1, 1), [], {})))
+    nothing = encoded(Chunk(Run("r", 1.0, 1), Bounds(1, 1), [], {}))
+    sent = Returned(*dask_worker.solve_chunk(nothing))
 
-    assert rows == b""
-    assert refusal.endswith("dubins-study was changed since the worker started; restart it")
+    assert sent.rows == b""
+    assert sent.refusal.endswith("dubins-study was changed since the worker started; restart it")
 
 
 @pytest.mark.parametrize(

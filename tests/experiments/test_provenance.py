@@ -19,7 +19,7 @@ from experiments.record import recorded
 from experiments.store import read_rows
 from solvers import library_versions
 from solvers.registry import load
-from study.noise import probes_of
+from study.noise import Probe, by_machine, probes_of, varied
 
 
 def test_the_governor_of_all_cores(tmp_path):
@@ -145,10 +145,24 @@ JSON = st.recursive(
 
 @given(JSON)
 def test_probes_of_any_entry_are_numbers(value):
-    for entry in ({"probes": value}, {"probes": [value, [1.0, value]]}):
-        found = probes_of(entry)
-        assert all(np.isfinite(took) and took > 0 and when >= 0 for when, took in found)
-        assert len(found) < 5 or spread([took for _, took in found]) >= 0
+    for listed in (value, [value, [1.0, value], [value, 1.0, 2], [0.0, 1.0, value]]):
+        found = probes_of({"probes": listed})
+        assert all(np.isfinite(took) and took > 0 and when >= 0 for when, took, _ in found)
+        share = varied(found)
+        assert share is None or share >= 0
+
+
+def test_machines_are_not_compared_with_each_other():
+    """Two that are steady, one twice as fast; a third that is not steady decides."""
+    steady = [Probe(i, 1e-3 * machine, machine) for i in range(20) for machine in (1, 2)]
+    loud = [Probe(i, 1e-3 * (1 + i % 2), 3) for i in range(20)]
+
+    assert varied(steady) == 0
+    assert varied(steady + loud) == spread([probe.took for probe in loud])
+    assert next(iter(by_machine(steady + loud))) == 3
+    assert varied([*steady, *loud[:4]]) == 0  # too few to tell
+    listed = [[p.when, p.took, p.machine] for p in steady] + [[1.0, 2.0]]
+    assert probes_of({"probes": listed}) == [*steady, Probe(1.0, 2.0)]
 
 
 def test_a_long_run_keeps_a_thousand_probes_at_most(tmp_path):

@@ -37,6 +37,7 @@ def asking(tmp_path):
 
 
 @pytest.mark.slow
+@pytest.mark.timeout(1500)  # 21 runs: two minutes and a half on a machine at rest
 def test_killed_at_twenty_random_moments(asking, tmp_path):
     """Each time the run is begun anew and killed, in turn all of it and its supervisor alone."""
     draw, cut, kept = Random(20260), 0, set()

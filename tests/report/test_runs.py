@@ -66,6 +66,17 @@ def test_a_noisy_run_says_so_in_words(page):
     assert rows["loud"]["load"] == "0.25 to 1.50"
 
 
+def test_a_run_on_several_machines_is_as_noisy_as_the_worst(page):
+    """A second machine, twice as fast, is no noise; the one that varied is drawn."""
+    listed = [[2.0 * i, took, 1] for i, took in enumerate(NOISY)]
+    listed += [[2.0 * i, took / 2, 2] for i, took in enumerate(STEADY)]
+    place = page(entry("both") | {"probes": listed})
+
+    varied = 0.3 / np.median([1, 1.3])
+    assert f"Run both of paper varied by {100 * varied:.1f} %" in (place / "report.md").read_text()
+    assert "both, machine 1" in (place / "figures" / "probes.svg").read_text()
+
+
 def test_a_quiet_run_says_so(page):
     place = page(entry("quiet", STEADY))
 
