@@ -8,7 +8,7 @@ from experiments.grid import Cell
 from experiments.isolation import THREADS
 from experiments.provenance import host, now
 from experiments.rows import Row, raised_row
-from solvers.answer import Reply, judged, told
+from solvers.answer import Reply, judged_row, told
 from solvers.profiles import tolerances
 from solvers.protocol import Question
 from study.path import Path
@@ -33,10 +33,10 @@ def row_of(
     known |= shared(run, started or now(), versions)
     question = Question(cell.scenario, cell.branch, start)
     try:
-        answer = judged(cell.solver, question, reply, tolerances(cell.profile))
+        row = judged_row(cell.solver, question, reply, tolerances(cell.profile))
     except Exception as error:  # a path that the check cannot drive is a row too
         return raised_row(known, told(error)), None
-    return answer.row() | known, answer.path if answer.gap is not None else None
+    return row | known, reply.solution.path if row["gap"] is not None else None
 
 
 _KEY, _SCENARIO = names(KEY), names(SCENARIO)

@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping
 from numbers import Real
-from types import NoneType
 from typing import Any
 
 import pyarrow as pa
+import pyarrow.compute as pc
 
 from study.path import Path
 from study.scenario import Pose
@@ -36,11 +36,16 @@ def rows_table(rows: Iterable[Mapping[str, Any]]) -> pa.Table:
 
 
 def _table(rows: list[Mapping[str, Any]]) -> pa.Table:
-    columns = [
-        pa.array([_clean(row[field.name]) for row in rows], type=field.type)
-        for field in ARROW_SCHEMA
-    ]
+    columns = [_column([row[field.name] for row in rows], field.type) for field in ARROW_SCHEMA]
     return pa.Table.from_arrays(columns, schema=ARROW_SCHEMA)
+
+
+def _column(values: list[Any], kind: pa.DataType) -> pa.Array:
+    column = pa.array(values, type=kind, from_pandas=True)  # which makes NaN null
+    numbers = column.values if pa.types.is_list(kind) else column
+    if pa.types.is_floating(numbers.type) and pc.any(pc.invert(pc.is_finite(numbers))).as_py():
+        return pa.array([_clean(value) for value in values], type=kind)
+    return column
 
 
 def fitting(row: Mapping[str, Any]) -> Row:
@@ -85,11 +90,6 @@ def _shown(value: Any) -> str:
 
 
 def _clean(value: Any) -> Any:
-    kind = type(value)
-    if kind is float:  # most values are, and the tests below take longer
-        return value if math.isfinite(value) else None
-    if kind is NoneType or kind is bool or kind is int:
-        return value
     if isinstance(value, str):
         # a lone surrogate has no UTF-8
         return value if value.isascii() else value.encode("utf-8", "replace").decode("utf-8")

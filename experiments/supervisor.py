@@ -32,7 +32,7 @@ from study.schema import Key
 # Orders put to a worker in advance, so that it never waits, and how many of them travel in one
 # message, each of which costs as much as judging a cell. One where solves are long, so that none
 # waits behind them for a worker while another one is idle.
-_AHEAD, _TOGETHER, _QUICK = 32, 16, 0.005
+_AHEAD, _TOGETHER, _QUICK = 128, 32, 0.005
 # s without news after which whoever writes the rows is given a turn
 _TURN = 0.2
 # s between two looks at how fast the machine is

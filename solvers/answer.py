@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, fields, replace
+from operator import attrgetter
 from time import perf_counter
 from typing import Any, NamedTuple
 
@@ -90,9 +91,7 @@ class Answer:
 
     def row(self) -> dict[str, Any]:
         """The scenario's and the answer's columns of `study.schema`, non-finite numbers as None."""
-        row = {name: getattr(self.scenario, name) for name in _SCENARIO}
-        row |= {name: getattr(self, name) for name in _ANSWER}
-        return row
+        return _row({field.name: getattr(self, field.name) for field in fields(self)})
 
 
 _SCENARIO, _ANSWER = names(SCENARIO), names(ANSWER)
@@ -231,6 +230,26 @@ def judged(
     spec: str, question: Question, reply: Reply, allowed: Tolerances = PROFILES["default"]
 ) -> Answer:
     """A reply judged by the check and certified."""
+    return Answer(**_judged(spec, question, reply, allowed))
+
+
+def judged_row(
+    spec: str, question: Question, reply: Reply, allowed: Tolerances = PROFILES["default"]
+) -> dict[str, Any]:
+    """The row of the answer that `judged` makes, without making the answer."""
+    return _row(_judged(spec, question, reply, allowed))
+
+
+def _row(held: dict[str, Any]) -> dict[str, Any]:
+    scenario, path = held["scenario"], held["path"]
+    held["curvatures"] = None if path is None else path.curvature.tolist()
+    held["lengths"] = None if path is None else path.length.tolist()
+    row = {name: getattr(scenario, name) for name in _SCENARIO}
+    return row | {name: held[name] for name in _ANSWER}
+
+
+def _judged(spec: str, question: Question, reply: Reply, allowed: Tolerances) -> dict[str, Any]:
+    """The fields of an answer."""
     solution = reply.solution
     found = judge(question.scenario, solution.path, solution.claim, question.branch, allowed)
     certificate = certify(
@@ -242,43 +261,33 @@ def judged(
         multipliers=solution.multipliers,
         tolerances=allowed,
     )
-    return _answer(spec, question, *reply, found, certificate)
-
-
-def _answer(
-    spec: str,
-    question: Question,
-    outcome: Outcome,
-    solution: Solution,
-    times: Times,
-    found: Judgement,
-    certificate: Certificate,
-) -> Answer:
-    dual = solution.multipliers or (None, None)
-    return Answer(
-        scenario=question.scenario,
-        solver=spec,
-        branch=question.branch,
-        path=solution.path,
-        outcome=outcome,
-        claim=solution.claim,
-        native_status=solution.native_status,
-        message=solution.message,
-        claimed_length=_finite(solution.claimed_length),
-        lower_bound=_finite(solution.lower_bound),
-        multiplier_x=_finite(dual[0]),
-        multiplier_y=_finite(dual[1]),
-        build_s=times.build,
-        solve_s=times.solve,
-        wall_s=times.wall,
-        iterations=solution.iterations,
-        evaluations=solution.evaluations,
-        **{name: getattr(found, name) for name in _FOUND},
-        **{name: getattr(certificate, name) for name in _CERTIFIED},
-    )
+    dual, times = solution.multipliers or (None, None), reply.times
+    answer = {
+        "scenario": question.scenario,
+        "solver": spec,
+        "branch": question.branch,
+        "path": solution.path,
+        "outcome": reply.outcome,
+        "claim": solution.claim,
+        "native_status": solution.native_status,
+        "message": solution.message,
+        "claimed_length": _finite(solution.claimed_length),
+        "lower_bound": _finite(solution.lower_bound),
+        "multiplier_x": _finite(dual[0]),
+        "multiplier_y": _finite(dual[1]),
+        "build_s": times.build,
+        "solve_s": times.solve,
+        "wall_s": times.wall,
+        "iterations": solution.iterations,
+        "evaluations": solution.evaluations,
+    }
+    answer |= zip(_FOUND, _read_found(found), strict=True)
+    answer |= zip(_CERTIFIED, _read_certified(certificate), strict=True)
+    return answer
 
 
 _FOUND, _CERTIFIED = ([field.name for field in fields(kind)] for kind in (Judgement, Certificate))
+_read_found, _read_certified = attrgetter(*_FOUND), attrgetter(*_CERTIFIED)
 
 
 def _finite(value: float | None) -> float | None:

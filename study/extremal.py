@@ -15,13 +15,14 @@ extremal is how far that matrix is from having one (docs/derivation.md, section 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from itertools import compress
 from operator import mul, or_
 from typing import NamedTuple
 
 import numpy as np
 
-from study.path import Path, rollout
+from study.path import Path, corners
 from study.pieces import FULL_RATE, Pieces, pieces
 from study.scenario import Pose
 
@@ -103,7 +104,7 @@ def extremal(driven: Pieces) -> Extremal | None:
     if not u:
         return None
     # in the frame of the start, where angles are small; the costates are turned back at the end
-    poses = rollout(_ORIGIN, driven.u, driven.length).tolist()
+    poses = corners(_ORIGIN, driven.u, driven.length)
     stretch = max(1.0, float(driven.length.sum()))
     conditions = _conditions(u, poses, stretch)
     if not math.isfinite(sum(map(sum, conditions.hamiltonian))):
@@ -133,7 +134,7 @@ def extremal(driven: Pieces) -> Extremal | None:
     )
 
 
-def _conditions(u: list[float], poses: list[list[float]], stretch: float) -> Conditions:
+def _conditions(u: list[float], poses: Sequence[Sequence[float]], stretch: float) -> Conditions:
     """The linear conditions on the costates of a path that begins at the origin.
 
     Args:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import groupby
 from typing import Any, Self
@@ -65,6 +65,8 @@ class Path:
 
     @property
     def total_length(self) -> float:
+        if self.length.size <= FEW:  # numpy adds as many in the same order, and begins slowly
+            return sum(self.length.tolist(), 0.0)
         return float(self.length.sum())
 
     @property
@@ -79,7 +81,7 @@ class Path:
 
     @property
     def end(self) -> Pose:
-        return Pose(*self.poses[-1].tolist())
+        return Pose(*corners(self.start, self.curvature, self.length)[-1])
 
     def at(self, distance: ArrayLike) -> FloatArray:
         """Poses at given distances along the path, shape (m, 3).
@@ -162,6 +164,13 @@ def rollout(start: Pose, curvature: FloatArray, length: FloatArray) -> FloatArra
     driven[1:, 1] = start.y + (forward * sin + left * cos)
     driven[1:, 2] = start.heading + turned
     return driven
+
+
+def corners(start: Pose, curvature: FloatArray, length: FloatArray) -> Sequence[Sequence[float]]:
+    """The poses of `rollout` as lists of numbers, which for a few arcs is quicker."""
+    few = length.size <= FEW and _few(start, curvature.tolist(), length.tolist())
+    listed: Sequence[Sequence[float]] = few or rollout(start, curvature, length).tolist()
+    return listed
 
 
 def _few(start: Pose, curvature: list[float], length: list[float]) -> list[Pose] | None:
