@@ -3,6 +3,7 @@ first one, so that no solver finds it changed by another."""
 
 from __future__ import annotations
 
+import _signal  # type: ignore[import-not-found]
 import decimal
 import gc
 import locale
@@ -25,7 +26,9 @@ import numpy as np
 # every solve begins here, so that one which draws from the global generators can be repeated
 SEED = 0
 
-_SIGNALS = [s for s in signal.Signals if s not in (signal.SIGKILL, signal.SIGSTOP)]
+_SIGNALS = [int(s) for s in signal.Signals if s not in (signal.SIGKILL, signal.SIGSTOP)]
+# without the enumerations that `signal` makes of numbers
+_handler = _signal.getsignal
 
 
 def _umask() -> int:
@@ -34,16 +37,20 @@ def _umask() -> int:
     return mask
 
 
-def _set_environment(kept: dict[Any, Any]) -> None:
-    if dict(os.environ) != kept:
-        for name in set(os.environ) - set(kept):
-            del os.environ[name]
-        os.environ.update(kept)
+# as the interpreter holds it: to decode every name and value takes longer than a quick solve
+_ENVIRONMENT: dict[bytes, bytes] = os.environ._data  # type: ignore[attr-defined]
+
+
+def _set_environment(kept: dict[bytes, bytes]) -> None:
+    if kept != _ENVIRONMENT:
+        for name in _ENVIRONMENT.keys() - kept.keys():
+            del os.environb[name]
+        os.environb.update(kept)
 
 
 def _set_signals(kept: list[Any]) -> None:
     for number, handler in zip(_SIGNALS, kept, strict=True):
-        if signal.getsignal(number) is not handler and handler is not None:
+        if _handler(number) is not handler and handler is not None:
             signal.signal(number, handler)
 
 
@@ -77,7 +84,7 @@ def _set_descriptors(kept: list[int | None]) -> None:
 # how a piece of state is read, and how it is put back
 _STATE: tuple[tuple[Callable[[], Any], Callable[[Any], object]], ...] = (
     (os.getcwd, os.chdir),
-    (lambda: dict(os.environ), _set_environment),
+    (_ENVIRONMENT.copy, _set_environment),
     (lambda: list(warnings.filters), lambda kept: warnings.filters.__setitem__(slice(None), kept)),  # type: ignore[index]
     (np.geterr, lambda kept: np.seterr(**kept)),
     (decimal.getcontext, decimal.setcontext),
@@ -95,7 +102,7 @@ _STATE: tuple[tuple[Callable[[], Any], Callable[[Any], object]], ...] = (
         _set_hooks,
     ),
     (_umask, os.umask),
-    (lambda: [signal.getsignal(number) for number in _SIGNALS], _set_signals),
+    (lambda: [_handler(number) for number in _SIGNALS], _set_signals),
     (
         lambda: signal.pthread_sigmask(signal.SIG_BLOCK, ()),
         lambda kept: signal.pthread_sigmask(signal.SIG_SETMASK, kept),
@@ -110,8 +117,7 @@ def _limits() -> list[tuple[int, int]]:
 
 def _set_limits(kept: list[tuple[int, int]]) -> None:
     for number, limits in zip(_LIMITS, kept, strict=True):
-        if resource.getrlimit(number) != limits:
-            resource.setrlimit(number, limits)
+        resource.setrlimit(number, limits)
 
 
 _LIMITS = sorted({getattr(resource, name) for name in dir(resource) if name.startswith("RLIMIT_")})
@@ -165,6 +171,14 @@ def _leaks() -> bool:
     return lost["bytes"] > _LEAKED * _bound or lost["files"] > _LEFT_OPEN
 
 
+def _granted_again(value: Any, read: Callable[[], Any], put_back: Callable[[Any], object]) -> bool:
+    if read() == value:
+        return True
+    with suppress(Exception):  # it was refused
+        put_back(value)
+    return bool(read() == value)
+
+
 class Containment:
     """Whether a solver has left what cannot be undone.
 
@@ -183,9 +197,10 @@ class Containment:
             _held.update(_holds())
 
     def check(self, granted: list[Any]) -> None:
-        kept = all(read() == value for value, (read, _) in zip(granted, _GRANTED, strict=True))
+        pairs = zip(granted, _GRANTED, strict=True)
+        kept = [_granted_again(value, *state) for value, state in pairs]
         new = not self._threads.issuperset(threading.enumerate())
-        self.worn = new or not kept or _leaks()
+        self.worn = new or not all(kept) or _leaks()
 
 
 @contextmanager
@@ -201,7 +216,7 @@ def contained() -> Iterator[Containment]:
     finally:
         signal.setitimer(signal.ITIMER_REAL, 0)
         _set_descriptors(descriptors)
-        for value, (_, put_back) in zip(kept + granted, _STATE + _GRANTED, strict=True):
+        for value, (_, put_back) in zip(kept, _STATE, strict=True):
             with suppress(Exception):  # e.g. a directory that is gone: the rest is put back still
                 put_back(value)
         _one_thread()
