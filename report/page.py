@@ -180,7 +180,7 @@ def warnings(run: Manifest) -> list[str]:
     if run.contradicting:
         said.append(
             f"It contradicts a folder before it in {some(run.contradicting, 'cell')}, by the same "
-            "code: the earlier folder's attempts are shown, and `dubins-study merge` names both."
+            "code: the earlier folder's attempts are shown; dubins-study merge names both."
         )
     return said
 
