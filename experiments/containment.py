@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import _signal  # type: ignore[import-not-found]
 import decimal
+import faulthandler
 import gc
 import locale
 import os
@@ -37,11 +38,13 @@ def _umask() -> int:
     return mask
 
 
+_ENVIRON, _ENVIRONB = os.environ, os.environb
 # as the interpreter holds it: to decode every name and value takes longer than a quick solve
 _ENVIRONMENT: dict[bytes, bytes] = os.environ._data  # type: ignore[attr-defined]
 
 
 def _set_environment(kept: dict[bytes, bytes]) -> None:
+    os.environ, os.environb = _ENVIRON, _ENVIRONB
     if kept != _ENVIRONMENT:
         for name in _ENVIRONMENT.keys() - kept.keys():
             del os.environb[name]
@@ -79,6 +82,13 @@ def _set_descriptors(kept: list[int | None]) -> None:
             with suppress(OSError):
                 os.dup2(copy, number)
                 os.close(copy)
+
+
+def _disarm() -> None:
+    """No timer goes off, and ends the process, in a later solve."""
+    for timer in (signal.ITIMER_REAL, signal.ITIMER_VIRTUAL, signal.ITIMER_PROF):
+        signal.setitimer(timer, 0)
+    faulthandler.cancel_dump_traceback_later()
 
 
 # how a piece of state is read, and how it is put back
@@ -197,10 +207,14 @@ class Containment:
             _held.update(_holds())
 
     def check(self, granted: list[Any]) -> None:
-        pairs = zip(granted, _GRANTED, strict=True)
-        kept = [_granted_again(value, *state) for value, state in pairs]
-        new = not self._threads.issuperset(threading.enumerate())
-        self.worn = new or not all(kept) or _leaks()
+        """Put back what may be refused, and look for what is left behind; worn if that fails."""
+        self.worn = True
+        with suppress(Exception):  # the answer is there: it is not to blame for what comes after
+            pairs = zip(granted, _GRANTED, strict=True)
+            kept = [_granted_again(value, *state) for value, state in pairs]
+            _one_thread()  # which may open files: limits come before
+            new = not self._threads.issuperset(threading.enumerate())
+            self.worn = new or not all(kept) or _leaks()
 
 
 @contextmanager
@@ -214,12 +228,11 @@ def contained() -> Iterator[Containment]:
     try:
         yield found
     finally:
-        signal.setitimer(signal.ITIMER_REAL, 0)
+        _disarm()
         _set_descriptors(descriptors)
         for value, (_, put_back) in zip(kept, _STATE, strict=True):
             with suppress(Exception):  # e.g. a directory that is gone: the rest is put back still
                 put_back(value)
-        _one_thread()
         found.check(granted)
 
 

@@ -16,12 +16,14 @@ from experiments.parts import (
     PARTS,
     RUN_ID,
     damaged_parts,
+    is_stream,
     part_files,
     read_part,
     set_aside,
     write_part,
 )
 from experiments.rows import ARROW_SCHEMA
+from experiments.stream_parts import streamed_part
 from study.plain import plain
 from study.schema import KEY, Key, names
 
@@ -96,6 +98,12 @@ def open_folder(
 def _mended(folder: FilePath) -> list[str]:
     """Put aside what is damaged and remove what a killed run left; all is read before."""
     damaged = [error.part for error in damaged_parts(folder)]
+    # those that are under another's name, too: their rows are not known by it
+    damaged += [
+        part
+        for part in filter(is_stream, part_files(folder))
+        if part not in damaged and streamed_part(part) is None
+    ]
     for place_of in (folder, folder / PARTS):
         tidy(place_of)
     return [

@@ -78,6 +78,7 @@ class Supervisor:
         self._tasks, self._loading = Tasks(), Loading(warm_up)
         self._ahead = dict.fromkeys(self._slots, 1)
         self._false_starts = 0
+        self._news_in = _TURN  # s that news is waited for; none while rows can be made without
         # orders in one message; a single one once there was one that did not come back
         self._together = _TOGETHER
 
@@ -121,7 +122,7 @@ class Supervisor:
                 self._finish_up()
             if not self._tasks:
                 return
-            yield from self._feed()
+            yield from self._feed(stop)
             yield self._news()
 
     def _finish_up(self) -> None:
@@ -135,10 +136,11 @@ class Supervisor:
                 del slot.pending[number]
                 self._tasks.take(number)
 
-    def _feed(self) -> Iterator[list[Row]]:
-        waiting = self._tasks.waiting
+    def _feed(self, stop: Interruption) -> Iterator[list[Row]]:
+        waiting, self._news_in = self._tasks.waiting, _TURN
         for slot in self._slots:
             orders: list[Order] = []
+            spared = 0
             share = min(self._ahead[slot], -(-len(waiting) // len(self._slots)))
             while waiting and len(slot.pending) + len(orders) < share:
                 if not _fits(slot, waiting[0].kind, taken=bool(orders)):
@@ -147,6 +149,10 @@ class Supervisor:
                 reply = self._loading.reply(task.cell)
                 if reply is not None:
                     yield self._rows(task, reply)
+                    spared += 1
+                    if stop.asked or spared >= _AHEAD:
+                        self._news_in = 0.0
+                        break  # others may have news
                     continue
                 warm_up = self._loading.warms_up(task.cell)
                 orders.append(self._tasks.give(task, self.bounds.limit, warm_up))
@@ -158,7 +164,10 @@ class Supervisor:
                     yield self._fallen(slot)
         if self._probed is not None and monotonic() > self._next_probe:
             self._next_probe = monotonic() + _PROBE_EVERY
-            self._slots[0].measure()
+            try:
+                self._slots[0].measure()
+            except RuntimeError:  # as above
+                yield self._fallen(self._slots[0])
 
     def _news(self) -> list[Row]:
         if self._watch.failure is not None:
@@ -167,7 +176,7 @@ class Supervisor:
                 "would hold; the rows written so far are kept"
             )
         try:
-            slot, batch, future = self._ended.get(timeout=_TURN)
+            slot, batch, future = self._ended.get(timeout=self._news_in)
         except Empty:
             # pebble has no word of a worker that ends itself with code 0
             ended = [slot for slot in self._slots if slot.exit_code() is not None]

@@ -30,6 +30,9 @@ from report.visible import visible_values
 from study.path import Path
 from study.scenario import Pose
 from study.schema import VERSION
+from study.verify import Tolerances
+
+_GAP = Tolerances().gap  # of a manifest that tells none
 
 __all__ = ["Manifest", "ReportError", "Results", "load", "read_manifest"]
 
@@ -128,7 +131,7 @@ def load(folders: Iterable[str | FilePath]) -> Results:
                     replaced += len(table) * replaces
                     continue
                 if chunk is None:
-                    new = seen.new(manifest.name, table)
+                    new = seen.new(manifest.name, table, manifest.gap_tolerance or _GAP)
                     table = new.table
                     replaced += new.other_code
                     contradicting += new.contradicting

@@ -186,22 +186,35 @@ class Seen:
 
     def __init__(self) -> None:
         self._cells, self._keys, self._found = (np.empty(0, np.uint64) for _ in range(3))
+        self._gaps = np.empty(0)  # of the same rows as the keys
         self._chunks: dict[tuple[str, ...], str] = {}
 
-    def new(self, experiment: str, table: pa.Table) -> New:
-        """The rows of cells that were not seen, each once."""
-        frame = table.select([*names(CELL), "code", *_FINDING]).to_pandas()
+    def new(self, experiment: str, table: pa.Table, tolerance: float) -> New:
+        """The rows of cells that were not seen, each once.
+
+        Args:
+            experiment: its name.
+            table: rows of one of its folders.
+            tolerance: gaps that differ by more contradict each other.
+        """
+        frame = table.select([*names(CELL), "code", *_FINDING, "gap"]).to_pandas()
         frame["experiment"] = experiment
         cell = ["experiment", *names(CELL)]
         cells, keys = _hashes(frame, cell), _hashes(frame, [*cell, "code"])
         found = _hashes(frame, [*cell, "code", *_FINDING])
         first = ~(np.isin(cells, self._cells) | pd.Series(cells).duplicated().to_numpy())
         other = ~first & ~np.isin(keys, self._keys) & ~np.isin(keys, keys[first])
-        known = np.isin(found, self._found) | np.isin(found, found[first])
+        gaps = frame["gap"].to_numpy(np.float64)
         self._cells = np.concatenate([self._cells, cells[first]])
         self._keys = np.concatenate([self._keys, keys[first]])
         self._found = np.concatenate([self._found, found[first]])
-        contradicting = ~first & ~other & ~known
+        self._gaps = np.concatenate([self._gaps, gaps[first]])
+        again = ~first & ~other
+        contradicting = again & ~np.isin(found, self._found)
+        if again.any():
+            kept = self._gaps[pd.Index(self._keys).get_indexer_for(keys[again])]
+            # where one has none, the words differ
+            contradicting[again] |= np.abs(gaps[again] - kept) > tolerance
         return New(table.filter(pa.array(first)), int(other.sum()), int(contradicting.sum()))
 
     def is_new(

@@ -7,6 +7,8 @@ from enum import StrEnum
 from operator import index
 from typing import Any, ClassVar, Protocol, TypeVar
 
+import numpy as np
+
 from study.path import Path
 from study.scenario import Scenario
 from study.verify import Claim
@@ -106,7 +108,8 @@ def _number(name: str, value: Any) -> float | None:
     if value is None:
         return None
     try:
-        if isinstance(value, str):
+        # what `float` takes for a number and is none
+        if isinstance(value, str | bytes | bytearray | bool | np.bool_):
             raise TypeError
         return float(value)
     except (TypeError, ValueError, OverflowError):

@@ -11,10 +11,16 @@ import pyarrow.parquet as pq
 import pytest
 
 from experiments import run
+from experiments.grid import chains
+from experiments.interruption import Interruption
+from experiments.judging import Run
 from experiments.rows import ARROW_SCHEMA
-from experiments.spec import ExperimentError
+from experiments.spec import ExperimentError, read
 from experiments.store import StoreError, done, read_rows, write_part
 from experiments.supervisor import Supervisor
+from experiments.watch import Bounds
+from solvers.answer import nothing
+from solvers.protocol import Outcome
 from solvers.registry import SolverError
 from study.schema import ROW, VERSION, documentation, names
 
@@ -108,6 +114,25 @@ def test_adding_a_solver_keeps_what_is_there(small, tmp_path):
     assert manifest["cells"] == len(rows(folder)) > first["cells"]
     assert manifest["created"] == first["created"]
     assert manifest["finished"] > first["finished"]
+
+
+def test_rows_without_a_solve_are_interrupted_too(small, monkeypatch):
+    """Of a solver that is not tried again: thousands of rows hold up neither Ctrl-C nor news."""
+    cells = chains(read(small).experiment) * 400
+    reply = nothing(Outcome.CRASHED, "no more")
+    stop, rows = Interruption(), 0
+    with Supervisor(Run("r", 60.0, 1), Bounds(60.0, 2**32), 1) as workers:
+        monkeypatch.setattr(workers._loading, "reply", lambda cell: reply)
+        for made in workers.solve(cells, {}, stop):
+            rows += len(made)
+            stop.asked = rows >= 300
+    assert 300 <= rows < 310
+
+    stop.asked, rows = False, 0
+    with Supervisor(Run("r", 60.0, 1), Bounds(60.0, 2**32), 1) as workers:
+        monkeypatch.setattr(workers._loading, "reply", lambda cell: reply)
+        rows = sum(map(len, workers.solve(cells, {}, stop)))
+    assert rows == sum(map(len, cells))
 
 
 def test_a_run_cut_short_is_completed(small, tmp_path, monkeypatch):

@@ -343,6 +343,26 @@ def test_a_chunk_under_another_name_is_refused(experiment, tmp_path, small_chunk
     assert len(load([folder]).rows) == 3000
 
 
+@pytest.mark.parametrize(
+    "name", ["{stem}-copy.parquet", "stream-{none}-00000000000-000700.parquet"]
+)
+def test_a_chunk_under_another_chunks_name_is_put_aside(experiment, tmp_path, small_chunks, name):
+    """Its own is there, or solved again; either way the folder is whole afterwards."""
+    file = experiment()
+    folder = run(file, tmp_path / "out")
+    first = sorted((folder / "parts").iterdir())[0]
+    copy = first.with_name(name.format(stem=first.stem, none="0" * 16))
+    shutil.copyfile(first, copy)
+    assert status(folder).damaged == 1
+
+    run(file, folder)
+
+    assert not copy.exists()
+    assert (folder / "damaged" / copy.name).exists()
+    found = status(folder)
+    assert (found.done, found.damaged) == (3000, 0)
+
+
 def test_an_interruption_finishes_the_chunk(experiment, tmp_path, small_chunks, monkeypatch):
     """What is being solved when the signal comes is written; the next run solves the rest."""
     original, solved = stream.chunk_table, []

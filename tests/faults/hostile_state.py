@@ -10,6 +10,8 @@ import os
 import random
 import resource
 import signal
+import stat
+import struct
 import sys
 import threading
 import time
@@ -92,6 +94,16 @@ def _named(name):
     return any(thread.name == name for thread in threading.enumerate())
 
 
+TIMERS = signal.ITIMER_VIRTUAL, signal.ITIMER_PROF
+
+
+def _no_files():
+    """None can be opened, by a library that looks around after the solve either."""
+    import wave  # noqa: F401  a module more makes it look
+
+    resource.setrlimit(resource.RLIMIT_NOFILE, (0, resource.getrlimit(resource.RLIMIT_NOFILE)[1]))
+
+
 # what is changed, how, and how one sees that it is
 STATES = {
     "seed": (_seed, _seeded),
@@ -118,6 +130,15 @@ STATES = {
         lambda: signal.setitimer(signal.ITIMER_REAL, 3600),
         lambda: signal.getitimer(signal.ITIMER_REAL)[0] > 0,
     ),
+    "timers": (
+        lambda: [signal.setitimer(timer, 3600) for timer in TIMERS],
+        lambda: any(signal.getitimer(timer)[0] for timer in TIMERS),
+    ),
+    "os.environ": (
+        lambda: setattr(os, "environ", {**os.environ, "FAULTS_TAINT": "1"}),
+        lambda: type(os.environ) is dict,
+    ),
+    "no files": (_no_files, lambda: resource.getrlimit(resource.RLIMIT_NOFILE)[0] == 0),
     "locale": (
         lambda: locale.setlocale(locale.LC_ALL, "C"),
         lambda: locale.setlocale(locale.LC_CTYPE) == "C",
@@ -219,6 +240,22 @@ class Scribbles(Analytic):
                 os.write(fd, b"\xff\xff rubbish \x80\x04." * 64)
             except OSError:
                 continue
+        return super().solve(model, limit)
+
+
+class Forges(Analytic):
+    """Sends messages of the right form, which cannot be read, and gives them time to arrive."""
+
+    def solve(self, model, limit):
+        if model.scenario.label != "warm-up":
+            for fd in range(3, 64):
+                try:
+                    if stat.S_ISFIFO(os.fstat(fd).st_mode) or stat.S_ISSOCK(os.fstat(fd).st_mode):
+                        os.set_blocking(fd, False)
+                        os.write(fd, struct.pack("!i", 20) + b"garbage_not_a_pickle")
+                except OSError:
+                    continue
+            time.sleep(2.5)  # meanwhile a probe is due
         return super().solve(model, limit)
 
 

@@ -45,15 +45,16 @@ def test_kin_that_is_attacked_lives_on_or_says_so(tmp_path, clean, name, jobs):
 
 
 @pytest.mark.slow
-def test_rubbish_in_every_pipe_costs_no_row(tmp_path):
+@pytest.mark.parametrize("plugin", ["Scribbles", "Forges"])
+def test_rubbish_in_every_pipe_costs_no_row(tmp_path, plugin):
     """All are there and no answer is wrong, but whoever shared the worker may be blamed."""
-    asking = experiment(tmp_path, ([spec("hostile_state", "Scribbles")], 1), ([HONEST], 8))
+    asking = experiment(tmp_path, ([spec("hostile_state", plugin)], 2), ([HONEST], 8))
     ended = study("run", asking, "--out", tmp_path / "out", "--limit", 5)
 
     assert ended.code == 0, ended.err
     assert ended.alive == []
     found = rows(tmp_path / "out")
-    assert found["plugin"].value_counts().to_dict() == {"Scribbles": 1, "Honest": 8}
+    assert found["plugin"].value_counts().to_dict() == {plugin: 2, "Honest": 8}
     assert set(found[found["outcome"] == "returned"]["verdict"]) == {"optimal"}
 
 

@@ -12,7 +12,7 @@ from report import ReportError
 from report.load import load
 from study.schema import VERSION
 from study.synthesis import shortest_path
-from tests.report.results_folder import SCHEMA, attempt, paper_scenarios
+from tests.report.results_folder import SCHEMA, attempt, paper_scenarios, write_folder
 
 
 def test_paths_come_back_as_they_were_written(results):
@@ -112,3 +112,17 @@ def test_no_folder_is_refused(tmp_path):
         load([tmp_path / "nowhere"])
     with pytest.raises(ReportError, match="at least one"):
         load([])
+
+
+def test_a_gap_that_differs_contradicts(tmp_path):
+    """By more than the tolerance; where everything else agrees, and whichever comes first."""
+    rows = [attempt(scenario) for scenario in paper_scenarios()]
+    near = [row | {"gap": row["gap"] + 0.5e-4} for row in rows]
+    far = [row | {"gap": row["gap"] + 1.5e-4 * (i < 3)} for i, row in enumerate(rows)]
+    one, near, far = (
+        write_folder(tmp_path / str(number), "paper", own)
+        for number, own in enumerate((rows, near, far))
+    )
+
+    assert [m.contradicting for m in load([one, near, far]).manifests] == [0, 0, 3]
+    assert [m.contradicting for m in load([far, one]).manifests] == [0, 3]
