@@ -37,25 +37,11 @@ def measure() -> Iterable[Measurement]:
     runs = _runs(present, (FEW, MANY))
     cell = {name: _overhead(runs, name, FEW, MANY) for name in present}
     ours = cell["ours"]
-    yield Measurement(
-        "our harness: a cell's overhead beyond its solver",
-        ours=ours,
-        peer=TARGET,
-        unit="µs/cell",
-        ratio=ours / TARGET,
-        target=1.0,
-        note=f"beside what is aimed at; {_whole(runs, 'ours')}",
-    )
+    note = f"beside what is aimed at; {_whole(runs, 'ours')}"
+    yield _beside("our harness: a cell's overhead beyond its solver", ours, TARGET, note)
     steady = _overhead(_runs(["ours"], LONG), "ours", *LONG)
-    yield Measurement(
-        "the same in a long run",
-        ours=steady,
-        peer=TARGET,
-        unit="µs/cell",
-        ratio=steady / TARGET,
-        target=1.0,
-        note=f"from {LONG[0]} to {LONG[1]} cells, parts and manifests written on the way",
-    )
+    note = f"from {LONG[0]} to {LONG[1]} cells, parts and manifests written on the way"
+    yield _beside("the same in a long run", steady, TARGET, note)
     alone = cell["in process"]
     yield Measurement(
         "the same, judged but not isolated",
@@ -70,15 +56,15 @@ def measure() -> Iterable[Measurement]:
         if name not in cell:
             yield absent(what, f"{name} {_EXTRA}")
             continue
-        yield Measurement(
-            what,
-            ours=ours,
-            peer=cell[name],
-            unit="µs/cell",
-            ratio=ours / cell[name],
-            target=1.0,
-            note=_whole(runs, name),
-        )
+        yield _beside(what, ours, cell[name], _whole(runs, name))
+
+
+def _beside(what: str, ours: float, peer: float, note: str) -> Measurement:
+    """Microseconds a cell, which are to be no more than a peer's or than what is aimed at."""
+    ratio = ours / peer
+    return Measurement(
+        what, ours=ours, peer=peer, unit="µs/cell", ratio=ratio, target=1.0, note=note
+    )
 
 
 def _runs(names: list[str], sizes: tuple[int, int]) -> dict[tuple[str, int], list[Spent]]:

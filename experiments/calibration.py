@@ -7,10 +7,6 @@ from time import perf_counter
 
 import numpy as np
 
-from study.noise import spread
-
-__all__ = ["probe", "spread"]
-
 _LOOPS, _ARRAYS, _LEAST_OF = 9000, 300, 3
 
 

@@ -30,6 +30,22 @@ class Chunk(NamedTuple):
         return sum(map(len, self.chains))
 
 
+class Returned(NamedTuple):
+    """What a Dask worker returns of a chunk.
+
+    Args:
+        rows: of the chunk's first cells, as an Arrow stream.
+        refusal: why there can be no more, if so.
+        machine: the name of the worker's machine.
+        probes: seconds that the calibration's piece of work took there.
+    """
+
+    rows: bytes
+    refusal: str
+    machine: str
+    probes: list[float]
+
+
 def encoded(chunk: Chunk) -> bytes:
     """A chunk as JSON, which keeps every double to the last bit."""
     chains = [[_cell(cell) for cell in chain] for chain in chunk.chains]

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from contextlib import suppress
-from typing import Any, NamedTuple
+from typing import Any
 
-from experiments.chunk import Chunk
+from experiments.chunk import Chunk, Returned
 from experiments.supervisor import RunError
 from solvers.answer import told
 
@@ -14,22 +14,6 @@ from solvers.answer import told
 _FETCH = 30.0
 
 LOST = "the connection to the Dask scheduler is lost; the rows written so far are kept"
-
-
-class Returned(NamedTuple):
-    """What `experiments.dask_worker.solve_chunk` returns.
-
-    Args:
-        rows: of the chunk's first cells, as an Arrow stream.
-        refusal: why there can be no more, if so.
-        machine: the name of the worker's machine.
-        probes: seconds that the calibration's piece of work took there.
-    """
-
-    rows: bytes
-    refusal: str
-    machine: str
-    probes: list[float]
 
 
 def there(name: str) -> Callable[[Any], Any]:
@@ -65,6 +49,7 @@ def returned(future: Any, chunk: Chunk) -> Returned:
     if future.status == "cancelled":
         raise RunError(LOST)
     try:
+        # made anew: a worker of another version may return something else
         return Returned(*future.result(timeout=_FETCH))
     except TimeoutError:
         raise

@@ -11,7 +11,7 @@ from multiprocessing.util import Finalize
 from pathlib import Path as FilePath
 from time import monotonic
 
-from experiments.chunk import Chunk, decoded, first_cells, remainder, rows_sent
+from experiments.chunk import Chunk, Returned, decoded, first_cells, remainder, rows_sent
 from experiments.interruption import Interruption
 from experiments.judging import Run
 from experiments.rows import Row
@@ -97,6 +97,7 @@ class _Bench:
         with self._lock:
             mine = [one for one in self._idle if one.run.run_id == run_id]
             self._idle = [one for one in self._idle if one not in mine]
+            self._probes.pop(run_id, None)
             busy = [one for one in self._busy if one.run.run_id == run_id]
         _close(mine)
         for one in busy:
@@ -116,16 +117,12 @@ def _close(supervisors: list[Supervisor]) -> None:
 _bench = _Bench()
 
 
-def solve_chunk(sent: bytes) -> tuple[bytes, str, str, list[float]]:
-    """Solve the cells of a chunk for about a second, at least one of them.
-
-    Returns:
-        As `experiments.dask_call.Returned`.
-    """
+def solve_chunk(sent: bytes) -> Returned:
+    """Solve the cells of a chunk for about a second, at least one of them."""
     chunk, machine = decoded(sent), socket.gethostname()
     refusal = _refusal(chunk)
     if refusal:
-        return b"", f"on the Dask worker on {machine}, {refusal}", machine, []
+        return Returned(b"", f"on the Dask worker on {machine}, {refusal}", machine, [])
     rows: list[Row] = []
     try:
         with _bench.supervisor(chunk.run, chunk.bounds) as supervisor:
@@ -133,7 +130,7 @@ def solve_chunk(sent: bytes) -> tuple[bytes, str, str, list[float]]:
                 rows += some
     except RunError as error:
         refusal = f"on the Dask worker on {machine}, {error}"
-    return rows_sent(rows), refusal, machine, _bench.probes(chunk.run.run_id)
+    return Returned(rows_sent(rows), refusal, machine, _bench.probes(chunk.run.run_id))
 
 
 def _solved(chunk: Chunk, supervisor: Supervisor, stop: Interruption) -> Iterator[list[Row]]:

@@ -91,7 +91,17 @@ def about_part(part: FilePath) -> dict[str, str]:
     Raises:
         StoreError: if it cannot be read.
     """
-    return _about(_opened(part))
+    return footer(part)[0]
+
+
+def footer(part: FilePath) -> tuple[dict[str, str], int]:
+    """The same, and how many rows the part holds.
+
+    Raises:
+        StoreError: if it cannot be read.
+    """
+    file = _opened(part)
+    return _about(file), int(file.metadata.num_rows)
 
 
 def _about(file: pq.ParquetFile) -> dict[str, str]:
@@ -99,11 +109,6 @@ def _about(file: pq.ParquetFile) -> dict[str, str]:
         key.decode("utf-8", "replace"): value.decode("utf-8", "replace")
         for key, value in (file.metadata.metadata or {}).items()
     }
-
-
-def count_rows(part: FilePath) -> int:
-    """How many rows a part holds, from its footer."""
-    return int(_opened(part).metadata.num_rows)
 
 
 def read_part(part: FilePath, columns: list[str] | None = None) -> pa.Table:

@@ -20,7 +20,7 @@ import pyarrow as pa
 from experiments.columns import Window
 from experiments.disk import StoreError
 from experiments.manifest import is_count
-from experiments.parts import RUN_ID, STREAM, about_part, count_rows, is_stream, part_files
+from experiments.parts import RUN_ID, STREAM, footer, is_stream, part_files
 from study.schema import CHUNK
 
 _KINDS = ("outcome", "verdict")
@@ -100,7 +100,7 @@ def streamed_parts(folder: FilePath) -> Iterator[Part]:
 def streamed_part(file: FilePath) -> Part | None:
     """A chunk, or None where the file is damaged or another's: its rows are then solved again."""
     try:
-        about, count = about_part(file), count_rows(file)
+        about, count = footer(file)
         part = _part(file, json.loads(about[CHUNK]), about.get(RUN_ID, ""))
     except (StoreError, KeyError, ValueError, TypeError, OverflowError, RecursionError):
         return None

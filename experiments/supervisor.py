@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Generator, Iterator, Mapping
 from concurrent.futures import Future
 from concurrent.futures.process import BrokenProcessPool
 from queue import Empty, SimpleQueue
@@ -78,7 +78,6 @@ class Supervisor:
         self._tasks, self._loading = Tasks(), Loading(warm_up)
         self._ahead = dict.fromkeys(self._slots, 1)
         self._false_starts = 0
-        self._news_in = _TURN  # s that news is waited for; none while rows can be made without
         # orders in one message; a single one once there was one that did not come back
         self._together = _TOGETHER
 
@@ -122,8 +121,8 @@ class Supervisor:
                 self._finish_up()
             if not self._tasks:
                 return
-            yield from self._feed(stop)
-            yield self._news()
+            more = yield from self._feed(stop)
+            yield self._news(0.0 if more else _TURN)
 
     def _finish_up(self) -> None:
         """Forget every order that no worker is at, those of a batch that it is at excepted."""
@@ -136,8 +135,9 @@ class Supervisor:
                 del slot.pending[number]
                 self._tasks.take(number)
 
-    def _feed(self, stop: Interruption) -> Iterator[list[Row]]:
-        waiting, self._news_in = self._tasks.waiting, _TURN
+    def _feed(self, stop: Interruption) -> Generator[list[Row], None, bool]:
+        """Put orders to workers; whether there are more rows that need none."""
+        waiting, more = self._tasks.waiting, False
         for slot in self._slots:
             orders: list[Order] = []
             spared = 0
@@ -151,7 +151,7 @@ class Supervisor:
                     yield self._rows(task, reply)
                     spared += 1
                     if stop.asked or spared >= _AHEAD:
-                        self._news_in = 0.0
+                        more = True
                         break  # others may have news
                     continue
                 warm_up = self._loading.warms_up(task.cell)
@@ -168,15 +168,16 @@ class Supervisor:
                 self._slots[0].measure()
             except RuntimeError:  # as above
                 yield self._fallen(self._slots[0])
+        return more
 
-    def _news(self) -> list[Row]:
+    def _news(self, wait: float) -> list[Row]:
         if self._watch.failure is not None:
             raise RunError(
                 f"the watch over the workers has ended ({told(self._watch.failure)}), and no limit "
                 "would hold; the rows written so far are kept"
             )
         try:
-            slot, batch, future = self._ended.get(timeout=self._news_in)
+            slot, batch, future = self._ended.get(timeout=wait)
         except Empty:
             # pebble has no word of a worker that ends itself with code 0
             ended = [slot for slot in self._slots if slot.exit_code() is not None]

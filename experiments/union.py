@@ -19,8 +19,9 @@ from experiments.provenance import now
 from experiments.store import counted, read_rows
 from experiments.stream_parts import streamed_counts, streamed_part
 from study.schema import KEY, names
+from study.verify import Tolerances
 
-_DEFAULT_GAP = 1e-4
+_DEFAULT_GAP = Tolerances().gap  # of a manifest that tells none
 
 
 class Union(NamedTuple):

@@ -60,8 +60,7 @@ def varied(probes: Sequence[Probe]) -> float | None:
     Returns:
         As `spread`; None if no machine has enough probes.
     """
-    found = [_varied(own) for own in by_machine(probes).values()]
-    return max((one for one in found if one is not None), default=None)
+    return next(map(_varied, by_machine(probes).values()), None)
 
 
 def _varied(probes: Sequence[Probe]) -> float | None:

@@ -17,7 +17,6 @@ import dask_here as here
 
 from experiments import dask_worker, run
 from experiments.chunk import Chunk, encoded
-from experiments.dask_call import Returned
 from experiments.dask_client import mismatch
 from experiments.dask_host import local_cluster
 from experiments.judging import Run
@@ -226,7 +225,7 @@ def test_a_worker_whose_files_were_changed_is_to_be_restarted(monkeypatch):
     """What it has imported is not what is on disk, whose digest it would tell."""
     monkeypatch.setattr(dask_worker, "_IMPORTED", frozenset())
     nothing = encoded(Chunk(Run("r", 1.0, 1), Bounds(1, 1), [], {}))
-    sent = Returned(*dask_worker.solve_chunk(nothing))
+    sent = dask_worker.solve_chunk(nothing)
 
     assert sent.rows == b""
     assert sent.refusal.endswith("dubins-study was changed since the worker started; restart it")

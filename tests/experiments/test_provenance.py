@@ -13,13 +13,13 @@ from hypothesis import strategies as st
 from live_run import manifest, quick_experiment
 
 from experiments import provenance, run
-from experiments.calibration import probe, spread
+from experiments.calibration import probe
 from experiments.provenance import governor, load_average, machine, solver_versions
 from experiments.record import recorded
 from experiments.store import read_rows
 from solvers import library_versions
 from solvers.registry import load
-from study.noise import Probe, by_machine, probes_of, varied
+from study.noise import Probe, by_machine, probes_of, spread, varied
 
 
 def test_the_governor_of_all_cores(tmp_path):
