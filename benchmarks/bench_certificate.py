@@ -9,15 +9,15 @@ import pandas as pd
 
 from benchmarks.harness import Measurement, Timing, side_by_side
 from benchmarks.peers import random_frame
-from solvers.analytic import Analytic
-from study.certificate import certify
-from study.certificate_frame import certify_frame
-from study.enclosure import enclose
-from study.path import Path
-from study.scenario import Scenario, check_frame, scenarios
-from study.synthesis import shortest_path
-from study.verify import judge
-from study.verify_frame import judge_frame
+from dubins_study.solvers.analytic import Analytic
+from dubins_study.study.check.certificate import certify
+from dubins_study.study.check.certificate_frame import certify_frame
+from dubins_study.study.check.enclosure import enclose
+from dubins_study.study.check.verdict import judge
+from dubins_study.study.check.verdict_frame import judge_frame
+from dubins_study.study.closed_form.shortest import shortest_path
+from dubins_study.study.path import Path
+from dubins_study.study.scenario import Scenario, check_frame, scenarios
 
 N = 1_000_000
 SOME = 200  # scenarios that are certified one by one

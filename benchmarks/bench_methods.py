@@ -8,10 +8,10 @@ from statistics import median
 from time import perf_counter
 
 from benchmarks.harness import Measurement
-from solvers.protocol import AnySolver, Question, Solution
-from solvers.registry import load, settings
-from study.scenario import Scenario
-from study.verify import Claim
+from dubins_study.solvers.protocol import AnySolver, Question, Solution
+from dubins_study.solvers.registry import load, settings
+from dubins_study.study.check.verdict import Claim
+from dubins_study.study.scenario import Scenario
 
 THIRD = math.pi / 3
 # the paper's five test problems

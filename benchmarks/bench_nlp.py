@@ -11,13 +11,19 @@ import numpy as np
 from scipy.optimize import minimize
 
 from benchmarks.harness import Measurement, side_by_side
-from solvers.ipopt import Ipopt
-from solvers.model import FULL_TURN, Subproblem, equations, jacobian, subproblems
-from solvers.protocol import AnySolver, Question
-from solvers.slsqp import Slsqp
-from solvers.starts import starting_points
-from study.path import FloatArray
-from study.scenario import Scenario
+from dubins_study.solvers.paper_nlp.initial_guesses import starting_points
+from dubins_study.solvers.paper_nlp.ipopt import Ipopt
+from dubins_study.solvers.paper_nlp.model import (
+    FULL_TURN,
+    Subproblem,
+    equations,
+    jacobian,
+    subproblems,
+)
+from dubins_study.solvers.paper_nlp.slsqp import Slsqp
+from dubins_study.solvers.protocol import AnySolver, Question
+from dubins_study.study.path import FloatArray
+from dubins_study.study.scenario import Scenario
 
 N = 1_000
 TARGET = 1.3

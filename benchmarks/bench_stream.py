@@ -17,12 +17,12 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from benchmarks.harness import Measurement, side_by_side
-from experiments.interruption import Interruption
-from experiments.judging import Run
-from experiments.spec import parse
-from experiments.stream import Stream, solve_streams, streams
-from experiments.writer import Writer
-from study.schema import arrow_schema
+from dubins_study.experiments.definition.experiment import parse
+from dubins_study.experiments.engines.judging import Run
+from dubins_study.experiments.engines.stream import Stream, solve_streams, streams
+from dubins_study.experiments.interruption import Interruption
+from dubins_study.experiments.store.writer import Writer
+from dubins_study.study.rows.schema import arrow_schema
 
 CHUNK, PARTS = 2**17, 10
 SIZES = (2_000_000, 12_000_000)
@@ -43,7 +43,7 @@ radius = {{ log = [0.1, 10] }}
 """
 _PEAK = """
 import resource, sys
-from experiments import run
+from dubins_study import run
 run(sys.argv[1], sys.argv[2])
 print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
 """

@@ -12,11 +12,11 @@ from dataclasses import dataclass
 from statistics import fmean, median
 
 from benchmarks.harness import Measurement
-from solvers.protocol import Question
-from solvers.turn_rate_qp import TurnRateQp
-from solvers.turn_rate_template import ENGINES, template
-from study.scenario import Scenario
-from study.verify import Claim, judge
+from dubins_study.solvers.optimal_control.turn_rate_qp import TurnRateQp
+from dubins_study.solvers.optimal_control.turn_rate_template import ENGINES, template
+from dubins_study.solvers.protocol import Question
+from dubins_study.study.check.verdict import Claim, judge
+from dubins_study.study.scenario import Scenario
 
 N = 50
 TARGET_MS = 1.0  # most that cvxpy and this project may add to the engine's time, per QP

@@ -6,7 +6,7 @@ import math
 
 from hypothesis import strategies as st
 
-from study.scenario import Scenario
+from dubins_study.study.scenario import Scenario
 
 PAPER = {
     "problem 1": Scenario(0, 0, 2 * math.pi / 3, 10, 5, 1),

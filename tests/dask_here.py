@@ -14,9 +14,9 @@ from pathlib import Path
 import pandas as pd
 import psutil
 
-from experiments import processes
-from experiments.store import read_rows
-from study.schema import KEY, ROW, names
+from dubins_study.experiments.isolation import processes
+from dubins_study.experiments.store.folder import read_rows
+from dubins_study.study.rows.schema import KEY, ROW, names
 
 # what differs between two runs that find the same
 OF_THE_RUN = {"build_s", "solve_s", "wall_s", "jobs", "engine", "run_id", "started"}

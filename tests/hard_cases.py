@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pandas as pd
 
-from study.scenario import Scenario, scenario_frame
+from dubins_study.study.scenario import Scenario, scenario_frame
 
 
 def hard_frame(n: int, seed: int = 0) -> pd.DataFrame:

@@ -16,7 +16,7 @@ from marked import kill_all, marked
 SLOW = """
 import time
 from pathlib import Path
-from solvers.slsqp import Slsqp
+from dubins_study.solvers.paper_nlp.slsqp import Slsqp
 
 class Slow(Slsqp):
     def solve(self, model, limit):

@@ -55,8 +55,8 @@ def _experiment(cells: int, folder: FilePath) -> FilePath:
 
 def ours(cells: int, folder: FilePath) -> Spent:
     """`experiments.run`: worker process, check, certificate, rows, Parquet."""
-    from experiments import run
-    from experiments.store import read_rows
+    from dubins_study import run
+    from dubins_study.experiments.store.folder import read_rows
 
     file = _experiment(cells, folder)
     began = perf_counter()
@@ -70,13 +70,13 @@ def ours(cells: int, folder: FilePath) -> Spent:
 
 def in_process(cells: int, folder: FilePath) -> Spent:
     """The same cells without a worker process: check, certificate, rows and one part."""
-    from experiments.judging import Run, row_of
-    from experiments.request import Request, accepted
-    from experiments.rows import rows_table
-    from experiments.store import write_part
-    from solvers.answer import ask
-    from solvers.protocol import Question
-    from solvers.registry import load
+    from dubins_study.experiments.engines.judging import Run, row_of
+    from dubins_study.experiments.engines.rows import rows_table
+    from dubins_study.experiments.plan.request import Request, accepted
+    from dubins_study.experiments.store.folder import write_part
+    from dubins_study.solvers.attempt import ask
+    from dubins_study.solvers.protocol import Question
+    from dubins_study.solvers.registry import load
 
     file = _experiment(cells, folder)
     began = perf_counter()

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from solvers.protocol import Guarantee, Question, Solution
-from study.path import Path
-from study.scenario import Scenario
-from study.synthesis import BRANCHES, shortest_path
-from study.verify import Claim
+from dubins_study.solvers.protocol import Guarantee, Question, Solution
+from dubins_study.study.check.verdict import Claim
+from dubins_study.study.closed_form.shortest import BRANCHES, shortest_path
+from dubins_study.study.path import Path
+from dubins_study.study.scenario import Scenario
 
 HEADING, TARGET_Y, FIRST, LAST = 0.3, 3.0, 2.0, 10.0
 

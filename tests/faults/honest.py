@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar
 
-from solvers.analytic import Analytic
+from dubins_study.solvers.analytic import Analytic
 
 
 class Honest(Analytic):

@@ -7,7 +7,7 @@ import os
 import signal
 import sys
 
-from solvers.analytic import Analytic
+from dubins_study.solvers.analytic import Analytic
 
 
 class Segfault(Analytic):

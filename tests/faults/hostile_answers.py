@@ -8,12 +8,12 @@ from pathlib import Path as FilePath
 
 import numpy as np
 
-from solvers.analytic import Analytic
-from solvers.protocol import Solution
-from study.path import Path
-from study.scenario import Pose
-from study.synthesis import shortest_path
-from study.verify import Claim
+from dubins_study.solvers.analytic import Analytic
+from dubins_study.solvers.protocol import Solution
+from dubins_study.study.check.verdict import Claim
+from dubins_study.study.closed_form.shortest import shortest_path
+from dubins_study.study.path import Path
+from dubins_study.study.scenario import Pose
 
 
 class Rude(BaseException):

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from itertools import repeat
 from pathlib import Path
 
-from solvers.analytic import Analytic
+from dubins_study.solvers.analytic import Analytic
 
 
 def loop_in_c():

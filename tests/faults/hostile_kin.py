@@ -6,7 +6,7 @@ import ctypes
 import os
 import signal
 
-from solvers.analytic import Analytic
+from dubins_study.solvers.analytic import Analytic
 
 
 class KillsGroup(Analytic):

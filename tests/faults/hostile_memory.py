@@ -7,7 +7,7 @@ import time
 
 import numpy as np
 
-from solvers.analytic import Analytic
+from dubins_study.solvers.analytic import Analytic
 
 GIB = 2**30
 

@@ -23,10 +23,10 @@ from pathlib import Path
 import numpy as np
 from threadpoolctl import threadpool_info, threadpool_limits
 
-import solvers.answer
-import study.verify
-from solvers.analytic import Analytic
-from study.verify import Verdict
+import dubins_study.solvers.attempt
+import dubins_study.study.check.verdict
+from dubins_study.solvers.analytic import Analytic
+from dubins_study.study.check.verdict import Verdict
 
 SEED = 424242
 
@@ -59,7 +59,7 @@ def _believing(judge):
 
 
 def _patch():
-    for module in (study.verify, solvers.answer):
+    for module in (dubins_study.study.check.verdict, dubins_study.solvers.attempt):
         module.judge = _believing(module.judge)
 
 
@@ -149,7 +149,7 @@ STATES = {
         lambda: setattr(decimal.getcontext(), "prec", 3),
         lambda: decimal.getcontext().prec == 3,
     ),
-    "judge": (_patch, lambda: hasattr(solvers.answer.judge, "faults")),
+    "judge": (_patch, lambda: hasattr(dubins_study.solvers.attempt.judge, "faults")),
     "files": (_files, lambda: resource.getrlimit(resource.RLIMIT_NOFILE)[0] == 61),
     "nice": (lambda: os.nice(3), lambda: os.nice(0) >= 3),
     "umask": (lambda: os.umask(0o777), lambda: _umask() == 0o777),

@@ -16,7 +16,7 @@ import pandas as pd
 import psutil
 from marked import alive, kill_all, left_behind, marked
 
-from experiments.store import read_rows
+from dubins_study.experiments.store.folder import read_rows
 
 ROOT = Path(__file__).parents[2]
 HERE = Path(__file__).parent

@@ -8,7 +8,7 @@ from random import Random
 
 import pytest
 
-from experiments.store import done
+from dubins_study.experiments.store.folder import done
 from tests.faults.launch import (
     experiment,
     kill_all,

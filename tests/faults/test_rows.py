@@ -7,7 +7,7 @@ import re
 import psutil
 import pytest
 
-from study.schema import KEY, names
+from dubins_study.study.rows.schema import KEY, names
 from tests.faults.conftest import ASKED, TABLES
 from tests.faults.launch import lasting, study
 

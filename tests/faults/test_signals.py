@@ -8,7 +8,7 @@ import time
 
 import pytest
 
-from experiments.store import done
+from dubins_study.experiments.store.folder import done
 from tests.faults.launch import experiment, rows, spec, started, study, until
 
 pytestmark = pytest.mark.slow

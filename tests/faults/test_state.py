@@ -131,12 +131,12 @@ LINES = {
     "leaves": "os._exit(0)",
     "loops": "from collections import deque; deque(itertools.repeat(0), maxlen=0)",
     "taints": (
-        "import solvers.answer, study.verify; study.verify.judge = solvers.answer.judge = None"
+        "import dubins_study.solvers.attempt, dubins_study.study.check.verdict; dubins_study.study.check.verdict.judge = dubins_study.solvers.attempt.judge = None"
     ),
 }
 PLUGIN = """
 import itertools, os, sys
-from solvers.analytic import Analytic
+from dubins_study.solvers.analytic import Analytic
 {imported}
 class Plugin(Analytic):
     def __init__(self):
@@ -195,7 +195,7 @@ def test_plugins_that_go_wrong_only_in_a_worker(tmp_path, clean, what):
 
 def test_state_of_the_caller_is_left_alone(tmp_path):
     """A run from Python changes nothing of the process that asks for it."""
-    from experiments import run
+    from dubins_study import run
 
     before = os.getcwd(), dict(os.environ), np.geterr()  # noqa: PTH109
     own = {name for name, (_, changed) in STATES.items() if changed()}  # pytest's alarm, say

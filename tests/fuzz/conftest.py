@@ -10,7 +10,9 @@ from typing import NamedTuple
 import psutil
 import pytest
 
-from experiments import grid, overlap, run
+from dubins_study import run
+from dubins_study.experiments.plan import cells as grid
+from dubins_study.experiments.plan import repeated_scenarios as overlap
 
 _CANARY = """
 from pathlib import Path

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-import report.page  # noqa: F401  its libraries write to places of their own when loaded
+import dubins_study.report.page.render  # noqa: F401  its libraries write to places of their own when loaded
 from tests.fuzz.hostile import HOSTILE, cases
 from tests.fuzz.page import check_json
 from tests.fuzz.watched import command, raw_controls, watched

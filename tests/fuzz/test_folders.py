@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-import report.page  # noqa: F401  its libraries write to places of their own when loaded
+import dubins_study.report.page.render  # noqa: F401  its libraries write to places of their own when loaded
 from tests.fuzz.damage import spoil
 from tests.fuzz.hostile import cases
 from tests.fuzz.page import check_json, check_report
@@ -89,7 +89,7 @@ def resumed(seed, spoilt, small_run, song):
     folder = spoilt(seed)
     words = ("run", str(small_run.experiment), "--out", str(folder))
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("experiments.grid.FEWEST_STREAMED", 100)
+        patch.setattr("dubins_study.experiments.plan.cells.FEWEST_STREAMED", 100)
         if answered_or_refused(words, folder.parent, song) == 0:
             answered_or_refused(words, folder.parent, song)
     answered_or_refused(("status", str(folder)), folder.parent, song)

@@ -7,19 +7,19 @@ import json
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from tests.report.results_folder import attempt, write_folder
 
-import report.page  # noqa: F401  its libraries write to places of their own when loaded
-from study.scenario import Scenario
+import dubins_study.report.page.render  # noqa: F401  its libraries write to places of their own when loaded
+from dubins_study.study.scenario import Scenario
 from tests.fuzz.hostile import HOSTILE, MARK, cases, texts
 from tests.fuzz.page import check_json, check_report
 from tests.fuzz.watched import command, raw_controls
-from tests.report.results_folder import attempt, write_folder
 
 # what a row may hold: a text without halves of pairs
 words = st.one_of(texts, st.text(st.characters(exclude_categories=["Cs"]), max_size=12))
 _RUDE = """
-from solvers.slsqp import Slsqp
-from solvers.protocol import Claim, Solution
+from dubins_study.solvers.paper_nlp.slsqp import Slsqp
+from dubins_study.solvers.protocol import Claim, Solution
 
 class Rude(Slsqp):
     name = method = summary = {text!r}

@@ -7,10 +7,10 @@ from pathlib import Path
 import pytest
 from hypothesis import given
 
-from experiments import grid
-from experiments.request import Request, accepted
-from experiments.spec import ExperimentError, packaged, parse
-from solvers.registry import SolverError
+from dubins_study.experiments.definition.experiment import ExperimentError, packaged, parse
+from dubins_study.experiments.plan import cells as grid
+from dubins_study.experiments.plan.request import Request, accepted
+from dubins_study.solvers.registry import SolverError
 from tests.fuzz.hostile import MARK, cases
 from tests.fuzz.toml_text import experiments, mutilated, text_of
 from tests.fuzz.watched import raw_controls, watched

@@ -7,7 +7,7 @@ from typing import Any
 
 from hypothesis import strategies as st
 
-from experiments.spec import FIELDS
+from dubins_study.experiments.definition.experiment import FIELDS
 from tests.fuzz.hostile import integers, nested, scalars, texts
 
 SPECS = (
@@ -18,7 +18,12 @@ SPECS = (
     *("slsqp" + "[", "slsqp]", "slsqp[count={1,2]", "slsqp[count=}", "{", "{}", "{,}", "[]", "x[]"),
     *("slsqp[count={1,{2,3}}]", "{analytic,}" * 40, "{" * 3000 + "}" * 3000, "{a,b}" * 2000),
     *("slsqp[count=" + "9" * 5000 + "]", "slsqp[count=1e999]", "slsqp[count=nan,count=2]"),
-    *("slsqp[__class__=1]", "analytic[__init__=x]", "solvers.slsqp:Slsqp", "os:system"),
+    *(
+        "slsqp[__class__=1]",
+        "analytic[__init__=x]",
+        "dubins_study.solvers.paper_nlp.slsqp:Slsqp",
+        "os:system",
+    ),
 )
 
 

@@ -93,7 +93,7 @@ class Said(NamedTuple):
 
 def command(*arguments: str) -> Said:
     """`dubins-study` in this process, its streams as strict as a terminal's."""
-    from dubins_study.cli import main
+    from dubins_study.cli.app import main
 
     kept, streams = (sys.argv, sys.stdout, sys.stderr), (io.BytesIO(), io.BytesIO())
     sys.argv = ["dubins-study", *arguments]

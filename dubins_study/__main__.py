@@ -1,6 +1,0 @@
-"""`python -m dubins_study`: the command line."""
-
-from dubins_study.cli import main
-
-if __name__ == "__main__":
-    main()

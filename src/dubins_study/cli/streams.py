@@ -1,0 +1,61 @@
+"""What goes to stderr: signs of life, and whatever a solver prints."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, redirect_stdout
+
+
+@contextmanager
+def solvers_to_stderr() -> Iterator[None]:
+    """Keep stdout for results: what solvers and their processes print meanwhile goes to stderr."""
+    if sys.stdout is None or sys.stderr is None:  # one was closed by whoever started us
+        yield
+        return
+    sys.stdout.flush()
+    kept = os.dup(1)
+    os.dup2(2, 1)
+    try:
+        with redirect_stdout(sys.stderr):
+            yield
+    finally:
+        os.dup2(kept, 1)
+        os.close(kept)
+
+
+@contextmanager
+def progress(what: str, told: list[int]) -> Iterator[Callable[[int, int], None]]:
+    """A bar on stderr, told with (done, total); `told` holds what it was told last."""
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
+    from rich.progress import TimeRemainingColumn as Remaining
+
+    from dubins_study.study.printable import plain
+
+    # a file's name may hold brackets
+    name = TextColumn("{task.description}", markup=False)
+    columns = (name, BarColumn(), MofNCompleteColumn(), Remaining())
+    bar = Progress(*columns, console=Console(stderr=True))
+    task = bar.add_task(plain(what), total=None)
+
+    def tell(done: int, total: int) -> None:
+        told[:] = done, total
+        bar.start()  # only now is the request known to be a good one
+        bar.update(task, completed=done, total=total)
+
+    try:
+        yield tell
+    finally:
+        if told:  # a bar that never was would leave an empty line before the error
+            bar.stop()
+
+
+@contextmanager
+def spinner(what: str) -> Iterator[None]:
+    """A sign of life on stderr."""
+    from rich.console import Console
+
+    with Console(stderr=True).status(what):
+        yield

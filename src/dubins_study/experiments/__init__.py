@@ -1,0 +1,1 @@
+"""Experiments: what is asked of which solver, and the code that asks and records."""

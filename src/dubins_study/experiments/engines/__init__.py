@@ -1,0 +1,1 @@
+"""Plans in, judged rows out: local workers, Dask, and streamed frames."""

@@ -1,0 +1,55 @@
+"""Replies become rows: judged here, in a process that no solver has touched."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from dubins_study.experiments.engines.rows import Row, raised_row
+from dubins_study.experiments.isolation.sandbox import THREADS
+from dubins_study.experiments.plan.cells import Cell
+from dubins_study.experiments.provenance import host, now
+from dubins_study.solvers.attempt import Reply, judged_row, told
+from dubins_study.solvers.profiles import tolerances
+from dubins_study.solvers.protocol import Question
+from dubins_study.study.path import Path
+from dubins_study.study.rows.schema import KEY, SCENARIO, names
+
+
+class Run(NamedTuple):
+    """What every row of a run shares."""
+
+    run_id: str
+    limit: float
+    jobs: int
+    engine: str = "local"
+
+
+def row_of(
+    cell: Cell, start: Path | None, run: Run, reply: Reply, started: str = "", versions: str = ""
+) -> tuple[Row, Path | None]:
+    """The row of a reply to a cell's question, and its path if it arrived."""
+    known = dict(zip(_KEY, cell.key, strict=True))
+    known |= {name: getattr(cell.scenario, name) for name in _SCENARIO}
+    known |= shared(run, started or now(), versions)
+    question = Question(cell.scenario, cell.branch, start)
+    try:
+        row = judged_row(cell.solver, question, reply, tolerances(cell.profile))
+    except Exception as error:  # a path that the check cannot drive is a row too
+        return raised_row(known, told(error)), None
+    return row | known, reply.solution.path if row["gap"] is not None else None
+
+
+_KEY, _SCENARIO = names(KEY), names(SCENARIO)
+
+
+def shared(run: Run, started: str, versions: str) -> Row:
+    """The columns that tell where a row came from."""
+    return {
+        "versions": versions,
+        "host": host(),
+        "threads": THREADS,
+        "jobs": run.jobs,
+        "engine": run.engine,
+        "run_id": run.run_id,
+        "started": started,
+    }

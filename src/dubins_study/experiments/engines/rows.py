@@ -1,0 +1,100 @@
+"""Rows as tables of the schema, whatever a plug-in put into them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from numbers import Real
+from typing import Any
+
+import pyarrow as pa
+import pyarrow.compute as pc
+
+from dubins_study.study.path import Path
+from dubins_study.study.rows.schema import KEY, ROW, RUN, SCENARIO, Key, arrow_schema, names
+from dubins_study.study.scenario import Pose
+
+Row = dict[str, Any]
+
+ARROW_SCHEMA = arrow_schema()
+
+# columns that the solver has no part in, which outlive an answer that does not fit
+_OURS = (*names(KEY + SCENARIO + RUN), "region", "margin", "word_ref", "reference")
+_TIMES = ("build_s", "solve_s", "wall_s")
+
+
+def rows_table(rows: Iterable[Mapping[str, Any]]) -> pa.Table:
+    """Rows as a table of the schema; numbers that are not finite become null.
+
+    A row that does not fit becomes one whose outcome is `raised`, so that it spoils no other.
+    """
+    collected = list(rows)
+    try:
+        return _table(collected)
+    except Exception:  # which row it was, and why, is found below
+        return _table([fitting(row) for row in collected])
+
+
+def _table(rows: list[Mapping[str, Any]]) -> pa.Table:
+    columns = [_column([row[field.name] for row in rows], field.type) for field in ARROW_SCHEMA]
+    return pa.Table.from_arrays(columns, schema=ARROW_SCHEMA)
+
+
+def _column(values: list[Any], kind: pa.DataType) -> pa.Array:
+    column = pa.array(values, type=kind, from_pandas=True)  # which makes NaN null
+    numbers = column.values if pa.types.is_list(kind) else column
+    if pa.types.is_floating(numbers.type) and pc.any(pc.invert(pc.is_finite(numbers))).as_py():
+        return pa.array([_clean(value) for value in values], type=kind)
+    return column
+
+
+def fitting(row: Mapping[str, Any]) -> Row:
+    """The row as plain values of the schema's types, or one that says what does not fit."""
+    plain: Row = {}
+    misfit = ""
+    for field in ARROW_SCHEMA:
+        value = row.get(field.name)
+        try:
+            plain[field.name] = pa.array([_clean(value)], type=field.type)[0].as_py()
+        except Exception:  # a plug-in's value may fail in any way, even in telling what it is
+            misfit = misfit or f"{field.name} is {_shown(value)}; expected {field.type}"
+    return raised_row(plain, f"TypeError: {misfit}") if misfit else plain
+
+
+def raised_row(known: Mapping[str, Any], message: str) -> Row:
+    """The row of an attempt without an answer; of what is known, our own columns are kept."""
+    kept = {name: known.get(name) for name in (*_OURS, *_TIMES)}
+    said = {"outcome": "raised", "claim": "none", "verdict": "none", "message": message}
+    flags = {"false_claim": False, "wrong_basin": False, "native_status": ""}
+    return dict.fromkeys(names(ROW)) | kept | flags | said
+
+
+def row_key(row: Mapping[str, Any]) -> Key:
+    """The values of the key columns."""
+    key: Any = tuple(row[name] for name in names(KEY))
+    return key  # type: ignore[no-any-return]
+
+
+def row_path(row: Mapping[str, Any]) -> Path | None:
+    """The path of a row, if it arrived."""
+    if row["gap"] is None:
+        return None
+    return Path(Pose(row["x"], row["y"], row["heading"]), row["curvatures"], row["lengths"])
+
+
+def _shown(value: Any) -> str:
+    try:
+        return _clean(f"{value!r:.80}")  # type: ignore[no-any-return]
+    except Exception:  # see `fitting`
+        return f"a {type(value).__name__}"
+
+
+def _clean(value: Any) -> Any:
+    if isinstance(value, str):
+        # a lone surrogate has no UTF-8
+        return value if value.isascii() else value.encode("utf-8", "replace").decode("utf-8")
+    if isinstance(value, list):
+        return [_clean(item) for item in value]
+    if isinstance(value, Real) and not isinstance(value, int):
+        return value if math.isfinite(value) else None
+    return value

@@ -1,0 +1,140 @@
+"""Chains of cells and their rows as they travel between machines: JSON there, Arrow back."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Mapping
+from typing import NamedTuple
+
+import pyarrow as pa
+
+from dubins_study.experiments.engines.judging import Run
+from dubins_study.experiments.engines.rows import Row, row_key, row_path, rows_table
+from dubins_study.experiments.isolation.watch import Bounds
+from dubins_study.experiments.plan.cells import Cell, Chain
+from dubins_study.study.path import Path
+from dubins_study.study.rows.schema import SCENARIO, Key, names
+from dubins_study.study.scenario import Pose, Scenario
+
+
+class Chunk(NamedTuple):
+    """What one task is asked: chains of cells, and the paths before them (see `Supervisor`)."""
+
+    run: Run
+    bounds: Bounds
+    chains: list[Chain]
+    before: Mapping[Key, Path]
+
+    @property
+    def cells(self) -> int:
+        return sum(map(len, self.chains))
+
+
+class Returned(NamedTuple):
+    """What a Dask worker returns of a chunk.
+
+    Args:
+        rows: of the chunk's first cells, as an Arrow stream.
+        refusal: why there can be no more, if so.
+        machine: the name of the worker's machine.
+        probes: seconds that the calibration's piece of work took there.
+    """
+
+    rows: bytes
+    refusal: str
+    machine: str
+    probes: list[float]
+
+
+def encoded(chunk: Chunk) -> bytes:
+    """A chunk as JSON, which keeps every double to the last bit."""
+    chains = [[_cell(cell) for cell in chain] for chain in chunk.chains]
+    firsts = [chunk.before.get(chain[0].key) for chain in chunk.chains]
+    paths = [path and _path(path) for path in firsts]
+    return json.dumps([[*chunk.run], [*chunk.bounds], chains, paths]).encode()
+
+
+def decoded(sent: bytes) -> Chunk:
+    """The chunk again."""
+    run, bounds, listed, paths = json.loads(sent)
+    chains = [tuple(_read_cell(*cell) for cell in chain) for chain in listed]
+    before = {
+        chain[0].key: Path(Pose(*path[0]), path[1], path[2])
+        for chain, path in zip(chains, paths, strict=True)
+        if path is not None
+    }
+    return Chunk(Run(*run), Bounds(*bounds), chains, before)
+
+
+def _cell(cell: Cell) -> list[object]:
+    return [*cell.key, [getattr(cell.scenario, name) for name in names(SCENARIO)]]
+
+
+def _read_cell(
+    name: str,
+    solver: str,
+    profile: str,
+    branch: str,
+    start: str,
+    repeat: int,
+    code: str,
+    scenario: list[float | str],
+) -> Cell:
+    fields = dict(zip(names(SCENARIO), scenario, strict=True))
+    asked = Scenario(**fields)  # type: ignore[arg-type]
+    return Cell(name, solver, profile, branch, start, repeat, code, asked)
+
+
+def _path(path: Path) -> list[list[float]]:
+    return [list(path.start), path.curvature.tolist(), path.length.tolist()]
+
+
+def rows_sent(rows: Iterable[Row]) -> bytes:
+    """Rows as an Arrow stream: nothing in it that a plug-in could have made."""
+    table = rows_table(rows)
+    sink = pa.BufferOutputStream()
+    with pa.ipc.new_stream(sink, table.schema) as stream:
+        stream.write_table(table)
+    sent: bytes = sink.getvalue().to_pybytes()
+    return sent
+
+
+def rows_received(sent: bytes) -> list[Row]:
+    """The rows again."""
+    with pa.ipc.open_stream(sent) as stream:
+        rows: list[Row] = stream.read_all().to_pylist()
+    return rows
+
+
+def first_cells(chains: Iterable[Chain], most: int) -> list[Chain]:
+    """So many cells from the beginning; a chain may be cut short."""
+    taken: list[Chain] = []
+    for chain in chains:
+        if most <= 0:
+            break
+        taken.append(chain[:most])
+        most -= len(chain)
+    return taken
+
+
+def remainder(
+    chains: Iterable[Chain], before: Mapping[Key, Path], rows: Iterable[Row]
+) -> tuple[list[Chain], dict[Key, Path]]:
+    """What is left of chains once there are rows of their first cells.
+
+    Returns:
+        The chains, and the paths before them. After a failure the last path found serves on.
+    """
+    done = {row_key(row): row for row in rows}
+    left: list[Chain] = []
+    paths: dict[Key, Path] = {}
+    for chain in chains:
+        path, place = before.get(chain[0].key), 0
+        while place < len(chain) and chain[place].key in done:
+            path = row_path(done[chain[place].key]) or path
+            place += 1
+        if place < len(chain):
+            left.append(chain[place:])
+            if path is not None:
+                paths[chain[place].key] = path
+    return left, paths

@@ -1,0 +1,1 @@
+"""Which cells an experiment has, of which solvers, with which code digest."""

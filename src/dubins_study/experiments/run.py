@@ -1,0 +1,187 @@
+"""Run an experiment: the cells that are not done yet, recorded as they come."""
+
+from __future__ import annotations
+
+import logging
+from collections import Counter
+from pathlib import Path as FilePath
+from typing import Any
+from uuid import uuid4
+
+from dubins_study.experiments.definition.experiment import Source
+from dubins_study.experiments.engines.engine import ENGINES, Engine
+from dubins_study.experiments.engines.execution import solve_left
+from dubins_study.experiments.engines.judging import Run
+from dubins_study.experiments.engines.stream import (
+    Stream,
+    solve_streams,
+    streamed_totals,
+    streams_done,
+)
+from dubins_study.experiments.interruption import Interruption
+from dubins_study.experiments.isolation.sandbox import THREADS, pinned_threads
+from dubins_study.experiments.isolation.watch import Bounds
+from dubins_study.experiments.plan.cells import Chain
+from dubins_study.experiments.plan.request import Request, accepted
+from dubins_study.experiments.plan.solver_description import described
+from dubins_study.experiments.provenance import machine, now, source, versions
+from dubins_study.experiments.store.folder import compact, done, open_folder, place
+from dubins_study.experiments.store.lock import locked
+from dubins_study.experiments.store.manifest import count_cells, taken_up
+from dubins_study.experiments.store.run_entry import recorded
+from dubins_study.experiments.store.writer import Progress, Writer
+from dubins_study.solvers.profiles import tolerances
+from dubins_study.study.rows.schema import VERSION
+
+_LOG = logging.getLogger(__name__)
+
+
+def run(
+    experiment: str | FilePath,
+    out: str | FilePath | None = None,
+    *,
+    solvers: list[str] | None = None,
+    jobs: int = 1,
+    limit: float | None = None,
+    memory: float | None = None,
+    repeats: int | None = None,
+    fresh: bool = False,
+    trust: bool = False,
+    engine: str = "local",
+    scheduler: str | None = None,
+    progress: Progress | None = None,
+) -> FilePath:
+    """Run an experiment and return its results folder.
+
+    Cells whose row the folder holds are skipped, so that a second run finishes what a first one
+    left. One job by default, since times are only comparable then.
+
+    Args:
+        experiment: a name (`paper`, `radius-sweep`, ...) or the path of a TOML file.
+        out: results folder; `results/<name>` by default.
+        solvers: specs to run instead of the experiment's own.
+        jobs: processes that solve side by side.
+        limit: seconds a solve may take, instead of the experiment's own.
+        memory: GiB that a worker process and its children may hold, instead of its own.
+        repeats: how often each cell is attempted, instead of the experiment's own.
+        fresh: throw away the rows that the folder holds.
+        trust: let the experiment's own text name plug-in files and programs on PATH as solvers;
+            those among `solvers` are trusted anyway.
+        engine: `local`, or `dask`: the same by Dask's workers, on other machines too.
+        scheduler: the address of Dask's scheduler; without one, `jobs` workers are started here.
+        progress: called with (cells done, cells in all).
+
+    Raises:
+        ExperimentError, SolverError, StoreError: if the request or the folder is not valid.
+        RunError: if worker processes end before they have done anything, or Dask cannot go on.
+        KeyboardInterrupt: after a SIGINT (Ctrl-C), once the cell being solved is finished and all
+            rows are written; a second SIGINT leaves the cell. Only in the main thread, where
+            Python handles signals, and with the caller's own handler back in place.
+    """
+    asked = (experiment, solvers, jobs, limit, memory, repeats, trust, engine, scheduler)
+    request = Request(*asked)
+    with Interruption() as stop:
+        found, groups, wanted = accepted(request, out)
+        folder = FilePath(out) if out is not None else FilePath("results") / found.name
+        stop.check()
+        with ENGINES[engine](jobs, scheduler) as entered:
+            _record(folder, found, groups, wanted, request, fresh, progress, stop, entered)
+    return folder
+
+
+def _record(
+    folder: FilePath,
+    found: Source,
+    groups: list[Chain],
+    wanted: list[Stream],
+    request: Request,
+    fresh: bool,
+    progress: Progress | None,
+    stop: Interruption,
+    engine: Engine,
+) -> None:
+    """Solve the cells that the folder does not hold, and put them there."""
+    place(folder)
+    with locked(folder):
+        manifest = _manifest(found, groups, wanted, request.command())
+        asked = set(manifest["solvers"])
+        earlier, mended = open_folder(folder, manifest["experiment"], fresh)
+        for line in mended:
+            _LOG.warning("dubins-study: %s", line)
+        manifest = taken_up(manifest, earlier)
+        finished = done(folder)
+        keys = {cell.key for group in groups for cell in group}
+        cells = Counter((spec, digest) for _, spec, *_, digest in keys | finished)
+        completes = count_cells(manifest, asked, cells + streamed_totals(folder, wanted))
+        shared = Run(uuid4().hex[:12], found.experiment.limit, engine.jobs, request.engine)
+        bounds = Bounds(found.experiment.limit, round(found.experiment.memory * 2**30))
+        total = len(keys) + sum(stream.rows for stream in wanted)
+        writer = Writer(folder, shared.run_id, total, progress)
+        all_done = keys <= finished and streams_done(folder, wanted)
+        if all_done and (manifest["finished"] is not None or not completes):
+            writer.skip(total)
+            return
+        said = shared._asdict() | {
+            "command": request.command(),
+            "memory": found.experiment.memory,
+            "threads": THREADS,
+            **engine.said,
+        }
+        seed = found.experiment.seed
+        with recorded(folder, manifest, said, completes) as record:
+            writer.beat = record.beat
+            try:
+                with pinned_threads():
+                    solve_streams(folder, wanted, shared, writer, stop)
+                solve_left(
+                    folder,
+                    groups,
+                    finished,
+                    seed,
+                    shared,
+                    bounds,
+                    writer,
+                    stop,
+                    engine,
+                    record.probe,
+                )
+            finally:
+                writer.flush()
+            compact(folder, shared.run_id)
+
+
+def _manifest(
+    found: Source, groups: list[Chain], wanted: list[Stream], command: str
+) -> dict[str, Any]:
+    specs = dict.fromkeys(stream.solver for stream in wanted)
+    specs |= dict.fromkeys(cell.solver for group in groups for cell in group)
+    solvers = {spec: described(spec, found.experiment.profile) for spec in specs}
+    packages = sorted({package for solver in solvers.values() for package in solver.packages})
+    return {
+        "schema": VERSION,
+        "experiment": {
+            "name": found.name,
+            "title": found.experiment.title,
+            "question": found.experiment.question,
+            "text": found.text,
+        },
+        "command": command,
+        "seed": found.experiment.seed,
+        "limit": found.experiment.limit,
+        "memory": found.experiment.memory,
+        "profile": found.experiment.profile,
+        "gap_tolerance": tolerances(found.experiment.profile).gap,
+        "solvers": {
+            spec: {
+                "settings": solver.settings,
+                "code": solver.code,
+                "packages": solver.versions,
+            }
+            for spec, solver in solvers.items()
+        },
+        "versions": versions(tuple(packages)),
+        "machine": machine(),
+        "git": source(),
+        "created": now(),
+        "finished": None,
+    }

@@ -1,0 +1,1 @@
+"""A results folder that loses nothing: parts, manifest, lock, merge, status."""

@@ -1,0 +1,1 @@
+"""Results folders in, frames of judged attempts out."""

@@ -1,0 +1,1 @@
+"""Sections to figures, tables, Markdown and one self-contained HTML page."""

@@ -1,0 +1,103 @@
+"""A table as CSV, Markdown and TeX; everything from outside is escaped here."""
+
+from __future__ import annotations
+
+import re
+
+from dubins_study.report.page.content import Table
+
+_TEX = {
+    "\\": r"\textbackslash{}",
+    "&": r"\&",
+    "%": r"\%",
+    "$": r"\$",
+    "#": r"\#",
+    "_": r"\_",
+    "{": r"\{",
+    "}": r"\}",
+    "~": r"\textasciitilde{}",
+    "^": r"\textasciicircum{}",
+    "<": r"\textless{}",
+    ">": r"\textgreater{}",
+    "|": r"\textbar{}",
+    "−": r"$-$",
+    "–": "--",
+    "≤": r"$\leq$",
+    "≥": r"$\geq$",
+    "∞": r"$\infty$",
+    "×": r"$\times$",
+    "·": r"$\cdot$",
+    "µ": r"$\mu$",
+    "π": r"$\pi$",
+    "ζ": r"$\zeta$",
+    "√": r"$\surd$",
+    "✓": r"\checkmark{}",
+    "✗": r"$\times$",
+    "½": r"$\frac12$",
+    "₁": r"$_1$",
+    "₂": r"$_2$",
+    "₃": r"$_3$",
+    "⁻": r"$^{-}$",
+    "²": r"$^2$",
+    "\u202f": r"\,",
+    "\u00a0": "~",
+}
+# what means something anywhere, what does at the start of a line, and what makes a list there
+_MARKDOWN = re.compile(r"([\\`*_\[\]|~$]|^[#+=-]|(?<=^\d)[.)](?=\s))")
+
+_FORMULA = tuple("=+-@\t")  # what a spreadsheet takes for the beginning of one
+
+
+def tex(text: str) -> str:
+    """Text that TeX prints as it stands."""
+    return "".join(_TEX.get(character, character) for character in _one_line(text))
+
+
+def markdown(text: str) -> str:
+    """Text that Markdown, and the HTML it becomes, show as it stands."""
+    plain = _one_line(text).replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")
+    return _MARKDOWN.sub(r"\\\1", plain)
+
+
+def _one_line(text: str) -> str:
+    return " ".join(text.split("\n")).replace("\r", " ")
+
+
+def to_csv(table: Table) -> str:
+    """The shown columns with raw values: full digits, missing values empty.
+
+    A text that a spreadsheet would take for a formula is led by an apostrophe.
+    """
+    shown = table.frame[[column.key for column in table.columns]].copy()
+    for column in table.columns:
+        if column.kind != "number":
+            shown[column.key] = shown[column.key].map(_no_formula)
+    return str(shown.to_csv(index=False, lineterminator="\n"))
+
+
+def _no_formula(value: object) -> object:
+    return f"'{value}" if isinstance(value, str) and value[:1] in _FORMULA else value
+
+
+def to_markdown(table: Table) -> str:
+    """A pipe table; numbers are aligned right."""
+    rule = ["---:" if column.kind == "number" else "---" for column in table.columns]
+    rows = [[markdown(column.title) for column in table.columns], rule]
+    rows += [[markdown(text) for text in row] for row in table.texts()]
+    return "".join(f"| {' | '.join(row)} |\n" for row in rows)
+
+
+def to_tex(table: Table) -> str:
+    """A `tabular` with booktabs rules, ready for `\\input`."""
+    spec = "".join("r" if column.kind == "number" else "l" for column in table.columns)
+    lines = [rf"\begin{{tabular}}{{{spec}}}", r"\toprule"]
+    lines += [_tex_row([tex(column.title) for column in table.columns]), r"\midrule"]
+    for row in table.texts():
+        pairs = zip(row, table.columns, strict=True)
+        cells = [rf"\texttt{{{tex(t)}}}" if c.kind == "code" else tex(t) for t, c in pairs]
+        lines.append(_tex_row(cells))
+    return "\n".join([*lines, r"\bottomrule", r"\end{tabular}"]) + "\n"
+
+
+def _tex_row(cells: list[str]) -> str:
+    return " & ".join(cells) + r" \\"

@@ -1,0 +1,212 @@
+"""The page: sections to figures, tables, Markdown and one self-contained HTML file."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import tempfile
+from collections.abc import Callable, Iterable, Sequence
+from io import BytesIO
+from pathlib import Path as FilePath
+from typing import Any
+
+from jinja2 import Environment, PackageLoader, StrictUndefined
+from markupsafe import Markup
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+from dubins_study.report.data.load import Manifest, ReportError, Results, load
+from dubins_study.report.page.content import Picture, Section, Table
+from dubins_study.report.page.markup import markdown, to_csv, to_markdown, to_tex
+from dubins_study.report.page.sections import SECTIONS, told_of_sample
+from dubins_study.report.page.style import BLUE, GREEN, INK, MUTED, PAPER, RULE, VERMILION, drawing
+from dubins_study.report.topics.summary.section import some
+
+Progress = Callable[[str], None]
+
+
+def render(
+    folders: Iterable[str | FilePath] | str | FilePath,
+    out: str | FilePath | None = None,
+    progress: Progress | None = None,
+) -> FilePath:
+    """Write the report of one or more results folders; returns the path of `index.html`.
+
+    Args:
+        folders: results folders, or one of them.
+        out: where to write; `report` inside the first folder if None. What an earlier report left
+            there is replaced, in one step, once the new one is complete.
+        progress: called with the title of each section before it is drawn.
+
+    Raises:
+        ReportError: if a folder cannot be read, or `out` cannot be written.
+    """
+    given = [folders] if isinstance(folders, (str, FilePath)) else list(folders)
+    results = load(given)
+    target = FilePath(given[0]) / "report" if out is None else FilePath(out)
+    try:
+        _check_target(target)
+    except OSError as error:  # a name that is too long, a folder that nobody may look into
+        raise _unwritable(target, error) from None
+    with drawing():
+        sections = _sections(results, progress)
+        try:
+            target.parent.mkdir(parents=True, exist_ok=True)
+            _write_whole(target, sections, results.manifests)
+        except OSError as error:
+            raise _unwritable(target, error) from None
+    return target / "index.html"
+
+
+def _unwritable(target: FilePath, error: OSError) -> ReportError:
+    return ReportError(f"{target} cannot be written: {error.strerror or error}")
+
+
+# all that a report consists of: a folder with anything else in it is never replaced
+_WRITTEN = {"index.html", "report.md", "figures", "tables"}
+
+
+def _check_target(target: FilePath) -> None:
+    if target.exists() and not target.is_dir():
+        raise ReportError(f"{target} is a file; expected a folder to write the report to")
+    others = {entry.name for entry in target.iterdir()} - _WRITTEN if target.is_dir() else set()
+    if others:
+        raise ReportError(
+            f"{target} holds {min(others)!r}, no part of a report; expected an empty folder"
+        )
+
+
+def _sections(results: Results, progress: Progress | None) -> list[Section]:
+    found = []
+    for title, section in SECTIONS.items():
+        if progress is not None:
+            progress(title)
+        made = section(results)
+        if made is not None:
+            found.append(told_of_sample(made, results))
+    return found
+
+
+def _write_whole(target: FilePath, sections: Sequence[Section], runs: Sequence[Manifest]) -> None:
+    """Write beside the target, then change names: no reader meets half a report."""
+    fresh = FilePath(tempfile.mkdtemp(prefix=f".{target.name}-", dir=target.parent))
+    try:
+        fresh.chmod(0o755)  # mkdtemp makes it private
+        _write(fresh, sections, runs)
+        if target.exists():
+            old = FilePath(tempfile.mkdtemp(prefix=f".{target.name}-old-", dir=target.parent))
+            target.rename(old / "report")
+            fresh.rename(target)
+            shutil.rmtree(old)
+        else:
+            fresh.rename(target)
+    finally:
+        shutil.rmtree(fresh, ignore_errors=True)
+
+
+def _write(folder: FilePath, sections: Sequence[Section], runs: Sequence[Manifest]) -> None:
+    for name in ("figures", "tables"):
+        (folder / name).mkdir()
+    drawn: dict[str, Markup] = {}
+    for block in (block for section in sections for block in section.blocks):
+        if isinstance(block, Table):
+            for suffix, text in (("csv", to_csv), ("md", to_markdown), ("tex", to_tex)):
+                file = folder / "tables" / f"{block.name}.{suffix}"
+                file.write_text(text(block), encoding="utf-8", newline="\n")
+        else:
+            settle(block.figure)
+            svg = save_bytes(block.figure, "svg")
+            (folder / "figures" / f"{block.name}.svg").write_bytes(svg)
+            (folder / "figures" / f"{block.name}.pdf").write_bytes(save_bytes(block.figure, "pdf"))
+            drawn[block.name] = inline(svg.decode("utf-8"), block.alt)
+    for file_name, template in (("index.html", "index.html.j2"), ("report.md", "report.md.j2")):
+        text_of = _environment().get_template(template)
+        page = text_of.render(sections=sections, runs=runs, drawn=drawn)
+        (folder / file_name).write_text(page, encoding="utf-8", newline="\n")
+
+
+def settle(figure: Figure) -> None:
+    """Lay the figure out once, not again for every file; it takes most of the time."""
+    engine = figure.get_layout_engine()
+    if engine is not None:
+        FigureCanvasAgg(figure)
+        engine.execute(figure)
+        figure.set_layout_engine("none")
+
+
+def save_bytes(figure: Figure, kind: str) -> bytes:
+    """The figure as a file's bytes, the same for the same figure: no dates, fixed ids."""
+    dates: dict[str, Any] = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}
+    buffer = BytesIO()
+    figure.savefig(buffer, format=kind, metadata=dates.get(kind), dpi=200)
+    return buffer.getvalue()
+
+
+# The page is light or dark as its reader likes; figures follow through these variables.
+_VARIABLES = {
+    INK: "--ink",
+    MUTED: "--muted",
+    RULE: "--rule",
+    PAPER: "--paper",
+    BLUE: "--blue",
+    GREEN: "--green",
+    VERMILION: "--vermilion",
+}
+_GROUP_ID = re.compile(r' id="(?:figure|axes|patch|line2d|text|matplotlib\.axis|xtick|ytick)[^"]*"')
+
+
+def inline(svg: str, alt: str) -> Markup:
+    """An SVG file's text as an element of the page."""
+    body = _GROUP_ID.sub("", svg[svg.index("<svg") :])
+    body = re.sub(r"<metadata>.*?</metadata>", "", body, flags=re.DOTALL)
+    for colour, variable in _VARIABLES.items():
+        body = body.replace(colour, f"var({variable})")
+    body = body.replace("'DejaVu Sans'", "inherit")
+    label = Markup("<svg role='img' aria-label='{}'").format(alt)
+    return label + Markup(body.removeprefix("<svg"))
+
+
+def breakable(text: str) -> Markup:
+    """A solver's name that may break between its settings."""
+    escaped = str(Markup.escape(text))
+    return Markup(escaped.replace("[", "<wbr>[").replace(",", ",<wbr>"))
+
+
+def warnings(run: Manifest) -> list[str]:
+    """What a reader of a folder's numbers must know first; nothing if all is well."""
+    said = []
+    if not run.finished:
+        said.append("Not finished: numbers below are of the cells done so far.")
+    if run.contradicting:
+        said.append(
+            f"It contradicts a folder before it in {some(run.contradicting, 'cell')}, by the same "
+            "code: the earlier folder's attempts are shown; dubins-study merge names both."
+        )
+    return said
+
+
+def left_out(run: Manifest) -> list[str]:
+    """What of a folder's rows the report does not show, and why; nothing if it shows all."""
+    lines = {
+        "of earlier code of their solvers": run.stale,
+        "of cells that a folder before this one holds, made by other code": run.replaced,
+    }
+    return [f"{some(number, 'row')} {why}" for why, number in lines.items() if number]
+
+
+def _environment() -> Environment:
+    """Autoescape is on for HTML; Markdown escapes through its own filter."""
+    environment = Environment(
+        loader=PackageLoader("dubins_study.report.page", "templates"),
+        autoescape=lambda name: name is not None and name.startswith("index.html"),
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters |= {"breakable": breakable, "markdown": markdown, "pipe_table": to_markdown}
+    environment.filters |= {"left_out": left_out, "warnings": warnings}
+    environment.tests |= {
+        "picture": lambda block: isinstance(block, Picture),
+        "table": lambda block: isinstance(block, Table),
+    }
+    return environment

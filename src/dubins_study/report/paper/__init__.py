@@ -1,0 +1,1 @@
+"""What the paper prints, and the audit of it."""

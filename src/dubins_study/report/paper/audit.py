@@ -1,0 +1,222 @@
+"""The audit of the paper: every printed number recomputed, and what follows from it.
+
+`audit` gives one object of plain values, the same on every machine, since every number is proven
+to its last digit before it is rounded; `report.paper.audit_check` holds it against the committed one.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from decimal import Decimal
+from fractions import Fraction
+from itertools import product
+from typing import Any
+
+from flint import arb, ctx
+
+from dubins_study.report.paper import audit_rules as rules
+from dubins_study.report.paper.audit_claims import algorithm, statements
+from dubins_study.report.paper.audit_exact import (
+    WORKING,
+    Pieces,
+    ball,
+    biased,
+    distance,
+    ipopt_barrier,
+    number,
+    offset,
+    pieces,
+)
+from dubins_study.report.paper.audit_file import CORRECT
+from dubins_study.report.paper.audit_number import Number, half_unit, places_of, rounded
+from dubins_study.report.paper.printed import (
+    PRINTED,
+    PROBLEMS,
+    QUANTITIES,
+    TIMES,
+    PrintedRow,
+    Problem,
+)
+
+Record = dict[str, Any]
+_WORDS = ("LS", "RS")
+_ARRIVES = Fraction(1, 10**60)  # length unit: far below the 40 digits that are kept
+
+
+def audit() -> Record:
+    """The whole audit.
+
+    Returns:
+        `cells` (one record a printed length: table, label, path, word, quantity, printed, exact to
+        40 digits, difference = printed - exact, biased, bias_prints, verdict, reason), `paths` (one
+        a printed row: miss when driven, what correct rounding allows, whether its parts add up),
+        `algorithm` (one a test problem: the radius at which the target enters a turning circle,
+        and what Algorithm 1 returns beyond), `omitted` (paths that the tables leave out), `times`,
+        `statements` and `summary`. Lengths in the scenario's unit.
+    """
+    with ctx.workdps(WORKING):
+        mu = ipopt_barrier()
+        cells = [cell for row in PRINTED for cell in _cells(row, mu)]
+        paths = [_path(row) for row in PRINTED]
+        found = {
+            "cells": cells,
+            "paths": paths,
+            "algorithm": algorithm(),
+            "omitted": _omitted(),
+            "times": _times(),
+            "statements": statements(),
+        }
+    return found | {"summary": _summary(found)}
+
+
+def _exact(problem: Problem, word: str) -> tuple[Pieces, list[Number]]:
+    """z and f of a word, as balls and as numbers; driven, to see that they arrive."""
+    z = pieces(problem, word)
+    assert z is not None, f"{problem.label} has no {word}"
+    for side in offset(problem, z):
+        assert number(side).below(_ARRIVES), f"{problem.label}, {word} does not arrive"
+    return z, _with_total(z)
+
+
+def _with_total(z: Pieces) -> list[Number]:
+    return [number(value) for value in (*z, z[0] + z[1] + z[2])]
+
+
+def _cells(row: PrintedRow, mu: arb) -> list[Record]:
+    problem = PROBLEMS[row.label]
+    _, exact = _exact(problem, row.word)
+    held = _with_total(biased(problem, row.word, mu))
+    records = []
+    places = places_of(row.cells[-1])
+    findings = rules.judge(row.cells, exact, held)
+    for quantity, text, value, off, found in zip(
+        QUANTITIES, row.cells, exact, held, findings, strict=True
+    ):
+        if text == "0":
+            continue
+        shown = Fraction(Decimal(text))
+        records.append(
+            {
+                "table": row.table,
+                "label": row.label,
+                "path": row.path,
+                "word": row.word,
+                "quantity": quantity,
+                "printed": text,
+                "exact": value.text(),
+                "difference": float(Number(shown - value.high, shown - value.low)),
+                "biased": off.text(10),
+                "bias_prints": str(off.decide(lambda v: rounded(v, places))),
+                "verdict": found.verdict,
+                "reason": found.reason + _impossible(row, quantity, exact),
+            }
+        )
+    return records
+
+
+def _impossible(row: PrintedRow, quantity: str, exact: list[Number]) -> str:
+    text = row.cells[3]
+    limit = Fraction(Decimal(text)) + half_unit(places_of(text))
+    short = quantity == "f" and row.path == "optimal" and limit < exact[3].low
+    return "; no path is that short" if short else ""
+
+
+def _path(row: PrintedRow) -> Record:
+    """The printed path driven from the exact start, and its parts added up."""
+    problem = PROBLEMS[row.label]
+    z, exact = _exact(problem, row.word)
+    places = places_of(row.cells[-1])
+    shown = [Decimal(text) for text in row.cells]
+    miss = number(distance(offset(problem, _balls(shown[:3]))))
+    proper = rules.prints(exact, places)
+    return {
+        "table": row.table,
+        "label": row.label,
+        "path": row.path,
+        "word": row.word,
+        "miss": float(miss),
+        "rounding_allows": _allowed(problem, z, places),
+        "sum_of_parts": str(sum(shown[:3])),
+        "total": row.cells[-1],
+        "adds_up": sum(shown[:3]) == shown[3],
+        "correct_parts_add_up": sum(proper[:3]) == proper[3],
+        "rank_is_right": _rank(problem, row.word) == row.path,
+    }
+
+
+def _balls(values: list[Decimal]) -> Pieces:
+    first, second, third = (ball(value) for value in values)
+    return first, second, third
+
+
+def _allowed(problem: Problem, z: Pieces, places: int) -> float:
+    """The largest miss of a path whose parts are each within half a unit of the exact ones.
+
+    For one turn the miss is convex in the straight, and along the turn it grows with the distance
+    from the best angle, so it is largest at a corner of the box.
+    """
+    half = ball(half_unit(places))
+    shifts = [(0,) if value == 0 else (-1, 1) for value in z]
+    corners = [
+        [value + sign * half for value, sign in zip(z, signs, strict=True)]
+        for signs in product(*shifts)
+    ]
+    return max(float(number(distance(offset(problem, (a, b, c))))) for a, b, c in corners)
+
+
+def _omitted() -> list[Record]:
+    """Paths of the paper's scenarios that its tables have no row for."""
+    have = {(row.label, row.word) for row in PRINTED}
+    left_out = [
+        (problem, word)
+        for problem in PROBLEMS.values()
+        for word in _WORDS
+        if (problem.label, word) not in have
+    ]
+    records = []
+    for problem, word in left_out:
+        _, exact = _exact(problem, word)
+        values = {q: value.text() for q, value in zip(QUANTITIES, exact, strict=True)}
+        path = _rank(problem, word)
+        records.append({"label": problem.label, "path": path, "word": word, **values})
+    return records
+
+
+def _rank(problem: Problem, word: str) -> str:
+    """`optimal` for the shorter of LS and RS, `feasible` for the longer."""
+    own, other = (_exact(problem, w)[1][3] for w in (word, "LS" if word == "RS" else "RS"))
+    return "optimal" if own.high < other.low else "feasible"
+
+
+def _times() -> list[Record]:
+    """Each printed solve time as ticks of a clock of 64 a second."""
+    records = []
+    for label, path, text in TIMES:
+        ticks = round(Fraction(Decimal(text)) * 64)
+        tick_time = rounded(Fraction(ticks, 64), places_of(text))
+        records.append(
+            {
+                "label": label,
+                "path": path,
+                "printed": text,
+                "ticks": ticks,
+                "is_ticks": tick_time == Decimal(text),
+            }
+        )
+    return records
+
+
+def _summary(found: Record) -> Record:
+    verdicts = Counter(cell["verdict"] for cell in found["cells"])
+    return {
+        "cells": len(found["cells"]),
+        "verdicts": {verdict: verdicts[verdict] for verdict in rules.VERDICTS},
+        "correct_cells_that_the_bias_would_spoil": sum(
+            cell["verdict"] == CORRECT and cell["bias_prints"] != cell["printed"]
+            for cell in found["cells"]
+        ),
+        "totals_that_do_not_add_up": sum(not path["adds_up"] for path in found["paths"]),
+        "paths_beyond_rounding": sum(p["miss"] > p["rounding_allows"] for p in found["paths"]),
+        "omitted_paths": len(found["omitted"]),
+        "times_that_are_ticks": sum(time["is_ticks"] for time in found["times"]),
+    }

@@ -1,0 +1,248 @@
+"""What the paper's algorithm and statements come to, computed."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from typing import Any, NamedTuple
+
+from flint import arb
+
+from dubins_study.report.paper.audit_exact import (
+    Target,
+    ball,
+    heading,
+    left_straight,
+    number,
+    offset,
+    pieces,
+    positive,
+    right_left,
+    target,
+)
+from dubins_study.report.paper.audit_number import Number
+from dubins_study.report.paper.printed import PROBLEMS, Problem
+
+Record = dict[str, Any]
+_WORDS = ("LS", "RS")
+_NIL = Fraction(1, 10**60)  # below it a number that theory calls zero counts as zero
+
+
+class Beyond(NamedTuple):
+    """A target in or on a turning circle: the optimum, and what Algorithm 1 returns, in radii."""
+
+    word: str
+    optimum: arb
+    algorithm_word: str
+    algorithm: arb
+
+    @property
+    def excess(self) -> arb:
+        return self.algorithm / self.optimum - 1
+
+
+def algorithm() -> list[Record]:
+    """Algorithm 1 on each test problem once the radius lets a turning circle reach the target.
+
+    The circle through the target has radius R* = r^2 / (2 |Y|), r its distance and Y its offset
+    from the start's heading line. Beyond, the optimum begins with a turn away from the target (RL
+    in the left disc, LR in the right), and of the algorithm's two words only the one away is left.
+    Model (4.12) unsplit holds LR too, so it is right in the right disc, but not RL.
+    """
+    positions = {problem.position: problem for problem in PROBLEMS.values()}
+    return [_crossing(position, problem) for position, problem in positions.items()]
+
+
+def _crossing(position: str, problem: Problem) -> Record:
+    unit = target(problem, arb(1))
+    left = positive(unit.Y)
+    circle = (unit.X**2 + unit.Y**2) / (2 * abs(unit.Y))
+    at = target(problem, circle)
+    near = at if left else at.mirrored
+    arc = arb.atan2(near.X, 1 - near.Y)
+    front = positive(near.X)
+    edge = beyond(near, left)
+    round_radius = _rounded_up(number(circle))
+    example = target(problem, ball(round_radius))
+    there = beyond(example if left else example.mirrored, left)
+    return {
+        "label": position,
+        "circle": "left" if left else "right",
+        "half": "front" if front else "rear",
+        "radius": number(circle).text(),
+        "length_there": float(number((arc if front else arc + 2 * arb.pi()) * circle)),
+        "word_beyond": edge.word,
+        "length_beyond": float(number(edge.optimum * circle)),
+        "algorithm_word": edge.algorithm_word,
+        "algorithm_length": float(number(edge.algorithm * circle)),
+        "algorithm_excess": float(number(edge.excess)),
+        "model_excess": float(number(edge.excess)) if left else 0.0,
+        "example_radius": round_radius,
+        "example_length": float(number(there.optimum * round_radius)),
+        "example_algorithm_length": float(number(there.algorithm * round_radius)),
+        "example_excess": float(number(there.excess)),
+    }
+
+
+def beyond(near: Target, left: bool) -> Beyond:
+    """The optimum and the algorithm's answer inside a circle; `near` is mirrored if not `left`."""
+    first, second = right_left(near)
+    other = left_straight(near.mirrored)
+    assert other is not None  # the discs only touch, at the start
+    words = ("RL", "RS") if left else ("LR", "LS")
+    return Beyond(words[0], first + second, words[1], other[0] + other[1])
+
+
+def _rounded_up(value: Number) -> int:
+    """The next whole number with one digit that is not zero."""
+
+    def rule(exact: Fraction) -> int:
+        unit: int = 10 ** (len(str(int(exact))) - 1)
+        return (int(exact / unit) + 1) * unit
+
+    return value.decide(rule)
+
+
+class Extremal(NamedTuple):
+    """A word of a scenario with its multipliers, nu0 = 1; (nu1, nu2) = -(cos, sin) of the end.
+
+    `offset` is what (4.10) and (4.11) leave.
+    """
+
+    problem: Problem
+    word: str
+    length: arb
+    end: arb  # final heading, not wrapped
+    offset: tuple[arb, arb]
+
+    @property
+    def turn_rate(self) -> int:
+        return 1 if self.word == "LS" else -1
+
+    @property
+    def hamiltonian(self) -> arb:
+        """H at the start, eq. (2.9), with nu3 from (2.10) and nu3 = 0 on the straight; times R."""
+        start = heading(self.problem)
+        phi = self.end + arb.pi()
+        switch = -self.turn_rate * (1 - (self.end - start).cos())
+        return 1 + (start - phi).cos() + switch * self.turn_rate
+
+    @property
+    def obeys_control_law(self) -> bool:
+        """(2.14): nu3 and the turn rate are of opposite sign; |turn| < 2 pi, so nu3 is not 0."""
+        return positive(1 - (self.end - heading(self.problem)).cos())
+
+
+def _extremals() -> list[Extremal]:
+    found = []
+    for problem in PROBLEMS.values():
+        for word in _WORDS:
+            z = pieces(problem, word)
+            assert z is not None, f"{problem.label} has no {word}"
+            end = heading(problem) + (z[0] - z[1]) / problem.radius
+            found.append(Extremal(problem, word, z[0] + z[1] + z[2], end, offset(problem, z)))
+    return found
+
+
+def statements() -> list[Record]:
+    """Statements of the paper that its own scenarios decide: where, what it says, what is found."""
+    paths = _extremals()
+    crossings = algorithm()
+    left = [c for c in crossings if c["circle"] == "left"]
+    return [
+        _equations(paths),
+        _candidates(crossings),
+        _order(crossings, left),
+        _necessary(paths),
+        _quadrant(paths),
+        _range(paths),
+    ]
+
+
+def _statement(where: str, says: str, holds: bool, finding: str) -> Record:
+    return {"where": where, "says": says, "holds": holds, "finding": finding}
+
+
+def _equations(paths: list[Extremal]) -> Record:
+    met = all(number(side).below(_NIL) for path in paths for side in path.offset)
+    return _statement(
+        "(4.10), (4.11)",
+        "the end point of a turn left, a turn right and a straight",
+        met,
+        f"met to 60 digits by the exact LS and RS of all {len(PROBLEMS)} scenarios: no sign is off",
+    )
+
+
+def _candidates(crossings: list[Record]) -> Record:
+    worst = max(crossings, key=lambda crossing: float(crossing["example_excess"]))
+    return _statement(
+        "(4.1), Algorithm 1",
+        "the shortest path is LS or RS",
+        False,
+        "only outside the turning circles. Inside, RL or LR is shorter: the algorithm's path is "
+        f"{_percent(min(c['example_excess'] for c in crossings))} to "
+        f"{_percent(worst['example_excess'])} too long on its own five problems at the radii "
+        f"{', '.join(str(c['example_radius']) for c in crossings)}",
+    )
+
+
+def _order(crossings: list[Record], left: list[Record]) -> Record:
+    return _statement(
+        "(4.12)",
+        "a left turn, a right turn and a straight, in this order, hold the optimum",
+        False,
+        f"it holds LR but not RL: right for the {len(crossings) - len(left)} problems whose target "
+        f"enters the right circle, {_percent(min(c['model_excess'] for c in left))} to "
+        f"{_percent(max(c['model_excess'] for c in left))} too long just beyond R* for the "
+        f"{len(left)} whose target enters the left one",
+    )
+
+
+def _necessary(paths: list[Extremal]) -> Record:
+    qualify = [
+        path for path in paths if path.obeys_control_law and number(path.hamiltonian).below(_NIL)
+    ]
+    longest = max(
+        float(number(first.length / second.length))
+        for first in qualify
+        for second in paths
+        if first.problem == second.problem
+    )
+    return _statement(
+        "(2.4)-(2.15)",
+        "the conditions that an optimal path meets",
+        False,
+        "three are left out: nu0 >= 0, multipliers not all zero (zeros meet the rest on any path) "
+        "and nu3 = 0 at the end, where the heading is free. With them they are still not "
+        f"sufficient: {len(qualify)} of the {len(paths)} exact LS and RS qualify, "
+        f"up to {longest:.2f} times as long as the optimum",
+    )
+
+
+def _quadrant(paths: list[Extremal]) -> Record:
+    # phi = end + pi, and an arctangent lies where the cosine is positive
+    off = [path for path in paths if positive(path.end.cos())]
+    return _statement(
+        "after (2.8)",
+        "tan phi = nu2 / nu1",
+        False,
+        f"phi taken from it is off by pi on {len(off)} of the {len(paths)} exact paths, where "
+        "(2.15) then comes to 2 instead of 0",
+    )
+
+
+def _range(paths: list[Extremal]) -> Record:
+    off = [path for path in paths if not _in_first_turn(path.end)]
+    return _statement(
+        "section 2, (4.7)",
+        "theta in [0, 2 pi], and theta1 = theta0 + b z1, theta2 = theta1 - b z2",
+        False,
+        f"both cannot hold: {len(off)} of the {len(paths)} exact paths end outside [0, 2 pi]",
+    )
+
+
+def _in_first_turn(angle: arb) -> bool:
+    return positive(angle) and positive(2 * arb.pi() - angle)
+
+
+def _percent(share: float) -> str:
+    return f"{100 * share:.2g} %"

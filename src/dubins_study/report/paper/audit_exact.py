@@ -1,0 +1,199 @@
+"""The paper's paths in interval arithmetic (Arb, through python-flint).
+
+Everything is computed in the vehicle's frame at unit radius, as in `study.closed_form.shortest`, but from the
+headings as the paper states them (2 pi/3, no double) and with proven bounds. An answer is not
+trusted for its formula: `report.paper.audit` drives each one and sees that it arrives.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from decimal import Decimal
+from fractions import Fraction
+from typing import NamedTuple
+
+from flint import arb, fmpq
+
+from dubins_study.report.paper.audit_number import Number, UndecidedError
+from dubins_study.report.paper.printed import Problem
+
+WORKING = 90  # digits; 40 are kept, and bisection and cancellation cost a few
+_STEPS = 300  # bisections: each halves the interval, and 90 digits are 299 bits
+Pieces = tuple[arb, arb, arb]
+
+
+def number(value: arb) -> Number:
+    """The ball's bounds as fractions."""
+    low, high = (_fraction(end) for end in (value.lower(), value.upper()))
+    return Number(low, high)
+
+
+def _fraction(exact: arb) -> Fraction:
+    mantissa, exponent = exact.man_exp()
+    return Fraction(int(mantissa)) * Fraction(2) ** int(exponent)
+
+
+def ball(value: Fraction | Decimal | int) -> arb:
+    """A rational number as a ball."""
+    fraction = Fraction(value)
+    return arb(fmpq(fraction.numerator, fraction.denominator))
+
+
+def positive(value: arb) -> bool:
+    """Whether a number lies above zero, decided by its ball.
+
+    Raises:
+        UndecidedError: if the ball holds zero.
+    """
+    if value > 0:
+        return True
+    if value < 0:
+        return False
+    raise UndecidedError(f"the sign of {value.str(5)}")
+
+
+class Target(NamedTuple):
+    """The target in the vehicle's frame, in units of the radius."""
+
+    X: arb
+    Y: arb
+
+    @property
+    def mirrored(self) -> Target:
+        return Target(self.X, -self.Y)
+
+    @property
+    def w(self) -> arb:
+        """1 - |T - C_L|^2: positive inside the left turning circle."""
+        return self.Y * (2 - self.Y) - self.X**2
+
+    def after_left(self, angle: arb) -> Target:
+        """The same target once the vehicle has turned left by an angle (rad)."""
+        sin, cos = angle.sin_cos()
+        forward, left = self.X - sin, self.Y - (1 - cos)
+        return Target(forward * cos + left * sin, left * cos - forward * sin)
+
+
+def target(problem: Problem, radius: arb | None = None) -> Target:
+    """The target as the vehicle sees it, at the problem's radius unless another is given."""
+    sin, cos = heading(problem).sin_cos()
+    x, y = problem.target
+    R = ball(problem.radius) if radius is None else radius
+    return Target((x * cos + y * sin) / R, (y * cos - x * sin) / R)
+
+
+def heading(problem: Problem) -> arb:
+    return ball(problem.heading) * arb.pi()
+
+
+def left_straight(at: Target) -> tuple[arb, arb] | None:
+    """LS: angle and straight; None inside the left turning circle (docs/derivation.md, eq. 3)."""
+    if positive(at.w):
+        return None
+    s = (-at.w).sqrt()
+    half = arb.atan2(at.Y, at.X + s) if positive(at.X) else arb.atan2(s - at.X, at.Y - 2)
+    return _wrapped(2 * half), s
+
+
+def right_left(at: Target) -> tuple[arb, arb]:
+    """RL for a target in or on the left turning circle, second arc above pi (eqs. 4 and 5)."""
+    X, Y = at
+    p, q = X**2 + Y * (Y + 2), 8 - X**2 - Y * (Y + 2)
+    A, D = p + 4 * Y + 8, (p * q).sqrt()
+    tangent = (4 * X + D) / A if positive(X) else at.w / (D - 4 * X)
+    return 2 * tangent.atan(), 2 * arb.pi() - 2 * arb.atan2(p.sqrt(), q.sqrt())
+
+
+def _wrapped(angle: arb) -> arb:
+    return angle if positive(angle) else angle + 2 * arb.pi()
+
+
+def pieces(problem: Problem, word: str) -> Pieces | None:
+    """z1, z2, z3 (length unit) of the paper's LS or RS; None where the word does not exist."""
+    at = target(problem)
+    found = left_straight(at if word == "LS" else at.mirrored)
+    if found is None:
+        return None
+    turn, straight = (value * problem.radius for value in found)
+    return (turn, arb(0), straight) if word == "LS" else (arb(0), turn, straight)
+
+
+def offset(problem: Problem, z: Pieces) -> tuple[arb, arb]:
+    """Left-hand sides of (4.10) and (4.11) at z: target minus the end of the path (length unit)."""
+    th0 = heading(problem)
+    R = ball(problem.radius)
+    th1 = th0 + z[0] / R
+    th2 = th1 - z[1] / R
+    (s0, c0), (s1, c1), (s2, c2) = (angle.sin_cos() for angle in (th0, th1, th2))
+    x, y = problem.target
+    return x - R * (-s0 + 2 * s1 - s2) - z[2] * c2, y - R * (c0 - 2 * c1 + c2) - z[2] * s2
+
+
+def distance(sides: tuple[arb, arb]) -> arb:
+    """Length of a vector that is not zero."""
+    return (sides[0] ** 2 + sides[1] ** 2).sqrt()
+
+
+def ipopt_barrier() -> arb:
+    """Ipopt's last barrier parameter with default options, 2.506e-9.
+
+    From mu = 0.1 it takes max(tol / 11, min(0.2 mu, mu^1.5)) until the complementarity, mu, is
+    below tol = 1e-8 (Waechter and Biegler 2006, eqs. 7 and 8).
+    """
+    tolerance, mu = ball(Fraction(1, 10**8)), ball(Fraction(1, 10))
+    while not mu < tolerance:
+        mu = (mu / 5).min(mu ** ball(Fraction(3, 2))).max(tolerance / 11)
+    return mu
+
+
+def biased(problem: Problem, word: str, mu: arb) -> Pieces:
+    """Where the log barrier mu holds model (4.12) near the paper's LS or RS; z1, z2, z3.
+
+    Along the model's feasible curve, which z1 runs along (unit radius, the target at (X, Y) after
+    the first turn), dz2 = 1 - 2 cos z2 + 2 X / z3 and dz3 = -2 X / z3, so df = 2 (1 - cos z2), and
+    f - (mu / R) (log z1 + log z2 + log z3) is stationary where `slope` below is zero. Near LS that
+    is z2 = (mu R^2)^(1/3) in length units: the segments are off while f holds to mu's order.
+    """
+    R = ball(problem.radius)
+    at, weight = target(problem), mu / R
+    start = pieces(problem, word)
+    if start is None:
+        raise ValueError(f"{problem.label} has no {word} to be biased")
+    turn = (start[0] + start[1]) / R
+
+    def after(z1: arb) -> tuple[arb, arb, arb, arb]:
+        there = at.after_left(z1)
+        found = left_straight(there.mirrored)
+        if found is None:
+            raise UndecidedError("RS after the first turn")
+        z2, z3 = found
+        drift = 2 * there.X / z3
+        slope = 2 * (1 - z2.cos())
+        pull = 1 / z1 + (1 - 2 * z2.cos() + drift) / z2 - drift / z3
+        return z1, z2, z3, slope - weight * pull
+
+    # R S begins with the turn; in L S the second turn is what the barrier adds behind the first
+    base, guess = (turn, weight ** ball(Fraction(1, 3))) if word == "LS" else _strict(turn, weight)
+    z1, z2, z3, _ = after(base + _root(lambda t: after(base + t)[3], guess / 4, guess * 4))
+    return z1 * R, z2 * R, z3 * R
+
+
+def _strict(turn: arb, weight: arb) -> tuple[arb, arb]:
+    """At RS the model's minimum is strict: z1 rises from zero to about mu over its slope."""
+    return arb(0), weight / (2 * (1 - turn.cos()))
+
+
+def _root(function: Callable[[arb], arb], low: arb, high: arb) -> arb:
+    """The root of a function that is negative at `low` and positive at `high`, by bisection.
+
+    It ends where the function's own ball no longer tells its sign.
+    """
+    if positive(function(low)) or not positive(function(high)):
+        raise ValueError("no change of sign to close in on")
+    for _ in range(_STEPS):
+        middle = ((low + high) / 2).mid()
+        try:
+            low, high = (low, middle) if positive(function(middle)) else (middle, high)
+        except UndecidedError:
+            break
+    return low.union(high)

@@ -1,0 +1,41 @@
+"""The committed audit: `report/paper/audit.json`, in the repository and in the wheel.
+
+Where a change is meant, `dubins-study audit --json > src/dubins_study/report/paper/audit.json` writes it anew; everywhere
+else the command tells whether the code still agrees with it.
+"""
+
+from __future__ import annotations
+
+import json
+from functools import lru_cache
+from importlib.resources import files
+from typing import Any
+
+NAME = "audit.json"
+CORRECT = "correct rounding"
+
+
+class AuditError(ValueError):
+    """The committed audit cannot be read."""
+
+
+@lru_cache(maxsize=1)
+def committed() -> dict[str, Any]:
+    """The committed audit, as `report.paper.audit.audit` returned it once.
+
+    Raises:
+        AuditError: if it is missing or no JSON object.
+    """
+    file = files("dubins_study.report.paper").joinpath(NAME)
+    try:
+        found = json.loads(file.read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        raise AuditError(f"{file} cannot be read: {error}; expected the committed audit") from None
+    if not isinstance(found, dict):
+        raise AuditError(f"{file} holds {type(found).__name__}; expected an object")
+    return found
+
+
+def misprints() -> list[dict[str, Any]]:
+    """The printed cells that are not correct roundings."""
+    return [cell for cell in committed()["cells"] if cell["verdict"] != CORRECT]

@@ -1,0 +1,124 @@
+"""How a printed cell came about: every way to print a row, and the rule that picks a verdict.
+
+A cell is a *correct rounding* if it is within half a unit of its last digit of the exact value.
+Otherwise it is looked for among four accidents, each applied to the whole row:
+
+* *double rounding*: the exact value rounded (half up) to more places, and that to the printed ones;
+* *truncated*: the exact value cut off at the printed places;
+* *solver bias reproduced*: what model (4.12) with Ipopt's last barrier parameter gives instead of
+  the exact value (`report.paper.audit_exact.biased`), rounded or cut off.
+
+Of the accidents that give the cell, the one that gives most of its row's four cells is the verdict,
+the printed 0 of the missing turn counting as one; between equals the first in the order above. If
+there is none the cell is *wrong*. The reason names the row's cells that the accident does not give.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from decimal import Decimal
+from fractions import Fraction
+from typing import NamedTuple
+
+from dubins_study.report.paper.audit_file import CORRECT
+from dubins_study.report.paper.audit_number import (
+    Number,
+    half_unit,
+    places_of,
+    rounded,
+    rounded_twice,
+    truncated,
+)
+from dubins_study.report.paper.printed import QUANTITIES
+
+DOUBLE, CUT, BIAS, WRONG = "double rounding", "truncated", "solver bias reproduced", "wrong"
+VERDICTS = (CORRECT, DOUBLE, CUT, BIAS, WRONG)
+_MOST_PLACES = 15  # a double holds no more
+Row = Sequence[Decimal]
+
+
+class Finding(NamedTuple):
+    """A verdict and why."""
+
+    verdict: str
+    reason: str
+
+
+class Accident(NamedTuple):
+    """One way to print a row: its verdict, how it goes, and the row that comes out."""
+
+    verdict: str
+    how: str
+    row: Row
+
+
+def judge(
+    printed: Sequence[str], exact: Sequence[Number], biased: Sequence[Number]
+) -> list[Finding]:
+    """A verdict for each of a row's four cells, in the order of `QUANTITIES`."""
+    accidents = _accidents(places_of(printed[-1]), exact, biased)
+    return [_finding(i, printed, exact, accidents) for i in range(len(printed))]
+
+
+def prints(values: Sequence[Number], places: int) -> list[Decimal]:
+    """A row correctly rounded."""
+    return [value.decide(lambda v: rounded(v, places)) for value in values]
+
+
+def _twice(values: Sequence[Number], first: int, places: int) -> Row:
+    return [value.decide(lambda v: rounded_twice(v, first, places)) for value in values]
+
+
+def _accidents(places: int, exact: Sequence[Number], biased: Sequence[Number]) -> list[Accident]:
+    twice = [
+        Accident(DOUBLE, str(first), _twice(exact, first, places))
+        for first in range(places + 1, _MOST_PLACES + 1)
+    ]
+    cut = [[x.decide(lambda v: truncated(v, places)) for x in row] for row in (exact, biased)]
+    return [
+        *twice,
+        Accident(CUT, "cut off", cut[0]),
+        Accident(BIAS, "rounded", prints(biased, places)),
+        Accident(BIAS, "cut off", cut[1]),
+    ]
+
+
+def _finding(
+    i: int, printed: Sequence[str], exact: Sequence[Number], accidents: Sequence[Accident]
+) -> Finding:
+    shown, places = Decimal(printed[i]), places_of(printed[-1])
+    # not by rounding and comparing: of a tie both neighbours are correct
+    low, high = Fraction(shown) - half_unit(places), Fraction(shown) + half_unit(places)
+    if exact[i].decide(lambda v: v >= low) and exact[i].decide(lambda v: v <= high):
+        return Finding(CORRECT, "")
+    right = exact[i].decide(lambda v: rounded(v, places))
+    fitting = [accident for accident in accidents if accident.row[i] == shown]
+    if not fitting:
+        units = abs(shown - right).scaleb(places)
+        return Finding(WRONG, f"rounds to {right}: {units:.0f} off in the last digit")
+    best = max(fitting, key=lambda accident: _score(accident.row, printed))
+    others = [a for a in fitting if a.verdict != best.verdict and a.verdict != DOUBLE]
+    ways = [a.how for a in fitting if (a.verdict, a.row) == (best.verdict, best.row)]
+    said = [f"rounds to {right}; {_what(best, ways)} it gives {shown}{_but(best, printed)}"]
+    said += [f"{_what(other, [other.how])} too{_but(other, printed)}" for other in others]
+    return Finding(best.verdict, "; ".join(said))
+
+
+def _what(accident: Accident, ways: Sequence[str]) -> str:
+    how = " or ".join((", ".join(ways[:-1]), ways[-1])) if len(ways) > 1 else ways[0]
+    how = f"rounded first to {how} decimals" if accident.verdict == DOUBLE else how
+    return f"with an interior-point solver's bias, {how}," if accident.verdict == BIAS else how
+
+
+def _score(row: Row, printed: Sequence[str]) -> int:
+    return sum(value == Decimal(text) for value, text in zip(row, printed, strict=True))
+
+
+def _but(accident: Accident, printed: Sequence[str]) -> str:
+    """The row's cells that an accident does not give."""
+    off = [
+        f"{quantity} = {value} (printed {text})"
+        for quantity, value, text in zip(QUANTITIES, accident.row, printed, strict=True)
+        if value != Decimal(text)
+    ]
+    return f", but in the same row {', '.join(off)}" if off else ", and all of its row"

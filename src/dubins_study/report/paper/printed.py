@@ -1,0 +1,180 @@
+"""What the paper prints: the scenarios, the cells of Tables 6.1-6.5, and the solve times."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from typing import NamedTuple
+
+import pandas as pd
+
+from dubins_study.report.paper.audit_file import misprints
+from dubins_study.study.path import Path
+
+QUANTITIES = ("z1", "z2", "z3", "f")
+
+
+class Problem(NamedTuple):
+    """A scenario of the paper, exactly as stated; it starts at (0, 0).
+
+    Args:
+        label: the scenario's label in the experiment `paper`.
+        heading: start heading in units of pi.
+        target: x and y.
+        radius: turning radius, same unit.
+    """
+
+    label: str
+    heading: Fraction
+    target: tuple[int, int]
+    radius: int
+
+    @property
+    def position(self) -> str:
+        """The test problem, whatever the radius: `problem 1` to `problem 5`."""
+        return self.label.partition(",")[0]
+
+
+_60, _120 = Fraction(1, 3), Fraction(2, 3)
+PROBLEMS = {
+    problem.label: problem
+    for problem in (
+        Problem("problem 1", _120, (10, 5), 1),
+        Problem("problem 2", _120, (-6, 3), 1),
+        Problem("problem 3", _60, (-1, 5), 1),
+        Problem("problem 4", _60, (-2, -5), 1),
+        Problem("problem 5, R=25", _120, (-80, 20), 25),
+        Problem("problem 5, R=10", _120, (-80, 20), 10),
+        Problem("problem 5, R=5", _120, (-80, 20), 5),
+    )
+}
+
+
+class PrintedRow(NamedTuple):
+    """One printed row; lengths in the scenario's unit.
+
+    Args:
+        table: the paper's number of the table.
+        label: of the problem.
+        path: `optimal` or `feasible`.
+        cells: left turn z1, right turn z2, straight z3, total f, as printed; `0` stands for the
+            turn that a path has not.
+    """
+
+    table: str
+    label: str
+    path: str
+    cells: tuple[str, str, str, str]
+
+    @property
+    def word(self) -> str:
+        """`LS` or `RS`, by the turn that is not there."""
+        return "RS" if self.cells[0] == "0" else "LS"
+
+
+PRINTED = (
+    PrintedRow("6.1", "problem 1", "optimal", ("0", "1.74", "10.13", "11.87")),
+    PrintedRow("6.1", "problem 1", "feasible", ("4.74", "0", "12.14", "16.88")),
+    PrintedRow("6.2", "problem 2", "optimal", ("0.61", "0", "6.13", "6.74")),
+    PrintedRow("6.2", "problem 2", "feasible", ("0", "5.72", "7.24", "12.96")),
+    PrintedRow("6.3", "problem 3", "optimal", ("0.79", "0", "4.39", "5.17")),
+    PrintedRow("6.3", "problem 3", "feasible", ("0", "5.61", "5.72", "11.33")),
+    PrintedRow("6.4", "problem 4", "optimal", ("0", "3.38", "5.24", "8.61")),
+    PrintedRow("6.4", "problem 4", "feasible", ("3.64", "0", "5.53", "9.17")),
+    PrintedRow("6.5", "problem 5, R=25", "optimal", ("23.01", "0", "61.91", "84.92")),
+    PrintedRow("6.5", "problem 5, R=10", "optimal", ("8.43", "0", "74.92", "83.36")),
+    PrintedRow("6.5", "problem 5, R=5", "optimal", ("4.11", "0", "78.79", "82.89")),
+)
+
+
+class PrintedTime(NamedTuple):
+    """A solve time that the text states, in seconds, as printed."""
+
+    label: str
+    path: str
+    seconds: str
+
+
+TIMES = (
+    PrintedTime("problem 1", "optimal", "0.031"),
+    PrintedTime("problem 1", "feasible", "0.047"),
+    PrintedTime("problem 2", "optimal", "0.047"),
+    PrintedTime("problem 2", "feasible", "0.016"),
+    PrintedTime("problem 3", "optimal", "0.016"),
+    PrintedTime("problem 3", "feasible", "0.031"),
+    PrintedTime("problem 4", "optimal", "0.031"),
+    PrintedTime("problem 4", "feasible", "0.047"),
+    PrintedTime("problem 5, R=10", "optimal", "0.047"),
+)
+
+# A printed number has two decimals, so it may be off by half of the last; the rest is for the
+# binary fractions that stand in for decimal ones.
+HALF_UNIT = 0.005 + 1e-9
+
+
+def segments(path: Path, radius: float) -> tuple[float, float, float, float]:
+    """Total left turn, right turn and straight of a path, and its length: z1, z2, z3, f.
+
+    A turn counts with the length that it would have at the full rate, the rest of its length as
+    straight; for an arc at the full rate, the paper's only kind, that is the arc's own length.
+    """
+    turn = path.curvature * path.length * radius
+    left, right = float(turn[turn > 0].sum()), float(-turn[turn < 0].sum())
+    return left, right, path.total_length - left - right, path.total_length
+
+
+def compare(paths: dict[tuple[str, str], Path]) -> pd.DataFrame:
+    """Every printed cell beside ours, one row each; structural zeros are left out.
+
+    Args:
+        paths: (scenario label, branch) -> path, branch LS or RS. The paper's `optimal` row is the
+            shorter of the two and its `feasible` row the longer.
+
+    Returns:
+        Columns table, label, path, word, quantity, printed, ours (NaN where there is no answer),
+        difference and verdict: `correct` if ours rounds to what is printed, `misprint` if the audit
+        knows why it does not, otherwise `differs`; or `no answer`.
+    """
+    known = {(c["label"], c["path"], c["quantity"]) for c in misprints()}
+    records = []
+    for row in PRINTED:
+        word, ours = _ranked(paths, row)
+        for position, (quantity, text) in enumerate(zip(QUANTITIES, row.cells, strict=True)):
+            if text == "0":
+                continue
+            printed = float(text)
+            value = None if ours is None else ours[position]
+            misprint = (row.label, row.path, quantity) in known
+            records.append(
+                {
+                    "table": row.table,
+                    "label": row.label,
+                    "path": row.path,
+                    "word": word,
+                    "quantity": quantity,
+                    "printed": printed,
+                    "ours": value,
+                    "difference": None if value is None else printed - value,
+                    "verdict": _verdict(printed, value, misprint),
+                }
+            )
+    frame = pd.DataFrame.from_records(records)
+    return frame.astype({"ours": float, "difference": float})
+
+
+def _ranked(
+    paths: dict[tuple[str, str], Path], row: PrintedRow
+) -> tuple[str | None, tuple[float, float, float, float] | None]:
+    found = [(b, paths[row.label, b]) for b in ("LS", "RS") if (row.label, b) in paths]
+    if len(found) < 2:
+        return None, None
+    found.sort(key=lambda item: item[1].total_length)
+    word, path = found[0 if row.path == "optimal" else 1]
+    return word, segments(path, PROBLEMS[row.label].radius)
+
+
+def _verdict(printed: float, ours: float | None, misprint: bool) -> str:
+    if ours is None:
+        return "no answer"
+    if abs(printed - ours) <= HALF_UNIT:
+        return "correct"
+    return "misprint" if misprint else "differs"

@@ -1,0 +1,1 @@
+"""Numbers from rows, as pure functions."""

@@ -1,0 +1,131 @@
+"""Times from rows: medians and quartiles, and the shifted geometric mean."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import pandas as pd
+
+from dubins_study.report.data.reduction import Reduction
+from dubins_study.report.data.tally import TIMES
+from dubins_study.report.statistics.metrics import QUESTION, solver_order, success
+
+
+def times(found: Reduction) -> pd.DataFrame:
+    """One row a solver: cold attempts timed, and median and quartiles (s) of each part of them.
+
+    Columns: solver, timed, and for each part `build_s`, `solve_s`, `wall_s` also `_q1` and `_q3`.
+    """
+    records = []
+    for solver in solver_order(list(found.solvers)):
+        parts = {part: found.solvers[solver].spread(f"cold {part}") for part in TIMES}
+        if not parts["wall_s"].size:
+            continue
+        record: dict[str, object] = {"solver": solver, "timed": parts["wall_s"].size}
+        for part, spread in parts.items():
+            low, middle, high = map(spread.quantile, (0.25, 0.5, 0.75))
+            record |= {part: middle, f"{part}_q1": low, f"{part}_q3": high}
+        records.append(record)
+    return pd.DataFrame.from_records(records)
+
+
+def shifted_geometric_mean(values: Sequence[float], shift: float) -> float:
+    """exp(mean(log(t + shift))) - shift, in the unit of the values."""
+    logs = np.log(np.asarray(values, dtype=np.float64) + shift)
+    return float(np.exp(logs.mean()) - shift)
+
+
+def mean_times(rows: pd.DataFrame, shift: float | None = None) -> tuple[pd.DataFrame, float]:
+    """Shifted geometric means over the questions that every solver answered rightly.
+
+    The shift is the lower quartile of all times that enter, unless given: small beside most of
+    them, so that no solver's mean is the shift, and large beside the clock's noise.
+
+    Returns:
+        Columns solver, questions, mean_s, rank, and the rank at a tenth and at ten times the
+        shift (rank_tenth, rank_tenfold); and the shift (s).
+    """
+    table = common_times(rows)
+    if table.empty:
+        return pd.DataFrame(), 0.0
+    chosen = float(np.quantile(table.to_numpy(), 0.25)) if shift is None else shift
+    means = {
+        factor: table.apply(lambda t, s=chosen * factor: shifted_geometric_mean(t, s))
+        for factor in (1.0, 0.1, 10.0)
+    }
+    frame = pd.DataFrame(
+        {
+            "solver": table.columns,
+            "questions": len(table),
+            "mean_s": means[1.0].to_numpy(),
+            "rank": means[1.0].rank().astype(int).to_numpy(),
+            "rank_tenth": means[0.1].rank().astype(int).to_numpy(),
+            "rank_tenfold": means[10.0].rank().astype(int).to_numpy(),
+        }
+    )
+    return frame, chosen
+
+
+def common_times(rows: pd.DataFrame) -> pd.DataFrame:
+    """Median whole time (s) of every solver (columns) on each question (rows) all got right."""
+    right = rows.assign(right=success(rows))
+    timed = right.groupby([*QUESTION, "solver"]).agg(wall=("wall_s", "median"), ok=("right", "all"))
+    wide = pd.DataFrame(timed["wall"].where(timed["ok"]).unstack("solver")).dropna()
+    return wide[solver_order(list(wide.columns))]
+
+
+def time_ratios(rows: pd.DataFrame) -> pd.DataFrame:
+    """Each solver's time over the fastest right answer's (columns), question by question (rows).
+
+    Only questions that every solver here was asked; infinite where its answer is not right, or
+    nobody's is.
+    """
+    right = rows.assign(right=success(rows))
+    asked = right.groupby([*QUESTION, "solver"]).agg(wall=("wall_s", "median"), ok=("right", "all"))
+    times_of = pd.DataFrame(asked["wall"].where(asked["ok"], np.inf).unstack("solver"))
+    everyone = times_of[times_of.notna().all(axis=1)]
+    ratios = everyone.div(everyone.min(axis=1), axis=0).fillna(np.inf)
+    return ratios[solver_order(list(ratios.columns))]
+
+
+def warm_starts(rows: pd.DataFrame) -> pd.DataFrame:
+    """Cold against warm, one row a solver that was asked both on the same questions.
+
+    Columns: solver, questions, cold_s, warm_s (median, s), ratio (of warm / cold time, question by
+    question: the median; quartiles in ratio_q1 and ratio_q3), work, work_q1, work_q3 (the same of
+    the solver's own iterations, NaN if it counts none), cold_success, warm_success (shares of all
+    attempts).
+    """
+    key = [name for name in QUESTION if name != "start"]
+    right = rows.assign(right=success(rows).astype(float))
+    wide = right.groupby(["solver", *key, "start"]).agg(
+        s=("wall_s", "median"), ok=("right", "mean"), work=("iterations", "median")
+    )
+    table = pd.DataFrame(wide.unstack("start"))
+    if not {"cold", "warm"} <= set(rows["start"]):
+        return pd.DataFrame()
+    both = table.dropna(subset=[("ok", "cold"), ("ok", "warm")])
+    records = []
+    for solver in solver_order(both.index.get_level_values("solver").tolist()):
+        own = both.loc[solver]
+        cold, warm = own["s", "cold"], own["s", "warm"]
+        records.append(
+            {
+                "solver": solver,
+                "questions": len(own),
+                "cold_s": cold.median(),
+                "warm_s": warm.median(),
+                **_ratio("ratio", warm, cold),
+                **_ratio("work", own["work", "warm"], own["work", "cold"]),
+                "cold_success": own["ok", "cold"].mean(),
+                "warm_success": own["ok", "warm"].mean(),
+            }
+        )
+    return pd.DataFrame.from_records(records)
+
+
+def _ratio(name: str, warm: pd.Series, cold: pd.Series) -> dict[str, float]:
+    """Median and quartiles of warm / cold, where cold is something."""
+    low, middle, high = (warm / cold.where(cold > 0)).astype(float).quantile([0.25, 0.5, 0.75])
+    return {f"{name}_q1": low, name: middle, f"{name}_q3": high}

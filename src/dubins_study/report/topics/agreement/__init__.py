@@ -1,0 +1,1 @@
+"""The topic `agreement` of the report."""

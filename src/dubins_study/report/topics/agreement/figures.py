@@ -1,0 +1,51 @@
+"""The agreement matrix."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.colors import LinearSegmentedColormap, LogNorm
+
+from dubins_study.report.page.content import digits, share
+from dubins_study.report.page.style import BLUE, INK, MAP_PAPER, MUTED, ON_MAP, name_of
+from dubins_study.report.statistics.metrics import solver_order
+
+# one hue from paper to ink: its order is its lightness, so grey printing keeps it
+_DEPTH = LinearSegmentedColormap.from_list("depth", ["#f4f7fa", "#9cc6e0", BLUE, "#0b2f47"])
+_SMALLEST, _LARGEST = 1e-16, 1.0
+
+
+def plot_agreement(ax: Axes, pairs: pd.DataFrame) -> None:
+    """Below the diagonal the largest length difference, above it the share within 1e-6.
+
+    Columns: first, second, both, largest, within.
+    """
+    solvers = solver_order([*pairs["first"], *pairs["second"]])
+    n = len(solvers)
+    place = {solver: i for i, solver in enumerate(solvers)}
+    depth = np.full((n, n), np.nan)
+    for row in pairs[pairs["both"] > 0].to_dict("records"):
+        i, j = sorted((place[row["first"]], place[row["second"]]))
+        depth[j, i] = min(max(row["largest"], _SMALLEST), _LARGEST)
+        dark = depth[j, i] > 1e-6
+        ax.text(
+            i,
+            j,
+            digits(2)(row["largest"]),
+            ha="center",
+            va="center",
+            color=MAP_PAPER if dark else ON_MAP,
+        )
+        ax.text(j, i, share(row["within"]), ha="center", va="center", color=INK)
+    norm = LogNorm(_SMALLEST, _LARGEST)
+    ax.imshow(depth, cmap=_DEPTH, norm=norm, interpolation="nearest", aspect="auto")
+    names = [name_of(solver) for solver in solvers]
+    ax.set_yticks(range(n), [f"{i}   {name}" for i, name in enumerate(names, 1)], color=INK)
+    ax.set_xticks(range(n), [str(i) for i in range(1, n + 1)], color=INK)
+    ax.xaxis.tick_top()
+    ax.tick_params(length=0)
+    ax.grid(False)
+    for spine in ax.spines.values():
+        spine.set_visible(False)
+    ax.plot([-0.5, n - 0.5], [-0.5, n - 0.5], color=MUTED, linewidth=0.5)

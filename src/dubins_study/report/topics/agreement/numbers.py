@@ -1,0 +1,99 @@
+"""How far two solvers' answers to the same question lie apart."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from itertools import combinations
+
+import numpy as np
+import pandas as pd
+
+from dubins_study.report.statistics.metrics import solver_order
+from dubins_study.study.path import Path, largest_distance
+
+CLOSE = 1e-6
+_KEY = ["experiment", "scenario_id", "branch"]
+_COLUMNS = (
+    "first",
+    "second",
+    "asked",
+    "both",
+    "median",
+    "largest",
+    "within",
+    "apart_median",
+    "apart_largest",
+)
+_PLACES = 65  # looked at along two paths; turns are longer than a 64th of all but long paths
+
+
+def answers(rows: pd.DataFrame) -> pd.DataFrame:
+    """First cold answer of each solver to each question, those that arrive only.
+
+    Returns:
+        The rows' own index; columns experiment, scenario_id, branch, solver, length, scale, radius,
+        where scale is max(reference, radius).
+    """
+    cold = _first_cold(rows)
+    arrived = cold[cold["gap"].notna()]
+    scale = arrived["reference"].clip(lower=arrived["radius"])
+    return arrived.assign(scale=scale)[[*_KEY, "solver", "length", "scale", "radius"]]
+
+
+def _first_cold(rows: pd.DataFrame) -> pd.DataFrame:
+    """Of every question and solver the cold attempt of least `repeat`."""
+    cold = rows[rows["start"] == "cold"].sort_values("repeat", kind="stable")
+    return cold.drop_duplicates([*_KEY, "solver"])
+
+
+def agreement(rows: pd.DataFrame, path_of: Callable[[int], Path | None]) -> pd.DataFrame:
+    """One row a pair of solvers.
+
+    Args:
+        rows: attempts.
+        path_of: index of a row -> its path.
+
+    Returns:
+        Columns first, second, asked (questions put to both), both (where both arrive), median and
+        largest of |La - Lb| / max(reference, R), within (share of `both` that agree to 1e-6), and
+        apart_median, apart_largest: the largest distance between the two paths at equal arc
+        length, over the same scale.
+    """
+    cold = _first_cold(rows)
+    asked = cold.assign(asked=True).pivot(index=_KEY, columns="solver", values="asked").notna()
+    given = answers(rows)
+    length = given.pivot(index=_KEY, columns="solver", values="length")
+    index = given.reset_index(names="row").pivot(index=_KEY, columns="solver", values="row")
+    # near a circle each answer has a reference of its own; the larger one is the scale
+    scale = given.groupby(_KEY)["scale"].max()
+    records = []
+    for first, second in combinations(solver_order(list(length.columns)), 2):
+        both = length[[first, second]].dropna()
+        over = scale.loc[both.index].to_numpy()
+        off = (both[first] - both[second]).abs().to_numpy() / over
+        pairs = index.loc[both.index, [first, second]].astype(int).itertuples(index=False)
+        apart = np.array([_apart(path_of(a), path_of(b)) for a, b in pairs]) / over
+        records.append(
+            {
+                "first": first,
+                "second": second,
+                "asked": int((asked[first] & asked[second]).sum()),
+                "both": len(both),
+                "median": _or_nan(np.median, off),
+                "largest": _or_nan(np.max, off),
+                "within": float((off <= CLOSE).mean()) if off.size else float("nan"),
+                "apart_median": _or_nan(np.median, apart),
+                "apart_largest": _or_nan(np.max, apart),
+            }
+        )
+    return pd.DataFrame.from_records(records, columns=list(_COLUMNS))
+
+
+def _apart(first: Path | None, second: Path | None) -> float:
+    assert first is not None  # both have a gap, so both have a path
+    assert second is not None
+    return largest_distance(first, second, _PLACES)
+
+
+def _or_nan(reduce: Callable[[np.ndarray], np.floating], values: np.ndarray) -> float:
+    return float(reduce(values)) if values.size else float("nan")

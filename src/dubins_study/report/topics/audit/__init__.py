@@ -1,0 +1,1 @@
+"""The topic `audit` of the report."""

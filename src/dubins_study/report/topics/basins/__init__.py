@@ -1,0 +1,1 @@
+"""The topic `basins` of the report."""

@@ -1,0 +1,91 @@
+"""Maps over the plane of starting points: where each start leads."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.colors import ListedColormap
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+
+from dubins_study.report.page.style import MAP_PAPER, ON_MAP
+from dubins_study.report.topics.basins.numbers import (
+    ENDS,
+    GIVES_UP,
+    INFEASIBLE,
+    MISSES,
+    NOWHERE,
+    OPTIMUM,
+    OTHER,
+    TURNS,
+)
+
+# from light to dark, so that grey print keeps the ends apart; lies stand on white with a mark
+_FILL = {
+    OPTIMUM: "#d9ecdf",
+    TURNS: "#6fb6dd",
+    OTHER: "#d68a1c",
+    NOWHERE: MAP_PAPER,
+    INFEASIBLE: MAP_PAPER,
+    MISSES: MAP_PAPER,
+    GIVES_UP: "#8a8f96",
+}
+_MARK: dict[str, dict[str, Any]] = {
+    TURNS: {"marker": ".", "markersize": 1.8},
+    NOWHERE: {"marker": "^", "markersize": 4, "markerfacecolor": "none"},
+    INFEASIBLE: {"marker": "x", "markersize": 4},
+    MISSES: {"marker": "s", "markersize": 3.5, "markerfacecolor": "none"},
+    GIVES_UP: {"marker": "_", "markersize": 3},
+}
+_TICKS = np.arange(5) * np.pi / 2
+_TICK_TEXTS = ("0", "π/2", "π", "3π/2", "2π")
+
+
+def plot_ends(ax: Axes, table: pd.DataFrame, listed: Sequence[str] = ENDS) -> list[Artist]:
+    """One solver's ends over the two turns of its start; returns the legend's entries.
+
+    Columns: z1, z2 (rad, on a grid), end. `listed`: the ends that the legend counts.
+    """
+    codes = {end: float(i) for i, end in enumerate(ENDS)}
+    grid = table.assign(code=table["end"].map(codes)).pivot_table(
+        index="z2", columns="z1", values="code", aggfunc="first"
+    )
+    x, y = grid.columns.to_numpy(dtype=np.float64), grid.index.to_numpy(dtype=np.float64)
+    dx, dy = _half_step(x), _half_step(y)
+    ax.imshow(
+        grid.to_numpy(dtype=np.float64),
+        origin="lower",
+        extent=(x[0] - dx, x[-1] + dx, y[0] - dy, y[-1] + dy),
+        cmap=ListedColormap(list(_FILL.values())),
+        vmin=-0.5,
+        vmax=len(ENDS) - 0.5,
+        interpolation="nearest",
+    )
+    handles = []
+    for end in listed:
+        own = table[table["end"] == end]
+        style: dict[str, Any] = {"linestyle": "none", "color": ON_MAP, "markeredgewidth": 0.7}
+        if end in _MARK and len(own):
+            ax.plot(own["z1"], own["z2"], **style | _MARK[end])
+        handles.append(_entry(end, len(own), style))
+    ax.set(xlabel="left turn of the start, z₁ (rad)", ylabel="right turn of the start, z₂ (rad)")
+    ax.set_xticks(_TICKS, _TICK_TEXTS)
+    ax.set_yticks(_TICKS, _TICK_TEXTS)
+    ax.grid(False)
+    return handles
+
+
+def _half_step(values: np.ndarray) -> float:
+    return float(np.diff(values).min()) / 2 if values.size > 1 else 0.5
+
+
+def _entry(end: str, count: int, style: dict[str, Any]) -> Artist:
+    text = f"{end} ({count})"
+    if end in _MARK and _FILL[end] == MAP_PAPER:
+        return Line2D([], [], **style | _MARK[end], label=text)
+    return Patch(facecolor=_FILL[end], edgecolor=ON_MAP, linewidth=0.4, label=text)

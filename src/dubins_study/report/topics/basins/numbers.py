@@ -1,0 +1,150 @@
+"""Where starting points lead local solvers on the joint model: numbers from rows of `basins`.
+
+The local minima of the paper's model (4.12) are known: RS, LS and LR, each with any number of full
+turns added (THEORY section 5). An end is therefore named by its length alone.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import pandas as pd
+
+from dubins_study.report.statistics.metrics import parse_spec, solver_order
+from dubins_study.study.check.verdict import Tolerances
+from dubins_study.study.closed_form.shortest import shortest
+from dubins_study.study.rows.schema import SCENARIO, names
+from dubins_study.study.scenario import Scenario
+
+EXPERIMENT = "basins"
+
+OPTIMUM = "shortest path"
+TURNS = "shortest path and full turns"
+OTHER = "another local minimum"
+NOWHERE = "calls a minimum what is none"
+INFEASIBLE = "says that no path exists"
+MISSES = "calls a path what misses"
+GIVES_UP = "gives up"
+ENDS = (OPTIMUM, TURNS, OTHER, NOWHERE, INFEASIBLE, MISSES, GIVES_UP)
+LIES = (NOWHERE, INFEASIBLE, MISSES)  # statements that the check refutes
+
+_WORDS = ("LS", "RS", "LR")  # the joint model in the order LRS has no RL
+
+
+class End(NamedTuple):
+    """Where an attempt ended, and how many full turns its path has more than it needs."""
+
+    end: str
+    turns: int | None = None
+
+
+def minimum(scenario: Scenario, length: float) -> tuple[str, int] | None:
+    """The local minimum of the joint model that has this length: word and full turns, or None.
+
+    Equal is what the check calls equal: within its gap tolerance times the shortest length.
+    """
+    best = shortest(scenario)
+    if best is None:
+        return None
+    tolerance = Tolerances().gap * max(best.total, 1.0)
+    for word in _WORDS:
+        found = shortest(scenario, word)
+        if found is None:
+            continue
+        above = length / scenario.radius - found.total
+        turns = max(0, round(above / math.tau))
+        if abs(above - turns * math.tau) <= tolerance:
+            return word, turns
+    return None
+
+
+def end_of(row: pd.Series) -> End:
+    """How one attempt ended. Columns: the scenario, word_ref, claim, verdict, false_claim, length.
+
+    A path that arrives and is shortest counts as found, whatever is claimed of it.
+    """
+    if row["verdict"] == "optimal":
+        return End(OPTIMUM, 0)
+    if row["false_claim"]:
+        return End(INFEASIBLE if row["claim"] == "infeasible" else MISSES)
+    if row["verdict"] != "longer" or row["claim"] not in ("optimal", "local"):
+        return End(GIVES_UP)
+    scenario = Scenario(**{name: row[name] for name in names(SCENARIO)})
+    found = minimum(scenario, float(row["length"]))
+    if found is None:
+        return End(NOWHERE)
+    word, turns = found
+    return End(TURNS if word == row["word_ref"] and turns else OTHER, turns)
+
+
+def ends(rows: pd.DataFrame) -> pd.DataFrame:
+    """Attempts that began at a given point, with where they began and ended.
+
+    Adds the columns z1, z2, z3 (of the start, in radii; z1 and z2 are rad), end, turns (NaN where
+    the end is no minimum).
+    """
+    given = rows[~rows["start"].isin(["cold", "warm"]) & rows["solver"].notna()]
+    if given.empty:
+        return given.assign(z1=[], z2=[], z3=[], end=[], turns=[])
+    points = given["start"].str.split(expand=True).astype(float)
+    found = [end_of(row) for _, row in given.iterrows()]
+    return given.assign(
+        z1=points[0],
+        z2=points[1],
+        z3=points[2],
+        end=[one.end for one in found],
+        turns=[math.nan if one.turns is None else float(one.turns) for one in found],
+    )
+
+
+def is_capped(solver: str) -> bool:
+    """Whether a spec bounds turns by a full one, as it does unless it says otherwise."""
+    return parse_spec(solver)[1].get("capped", "True").lower() == "true"
+
+
+def capping(found: pd.DataFrame) -> pd.DataFrame:
+    """What a cap on the turns changes, from `shares`, over the solvers that were tried both ways.
+
+    Index capped (False, True; empty if no solver was); columns found and turned (shares of the
+    attempts that end in the shortest path, and in a minimum with full turns), lies (count).
+    """
+    both = found.groupby("name")["capped"].transform("nunique") == 2
+    total = found[both].groupby("capped").sum(numeric_only=True)
+    turned = total["turns_1"] + total["turns_2"] + total["turns_more"]
+    return pd.DataFrame(
+        {
+            "found": total[OPTIMUM] / total["starts"],
+            "turned": turned / total["starts"],
+            "lies": total["lies"],
+        }
+    )
+
+
+def shares(table: pd.DataFrame) -> pd.DataFrame:
+    """One row a scenario and solver, from `ends`.
+
+    Columns: label, word_ref, solver, name (without settings), capped (whether its turns are
+    bounded by a full one), starts, one per end (counts), found (share of all starts),
+    turns_1, turns_2, turns_more (minima with so many full turns too many, of any word),
+    most_turns, lies (count).
+    """
+    records = []
+    for label, group in table.groupby("label", sort=True):
+        for solver in solver_order(group["solver"].tolist()):
+            own = group[group["solver"] == solver]
+            counts = {end: int((own["end"] == end).sum()) for end in ENDS}
+            minima = own[own["turns"].notna()]
+            records.append(
+                {"label": label, "word_ref": own["word_ref"].iloc[0], "solver": solver}
+                | {"name": parse_spec(solver)[0], "capped": is_capped(solver)}
+                | {"starts": len(own), **counts, "found": counts[OPTIMUM] / len(own)}
+                | {
+                    "turns_1": int((own["turns"] == 1).sum()),
+                    "turns_2": int((own["turns"] == 2).sum()),
+                    "turns_more": int((own["turns"] > 2).sum()),
+                    "most_turns": int(minima["turns"].max()) if len(minima) else 0,
+                    "lies": sum(counts[end] for end in LIES),
+                }
+            )
+    return pd.DataFrame.from_records(records)

@@ -1,0 +1,157 @@
+"""The section on where starting points lead."""
+
+from __future__ import annotations
+
+import pandas as pd
+
+from dubins_study.report.data.load import Results
+from dubins_study.report.page.content import Column, Picture, Section, Table, count, share, slug
+from dubins_study.report.page.style import HALF, new_figure
+from dubins_study.report.statistics.metrics import parse_spec, solver_order
+from dubins_study.report.topics.basins.figures import plot_ends
+from dubins_study.report.topics.basins.numbers import (
+    ENDS,
+    EXPERIMENT,
+    GIVES_UP,
+    INFEASIBLE,
+    MISSES,
+    NOWHERE,
+    OTHER,
+    TURNS,
+    capping,
+    ends,
+    is_capped,
+    shares,
+)
+
+
+def basins_section(results: Results) -> Section | None:
+    """A map per scenario and solver, a table of ends, and what they say.
+
+    Maps and sentences are of the solvers with unbounded turns, if there are any, since that is the
+    paper's model; the table has them all.
+    """
+    own = results.rows[results.rows["experiment"] == EXPERIMENT]
+    table = ends(own[own["branch"] == "best"])
+    if table.empty:
+        return None
+    capped = table["solver"].map(is_capped)
+    mapped = table if capped.all() else table[~capped]
+    listed = [end for end in ENDS if (mapped["end"] == end).any()]
+    pictures = [
+        _picture(label, solver, group, listed)
+        for solver in solver_order(mapped["solver"].tolist())
+        for label, group in mapped[mapped["solver"] == solver].groupby("label", sort=True)
+    ]
+    text = " ".join((_method(table), *_findings(shares(mapped)), _cap(capping(shares(table)))))
+    return Section(
+        "basins", "Where starting points lead", text.strip(), (*pictures, _table(shares(table)))
+    )
+
+
+def _method(table: pd.DataFrame) -> str:
+    straights = " and ".join(f"{z3:g}" for z3 in sorted(table["z3"].unique()))
+    return (
+        "Each solver is given the paper's model unsplit, L(z₁) R(z₂) S(z₃) with turns of any "
+        "length, and one starting point from a grid over z₁ and z₂; z₃ starts at "
+        f"{straights} radii. Every local minimum of this model is LS, RS or LR with a number of "
+        "full turns added, so an end is known by its length."
+    )
+
+
+def _findings(found: pd.DataFrame) -> list[str]:
+    """Three sentences: how often the optimum is found, what else is, and what is claimed."""
+    rates = found["found"].to_numpy()
+    least, most = found.iloc[rates.argmin()], found.iloc[rates.argmax()]
+    first = (
+        f"The shortest path is found from {share(least['found'])} of the starts at worst "
+        f"({_who(least)}) and from {share(most['found'])} at best ({_who(most)})."
+    )
+    starts = int(found["starts"].sum())
+    turned = int(found[["turns_1", "turns_2", "turns_more"]].to_numpy().sum())
+    far = found.iloc[found["most_turns"].to_numpy().argmax()]
+    second = f"{share(turned / starts)} of all attempts end in a minimum with full turns in it"
+    if turned:
+        second += (
+            f", with up to {count(far['most_turns'])} of them ({_who(far)}); nothing in the model "
+            "says that these are useless"
+        )
+    lies = int(found["lies"].sum())
+    if not lies:
+        return [first, f"{second}.", "No solver said anything that the check refutes."]
+    parts = [
+        f"{count(found[end].sum())} times {said}"
+        for end, said in (
+            (INFEASIBLE, "that no path exists where one does"),
+            (NOWHERE, "that a point is a minimum whose length is that of none"),
+            (MISSES, "that a path arrives which misses"),
+        )
+        if found[end].sum()
+    ]
+    worst = found.iloc[(found["lies"] / found["starts"]).to_numpy().argmax()]
+    third = (
+        f"{count(lies)} statements are refuted: {'; '.join(parts)}. The worst is {_who(worst)}, "
+        f"with {share(worst['lies'] / worst['starts'])} of its starts."
+    )
+    return [first, f"{second}.", third]
+
+
+def _cap(change: pd.DataFrame) -> str:
+    if change.empty:
+        return ""
+    free, bounded = change.loc[False], change.loc[True]
+    return (
+        "From the same starts, but with every turn bounded by a full one, the share that ends with "
+        f"full turns is {share(bounded['turned'])} instead of {share(free['turned'])}, that of the "
+        f"shortest path {share(bounded['found'])} instead of {share(free['found'])}, and the "
+        f"refuted statements number {count(bounded['lies'])} instead of {count(free['lies'])}."
+    )
+
+
+def _who(row: pd.Series) -> str:
+    return f"{parse_spec(row['solver'])[0]}, {row['label']}"
+
+
+def _picture(label: object, solver: str, table: pd.DataFrame, listed: list[str]) -> Picture:
+    title = f"{parse_spec(solver)[0]}, {label}"
+    figure = new_figure(HALF, 3.8 + 0.16 * len(listed))
+    ax = figure.add_subplot()
+    handles = plot_ends(ax, table, listed)
+    ax.set_title(title)
+    figure.legend(handles=handles, loc="outside lower left", ncols=1, fontsize=7.5)
+    caption = (
+        f"{title}: where each of {count(len(table))} starts leads; in brackets how many. White "
+        "cells with a mark are statements that the check refutes."
+    )
+    stem = slug(f"basins-{label}-{solver}")
+    return Picture(stem, caption, figure, f"Map of starting points by end, {title}", True)
+
+
+def _table(found: pd.DataFrame) -> Table:
+    columns = (
+        Column("label", "scenario", kind="text"),
+        Column("name", "solver", kind="code"),
+        Column("capped", "turns", lambda capped: "≤ 2π" if capped else "free", kind="text"),
+        Column("starts", "starts", count),
+        Column("found", "shortest", share),
+        Column(TURNS, "with full turns", count),
+        Column(OTHER, "other minimum", count),
+        Column("turns_1", "1 turn too many", count),
+        Column("turns_2", "2", count),
+        Column("turns_more", "more", count),
+        Column(INFEASIBLE, "“no path”", count),
+        Column(NOWHERE, "“minimum”", count),
+        Column(MISSES, "“path”", count),
+        Column(GIVES_UP, "gives up", count),
+    )
+    caption = (
+        "Ends by solver and scenario. Turns too many are counted in minima of any word. In "
+        "quotation marks what the solver says and the check refutes: that no path exists, that a "
+        "point is a minimum, that a path arrives. A point that its solver does not call a solution "
+        "counts as giving up, unless it is the shortest path."
+    )
+    lies = (INFEASIBLE, NOWHERE, MISSES)
+    marks = {
+        (i, end): "bad" for i, (_, row) in enumerate(found.iterrows()) for end in lies if row[end]
+    }
+    return Table("basins", caption, found, columns, marks)

@@ -1,0 +1,1 @@
+"""The topic `bias` of the report."""

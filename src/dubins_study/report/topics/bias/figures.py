@@ -1,0 +1,72 @@
+"""The turn that a solver leaves where the shortest path has none."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+
+from dubins_study.report.page.style import (
+    BLUE,
+    INK,
+    LINES,
+    MUTED,
+    VERMILION,
+    log_axis,
+    looks,
+    name_of,
+    power,
+)
+from dubins_study.report.statistics.metrics import solver_order
+
+
+def plot_bias(ax: Axes, table: pd.DataFrame) -> None:
+    """The turn left over against its prediction, and the line where they are equal.
+
+    Columns: predicted, z2 (length unit), asked (whether the solver was told its barrier).
+    """
+    ends = np.array([0.5 * table["predicted"].min(), 2 * table["predicted"].max()])
+    ax.plot(ends, ends, color=MUTED, linewidth=0.9, linestyle=LINES[1], label="equal")
+    hollow: dict[str, Any] = {"linestyle": "none", "markerfacecolor": "none"}
+    told, default = table[table["asked"]], table[~table["asked"]]
+    if len(told):
+        label = "Ipopt told to stop at μ"
+        ax.plot(told["predicted"], told["z2"], "o", color=BLUE, label=label, **hollow)
+    if len(default):
+        ax.plot(
+            default["predicted"],
+            default["z2"],
+            "x",
+            color=VERMILION,
+            markersize=6,
+            markeredgewidth=1.4,
+            label="Ipopt by its defaults",
+        )
+    ax.set(xscale="log", yscale="log", xlim=tuple(ends), ylim=tuple(ends))
+    ax.set(xlabel="(μ R²)^(1/3)  (length unit)", ylabel="right turn left over, z₂ (length unit)")
+    log_axis(ax.xaxis)
+    log_axis(ax.yaxis)
+
+
+def plot_left_over(ax: Axes, table: pd.DataFrame) -> None:
+    """The turn left over in radii, against the radius; none at all is a mark at the foot.
+
+    Columns: solver, radius, z2 (length unit).
+    """
+    style = looks(table["solver"].tolist())
+    share = table["z2"] / table["radius"]
+    foot = 10.0 ** np.floor(np.log10(share[share > 0].min()) - 1) if (share > 0).any() else 1e-8
+    for place, solver in enumerate(solver_order(table["solver"].tolist())):
+        own = table[table["solver"] == solver].sort_values("radius")
+        left = (own["z2"] / own["radius"]).clip(lower=foot)
+        # solvers that leave nothing share the foot: each a little aside
+        at = own["radius"] * 1.06 ** (place - 2)
+        look = style[solver]
+        ax.plot(at, left, marker=look.marker, markersize=4, **look.lines, label=name_of(solver, 24))
+    ax.set(xscale="log", yscale="log", ylim=(foot / 2, None))
+    ax.set(xlabel="turning radius R (length unit)", ylabel="right turn left over, z₂ / R")
+    log_axis(ax.xaxis)
+    log_axis(ax.yaxis, lambda value, _=None: "none" if value < 1.5 * foot else power(value))
+    ax.axhline(foot, color=INK, linewidth=0.5)

@@ -1,0 +1,157 @@
+"""The section on the interior-point bias in the segments."""
+
+from __future__ import annotations
+
+import pandas as pd
+
+from dubins_study.report.data.load import Results
+from dubins_study.report.page.content import Column, Picture, Section, Table, count, digits
+from dubins_study.report.page.style import HALF, legend_lines, new_figure
+from dubins_study.report.statistics.metrics import parse_spec
+from dubins_study.report.topics.bias.figures import plot_bias, plot_left_over
+from dubins_study.report.topics.bias.numbers import (
+    EXPERIMENT,
+    by_barrier,
+    left_over,
+    slope,
+    without_barrier,
+)
+
+_FOLLOWS = 0.1  # a ratio further than this from 1 does not bear the prediction out
+
+
+def bias_section(results: Results) -> Section | None:
+    """The turn left over against its prediction, and what other methods leave."""
+    if EXPERIMENT not in set(results.rows["experiment"]):
+        return None
+    table = left_over(results)
+    table = table[(table["branch"] == "best") & table["z2"].notna()]
+    known = table[table["mu"].notna()]
+    if known.empty:
+        return None
+    barriers, others = by_barrier(table), without_barrier(table)
+    sentences = [_prediction(known, barriers), *_default(known), *_others(others)]
+    text = (
+        "The shortest path to this target is LS, and the paper's model L(z₁) R(z₂) S(z₃) should "
+        "answer with z₂ = 0. There its reduced cost is zero: the length grows only like "
+        "z₂³ / (3 R²), so a barrier −μ ln z₂ stops the turn at z₂ = (μ R²)^(1/3), where the "
+        f"length is μ / 3 too long. {' '.join(sentences)}"
+    )
+    compared = table[~table["asked"]]
+    blocks: list[Picture | Table] = [_bias_picture(known)]
+    if len(compared):
+        blocks.append(_left_over_picture(compared))
+    blocks.append(_barrier_table(barriers))
+    if len(others):
+        blocks.append(_other_table(others))
+    return Section("bias", "The interior-point bias in the segments", text, tuple(blocks))
+
+
+def _prediction(known: pd.DataFrame, barriers: pd.DataFrame) -> str:
+    off = float((known["ratio"] - 1).abs().max())
+    fit = slope(known["predicted"].to_numpy(), known["z2"].to_numpy())
+    found = f"is within a relative {digits(2)(off)} of this"
+    if off > _FOLLOWS:
+        found = f"does not follow this everywhere: it is up to a relative {digits(2)(off)} away"
+    failed = int(barriers["failed"].sum())
+    said = f", though the solver calls {failed} of them failures" if failed else ""
+    return (
+        f"Over {count(len(known))} attempts z₂ {found}; the slope in logarithms is "
+        f"{digits(5)(fit)}{said}."
+    )
+
+
+def _default(known: pd.DataFrame) -> list[str]:
+    """One sentence on the radius nearest to 1, if the defaults were tried."""
+    own = known[~known["asked"]]
+    if own.empty:
+        return []
+    row = own.iloc[(own["radius"] - 1).abs().to_numpy().argmin()]
+    return [
+        f"By its defaults {parse_spec(row['solver'])[0]} stops at μ = {digits(3)(row['mu'])}: at "
+        f"R = {row['radius']:g} it leaves z₂ = {digits(4)(row['z2'])} where "
+        f"{digits(4)(row['predicted'])} is predicted, while the length is only "
+        f"{digits(2)(max(row['gap'], 0.0))} of itself too long and shows nothing."
+    ]
+
+
+def _others(others: pd.DataFrame) -> list[str]:
+    if others.empty:
+        return []
+    joint, split = others[others["joint"]], others[~others["joint"]]
+    said = []
+    if len(joint):
+        name = " and ".join(sorted({parse_spec(spec)[0] for spec in joint["solver"]}))
+        exact, tried = int(joint["exact"].sum()), int(joint["attempts"].sum())
+        said.append(
+            f"on this model {name} leaves no turn in {exact} of {tried} attempts"
+            + (f" and up to {digits(2)(joint['most'].max())} R in the others" * (exact < tried))
+        )
+    if len(split):
+        exact, tried = int(split["exact"].sum()), int(split["attempts"].sum())
+        said.append(
+            "with one turn fixed at zero, as the paper's Algorithm 1 does, the other turn is left "
+            f"out exactly in {exact} of {tried}"
+        )
+    text = "; ".join(said)
+    return [f"{text[:1].upper()}{text[1:]}."]
+
+
+def _bias_picture(known: pd.DataFrame) -> Picture:
+    figure = new_figure(HALF, 3.9)
+    plot_bias(figure.add_subplot(), known)
+    figure.legend(loc="outside lower left", ncols=1, fontsize=7.5)
+    caption = (
+        "The turn that Ipopt leaves, against the cube root of barrier times radius squared; one "
+        "mark an attempt. On the dashed line they are equal."
+    )
+    return Picture("bias", caption, figure, "Turn left over against its prediction", True)
+
+
+def _left_over_picture(compared: pd.DataFrame) -> Picture:
+    figure = new_figure(HALF, 2.9 + 0.15 * legend_lines(compared["solver"].unique(), 24))
+    plot_left_over(figure.add_subplot(), compared)
+    figure.legend(loc="outside lower left", ncols=1, fontsize=7.5)
+    caption = (
+        "What methods leave that are told no barrier, in radii; at the foot those that leave no "
+        "such turn at all."
+    )
+    return Picture("bias-methods", caption, figure, "Turn left over by method and radius", True)
+
+
+def _barrier_table(barriers: pd.DataFrame) -> Table:
+    shown = barriers.assign(by=barriers["asked"].map({True: "told", False: "its defaults"}))
+    columns = (
+        Column("mu", "μ", digits(3)),
+        Column("by", "chosen by", kind="text"),
+        Column("attempts", "radii", count),
+        Column("slope", "slope", digits(5)),
+        Column("ratio_low", "z₂ / predicted, least", digits(5)),
+        Column("ratio_high", "most", digits(5)),
+        Column("excess_low", "excess / (μ/3), least", digits(3)),
+        Column("excess_high", "most", digits(3)),
+        Column("failed", "“failed”", count),
+    )
+    caption = (
+        "Ipopt by the barrier that it stops at, over the radii: slope of log z₂ against the "
+        "prediction's logarithm, ratio of z₂ to it, and by how much the path is longer than the "
+        "shortest, over μ / 3. In quotation marks: attempts that the solver calls failed."
+    )
+    return Table("bias", caption, shown, columns)
+
+
+def _other_table(others: pd.DataFrame) -> Table:
+    columns = (
+        Column("solver", "solver", kind="code"),
+        Column("attempts", "radii", count),
+        Column("exact", "no turn at all", count),
+        Column("least", "least z₂ / R", digits(2)),
+        Column("most", "most", digits(2)),
+        Column("gap", "largest gap", digits(2)),
+        Column("limits", "stopped by a limit", count),
+    )
+    caption = (
+        "Methods that are told no barrier. On the unsplit model (joint) a multiplier of zero gives "
+        "an active-set method no reason to put the turn at its bound."
+    )
+    return Table("bias-methods", caption, others, columns)

@@ -1,0 +1,1 @@
+"""The topic `certificates` of the report."""

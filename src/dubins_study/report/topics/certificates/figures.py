@@ -1,0 +1,25 @@
+"""How far proofs go, as stacked bars."""
+
+from __future__ import annotations
+
+import pandas as pd
+from matplotlib.axes import Axes
+
+from dubins_study.report.page.bars import plot_shares
+from dubins_study.report.page.content import count
+from dubins_study.report.page.style import BLUE, ORANGE, RULE, SKY
+from dubins_study.report.topics.certificates.numbers import PROOFS
+
+# dark to light, the weaker ones hatched, so that the order survives grey printing
+_LOOK = {
+    "proved": (BLUE, ""),
+    "bounded": (SKY, "..."),
+    "extremal": (ORANGE, "///"),
+    "none": (RULE, "xx"),
+}
+
+
+def plot_proofs(ax: Axes, table: pd.DataFrame) -> None:
+    """Share of each proof, one bar a solver. Columns solver, attempts, one count per proof."""
+    look = {name: _LOOK[name] for name in PROOFS}
+    plot_shares(ax, table, look, [f"of {count(attempts)}" for attempts in table["attempts"]])

@@ -1,0 +1,141 @@
+"""The section on certificates: how far the proof of each answer goes."""
+
+from __future__ import annotations
+
+import pandas as pd
+
+from dubins_study.report.data.load import Results
+from dubins_study.report.data.spread import Spread
+from dubins_study.report.page.content import Column, Picture, Section, Table, count, digits, share
+from dubins_study.report.page.style import WIDE, name_of, new_figure
+from dubins_study.report.topics.certificates.figures import plot_proofs
+from dubins_study.report.topics.certificates.numbers import PROOFS, certificates
+from dubins_study.report.topics.summary.section import attempts
+
+_NOT_ENCLOSED = (
+    "No reference length was enclosed, so that no answer can be proved or bounded: where a block "
+    "has more than a million scenarios, its answers are certified by Pontryagin's conditions and "
+    "the cut alone."
+)
+_RIGOROUS = 1e-12  # relative; an interval narrower than this is called proven
+
+
+def certificates_section(results: Results) -> Section | None:
+    """Proofs as bars and counts, the worst residuals, and the width of the enclosures."""
+    found = attempts(results)
+    if not found.total.count("certified"):
+        return None
+    frame = certificates(found)
+    text = (
+        "Every answer is certified from its controls alone. Proved: the length agrees with a "
+        "rigorous interval around the shortest one, and Pontryagin's conditions hold, for the "
+        "branch best the cut margin too; or there is provably no path, and none was returned. "
+        "Bounded: the solver's own "
+        "bound is within the tolerance. Extremal: Pontryagin's conditions alone, which are "
+        f"necessary and not sufficient. {sentences(frame, found.total.spread('width'))}"
+    )
+    blocks = (_picture(frame), _proofs_table(frame), _table(frame))
+    return Section("certificates", "Certificates", text, blocks)
+
+
+def sentences(frame: pd.DataFrame, width: Spread) -> str:
+    """What the certificates say.
+
+    Args:
+        frame: of `certificates.certificates`.
+        width: of the intervals around the shortest lengths, relative.
+    """
+    said = [_proved(frame), _enclosed(frame, width), _reported(frame)]
+    return " ".join(sentence for sentence in said if sentence)
+
+
+def _proved(frame: pd.DataFrame) -> str:
+    asked, proved = int(frame["attempts"].sum()), int(frame["proved"].sum())
+    others = ", ".join(f"{count(frame[name].sum())} {name}" for name in PROOFS[1:])
+    return (
+        f"Of {count(asked)} attempts {count(proved)} are proved ({share(proved / asked)}; "
+        f"{others})."
+    )
+
+
+def _enclosed(frame: pd.DataFrame, width: Spread) -> str:
+    if not width.size:
+        without = frame["extremal"].sum() > 0
+        return _NOT_ENCLOSED if without else ""
+    widest = width.largest
+    said = "below" if widest < _RIGOROUS else "not below"
+    return (
+        f"The widest interval around a shortest length is {digits(2)(widest)} of it, {said} 1e-12."
+    )
+
+
+def _reported(frame: pd.DataFrame) -> str:
+    parts = []
+    compared = frame[frame["multipliers"] > 0]
+    if len(compared):
+        ranked = compared.sort_values("costate_error").to_dict("records")
+        best, worst = ranked[0], ranked[-1]
+        part = (
+            "the multipliers of an extremal are off its own costates by at most "
+            f"{digits(2)(worst['costate_error'])} ({worst['solver']}, whose median is "
+            f"{digits(2)(worst['costate_median'])})"
+        )
+        if len(compared) > 1:
+            part += f", at best by {digits(2)(best['costate_error'])} ({best['solver']})"
+        parts.append(part)
+    if bounds := int(frame["bounds"].sum()):
+        false = int(frame["false_bounds"].sum())
+        parts.append(
+            f"of {count(bounds)} lower bounds {count(false)} lie above the shortest length"
+        )
+    said = "; ".join(parts)
+    return f"What solvers report beside a path: {said}." if said else ""
+
+
+def _picture(frame: pd.DataFrame) -> Picture:
+    lines = max(name_of(solver).count("\n") + 1 for solver in frame["solver"])
+    figure = new_figure(WIDE, 0.9 + max(0.34, 0.14 * lines) * len(frame))
+    plot_proofs(figure.add_subplot(), frame)
+    figure.legend(loc="outside lower left", ncols=4)
+    caption = (
+        "How far the proof of each attempt goes, as shares of all attempts. A failed or coarse "
+        "answer has none, nor has one whose controls ripple about an extremal's."
+    )
+    return Picture("certificates", caption, figure, "Stacked bars of proofs, one a solver")
+
+
+def _proofs_table(frame: pd.DataFrame) -> Table:
+    columns = (
+        Column("solver", "solver", kind="code"),
+        Column("attempts", "attempts", count),
+        *(Column(name, name, count) for name in PROOFS),
+        Column("bounds", "lower bounds", count),
+        Column("false_bounds", "false bounds", count),
+    )
+    caption = (
+        "Attempts by how far their proof goes; bounds that solvers report, and how many of them "
+        "lie above the shortest length."
+    )
+    rows = frame.to_dict("records")
+    marks = {(i, "false_bounds"): "bad" for i, row in enumerate(rows) if row["false_bounds"]}
+    return Table("proof-counts", caption, frame, columns, marks)
+
+
+def _table(frame: pd.DataFrame) -> Table:
+    number = digits(2)
+    columns = (
+        Column("solver", "solver", kind="code"),
+        Column("pmp_residual", "worst residual", number),
+        Column("cut_margin", "least cut margin, rad", number),
+        Column("multipliers", "multipliers", count),
+        Column("costate_median", "costate error, median", number),
+        Column("costate_error", "worst", number),
+    )
+    caption = (
+        "Residual: the worst violation of Pontryagin's conditions among the optimal answers. Cut "
+        "margin: above 0 a path is the shortest to its own end; the least among the optimal "
+        "answers to the branch best. Costate error: the distance of a solver's multipliers from "
+        "the costates of its own path, where that arrives and is an extremal of more than one "
+        "arc: a single arc does not determine them."
+    )
+    return Table("certificates", caption, frame, columns)

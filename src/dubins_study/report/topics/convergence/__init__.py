@@ -1,0 +1,1 @@
+"""The topic `convergence` of the report."""

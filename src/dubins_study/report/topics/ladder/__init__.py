@@ -1,0 +1,1 @@
+"""The topic `ladder` of the report."""

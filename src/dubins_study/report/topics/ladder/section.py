@@ -1,0 +1,155 @@
+"""The section on the ladder of margins toward a turning circle."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import pandas as pd
+
+from dubins_study.report.data.load import Results
+from dubins_study.report.page.content import ABSENT, Column, Picture, Section, Table, count, digits
+from dubins_study.report.page.style import HALF, new_figure, power
+from dubins_study.report.statistics.metrics import solver_order
+from dubins_study.report.topics.ladder.figures import legend_entries, plot_ladder
+from dubins_study.report.topics.ladder.numbers import (
+    ANSWERED,
+    EXPERIMENT,
+    JUMP,
+    SIDES,
+    down_to,
+    ladder,
+    rungs,
+)
+
+_ARRIVES = -6  # the check's default tolerance of misses: 1e-6 R
+
+
+def ladder_section(results: Results) -> Section | None:
+    """Matrix of solvers and margins, the margins down to which each is right, and why."""
+    attempts = rungs(results.rows[results.rows["experiment"] == EXPERIMENT])
+    if attempts.empty:
+        return None
+    table = ladder(attempts)
+    text = (
+        "Targets at margins of 1e-1 to 1e-12 R from a turning circle, on both sides of its front "
+        "half, across which the shortest length jumps, and of its rear half, across which it does "
+        f"not. {sentences(attempts)}"
+    )
+    return Section(
+        "ladder",
+        "The ladder toward a turning circle",
+        text,
+        (*_pictures(table), _table(down_to(table))),
+    )
+
+
+def sentences(attempts: pd.DataFrame) -> str:
+    """What the ladder says; `attempts` is the frame of `ladder.rungs`."""
+    said = (_tempted(attempts), _judged(attempts), _elsewhere(attempts))
+    return " ".join(sentence for sentence in said if sentence)
+
+
+def _tempted(attempts: pd.DataFrame) -> str:
+    inner = attempts[attempts["side"] == JUMP]
+    if inner.empty:
+        return ""
+    short = inner[inner["finding"] == "by its miss"]
+    first = short.groupby("solver")["rung"].max()
+    others = [
+        solver
+        for solver in solver_order(inner["solver"].tolist())
+        if inner.loc[inner["solver"] == solver, "finding"].isin(ANSWERED).all()
+    ]
+    if first.empty:
+        said = "Just inside the front half no solver trades a miss for the short path"
+    else:
+        ranked = first.sort_values(ascending=False)
+        items = ", ".join(f"{solver} from {_margin(10.0**rung)}" for solver, rung in ranked.items())
+        said = (
+            "Just inside the front half a small miss buys a path shorter by up to a full turn, "
+            f"and these take it: {items}"
+        )
+    return f"{said}; the right path at every margin there: {', '.join(others) or 'none'}."
+
+
+def _judged(attempts: pd.DataFrame) -> str:
+    short = attempts[attempts["finding"] == "by its miss"]
+    false = int(attempts["false_claim"].sum())
+    claims = f"Of all {count(len(attempts))} claims {count(false)} are false"
+    if short.empty:
+        return f"{claims}."
+    return (
+        f"Those {count(len(short))} answers miss by {digits(2)(short['miss'].max())} R at most, "
+        "and the check, whose reference is the least length over the miss made, calls them "
+        f"optimal. {claims}."
+    )
+
+
+def _elsewhere(attempts: pd.DataFrame) -> str:
+    others = attempts[attempts["side"] != JUMP]
+    if others.empty:
+        return ""
+    right = others["finding"].isin(ANSWERED).groupby(others["solver"]).all()
+    wrong = solver_order([str(solver) for solver in right.index[~right]])
+    said = (
+        f"On the other sides {count(right.sum())} of {count(len(right))} solvers find the "
+        "shortest path, coarse or not, at every margin"
+    )
+    return f"{said}, not {', '.join(wrong)}." if wrong else f"{said}."
+
+
+def _margin(value: float) -> str:
+    return f"1e{round(math.log10(value))}"
+
+
+def _pictures(table: pd.DataFrame) -> list[Picture]:
+    solvers = list(dict.fromkeys(table["solver"]))
+    pictures: list[Picture] = []
+    for side in SIDES:
+        own = table[table["side"] == side]
+        if own.empty:
+            continue
+        figure = new_figure(HALF, 1.5 + 0.23 * len(solvers))
+        plot_ladder(figure.add_subplot(), own, solvers, _ARRIVES)
+        figure.legend(
+            handles=legend_entries(own),
+            loc="outside lower left",
+            ncols=3,
+            handletextpad=0.2,
+            columnspacing=1.0,
+        )
+        caption = f"{side[:1].upper()}{side[1:]} the circle: the worst of the answers at a margin."
+        if not pictures:
+            caption += (
+                " Right: the shortest path. Coarse: its shape, but longer than the check's "
+                "tolerance allows. By its miss: optimal for the point that it ends at, and "
+                "shorter than any path to the target. Dotted: the largest miss that counts as "
+                f"arriving, {power(10.0**_ARRIVES)} R."
+            )
+        name = f"ladder-{side.replace(', ', '-')}"
+        pictures.append(
+            Picture(name, caption, figure, f"Matrix of solvers and margins, {side}", True)
+        )
+    return pictures
+
+
+def _table(found: pd.DataFrame) -> Table:
+    columns = (
+        Column("solver", "solver", kind="code"),
+        Column("attempts", "attempts", count),
+        *(Column(side, side, _reach) for side in SIDES),
+        Column("by_miss", "rungs by its miss", count),
+        Column("coarse", "rungs coarse", count),
+        Column("false_claims", "false claims", count),
+    )
+    caption = (
+        "The least margin (R) down to which every answer is the shortest path, coarse or not; "
+        "all: at every margin asked for; –: not at the widest."
+    )
+    return Table("ladder", caption, found, columns)
+
+
+def _reach(value: Any) -> str:
+    number = float(value)
+    return "all" if number == 0 else _margin(number) if number > 0 else ABSENT

@@ -1,0 +1,1 @@
+"""The topic `paper` of the report."""

@@ -1,0 +1,1 @@
+"""The topic `plane` of the report."""

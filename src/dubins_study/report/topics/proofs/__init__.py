@@ -1,0 +1,1 @@
+"""The topic `proofs` of the report."""

@@ -1,0 +1,122 @@
+"""What the solvers that prove their answers pay for it, from rows."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+
+from dubins_study.report.paper.printed import PROBLEMS
+from dubins_study.report.statistics.metrics import solver_order, success
+from dubins_study.report.topics.certificates.numbers import PROOFS, proof
+
+EXPERIMENT = "proofs"
+ENOUGH = 1e-4  # proven gap up to which the check would call an answer optimal
+# where the exact answer costs microseconds, "fastest" says nothing
+EXACT = "analytic"
+PAPER = "the paper's problems"
+_QUESTION = ["scenario_id", "branch", "start"]
+
+
+def group(rows: pd.DataFrame) -> pd.Series[str]:
+    """The paper's problems as one group, all others by their label."""
+    return rows["label"].where(~rows["label"].isin(PROBLEMS), PAPER)
+
+
+def proven_gap(rows: pd.DataFrame) -> pd.Series[float]:
+    """(length - lower_bound) / length of answers that arrive with a bound; NaN of the others.
+
+    Not below 0: a bound may exceed the length by its rounding. A false bound proves nothing.
+    """
+    given = rows["gap"].notna() & rows["lower_bound"].notna() & ~_false(rows) & (rows["length"] > 0)
+    gap = (rows["length"] - rows["lower_bound"]) / rows["length"]
+    return gap.clip(lower=0).where(given)
+
+
+def _false(rows: pd.DataFrame) -> pd.Series[bool]:
+    return rows["false_bound"].fillna(False).astype(bool)
+
+
+def provers(rows: pd.DataFrame) -> list[str]:
+    """The solvers that give a lower bound with any answer."""
+    return solver_order(rows.loc[rows["lower_bound"].notna(), "solver"].tolist())
+
+
+def proofs(rows: pd.DataFrame) -> pd.DataFrame:
+    """One row a solver.
+
+    Columns: solver, attempts, success (share), one count per proof of the certificate, own (share
+    of attempts whose own bound proves a gap of at most 1e-4), gap and gap_most (median and largest
+    proven gap), wall_s with quartiles wall_s_q1 and wall_s_q3 (s), build_s (median, s).
+    """
+    gap, word = proven_gap(rows), proof(rows)
+    records = []
+    for solver in solver_order(rows["solver"].tolist()):
+        mine = rows["solver"] == solver
+        own, gaps = rows[mine], gap[mine]
+        low, middle, high = own["wall_s"].quantile([0.25, 0.5, 0.75])
+        record: dict[str, object] = {"solver": solver, "attempts": len(own)}
+        record |= {name: int((word[mine] == name).sum()) for name in PROOFS}
+        record |= {
+            "success": float(success(own).mean()),
+            "own": float((gaps <= ENOUGH).mean()),
+            "gap": gaps.median(),
+            "gap_most": gaps.max(),
+            "wall_s_q1": low,
+            "wall_s": middle,
+            "wall_s_q3": high,
+            "build_s": own["build_s"].median(),
+        }
+        records.append(record)
+    return pd.DataFrame.from_records(records)
+
+
+def prices(rows: pd.DataFrame) -> pd.DataFrame:
+    """Time of each solver over that of the fastest right answer without a proof.
+
+    Question by question, medians over repeats; only where the solver is right in every repeat and
+    some solver without bounds is. One row a solver and group of `group`.
+
+    Columns: group, solver, questions, ratio (median), ratio_q1, ratio_q3.
+    """
+    timed = rows.assign(right=success(rows), group=group(rows))
+    table = timed.groupby(["group", *_QUESTION, "solver"]).agg(
+        wall=("wall_s", "median"), ok=("right", "all")
+    )
+    wide = pd.DataFrame(table["wall"].where(table["ok"]).unstack("solver"))
+    plain = [solver for solver in wide.columns if solver not in provers(rows)]
+    ratios = wide.div(wide[plain].min(axis=1), axis=0)
+    records = []
+    groups = sorted(set(ratios.index.get_level_values("group")), key=lambda g: (g != PAPER, g))
+    for name in groups:
+        own = ratios.xs(name, level="group")
+        for solver in solver_order(list(own.columns)):
+            known = own[solver].dropna()
+            if known.empty:
+                continue
+            low, middle, high = np.quantile(known, [0.25, 0.5, 0.75])
+            records.append(
+                {
+                    "group": name,
+                    "solver": solver,
+                    "questions": len(known),
+                    "ratio_q1": low,
+                    "ratio": middle,
+                    "ratio_q3": high,
+                }
+            )
+    columns = ["group", "solver", "questions", "ratio_q1", "ratio", "ratio_q3"]
+    return pd.DataFrame.from_records(records, columns=columns)
+
+
+def fastest(rows: pd.DataFrame) -> tuple[str, float]:
+    """The solver without bounds that is most often the fastest right one, and its share: of the
+    questions that any of them answers rightly; ("", NaN) if there is none.
+    """
+    plain = rows[~rows["solver"].isin(provers(rows))]
+    right = plain[success(plain)]
+    if right.empty:
+        return "", float("nan")
+    median = right.groupby([*_QUESTION, "solver"])["wall_s"].median().unstack("solver")
+    first = median.idxmin(axis=1).value_counts(normalize=True)
+    often = float(first.max())
+    return solver_order([str(name) for name in first.index[first == often]])[0], often

@@ -1,0 +1,1 @@
+"""The topic `radius` of the report."""

@@ -1,0 +1,1 @@
+"""The topic `runs` of the report."""

@@ -1,0 +1,1 @@
+"""The topic `scale` of the report."""

@@ -1,0 +1,42 @@
+"""Gap against the unit of length."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+
+from dubins_study.report.page.style import MUTED, log_axis, looks, name_of, power
+from dubins_study.report.statistics.metrics import solver_order
+from dubins_study.report.topics.scale.numbers import ROUNDING
+
+
+def plot_scale(ax: Axes, rows: pd.DataFrame, foot: float, top: float) -> None:
+    """One scenario's gap over the radius, by solver; what does not arrive stands at the top.
+
+    Columns: solver, radius, gap (relative; NaN if not at the target). Gaps within rounding are
+    drawn at `foot`, answers that do not arrive at `top`.
+    """
+    style = looks(rows["solver"].tolist())
+    for place, solver in enumerate(solver_order(rows["solver"].tolist())):
+        own = rows[rows["solver"] == solver].sort_values("radius")
+        gap = own["gap"].where(own["gap"] > ROUNDING, foot).where(own["gap"].notna(), top)
+        # many are exact: each a little higher than the one before, so that all are seen
+        gap = gap.where(gap > foot, foot * 10 ** (0.28 * place))
+        look = style[solver]
+        ax.plot(
+            own["radius"],
+            gap,
+            marker=look.marker,
+            markersize=3,
+            **look.lines,
+            label=name_of(solver),
+        )
+    ax.axhline(ROUNDING, color=MUTED, linewidth=0.8, linestyle=(0, (1, 2)))
+    ax.set(xscale="log", yscale="log", ylim=(foot / 3, top * 4))
+    ax.set(xlabel="turning radius R (length unit)")
+    log_axis(ax.xaxis)
+    ax.grid(True, axis="x")
+    ticks = 10.0 ** np.arange(round(np.log10(ROUNDING)), round(np.log10(top)) - 1, 3)
+    texts = [power(tick) for tick in ticks]
+    ax.set_yticks([foot * 10, *ticks, top], ["rounding", *texts, "misses"])

@@ -1,0 +1,78 @@
+"""The same scenario at many radii, lengths in radii kept: numbers from rows of `scale`.
+
+The problem has no scale: (x, y, R) -> k (x, y, R) multiplies every length by k. A solver that keeps
+this gives the same path in radii, and its iterations do not change.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pandas as pd
+
+from dubins_study.report.statistics.metrics import solver_order, success
+
+EXPERIMENT = "scale"
+
+# spreads of length / R up to this are rounding: of the scenario's own numbers, of the sum of up to
+# a hundred pieces, and of the division; and gaps up to it are none
+ROUNDING = 1e-13
+
+
+def spreads(rows: pd.DataFrame) -> pd.DataFrame:
+    """One row a solver and scenario (label), over its radii.
+
+    Columns: solver, label, radii, success (share), spread (of length / R over the radii at which
+    the answer arrives, relative to its median; NaN if it never does), words (distinct ones,
+    `/` between), iterations_low, iterations_high (NaN if not counted), invariant (all radii alike:
+    every answer arrives, same verdict and word, spread within `ROUNDING`).
+    """
+    records = []
+    for (label, solver), own in rows.groupby(["label", "solver"], sort=True):
+        arrived = own[own["gap"].notna()]
+        relative = (arrived["length"] / arrived["radius"]).to_numpy(dtype=np.float64)
+        spread = float(np.ptp(relative) / np.median(relative)) if relative.size else math.nan
+        words = sorted(set(own["word"].dropna()))
+        alike = len(arrived) == len(own) and own["verdict"].nunique() == 1 and len(words) <= 1
+        records.append(
+            {
+                "solver": solver,
+                "label": label,
+                "radii": int(own["radius"].nunique()),
+                "success": float(success(own).mean()),
+                "spread": spread,
+                "words": "/".join(words),
+                "iterations_low": float(own["iterations"].min()),
+                "iterations_high": float(own["iterations"].max()),
+                "invariant": bool(alike and not spread > ROUNDING),
+            }
+        )
+    return pd.DataFrame.from_records(records)
+
+
+def by_solver(table: pd.DataFrame) -> pd.DataFrame:
+    """One row a solver, from `spreads`.
+
+    Columns: solver, scenarios, invariant (in how many of them the answer is the same at every
+    radius), success (mean share), spread (the largest), words (whether the same word at every
+    radius of each scenario), iterations (largest ratio of most to least over one scenario's radii;
+    NaN if not counted or zero).
+    """
+    records = []
+    for solver in solver_order(table["solver"].tolist()):
+        own = table[table["solver"] == solver]
+        counted = own[own["iterations_low"] > 0]
+        ratio = counted["iterations_high"] / counted["iterations_low"]
+        records.append(
+            {
+                "solver": solver,
+                "scenarios": len(own),
+                "invariant": int(own["invariant"].sum()),
+                "success": float(own["success"].mean()),
+                "spread": float(own["spread"].max()),
+                "words": not own["words"].str.contains("/").any(),
+                "iterations": float(ratio.max()),
+            }
+        )
+    return pd.DataFrame.from_records(records)

@@ -1,0 +1,111 @@
+"""The section on scale invariance."""
+
+from __future__ import annotations
+
+import pandas as pd
+
+from dubins_study.report.data.load import Results
+from dubins_study.report.page.content import Column, Picture, Section, Table, count, digits, share
+from dubins_study.report.page.style import WIDE, legend_lines, new_figure, power
+from dubins_study.report.statistics.metrics import parse_spec, solver_order
+from dubins_study.report.topics.scale.figures import plot_scale
+from dubins_study.report.topics.scale.numbers import EXPERIMENT, ROUNDING, by_solver, spreads
+
+_FOOT, _TOP = 1e-17, 1e1
+
+
+def scale_section(results: Results) -> Section | None:
+    """Gap against radius, and a table of what changes with it."""
+    rows = results.rows[results.rows["experiment"] == EXPERIMENT]
+    rows = rows[(rows["branch"] == "best") & (rows["start"] == "cold") & rows["radius"].notna()]
+    if rows.empty:
+        return None
+    table = by_solver(spreads(rows))
+    text = f"{_method(rows)} {' '.join(_findings(table))}"
+    return Section("scale", "From micrometres to megametres", text, (_picture(rows), _table(table)))
+
+
+def _method(rows: pd.DataFrame) -> str:
+    return (
+        "Nothing in the problem has a size: with start and target given in radii, the path in "
+        "radii is the same at every radius. Each scenario is solved at "
+        f"{count(rows['radius'].nunique())} radii from {power(rows['radius'].min())} to "
+        f"{power(rows['radius'].max())} length units."
+    )
+
+
+def _findings(table: pd.DataFrame) -> list[str]:
+    """Three sentences: who is invariant, who is not, and whether the work is."""
+    same = table[table["invariant"] == table["scenarios"]]
+    first = f"{len(same)} of {len(table)} solvers and variants give the same path everywhere"
+    if len(same):
+        first += f", to {digits(2)(same['spread'].max())} of its length"
+    other = table[table["invariant"] < table["scenarios"]]
+    if len(other):
+        parts = [
+            f"{row['solver']} (right in {share(row['success'])}"
+            + (f", lengths up to {digits(2)(row['spread'])} apart)" if row["spread"] >= 0 else ")")
+            for _, row in other.iterrows()
+        ]
+        second = f"Not so for {', '.join(parts)}"
+        units = other["solver"].map(lambda s: parse_spec(s)[1].get("units") == "scenario")
+        if units.all():
+            second += ": they are given the model in the scenario's own unit, as the paper poses "
+            second += "it, and their tolerances do not grow with it"
+        second += "."
+    else:
+        second = "None depends on the unit."
+    if same.empty:
+        return [f"{first}.", second]
+    kept = same[same["iterations"] == 1]["solver"]
+    moved = same[same["iterations"] > 1]
+    third = f"The number of iterations is the same too for {len(kept)} of them"
+    if len(moved):
+        worst = moved.iloc[moved["iterations"].to_numpy().argmax()]
+        third += (
+            f"; rounding alone changes it by up to a factor of {digits(2)(worst['iterations'])} "
+            f"({worst['solver']})"
+        )
+    return [f"{first}.", second, f"{third}."]
+
+
+def _picture(rows: pd.DataFrame) -> Picture:
+    labels = sorted(rows["label"].unique())
+    solvers = solver_order(rows["solver"].tolist())
+    figure = new_figure(WIDE, 3.3 + 0.13 * legend_lines(solvers, columns=4))
+    panels = figure.subplots(1, len(labels), sharey=True, squeeze=False)[0]
+    for ax, label in zip(panels, labels, strict=True):
+        plot_scale(ax, rows[rows["label"] == label], _FOOT, _TOP)
+        ax.set_title(label)
+    panels[0].set_ylabel("gap to the shortest length (relative)")
+    handles, texts = panels[0].get_legend_handles_labels()
+    figure.legend(handles, texts, loc="outside lower left", ncols=4, fontsize=7.5)
+    caption = (
+        "Gap against radius, one panel a scenario. A solver without a scale is a level line. "
+        "Below the dotted line are answers exact up to rounding, set apart so that each is seen; "
+        "at the top are those that do not arrive."
+    )
+    return Picture("scale", caption, figure, "Gap against radius for each solver")
+
+
+def _table(table: pd.DataFrame) -> Table:
+    columns = (
+        Column("solver", "solver", kind="code"),
+        Column("scenarios", "scenarios", count),
+        Column("invariant", "of them invariant", count),
+        Column("success", "right", share),
+        Column("spread", "largest spread of length / R", digits(2)),
+        Column("words", "same word", lambda same: "yes" if same else "no", kind="text"),
+        Column("iterations", "iterations, most / least", digits(3)),
+    )
+    caption = (
+        "Over the radii of each scenario. Invariant: same verdict and word at every radius, and "
+        f"lengths in radii within {digits(1)(ROUNDING)}. Spread: greatest less least length in "
+        "radii, relative, over the answers that arrive."
+    )
+    marks = {
+        (i, "invariant"): "bad"
+        for i, (_, row) in enumerate(table.iterrows())
+        if row["invariant"] < row["scenarios"]
+    }
+    return Table("scale", caption, table, columns, marks)

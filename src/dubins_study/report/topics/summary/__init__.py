@@ -1,0 +1,1 @@
+"""The topic `summary` of the report."""

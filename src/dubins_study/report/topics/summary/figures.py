@@ -1,0 +1,78 @@
+"""Figures of what came back: verdicts, and how far from the optimum."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+
+from dubins_study.report.data.reduction import Reduction
+from dubins_study.report.page.bars import plot_shares
+from dubins_study.report.page.content import count
+from dubins_study.report.page.style import (
+    BLUE,
+    MUTED,
+    ORANGE,
+    RULE,
+    VERMILION,
+    log_axis,
+    looks,
+    name_of,
+)
+from dubins_study.report.statistics.metrics import VERDICTS, gaps, solver_order
+
+# dark to light, and hatched where something is wrong, so that the order survives grey printing
+VERDICT_LOOK = {
+    "optimal": (BLUE, ""),
+    "none exists": ("#b9def3", ""),
+    "longer": (ORANGE, "///"),
+    "misses": (VERMILION, "xx"),
+    "none": (RULE, "..."),
+}
+SMALLEST_GAP = 1e-16
+
+
+def plot_verdicts(ax: Axes, table: pd.DataFrame) -> None:
+    """Share of each verdict, one bar a solver. Columns of `metrics.summary`."""
+    look = {verdict: VERDICT_LOOK[verdict] for verdict in VERDICTS}
+    plot_shares(ax, table, look, [_counts(row) for row in table.itertuples()])
+    ax.legend(loc="lower left", bbox_to_anchor=(0, 1.0), ncols=5, borderaxespad=0.2)
+
+
+def _counts(row: object) -> str:
+    values = {key: int(getattr(row, key)) for key in ("attempts", "false_claims", "wrong_basins")}
+    return (
+        f"of {count(values['attempts'])}: {count(values['false_claims'])} false claims,\n"
+        f"{count(values['wrong_basins'])} wrong basins"
+    )
+
+
+def plot_gap_profile(ax: Axes, found: Reduction, tolerance: float | None = None) -> None:
+    """Share of attempts within each gap.
+
+    Args:
+        ax: where to draw.
+        found: attempts; those at questions without an answer are left out.
+        tolerance: the gap up to which the check says optimal, drawn as a line if given.
+    """
+    spreads = {solver: gaps(own) for solver, own in found.solvers.items()}
+    solvers = solver_order([solver for solver, spread in spreads.items() if spread.size])
+    style = looks(solvers)
+    for place, solver in enumerate(solvers):
+        within, share = spreads[solver].shares()
+        x = np.concatenate(([SMALLEST_GAP], np.maximum(within, SMALLEST_GAP), [10.0]))
+        y = np.concatenate(([0.0], share, share[-1:] if share.size else [0.0]))
+        ax.step(
+            x,
+            y,
+            where="post",
+            label=name_of(solver, 40),
+            **style[solver].curve(place),
+        )
+    if tolerance is not None:
+        ax.axvline(tolerance, color=MUTED, linewidth=0.8, linestyle=(0, (1, 2)))
+        ax.text(tolerance, 1.03, "optimal up to here", ha="center", fontsize=7.5, color=MUTED)
+    ax.set(xscale="log", xlim=(SMALLEST_GAP, 10), ylim=(0, 1.02))
+    ax.set(xlabel="gap to the shortest length (relative)", ylabel="share of all attempts")
+    ax.yaxis.set_major_formatter(lambda value, _: f"{100 * value:.0f} %")
+    log_axis(ax.xaxis)

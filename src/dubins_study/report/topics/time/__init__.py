@@ -1,0 +1,1 @@
+"""The topic `time` of the report."""

@@ -1,0 +1,80 @@
+"""Work and precision of `turn-rate-qp` from rows."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import pandas as pd
+
+from dubins_study.report.data.reduction import of
+from dubins_study.report.statistics.metrics import (
+    fitted_order,
+    gaps,
+    parse_spec,
+    success,
+)
+
+SOLVER = "turn-rate-qp"
+Settings = Mapping[str, Mapping[str, Any]]
+
+
+def work_precision(rows: pd.DataFrame, settings: Settings) -> pd.DataFrame:
+    """One row an engine and n, from the attempts of `turn-rate-qp`.
+
+    Args:
+        rows: attempts.
+        settings: spec -> its settings, as a manifest holds them.
+
+    Returns:
+        Columns engine (with whatever else than n the specs change), n, attempts, arrived and
+        success (shares of all attempts), gap and gap_q90 (quantiles, infinite if that many do not
+        arrive), wall_s (median, s), iterations (median), order (p of gap ~ n^-p, up to the
+        engine's least gap).
+    """
+    steps = {spec: _steps(spec, settings) for spec in rows["solver"].unique()}
+    own = rows[rows["solver"].map(steps) > 0]
+    if own.empty:
+        return pd.DataFrame()
+    engines = {spec: _engine(spec, settings) for spec in own["solver"].unique()}
+    own = own.assign(engine=own["solver"].map(engines), n=own["solver"].map(steps))
+    records = [
+        _record(str(e), int(n), group)  # type: ignore[call-overload]  # pandas says Hashable
+        for (e, n), group in own.groupby(["engine", "n"])
+    ]
+    frame = pd.DataFrame.from_records(records)
+    orders = {engine: _order(own) for engine, own in frame.groupby("engine")}
+    return frame.assign(order=frame["engine"].map(orders))
+
+
+def _order(rows: pd.DataFrame) -> float:
+    falling = rows.sort_values("n").reset_index(drop=True)
+    falling = falling.loc[: int(falling["gap"].to_numpy().argmin())]
+    return fitted_order(falling["n"], falling["gap"])
+
+
+def _steps(spec: str, settings: Settings) -> int:
+    """n of a spec; 0 of another solver, or if it is no number, as in a row that no solver wrote."""
+    n = settings.get(spec, {}).get("n")
+    return n if parse_spec(spec)[0] == SOLVER and isinstance(n, int) else 0
+
+
+def _engine(spec: str, settings: Settings) -> str:
+    engine = str(settings.get(spec, {}).get("engine"))
+    others = [f"{k}={v}" for k, v in parse_spec(spec)[1].items() if k not in ("n", "engine")]
+    return ", ".join([engine, *others])
+
+
+def _record(engine: str, n: int, rows: pd.DataFrame) -> dict[str, object]:
+    found = gaps(of(rows).total)
+    return {
+        "engine": engine,
+        "n": n,
+        "attempts": len(rows),
+        "arrived": found.finite / found.size if found.size else float("nan"),
+        "success": float(success(rows).mean()),
+        "gap": found.upper(0.5),
+        "gap_q90": found.upper(0.9),
+        "wall_s": rows["wall_s"].median(),
+        "iterations": rows["iterations"].median(),
+    }

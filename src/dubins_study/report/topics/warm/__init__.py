@@ -1,0 +1,1 @@
+"""The topic `warm` of the report."""

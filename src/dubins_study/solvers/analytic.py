@@ -1,0 +1,73 @@
+"""`analytic`: the closed form, exact for every branch."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
+
+from dubins_study.solvers.protocol import Guarantee, Question, Solution
+from dubins_study.study.check.verdict import Claim
+from dubins_study.study.closed_form.shortest import BRANCHES, as_path, shortest
+from dubins_study.study.scenario import NUMBERS
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from dubins_study.solvers.frame import FrameSolution
+
+_NONE = "no {} path exists"
+
+
+@dataclass(frozen=True)
+class Analytic:
+    """The closed form of `study.closed_form.shortest`, and of `study.closed_form.kernel` for whole frames."""
+
+    name: ClassVar[str] = "analytic"
+    method: ClassVar[str] = "closed form"
+    guarantee: ClassVar[Guarantee] = Guarantee.EXACT
+    branches: ClassVar[tuple[str, ...]] = BRANCHES
+    warm: ClassVar[bool] = False
+    packages: ClassVar[tuple[str, ...]] = ()
+    summary: ClassVar[str] = "the closed form: exact, every branch, no iteration"
+
+    def unavailable(self) -> str | None:
+        return None
+
+    def build(self, question: Question) -> Question:
+        return question  # there is nothing to translate
+
+    def solve(self, model: Question, limit: float) -> Solution:
+        scenario = model.scenario
+        found = shortest(scenario, model.branch)
+        if found is None:
+            return Solution(Claim.INFEASIBLE, message=_NONE.format(model.branch))
+        path = as_path(scenario, found.word, found.segments)
+        length = path.total_length
+        return Solution(Claim.OPTIMAL, path, claimed_length=length, lower_bound=length)
+
+    def solve_frame(self, frame: pd.DataFrame, branch: str) -> FrameSolution:
+        import numpy as np  # these only here: a single question needs none of them
+
+        from dubins_study.solvers.frame import FrameSolution
+        from dubins_study.study.check.verdict_frame import CLAIMS, Paths
+        from dubins_study.study.closed_form.kernel import Rows, shortest_rows
+        from dubins_study.study.closed_form.kernel_paths import curvatures
+        from dubins_study.study.closed_form.kernel_words import NO_PATH
+
+        n = len(frame)
+        curvature, length = np.empty((2, n)), np.empty((2, n))
+        rows = Rows(np.empty(n), length[0], length[1], np.empty(n, np.uint8))
+        x, y, heading, tx, ty, radius = (
+            np.ascontiguousarray(frame[name], np.float64) for name in NUMBERS if name != "speed"
+        )
+        shortest_rows(x, y, heading, tx, ty, radius, branch=branch, out=rows)
+        curvatures(rows.word, radius, curvature)
+        paths = Paths(curvature, length)
+        absent = rows.word == NO_PATH
+        if not absent.any():
+            return FrameSolution(Claim.OPTIMAL, paths, rows.length, rows.length.copy())
+        claim = np.where(absent, CLAIMS.index(Claim.INFEASIBLE), CLAIMS.index(Claim.OPTIMAL))
+        message = np.where(absent, _NONE.format(branch), "").tolist()
+        length[:, absent] = 0.0
+        paths = Paths(curvature, length, ~absent)
+        return FrameSolution(claim, paths, rows.length, rows.length.copy(), message=message)

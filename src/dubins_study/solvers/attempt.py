@@ -1,0 +1,294 @@
+"""One attempt: a question put to a solver, timed by the caller, judged by the check."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, fields, replace
+from operator import attrgetter
+from time import perf_counter
+from typing import Any, NamedTuple
+
+from dubins_study.solvers.profiles import PROFILES, tolerances
+from dubins_study.solvers.protocol import AnySolver, Outcome, Question, Solution
+from dubins_study.solvers.registry import load, unavailable
+from dubins_study.study.check.certificate import Certificate, Proof, certify
+from dubins_study.study.check.verdict import Claim, Judgement, Tolerances, Verdict, judge
+from dubins_study.study.closed_form.shortest import BRANCHES, shortest
+from dubins_study.study.path import Path
+from dubins_study.study.rows.schema import ANSWER, SCENARIO, names
+from dubins_study.study.scenario import Scenario
+
+# Long enough for every backend on every question; a solve here lasts microseconds to seconds.
+DEFAULT_LIMIT = 60.0
+
+
+@dataclass(frozen=True, slots=True)
+class Answer:
+    """A judged and certified attempt. Units as in `study.rows.schema`; None where nothing can be said.
+
+    `length`, `time`, `word`, `gap` and `miss` are found from the path's controls by the check, and
+    so is the certificate (`study.check.certificate.Certificate`); `claimed_length` is what the solver
+    said.
+    """
+
+    scenario: Scenario
+    solver: str
+    branch: str
+    path: Path | None
+    region: str
+    margin: float
+    word: str | None
+    word_ref: str | None
+    outcome: Outcome
+    claim: Claim
+    verdict: Verdict
+    false_claim: bool
+    wrong_basin: bool
+    native_status: str
+    message: str
+    length: float | None
+    time: float | None
+    reference: float | None
+    gap: float | None
+    miss: float | None
+    curvature_excess: float | None
+    claimed_length: float | None
+    lower_bound: float | None
+    multiplier_x: float | None
+    multiplier_y: float | None
+    proof: Proof
+    reference_low: float | None
+    reference_high: float | None
+    costate_x: float | None
+    costate_y: float | None
+    abnormal: bool
+    hamiltonian: float | None
+    sign_margin: float | None
+    transversality: float | None
+    pmp_residual: float | None
+    cut_margin: float | None
+    costate_error: float | None
+    false_bound: bool
+    build_s: float | None
+    solve_s: float | None
+    wall_s: float | None
+    iterations: int | None
+    evaluations: int | None
+
+    @property
+    def tied_words(self) -> tuple[str, ...]:
+        """The words that share the shortest length; two straight behind the vehicle, else one."""
+        optimum = shortest(self.scenario, self.branch)
+        return () if optimum is None else optimum.words
+
+    @property
+    def curvatures(self) -> list[float] | None:
+        return None if self.path is None else self.path.curvature.tolist()
+
+    @property
+    def lengths(self) -> list[float] | None:
+        return None if self.path is None else self.path.length.tolist()
+
+    def row(self) -> dict[str, Any]:
+        """The scenario's and the answer's columns of `study.rows.schema`, non-finite numbers as None."""
+        return _row({field.name: getattr(self, field.name) for field in fields(self)})
+
+
+_SCENARIO, _ANSWER = names(SCENARIO), names(ANSWER)
+
+
+@dataclass(frozen=True, slots=True)
+class Times:
+    """Seconds on `perf_counter` in the process that solves; None for what was not reached."""
+
+    build: float | None = None
+    solve: float | None = None
+    wall: float | None = None
+
+
+_NEVER = Times()
+
+
+def solve(
+    scenario: Scenario,
+    solver: str = "analytic",
+    branch: str = "best",
+    *,
+    profile: str = "default",
+    start: Path | None = None,
+    limit: float = DEFAULT_LIMIT,
+) -> Answer:
+    """Solve one scenario and judge the answer.
+
+    Args:
+        scenario: start pose, target, turning radius, speed.
+        solver: a spec, e.g. `ipopt`, `turn-rate-qp[n=100]` or `file.py:Class`.
+        branch: `best`, or a word: `LS`, `RS`, `LR`, `RL`.
+        profile: `default`, `fast` or `accurate`.
+        start: a path to start from; cold if None.
+        limit: seconds that the solver is asked to keep to.
+
+    Raises:
+        SolverError, ProfileError, QuestionError: if the request is not a valid one. A solver that
+            fails raises nothing: it is an outcome, a claim and a verdict.
+    """
+    check_request(branch, limit)
+    if not isinstance(scenario, Scenario):
+        raise QuestionError(f"scenario is {scenario!r}; expected a Scenario")
+    if start is not None and not isinstance(start, Path):
+        raise QuestionError(f"start is {start!r}; expected a Path or None")
+    question = Question(scenario, branch, start)
+    return attempt(load(solver, profile), question, limit, tolerances(profile), spec=solver)
+
+
+class QuestionError(ValueError):
+    """A branch or time limit that no solver may be asked."""
+
+
+def check_request(branch: str, limit: float) -> None:
+    """Refuse an unknown branch or a time limit that is not a positive number of seconds.
+
+    Raises:
+        QuestionError: naming the value and what was expected.
+    """
+    if branch not in BRANCHES:
+        raise QuestionError(f"no branch named {branch!r}; choose one of: {', '.join(BRANCHES)}")
+    number = isinstance(limit, int | float) and not isinstance(limit, bool)
+    if not (number and math.isfinite(limit) and limit > 0):
+        raise QuestionError(f"limit is {limit!r}; expected a number of seconds above 0")
+
+
+def attempt(
+    solver: AnySolver,
+    question: Question,
+    limit: float = DEFAULT_LIMIT,
+    allowed: Tolerances = PROFILES["default"],
+    spec: str | None = None,
+) -> Answer:
+    """Put a question to a solver, time it, and judge whatever comes back.
+
+    A solver that raises, returns something else than a `Solution`, cannot run here or cannot
+    answer the branch yields a row that says so.
+    """
+    return judged(spec or solver.name, question, ask(solver, question, limit), allowed)
+
+
+class Reply(NamedTuple):
+    """What came back of a question, not judged yet: all that the process that solves need know."""
+
+    outcome: Outcome
+    solution: Solution
+    times: Times
+
+
+def nothing(outcome: Outcome, message: str, times: Times = _NEVER, status: str = "") -> Reply:
+    """The reply of a solver that did not answer, and why."""
+    return Reply(outcome, Solution(Claim.NONE, native_status=status, message=message), times)
+
+
+def ask(solver: AnySolver, question: Question, limit: float = DEFAULT_LIMIT) -> Reply:
+    """Put a question to a solver and time it. What a solver raises is its reply."""
+    reason = unavailable(solver)
+    if reason is not None:
+        return nothing(Outcome.UNAVAILABLE, reason)
+    if question.branch not in solver.branches:
+        reason = f"{solver.name} answers {', '.join(solver.branches)}, not {question.branch}"
+        return nothing(Outcome.UNSUPPORTED, reason)
+    # a solver is given copies, so that the question stays what was asked
+    asked = replace(question, scenario=replace(question.scenario))
+    began = perf_counter()
+    built = None
+    try:
+        model = solver.build(asked)
+        built = perf_counter()
+        solution = solver.solve(model, limit)
+        ended = perf_counter()
+        if not isinstance(solution, Solution):
+            raise TypeError(f"solve returned {type(solution).__name__}; expected a Solution")
+    except (Exception, SystemExit) as error:  # what a backend raises is its result
+        ended = perf_counter()
+        build = None if built is None else built - began
+        outcome = Outcome.OUT_OF_MEMORY if isinstance(error, MemoryError) else Outcome.RAISED
+        return nothing(outcome, told(error), Times(build, None, ended - began))
+    return Reply(Outcome.RETURNED, solution, Times(built - began, ended - built, ended - began))
+
+
+_LONGEST_MESSAGE = 2000  # characters; a row is no place for more
+
+
+def told(error: BaseException) -> str:
+    """An exception in one text; it may fail even in telling what it is."""
+    name = type(error).__name__
+    try:
+        text = str(error)
+    except BaseException:  # see above
+        return name
+    return f"{name}: {text}"[:_LONGEST_MESSAGE]
+
+
+def judged(
+    spec: str, question: Question, reply: Reply, allowed: Tolerances = PROFILES["default"]
+) -> Answer:
+    """A reply judged by the check and certified."""
+    return Answer(**_judged(spec, question, reply, allowed))
+
+
+def judged_row(
+    spec: str, question: Question, reply: Reply, allowed: Tolerances = PROFILES["default"]
+) -> dict[str, Any]:
+    """The row of the answer that `judged` makes, without making the answer."""
+    return _row(_judged(spec, question, reply, allowed))
+
+
+def _row(held: dict[str, Any]) -> dict[str, Any]:
+    scenario, path = held["scenario"], held["path"]
+    held["curvatures"] = None if path is None else path.curvature.tolist()
+    held["lengths"] = None if path is None else path.length.tolist()
+    row = {name: getattr(scenario, name) for name in _SCENARIO}
+    return row | {name: held[name] for name in _ANSWER}
+
+
+def _judged(spec: str, question: Question, reply: Reply, allowed: Tolerances) -> dict[str, Any]:
+    """The fields of an answer."""
+    solution = reply.solution
+    found = judge(question.scenario, solution.path, solution.claim, question.branch, allowed)
+    certificate = certify(
+        question.scenario,
+        solution.path,
+        found,
+        question.branch,
+        lower_bound=solution.lower_bound,
+        multipliers=solution.multipliers,
+        tolerances=allowed,
+    )
+    dual, times = solution.multipliers or (None, None), reply.times
+    answer = {
+        "scenario": question.scenario,
+        "solver": spec,
+        "branch": question.branch,
+        "path": solution.path,
+        "outcome": reply.outcome,
+        "claim": solution.claim,
+        "native_status": solution.native_status,
+        "message": solution.message,
+        "claimed_length": _finite(solution.claimed_length),
+        "lower_bound": _finite(solution.lower_bound),
+        "multiplier_x": _finite(dual[0]),
+        "multiplier_y": _finite(dual[1]),
+        "build_s": times.build,
+        "solve_s": times.solve,
+        "wall_s": times.wall,
+        "iterations": solution.iterations,
+        "evaluations": solution.evaluations,
+    }
+    answer |= zip(_FOUND, _read_found(found), strict=True)
+    answer |= zip(_CERTIFIED, _read_certified(certificate), strict=True)
+    return answer
+
+
+_FOUND, _CERTIFIED = ([field.name for field in fields(kind)] for kind in (Judgement, Certificate))
+_read_found, _read_certified = attrgetter(*_FOUND), attrgetter(*_CERTIFIED)
+
+
+def _finite(value: float | None) -> float | None:
+    return None if value is None or not math.isfinite(value) else float(value)

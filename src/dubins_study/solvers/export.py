@@ -1,0 +1,167 @@
+"""The models of this study as files for other people's solvers.
+
+The paper's model (4.12) is written as the paper has it, in the scenario's own coordinates and
+units; the disjunctive model as `solvers.global_minlp.model` has it, in the vehicle's frame at unit
+radius.
+"""
+
+from __future__ import annotations
+
+from io import StringIO
+from typing import Any
+
+from dubins_study.solvers.paper_nlp.initial_guesses import starting_points
+from dubins_study.solvers.paper_nlp.model import SUBPROBLEMS
+from dubins_study.solvers.protocol import Question
+from dubins_study.study.scenario import Scenario
+
+MODELS = ("paper", "disjunctive")
+FORMATS = ("nl", "mod", "gams")
+ORDERS = ("LRS", "RLS")
+
+
+class ExportError(ValueError):
+    """A model, format or order that cannot be written."""
+
+
+def export(scenario: Scenario, model: str = "paper", format: str = "nl", order: str = "LRS") -> str:
+    """A model of a scenario as the text of a file.
+
+    Args:
+        scenario: start, target and turning radius; its speed plays no part in a length.
+        model: `paper` is (4.12) with its three lengths unbounded above, `disjunctive` the choice
+            among the words LS, RS, LR and RL, which covers every target.
+        format: `nl` (any solver that AMPL can call), `mod` (AMPL's language, `paper` only) or
+            `gams`.
+        order: of the paper's turns: `LRS`, or `RLS`, its mirror image.
+
+    Returns:
+        The text. Its variables are z1, z2 and z3 (the two turns' lengths and the straight's) in
+        `paper`; z[1], z[2], z[3] (left, right, straight) with cosines, sines and a binary per
+        word in `disjunctive`. The first line of `nl`, which has no names, tells their order.
+
+    Raises:
+        ExportError: naming the argument, its value and what was expected.
+    """
+    _check(model, format, order)
+    if format == "mod":
+        return _mod(scenario, order)
+    if model == "paper":
+        program, title = _paper(scenario, order), f"model (4.12), order {order}"
+    else:
+        program, title = _disjunctive(scenario), "disjunctive model, unit radius, vehicle's frame"
+    return _nl(program, title) if format == "nl" else _gams(program, title)
+
+
+def _check(model: str, format: str, order: str) -> None:
+    for name, value, choices in (
+        ("model", model, MODELS),
+        ("format", format, FORMATS),
+        ("order", order, ORDERS),
+    ):
+        if value not in choices:
+            raise ExportError(f"{name} is {value!r}; expected one of: {', '.join(choices)}")
+    if model == "disjunctive" and format == "mod":
+        raise ExportError("format is 'mod'; expected nl or gams for the disjunctive model")
+    if model == "disjunctive" and order != "LRS":
+        raise ExportError(f"order is {order!r}; the disjunctive model has both orders in it")
+
+
+def _start(scenario: Scenario, order: str) -> tuple[float, ...]:
+    """The first starting point of this study's local solvers, in the scenario's unit."""
+    points = starting_points(Question(scenario), SUBPROBLEMS[order], "bearing", 0, 1)
+    return tuple(abs(float(length)) * scenario.radius for length in next(points))  # abs: no -0.0
+
+
+def _paper(scenario: Scenario, order: str) -> Any:
+    """(4.12) in Pyomo. With b = -1/R its two turns are to the right and to the left."""
+    from pyomo.environ import ConcreteModel, Constraint, Expression, Objective, Var, cos, sin
+
+    R = scenario.radius if order == "LRS" else -scenario.radius
+    th0 = scenario.heading
+    m = ConcreteModel()
+    for name, length in zip(("z1", "z2", "z3"), _start(scenario, order), strict=True):
+        m.add_component(name, Var(bounds=(0, None), initialize=length))
+    m.theta1 = Expression(expr=th0 + m.z1 / R)
+    m.theta2 = Expression(expr=m.theta1 - m.z2 / R)
+    th1, th2 = m.theta1, m.theta2
+    dx, dy = scenario.target_x - scenario.x, scenario.target_y - scenario.y
+    m.x_end = Constraint(expr=dx - R * (-sin(th0) + 2 * sin(th1) - sin(th2)) - m.z3 * cos(th2) == 0)
+    m.y_end = Constraint(expr=dy - R * (cos(th0) - 2 * cos(th1) + cos(th2)) - m.z3 * sin(th2) == 0)
+    m.f = Objective(expr=m.z1 + m.z2 + m.z3)
+    return m
+
+
+def _disjunctive(scenario: Scenario) -> Any:
+    from dubins_study.solvers.global_minlp.model import gdp_model, transformed
+
+    return transformed(gdp_model(*scenario.local()))
+
+
+def _nl(program: Any, title: str) -> str:
+    from pyomo.repn.plugins.nl_writer import NLWriter
+
+    stream = StringIO()
+    info = NLWriter().write(program, stream, linear_presolve=False)
+    names = " ".join(_plain(variable.name) for variable in info.variables)
+    # The rest of the first line is the only place for a comment that every reader leaves alone.
+    first, _, rest = stream.getvalue().partition("\n")
+    return f"{first.partition('#')[0]}# dubins-study: {title}; variables {names}\n{rest}"
+
+
+def _gams(program: Any, title: str) -> str:
+    from pyomo.opt import WriterFactory
+
+    stream = StringIO()
+    everything = {"symbolic_solver_labels": True}
+    WriterFactory("gams")(program, stream, lambda feature: True, everything)
+    return f"* dubins-study: {title}\n{stream.getvalue().rstrip()}\n"
+
+
+def _plain(name: str) -> str:
+    return name.removesuffix(".binary_indicator_var")
+
+
+def _mod(scenario: Scenario, order: str) -> str:
+    first, second = ("left", "right") if order == "LRS" else ("right", "left")
+    curvature = "1 / R" if order == "LRS" else "-1 / R"
+    z1, z2, z3 = _start(scenario, order)
+    return f"""\
+# The shortest path of a Dubins vehicle to a point: model (4.12), order {order}.
+# Lengths are in the unit of x0, y0, xT, yT and R; angles in radians, counter-clockwise from +x.
+
+param x0 := {scenario.x!r};      # start
+param y0 := {scenario.y!r};
+param theta0 := {scenario.heading!r};      # heading at the start
+param xT := {scenario.target_x!r};      # target
+param yT := {scenario.target_y!r};
+param R := {scenario.radius!r};      # minimum turning radius
+param b := {curvature};      # curvature of the first turn, to the {first}
+
+# The starting point faces the target. Without it AMPL starts at zero, where the gradients of the
+# two constraints are linearly dependent.
+var z1 >= 0, := {z1!r};      # length of the first turn, to the {first}
+var z2 >= 0, := {z2!r};      # length of the second turn, to the {second}
+var z3 >= 0, := {z3!r};      # length of the straight
+
+var theta1 = theta0 + b * z1;      # heading after the first turn
+var theta2 = theta1 - b * z2;      # heading after the second turn
+
+minimize f: z1 + z2 + z3;
+
+# (4.10)
+subject to x_end:
+    xT - x0 - (1 / b) * (-sin(theta0) + 2 * sin(theta1) - sin(theta2)) - z3 * cos(theta2) = 0;
+
+# (4.11)
+subject to y_end:
+    yT - y0 - (1 / b) * (cos(theta0) - 2 * cos(theta1) + cos(theta2)) - z3 * sin(theta2) = 0;
+
+# A full turn in an arc is never shortest, but it is a local minimum. To exclude it:
+# subject to cap1: z1 <= 8 * atan(1) * R;
+# subject to cap2: z2 <= 8 * atan(1) * R;
+
+# option solver ipopt;
+# solve;
+# display z1, z2, z3, f;
+"""

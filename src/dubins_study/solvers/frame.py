@@ -1,0 +1,294 @@
+"""Whole frames: every scenario solved and judged, one row each, the index kept."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from time import perf_counter
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from dubins_study.solvers.attempt import DEFAULT_LIMIT, attempt, check_request
+from dubins_study.solvers.profiles import tolerances
+from dubins_study.solvers.protocol import AnySolver, Outcome, Question
+from dubins_study.solvers.registry import load, unavailable
+from dubins_study.study.check.certificate import Proof
+from dubins_study.study.check.extremal import MEASURED
+from dubins_study.study.check.verdict import Claim, Tolerances
+from dubins_study.study.path import FloatArray
+from dubins_study.study.rows.schema import ANSWER, SCENARIO, Column, names
+from dubins_study.study.scenario import check_frame
+from dubins_study.study.scenario import scenarios as scenarios_of
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from dubins_study.study.check.certificate_frame import FrameCertificate
+    from dubins_study.study.check.verdict_frame import FrameJudgement, Paths
+
+COLUMNS = [*names(SCENARIO), *names(ANSWER)]
+
+
+@dataclass(frozen=True, eq=False)
+class FrameSolution:
+    """What a solver's `solve_frame(frame, branch)` returns: its answers to n scenarios as arrays.
+
+    The frame that it is given has passed `study.scenario.check_frame`; `branch` is one of the
+    solver's own. The caller times the call and judges the paths, as for `Solver.solve`.
+
+    Args:
+        claim: one for all rows, or indices into `study.check.verdict_frame.CLAIMS`, shape (n,).
+        paths: controls of n paths of at most two arcs, and which rows have one.
+        claimed_length: as the solver reports it (length unit), shape (n,); NaN where there is
+            none. None if there is none in any row.
+        lower_bound: proven bounds (length unit), shape (n,), or None.
+        native_status, message: the solver's own words, one for all rows; messages may be n.
+    """
+
+    claim: Claim | ArrayLike
+    paths: Paths
+    claimed_length: FloatArray | None = None
+    lower_bound: FloatArray | None = None
+    native_status: str = ""
+    message: str | Sequence[str] = ""
+
+    def __post_init__(self) -> None:
+        from dubins_study.study.check.verdict_frame import CLAIMS
+
+        n = len(self.paths)
+        per_row = {"claimed_length": self.claimed_length, "lower_bound": self.lower_bound}
+        if not isinstance(self.claim, Claim):
+            per_row["claim"] = codes = np.asarray(self.claim)
+            if codes.dtype.kind not in "iu" or not np.isin(codes, range(len(CLAIMS))).all():
+                raise TypeError("claim is neither a Claim nor indices into CLAIMS")
+        for name, values in per_row.items():
+            if values is not None and np.shape(values) != (n,):
+                raise TypeError(f"{name} has shape {np.shape(values)}; expected {(n,)}")
+        if not isinstance(self.message, str) and len(self.message) != n:
+            raise TypeError(f"there are {len(self.message)} messages; expected 1 or {n}")
+
+
+def solve_frame(
+    scenarios: pd.DataFrame,
+    solver: str = "analytic",
+    branch: str = "best",
+    *,
+    profile: str = "default",
+    limit: float = DEFAULT_LIMIT,
+    certified: bool = False,
+    enclosed: bool = True,
+) -> pd.DataFrame:
+    """Solve and judge every scenario of a frame.
+
+    Args:
+        scenarios: columns `x y heading target_x target_y radius`, and `speed` and `label` if
+            wanted; one row a scenario.
+        solver: a spec, e.g. `ipopt` or `turn-rate-qp[n=100]`.
+        branch: `best`, or a word: `LS`, `RS`, `LR`, `RL`.
+        profile: `default`, `fast` or `accurate`.
+        limit: seconds that the solver is asked to keep to, for each scenario.
+        certified: whether a solver that answers the whole frame at once has its answers certified
+            too, at some 40 microseconds a row; without, the certificate's columns are null. One
+            that is asked row by row always has.
+        enclosed: whether such a certificate encloses every reference length; without, at some 0.2
+            microseconds a row, no answer is `proved` or `bounded`.
+
+    Returns:
+        One judged row a scenario with the index of `scenarios` and the columns of
+        `study.rows.schema` from `x` to `evaluations`, whatever the solver. Missing numbers are null.
+        Where a solver answers the whole frame at once, each row's times are the frame's divided
+        by its size.
+
+    Raises:
+        ScenarioError, SolverError, ProfileError, QuestionError: if the request is not a valid one.
+    """
+    check_request(branch, limit)
+    allowed = tolerances(profile)
+    backend = load(solver, profile)
+    frame = check_frame(scenarios)
+    whole = getattr(backend, "solve_frame", None)
+    if whole is None or unavailable(backend) is not None or branch not in backend.branches:
+        return _one_by_one(frame, backend, branch, limit, allowed, solver)
+    from dubins_study.study.check.certificate_frame import certify_frame
+    from dubins_study.study.check.verdict_frame import judge_frame
+
+    # a solver is given a frame of its own, so that the questions stay what was asked
+    outcome, solution, seconds = _run(whole, frame.copy(deep=False), branch)
+    judged = judge_frame(frame, solution.paths, solution.claim, branch, allowed)
+    columns = _columns(solution, outcome, judged, seconds / max(1, len(frame)))
+    columns |= _no_certificate(len(frame))
+    if certified:
+        bound = solution.lower_bound
+        asked = frame, solution.paths, judged, branch, bound, allowed
+        columns |= _certificate(certify_frame(*asked, enclosures=enclosed))
+    return _framed(frame, columns)
+
+
+def _run(
+    whole: Callable[[pd.DataFrame, str], FrameSolution], frame: pd.DataFrame, branch: str
+) -> tuple[Outcome, FrameSolution, float]:
+    """The answers, and the seconds they took; a backend that raises has answered no row."""
+    from dubins_study.study.check.verdict_frame import Paths
+
+    began = perf_counter()
+    try:
+        solution = whole(frame, branch)
+        if not isinstance(solution, FrameSolution):
+            raise TypeError(f"solve_frame returned {type(solution).__name__}, no FrameSolution")
+        if len(solution.paths) != len(frame):
+            raise TypeError(f"there are {len(solution.paths)} paths for {len(frame)} scenarios")
+    except (Exception, SystemExit) as error:  # what a backend raises is its result
+        seconds = perf_counter() - began
+        none = np.zeros((2, len(frame)))
+        nothing = Paths(none, none, np.zeros(len(frame), np.bool_))
+        message = f"{type(error).__name__}: {error}"
+        return Outcome.RAISED, FrameSolution(Claim.NONE, nothing, message=message), seconds
+    return Outcome.RETURNED, solution, perf_counter() - began
+
+
+def _columns(
+    solution: FrameSolution, outcome: Outcome, judged: FrameJudgement, seconds: float
+) -> dict[str, Any]:
+    """The answer's columns: codes and flat buffers are taken over as they are."""
+    from dubins_study.study.check.verdict_frame import CLAIMS
+    from dubins_study.study.check.verdict_kernel import PATH_WORDS, REGIONS, VERDICTS
+    from dubins_study.study.closed_form.kernel import WORDS
+
+    n = len(solution.paths)
+    claim, same = solution.claim, np.zeros(n, np.int8)
+    claims = (same, [claim]) if isinstance(claim, Claim) else (claim, CLAIMS)
+    message = solution.message
+    curvatures, lengths = _controls(solution.paths)
+    columns = {
+        "region": _texts(judged.region, REGIONS),
+        "word": _texts(judged.word, PATH_WORDS),
+        "word_ref": _texts(judged.word_ref, WORDS),
+        "verdict": _texts(judged.verdict, VERDICTS),
+        "claim": _texts(*claims),
+        "outcome": _texts(same, [outcome]),
+        "native_status": _texts(same, [solution.native_status]),
+        "message": _texts(same, [message]) if isinstance(message, str) else _text(message),
+        "claimed_length": _numbers(solution.claimed_length, n),
+        "lower_bound": _numbers(solution.lower_bound, n),
+        "multiplier_x": _numbers(None, n),
+        "multiplier_y": _numbers(None, n),
+        "curvatures": curvatures,
+        "lengths": lengths,
+        "build_s": np.zeros(n),
+        "solve_s": np.full(n, seconds),
+        "wall_s": np.full(n, seconds),
+        "iterations": _no_counts(n),
+        "evaluations": _no_counts(n),
+    }
+    measured = ("margin", "false_claim", "wrong_basin", "length", "time", "reference", "gap")
+    for name in (*measured, "miss", "curvature_excess"):
+        columns[name] = getattr(judged, name)
+    return columns
+
+
+def _certificate(found: FrameCertificate) -> dict[str, Any]:
+    from dubins_study.study.check.certificate_frame import PROOFS
+
+    return {
+        "proof": _texts(found.proof, PROOFS),
+        "reference_low": found.reference_low,
+        "reference_high": found.reference_high,
+        **found.columns(),
+        "abnormal": found.abnormal,
+        "costate_error": _numbers(None, len(found.proof)),
+        "false_bound": found.false_bound,
+    }
+
+
+def _no_certificate(n: int) -> dict[str, Any]:
+    """The certificate's columns where none was asked for: one array of nulls serves them all."""
+    named = ("reference_low", "reference_high", "costate_error", *MEASURED)
+    columns: dict[str, Any] = dict.fromkeys(named, _numbers(None, n))
+    columns["proof"] = _texts(np.full(n, 255, np.uint8), Proof)
+    columns["abnormal"] = columns["false_bound"] = np.zeros(n, np.bool_)
+    return columns
+
+
+def _texts(codes: Any, texts: Iterable[str]) -> Any:
+    """Texts by their codes; 255 is none."""
+    import pandas as pd
+
+    signed = np.asarray(codes, np.uint8).view(np.int8)  # in which 255 is -1, as pandas wants it
+    categories = pd.Index([str(text) for text in texts])
+    return pd.Categorical.from_codes(signed, categories, validate=False)
+
+
+def _text(values: Any) -> Any:
+    import pandas as pd
+
+    return pd.Categorical(values)
+
+
+def _numbers(values: FloatArray | None, n: int) -> FloatArray:
+    return np.full(n, np.nan) if values is None else values
+
+
+def _no_counts(n: int) -> Any:
+    import pandas as pd
+
+    return pd.arrays.IntegerArray(np.zeros(n, np.int64), np.ones(n, np.bool_))
+
+
+def _controls(paths: Paths) -> tuple[Any, Any]:
+    """Curvatures and lengths as list columns over two flat buffers; null where there is no path."""
+    import pandas as pd
+    import pyarrow as pa
+
+    from dubins_study.study.closed_form.kernel_paths import flatten
+
+    n = len(paths)
+    offsets = np.empty(n + 1, np.int64)
+    flat = np.empty((2, 2 * n + 1))
+    flatten(paths.curvature, paths.length, offsets, *flat)
+    missing = None if paths.returned is None else pa.array(~paths.returned)
+    bounds = pa.array(offsets)
+    curvatures, lengths = (
+        pa.LargeListArray.from_arrays(bounds, pa.array(values[: offsets[-1]]), mask=missing)
+        for values in flat
+    )
+    return pd.arrays.ArrowExtensionArray(curvatures), pd.arrays.ArrowExtensionArray(lengths)
+
+
+def _one_by_one(
+    frame: pd.DataFrame,
+    solver: AnySolver,
+    branch: str,
+    limit: float,
+    allowed: Tolerances,
+    spec: str,
+) -> pd.DataFrame:
+    questions = (Question(scenario, branch) for scenario in scenarios_of(frame))
+    rows = [attempt(solver, question, limit, allowed, spec).row() for question in questions]
+    return _framed(frame, {c.name: _typed([row[c.name] for row in rows], c) for c in ANSWER})
+
+
+def _typed(values: list[Any], column: Column) -> Any:
+    """A column of single answers with the dtype that `_columns` gives it."""
+    import pandas as pd
+    import pyarrow as pa
+
+    match column.type:
+        case "string":
+            return _text([None if value is None else str(value) for value in values])
+        case "float64":
+            return np.array([np.nan if value is None else value for value in values], np.float64)
+        case "int64":
+            return pd.array(values, dtype="Int64")
+        case "bool":
+            return np.array(values, np.bool_)
+    return pd.arrays.ArrowExtensionArray(pa.array(values, pa.large_list(pa.float64())))
+
+
+def _framed(frame: pd.DataFrame, columns: dict[str, Any]) -> pd.DataFrame:
+    import pandas as pd
+
+    every = {name: frame[name] for name in names(SCENARIO)} | columns
+    ordered = {name: every[name] for name in COLUMNS}
+    return pd.DataFrame(ordered, index=frame.index, copy=False)

@@ -1,0 +1,116 @@
+"""The shortest path as a generalised disjunctive program: one disjunct for each word.
+
+A word's end point lies linearly in the sine and cosine of its arcs once it is looked at along the
+heading at which the first arc ends, so every disjunct is linear. What ties an arc to its sine and
+cosine is shared by all words: four more disjuncts for each arc, one a quadrant, so that the only
+nonlinear functions are a sine and a cosine between 0 and pi / 2, both concave and monotone there.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from dubins_study.solvers.paper_nlp.model import FULL_TURN
+
+WORDS = ("LS", "RS", "LR", "RL")
+TRANSFORMATIONS = ("bigm", "hull")
+_QUADRANTS = (0, 1, 2, 3)
+
+
+def gdp_model(X: float, Y: float, words: tuple[str, ...] = WORDS) -> Any:
+    """The shortest path among some words, in Pyomo.GDP, not transformed.
+
+    In the vehicle's frame at unit radius, where the start is (0, 0) with heading 0: the least
+    z[1] + z[2] + z[3] such that exactly one word leads to the target. z[1] is how far the vehicle
+    turns to the left (rad), z[2] how far to the right (rad), z[3] how far it goes straight
+    (radii); c[i] and s[i] are the cosine and sine of z[i], which is q[i] past the beginning of
+    its quadrant.
+
+    An L arc of z[1] about the centre (0, 1) ends at (s[1], 1 - c[1]) with heading z[1]. Looked at
+    from there along that heading, and from the centre across it to the right, the target lies at
+
+        X c[1] + (Y - 1) s[1] = z[3]    X s[1] - (Y - 1) c[1] = 1           (word LS)
+        X c[1] + (Y - 1) s[1] = s[2]    X s[1] - (Y - 1) c[1] = 2 - c[2]    (word LR)
+
+    RS and RL are the same in a mirror: -Y for Y, and 1 and 2 change places. The length that a
+    word lacks is zero (the paper's Algorithm 1, step 3). The two equations are divided by the
+    target's distance where that exceeds a radius: a tolerance on them is then one on an angle.
+
+    Args:
+        X, Y: target, forward and to the left, in radii.
+        words: the disjuncts, out of `WORDS`.
+
+    Returns:
+        A `pyomo.environ.ConcreteModel`: variables z, c, s, q and sin_q, cos_q; constraints sine,
+        cosine; disjuncts word[w] (constraints absent, along, across) in the disjunction one_word,
+        quadrant[i, k] (angle, cosine, sine) in one_quadrant[i]; the objective length.
+    """
+    from pyomo.environ import ConcreteModel, Constraint, Objective, RangeSet, Var, cos, sin
+    from pyomo.gdp import Disjunct, Disjunction
+
+    # No optimum has a full turn in it, and a turn moves the vehicle by its chord, at most 2 radii.
+    farthest = math.hypot(X, Y) + 2
+    m = ConcreteModel(name="dubins-disjunctive")
+    m.turns = RangeSet(2)
+    m.z = Var(RangeSet(3), bounds=lambda m, i: (0, farthest if i == 3 else FULL_TURN), initialize=1)
+    m.c = Var(m.turns, bounds=(-1, 1), initialize=math.cos(1))
+    m.s = Var(m.turns, bounds=(-1, 1), initialize=math.sin(1))
+    m.q = Var(m.turns, bounds=(0, FULL_TURN / 4), initialize=1)
+    m.cos_q = Var(m.turns, bounds=(0, 1), initialize=math.cos(1))
+    m.sin_q = Var(m.turns, bounds=(0, 1), initialize=math.sin(1))
+    m.cosine = Constraint(m.turns, rule=lambda m, i: m.cos_q[i] == cos(m.q[i]))
+    m.sine = Constraint(m.turns, rule=lambda m, i: m.sin_q[i] == sin(m.q[i]))
+    m.quadrant = Disjunct(m.turns, _QUADRANTS, rule=_quadrant)
+    m.one_quadrant = Disjunction(m.turns, rule=lambda m, i: [m.quadrant[i, k] for k in _QUADRANTS])
+    m.word = Disjunct(list(words), rule=lambda disjunct, word: _word(disjunct, word, X, Y))
+    m.one_word = Disjunction(expr=[m.word[word] for word in words])
+    m.length = Objective(expr=m.z[1] + m.z[2] + m.z[3])
+    return m
+
+
+def _quadrant(disjunct: Any, i: int, k: int) -> None:
+    """Constraints of arc i in quadrant k: turning by pi / 2 takes (cos, sin) to (-sin, cos)."""
+    from pyomo.environ import Constraint
+
+    m = disjunct.model()
+    c, s = m.cos_q[i], m.sin_q[i]
+    for _ in range(k):
+        c, s = -s, c
+    disjunct.angle = Constraint(expr=m.z[i] == m.q[i] + k * FULL_TURN / 4)
+    disjunct.cosine = Constraint(expr=m.c[i] == c)
+    disjunct.sine = Constraint(expr=m.s[i] == s)
+
+
+def _word(disjunct: Any, word: str, X: float, Y: float) -> None:
+    """Constraints of one word: see `gdp_model`."""
+    from pyomo.environ import Constraint
+
+    m = disjunct.model()
+    first, second, side = (1, 2, 1) if word[0] == "L" else (2, 1, -1)
+    straight = word[1] == "S"
+    scale = max(1.0, math.hypot(X, Y))
+    x, y = X / scale, (side * Y - 1) / scale
+    c, s = m.c[first], m.s[first]
+    along = m.z[3] if straight else m.s[second]
+    across = 1 if straight else 2 - m.c[second]
+    disjunct.absent = Constraint(expr=m.z[second if straight else 3] == 0)
+    disjunct.along = Constraint(expr=x * c + y * s == along / scale)
+    disjunct.across = Constraint(expr=x * s - y * c == across / scale)
+
+
+def transformed(model: Any, transformation: str = "bigm") -> Any:
+    """The model as a mixed-integer nonlinear program, in place: what SCIP or an NL file takes.
+
+    Args:
+        model: from `gdp_model`.
+        transformation: `bigm` or `hull`; every M and every disaggregated bound follows from the
+            variables' own bounds.
+
+    Returns:
+        The same model; word[w].binary_indicator_var is 1 for the word that is driven.
+    """
+    from pyomo.environ import TransformationFactory
+
+    TransformationFactory(f"gdp.{transformation}").apply_to(model)
+    return model

@@ -1,0 +1,96 @@
+"""A point that meets the target to a solver's tolerance, moved until it meets it to rounding."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from dubins_study.solvers.paper_nlp.model import FULL_TURN, SUBPROBLEMS, equations, jacobian, target
+from dubins_study.study.closed_form.shortest import EPS
+from dubins_study.study.path import FloatArray
+from dubins_study.study.scenario import Scenario
+
+# Where a word's two solutions meet (on a turning circle) a Newton step only halves the distance
+# to them, so from a tolerance of 1e-6 some 25 steps lead to the last digit that there is.
+_STEPS = 40
+_HALVINGS = 8
+
+
+# relative; a polished path is the solver's own if their lengths are as close as a tolerance of 1e-6
+# on the squared length of the straight leaves them
+_NEAR = 1e-3
+
+
+class Polished(NamedTuple):
+    """A word's lengths, shape (3,), as in `solvers.paper_nlp.model`, and by how much they miss (radii).
+
+    `meets` is whether they miss by no more than rounding.
+    """
+
+    z: FloatArray
+    miss: float
+    meets: bool
+
+
+def meet_target(
+    scenario: Scenario, words: tuple[str, ...], word: str, z: FloatArray
+) -> tuple[str, Polished]:
+    """A solver's point made to meet the target, and its word.
+
+    Where one arc leads to the target several words share it, all within the solver's tolerance,
+    and not each of them can be made to meet the target: if `word` cannot, the others are tried.
+
+    Args:
+        scenario: says where the target is, and how finely that is known.
+        words: those that may be driven.
+        word: the solver's.
+        z: shape (3,): how far it turns to the left and to the right (rad), then goes straight.
+    """
+    X, Y = scenario.local()
+    rounding = 8 * EPS * (1 + math.hypot(X, Y) + scenario.extent / scenario.radius)
+    first = None
+    for name in (word, *(other for other in words if other != word)):
+        mirrored = SUBPROBLEMS[name].mirrored
+        point, miss = polish(name, z[[1, 0, 2]] if mirrored else z, *target(scenario, mirrored))
+        polished = Polished(point, miss, miss <= rounding)
+        if polished.meets and abs(point.sum() - z.sum()) <= _NEAR * (1 + z.sum()):
+            return name, polished
+        first = first or polished
+    assert first is not None  # `word` itself is always tried
+    return word, first
+
+
+def polish(word: str, z: FloatArray, X: float, Y: float) -> tuple[FloatArray, float]:
+    """The point of a word near z whose end is nearest to the target.
+
+    Newton's step on the two equations of the word, or the shortest least squares step where
+    their derivative is singular, cut to the lengths that the word allows and halved until it
+    gains.
+
+    Args:
+        word: `LS`, `RS`, `LR` or `RL`.
+        z: shape (3,), in the word's own order of turns; lengths that it lacks are set to zero.
+        X, Y: target in the word's frame (mirrored for `RL`), in radii.
+
+    Returns:
+        The point, shape (3,), and by how much it misses the target (radii).
+    """
+    subproblem = SUBPROBLEMS[word]
+    free = list(subproblem.free)
+    upper = np.array((FULL_TURN, FULL_TURN, math.inf))[free]
+    at = np.clip(np.where(subproblem.mask, z, 0.0), 0.0, (FULL_TURN, FULL_TURN, math.inf))
+    residual = equations(at, X, Y)
+    for _ in range(_STEPS):
+        step = np.linalg.lstsq(jacobian(at)[:, free], -residual, rcond=None)[0]
+        for halving in range(_HALVINGS):
+            ahead = at.copy()
+            ahead[free] = np.clip(at[free] + step * 0.5**halving, 0.0, upper)
+            left = equations(ahead, X, Y)
+            if np.hypot(*left) < np.hypot(*residual):
+                at, residual = ahead, left
+                break
+        else:
+            break
+    return at, float(np.hypot(*residual))

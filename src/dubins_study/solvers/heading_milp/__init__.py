@@ -1,0 +1,1 @@
+"""Turns on a grid of headings, chosen by a mixed-integer linear program."""

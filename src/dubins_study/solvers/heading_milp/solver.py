@@ -1,0 +1,238 @@
+"""`heading-milp`: turns that end on a grid of headings, chosen by a MILP, and straight legs."""
+
+from __future__ import annotations
+
+import math
+import time
+from dataclasses import dataclass
+from importlib.util import find_spec
+from typing import Any, ClassVar, NamedTuple
+
+import numpy as np
+
+from dubins_study.solvers.heading_milp.grid import FULL_TURN, Family, one_turn, two_turns
+from dubins_study.solvers.heading_milp.legs import ROUNDED, Legs, controls, least_legs, rounding
+from dubins_study.solvers.heading_milp.template import Template, template
+from dubins_study.solvers.protocol import Guarantee, Question, Solution
+from dubins_study.solvers.reach import unreachable
+from dubins_study.study.check.verdict import Claim
+from dubins_study.study.closed_form.shortest import EPS, local
+from dubins_study.study.path import FloatArray, Path
+from dubins_study.study.scenario import Scenario
+
+BRANCHES = ("best", "LS", "RS")
+# Steps of more than 30 degrees leave no first arc worth the name; cvxpy's memory grows with the
+# square of the number of headings, to up to two gigabytes at the upper ends.
+_RANGES = {"headings": (12, 1000), "legs": (1, 12)}
+
+
+class Case(NamedTuple):
+    """One MILP of a question: the shape of its paths, and the compiled problem it is put into."""
+
+    family: Family
+    milp: Template
+
+
+class Found(NamedTuple):
+    """What one MILP said.
+
+    `length` and `bound` in radii, the bound for paths on this grid alone; without a path that
+    arrives `legs` is None and `length` infinite.
+    """
+
+    family: Family
+    status: str
+    choice: int
+    legs: Legs | None
+    length: float
+    bound: float
+    nodes: int
+    iterations: int
+
+
+class Model(NamedTuple):
+    """A question; its target (2,) in the vehicle's frame, in radii."""
+
+    question: Question
+    target: FloatArray
+    cases: list[Case]
+
+
+@dataclass(frozen=True)
+class HeadingMilp:
+    """Full-rate turning steps between headings on a grid, and straight legs; optimal on that grid.
+
+    One binary for every turning step, continuous legs, and a MILP for each shape of path: LS and
+    RS, and for `best` near the start also RL and LR, with a binary for every pair of steps. The
+    optimum is that of the discretised problem, and so is the bound of HiGHS, told in the message.
+    The check's LR and RL allow two full-rate arcs and nothing else; on a grid of headings those
+    end in finitely many points, so they are not answered.
+
+    Args:
+        headings: K, number of turning steps in a full circle.
+        legs: parts that the last step before a straight has; legs may be driven between them.
+            With 1 they are at the grid's headings alone. What it costs to drive between two of
+            these headings instead of along one falls with the square of headings * legs.
+        gap: relative gap at which HiGHS calls an answer optimal.
+    """
+
+    headings: int = 72
+    legs: int = 6
+    gap: float = 1e-6
+
+    name: ClassVar[str] = "heading-milp"
+    method: ClassVar[str] = "MILP"
+    guarantee: ClassVar[Guarantee] = Guarantee.DISCRETISED
+    branches: ClassVar[tuple[str, ...]] = BRANCHES
+    warm: ClassVar[bool] = False
+    packages: ClassVar[tuple[str, ...]] = ("cvxpy", "highspy")
+    summary: ClassVar[str] = "turning steps between headings on a grid as binaries, HiGHS in cvxpy"
+    profiles: ClassVar[dict[str, dict[str, Any]]] = {
+        "fast": {"headings": 48},
+        "accurate": {"headings": 144},
+    }
+
+    def __post_init__(self) -> None:
+        for name, (least, most) in _RANGES.items():
+            value = getattr(self, name)
+            whole = isinstance(value, int) and not isinstance(value, bool)
+            if not (whole and least <= value <= most):
+                raise ValueError(
+                    f"{name} is {value!r}; expected a whole number from {least} to {most}"
+                )
+        if not 0 < self.gap < 1:
+            raise ValueError(f"gap is {self.gap!r}; expected a number from 0 to 1")
+
+    def unavailable(self) -> str | None:
+        for package in self.packages:
+            if find_spec(package) is None:
+                return f"package {package} is not installed"
+        return None
+
+    def build(self, question: Question) -> Model:
+        if question.branch not in BRANCHES:
+            known = ", ".join(BRANCHES)
+            raise ValueError(f"branch is {question.branch!r}; expected one of {known}")
+        target = np.array(question.scenario.local())
+        families = self._families(question.branch, *map(float, target))
+        cases = [Case(family, template(*family.heading.shape)) for family in families]
+        return Model(question, target, cases)
+
+    def _families(self, branch: str, X: float, Y: float) -> list[Family]:
+        """The shapes of a branch; the likelier side first, since it bounds what follows."""
+        sides = {"LS": (1,), "RS": (-1,)}.get(branch, (1, -1) if Y >= 0 else (-1, 1))
+        families = [one_turn(side, self.headings, self.legs, X, Y) for side in sides]
+        if branch == "best":
+            # the second arc's centre is 2 from the first one's, and a leg may start a step late
+            least = 1 - FULL_TURN / self.headings
+            families += [
+                family
+                for side in sides
+                if least <= math.hypot(X, Y + side) <= 3
+                for family in two_turns(side, self.headings)
+            ]
+        return families
+
+    def solve(self, model: Model, limit: float) -> Solution:
+        deadline = time.perf_counter() + limit
+        scenario = model.question.scenario
+        X, Y = map(float, model.target)
+        if math.hypot(X, Y) <= 2 * EPS * scenario.extent / scenario.radius:
+            path = Path(scenario.start, [], [])
+            return Solution(Claim.LOCAL, path, 0.0, message="the target is at the start")
+        found: list[Found] = []
+        cutoff = self._longest(math.hypot(X, Y))
+        for case in model.cases:
+            seconds = deadline - time.perf_counter()
+            if seconds <= 0:
+                break
+            found.append(_solved(case, model.target, cutoff, self.gap, seconds))
+            cutoff = min(cutoff, found[-1].length)
+        return _solution(model, found, self.headings)
+
+    def _longest(self, distance: float) -> float:
+        """Length (radii) above which no path needs to be looked for.
+
+        A full turn, and a straight that is longer than the distance by a radius and, between two
+        headings that are an angle b apart, by a factor of up to 1 / cos(b / 2); then some more.
+        """
+        between = FULL_TURN / (self.headings * self.legs)
+        return (distance + 3 * math.pi) / math.cos(between / 2)
+
+
+def _solved(case: Case, target: FloatArray, cutoff: float, gap: float, seconds: float) -> Found:
+    """The answer of one MILP to a target (2,) in radii; lengths above `cutoff` are not looked for.
+
+    The objective is what a path is longer than the bee-line: the end point's equations turn
+    lengths into lengths less what they advance, so that a gap keeps its meaning however far the
+    target is.
+    """
+    family, milp = case
+    distance = math.hypot(*target)
+    gaps = target[:, None] - family.shift
+    bridged = np.hypot(*gaps)
+    # the legs' directions as seen from the direction of what they bridge; across it in units of
+    # the largest, or a fan of directions is thinner than HiGHS's tolerance
+    seen = family.heading - np.arctan2(gaps[1], gaps[0])[:, None]
+    seen[bridged <= ROUNDED] = 0.0
+    across = np.sin(seen)
+    across[np.abs(across) * bridged[:, None] <= rounding(bridged)[:, None]] = 0.0
+    widest = np.abs(across).max(axis=1, keepdims=True)
+    bearing = math.atan2(target[1], target[0])
+    milp.along[:] = np.cos(seen).ravel()
+    milp.across[:] = (across / np.where(widest > 0, widest, 1.0)).ravel()
+    milp.toll[:] = family.length - target @ family.shift / distance
+    # 1 - cos, which keeps no digits of small angles
+    slope = bridged[:, None] * 2 * np.sin((family.heading - bearing) / 2) ** 2
+    milp.slope[:] = slope.ravel()
+    answer = milp.solve(gap, cutoff - distance, seconds)
+    choice, legs, length = answer.choice or 0, None, math.inf
+    if answer.choice is not None:
+        legs = least_legs(family.heading[choice], gaps[:, choice])
+    if legs is not None:
+        length = float(family.length[choice] + legs.length.sum())
+    bound = distance + answer.bound
+    return Found(
+        family, answer.status, choice, legs, length, bound, answer.nodes, answer.iterations
+    )
+
+
+def _solution(model: Model, found: list[Found], headings: int) -> Solution:
+    """The shortest path found, with the claim that all MILPs together deserve."""
+    scenario, R = model.question.scenario, model.question.scenario.radius
+    counts: dict[str, Any] = {
+        "iterations": sum(one.iterations for one in found),
+        "evaluations": sum(one.nodes for one in found),
+        "native_status": "; ".join(
+            dict.fromkeys(f"{one.family.name} {one.status}" for one in found)
+        ),
+    }
+    done = {one.status for one in found} <= {"optimal", "infeasible"}
+    stopped = len(found) < len(model.cases) or any(one.status == "user_limit" for one in found)
+    best = min(found, key=lambda one: one.length, default=None)
+    if best is None or best.legs is None:
+        if inside := unreachable(local(scenario), model.question.branch):
+            return Solution(Claim.INFEASIBLE, message=inside, **counts)
+        message = f"no path on the grid of {headings} headings was found"
+        return Solution(Claim.LIMIT if stopped else Claim.FAILED, message=message, **counts)
+    claim = Claim.LIMIT if stopped else Claim.LOCAL if done else Claim.FEASIBLE
+    curvature, length = controls(best.family, best.choice, best.legs.length)
+    # a shape without a path shorter than the best one has been cut off at its length
+    bound = min(one.bound if one.status != "infeasible" else best.length for one in found)
+    return Solution(
+        claim,
+        path=Path(scenario.start, np.array(curvature) / R, np.array(length) * R),
+        claimed_length=best.length * R,
+        multipliers=_in_world(scenario, best.legs.duals),
+        message=f"{best.family.name}; HiGHS's bound {bound * R:.9g} holds for paths on the grid"
+        f" of {headings} headings only, not for the scenario",
+        **counts,
+    )
+
+
+def _in_world(scenario: Scenario, duals: FloatArray | None) -> tuple[float, float] | None:
+    if duals is None:
+        return None
+    cos, sin = math.cos(scenario.heading), math.sin(scenario.heading)
+    along, left = map(float, duals)
+    return along * cos - left * sin, along * sin + left * cos

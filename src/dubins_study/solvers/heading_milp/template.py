@@ -1,0 +1,114 @@
+"""The MILP of `heading-milp`: stated in cvxpy, compiled once, then solved for new parameters."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+from scipy.sparse import eye_array, kron
+
+from dubins_study.solvers.optimal_control.turn_rate_template import Compiled
+from dubins_study.study.path import FloatArray
+
+# The linear relaxation is nearly always integral. What HiGHS does before it solves that, to be
+# spared branching later, takes several times longer than the rest.
+_OPTIONS = {
+    "threads": 1,
+    "presolve": "off",
+    "mip_detect_symmetry": False,
+    "mip_heuristic_run_feasibility_jump": False,
+    "primal_feasibility_tolerance": 1e-9,
+    "mip_feasibility_tolerance": 1e-9,
+    "mip_abs_gap": 1e-9,
+}
+
+
+class Answer(NamedTuple):
+    """HiGHS's answer.
+
+    Its status; the choice made, None without a point; the bound that it proved on the objective;
+    nodes; simplex iterations.
+    """
+
+    status: str
+    choice: int | None
+    bound: float
+    nodes: int
+    iterations: int
+
+
+class Template:
+    """The MILP for n choices with m legs each:
+
+        minimise    sum_j toll_j z_j + sum_jr slope_jr s_jr
+        subject to  sum_r along_jr s_jr = z_j     for every choice j, the legs lead from the end
+                    sum_r across_jr s_jr = 0      of its turns to the target
+                    sum_j z_j = 1,  z binary,  s >= 0
+
+    `z_j` says that turning ends with step j. (The binary "step i is taken" is the sum of the z_j
+    from i on.) `along` and `across` are the legs' directions as seen from the one to the target,
+    legs counted in units of what they bridge. One pair of equations for every choice, instead of
+    one pair for all and legs bounded by a large multiple of z, makes the linear relaxation the
+    convex hull of the choices (Balas 1985, Disjunctive programming and a hierarchy of relaxations,
+    SIAM J. Algebraic Discrete Methods 6), so that HiGHS hardly branches.
+
+    The parameters toll (n,), slope, along and across (n m,) are attributes, arrays to be written
+    into.
+    """
+
+    toll: FloatArray
+    slope: FloatArray
+    along: FloatArray
+    across: FloatArray
+
+    def __init__(self, n: int, m: int) -> None:
+        import cvxpy as cp
+
+        shapes = {"toll": n, "slope": n * m, "along": n * m, "across": n * m}
+        p = {name: cp.Parameter(shape, name=name) for name, shape in shapes.items()}
+        self.z, s = cp.Variable(n, boolean=True), cp.Variable(n * m, bounds=[0, None])
+        own = kron(eye_array(n), np.ones((1, m)), format="csr")
+        bridged = [
+            own @ cp.multiply(p["along"], s) - self.z == 0,
+            own @ cp.multiply(p["across"], s) == 0,
+        ]
+        objective = cp.Minimize(p["toll"] @ self.z + p["slope"] @ s)
+        self.problem = cp.Problem(objective, [*bridged, cp.sum(self.z) == 1])
+        self._compiled = Compiled(self.problem, list(p.values()), "HIGHS")
+        for name, view in zip(p, self._compiled.views, strict=True):
+            setattr(self, name, view)
+
+    def solve(self, gap: float, cutoff: float, seconds: float) -> Answer:
+        """Solve the MILP for the parameters' present values.
+
+        Args:
+            gap: relative gap of bound and objective at which HiGHS calls it optimal.
+            cutoff: objective above which nothing is looked for.
+            seconds: time limit.
+        """
+        import cvxpy as cp
+
+        self._compiled.memory.clear()  # or an answer would depend on the question before
+        options = {"mip_rel_gap": gap, "objective_bound": cutoff, "time_limit": seconds}
+        try:
+            self._compiled.solve(_OPTIONS | options)
+        except cp.error.SolverError as error:
+            return Answer(str(error), None, -np.inf, 0, 0)
+        info = self.problem.solver_stats.extra_stats
+        z = self.z.value
+        # stopped at its limit without a point, HiGHS leaves zeros
+        found = z is not None and z.max() > 0.5
+        return Answer(
+            str(self.problem.status),
+            int(np.argmax(z)) if found else None,
+            float(info.mip_dual_bound),
+            int(info.mip_node_count),
+            int(info.simplex_iteration_count),
+        )
+
+
+@lru_cache(maxsize=32)
+def template(n: int, m: int) -> Template:
+    """The compiled MILP; kept, since compiling takes as long as many solves."""
+    return Template(n, m)

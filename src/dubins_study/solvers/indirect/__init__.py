@@ -1,0 +1,1 @@
+"""Pontryagin's system solved as equations: shooting."""

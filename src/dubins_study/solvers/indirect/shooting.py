@@ -1,0 +1,193 @@
+"""`shooting`: the indirect method, Pontryagin's system (2.3)-(2.15) solved as equations.
+
+The paper's conditions are completed by three that it omits: nu0 >= 0, (nu0, nu) not all zero, and
+nu3(tf) = 0 because the final heading is free (THEORY section 6).
+
+Plain single shooting, which guesses the costates and lets the sign of nu3 steer, cannot work here.
+A path that ends straight needs nu3 and its derivative to vanish together at the switch, so that
+the straight is a singular arc: any other costates, however near, cross zero or turn back and never
+drive straight. The remedy is structured (multiple-phase) shooting (Maurer 1976, Numerical solution
+of singular control problems using multiple shooting techniques, JOTA 18): a structure is assumed,
+bang-singular (LS, RS) or bang-bang (LR, RL), the switching time is an unknown beside the costates
+and the duration, and what must hold at the switch is an equation. The pieces are integrated in
+closed form. Afterwards the sign of nu3 is checked and a point that breaks (2.14) is rejected. One
+arc or one straight is either structure with a piece of no length.
+
+An extremal is only a candidate: LS where RS is best satisfies all conditions. So the claim is
+`local`, and `best` is the shortest extremal that the starts lead to.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import partial
+from typing import Any, ClassVar, NamedTuple
+
+import numpy as np
+
+from dubins_study.solvers.indirect.extremal import Conditions, examine
+from dubins_study.solvers.indirect.structure import ROUNDED, TURNS, Structure
+from dubins_study.solvers.paper_nlp.initial_guesses import STARTS, every_start, starting_points
+from dubins_study.solvers.paper_nlp.model import (
+    Attempts,
+    Point,
+    Subproblem,
+    answer,
+    subproblems,
+    target,
+)
+from dubins_study.solvers.protocol import Guarantee, Question, Solution
+from dubins_study.solvers.setting_checks import one_of, positive
+from dubins_study.study.check.verdict import Claim
+from dubins_study.study.path import FloatArray, Path
+
+ROOTS = ("hybr", "lm")
+
+# A step this much smaller than the residual asked for ends an iteration. By then it converges
+# superlinearly, save on a turning circle, where the equations are singular and it halves the error.
+_STEP = 1e-4
+
+
+class Case(NamedTuple):
+    """A word as a structure of Pontryagin's system."""
+
+    subproblem: Subproblem
+    structure: Structure
+
+
+class Model(NamedTuple):
+    """A question, and the words whose structure can reach the target."""
+
+    question: Question
+    cases: list[Case]
+
+
+@dataclass(frozen=True)
+class Shooting:
+    """Settings: see `solvers.paper_nlp.initial_guesses` (start, seed, count) for the durations one begins from.
+
+    The costates begin as those of a path that ends straight with the guess's final heading or,
+    for `random` starts, anywhere that H = 0 allows.
+
+    Args:
+        root: method of `scipy.optimize.root`, `hybr` (Powell's dogleg) or `lm`
+            (Levenberg-Marquardt).
+        tol: largest residual of an extremal: the miss in radii, and every costate condition with
+            (nu0, nu1, nu2) of length 1.
+        max_evaluations: most evaluations of the conditions from one start.
+    """
+
+    start: str = "bearing"
+    seed: int = 0
+    count: int = 10
+    root: str = "hybr"
+    tol: float = 1e-9
+    max_evaluations: int = 200
+
+    name: ClassVar[str] = "shooting"
+    method: ClassVar[str] = "indirect"
+    guarantee: ClassVar[Guarantee] = Guarantee.LOCAL
+    branches: ClassVar[tuple[str, ...]] = ("best", "LS", "RS", "LR", "RL")
+    warm: ClassVar[bool] = True
+    packages: ClassVar[tuple[str, ...]] = ("scipy",)
+    summary: ClassVar[str] = "Pontryagin's conditions by structured shooting, SciPy's root"
+    profiles: ClassVar[dict[str, dict[str, Any]]] = {
+        "fast": {"tol": 1e-7},
+        "accurate": {"tol": 1e-11},
+    }
+
+    def __post_init__(self) -> None:
+        one_of(start=(self.start, STARTS), root=(self.root, ROOTS))
+        positive(count=self.count, tol=self.tol, max_evaluations=self.max_evaluations)
+        if self.seed < 0:
+            raise ValueError(f"seed is {self.seed}; expected a whole number from 0 up")
+
+    def unavailable(self) -> str | None:
+        return None
+
+    def build(self, question: Question) -> Model:
+        cases = []
+        for subproblem in subproblems(question, "words", "both"):
+            X, Y = target(question.scenario, subproblem.mirrored)
+            first, second = (TURNS[i] for i in subproblem.free)
+            structure = Structure((first, second), X, Y)
+            if structure.short_of_reach() <= self._allowed(structure):
+                cases.append(Case(subproblem, structure))
+        return Model(question, cases)
+
+    def solve(self, model: Model, limit: float) -> Solution:
+        question = model.question
+        if math.hypot(*question.scenario.local()) <= self.tol:
+            path = Path(question.scenario.start, [], [])
+            return Solution(Claim.LOCAL, path, 0.0, message="the target is the start")
+        if not model.cases:
+            reason = f"no path of the branch {question.branch} ends at the target"
+            return Solution(Claim.INFEASIBLE, iterations=0, evaluations=0, message=reason)
+        attempts = [
+            Attempts(
+                partial(self._from, case, question.branch in ("LR", "RL")),
+                self._starts(question, case),
+                every_start(case.subproblem, self.start),
+            )
+            for case in model.cases
+        ]
+        return answer(question, attempts, limit)
+
+    def _allowed(self, structure: Structure) -> float:
+        """The largest miss in radii: `tol`, or what the rounding of a far target leaves."""
+        return max(self.tol, ROUNDED * structure.scale)
+
+    def _starts(self, question: Question, case: Case) -> Iterator[FloatArray]:
+        """Starting points: durations (3,) as `solvers.paper_nlp.model` orders them, then costates (4,)."""
+        kind, subproblem, structure = self.start, case.subproblem, case.structure
+        free = list(subproblem.free)
+        points = starting_points(question, subproblem, kind, self.seed, self.count)
+        for i, z in enumerate(points):
+            if kind == "random":
+                nu0, nu1, nu2 = np.random.default_rng((self.seed, i)).normal(size=3)
+                nu = abs(nu0), nu1, nu2
+            else:
+                heading = structure.pieces(*z[free])[1].heading
+                nu = 1.0, -math.cos(heading), -math.sin(heading)
+            yield np.concatenate((z, structure.consistent(nu)))
+
+    def _from(self, case: Case, prescribed: bool, start: FloatArray) -> Point:
+        """Solve from one start; `prescribed` if the branch leaves no choice of controls."""
+        structure, free = case.structure, list(case.subproblem.free)
+        v = structure.unknowns(start[3:], start[free])
+        found = self._root(structure, v)
+        evaluations = int(found.nfev)
+        if structure.singular and found.x[-1] < 0:
+            # Driven backwards the straight belongs to another path; the one driven forwards lies
+            # on the other side of the turning circle, where the equations are singular.
+            found.x[-1] = -found.x[-1]
+            found = self._root(structure, found.x)
+            evaluations += int(found.nfev)
+        conditions = Conditions(self.tol, self._allowed(structure), prescribed)
+        candidate, fault = examine(structure, found.x, conditions)
+        z = np.zeros(3)
+        z[free] = candidate.durations
+        return Point(
+            case.subproblem,
+            z,
+            Claim.FAILED if fault else Claim.LOCAL,
+            candidate.multipliers,
+            evaluations - 1,  # every evaluation but the first is a step tried
+            evaluations,
+            f"{self.root} {found.status}",
+            fault or candidate.kind(conditions),
+        )
+
+    def _root(self, structure: Structure, v: FloatArray) -> Any:
+        from scipy.optimize import root
+
+        options: dict[str, float] = {"xtol": self.tol * _STEP}
+        if self.root == "hybr":
+            options["maxfev"] = int(self.max_evaluations)
+        else:
+            options |= {"ftol": self.tol * _STEP, "maxiter": int(self.max_evaluations)}
+        return root(
+            structure.residual, v, jac=structure.jacobian, method=self.root, options=options
+        )

@@ -1,0 +1,185 @@
+"""Pontryagin's system along two pieces of given controls: states, costates, conditions.
+
+Everything in the vehicle's frame at unit radius and speed. The costates nu1 and nu2 are constant
+(2.4), (2.5). For a start at (0, 0, 0) equation (2.6) then integrates to
+nu3(t) = nu3(0) + nu1 y(t) - nu2 x(t), since dy = sin(theta) dt and dx = cos(theta) dt: states and
+costates are exact on every piece.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+from dubins_study.solvers.paper_nlp.model import FULL_TURN
+from dubins_study.study.path import FloatArray
+
+# Controls of the model's three lengths, seen in the mirror where the subproblem is mirrored.
+TURNS = (1.0, -1.0, 0.0)
+
+# Relative error with which the end point of a long straight can be met: rounding of its heading.
+ROUNDED = 16 * math.ulp(1.0)
+
+# costates of which all but nu3 are smaller than this are none: with H = 0 they are all zero
+_NO_COSTATES = 1e-3
+
+UNKNOWNS = 6  # nu0, nu1, nu2, nu3(0), then the durations of the two pieces
+
+
+class Piece(NamedTuple):
+    """The end of a piece of constant control: x, y, heading, and d(x, y) by each duration."""
+
+    x: float
+    y: float
+    heading: float
+    by_first: tuple[float, float]
+    by_second: tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Structure:
+    """Two pieces of constant control: bang-singular (CS) or bang-bang (CC).
+
+    Args:
+        turns: the two controls; the first is +1 or -1, the second 0 (singular) or the first's
+            opposite (bang).
+        X, Y: the target.
+    """
+
+    turns: tuple[float, float]
+    X: float
+    Y: float
+
+    @cached_property
+    def scale(self) -> float:
+        """Unit of the end point's residual and of a straight, so that unknowns are of one size.
+
+        The target's distance in radii where that is above 1.
+        """
+        return max(1.0, math.hypot(self.X, self.Y))
+
+    @property
+    def singular(self) -> bool:
+        return self.turns[1] == 0
+
+    @property
+    def unit(self) -> float:
+        """Radii that one unit of the second duration stands for among the unknowns."""
+        return self.scale if self.singular else 1.0
+
+    def unknowns(self, costates: FloatArray, durations: FloatArray) -> FloatArray:
+        """Costates (4,) and durations (2,), in radii, as `residual` takes them."""
+        return np.concatenate((costates, durations / (1.0, self.unit)))
+
+    def consistent(self, nu: tuple[float, float, float]) -> FloatArray:
+        """(nu0, nu1, nu2) made of length 1, with the nu3(0) that makes H(0) zero (2.15)."""
+        size = math.hypot(*nu)
+        nu0, nu1, nu2 = (value / size for value in nu)
+        return np.array((nu0, nu1, nu2, -self.turns[0] * (nu0 + nu1)))
+
+    def short_of_reach(self) -> float:
+        """How far the target certainly lies from all that the structure reaches, in radii.
+
+        Zero or below: it may be reached. One arc and its tangents lie nowhere inside the arc's
+        circle; a second arc starts on that circle and is nowhere further than 2 from there.
+        """
+        distance = math.hypot(self.X, self.Y - self.turns[0])
+        return 1 - distance if self.singular else max(1 - distance, distance - 3)
+
+    def pieces(self, first: float, second: float) -> tuple[Piece, Piece]:
+        """The states after both pieces; durations in radii, any sign."""
+        u, w = self.turns
+        turn = u * first
+        s, c = math.sin(turn), math.cos(turn)
+        x, y = u * s, u * 2 * math.sin(turn / 2) ** 2  # 1 - cos without cancellation
+        switch = Piece(x, y, turn, (c, s), (0.0, 0.0))
+        half = w * second / 2
+        chord = second if w == 0 else 2 * w * math.sin(half)
+        end = turn + 2 * half
+        dx, dy = chord * math.cos(turn + half), chord * math.sin(turn + half)
+        # turning the first piece on turns all that follows
+        by_first = (c - u * dy, s + u * dx)
+        by_second = (math.cos(end), math.sin(end))
+        return switch, Piece(x + dx, y + dy, end, by_first, by_second)
+
+    def residual(self, v: FloatArray) -> FloatArray:
+        """The conditions, zero at an extremal; shape (6,) -> (6,).
+
+        The end point (2), over `scale`; nu3 = 0 at the switch; then for CC the transversality
+        nu3(tf) = 0, and for CS d(nu3)/dt = 0 at the switch (2.6), which keeps nu3 = 0 up to tf;
+        H(0) = 0 (2.12), and so H = 0 throughout; (nu0, nu1, nu2) of length 1, which admits
+        abnormal extremals (nu0 = 0).
+        """
+        nu0, nu1, nu2, nu3, first, second = v.tolist()
+        switch, end = self.pieces(first, second * self.unit)
+        if self.singular:
+            stays = nu1 * math.sin(switch.heading) - nu2 * math.cos(switch.heading)
+        else:
+            stays = nu3 + nu1 * end.y - nu2 * end.x
+        return np.array(
+            (
+                (end.x - self.X) / self.scale,
+                (end.y - self.Y) / self.scale,
+                nu3 + nu1 * switch.y - nu2 * switch.x,
+                stays,
+                nu0 + nu1 + self.turns[0] * nu3,
+                nu0 * nu0 + nu1 * nu1 + nu2 * nu2 - 1,
+            )
+        )
+
+    def jacobian(self, v: FloatArray) -> FloatArray:
+        """Derivative of `residual`, shape (6,) -> (6, 6)."""
+        nu0, nu1, nu2, _, first, second = v.tolist()
+        unit = self.unit
+        switch, end = self.pieces(first, second * unit)
+        (ax, ay), (bx, by) = end.by_first, end.by_second
+        sx, sy = switch.by_first
+        J = np.zeros((UNKNOWNS, UNKNOWNS))
+        J[0, 4:] = ax / self.scale, bx * unit / self.scale
+        J[1, 4:] = ay / self.scale, by * unit / self.scale
+        J[2, 1:5] = switch.y, -switch.x, 1, nu1 * sy - nu2 * sx
+        if self.singular:
+            J[3, 1:3] = sy, -sx
+            J[3, 4] = self.turns[0] * (nu1 * sx + nu2 * sy)
+        else:
+            J[3, 1:] = end.y, -end.x, 1, nu1 * ay - nu2 * ax, nu1 * by - nu2 * bx
+        J[4, :4] = 1, 1, 0, self.turns[0]
+        J[5, :3] = 2 * nu0, 2 * nu1, 2 * nu2
+        return J
+
+    def costates(self, durations: FloatArray) -> FloatArray:
+        """Costates (4,) that go with durations (2,): the conditions on them are linear."""
+        linear = self.jacobian(self.unknowns(np.zeros(4), durations))[2:5, :4]
+        nu: FloatArray = np.linalg.svd(linear)[2][-1]
+        nu /= max(math.hypot(*nu[:3]), _NO_COSTATES)
+        return nu
+
+    def miss(self, durations: FloatArray) -> float:
+        """Distance from the end point to the target in radii."""
+        _, end = self.pieces(*durations.tolist())
+        return math.hypot(end.x - self.X, end.y - self.Y)
+
+    def wrong_sign(self, costates: FloatArray, durations: FloatArray) -> float:
+        """By how much the arcs break the minimum condition (2.13); zero if they do not.
+
+        The largest u nu3 on them, which must not exceed zero (2.14). By (2.15) it equals
+        -(nu0 + rho cos(theta - phi)), so that its largest value on an arc lies at the arc's ends
+        or where theta = phi + pi.
+        """
+        nu0, nu1, nu2, _ = costates.tolist()
+        away = math.atan2(-nu2, -nu1)  # phi + pi
+        worst, heading = 0.0, 0.0
+        for turn, duration in zip(self.turns, durations.tolist(), strict=True):
+            low, high = sorted((heading, heading + turn * duration))
+            if turn != 0 and duration > 0:
+                if low + (away - low) % FULL_TURN <= high:
+                    largest = math.hypot(nu1, nu2)
+                else:
+                    largest = max(-nu1 * math.cos(t) - nu2 * math.sin(t) for t in (low, high))
+                worst = max(worst, largest - nu0)
+            heading += turn * duration
+        return worst

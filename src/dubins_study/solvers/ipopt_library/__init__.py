@@ -1,0 +1,1 @@
+"""The Ipopt library of the casadi wheel: a model compiled once, asked many times, with a deadline."""

@@ -1,0 +1,182 @@
+"""Ipopt on a Pyomo model that is compiled once and asked many times.
+
+Data are variables that each question pins through their bounds, so one NL file serves all. An
+`ipopt` executable on PATH solves it if there is one; otherwise the Ipopt library inside the casadi
+wheel does, in process.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+import math
+import os
+import shutil
+import tempfile
+from collections.abc import Callable
+from functools import lru_cache
+from pathlib import Path as FilePath
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from dubins_study.solvers.ipopt_library.deadline import Deadline
+from dubins_study.study.check.verdict import Claim
+from dubins_study.study.path import FloatArray
+
+VIAS = ("auto", "executable", "library")
+
+# Ipopt's application return statuses as the library names them, and as the executable says them
+CLAIMS = {
+    "Solve_Succeeded": Claim.LOCAL,
+    "Solved_To_Acceptable_Level": Claim.LOCAL,
+    "Feasible_Point_Found": Claim.FEASIBLE,
+    "Infeasible_Problem_Detected": Claim.INFEASIBLE,
+    "Maximum_Iterations_Exceeded": Claim.LIMIT,
+    "Maximum_CpuTime_Exceeded": Claim.LIMIT,
+    "Maximum_WallTime_Exceeded": Claim.LIMIT,
+    "User_Requested_Stop": Claim.LIMIT,
+    "optimal": Claim.LOCAL,
+    "locallyOptimal": Claim.LOCAL,
+    "infeasible": Claim.INFEASIBLE,
+    "locallyInfeasible": Claim.INFEASIBLE,
+    "maxIterations": Claim.LIMIT,
+    "maxTimeLimit": Claim.LIMIT,
+}
+
+Options = tuple[tuple[str, float], ...]
+
+
+class Program(NamedTuple):
+    """A Pyomo model with its variables in the caller's order (n of them) and the rows, equations
+    with right-hand side 0, whose duals are wanted (m of them)."""
+
+    model: Any
+    variables: list[Any]
+    rows: list[Any]
+
+
+class Found(NamedTuple):
+    """What Ipopt says of one run: the point (n,) and the duals (m,) of f + dual * row."""
+
+    point: FloatArray
+    duals: FloatArray | None
+    status: str
+    message: str
+    iterations: int | None
+    evaluations: int | None
+
+
+# (the starting point, lower bounds, upper bounds), each of shape (n,) -> what Ipopt says
+Ask = Callable[[FloatArray, FloatArray, FloatArray], Found]
+
+
+def unavailable(via: str) -> str | None:
+    """Why Ipopt cannot be reached this way, or None."""
+    if importlib.util.find_spec("pyomo") is None:
+        return "the package pyomo is not installed"
+    library = importlib.util.find_spec("casadi") is not None
+    reasons = {
+        "executable": None if on_path() else "no executable 'ipopt' on PATH",
+        "library": None if library else "the package casadi, which carries Ipopt, is missing",
+    }
+    if via == "auto":
+        missing = [reason for reason in reasons.values() if reason]
+        return "; ".join(missing) if len(missing) == len(reasons) else None
+    return reasons[via]
+
+
+def by_executable(via: str) -> bool:
+    """Whether a model is solved by the executable: if asked for, or if PATH has one."""
+    return via == "executable" or (via == "auto" and on_path())
+
+
+def on_path() -> bool:
+    """Whether PATH has an executable `ipopt`."""
+    return _on_path(os.environ.get("PATH", ""))
+
+
+@lru_cache(maxsize=4)
+def _on_path(path: str) -> bool:
+    # looked up once for every value of PATH: the search costs as much as a few iterations
+    return shutil.which("ipopt", path=path) is not None
+
+
+def library(program: Program, options: Options, deadline: Deadline | None = None) -> Ask:
+    """Ipopt from the casadi wheel on the NL file that Pyomo writes; stopped at a deadline, if any.
+
+    Args:
+        program: the model to be compiled.
+        options: Ipopt's own.
+        deadline: looked at after every iteration.
+    """
+    import casadi
+    from pyomo.repn.plugins.nl_writer import NLWriter
+
+    with tempfile.TemporaryDirectory() as folder:
+        file = FilePath(folder) / "model.nl"
+        with file.open("w") as stream:
+            # no presolve: every variable must keep its place, fixed or not
+            info = NLWriter().write(program.model, stream, linear_presolve=False)
+        builder = casadi.NlpBuilder()
+        builder.import_nl(str(file))
+    ours = {id(variable): place for place, variable in enumerate(program.variables)}
+    to_file = np.array([ours[id(variable)] for variable in info.variables])
+    from_file = np.argsort(to_file)
+    rows = {id(row): place for place, row in enumerate(info.constraints)}
+    wanted = [rows[id(row)] for row in program.rows]
+    watch = None if deadline is None else deadline.watch(len(builder.x), len(builder.g))
+    solver = casadi.nlpsol(
+        "ipopt",
+        "ipopt",
+        {"x": casadi.vertcat(*builder.x), "f": builder.f, "g": casadi.vertcat(*builder.g)},
+        {
+            "print_time": False,
+            "expand": True,  # scalar expressions evaluate faster than the file's matrix ones
+            "ipopt": {"print_level": 0, "sb": "yes", **dict(options)},
+            **({} if watch is None else {"iteration_callback": watch}),
+        },
+    )
+    g_low, g_high = builder.g_lb, builder.g_ub
+
+    def ask(start: FloatArray, lower: FloatArray, upper: FloatArray) -> Found:
+        x0, low, high = start[to_file], lower[to_file], upper[to_file]
+        found = solver(x0=x0, lbx=low, ubx=high, lbg=g_low, ubg=g_high)
+        stats = solver.stats()
+        return Found(
+            found["x"].full().ravel()[from_file],
+            found["lam_g"].full().ravel()[wanted],
+            str(stats["return_status"]),
+            str(stats["return_status"]).replace("_", " ").lower(),
+            int(stats["iter_count"]),
+            int(stats["n_call_nlp_f"]),
+        )
+
+    return ask
+
+
+def executable(program: Program, options: Options) -> Ask:
+    """The `ipopt` executable on PATH, through Pyomo; the file is rewritten for every call."""
+    from pyomo.environ import SolverFactory, Suffix
+
+    model = program.model
+    model.dual = Suffix(direction=Suffix.IMPORT)
+    solver = SolverFactory("ipopt", options=dict(options))
+
+    def ask(start: FloatArray, lower: FloatArray, upper: FloatArray) -> Found:
+        for i, variable in enumerate(program.variables):
+            variable.setlb(lower[i] if math.isfinite(lower[i]) else None)
+            variable.setub(upper[i] if math.isfinite(upper[i]) else None)
+            variable.set_value(start[i], skip_validation=True)
+            # the NL writer wants fixed variables marked as such, not only pinned by their bounds
+            variable.fixed = bool(lower[i] == upper[i])
+        results = solver.solve(model, load_solutions=False)
+        status = str(results.solver.termination_condition)
+        duals = None
+        if len(results.solution):
+            model.solutions.load_from(results)
+            # ASL's duals have the opposite sign to Ipopt's own
+            duals = np.array([-float(model.dual[row]) for row in program.rows])
+        point = np.array([variable.value for variable in program.variables], dtype=np.float64)
+        return Found(point, duals, status, str(results.solver.message), None, None)
+
+    return ask

@@ -1,0 +1,77 @@
+"""The way from a transcription's controls, integrated exactly, back to the target."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from dubins_study.solvers.optimal_control.collocation_model import Elements
+from dubins_study.solvers.optimal_control.turn_rate_dynamics import (
+    CLOSE,
+    Controls,
+    Rates,
+    corrected,
+    rollout,
+)
+from dubins_study.study.path import FloatArray
+
+_STEPS = 30  # Newton takes 1 to 4; the rest is for steps cut short at bounds
+_WITHIN = 0.9  # of the way to a bound that a step may go
+
+
+def miss(elements: Elements, target: FloatArray) -> float:
+    """Distance (radii) from where the controls, integrated exactly, end to the target (2,)."""
+    end = elements.path.end
+    return float(np.hypot(end.x - target[0], end.y - target[1]))
+
+
+def closed(
+    elements: Elements, rates: Rates, target: FloatArray, equal: bool
+) -> tuple[Elements, float, int]:
+    """The controls moved little, and only where they are free, so that the path ends at the target.
+
+    Newton's method on the two equations of the end point, in the rates and the lengths (in the
+    whole length alone if all are `equal`). Of the steps that solve the linearised equations it
+    takes the least in units of every variable's distance from its bounds. What the solver
+    left at a bound thus stays there, and since its point is stationary in all else, the length
+    changes by no more than the target's own shift would change it, to first order. Where
+    that is not enough (nothing is free, as on a turning circle), the rates are moved as needed.
+
+    Returns the elements, the miss (radii) and the number of rollouts.
+    """
+    # coordinates of this size cannot be met any closer
+    close = max(CLOSE, 8 * np.finfo(float).eps * float(np.abs(target).sum()))
+    moved, rollouts = elements, 0
+    for _ in range(_STEPS):
+        rollouts += 1
+        if not moved.total > 0 or (off := miss(moved, target)) <= close:
+            break
+        moved = _step(moved, rates, target, equal)
+    off = miss(moved, target)
+    if off <= close or not elements.total > 0:
+        return moved, off, rollouts
+    shares = elements.length / elements.total
+    some = elements.length > 0
+    controls = Controls(np.cumsum(elements.turn[some]), elements.total)
+    bent, off, used = corrected(controls, shares[some], rates, target, close)
+    turn = np.zeros_like(elements.turn)
+    turn[some] = bent.turns
+    return Elements(turn, shares * bent.length), off, rollouts + used
+
+
+def _step(elements: Elements, rates: Rates, target: FloatArray, equal: bool) -> Elements:
+    turn, length = elements
+    rate, total = elements.rate, elements.total
+    rolled = rollout(Controls(np.cumsum(turn), total), length / total)
+    by_turn = np.cumsum(rolled.gradient[:, ::-1], axis=1)[:, ::-1]
+    # in units of the distance to the nearer bound; by a length at a fixed rate
+    slack = np.minimum(rate - rates.lower, rates.upper - rate)
+    by_rate = by_turn * (length * slack)
+    by_length = rolled.chords + by_turn * turn
+    if equal:
+        by_length = by_length.sum(axis=1, keepdims=True)
+    jacobian = np.column_stack((by_rate, by_length))
+    step = np.linalg.lstsq(jacobian, target - rolled.end, rcond=None)[0]
+    step *= min(1.0, _WITHIN / max(float(np.abs(step).max()), 1e-300))
+    rate = np.clip(rate + step[: turn.size] * slack, rates.lower, rates.upper)
+    length = length * (1.0 + step[turn.size :])
+    return Elements(rate * length, length)

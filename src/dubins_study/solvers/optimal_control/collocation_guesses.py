@@ -1,0 +1,112 @@
+"""Where the transcription's solves begin: one guess shaped like each word."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from itertools import chain
+
+import numpy as np
+
+from dubins_study.solvers.optimal_control.collocation_model import Elements
+from dubins_study.solvers.paper_nlp.model import FULL_TURN
+from dubins_study.solvers.protocol import Question
+from dubins_study.solvers.reach import unreachable
+from dubins_study.study.check.verdict import drivable
+from dubins_study.study.closed_form.shortest import Local
+from dubins_study.study.path import Path
+from dubins_study.study.scenario import Pose
+
+# arcs (rad) of RL and LR: the second exceeds pi where it can be shortest, the first is at most
+# pi/3 (THEORY section 3)
+_TWO_ARCS = ((0.5, 4.5), (0.1, 6.0), (0.9, 3.5))
+# rad, added to the turn towards the target where the first guess fails
+_SWINGS = (0.7, -0.7)
+# rad, and as much as the coordinates' rounding turns the bearing: a bearing so near to a full turn
+# is straight ahead
+_STRAIGHT = 1e-9
+_LEAST = 1e-3  # radii; an arc of no length gives the elements upon it nothing to begin with
+_HERE = Pose(0.0, 0.0, 0.0)
+
+
+def guesses(question: Question, target: Local, n: int, equal: bool) -> Iterator[Iterator[Elements]]:
+    """Elements to begin from: some of each word, one after another.
+
+    Those of a word after its first success may be left out. A path given, if it can be driven,
+    goes first: before a word's own guesses if one is asked for, else by itself.
+
+    Args:
+        question: its branch says which words.
+        target: in the vehicle's frame.
+        n: number of elements.
+        equal: whether they must be equally long.
+    """
+    warm = [cut(path, n, equal) for path in _given(question)]
+    if question.branch != "best":
+        yield chain(warm, (cut(path, n, equal) for path in _shaped(question.branch, target)))
+        return
+    if warm:
+        yield iter(warm)
+    for word in _words(target):
+        yield (cut(path, n, equal) for path in _shaped(word, target))
+
+
+def _given(question: Question) -> Iterator[Path]:
+    """The question's path in the vehicle's frame at unit radius, if it can be driven."""
+    path, radius = question.start, question.scenario.radius
+    if path is not None and drivable(path) and path.total_length > 0:
+        yield Path(_HERE, path.curvature * radius, path.length / radius)
+
+
+def _words(target: Local) -> Iterator[str]:
+    """The words that can end at the target, the nearer side first."""
+    X, Y = target.X, target.Y
+    near, far = ("L", "R") if Y >= 0 else ("R", "L")
+    for side in (near, far):
+        if unreachable(target, side + "S") is None:
+            yield side + "S"
+    for last, first in ((near, far), (far, near)):
+        # the second arc's circle is 2 from the first one's: farther than 3 it cannot reach
+        if math.hypot(X, Y + (1 if last == "L" else -1)) <= 3:
+            yield first + last
+
+
+def _shaped(word: str, target: Local) -> Iterator[Path]:
+    """Two arcs; or a turn towards the target and as far as it is away.
+
+    The turn faces the target, then goes on by half its turning circle's apparent size, which is
+    much where the target is near; some turns to either side follow.
+    """
+    sign = 1.0 if word[0] == "L" else -1.0
+    if word[1] != "S":
+        yield from (Path(_HERE, (sign, -sign), arcs) for arcs in _TWO_ARCS)
+        return
+    distance = math.hypot(target.X, target.Y)
+    facing = (sign * math.atan2(target.Y, target.X)) % FULL_TURN
+    if facing > FULL_TURN - _STRAIGHT - 2 * target.rounding / distance:
+        facing = 0.0
+    distance = max(distance, _LEAST)
+    aim = facing + math.atan(1 / distance)
+    for turn in (facing, aim, *(aim + swing for swing in _SWINGS)):
+        arc = turn % FULL_TURN
+        lengths = (max(arc, _LEAST), distance)
+        yield Path(_HERE, (sign * arc / lengths[0], 0.0), lengths)
+
+
+def cut(path: Path, n: int, equal: bool) -> Elements:
+    """A path in the vehicle's frame at unit radius as n elements, not all of them of length 0.
+
+    Equally long elements turn as the path does over their length. Others keep its arcs: each
+    is cut into equal parts, so many that the parts turn alike; a path of more than n arcs is
+    taken as equally long elements.
+    """
+    some = path.length > 0
+    curvature, length = path.curvature[some], path.length[some]
+    if equal or length.size > n:
+        heading = path.at(np.linspace(0.0, path.total_length, n + 1))[:, 2]
+        return Elements(np.diff(heading), np.full(n, path.total_length / n))
+    turn = curvature * length
+    parts = np.ones(turn.size, dtype=int)
+    for _ in range(n - turn.size):
+        parts[np.argmax((np.abs(turn) + _LEAST) / parts)] += 1
+    return Elements(np.repeat(turn / parts, parts), np.repeat(length / parts, parts))

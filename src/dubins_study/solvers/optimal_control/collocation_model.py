@@ -1,0 +1,200 @@
+"""The optimal-control problem (2.2) transcribed by collocation: the model, compiled once.
+
+In the vehicle's frame at unit radius and speed. Element e lasts h_e and turns by a_e at a constant
+rate, so over its own time, tau from e - 1 to e,
+
+    x' = h_e cos(theta),   y' = h_e sin(theta),   theta' = a_e,   |a_e| <= h_e.
+
+The turn a_e stands in place of the rate u_e = a_e / h_e: the bound is then linear, the heading's
+equation too, and an element of no length leaves nothing undetermined. `pyomo.dae` collocates the
+states at Legendre-Gauss-Radau points, whose quadrature is exact for polynomials up to degree
+2 p - 2 for p points (Biegler 2010, Nonlinear Programming, ch. 10).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from dubins_study.solvers.ipopt_library.deadline import Deadline
+from dubins_study.solvers.ipopt_library.engine import (
+    Ask,
+    Found,
+    Options,
+    Program,
+    executable,
+    library,
+)
+from dubins_study.solvers.optimal_control.turn_rate_dynamics import Rates
+from dubins_study.study.path import FloatArray, Path
+from dubins_study.study.scenario import Pose
+
+# Bounds on turns (rad): without them the turning gathers in a few elements, whose quadrature is
+# then wrong to the path's gain. A shortest path turns by less than a full turn and, if it has two
+# arcs, by pi/3 at most the other way (THEORY section 3): elements of free length need no more than
+# this all together. Of equal elements none needs more than half a turn.
+MOST_TURN = 3 * math.pi
+MOST_TURN_EACH = math.pi
+
+
+class Elements(NamedTuple):
+    """Turns (n,) in rad, positive to the left, and lengths (n,) in radii of the elements."""
+
+    turn: FloatArray
+    length: FloatArray
+
+    @property
+    def rate(self) -> FloatArray:
+        """Turn rates (n,) in units of 1 / radius; 0 for an element of no length."""
+        some = self.length > 0
+        return np.divide(self.turn, self.length, out=np.zeros_like(self.turn), where=some)
+
+    @property
+    def total(self) -> float:
+        return float(self.length.sum())
+
+    @property
+    def path(self) -> Path:
+        """The path in the vehicle's frame at unit radius."""
+        return Path(Pose(0.0, 0.0, 0.0), self.rate, self.length)
+
+
+class Transcribed(NamedTuple):
+    """A solution of the transcription as Ipopt found it."""
+
+    elements: Elements
+    native: Found
+
+
+@dataclass(frozen=True, eq=False)
+class Template:
+    """The transcription of one choice of settings.
+
+    Args:
+        equal: whether all elements are equally long.
+        element: which element a collocation point lies in, shape (m,), from 0.
+        fraction: how far into it, shape (m,), in (0, 1].
+        ask: the compiled program.
+        deadline: of one solve; the executable does not look at it.
+    """
+
+    n: int
+    equal: bool
+    element: Any
+    fraction: FloatArray
+    ask: Ask
+    deadline: Deadline
+
+    def solve(self, guess: Elements, rates: Rates, target: FloatArray, until: float) -> Transcribed:
+        """Solve from a guess whose states follow its controls exactly.
+
+        Args:
+            guess: where to begin; equally long elements if the mesh is equal.
+            rates: least and largest turn rate allowed.
+            target: shape (2,), radii.
+            until: when to stop (s, on `perf_counter`).
+        """
+        n, durations = self.n, 1 if self.equal else self.n
+        start = np.concatenate((self._durations(guess), guess.turn, target, self._states(guess)))
+        lower, upper = np.full(start.size, -math.inf), np.full(start.size, math.inf)
+        lower[:durations] = 0.0
+        turns, data = slice(durations, durations + n), slice(durations + n, durations + n + 2)
+        # |a| <= h bounds both sides by 1; a branch's other bound is 0
+        most = MOST_TURN_EACH if self.equal else MOST_TURN / n
+        lower[turns], upper[turns] = max(-most, _sided(rates.lower)), min(most, _sided(rates.upper))
+        lower[data] = upper[data] = target
+        self.deadline.at = until
+        found = self.ask(start, lower, upper)
+        length = np.maximum(found.point[:durations], 0.0)
+        if self.equal:
+            length = np.full(n, length[0] / n)
+        turn = np.clip(found.point[turns], rates.lower * length, rates.upper * length)
+        return Transcribed(Elements(turn, length), found)
+
+    def _durations(self, guess: Elements) -> FloatArray:
+        return np.array([guess.total]) if self.equal else guess.length
+
+    def _states(self, guess: Elements) -> FloatArray:
+        """x, y, theta at the collocation points and their derivatives by tau, shape (6 m,)."""
+        length, turn = guess.length[self.element], guess.turn[self.element]
+        before = np.cumsum(guess.length) - guess.length
+        x, y, heading = guess.path.at(before[self.element] + self.fraction * length).T
+        slopes = (length * np.cos(heading), length * np.sin(heading), turn)
+        return np.concatenate((x, y, heading, *slopes))
+
+
+def _sided(rate: float) -> float:
+    return 0.0 if rate == 0 else math.copysign(math.inf, rate)
+
+
+@lru_cache(maxsize=16)
+def template(n: int, points: int, equal: bool, options: Options, by_executable: bool) -> Template:
+    """The transcription into n elements of so many points each, compiled once per setting."""
+    asked, deadline = program(n, points, equal), Deadline()
+    ask = executable(asked, options) if by_executable else library(asked, options, deadline)
+    element = np.repeat(np.arange(n), points)
+    # Pyomo rounds the points' labels, not the scheme's coefficients
+    fraction = np.tile(asked.model.tau.get_discretization_info()["tau_points"][1:], n)
+    return Template(n, equal, element, fraction, ask, deadline)
+
+
+def program(n: int, points: int, equal: bool) -> Program:
+    """The transcription with its variables in the order in which `Template.solve` gives them."""
+    model = pyomo_model(n, points, equal)
+    times = [tau for tau in model.tau if tau > 0]
+    states = (model.x, model.y, model.theta, model.dx, model.dy, model.dtheta)
+    variables = [
+        *model.duration.values(),
+        *model.turn.values(),
+        model.X,
+        model.Y,
+        *(state[tau] for state in states for tau in times),
+    ]
+    return Program(model, variables, [model.x_end, model.y_end])
+
+
+def pyomo_model(n: int, points: int, equal: bool) -> Any:
+    """The transcription in Pyomo; the target is a pair of variables X, Y to be fixed."""
+    from pyomo.dae import ContinuousSet, DerivativeVar
+    from pyomo.environ import (
+        ConcreteModel,
+        Constraint,
+        Objective,
+        RangeSet,
+        TransformationFactory,
+        Var,
+        cos,
+        sin,
+    )
+
+    m = ConcreteModel(name="dubins-2.2")
+    m.tau = ContinuousSet(initialize=range(n + 1))
+    m.elements = RangeSet(n)
+    m.duration = Var([1] if equal else m.elements, bounds=(0, None), initialize=1.0)
+    m.turn = Var(m.elements, initialize=0.0)
+    m.X, m.Y = Var(initialize=1.0), Var(initialize=1.0)
+    m.x, m.y, m.theta = (Var(m.tau, initialize=0.0) for _ in range(3))
+    m.dx, m.dy, m.dtheta = (DerivativeVar(state, wrt=m.tau) for state in (m.x, m.y, m.theta))
+    TransformationFactory("dae.collocation").apply_to(
+        m, wrt=m.tau, nfe=n, ncp=points, scheme="LAGRANGE-RADAU"
+    )
+    for state in (m.x, m.y, m.theta):
+        state[0].fix(0.0)
+
+    def length(e: int) -> Any:
+        return m.duration[1] / n if equal else m.duration[e]
+
+    times = {tau: math.ceil(tau) for tau in m.tau if tau > 0}
+    m.east = Constraint(times, rule=lambda m, t: m.dx[t] == length(times[t]) * cos(m.theta[t]))
+    m.north = Constraint(times, rule=lambda m, t: m.dy[t] == length(times[t]) * sin(m.theta[t]))
+    m.bend = Constraint(times, rule=lambda m, t: m.dtheta[t] == m.turn[times[t]])
+    m.left = Constraint(m.elements, rule=lambda m, e: m.turn[e] <= length(e))
+    m.right = Constraint(m.elements, rule=lambda m, e: -m.turn[e] <= length(e))
+    m.x_end = Constraint(expr=m.X - m.x[n] == 0)
+    m.y_end = Constraint(expr=m.Y - m.y[n] == 0)
+    m.length = Objective(expr=sum(m.duration.values()))
+    return m

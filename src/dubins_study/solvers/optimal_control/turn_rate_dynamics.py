@@ -1,0 +1,168 @@
+"""A path of n arcs seen from its headings: end point, gradients, and the way back to a target.
+
+Everything in the vehicle's frame in units of the turning radius. Step k drives the length
+h_k = w_k T, where the shares w_k sum to 1 and T is the whole length, and turns by
+a_k = theta_k - theta_{k-1} (theta_{-1} = 0), so its turn rate is u_k = a_k / h_k. Written in the
+headings theta instead of the rates, the end point's derivatives are local and |u_k| <= 1 is the
+linear |a_k| <= w_k T, exact for every T.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from dubins_study.study.path import FloatArray
+
+CLOSE = 1e-10  # turning radii; two digits inside the 1e-8 promised, far above rounding
+_CORRECTIONS = 30  # Newton converges in 2 to 5; the rest is for steps that hit their bounds
+
+
+@dataclass(frozen=True, eq=False)
+class Controls:
+    """Headings at the ends of the steps, shape (n,), rad; whole length (turning radii)."""
+
+    heading: FloatArray
+    length: float
+
+    @property
+    def turns(self) -> FloatArray:
+        """Turn of every step, shape (n,), rad, positive to the left."""
+        turns = self.heading.copy()
+        turns[1:] -= self.heading[:-1]
+        return turns
+
+
+class Rates(NamedTuple):
+    """Least and largest turn rate allowed, in units of 1 / radius."""
+
+    lower: float
+    upper: float
+
+
+class Rollout(NamedTuple):
+    """End point (2,), its gradient by the headings (2, n), and the chords of the steps (2, n)."""
+
+    end: FloatArray
+    gradient: FloatArray
+    chords: FloatArray
+
+
+def end_point(heading: FloatArray, lengths: FloatArray) -> FloatArray:
+    """End point (2,) of arcs of given lengths (n,) that end at given headings (n,).
+
+    A chord is h sinc(a/2) long and points along the arc's mean heading. Complex input passes
+    through, so that a complex step can test the gradient.
+    """
+    turns = np.diff(heading, prepend=0.0)
+    chord = lengths * _sinc(turns / 2)
+    middle = heading - turns / 2
+    end: FloatArray = np.array([(chord * np.cos(middle)).sum(), (chord * np.sin(middle)).sum()])
+    return end
+
+
+def rollout(controls: Controls, shares: FloatArray) -> Rollout:
+    """End point of the path, its exact gradient by the headings, and the chords.
+
+    The derivative by the length at fixed headings is `end / length`: every chord grows with it.
+
+    Args:
+        controls: headings and whole length.
+        shares: shape (n,), the steps' shares of the length, summing to 1.
+    """
+    half = controls.turns / 2
+    lengths = shares * controls.length
+    middle = controls.heading - half
+    along = np.array([np.cos(middle), np.sin(middle)])
+    across = np.array([-along[1], along[0]])
+    sinc = _sinc(half)
+    chords = lengths * sinc * along
+    # d chord / d theta_k and d chord / d theta_{k-1}: the mean heading turns by half of each,
+    # and the chord's length changes with the turn
+    swing = (0.5 * lengths * sinc) * across
+    stretch = (0.5 * lengths * _sinc_slope(half, sinc)) * along
+    gradient = swing + stretch
+    gradient[:, :-1] += (swing - stretch)[:, 1:]
+    return Rollout(chords.sum(axis=1), gradient, chords)
+
+
+def _sinc(x: FloatArray) -> FloatArray:
+    values: FloatArray = np.sinc(x / np.pi)  # numpy's sinc(x) is sin(pi x) / (pi x)
+    return values
+
+
+def _sinc_slope(x: FloatArray, sinc: FloatArray) -> FloatArray:
+    """Derivative of sin(x) / x; by its series where the quotient cancels (error below 1e-13)."""
+    small = np.abs(x) < 0.02
+    safe = np.where(small, 1.0, x)
+    slope: FloatArray = np.where(
+        small, -x / 3 * (1 - x * x / 10 * (1 - x * x / 28)), (np.cos(x) - sinc) / safe
+    )
+    return slope
+
+
+def clipped(controls: Controls, shares: FloatArray, rates: Rates) -> Controls:
+    """The controls with every turn rate brought within its bounds."""
+    lengths = shares * controls.length
+    turns = np.clip(controls.turns, rates.lower * lengths, rates.upper * lengths)
+    return Controls(np.cumsum(turns), controls.length)
+
+
+def corrected(
+    controls: Controls, shares: FloatArray, rates: Rates, target: FloatArray, close: float = CLOSE
+) -> tuple[Controls, float, int]:
+    """The controls moved as little as needed for the path to end at the target.
+
+    Newton's method on the two equations of the end point in the turn rates and the length; of
+    all steps that solve the linearised equations the shortest is taken, with rates that
+    would leave their bounds put on them and kept there. Returns controls, miss, rollouts used.
+    """
+    lengths = shares * controls.length
+    rate = np.clip(controls.turns / lengths, rates.lower, rates.upper)
+    length = controls.length
+    best, least, rollouts = controls, np.inf, 0
+    while rollouts < _CORRECTIONS:
+        now = Controls(np.cumsum(rate * shares * length), length)
+        rolled = rollout(now, shares)
+        rollouts += 1
+        residual = target - rolled.end
+        miss = float(np.hypot(*residual))
+        if miss < least:
+            best, least = now, miss
+        if miss <= close or not np.isfinite(miss):
+            break
+        jacobian = _rate_jacobian(now, rolled, shares)
+        rate, length = _least_step(jacobian, residual, rate, length, rates)
+    return best, least, rollouts
+
+
+def _rate_jacobian(controls: Controls, rolled: Rollout, shares: FloatArray) -> FloatArray:
+    """Derivatives (2, n + 1) of the end point by the rates and, last, by log(length)."""
+    T = controls.length
+    by_rate = np.cumsum(rolled.gradient[:, ::-1], axis=1)[:, ::-1] * (shares * T)
+    # a longer path at fixed rates has longer chords and larger turns
+    by_log_length = rolled.end + rolled.gradient @ controls.heading
+    return np.column_stack((by_rate, by_log_length))
+
+
+def _least_step(
+    jacobian: FloatArray, residual: FloatArray, rate: FloatArray, length: float, rates: Rates
+) -> tuple[FloatArray, float]:
+    """The least-norm Newton step within the bounds on the rates; the length stays positive."""
+    n = rate.size
+    free = np.ones(n + 1, dtype=bool)
+    step = np.zeros(n + 1)
+    left = residual
+    for _ in range(n):
+        step[free] = np.linalg.lstsq(jacobian[:, free], left, rcond=1e-12)[0]
+        moved = rate + step[:n]
+        out = free[:n] & ((moved < rates.lower) | (moved > rates.upper))
+        if not out.any():
+            break
+        step[:n][out] = np.clip(moved, rates.lower, rates.upper)[out] - rate[out]
+        free[:n] &= ~out
+        left = residual - jacobian[:, ~free] @ step[~free]
+    bounded = np.clip(rate + step[:n], rates.lower, rates.upper)
+    return bounded, length * float(np.exp(np.clip(step[n], -0.5, 0.5)))

@@ -1,0 +1,216 @@
+"""`turn-rate-qp`: the optimal-control problem cut into turn rates, solved as a sequence of QPs."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+from importlib.util import find_spec
+from typing import Any, ClassVar
+
+import numpy as np
+
+from dubins_study.solvers.optimal_control.turn_rate_dynamics import CLOSE, Controls, Rates
+from dubins_study.solvers.optimal_control.turn_rate_sequence import Limits, Run, Sequence
+from dubins_study.solvers.optimal_control.turn_rate_template import ENGINES, Template, template
+from dubins_study.solvers.protocol import Guarantee, Question, Solution
+from dubins_study.solvers.reach import unreachable
+from dubins_study.solvers.setting_checks import one_of
+from dubins_study.study.check.verdict import Claim, drivable
+from dubins_study.study.closed_form.shortest import EPS, local
+from dubins_study.study.path import FloatArray, Path
+
+RATES = {"best": Rates(-1.0, 1.0), "LS": Rates(0.0, 1.0), "RS": Rates(-1.0, 0.0)}
+_PACKAGES = {"highs": "highspy"}
+MESHES = ("equal", "graded")
+_TURNING = 2 * math.pi  # radii; no turn towards a target far away is longer than a full circle
+
+
+@dataclass(frozen=True, eq=False)
+class TurnRateModel:
+    """A question in the vehicle's frame, in units of the radius; shares of the steps (n,)."""
+
+    question: Question
+    target: FloatArray
+    shares: FloatArray
+    rates: Rates
+    qp: Template
+
+
+@dataclass(frozen=True)
+class TurnRateQp:
+    """Problem (2.2) of the paper with n turn rates, each held for an equal part of a free duration.
+
+    Every step is an exact arc, so the path that comes back is one that can be driven; it is the
+    best of its n steps, not of all paths. `LS` and `RS` forbid turning the other way. `best` is
+    the shortest found from starts shaped like each word.
+
+    Args:
+        n: number of steps.
+        engine: QP engine, one of clarabel, osqp, piqp, highs.
+        mesh: `equal` steps, or `graded`: for a far target half of them are kept for the turn,
+            which equal steps of many radii each can only follow coarsely.
+        tolerance: a sequence has converged when a QP promises less than this times the length.
+        max_qps: most QPs from one start.
+    """
+
+    n: int = 50
+    engine: str = "piqp"
+    mesh: str = "equal"
+    tolerance: float = 1e-7
+    max_qps: int = 60
+
+    name: ClassVar[str] = "turn-rate-qp"
+    method: ClassVar[str] = "sequential convex"
+    guarantee: ClassVar[Guarantee] = Guarantee.DISCRETISED
+    branches: ClassVar[tuple[str, ...]] = tuple(RATES)
+    warm: ClassVar[bool] = True
+    packages: ClassVar[tuple[str, ...]] = ("cvxpy", "clarabel", "highspy", "osqp", "piqp")
+    summary: ClassVar[str] = "optimal control over n turn rates, a sequence of convex QPs in cvxpy"
+    # gaps near 1e-9 outside the discs and 2e-6 inside, for ten times the time
+    profiles: ClassVar[dict[str, dict[str, Any]]] = {"accurate": {"n": 640, "mesh": "graded"}}
+
+    def __post_init__(self) -> None:
+        # the QPs are dense: beyond, one takes gigabytes
+        for name, least, most in (("n", 2, 2000), ("max_qps", 1, 10**6)):
+            value = getattr(self, name)
+            whole = isinstance(value, int) and not isinstance(value, bool)
+            if not (whole and least <= value <= most):
+                raise ValueError(
+                    f"{name} is {value!r}; expected a whole number from {least} to {most}"
+                )
+        one_of(engine=(self.engine, ENGINES), mesh=(self.mesh, MESHES))
+        if not 0 < self.tolerance < 1:
+            raise ValueError(f"tolerance is {self.tolerance!r}; expected a number from 0 to 1")
+
+    def unavailable(self) -> str | None:
+        for package in ("cvxpy", _PACKAGES.get(self.engine, self.engine)):
+            if find_spec(package) is None:
+                return f"package {package} is not installed"
+        return None
+
+    def build(self, question: Question) -> TurnRateModel:
+        if question.branch not in RATES:
+            raise ValueError(f"branch is {question.branch!r}; expected one of {', '.join(RATES)}")
+        target = np.array(question.scenario.local())
+        shares = _shares(self.n, self.mesh, math.hypot(*target))
+        qp = template(self.n, self.engine)
+        return TurnRateModel(question, target, shares, RATES[question.branch], qp)
+
+    def solve(self, model: TurnRateModel, limit: float) -> Solution:
+        deadline = time.perf_counter() + limit
+        scenario, branch = model.question.scenario, model.question.branch
+        X, Y = model.target
+        if math.hypot(X, Y) <= 2 * EPS * scenario.extent / scenario.radius:
+            stay = Controls(np.zeros(self.n), 0.0)
+            run = Run(Claim.LOCAL, stay, 0.0, None, 0, 0, "the target is at the start")
+            return _solution(model, [run])
+        if reason := unreachable(local(scenario), branch):
+            return Solution(Claim.INFEASIBLE, iterations=0, evaluations=0, message=reason)
+        limits = Limits(self.tolerance, self.max_qps, deadline)
+        sequence = Sequence(model.qp, model.target, model.shares, model.rates, limits)
+        runs: list[Run] = []
+        for start in _starts(model, runs):
+            runs.append(sequence.run(start))
+            if runs[-1].claim is Claim.LIMIT:
+                break
+        return _solution(model, runs)
+
+
+def _shares(n: int, mesh: str, distance: float) -> FloatArray:
+    """The steps' shares (n,) of the length, summing to 1, for a target so many radii away."""
+    turning, straight = (n + 1) // 2, n // 2
+    share = _TURNING / (_TURNING + distance)
+    if mesh == "equal" or share >= turning / n:
+        return np.full(n, 1.0 / n)
+    return np.repeat((share / turning, (1 - share) / straight), (turning, straight))
+
+
+def _starts(model: TurnRateModel, runs: list[Run]) -> Iterator[Controls]:
+    """Starting controls in the order to be tried; `runs` are the answers so far.
+
+    The warm start first, then one start shaped like each word: a turn to the target's bearing and
+    a straight, or two arcs where two unit circles can bridge the distance. `LS` and `RS` need
+    only one start that works.
+    """
+    question, ends = model.question, np.cumsum(model.shares)
+    X, Y = model.target
+    if question.start is not None and (warm := _resampled(question.start, model)) is not None:
+        yield warm
+    if question.branch != "best":
+        if not (runs and runs[-1].claim is Claim.LOCAL):
+            yield _turn_then_straight(question.branch, X, Y, ends)
+        return
+    sides = ("L", "R") if Y >= 0 else ("R", "L")
+    for side in sides:
+        yield _turn_then_straight(side, X, Y, ends)
+    for side in sides:
+        # the second arc's circle is 2 from the first one's: farther than 3 it cannot reach
+        if math.hypot(X, Y + (1 if side == "L" else -1)) <= 3:
+            yield _two_arcs(side, ends)
+
+
+def _turn_then_straight(word: str, X: float, Y: float, ends: FloatArray) -> Controls:
+    """Turn to the bearing of the target, then as far as the target is away.
+
+    `ends` (n,) are the shares of the length driven at the ends of the steps.
+    """
+    sign = 1.0 if word[0] == "L" else -1.0
+    bearing = (sign * math.atan2(Y, X)) % (2 * math.pi)
+    if bearing > 2 * math.pi - 1e-9:  # straight ahead, up to rounding
+        bearing = 0.0
+    length = math.hypot(X, Y) + bearing
+    return Controls(sign * np.minimum(ends * length, bearing), length)
+
+
+def _two_arcs(last: str, ends: FloatArray) -> Controls:
+    """A short arc away, then most of a circle back to the side `last`; `ends` as above."""
+    first, second = 0.5, 4.5
+    sign = 1.0 if last == "L" else -1.0
+    driven = ends * (first + second)
+    heading = np.maximum(driven - first, 0.0) - np.minimum(driven, first)
+    return Controls(sign * heading, first + second)
+
+
+def _resampled(path: Path, model: TurnRateModel) -> Controls | None:
+    """A warm start cut into the model's steps; None if it cannot be driven or has no length."""
+    if not drivable(path) or not path.total_length > 0:
+        return None
+    ends = np.cumsum(model.shares) * path.total_length
+    heading = path.at(ends)[:, 2] - path.start.heading
+    return Controls(heading, path.total_length / model.question.scenario.radius)
+
+
+def _solution(model: TurnRateModel, runs: list[Run]) -> Solution:
+    """The shortest answer that arrives, or the nearest to it, with the claim it deserves."""
+    scenario = model.question.scenario
+    arrived = [run for run in runs if run.miss <= CLOSE]
+    if arrived:
+        best = min(arrived, key=lambda run: run.controls.length)
+    else:
+        best = min(runs, key=lambda run: run.miss)
+    claim = best.claim
+    if any(run.claim is Claim.LIMIT for run in runs):
+        claim = Claim.LIMIT
+    elif arrived and claim is Claim.FAILED:
+        claim = Claim.FEASIBLE  # the engine failed, but its last point arrives
+    steps = model.shares * best.controls.length
+    with np.errstate(invalid="ignore"):
+        rate = np.where(steps > 0, best.controls.turns / steps, 0.0)
+    rate = np.clip(rate, model.rates.lower, model.rates.upper)
+    multipliers = None
+    if best.duals is not None and claim is Claim.LOCAL:
+        cos, sin = math.cos(scenario.heading), math.sin(scenario.heading)
+        along, left = map(float, best.duals)
+        multipliers = (along * cos - left * sin, along * sin + left * cos)
+    return Solution(
+        claim,
+        path=Path(scenario.start, rate / scenario.radius, steps * scenario.radius),
+        claimed_length=best.controls.length * scenario.radius,
+        multipliers=multipliers,
+        iterations=sum(run.qps for run in runs),
+        evaluations=sum(run.rollouts for run in runs),
+        native_status=best.status,
+        message="; ".join(dict.fromkeys(run.status for run in runs)),
+    )

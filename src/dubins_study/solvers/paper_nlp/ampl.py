@@ -1,0 +1,150 @@
+"""Solvers run as AMPL runs them: `solver stub -AMPL` reads stub.nl and writes stub.sol.
+
+The program gets a folder of its own to work in, nothing on its input, and a time limit that ends
+it and whatever it started. Nothing but the file that it leaves is read.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import shutil
+import signal
+import subprocess
+import tempfile
+from pathlib import Path as FilePath
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from dubins_study.solvers.paper_nlp.ipopt import Case
+from dubins_study.solvers.paper_nlp.model import Point
+from dubins_study.solvers.paper_nlp.pyomo_case import no_point, posed
+from dubins_study.study.check.verdict import Claim
+from dubins_study.study.path import FloatArray
+
+_STUB = "model"
+
+# AMPL's solve_result_num by the hundred (Fourer, Gay and Kernighan, AMPL, 2nd ed., sec. 14.2):
+# solved, solved with a warning, infeasible, unbounded, limit, failure
+_CLAIMS = (
+    Claim.LOCAL,
+    Claim.FEASIBLE,
+    Claim.INFEASIBLE,
+    Claim.FAILED,
+    Claim.LIMIT,
+    Claim.FAILED,
+)
+
+
+class SolFile(NamedTuple):
+    """What a .sol file says; either list may be empty."""
+
+    message: str
+    duals: list[float]
+    primals: list[float]
+    code: int
+
+
+def unavailable(executable: str) -> str | None:
+    """Why an executable cannot be run, or None. Whether it is a solver is seen when it is run."""
+    return None if shutil.which(executable) else f"no executable {executable!r} on PATH"
+
+
+def solve(case: Case, start: FloatArray, seconds: float, executable: str) -> Point:
+    """The point that an executable on PATH reaches from `start`, shape (3,)."""
+    from pyomo.repn.plugins.nl_writer import NLWriter
+
+    model = posed(case, start)
+    with tempfile.TemporaryDirectory() as name:
+        folder = FilePath(name)
+        with (folder / f"{_STUB}.nl").open("w") as stream:
+            info = NLWriter().write(model, stream, linear_presolve=False)
+        code = _run(executable, folder, seconds)
+        file = folder / f"{_STUB}.sol"
+        if code is None:
+            return no_point(case, Claim.LIMIT, "time limit", f"{executable} was stopped")
+        status = f"exit code {code}"
+        if not file.is_file():
+            lacking = f"{executable} wrote no .sol file; expected a solver that AMPL can call"
+            return no_point(case, Claim.FAILED, status, lacking)
+        try:
+            found = read_sol(file.read_text(errors="replace"))
+        except ValueError as error:
+            return no_point(case, Claim.FAILED, status, f"{executable}'s .sol file: {error}")
+    return _point(case, model, info, found)
+
+
+def _point(case: Case, model: Any, info: Any, found: SolFile) -> Point:
+    claim = _CLAIMS[found.code // 100] if 0 <= found.code < 600 else Claim.FAILED
+    status = f"solve_result_num {found.code}"
+    if len(found.primals) != len(info.variables):
+        if claim is not Claim.INFEASIBLE:  # which needs no point
+            claim = Claim.FAILED
+        return no_point(case, claim, status, found.message)
+    values = {id(v): x for v, x in zip(info.variables, found.primals, strict=True)}
+    z = np.array([values.get(id(v), 0.0) for v in model.z.values()])
+    duals = None
+    if len(found.duals) == len(info.constraints):
+        of_row = {id(c): y for c, y in zip(info.constraints, found.duals, strict=True)}
+        # AMPL's dual is the objective's change per unit of right-hand side, the paper's minus that
+        duals = (-of_row[id(model.x_end)], -of_row[id(model.y_end)])
+    return Point(case.subproblem, z, claim, duals, None, None, status, found.message)
+
+
+def _run(executable: str, folder: FilePath, seconds: float) -> int | None:
+    """The exit code of `executable model -AMPL`, or None if it did not end in time."""
+    path = shutil.which(executable)
+    if path is None:
+        return 127  # as a shell says of a command that has gone
+    process = subprocess.Popen(
+        [FilePath(path).absolute(), _STUB, "-AMPL"],
+        cwd=folder,
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+        start_new_session=True,  # so that its children can be ended with it
+    )
+    try:
+        return process.wait(max(seconds, 0.0))
+    except subprocess.TimeoutExpired:
+        return None
+    finally:
+        _end(process)
+
+
+def _end(process: subprocess.Popen[bytes]) -> None:
+    with contextlib.suppress(ProcessLookupError):  # it and its children may have ended already
+        os.killpg(process.pid, signal.SIGKILL)
+    process.wait()
+
+
+def read_sol(text: str) -> SolFile:
+    """Read a .sol file (Gay, Hooking Your Solver to AMPL, 1997; suffixes are not read).
+
+    Raises:
+        ValueError: if the text is none.
+    """
+    head, options, rest = text.partition("\nOptions\n")
+    if not options:
+        raise ValueError("it has no line 'Options'")
+    lines = iter(rest.splitlines())
+    try:
+        given = int(next(lines))
+        # three options or more with a 3 in second place say that a tolerance follows the counts,
+        # and count it and themselves as two more
+        listed = [int(next(lines)) for _ in range(min(given, 2))]
+        tolerance = listed[1:] == [3]
+        for _ in range(given - len(listed) - 2 * tolerance):
+            next(lines)
+        _, duals, _, primals = (int(next(lines)) for _ in range(4))
+        if tolerance:
+            next(lines)
+        y = [float(next(lines)) for _ in range(duals)]
+        x = [float(next(lines)) for _ in range(primals)]
+    except StopIteration:
+        raise ValueError("it ends too soon") from None
+    last = next(lines, "").split()
+    if len(last) != 3 or last[0] != "objno":
+        raise ValueError("it has no line 'objno' with two numbers")
+    return SolFile(" ".join(head.split()), y, x, int(last[2]))

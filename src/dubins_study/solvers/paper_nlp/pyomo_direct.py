@@ -1,0 +1,90 @@
+"""Solvers that Pyomo talks to in process, KNITRO among them."""
+
+from __future__ import annotations
+
+import importlib.util
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from dubins_study.solvers.paper_nlp.ipopt import Case
+from dubins_study.solvers.paper_nlp.model import Point
+from dubins_study.solvers.paper_nlp.pyomo_case import no_point, posed
+from dubins_study.study.check.verdict import Claim
+from dubins_study.study.path import FloatArray
+
+# Pyomo's termination conditions (pyomo.contrib.solver.common.results)
+_CLAIMS = {
+    "convergenceCriteriaSatisfied": Claim.LOCAL,
+    "provenInfeasible": Claim.INFEASIBLE,
+    "locallyInfeasible": Claim.INFEASIBLE,
+    "infeasibleOrUnbounded": Claim.INFEASIBLE,
+    "maxTimeLimit": Claim.LIMIT,
+    "iterationLimit": Claim.LIMIT,
+}
+
+
+def knitro_unavailable() -> str | None:
+    """Why KNITRO cannot solve here, or None."""
+    if importlib.util.find_spec("knitro") is None:
+        return "the package knitro is not installed"
+    if not _licensed():
+        return "knitro is installed, but no licence was found (its wheel installs without one)"
+    return None
+
+
+@cache
+def _licensed() -> bool:
+    # looked for once: a licence is a file, or a seat at a server that takes its time to answer
+    return bool(_interface("knitro_direct").available())
+
+
+def _interface(name: str) -> Any:
+    import pyomo.environ  # noqa: F401  (registers the interfaces)
+    from pyomo.contrib.solver.common.factory import SolverFactory
+
+    return SolverFactory(name)
+
+
+def solve(case: Case, start: FloatArray, seconds: float, interface: str) -> Point:
+    """The point that one of Pyomo's solver interfaces reaches from `start`, shape (3,)."""
+    from pyomo.common.errors import ApplicationError, PyomoException
+
+    model = posed(case, start)
+    solver = _interface(interface)
+    if "knitro_warm_start" in solver.config:
+        solver.config.knitro_warm_start = True  # else KNITRO starts from a point of its own
+    try:
+        results = solver.solve(
+            model,
+            load_solutions=False,
+            raise_exception_on_nonoptimal_result=False,
+            time_limit=max(seconds, 1e-3),
+        )
+    except (ApplicationError, PyomoException, RuntimeError) as error:  # the last from KNITRO
+        return no_point(case, Claim.FAILED, type(error).__name__, str(error))
+    return _point(case, model, results)
+
+
+def _point(case: Case, model: Any, results: Any) -> Point:
+    from pyomo.common.errors import PyomoException
+
+    condition = results.termination_condition.name
+    claim = _CLAIMS.get(condition, Claim.FAILED)
+    message = f"{results.solver_name}: {results.solution_status.name} solution"
+    free = [z for z in model.z.values() if not z.fixed]
+    try:
+        values = results.solution_loader.get_vars(free)
+    except PyomoException:  # each interface has its own way to say that there is no point
+        return no_point(case, claim, condition, message)
+    z = np.array([0.0 if z.fixed else values[z] for z in model.z.values()])
+    try:
+        of_row = results.solution_loader.get_duals([model.x_end, model.y_end])
+        # Pyomo's dual is the objective's change per unit of right-hand side, the paper's minus that
+        duals = (-float(of_row[model.x_end]), -float(of_row[model.y_end]))
+    except (PyomoException, NotImplementedError):
+        duals = None
+    counted = "number_iters" in results.extra_info
+    iterations = int(results.extra_info.number_iters) if counted else None
+    return Point(case.subproblem, z, claim, duals, iterations, None, condition, message)

@@ -1,0 +1,28 @@
+"""Named tolerances; a solver may add settings of its own under the same name (its `profiles`)."""
+
+from __future__ import annotations
+
+from dubins_study.study.check.verdict import Tolerances
+
+# `default` calls four digits of the length optimal: what a plotted path or a flight plan can use.
+# `accurate` asks for what an NLP solver reaches at its usual tolerance; `fast` for three digits.
+PROFILES = {
+    "default": Tolerances(),
+    "fast": Tolerances(gap=1e-3),
+    "accurate": Tolerances(gap=1e-6),
+}
+
+
+class ProfileError(ValueError):
+    """No profile of that name."""
+
+
+def tolerances(profile: str) -> Tolerances:
+    """The tolerances of a profile.
+
+    Raises:
+        ProfileError: naming the profiles that exist.
+    """
+    if profile not in PROFILES:
+        raise ProfileError(f"no profile named {profile!r}; choose one of: {', '.join(PROFILES)}")
+    return PROFILES[profile]

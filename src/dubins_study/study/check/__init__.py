@@ -1,0 +1,1 @@
+"""Judges and certifies an answer from its controls alone."""

@@ -1,0 +1,146 @@
+"""Certificates over frames: what `study.check.certificate.certify` says, for paths of at most two arcs.
+
+Rows of the words S, C, CS and CC at full rate are certified by `study.check.extremal_kernel`; the others,
+which no closed-form answer is, by the scalar code.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from dubins_study.study.check.certificate import (
+    BOUND_TOLERANCE,
+    CUT_TOLERANCE,
+    PMP_ROUNDING,
+    PMP_TOLERANCE,
+    Proof,
+)
+from dubins_study.study.check.enclosure import enclose
+from dubins_study.study.check.extremal import MEASURED, measured
+from dubins_study.study.check.extremal_kernel import extremal_rows
+from dubins_study.study.check.verdict import Tolerances, Verdict, drivable
+from dubins_study.study.check.verdict_frame import FrameJudgement, Paths
+from dubins_study.study.check.verdict_kernel import VERDICTS, BoolArray
+from dubins_study.study.closed_form.kernel_words import CodeArray
+from dubins_study.study.path import FloatArray, Path
+from dubins_study.study.scenario import scenarios
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+PROOFS = tuple(Proof)
+_DEFAULT = Tolerances()
+_PROVED, _BOUNDED, _EXTREMAL, _NONE = range(len(PROOFS))
+_OPTIMAL, _NONE_EXISTS = map(VERDICTS.index, (Verdict.OPTIMAL, Verdict.NONE_EXISTS))
+
+
+@dataclass(frozen=True, eq=False)
+class FrameCertificate:
+    """`study.check.certificate.Certificate` of n rows: arrays of shape (n,), NaN where nothing is said.
+
+    `proof` indexes `PROOFS`. There are no multipliers to compare the costates with.
+    """
+
+    proof: CodeArray
+    reference_low: FloatArray
+    reference_high: FloatArray
+    measured: FloatArray  # shape (7, n), rows as `study.check.extremal.MEASURED`
+    abnormal: BoolArray
+    false_bound: BoolArray
+
+    @classmethod
+    def empty(cls, n: int) -> FrameCertificate:
+        """Nothing said of n rows."""
+        low, high, *measured = np.full((2 + len(MEASURED), n), np.nan)
+        flags = np.zeros((2, n), np.bool_)
+        return cls(np.full(n, _NONE, np.uint8), low, high, np.array(measured), *flags)
+
+    def columns(self) -> dict[str, FloatArray]:
+        """The measured numbers by their names in `study.rows.schema`."""
+        return dict(zip(MEASURED, self.measured, strict=True))
+
+
+def certify_frame(
+    frame: pd.DataFrame,
+    paths: Paths,
+    judged: FrameJudgement,
+    branch: str = "best",
+    lower_bound: FloatArray | None = None,
+    tolerances: Tolerances = _DEFAULT,
+    *,
+    enclosures: bool = True,
+) -> FrameCertificate:
+    """Certify the judged paths of a frame.
+
+    Args:
+        frame: scenarios as `study.scenario.check_frame` returns them, n rows.
+        paths: their paths, n rows.
+        judged: what `study.check.verdict_frame.judge_frame` found of them.
+        branch: the branch that was asked, for all rows.
+        lower_bound: bounds that the solver gives (length unit), shape (n,); NaN where none.
+        tolerances: those of the judgement.
+        enclosures: whether to enclose every reference length, at some 20 microseconds a row;
+            without, nothing is `proved` or `bounded`.
+    """
+    n = len(paths)
+    found = FrameCertificate.empty(n)
+    heading, radius = (frame[name].to_numpy(np.float64) for name in ("heading", "radius"))
+    curvature, length = map(np.ascontiguousarray, (paths.curvature, paths.length))
+    odd = extremal_rows(heading, radius, curvature, length, found.measured, found.abnormal)
+    if paths.returned is not None:
+        odd &= paths.returned
+        found.measured[:, ~paths.returned] = np.nan
+    for row, scenario in zip(np.flatnonzero(odd), scenarios(frame[odd]), strict=True):
+        _one(found, int(row), paths.path(int(row), scenario), scenario.radius)
+    if enclosures:
+        both = [enclose(scenario, branch) for scenario in scenarios(frame)]
+        found.reference_low[:], found.reference_high[:] = np.array(both).reshape(n, 2).T
+    _prove(found, judged, branch, lower_bound, tolerances, radius)
+    for bounds in (found.reference_low, found.reference_high):
+        bounds[np.isinf(bounds)] = np.nan
+    return found
+
+
+def _one(found: FrameCertificate, row: int, path: Path | None, radius: float) -> None:
+    """A row that the kernel leaves: of more or other pieces than S, C, CS and CC."""
+    found.measured[:, row] = np.nan
+    if path is None or not drivable(path):
+        return
+    best, cut = measured(path, radius)
+    if best is not None:
+        found.abnormal[row] = best.abnormal
+        numbers = best.hamiltonian, best.sign_margin, best.transversality, best.residual
+        found.measured[:-1, row] = (*best.nu, *numbers)
+    found.measured[-1, row] = np.nan if cut is None else cut
+
+
+def _prove(
+    found: FrameCertificate,
+    judged: FrameJudgement,
+    branch: str,
+    lower_bound: FloatArray | None,
+    tolerances: Tolerances,
+    radius: FloatArray,
+) -> None:
+    """`study.check.certificate._proof` over arrays."""
+    low, high, numbers = found.reference_low, found.reference_high, found.columns()
+    with np.errstate(invalid="ignore"):
+        scale = np.maximum(low, radius)
+        allowed = tolerances.gap * scale
+        bound = np.full(low.size, np.nan) if lower_bound is None else lower_bound
+        found.false_bound[:] = ~np.isnan(bound) & (bound > high + BOUND_TOLERANCE * scale)
+        arrives = np.isfinite(judged.gap)
+        tolerance = PMP_TOLERANCE + PMP_ROUNDING * judged.length / radius
+        is_extremal = (judged.length == 0) | (numbers["pmp_residual"] <= tolerance)
+        near = (judged.verdict == _OPTIMAL) & np.isfinite(high)
+        near &= arrives & (np.abs(judged.length - low) <= allowed)
+        clear = (numbers["cut_margin"] >= -CUT_TOLERANCE) | (branch != "best")
+        proved = near & ((is_extremal & clear) | (branch in ("LR", "RL")))
+        bounded = near & ~found.false_bound & (judged.length - bound <= allowed)
+        no_path = (judged.verdict == _NONE_EXISTS) & (low == np.inf)
+    found.proof[arrives & is_extremal] = _EXTREMAL
+    found.proof[bounded] = _BOUNDED
+    found.proof[proved | no_path] = _PROVED

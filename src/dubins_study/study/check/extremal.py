@@ -1,0 +1,228 @@
+"""Pontryagin's conditions and the cut, checked from a path's controls alone.
+
+In the paper's convention (2.3)-(2.15): H = nu0 + nu1 cos theta + nu2 sin theta + nu3 u is
+minimised and zero, with u the curvature in units of 1 / radius and positions in radii. The paper
+leaves out nu0 >= 0, (nu0, nu) not all zero, and nu3 = 0 at the free final heading (THEORY
+section 6). On an extremal all of
+
+    H = 0 on every piece,    nu3 = 0 on every straight,    nu3 = 0 at the end
+
+are linear in (nu0, nu1, nu2, nu3 at the end): nu3 = nu1 (y - y_end) - nu2 (x - x_end) + constant.
+So the costates are the null vector of a small matrix, and how far a path is from being an
+extremal is how far that matrix is from having one (docs/derivation.md, section 9).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from itertools import compress
+from operator import mul, or_
+from typing import NamedTuple
+
+import numpy as np
+
+from dubins_study.study.check.pieces import FULL_RATE, Pieces, pieces
+from dubins_study.study.path import Path, corners
+from dubins_study.study.scenario import Pose
+
+_ORIGIN = Pose(0.0, 0.0, 0.0)
+_ZEROS = (0.0, 0.0, 0.0, 0.0)
+
+# columns of `study.rows.schema` that hold what is measured here
+MEASURED = (
+    "costate_x",
+    "costate_y",
+    "hamiltonian",
+    "sign_margin",
+    "transversality",
+    "pmp_residual",
+    "cut_margin",
+)
+# a costate nu0 below this share of (nu1, nu2) is none: the extremal is abnormal
+ABNORMAL = 1e-9
+_TURN = 2 * math.pi
+
+
+class Extremal(NamedTuple):
+    """What Pontryagin's conditions say of a path.
+
+    Residuals are for costates scaled to max(nu0, |(nu1, nu2)|) = 1, and nu3 is divided by the
+    path's length in radii where that exceeds 1, so that they are errors of angles.
+
+    Args:
+        nu: (nu1, nu2) in the world frame with nu0 = 1, or of norm 1 if abnormal.
+        abnormal: whether nu0 = 0.
+        hamiltonian: max |H| over the path.
+        sign_margin: least -u nu3 over the turning pieces; below 0 a turn goes the wrong way.
+        transversality: |nu3| at the end.
+        residual: the worst of all violations, those of nu3 = 0 on straights included.
+    """
+
+    nu: tuple[float, float]
+    abnormal: bool
+    hamiltonian: float
+    sign_margin: float
+    transversality: float
+    residual: float
+
+
+# coefficients of nu0, nu1, nu2 and of nu3 at the end
+Row = tuple[float, float, float, float]
+
+
+class Conditions(NamedTuple):
+    """What has to vanish: H on every piece, nu3 at the ends of straights, and what fixes the end.
+
+    The conditions on nu3 along straights are divided by the path's length.
+    """
+
+    hamiltonian: list[Row]
+    straight: list[Row]
+    ends: list[Row]
+
+
+def measured(path: Path, radius: float) -> tuple[Extremal | None, float | None]:
+    """The costates and the cut margin of a path that can be driven.
+
+    Neither of one whose numbers overflow in units of the radius, which fits no scenario.
+    """
+    driven = pieces(path, radius)
+    rates, lengths = map(abs, driven.u.tolist()), driven.length.tolist()
+    turns = sum(u * length + u for u, length in zip(rates, lengths, strict=True))
+    if not math.isfinite(turns + sum(lengths)):
+        return None, None
+    return extremal(driven), cut_margin(driven)
+
+
+def extremal(driven: Pieces) -> Extremal | None:
+    """The costates that fit a path best, and how well; None for a path of no length.
+
+    None too where the conditions overflow.
+    """
+    u = driven.u.tolist()
+    if not u:
+        return None
+    # in the frame of the start, where angles are small; the costates are turned back at the end
+    poses = corners(_ORIGIN, driven.u, driven.length)
+    stretch = max(1.0, float(driven.length.sum()))
+    conditions = _conditions(u, poses, stretch)
+    if not math.isfinite(sum(map(sum, conditions.hamiltonian))):
+        return None  # rates times positions overflow
+    costates = _null_vector(conditions)
+    abnormal = abs(costates[0]) < ABNORMAL
+    signs = (1.0, -1.0) if abnormal else (math.copysign(1.0, costates[0]),)
+    arcs = [(a, b) for k, (_, _, a), (_, _, b) in zip(u, poses, poses[1:], strict=False) if k != 0]
+    signed = [[sign * c for c in costates] for sign in signs]
+    margins = [_sign_margin(one, arcs) for one in signed]
+    margin = max(margins)
+    found = signed[margins.index(margin)]
+    H = _largest(conditions.hamiltonian, found)
+    off_straight = _largest(conditions.straight, found)
+    nu0, nu1, nu2, nu3 = found
+    transversality = abs(nu3) / stretch
+    if not abnormal:
+        nu1, nu2 = nu1 / nu0, nu2 / nu0
+    c, s = math.cos(driven.heading), math.sin(driven.heading)
+    return Extremal(
+        nu=(nu1 * c - nu2 * s, nu1 * s + nu2 * c),
+        abnormal=abnormal,
+        hamiltonian=H,
+        sign_margin=margin,
+        transversality=transversality,
+        residual=max(H, transversality, off_straight, -margin),
+    )
+
+
+def _conditions(u: list[float], poses: Sequence[Sequence[float]], stretch: float) -> Conditions:
+    """The linear conditions on the costates of a path that begins at the origin.
+
+    Args:
+        u: rates of the n pieces.
+        poses: x, y (radii) and heading (rad) at their n + 1 ends.
+        stretch: what nu3 is divided by.
+    """
+    end_x, end_y, end = poses[-1]
+    nu3 = [(0.0, y - end_y, end_x - x, 1.0) for x, y, _ in poses]
+    hamiltonian = [  # constant along a piece: one row for each
+        (1.0, math.cos(theta) + k * along, math.sin(theta) + k * across, k)
+        for k, (_, _, theta), (_, along, across, _) in zip(u, poses, nu3, strict=False)
+    ]
+    straight = [abs(k) < 1 - FULL_RATE for k in u]
+    touching = map(or_, [*straight, False], [False, *straight])
+    still = [
+        (0.0, along / stretch, across / stretch, 1.0 / stretch)
+        for _, along, across, _ in compress(nu3, touching)
+    ]
+    ends = [nu3[-1]]
+    if len(u) == 1 and not straight[0]:
+        # a single arc has a family of costates; the one of a straight of no length after it
+        ends = [nu3[-1], (0.0, -math.sin(end), math.cos(end), 0.0)]
+    return Conditions(hamiltonian, still, ends)
+
+
+def _null_vector(conditions: Conditions) -> list[float]:
+    """The costates that violate the conditions least, scaled to max(nu0, |(nu1, nu2)|) = 1."""
+    hamiltonian, straight, ends = conditions
+    # the row of zeros keeps the matrix as high as it is wide
+    matrix = np.array([*hamiltonian, *straight, ends[0], _ZEROS, *ends[1:]])
+    costates = np.linalg.svd(matrix, full_matrices=False)[2][-1].tolist()
+    size = max(abs(costates[0]), math.hypot(costates[1], costates[2]))
+    return [c / size for c in costates]
+
+
+def _largest(rows: list[Row], costates: list[float]) -> float:
+    """The worst violation of some conditions."""
+    return max((abs(sum(map(mul, row, costates))) for row in rows), default=0.0)
+
+
+def _sign_margin(costates: list[float], arcs: list[tuple[float, float]]) -> float:
+    """Least nu0 + nu1 cos + nu2 sin over the turning pieces, which is -u nu3 where H = 0.
+
+    `arcs` are the headings (rad) at their ends.
+    """
+    if not arcs:
+        return 0.0
+    nu0, nu1, nu2, _ = costates
+    # least at the heading opposite to (nu1, nu2) if an arc passes through it, or at an end
+    opposite = math.atan2(-nu2, -nu1)
+    nearest = -1.0
+    for before, after in arcs:
+        a, b = before - opposite, after - opposite
+        passed = max(a, b) // _TURN > min(a, b) // _TURN
+        nearest = max(nearest, 1.0 if passed else max(math.cos(a), math.cos(b)))
+    return nu0 - math.hypot(nu1, nu2) * nearest
+
+
+def cut_margin(driven: Pieces) -> float | None:
+    """By how much (rad) a path stays clear of where another one becomes shorter.
+
+    A path with a margin above zero is shortest to its own end point, and only such a path is
+    (THEORY section 3; docs/derivation.md, section 10). None if it is not of a word S, C, CS or CC
+    at full rate, which no shortest path can be.
+    """
+    if driven.u.size > 2:
+        return None
+    rates = [round(u) if abs(u - round(u)) <= FULL_RATE else None for u in driven.u.tolist()]
+    length = driven.length.tolist()
+    match rates:
+        case [] | [0]:
+            return math.pi
+        case [1 | -1]:
+            return cut_margin_cs(length[0], 0.0)
+        case [1 | -1, 0]:
+            return cut_margin_cs(length[0], length[1])
+        case [1, -1] | [-1, 1]:
+            return cut_margin_cc(length[0], length[1])
+    return None
+
+
+def cut_margin_cs(arc: float, straight: float) -> float:
+    """Margin (rad) of an arc (rad) and a straight (radii): arc <= 2 (pi - atan(straight))."""
+    return 2 * (math.pi - math.atan(straight)) - arc
+
+
+def cut_margin_cc(first: float, second: float) -> float:
+    """Margin (rad) of two arcs (rad): the second in (pi, 2 pi), the first short enough."""
+    longest = 2 * math.atan2(-math.sin(second), 2 - math.cos(second))
+    return min(second - math.pi, 2 * math.pi - second, longest - first)

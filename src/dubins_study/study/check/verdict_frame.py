@@ -1,0 +1,223 @@
+"""The check over frames: what `study.check.verdict.judge` says, for paths of at most two arcs as arrays.
+
+Ordinary rows are judged by `study.check.verdict_kernel`, the others, which are few, by `judge` itself.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from dubins_study.study.check.verdict import (
+    COARSE,
+    Claim,
+    Judgement,
+    Tolerances,
+    Verdict,
+    is_false,
+    judge,
+)
+from dubins_study.study.check.verdict_kernel import (
+    ODD,
+    PATH_WORDS,
+    REGIONS,
+    VERDICTS,
+    Asked,
+    BoolArray,
+    Driven,
+    Found,
+    Limits,
+    judge_alone,
+    judge_threads,
+)
+from dubins_study.study.closed_form.kernel import SMALL, WORDS, Rows, shortest_rows
+from dubins_study.study.closed_form.kernel_compile import may_use_threads
+from dubins_study.study.closed_form.kernel_paths import FIRST_TURN, LAST_TURN
+from dubins_study.study.closed_form.kernel_words import NO_PATH, CodeArray
+from dubins_study.study.closed_form.shortest import BRANCHES, shortest
+from dubins_study.study.path import FloatArray, Path
+from dubins_study.study.scenario import NUMBERS, Scenario
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+CLAIMS = tuple(Claim)
+NO_WORD = NO_PATH
+_DEFAULT = Tolerances()
+_FALSE = np.array([[is_false(claim, verdict) for verdict in VERDICTS] for claim in CLAIMS])
+_LONGER, _NONE_EXISTS = VERDICTS.index(Verdict.LONGER), VERDICTS.index(Verdict.NONE_EXISTS)
+
+
+@dataclass(frozen=True, eq=False)
+class Paths:
+    """Controls of n paths of at most two arcs, each starting at its scenario's start.
+
+    Args:
+        curvature: shape (2, n), 1 / length unit, positive to the left.
+        length: shape (2, n), length unit; an arc of length 0 is left out.
+        returned: shape (n,), False where there is no path; None if all rows have one.
+    """
+
+    curvature: FloatArray
+    length: FloatArray
+    returned: BoolArray | None = None
+
+    def __post_init__(self) -> None:
+        n = self.curvature.shape[-1]
+        for name in ("curvature", "length"):
+            if getattr(self, name).shape != (2, n):
+                raise ValueError(f"{name} has shape {getattr(self, name).shape}; expected {(2, n)}")
+        if self.returned is not None and self.returned.shape != (n,):
+            raise ValueError(f"returned has shape {self.returned.shape}; expected {(n,)}")
+
+    def __len__(self) -> int:
+        return int(self.curvature.shape[-1])
+
+    def path(self, row: int, scenario: Scenario) -> Path | None:
+        """One row's path, as the scalar check takes it."""
+        if self.returned is not None and not self.returned[row]:
+            return None
+        driven = self.length[:, row] != 0
+        return Path(scenario.start, self.curvature[driven, row], self.length[driven, row])
+
+
+@dataclass(frozen=True, eq=False)
+class FrameJudgement:
+    """`study.check.verdict.Judgement` of n rows: arrays of shape (n,); NaN where there is nothing to say.
+
+    `verdict` indexes `VERDICTS`, `region` indexes `REGIONS`, `word` indexes `PATH_WORDS` and
+    `word_ref` indexes `WORDS`; `NO_WORD` where there is no word.
+    """
+
+    verdict: CodeArray
+    word: CodeArray
+    word_ref: CodeArray
+    length: FloatArray
+    time: FloatArray
+    reference: FloatArray
+    gap: FloatArray
+    miss: FloatArray
+    curvature_excess: FloatArray
+    false_claim: BoolArray
+    wrong_basin: BoolArray
+    region: CodeArray
+    margin: FloatArray
+
+
+def judge_frame(
+    frame: pd.DataFrame,
+    paths: Paths,
+    claim: Claim | ArrayLike = Claim.NONE,
+    branch: str = "best",
+    tolerances: Tolerances = _DEFAULT,
+) -> FrameJudgement:
+    """Judge one path a scenario, from its controls alone.
+
+    Args:
+        frame: scenarios as `check_frame` returns them, n rows.
+        paths: their paths, n rows.
+        claim: one for all rows, or indices into `CLAIMS`, shape (n,).
+        branch: the branch that was asked, for all rows.
+        tolerances: as for `judge`.
+    """
+    n = len(frame)
+    if len(paths) != n:
+        raise ValueError(f"there are {len(paths)} paths for {n} scenarios")
+    codes = CLAIMS.index(claim) if isinstance(claim, Claim) else np.asarray(claim, np.intp)
+    columns = {name: np.ascontiguousarray(frame[name], np.float64) for name in NUMBERS}
+    x, y, heading, tx, ty, radius, _ = columns.values()
+    best = shortest_rows(x, y, heading, tx, ty, radius, branch=branch)
+    asked = Asked(x, y, heading, tx, ty, radius, best.length)
+    found = Found.empty(n)
+    (k1, k2), (l1, l2) = np.ascontiguousarray(paths.curvature), np.ascontiguousarray(paths.length)
+    driven = Driven(k1, l1, k2, l2)
+    limits = Limits(tolerances.miss, tolerances.curvature, tolerances.gap, BRANCHES.index(branch))
+    run = judge_threads if n >= SMALL and may_use_threads() else judge_alone
+    odd = run(asked, driven, limits, found)
+    if paths.returned is not None:
+        found.verdict[~paths.returned] = ODD
+        odd += n
+    result = FrameJudgement(
+        verdict=found.verdict,
+        word=found.word,
+        word_ref=best.word,
+        length=found.length,
+        time=found.length / columns["speed"],
+        reference=best.length,
+        gap=found.gap,
+        miss=found.miss,
+        curvature_excess=found.curvature_excess,
+        false_claim=np.zeros(0, np.bool_),
+        wrong_basin=_wrong_basins(driven, best, found, columns),
+        region=found.region,
+        margin=found.margin,
+    )
+    if odd:
+        _judge_odd_rows(result, columns, paths, codes, branch, tolerances)
+    object.__setattr__(result, "false_claim", _false_claims(codes, result.verdict))
+    return result
+
+
+def _wrong_basins(
+    driven: Driven, best: Rows, found: Found, columns: dict[str, FloatArray]
+) -> BoolArray:
+    """Longer paths whose turn is more than 1 rad from the shortest path's."""
+    wrong = np.zeros(best.word.size, np.bool_)
+    rows = np.flatnonzero(found.verdict == _LONGER)
+    if not rows.size:
+        return wrong
+    k1, l1, k2, l2 = (array[rows] for array in driven)
+    word = best.word[rows]
+    turn = FIRST_TURN[word] * best.first[rows] + LAST_TURN[word] * best.second[rows]
+    driven_turn, turn = k1 * l1 + k2 * l2, turn / columns["radius"][rows]
+    # codes of `PATH_WORDS` and `WORDS` agree as far as the latter go
+    another = (found.gap[rows] > COARSE) & (found.word[rows] != word)
+    wrong[rows] = (np.abs(driven_turn - turn) > 1.0) | another
+    # straight behind, the mirror image is as short: few rows turn like it, and fewer tie
+    for row in rows[wrong[rows] & (np.abs(driven_turn + turn) <= 1.0)]:
+        optimum = shortest(_scenario(columns, int(row)))
+        words = () if optimum is None else optimum.words
+        other = found.gap[row] > COARSE and PATH_WORDS[found.word[row]] not in words
+        wrong[row] = len(words) < 2 or other
+    return wrong
+
+
+def _false_claims(codes: int | NDArray[np.intp], verdict: CodeArray) -> BoolArray:
+    if isinstance(codes, int):
+        false: BoolArray = np.take(_FALSE[codes], verdict)
+        return false
+    return np.asarray(_FALSE[codes, verdict])
+
+
+def _judge_odd_rows(
+    result: FrameJudgement,
+    columns: dict[str, FloatArray],
+    paths: Paths,
+    codes: int | NDArray[np.intp],
+    branch: str,
+    tolerances: Tolerances,
+) -> None:
+    for row in np.flatnonzero(result.verdict == ODD):
+        scenario = _scenario(columns, int(row))
+        claim = CLAIMS[codes if isinstance(codes, int) else codes[row]]
+        path = paths.path(int(row), scenario)
+        _write(result, int(row), judge(scenario, path, claim, branch, tolerances))
+
+
+def _scenario(columns: dict[str, FloatArray], row: int) -> Scenario:
+    numbers: dict[str, Any] = {name: float(column[row]) for name, column in columns.items()}
+    return Scenario(**numbers)
+
+
+def _write(result: FrameJudgement, row: int, judged: Judgement) -> None:
+    result.verdict[row] = VERDICTS.index(judged.verdict)
+    result.region[row] = REGIONS.index(judged.region)
+    result.word[row] = NO_WORD if judged.word is None else PATH_WORDS.index(judged.word)
+    result.word_ref[row] = NO_WORD if judged.word_ref is None else WORDS.index(judged.word_ref)
+    result.wrong_basin[row] = judged.wrong_basin
+    for name in ("length", "time", "reference", "gap", "miss", "curvature_excess", "margin"):
+        value = getattr(judged, name)
+        getattr(result, name)[row] = np.nan if value is None else value

@@ -1,0 +1,220 @@
+"""The check over arrays: paths of two arcs driven and measured, `study.check.verdict` row by row.
+
+A row that is out of the ordinary is not judged here but marked `ODD`: no path or a broken one,
+shorter than the reference (which then has to be relaxed), no path exists, or an angle too large
+for the polynomials. `study.check.verdict_frame` hands those to the scalar check.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numba
+import numpy as np
+from numpy.typing import NDArray
+
+from dubins_study.study.check.relaxation import ROUNDED
+from dubins_study.study.check.verdict import WORD, Verdict
+from dubins_study.study.closed_form.kernel import CHUNK, WORDS, chunks, to_local
+from dubins_study.study.closed_form.kernel_compile import compiled, inlined, threaded
+from dubins_study.study.closed_form.kernel_math import LARGEST_ANGLE, sine_cosine
+from dubins_study.study.closed_form.kernel_words import CodeArray
+from dubins_study.study.closed_form.shortest import EPS
+from dubins_study.study.path import FloatArray
+
+VERDICTS = tuple(Verdict)
+REGIONS = ("outside", "left disc", "right disc", "circle")
+PATH_WORDS = (*WORDS, "SL", "SR")
+ODD = 254  # verdict of a row that is left to the scalar check
+_OPTIMAL, _LONGER, _MISSES = (
+    VERDICTS.index(v) for v in (Verdict.OPTIMAL, Verdict.LONGER, Verdict.MISSES)
+)
+_LARGEST = np.finfo(np.float64).max
+
+BoolArray = NDArray[np.bool_]
+
+
+class Asked(NamedTuple):
+    """Scenarios and the shortest path of each: arrays of shape (n,), units as in `Scenario`."""
+
+    x: FloatArray
+    y: FloatArray
+    heading: FloatArray
+    target_x: FloatArray
+    target_y: FloatArray
+    radius: FloatArray
+    reference: FloatArray
+
+
+class Driven(NamedTuple):
+    """Controls of paths of two arcs: arrays of shape (n,); an arc of no length is no arc."""
+
+    first_curvature: FloatArray
+    first_length: FloatArray
+    second_curvature: FloatArray
+    second_length: FloatArray
+
+
+class Limits(NamedTuple):
+    """Tolerances of `study.check.verdict`, and what the branch allows (see `_excess`)."""
+
+    miss: float
+    curvature: float
+    gap: float
+    branch: int
+
+
+class Found(NamedTuple):
+    """What the check finds: arrays of shape (n,), units as in `study.rows.schema`."""
+
+    length: FloatArray
+    gap: FloatArray
+    miss: FloatArray
+    curvature_excess: FloatArray
+    margin: FloatArray
+    verdict: CodeArray
+    word: CodeArray
+    region: CodeArray
+
+    @classmethod
+    def empty(cls, n: int) -> Found:
+        """Room for n rows."""
+        a, b, c, d, e = np.empty((5, n))
+        p, q, r = np.empty((3, n), np.uint8)
+        return cls(a, b, c, d, e, p, q, r)
+
+
+@inlined
+def _displacement(k1: float, l1: float, k2: float, l2: float) -> tuple[float, float]:
+    """End of two arcs driven from the origin with heading 0 (`path.rollout`)."""
+    half1, half2 = 0.5 * k1 * l1, 0.5 * k2 * l2
+    sine1, cosine1 = sine_cosine(half1)
+    sine2, _ = sine_cosine(half2)
+    sine_mean, cosine_mean = sine_cosine(2.0 * half1 + half2)
+    chord1, chord2 = _chord(half1, sine1, l1), _chord(half2, sine2, l2)
+    return chord1 * cosine1 + chord2 * cosine_mean, chord1 * sine1 + chord2 * sine_mean
+
+
+@inlined
+def _chord(half: float, sine: float, length: float) -> float:
+    straight = half == 0.0
+    ratio = sine / (1.0 if straight else half)
+    return length * (1.0 if straight else ratio)
+
+
+@inlined
+def _excess(k1: float, k2: float, l1: float, l2: float, branch: int) -> float:
+    """`verify.curvature_excess` of two arcs, in units of 1 / radius.
+
+    `branch` indexes `synthesis.BRANCHES`: 0 best, 1 LS, 2 RS, 3 LR, 4 RL.
+    """
+    if branch == 0:
+        a = abs(k1) - 1.0 if l1 > 0.0 else 0.0
+        b = abs(k2) - 1.0 if l2 > 0.0 else 0.0
+        return max(max(a, b), 0.0)
+    mirror = -1.0 if branch == 2 or branch == 4 else 1.0
+    k1, k2 = k1 * mirror, k2 * mirror
+    if branch <= 2:
+        a = max(k1 - 1.0, -k1) if l1 > 0.0 else 0.0
+        b = max(k2 - 1.0, -k2) if l2 > 0.0 else 0.0
+        return max(max(a, b), 0.0)
+    # how far each arc is from +1, and from -1; the switch may come before, between or after
+    plus1, minus1 = (abs(k1 - 1.0), abs(k1 + 1.0)) if l1 > 0.0 else (0.0, 0.0)
+    plus2, minus2 = (abs(k2 - 1.0), abs(k2 + 1.0)) if l2 > 0.0 else (0.0, 0.0)
+    return min(min(max(minus1, minus2), max(plus1, minus2)), max(plus1, plus2))
+
+
+@inlined
+def _path_word(turn1: float, turn2: float, l1: float, l2: float) -> int:
+    """`Path.word` of two arcs, as an index into `PATH_WORDS`."""
+    one_side = (turn1 > 0.0) == (turn2 > 0.0) and (turn1 < 0.0) == (turn2 < 0.0)
+    both = abs(turn1) + abs(turn2)
+    bends1 = (both if one_side else abs(turn1)) > WORD
+    bends2 = (both if one_side else abs(turn2)) > WORD
+    # 0 straight, 1 left, 2 right
+    a = (1 if turn1 > 0.0 else 2) if bends1 else 0
+    b = (1 if turn2 > 0.0 else 2) if bends2 else 0
+    total = l1 + l2
+    alike = a == b
+    seen1 = (a > 0) | ((total if alike else l1) > WORD * total)
+    seen2 = (b > 0) | ((total if alike else l2) > WORD * total)
+    single = a if seen1 else b
+    one = single + 1 if seen1 | seen2 else 0  # "", S, L, R
+    left_or_right = (3 + a if b == 0 else 5 + a) if a > 0 else 7 + b  # LS RS, LR RL, SL SR
+    return left_or_right if seen1 & seen2 & (not alike) else one
+
+
+@inlined
+def _region_and_margin(X: float, Y: float, rounding: float) -> tuple[int, float]:
+    """`synthesis.region_of` as an index into `REGIONS`, and `synthesis.margin_local`."""
+    y = abs(Y)
+    snap = 8.0 * rounding * (1.0 + abs(X) + y)
+    near, far = y * (2.0 - y) - X * X, y * (2.0 + y) + X * X
+    inside = (near > 0.0) & (abs(near) > snap)
+    on_circle = (abs(near) <= snap) | (far <= snap)
+    disc = 1 if Y >= 0.0 else 2
+    elsewhere = 3 if on_circle else 0
+    margin = abs(near) / (1.0 + math.sqrt(X * X + (y - 1.0) * (y - 1.0)))
+    return disc if inside else elsewhere, margin
+
+
+@inlined
+def _judge_chunk(chunk: int, asked: Asked, driven: Driven, limits: Limits, found: Found) -> int:
+    """Judge one chunk of rows; returns how many are `ODD`."""
+    x, y, heading, tx, ty, radius, reference = asked
+    curvature1, length1, curvature2, length2 = driven
+    low = np.uint64(chunk) * np.uint64(CHUNK)
+    high = min(low + np.uint64(CHUNK), np.uint64(x.size))
+    length, gap, miss, excess, margin, verdict, word, region = found
+    odd = 0
+    for i in range(low, high):
+        sine, cosine = sine_cosine(heading[i])
+        X, Y, rounding = to_local(x[i], y[i], sine, cosine, tx[i], ty[i], radius[i])
+        region[i], margin[i] = _region_and_margin(X, Y, rounding)
+        odd += not (margin[i] <= _LARGEST)
+    for i in range(low, high):
+        k1, k2, l1, l2 = curvature1[i], curvature2[i], length1[i], length2[i]
+        u, v = _displacement(k1, l1, k2, l2)
+        sine, cosine = sine_cosine(heading[i])
+        off_x = x[i] + (u * cosine - v * sine) - tx[i]
+        off_y = y[i] + (u * sine + v * cosine) - ty[i]
+        miss[i] = math.sqrt(off_x * off_x + off_y * off_y)
+        length[i] = l1 + l2
+        word[i] = _path_word(k1 * l1, k2 * l2, l1, l2)
+        odd += not (miss[i] <= _LARGEST)
+    for i in range(low, high):
+        k1, k2, l1, l2 = curvature1[i], curvature2[i], length1[i], length2[i]
+        excess[i] = _excess(k1 * radius[i], k2 * radius[i], l1, l2, limits.branch)
+        extent = abs(x[i]) + abs(y[i]) + abs(tx[i]) + abs(ty[i])
+        rounding = 32.0 * EPS * (extent + length[i])
+        close = (miss[i] <= limits.miss * radius[i] + rounding) & (rounding <= radius[i])
+        misses = not (close & (excess[i] <= limits.curvature))
+        relative = (length[i] - reference[i]) / max(reference[i], radius[i])
+        gap[i] = math.nan if misses else relative
+        arrives = _OPTIMAL if relative <= limits.gap else _LONGER
+        angle = max(abs(heading[i]), abs(k1 * l1) + abs(k2 * l2))
+        sound = (angle <= LARGEST_ANGLE) & (min(l1, l2) >= 0.0)
+        sound = sound & (miss[i] <= _LARGEST) & (margin[i] <= _LARGEST) & (length[i] <= _LARGEST)
+        usual = sound & (length[i] >= reference[i] * (1.0 - ROUNDED))
+        verdict[i] = (_MISSES if misses else arrives) if usual else ODD
+        odd += not usual
+    return odd
+
+
+@threaded
+def judge_threads(asked: Asked, driven: Driven, limits: Limits, found: Found) -> int:
+    """Judge all rows in several threads; returns 0 if none is `ODD`."""
+    odd = 0
+    for chunk in numba.prange(chunks(asked.x.size)):
+        odd += _judge_chunk(chunk, asked, driven, limits, found)
+    return odd
+
+
+@compiled
+def judge_alone(asked: Asked, driven: Driven, limits: Limits, found: Found) -> int:
+    """Judge all rows in one thread; returns 0 if none is `ODD`."""
+    odd = 0
+    for chunk in range(chunks(asked.x.size)):
+        odd += _judge_chunk(chunk, asked, driven, limits, found)
+    return odd

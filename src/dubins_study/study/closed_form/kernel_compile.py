@@ -1,0 +1,73 @@
+"""How loops over rows are compiled, kept between sessions and run in threads.
+
+Strict IEEE arithmetic, no `fastmath`; a division by zero is an infinity, as in NumPy.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, TypeVar, cast
+
+import numba
+
+Function = TypeVar("Function", bound=Callable[..., Any])
+Loop = Callable[..., Any]  # over arrays that callers unpack: no checker could count them
+
+
+def _digest() -> str:
+    sources = sorted(Path(__file__).parents[1].rglob("*.py"))
+    return hashlib.sha256(b"".join(file.read_bytes() for file in sources)).hexdigest()[:12]
+
+
+_SOURCES = _digest()
+
+
+def inlined(function: Function) -> Function:
+    """Compiled by Numba into its caller, so that the caller's loop can be vectorised."""
+    return cast(Function, numba.njit(error_model="numpy", forceinline=True)(function))
+
+
+def compiled(function: Loop) -> Loop:
+    """Compiled by Numba for one thread."""
+    return _kept(function, {})
+
+
+def threaded(function: Loop) -> Loop:
+    """Compiled by Numba; its `numba.prange` shares the work out among threads."""
+    return _kept(function, {"parallel": True})
+
+
+def _kept(function: Loop, options: dict[str, Any]) -> Loop:
+    # Numba's cache is keyed by this name and by the function's own file. What is inlined,
+    # and every constant, may come from another: without a digest of them a change would go unseen.
+    function.__qualname__ += f"_{_SOURCES}"
+    options |= {"error_model": "numpy", "nogil": True}
+    try:
+        return cast(Loop, numba.njit(cache=True, **options)(function))
+    except RuntimeError:  # no folder that a cache could be written to: compile every time
+        return cast(Loop, numba.njit(**options)(function))
+
+
+class _Threads:
+    ran = False
+    lost = False
+
+
+def _after_fork() -> None:
+    _Threads.lost = _Threads.ran
+
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_after_fork)
+
+
+def may_use_threads() -> bool:
+    """Whether loops may run in several threads; to be asked right before running one.
+
+    Not in a child forked from a process whose threads ran: GNU OpenMP ends it on the spot.
+    """
+    _Threads.ran = True
+    return not _Threads.lost

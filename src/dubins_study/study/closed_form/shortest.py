@@ -1,0 +1,217 @@
+"""The closed form: the shortest path of every word, and the shortest of all, one at a time.
+
+All of it in the vehicle's frame in units of the radius, target (X, Y), X forward and Y to the left
+(THEORY sections 2 and 3; derived in docs/derivation.md). `study.closed_form.kernel` is the same over arrays.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import NamedTuple
+
+from dubins_study.study.path import Path
+from dubins_study.study.scenario import Scenario
+
+EPS = math.ulp(1.0)
+TURN = {"L": 1.0, "S": 0.0, "R": -1.0}
+BRANCHES = ("best", "LS", "RS", "LR", "RL")
+
+
+class Segments(NamedTuple):
+    """Two lengths in units of the radius (for an arc: its angle in rad)."""
+
+    first: float
+    second: float
+
+    @property
+    def total(self) -> float:
+        return self.first + self.second
+
+
+class Local(NamedTuple):
+    """A target in the vehicle's frame, in units of the radius.
+
+    `rounding` bounds the error that the data's own rounding leaves in X and in Y.
+    """
+
+    X: float
+    Y: float
+    rounding: float
+
+    @property
+    def mirrored(self) -> Local:
+        return Local(self.X, -self.Y, self.rounding)
+
+    @property
+    def w(self) -> float:
+        """1 - |T - C_L|^2: positive inside the left turning circle, zero on it (snapped).
+
+        Equals 2Y - r2, written so that it keeps its digits near the start and near (0, 2).
+        The width of the snap is 4 times what `rounding` does to w.
+        """
+        w = self.Y * (2.0 - self.Y) - self.X * self.X
+        reach = 1.0 + abs(self.X) + abs(self.Y)
+        return 0.0 if abs(w) <= 8.0 * self.rounding * reach else w
+
+
+class Shortest(NamedTuple):
+    """The shortest path of a branch: word, segments, and every word that ties with it."""
+
+    word: str
+    segments: Segments
+    words: tuple[str, ...]
+
+    @property
+    def total(self) -> float:
+        return self.segments.total
+
+
+def local(scenario: Scenario) -> Local:
+    """The target as the closed form sees it, snapped to the axis or the start if rounding hides it.
+
+    A coordinate read from the scenario is off by half an ulp, and so is the heading; the
+    difference, the rotation and the division add a few more: 2 eps times the coordinates' size
+    covers it (docs/derivation.md, section 5).
+    """
+    X, Y = scenario.local()
+    rounding = 2.0 * EPS * scenario.extent / scenario.radius
+    # next to the start w is snapped while |Y| is below 4 times the rounding
+    if abs(X) <= rounding and abs(Y) <= 4.0 * rounding:
+        return Local(0.0, 0.0, rounding)
+    return Local(X, 0.0 if abs(Y) <= rounding else Y, rounding)
+
+
+def left_straight(target: Local) -> Segments | None:
+    """The shortest LS path; None inside the left disc."""
+    X, Y, w = target.X, target.Y, target.w
+    if w > 0:
+        return None
+    s = math.sqrt(-w)
+    if s == 0:  # on the circle: the arc's angle at its centre
+        a = math.atan2(X, 1 - Y)
+    else:  # two forms of tan(a/2), each free of cancellation on its side
+        a = 2 * math.atan2(Y, X + s) if X >= 0 else 2 * math.atan2(s - X, Y - 2)
+    return Segments(a if a >= 0 else a + 2 * math.pi, s)
+
+
+def right_left(target: Local) -> Segments | None:
+    """The shortest RL path; None unless the target is 1 to 3 from the right circle's centre."""
+    solutions = right_left_pair(target)
+    return min(solutions, key=lambda s: s.total) if solutions else None
+
+
+def right_left_pair(target: Local) -> tuple[Segments, Segments] | None:
+    """Both RL paths, second arc above pi first; equal where the second arc is pi."""
+    X, Y, w = target.X, target.Y, target.w
+    p = X * X + Y * (Y + 2)  # |T - C_R|^2 - 1
+    q = 4 * (2 - Y) + w  # 9 - |T - C_R|^2
+    slack = 8 * target.rounding * (1 + abs(X) + abs(Y))
+    if p < -slack or q < -slack:
+        return None
+    A = p + 4 * Y + 8
+    D = math.sqrt(max(0.0, p * q))  # 16 X^2 + A w, 4 x the area of C_R, second centre, T
+    bend = 2 * math.atan2(math.sqrt(max(0.0, p)), math.sqrt(max(0.0, q)))
+    if A > 1:
+        # the roots of A t^2 - 8 X t - w = 0 with t = tan(a1/2), each in its stable form
+        plus = 2 * (math.atan2(4 * X + D, A) if X >= 0 else math.atan2(w, D - 4 * X))
+        minus = 2 * (math.atan2(4 * X - D, A) if X < 0 else math.atan2(-w, D + 4 * X))
+    else:
+        # A and X vanish at (0, -2) and (0, -4); there: the bearing of T from C_R, and the angle
+        # between T and the second circle's centre
+        bearing, between = math.atan2(X, 1 + Y), math.atan2(D, p + 4)
+        plus, minus = bearing + between, bearing - between
+    return Segments(_wrap(plus), 2 * math.pi - bend), Segments(_wrap(minus), bend)
+
+
+def _wrap(angle: float) -> float:
+    wrapped = angle % (2 * math.pi)
+    return 0.0 if wrapped >= 2 * math.pi else wrapped
+
+
+def shortest_local(target: Local, branch: str = "best") -> Shortest | None:
+    """The shortest path of a branch, or None where the branch has none.
+
+    The rule for the only tie of two different paths, straight behind: LS is chosen.
+    """
+    if branch != "best":
+        find, mirror = _WORDS[branch]
+        segments = find(target.mirrored if mirror else target)
+        return None if segments is None else _named(branch, segments)
+    left = target.Y >= 0
+    near = target if left else target.mirrored
+    if near.w > 0:
+        pair = right_left_pair(near)
+        # inside a disc |T - C| of the other circle lies strictly between 1 and 3
+        assert pair is not None
+        return _named("RL" if left else "LR", pair[0])
+    segments = left_straight(near)
+    assert segments is not None  # w <= 0
+    shortest = _named("LS" if left else "RS", segments)
+    tie = target.Y == 0 and target.X < 0
+    return shortest._replace(words=("LS", "RS")) if tie else shortest
+
+
+_WORDS: dict[str, tuple[Callable[[Local], Segments | None], bool]] = {
+    "LS": (left_straight, False),
+    "RS": (left_straight, True),
+    "RL": (right_left, False),
+    "LR": (right_left, True),
+}
+
+
+def _named(letters: str, segments: Segments) -> Shortest:
+    """The word without the letters that have no length."""
+    word = "".join(c for c, length in zip(letters, segments, strict=True) if length > 0)
+    return Shortest(word, segments, (word,))
+
+
+def shortest(scenario: Scenario, branch: str = "best") -> Shortest | None:
+    """The shortest path of a scenario's branch; segments in units of the radius."""
+    return shortest_local(local(scenario), branch)
+
+
+def shortest_path(scenario: Scenario, branch: str = "best") -> Path | None:
+    """The shortest path itself, as controls; None where the branch has none.
+
+    Args:
+        scenario: start, target, turning radius.
+        branch: `best`, or a word: `LS`, `RS`, `LR`, `RL`.
+    """
+    found = shortest(scenario, branch)
+    return None if found is None else as_path(scenario, found.word, found.segments)
+
+
+def as_path(scenario: Scenario, word: str, segments: Segments) -> Path:
+    """Controls of a word; segments of no length are left out, as their letters are."""
+    driven = [length * scenario.radius for length in segments if length > 0]
+    return Path(scenario.start, [TURN[letter] / scenario.radius for letter in word], driven)
+
+
+def region(scenario: Scenario) -> str:
+    """Where the target lies: `outside`, `left disc`, `right disc` or `circle`."""
+    target = local(scenario)
+    return region_of(target.w, target.mirrored.w)
+
+
+def region_of(left: float, right: float) -> str:
+    """The region from w of both discs."""
+    if left > 0:
+        return "left disc"
+    if right > 0:
+        return "right disc"
+    return "circle" if left == 0 or right == 0 else "outside"
+
+
+def margin(scenario: Scenario) -> float:
+    """Distance from the target to the nearer turning circle, in units of the radius."""
+    target = local(scenario)
+    return margin_local(target.X, abs(target.Y))
+
+
+def margin_local(X: float, y: float) -> float:
+    """| |T - C| - 1 | for the circle on the target's side, which is the nearer one (y = |Y|).
+
+    Written as |w| / (1 + |T - C|), which keeps its digits near the circle.
+    """
+    return abs(y * (2.0 - y) - X * X) / (1.0 + math.hypot(X, y - 1.0))

@@ -1,0 +1,235 @@
+"""Paths as controls: a start pose, then arcs of constant curvature, integrated exactly."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from itertools import groupby
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from dubins_study.study.scenario import Pose
+
+FloatArray = NDArray[np.float64]
+_RIPPLE = 1e-3
+# up to so many arcs a loop is quicker than a call of numpy's for every step of the sum
+FEW = 7
+Piece = tuple[int, float, float]  # side (1 left, 0, -1 right), rad, length unit
+
+
+@dataclass(frozen=True, eq=False)
+class Path:
+    """A path given by its controls, each held constant over its length (zero-order hold).
+
+    Args:
+        start: initial pose.
+        curvature: shape (n,), 1 / length unit, positive to the left.
+        length: shape (n,), length unit.
+
+    Raises:
+        ValueError: if the two arrays are not of one shape (n,).
+
+    Any numbers are accepted, since a path may come from a solver that went wrong; whether it
+    can be driven (finite, no negative length) is for `study.check.verdict` to say.
+    """
+
+    start: Pose
+    curvature: FloatArray
+    length: FloatArray
+
+    def __init__(self, start: Pose, curvature: ArrayLike, length: ArrayLike) -> None:
+        k = np.array(curvature, dtype=np.float64)
+        lengths = np.array(length, dtype=np.float64)
+        if k.ndim != 1 or k.shape != lengths.shape:
+            raise ValueError(
+                f"curvature has shape {k.shape} and length {lengths.shape}; expected one shape (n,)"
+            )
+        for array in (k, lengths):
+            array.setflags(write=False)
+        object.__setattr__(self, "start", Pose(*map(float, start)))
+        object.__setattr__(self, "curvature", k)
+        object.__setattr__(self, "length", lengths)
+
+    def __eq__(self, other: object) -> bool:
+        return (
+            isinstance(other, Path)
+            and self.start == other.start
+            and np.array_equal(self.curvature, other.curvature)
+            and np.array_equal(self.length, other.length)
+        )
+
+    __hash__ = None  # type: ignore[assignment]  # arrays cannot be hashed, nor should a path be
+
+    @property
+    def total_length(self) -> float:
+        if self.length.size <= FEW:  # numpy adds as many in the same order, and begins slowly
+            return sum(self.length.tolist(), 0.0)
+        return float(self.length.sum())
+
+    @property
+    def turn(self) -> float:
+        """Net heading change (rad, positive to the left), not wrapped."""
+        return float((self.curvature * self.length).sum())
+
+    @property
+    def poses(self) -> FloatArray:
+        """Poses at the ends of the arcs, shape (n + 1, 3); row 0 is the start."""
+        return rollout(self.start, self.curvature, self.length)
+
+    @property
+    def end(self) -> Pose:
+        return Pose(*corners(self.start, self.curvature, self.length)[-1])
+
+    def at(self, distance: ArrayLike) -> FloatArray:
+        """Poses at given distances along the path, shape (m, 3).
+
+        Args:
+            distance: shape (m,), or one number; length unit, clipped to [0, total length].
+        """
+        ends = np.concatenate(([0.0], np.cumsum(self.length)))
+        d = np.clip(np.atleast_1d(np.asarray(distance, dtype=np.float64)), 0.0, ends[-1])
+        if not self.length.size:
+            return np.tile(np.array(self.start), (d.size, 1))
+        arc = np.clip(np.searchsorted(ends, d, side="right") - 1, 0, self.length.size - 1)
+        return _advance(self.poses[arc], self.curvature[arc], d - ends[arc])
+
+    def sample(self, n: int) -> FloatArray:
+        """`n` poses at equal arc length from the start to the end, shape (n, 3)."""
+        return self.at(np.linspace(0.0, self.total_length, n))
+
+    def word(self, tolerance: float = 1e-6) -> str:
+        """Letters of the path: L, S, R, one for each run of arcs of one kind.
+
+        A run to one side that turns by no more than `tolerance` (rad) counts as straight, and a
+        straight that is no longer than `tolerance` times the path is passed over.
+        """
+        curvatures, lengths = self.curvature.tolist(), self.length.tolist()
+        if not (all(map(math.isfinite, curvatures)) and all(map(math.isfinite, lengths))):
+            return ""  # a broken path has no word
+        # what bends a thousandth as hard as the path's turns is a straight with a ripple
+        ripple = _RIPPLE * max(map(abs, curvatures), default=0.0)
+        pieces = (
+            (0 if abs(k) <= ripple else 1 if k > 0 else -1, abs(k) * length, length)
+            for k, length in zip(curvatures, lengths, strict=True)
+        )
+        runs = [
+            (side if bend > tolerance else 0, bend, length)
+            for side, bend, length in _joined(pieces)
+        ]
+        least = tolerance * self.total_length
+        letters = ("SLR"[side] for side, _, length in _joined(runs) if side or length > least)
+        return "".join(letter for letter, _ in groupby(letters))
+
+    def mirrored(self) -> Self:
+        """The path seen in a mirror lying on the x axis."""
+        start = Pose(self.start.x, -self.start.y, -self.start.heading)
+        return type(self)(start, -self.curvature, self.length)
+
+    def scaled(self, factor: float) -> Self:
+        """Every length times `factor` > 0."""
+        start = Pose(self.start.x * factor, self.start.y * factor, self.start.heading)
+        return type(self)(start, self.curvature / factor, self.length * factor)
+
+
+def rollout(start: Pose, curvature: FloatArray, length: FloatArray) -> FloatArray:
+    """Poses at the ends of constant-curvature arcs driven one after another.
+
+    An arc of curvature k and length l turns the heading by k l; its chord is l sinc(k l / 2) long
+    and points along the mean heading. Exact for the Dubins car, k = 0 included (LaValle 2006,
+    Planning Algorithms, sec. 15.3.1; docs/derivation.md, eq. 2).
+
+    Args:
+        start: initial pose.
+        curvature: shape (n,), 1 / length unit, positive to the left.
+        length: shape (n,), length unit.
+
+    Returns:
+        Shape (n + 1, 3): x, y (length unit), heading (rad, not wrapped). Row 0 is `start`.
+    """
+    if length.size <= FEW and (poses := _few(start, curvature.tolist(), length.tolist())):
+        return np.array(poses)
+    turn = curvature * length
+    turned = turn.cumsum()
+    chord = _chord(turn, length)
+    middle = turned - turn / 2
+    # driven in the start's frame: added to a heading of many turns, an angle loses its digits
+    forward, left = (chord * np.cos(middle)).cumsum(), (chord * np.sin(middle)).cumsum()
+    cos, sin = math.cos(start.heading), math.sin(start.heading)
+    driven = np.empty((length.size + 1, 3))
+    driven[0] = start
+    driven[1:, 0] = start.x + (forward * cos - left * sin)
+    driven[1:, 1] = start.y + (forward * sin + left * cos)
+    driven[1:, 2] = start.heading + turned
+    return driven
+
+
+def corners(start: Pose, curvature: FloatArray, length: FloatArray) -> Sequence[Sequence[float]]:
+    """The poses of `rollout` as lists of numbers, which for a few arcs is quicker."""
+    few = length.size <= FEW and _few(start, curvature.tolist(), length.tolist())
+    listed: Sequence[Sequence[float]] = few or rollout(start, curvature, length).tolist()
+    return listed
+
+
+def _few(start: Pose, curvature: list[float], length: list[float]) -> list[Pose] | None:
+    """The poses of `rollout`, one arc after another; None if an angle is too large for a sine."""
+    cos, sin = math.cos(start.heading), math.sin(start.heading)
+    turned = forward = left = 0.0
+    poses = [start]
+    for k, s in zip(curvature, length, strict=True):
+        turn = k * s
+        turned += turn
+        if not math.isfinite(turned):
+            return None
+        half = turn / 2 or 1e-20  # sin(x) / x is 1 there
+        chord = s * (math.sin(half) / half)
+        middle = turned - turn / 2
+        forward += chord * math.cos(middle)
+        left += chord * math.sin(middle)
+        x = start.x + (forward * cos - left * sin)
+        y = start.y + (forward * sin + left * cos)
+        poses.append(Pose(x, y, start.heading + turned))
+    return poses
+
+
+def _advance(poses: FloatArray, curvature: FloatArray, length: FloatArray) -> FloatArray:
+    """Each pose moved along its own arc; shapes (m, 3), (m,), (m,) -> (m, 3)."""
+    turn = curvature * length
+    chord = _chord(turn, length)
+    middle = poses[:, 2] + turn / 2
+    step = np.column_stack((chord * np.cos(middle), chord * np.sin(middle), turn))
+    moved: FloatArray = poses + step
+    return moved
+
+
+def _chord(turn: FloatArray, length: FloatArray) -> FloatArray:
+    half = turn / 2
+    half[half == 0] = 1e-20  # sin(x) / x is 1 there
+    chord: FloatArray = length * (np.sin(half) / half)
+    return chord
+
+
+def _joined(pieces: Iterable[Piece]) -> Iterator[Piece]:
+    """Neighbours of one side made one, their bends and lengths added."""
+    last, bends, lengths = None, 0.0, 0.0
+    for side, bend, length in pieces:
+        if side == last:
+            bends, lengths = bends + bend, lengths + length
+            continue
+        if last is not None:
+            yield last, bends, lengths
+        last, bends, lengths = side, bend, length
+    if last is not None:
+        yield last, bends, lengths
+
+
+def largest_distance(first: Path, second: Path, n: int = 257) -> float:
+    """Largest distance (length unit) between two paths at equal arc length.
+
+    Looked at in `n` places; where one path has ended it waits at its end.
+    """
+    along = np.linspace(0.0, max(first.total_length, second.total_length), n)
+    apart: NDArray[Any] = first.at(along)[:, :2] - second.at(along)[:, :2]
+    return float(np.hypot(apart[:, 0], apart[:, 1]).max())

@@ -1,0 +1,173 @@
+"""Scenarios as columns: the same bits whatever the window, and as one by one."""
+
+from __future__ import annotations
+
+import itertools
+import math
+import struct
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.stats import qmc
+
+from dubins_study.experiments.definition.experiment import Block, ExperimentError, Linear, Log
+from dubins_study.experiments.plan import block_columns as columns
+from dubins_study.experiments.plan.block_columns import axis_values, scenarios, size, tiled, windows
+from dubins_study.experiments.plan.scenario_ids import marks, scenario_id, scenario_ids
+from dubins_study.study.scenario import NUMBERS, Scenario
+
+SOBOL = {
+    "method": "sobol",
+    "count": 100,
+    "seed": 7,
+    "ranges": {"heading": {"linear": [-3, 3]}, "radius": {"log": [0.01, 100]}},
+}
+BLOCKS = {
+    "product": {"target_x": {"linear": [-4, 4, 17]}, "target_y": [1, 2.5, 0], "heading": [0, 0.3]},
+    "polar": {"distance": {"log": [0.1, 30, 9]}, "bearing": [0.1, -2, 3], "radius": [1, 0.3]},
+    "circular": {"arc": {"linear": [-3, 3, 20]}, "margin": [-1, -1e-3, 0.0, 2], "heading": 2.1},
+    "sobol": {"sample": SOBOL, "target_x": [3, -1], "target_y": 2},
+    "latin": {"sample": SOBOL | {"method": "latin hypercube"}, "distance": 3, "bearing": [1, 2]},
+    "one": {"target_x": 3, "target_y": 4, "label": "ä"},
+}
+
+
+def block(name):
+    return Block.model_validate(BLOCKS[name])
+
+
+def whole(found, where="b"):
+    return next(windows(found, where, [(0, size(found))]))
+
+
+def bits(made):
+    return [made[name].tobytes() for name in NUMBERS]
+
+
+@pytest.mark.parametrize("name", BLOCKS)
+@given(cuts=st.lists(st.integers(0, 10**6), max_size=4), data=st.data())
+def test_windows_hold_the_same_bits_in_any_order(name, cuts, data):
+    """However a block's rows are cut, and in whatever order they are asked for."""
+    found = block(name)
+    places = sorted({0, size(found), *(cut % size(found) for cut in cuts)})
+    wanted = [(a, b - a) for a, b in itertools.pairwise(places)]
+    order = data.draw(st.permutations(range(len(wanted))))
+    asked = [wanted[i] for i in order]
+    made = dict(zip(order, windows(found, "b", asked), strict=True))
+
+    joined = {n: np.concatenate([made[i][n] for i in range(len(wanted))]) for n in NUMBERS}
+    assert bits(joined) == bits(whole(found))
+
+
+@pytest.mark.parametrize("name", BLOCKS)
+def test_one_by_one_they_are_the_columns(name):
+    """Bit by bit, names included; and a name is what its definition says."""
+    found = block(name)
+    made = whole(found)
+    single = list(scenarios(found, "b"))
+
+    assert len(single) == size(found)
+    rows = np.array([[getattr(s, n) for n in NUMBERS] for s in single])
+    assert rows.tobytes() == np.stack([made[n] for n in NUMBERS], axis=1).tobytes()
+    assert scenario_ids(made, found.label).to_pylist() == [scenario_id(s) for s in single]
+
+
+def test_a_name_is_the_hash_of_doubles_and_label():
+    """By hand, with another packing."""
+    import hashlib
+
+    scenario = Scenario(1, -0.0, 0.1, 3, 4, 2, label="ß")
+    packed = b"".join(struct.pack("<d", v) for v in (1, -0.0, 0.1, 3, 4, 2, 1)) + "ß".encode()
+
+    assert scenario_id(scenario) == hashlib.sha256(packed).hexdigest()[:16]
+    assert scenario_id(scenario) != scenario_id(Scenario(1, 0.0, 0.1, 3, 4, 2, label="ß"))
+
+
+def test_targets_are_those_of_the_scalar_formulas():
+    """Distance and bearing, arc and margin: with `math`, number by number, to the last bit."""
+    polar, made = block("polar"), whole(block("polar"))
+    product = itertools.product(polar.radius, np.geomspace(0.1, 30, 9), polar.bearing)
+    expected = [(R * d * math.cos(bearing), R * d * math.sin(bearing)) for R, d, bearing in product]
+    assert list(zip(made["target_x"].tolist(), made["target_y"].tolist(), strict=True)) == expected
+
+    made = whole(block("circular"))
+    arcs = np.repeat(np.linspace(-3, 3, 20), 4)
+    margins = np.tile([-1, -1e-3, 0.0, 2], 20)
+    for x, y, arc, margin in zip(made["target_x"], made["target_y"], arcs, margins, strict=True):
+        # the centre lies across the heading; the target at its polar angle
+        side = math.copysign(1, arc)
+        centre = 2.1 + side * math.pi / 2
+        angle = centre + math.pi + arc
+        r = 1 + margin
+        assert x == pytest.approx(math.cos(centre) + r * math.cos(angle), abs=1e-14)
+        assert y == pytest.approx(math.sin(centre) + r * math.sin(angle), abs=1e-14)
+
+
+@given(st.floats(-1e6, 1e6), st.floats(-1e6, 1e6), st.integers(1, 50))
+def test_even_axes_are_numpys(first, last, count):
+    axis = Linear(linear=(first, last, count))
+    found = axis_values(axis, np.arange(count))
+
+    assert found.tobytes() == np.linspace(first, last, count).tobytes()
+
+
+@given(st.floats(1e-9, 1e9), st.floats(1e-9, 1e9), st.integers(1, 50))
+def test_logarithmic_axes_are_numpys(first, last, count):
+    axis = Log(log=(first, last, count))
+
+    assert axis_values(axis, np.arange(count)) == pytest.approx(
+        np.geomspace(first, last, count), rel=1e-13
+    )
+
+
+def test_sobol_points_in_windows_are_those_of_one_draw():
+    """Drawn in one go by scipy."""
+    drawn = qmc.Sobol(2, rng=np.random.default_rng(7)).random(100)
+    made = [*windows(block("sobol"), "b", tiled(200, 33))]
+    headings = np.concatenate([part["heading"] for part in made])
+
+    assert headings[::2].tobytes() == (-3 + drawn[:, 0] * 6).tobytes()
+    assert headings[::2].tobytes() == headings[1::2].tobytes()
+
+
+def test_a_latin_hypercube_too_large_to_draw_is_refused(monkeypatch):
+    monkeypatch.setattr(columns, "MOST_LATIN", 99)
+    with pytest.raises(ExperimentError, match=r"b: sample\.count is 100; expected at most 99"):
+        whole(block("latin"))
+
+
+@pytest.mark.parametrize(
+    ("fields", "message"),
+    [
+        ({"radius": [1, 1, -2]}, "scenario 2: radius is -2.0; expected a number above 0"),
+        ({"target_x": [1, 1e200]}, "scenario 1: target_x is 1e+200; expected a number of size"),
+        ({"target_x": [0, 1e16]}, r"scenario 1: radius is 1.0; expected at least 100 beside"),
+        (
+            {"target_x": None, "target_y": None, "arc": 1, "margin": [0, -3]},
+            "scenario 1: margin is -3.0; expected at least -1",
+        ),
+    ],
+)
+def test_a_wrong_scenario_is_named_by_block_and_row(fields, message):
+    """In every window that holds it, with its row in the block; single scenarios say the same."""
+    found = Block.model_validate({"target_x": 3, "target_y": 2} | fields)
+    last = size(found) - 1
+    for wanted in ([(0, last + 1)], [(last, 1)]):
+        with pytest.raises(ExperimentError, match=f"^b, {message}".replace("+", r"\+")):
+            list(windows(found, "b", wanted))
+    with pytest.raises(ExperimentError, match=f"^b, {message}".replace("+", r"\+")):
+        list(scenarios(found, "b"))
+
+
+def test_marks_differ_where_scenarios_do():
+    """A hundred thousand neighbours, each a bit apart, and signs of zero."""
+    n = 10**5
+    made = {name: np.ones(n) for name in NUMBERS}
+    made["y"] = np.linspace(-1, 1, n)
+    made["x"] = np.nextafter(np.ones(n), np.arange(n) % 2 * 2)
+
+    assert np.unique(marks(made)).size == n
+    zeros = {name: np.array([0.0, -0.0, 0.0]) for name in NUMBERS}
+    assert np.unique(marks(zeros)).size == 2

@@ -1,0 +1,410 @@
+"""Folders that something happened to: what can be mended is, the rest is refused and left alone."""
+
+from __future__ import annotations
+
+import errno
+import json
+import os
+import random
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pyarrow as pa
+import pyarrow.parquet as pq
+import pytest
+from live_run import finished, manifest, parts, quick_experiment
+
+from dubins_study import run, status
+from dubins_study.experiments.engines.rows import ARROW_SCHEMA
+from dubins_study.experiments.store import disk
+from dubins_study.experiments.store.folder import StoreError, done, read_rows
+from dubins_study.experiments.store.parts import (
+    RUN_ID,
+    DamagedPartError,
+    about_part,
+    check_part,
+    read_part,
+    write_part,
+)
+from dubins_study.report.data.load import ReportError, load
+from dubins_study.study.rows.schema import VERSION, VERSION_KEY
+
+CELLS = 6
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    """A finished run, and the experiment that it is of."""
+    place = tmp_path_factory.mktemp("whole")
+    experiment = quick_experiment(place, CELLS, "analytic")
+    return run(str(experiment), place / "out"), str(experiment)
+
+
+@pytest.fixture
+def folder(whole, tmp_path):
+    """A copy of it in two parts, as a run leaves it that is cut short."""
+    out = tmp_path / "out"
+    shutil.copytree(whole[0], out)
+    (part,) = parts(out)
+    table = read_part(part)
+    part.unlink()
+    for name, half in (("a", table.slice(0, CELLS // 2)), ("b", table.slice(CELLS // 2))):
+        write_part(out, name, half, {RUN_ID: table["run_id"][0].as_py()})
+    return out
+
+
+@pytest.fixture
+def experiment(whole):
+    return whole[1]
+
+
+def files(folder):
+    """Names and contents, but for the lock's."""
+    return {
+        f.relative_to(folder): f.read_bytes()
+        for f in folder.rglob("*")
+        if f.is_file() and f.name != ".lock"
+    }
+
+
+def test_parts_say_what_they_are(folder, experiment):
+    run(experiment, folder, fresh=True)
+    (part,) = parts(folder)
+    (entry,) = manifest(folder)["runs"]
+
+    assert about_part(part)[VERSION_KEY] == str(VERSION)
+    assert about_part(part)[RUN_ID] == entry["run_id"]
+    assert set(read_part(part)["run_id"].to_pylist()) == {entry["run_id"]}
+
+
+def truncated(content: bytes) -> bytes:
+    return content[: len(content) // 2]
+
+
+def no_end(content: bytes) -> bytes:
+    return content[:-1]
+
+
+def empty(content: bytes) -> bytes:
+    return b""
+
+
+def flipped(content: bytes) -> bytes:
+    """One bit in the pages of a column that resuming does not read."""
+    file = pq.ParquetFile(pa.BufferReader(content))
+    place = ARROW_SCHEMA.names.index("wall_s")
+    column = file.metadata.row_group(0).column(place)
+    changed = bytearray(content)
+    first = column.dictionary_page_offset or column.data_page_offset
+    changed[first + column.total_compressed_size - 1] ^= 1
+    return bytes(changed)
+
+
+@pytest.mark.parametrize("damage", [truncated, no_end, empty, flipped])
+def test_a_damaged_part_is_put_aside_and_its_cells_are_solved_again(folder, experiment, damage):
+    """One warning names it, nothing is deleted, and the table is whole again."""
+    before = read_rows(folder).to_pandas().sort_values("scenario_id", ignore_index=True)
+    part = folder / "parts" / "b.parquet"
+    spoilt = damage(part.read_bytes())
+    part.write_bytes(spoilt)
+    assert status(folder).damaged == 1
+    with pytest.raises(ReportError, match=r"b\.parquet"):
+        load([folder])
+
+    said = finished("run", experiment, "--out", folder)
+
+    assert said.returncode == 0
+    (line,) = [line for line in said.stderr.splitlines() if "damaged" in line]
+    assert line == (
+        f"dubins-study: {part} is damaged: moved to {folder / 'damaged' / 'b.parquet'}, its cells "
+        "are solved again"
+    )
+    assert (folder / "damaged" / "b.parquet").read_bytes() == spoilt
+    after = read_rows(folder).to_pandas().sort_values("scenario_id", ignore_index=True)
+    same = ["scenario_id", "solver", "code", "verdict", "length", "word"]
+    assert after[same].equals(before[same])
+    assert len(set(after["run_id"])) == 2
+    assert (status(folder).damaged, status(folder).aside) == (0, 1)
+    assert len(load([folder]).rows) == CELLS
+
+
+def test_status_and_report_tell_of_damage(folder):
+    """The one counts it and goes on, the other refuses and says what to do."""
+    part = folder / "parts" / "a.parquet"
+    part.write_bytes(truncated(part.read_bytes()))
+
+    told = finished("status", folder)
+    assert told.returncode == 0
+    assert f"{CELLS // 2} of {CELLS} cells done" in told.stdout
+    assert "1 damaged part; run again, and its cells are solved again" in told.stdout
+    refused = finished("report", folder)
+    assert refused.returncode == 2
+    (line,) = refused.stderr.strip().splitlines()
+    assert "a.parquet" in line
+    assert "run it again" in line
+    assert not (folder / "report").exists()
+
+
+def test_two_damaged_parts_of_one_name_are_both_kept(folder, experiment):
+    for number in (1, 2):
+        (folder / "parts" / "x.parquet").write_bytes(f"no {number}".encode())
+        run(experiment, folder)
+
+    kept = {f.name: f.read_bytes() for f in (folder / "damaged").iterdir()}
+    assert kept == {"x.parquet": b"no 1", "x-2.parquet": b"no 2"}
+
+
+def foreign(folder, _):
+    pq.write_table(pa.table({"price": [1.0]}), folder / "parts" / "zz.parquet")
+    return "it has no column 'scenario_id'"
+
+
+def wider(folder, table):
+    table = table.append_column("price", pa.array([1.0] * len(table)))
+    pq.write_table(table, folder / "parts" / "zz.parquet")
+    return "it has a column 'price'"
+
+
+def older(folder, table):
+    """As schema 2 had them."""
+    pq.write_table(table.drop_columns(["code", "engine"]), folder / "parts" / "zz.parquet")
+    return "it has no column 'code'"
+
+
+def newer(folder, table):
+    table = table.replace_schema_metadata({VERSION_KEY: str(VERSION + 1)})
+    pq.write_table(table, folder / "parts" / "zz.parquet")
+    return f"is of schema '{VERSION + 1}'; expected {VERSION}"
+
+
+def linked(folder, table):
+    place = folder.parent / "elsewhere.parquet"
+    pq.write_table(table, place)
+    (folder / "parts" / "zz.parquet").symlink_to(place)
+    return "is a link; expected a file or folder of its own"
+
+
+def a_folder(folder, _):
+    (folder / "parts" / "zz.parquet").mkdir()
+    return "it is no file"
+
+
+@pytest.mark.parametrize("put", [foreign, wider, older, newer, linked, a_folder])
+@pytest.mark.parametrize("spoilt", [False, True])
+def test_what_is_no_part_of_ours_is_refused_and_nothing_changes(folder, experiment, put, spoilt):
+    """Not even a damaged part beside it is moved, nor a run begun."""
+    message = put(folder, read_part(parts(folder)[0]))
+    if spoilt:
+        (folder / "parts" / "a.parquet").write_bytes(b"")
+    (folder / "parts" / ".c.parquet.1.tmp").write_bytes(b"left")
+    before = files(folder)
+
+    for act in (lambda: run(experiment, folder), lambda: status(folder)):
+        with pytest.raises(StoreError) as error:
+            act()
+        assert message in str(error.value)
+        assert "zz.parquet" in str(error.value)
+    assert files(folder) == before
+    with pytest.raises(ReportError, match=r"parquet"):
+        load([folder])
+
+
+@pytest.mark.parametrize("name", ["parts", "manifest.json", "damaged"])
+def test_links_to_other_places_are_not_followed(folder, experiment, tmp_path, name):
+    """Neither read nor written, whatever a stranger's folder holds."""
+    mine = tmp_path / "mine"
+    if (folder / name).exists():
+        (folder / name).rename(mine)
+    else:
+        mine.mkdir()
+        (folder / "parts" / "a.parquet").write_bytes(b"")
+    (folder / name).symlink_to(mine)
+    before = files(mine) if mine.is_dir() else mine.read_bytes()
+
+    with pytest.raises(StoreError, match=rf"{name} is a link; expected a file or folder of its"):
+        run(experiment, folder)
+    assert (files(mine) if mine.is_dir() else mine.read_bytes()) == before
+    if name != "damaged":
+        with pytest.raises(ReportError, match="is a link"):
+            load([folder])
+
+
+def test_what_a_killed_run_left_half_written_is_removed(folder, experiment):
+    """Only files of our own pattern, and not before it is certain that the folder is good."""
+    ours = [folder / ".manifest.json.123.tmp", folder / "parts" / ".r-000001.parquet.77.tmp"]
+    others = [folder / ".hidden.tmp", folder / "parts" / "notes.txt", folder / "x.parquet.1.tmp"]
+    for file in (*ours, *others):
+        file.write_text("half")
+
+    run(experiment, folder)
+
+    assert not any(file.exists() for file in ours)
+    assert all(file.exists() for file in others)
+
+
+def test_a_run_killed_before_its_first_manifest_leaves_a_folder_that_can_be_used(
+    experiment, tmp_path
+):
+    out = tmp_path / "new"
+    (out / "parts").mkdir(parents=True)
+    (out / ".lock").write_text("{}")
+    (out / ".manifest.json.5.tmp").write_text("{")
+
+    run(experiment, out)
+
+    assert len(done(out)) == CELLS
+
+
+def test_a_file_that_cannot_be_finished_leaves_nothing(tmp_path):
+    """What was at its place stays."""
+    final = tmp_path / "manifest.json"
+    final.write_text("old")
+
+    def write(file):
+        file.write_text("ne")
+        raise OSError(errno.ENOSPC, "full")
+
+    with pytest.raises(OSError, match="full"):
+        disk.put(final, write)
+    assert [f.name for f in tmp_path.iterdir()] == ["manifest.json"]
+    assert final.read_text() == "old"
+
+
+def test_names_are_synced_after_contents(tmp_path, monkeypatch):
+    """A power cut after `put` finds the file whole and under its name."""
+    synced = []
+    real = os.fsync
+
+    def fsync(handle):
+        synced.append(str(Path(f"/proc/self/fd/{handle}").readlink()))
+        real(handle)
+
+    if not Path("/proc/self/fd").is_dir():
+        pytest.skip("no /proc here to see what is synced")
+    monkeypatch.setattr(os, "fsync", fsync)
+    disk.put(tmp_path / "a.parquet", lambda file: file.write_text("x"))
+
+    temporary, folder = synced
+    assert temporary.startswith(str(tmp_path / ".a.parquet."))
+    assert folder == str(tmp_path)
+
+
+def test_any_flipped_bit_is_found_or_harmless(folder, tmp_path):
+    """Checksums of the pages: no changed value is ever read as if it were written so."""
+    part = folder / "parts" / "a.parquet"
+    content, table = part.read_bytes(), read_part(part)
+    draw = random.Random(0)
+    told = 0
+    for _ in range(300):
+        changed = bytearray(content)
+        changed[draw.randrange(len(content))] ^= 1 << draw.randrange(8)
+        part.write_bytes(bytes(changed))
+        try:
+            check_part(part)
+            assert read_part(part).equals(table)
+        except StoreError as error:
+            told += isinstance(error, DamagedPartError)
+    assert told > 100  # others hit what nobody reads: statistics, reserved bits
+
+
+@pytest.mark.slow
+def test_a_full_disk(tmp_path):
+    """A real one, of 300 KB: one message, the folder stays valid, and resuming completes it."""
+    disk_of = tmp_path / "small"
+    disk_of.mkdir()
+    mount = shutil.which("mount")
+    options = ("-t", "tmpfs", "-o", "size=300k", "tmpfs", str(disk_of))
+    if mount is None or subprocess.run([mount, *options], capture_output=True).returncode:
+        pytest.skip("mounting a small tmpfs is not permitted here")
+    try:
+        experiment = quick_experiment(tmp_path, 1500)
+        out = disk_of / "out"
+        failed = finished("run", experiment, "--out", out)
+        assert failed.returncode == 2, failed.stderr
+        said = [line for line in failed.stderr.splitlines() if line.startswith("dubins-study")]
+        assert len(said) == 1
+        assert "Traceback" not in failed.stderr
+        assert ".parquet: No space left on device; " in said[0]
+        assert "rows not written yet are lost, all others are kept" in said[0]
+        assert not list(disk_of.rglob("*.tmp"))
+        kept = done(out)
+        assert 0 < len(kept) < 1500
+        assert finished("status", out).returncode == 0
+
+        subprocess.run([mount, "-o", "remount,size=50m", str(disk_of)], check=True)
+        again = finished("run", experiment, "--out", out)
+
+        assert again.returncode == 0, again.stderr
+        assert len(read_rows(out)) == 1500
+        assert kept <= done(out)
+    finally:
+        subprocess.run(["umount", "-l", str(disk_of)], check=True)
+
+
+JUMPING = r"""
+#define _GNU_SOURCE
+#include <dlfcn.h>
+#include <sys/time.h>
+#include <time.h>
+static long jump(void) {  /* hours to and fro, another way at every look */
+    static unsigned long looks = 0;
+    static const long hours[] = {0, 7, -9, 0, 30, -3};
+    return 3600 * hours[(looks++ / 3) % 6];
+}
+int clock_gettime(clockid_t id, struct timespec *t) {
+    static int (*real)(clockid_t, struct timespec *) = 0;
+    if (!real) real = dlsym(RTLD_NEXT, "clock_gettime");
+    int done = real(id, t);
+    if (id == CLOCK_REALTIME && !done) t->tv_sec += jump();
+    return done;
+}
+int gettimeofday(struct timeval *restrict t, void *restrict zone) {
+    static int (*real)(struct timeval *, void *) = 0;
+    if (!real) real = dlsym(RTLD_NEXT, "gettimeofday");
+    int done = real(t, zone);
+    if (!done && t) t->tv_sec += jump();
+    return done;
+}
+time_t time(time_t *t) {
+    struct timespec now;
+    clock_gettime(CLOCK_REALTIME, &now);
+    if (t) *t = now.tv_sec;
+    return now.tv_sec;
+}
+"""
+
+
+@pytest.mark.slow
+def test_a_clock_that_jumps(tmp_path):
+    """By hours, to and fro, all the time: every row is there, and durations are what they are."""
+    compiler = shutil.which("cc") or shutil.which("gcc")
+    if compiler is None or sys.platform != "linux":
+        pytest.skip("no C compiler here to make the clock jump with")
+    source, library = tmp_path / "jump.c", tmp_path / "jump.so"
+    source.write_text(JUMPING)
+    built = subprocess.run([compiler, "-shared", "-fPIC", "-o", library, source, "-ldl"])
+    assert built.returncode == 0
+    looks = "import time; print(len({round(time.time() / 3600) for _ in range(40)}))"
+    jumps = subprocess.run(
+        [sys.executable, "-c", looks],
+        env={**os.environ, "LD_PRELOAD": str(library)},
+        capture_output=True,
+        text=True,
+    )
+    assert int(jumps.stdout) > 2  # or the test would test nothing
+
+    experiment, out = quick_experiment(tmp_path, 200), tmp_path / "out"
+    said = finished("run", experiment, "--out", out, "--jobs", "2", LD_PRELOAD=str(library))
+    assert said.returncode == 0, said.stderr
+    rows = read_rows(out).to_pandas()
+    assert len(rows) == 200
+    assert set(rows["outcome"]) == {"returned"}
+    assert rows["wall_s"].between(0, 60).all()
+    (entry,) = manifest(out)["runs"]
+    assert 0 < entry["seconds"] < 300
+    assert finished("status", out, LD_PRELOAD=str(library)).returncode == 0
+    again = finished("run", experiment, "--out", out, LD_PRELOAD=str(library))
+    assert again.returncode == 0
+    assert json.loads(finished("status", out, "--json").stdout)["done"] == 200

@@ -1,0 +1,266 @@
+"""A run by Dask finds what a serial run finds, whatever happens to its workers."""
+
+from __future__ import annotations
+
+import json
+import logging
+import socket
+from pathlib import Path
+
+import psutil
+import pyarrow.parquet as pq
+import pytest
+
+pytest.importorskip("distributed", reason="Dask's distributed is not installed")
+
+import dask_here as here
+
+from dubins_study import run
+from dubins_study.experiments.definition.experiment import ExperimentError
+from dubins_study.experiments.engines import dask_worker
+from dubins_study.experiments.engines.dask_client import mismatch
+from dubins_study.experiments.engines.dask_host import local_cluster
+from dubins_study.experiments.engines.judging import Run
+from dubins_study.experiments.engines.work_unit import Chunk, encoded
+from dubins_study.experiments.isolation.supervisor import RunError
+from dubins_study.experiments.isolation.watch import Bounds
+from dubins_study.experiments.store.folder import read_rows
+
+EXPERIMENT = """
+title = "dask"
+question = "are the rows the same?"
+limit = 60.0
+solvers = ["analytic", "slsqp", "ipopt"]
+branches = ["best", "LS"]
+starts = ["cold", "warm"]
+[[scenarios]]
+target_x = 0
+target_y = 3
+radius = { linear = [1.0, 2.0, 6] }
+"""
+
+
+@pytest.fixture
+def experiment(tmp_path):
+    file = tmp_path / "dask.toml"
+    file.write_text(EXPERIMENT)
+    return str(file)
+
+
+@pytest.fixture(scope="module")
+def address():
+    """Two workers that several runs use one after another, as they would a cluster of their own."""
+    with local_cluster(2) as host:
+        yield host.address
+
+
+def plugin(folder: Path, solve: str) -> str:
+    """A solver whose answers are slsqp's, unless something happens before."""
+    file = folder / "plugin.py"
+    file.write_text(
+        "import ctypes, os, signal, sys, time\nfrom pathlib import Path\nimport psutil\n"
+        "from dubins_study.solvers.paper_nlp.slsqp import Slsqp\n"
+        "HERE = Path(__file__).parent\n"
+        "def dask_worker():\n"
+        "    parents = psutil.Process().parents()\n"
+        "    return parents[1].pid if 'dask' in str((HERE / 'engine').read_text()) else None\n"
+        "class Plugin(Slsqp):\n"
+        "    def solve(self, model, limit):\n"
+        "        question = model.question\n"
+        "        if question.scenario.label != 'warm-up':\n"
+        f"            {solve}\n"
+        "        return super().solve(model, limit)\n"
+    )
+    (folder / "engine").write_text("local")
+    return f"{file}:Plugin"
+
+
+@pytest.mark.slow
+def test_the_rows_are_those_of_a_serial_run(experiment, tmp_path, address):
+    """Every column that is not about time or run, warm sweeps among them; the manifest says who."""
+    one = run(experiment, tmp_path / "one")
+    other = run(experiment, tmp_path / "other", engine="dask", scheduler=address)
+
+    here.assert_same(one, other)
+    rows = read_rows(other, ["engine", "jobs"]).to_pandas()
+    assert set(rows["engine"]) == {"dask"}
+    assert set(rows["jobs"]) == {2}
+    entry = json.loads((other / "manifest.json").read_text())["runs"][-1]
+    assert (entry["engine"], entry["jobs"], entry["workers"]) == ("dask", 2, 2)
+    assert address not in (other / "manifest.json").read_text()
+
+
+@pytest.mark.slow
+def test_probes_come_from_the_machines_that_solve(experiment, tmp_path, address):
+    """Known by a number; their names are recorded nowhere."""
+    solver = plugin(tmp_path, "time.sleep(0.4)")
+    asked = {"solvers": [solver], "engine": "dask", "scheduler": address}
+    out = run(experiment, tmp_path / "out", **asked)
+    held = (out / "manifest.json").read_text()
+    entry = json.loads(held)["runs"][-1]
+
+    assert entry["probes"]
+    assert {machine for _, _, machine in entry["probes"]} == {1}
+    assert all(0 <= when <= entry["seconds"] and 0 < took < 1 for when, took, _ in entry["probes"])
+    assert json.dumps(socket.gethostname()) not in held
+
+
+# the first to come by here ends the Dask worker that it works for
+ONCE = (
+    "(HERE / 'armed').exists() and ((HERE / 'armed').unlink(), "
+    "(HERE / 'killed').write_text(str(dask_worker())), os.kill(dask_worker(), signal.SIGKILL), "
+    "time.sleep(60))"
+)
+
+
+@pytest.mark.slow
+def test_a_worker_killed_in_the_middle_of_a_chunk_costs_no_row(experiment, tmp_path, address):
+    """What it had not delivered is solved again by others; none is there twice."""
+    solver = plugin(tmp_path, ONCE)
+    asked = {"solvers": [solver, "analytic"], "limit": 90.0}
+    one = run(experiment, tmp_path / "one", **asked)
+    (tmp_path / "engine").write_text("dask")
+    (tmp_path / "armed").touch()
+    other = run(experiment, tmp_path / "other", engine="dask", scheduler=address, **asked)
+
+    assert not (tmp_path / "armed").exists()
+    assert here.gone([int((tmp_path / "killed").read_text())])
+    here.assert_same(one, other)
+    parts = [pq.read_metadata(part).num_rows for part in (other / "parts").iterdir()]
+    assert sum(parts) == len(here.table(one))
+
+
+# a child that outlives whoever kills only the solver's own process; the second time it would hang
+ORPHANS = (
+    "(HERE / 'armed').exists() and ((HERE / 'armed').unlink(), "
+    "(HERE / 'pids').write_text(f'{dask_worker()} {os.getppid()} {os.getpid()}'), "
+    "time.sleep(3600))"
+)
+
+
+@pytest.mark.slow
+def test_what_a_dead_worker_was_solving_dies_with_it(experiment, tmp_path, address):
+    """Its fork server and the solver's process, though that is in a loop that nobody watches."""
+    solver = plugin(tmp_path, ORPHANS)
+    (tmp_path / "engine").write_text("dask")
+    (tmp_path / "armed").touch()
+    pids: list[int] = []
+
+    def kill(done, total):
+        if (tmp_path / "pids").exists() and not pids:
+            pids.extend(map(int, (tmp_path / "pids").read_text().split()))
+            psutil.Process(pids[0]).kill()
+
+    asked = {"solvers": [solver, "analytic"], "limit": 3000.0, "progress": kill}
+    run(experiment, tmp_path / "out", engine="dask", scheduler=address, **asked)
+
+    assert len(set(pids)) == 3
+    here.until(lambda: here.gone(pids), "all three end")
+
+
+@pytest.mark.slow
+def test_a_chunk_that_kills_every_worker_ends_the_run(experiment, tmp_path, address):
+    """After as many workers as Dask's `allowed-failures` permits; the rows so far are kept."""
+    solver = plugin(tmp_path, "question.branch == 'LS' and os.kill(dask_worker(), signal.SIGKILL)")
+    (tmp_path / "engine").write_text("dask")
+    out = tmp_path / "out"
+    with pytest.raises(RunError, match=r"^4 Dask workers ended while they solved the same chunk"):
+        run(experiment, out, engine="dask", scheduler=address, solvers=[solver])
+
+    entry = json.loads((out / "manifest.json").read_text())["runs"][-1]
+    assert entry["state"] == "interrupted"
+
+
+HOSTILE = {
+    "segfault": "ctypes.string_at(0)",
+    "endless": "[0 for _ in iter(int, 1)]",
+    "leaves": "os._exit(3)",
+    "raises": "raise OSError('no licence')",
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", HOSTILE)
+def test_hostile_solvers_come_to_the_same_end(experiment, tmp_path, address, kind):
+    """Outcome and status, cell by cell; their neighbours' rows are whole."""
+    solver = plugin(tmp_path, f"if question.branch == 'LS': {HOSTILE[kind]}")
+    asked = {"solvers": [solver, "slsqp"], "limit": 1.5}
+    one = here.table(run(experiment, tmp_path / "one", **asked))
+    other = run(experiment, tmp_path / "other", engine="dask", scheduler=address, **asked)
+    other = here.table(other)
+
+    columns = ["solver", "branch", "outcome", "native_status", "verdict", "claim", "gap"]
+    assert other[columns].equals(one[columns])
+    assert len(set(one["outcome"])) == 2
+
+
+@pytest.mark.slow
+def test_another_engine_goes_on_where_one_left_off(experiment, tmp_path, address):
+    """A sweep cut in the middle goes on from its last path, elsewhere."""
+    one = run(experiment, tmp_path / "one", solvers=["slsqp"])
+
+    def enough(done, total):
+        if done > 5:
+            raise KeyboardInterrupt
+
+    out = tmp_path / "out"
+    with pytest.raises(KeyboardInterrupt):
+        run(experiment, out, solvers=["slsqp"], progress=enough)
+    assert 0 < len(read_rows(out)) < len(read_rows(one))
+    run(experiment, out, solvers=["slsqp"], engine="dask", scheduler=address)
+
+    here.assert_same(one, out)
+    engines = set(read_rows(out, ["engine"])["engine"].to_pylist())
+    assert engines == {"local", "dask"}
+
+
+@pytest.mark.slow
+def test_loggers_are_left_as_they_were(experiment, tmp_path, address):
+    before = logging.getLogger("distributed").level
+    run(experiment, tmp_path / "out", solvers=["slsqp"], engine="dask", scheduler=address)
+
+    assert logging.getLogger("distributed").level == before
+
+
+def test_a_worker_whose_files_were_changed_is_to_be_restarted(monkeypatch):
+    """What it has imported is not what is on disk, whose digest it would tell."""
+    monkeypatch.setattr(dask_worker, "_IMPORTED", frozenset())
+    nothing = encoded(Chunk(Run("r", 1.0, 1), Bounds(1, 1), [], {}))
+    sent = dask_worker.solve_chunk(nothing)
+
+    assert sent.rows == b""
+    assert sent.refusal.endswith("dubins-study was changed since the worker started; restart it")
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"engine": "ray"}, "engine is 'ray'; expected one of: local, dask"),
+        ({"engine": None}, "engine is None; expected one of"),
+        ({"engine": "dask", "scheduler": 8786}, "scheduler is 8786; expected an address"),
+        ({"engine": "dask", "scheduler": ""}, "scheduler is ''; expected an address"),
+        ({"scheduler": "tcp://x:1"}, "only engine 'dask' has a scheduler"),
+        ({"engine": "dask", "scheduler": "tcp://x:1", "jobs": 2}, "jobs is 2; how many"),
+    ],
+)
+def test_requests_that_are_refused_leave_no_folder(experiment, tmp_path, change, message):
+    with pytest.raises(ExperimentError, match=message):
+        run(experiment, tmp_path / "out", **change)
+    assert not (tmp_path / "out").exists()
+
+
+def found(python: str, distributed: str) -> dict:
+    return {"packages": {"python": python, "distributed": distributed, "numpy": "2"}}
+
+
+def test_other_versions_of_python_and_dask_are_told():
+    """The last digit of Python's does not matter; a worker that does not say is not judged."""
+    own = found("3.11.7.final.0", "2026.8.0")
+    same = {"client": own, "scheduler": found("3.11.9.final.0", "2026.8.0"), "workers": {"a": {}}}
+    assert mismatch(same) is None
+    older = same | {"workers": {"tcp://a:1": found("3.11.7.final.0", "2026.1.0")}}
+    assert mismatch(older) == (
+        "the Dask worker tcp://a:1 has distributed 2026.1.0; expected 2026.8.0, as here"
+    )
+    other = same | {"scheduler": found("3.12.1.final.0", "2026.8.0")}
+    assert mismatch(other) == "the Dask scheduler has Python 3.12; expected 3.11, as here"

@@ -1,0 +1,256 @@
+"""Dask's machines: who may be asked, over which lines, and what is left of them."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import psutil
+import pytest
+
+pytest.importorskip("distributed", reason="Dask's distributed is not installed")
+
+import dask_here as here
+
+from dubins_study import run
+from dubins_study.experiments.engines.dask_host import local_cluster
+from dubins_study.experiments.isolation.supervisor import RunError
+from dubins_study.experiments.store.folder import done, read_rows
+
+ROOT = Path(__file__).parents[2]
+EXPERIMENT = """
+title = "machines"
+question = "who is asked?"
+solvers = ["slsqp"]
+[[scenarios]]
+target_x = { linear = [1, 9, 30] }
+target_y = 3
+"""
+# what the solvers of the tests do before they answer
+SLOW = """
+import os, time
+from pathlib import Path
+from dubins_study.solvers.paper_nlp.slsqp import Slsqp
+class Slow(Slsqp):
+    def solve(self, model, limit):
+        if model.question.scenario.label != "warm-up":
+            Path(__file__).with_name("asked").touch()
+            time.sleep(float(os.environ["NAP"]))
+        return super().solve(model, limit)
+"""
+
+pytestmark = pytest.mark.slow
+
+
+@pytest.fixture
+def experiment(tmp_path):
+    file = tmp_path / "machines.toml"
+    file.write_text(EXPERIMENT)
+    return str(file)
+
+
+def test_a_cluster_of_users_own_is_found_by_its_address(experiment, tmp_path):
+    """Its nannies' workers are daemons, which may have no children by themselves; two threads."""
+    one = run(experiment, tmp_path / "one")
+    with here.scheduler(tmp_path) as address, here.worker(address, "--nthreads", "2") as worker:
+        other = run(experiment, tmp_path / "other", engine="dask", scheduler=address)
+        assert set(read_rows(other, ["jobs"])["jobs"].to_pylist()) <= {1, 2}
+        assert set(read_rows(other, ["engine"])["engine"].to_pylist()) == {"dask"}
+        # the run is over: no solver's process is left in the cluster, which lives on
+        forks = [p for p in here.family(worker.pid) if "forkserver" in " ".join(p.cmdline())]
+        assert len(forks) == 1  # the server itself
+
+    here.assert_same(one, other)
+
+
+def test_a_worker_that_comes_late_is_waited_for(experiment, tmp_path, caplog):
+    told = []
+    with here.scheduler(tmp_path) as address:
+        late = []
+
+        def come(done, total):
+            told.append(done)
+            if not late:
+                late.append(here.worker(address, "--nthreads", "1"))
+                late[0].__enter__()
+
+        try:
+            asked = {"engine": "dask", "scheduler": address, "progress": come}
+            run(experiment, tmp_path / "out", **asked)
+        finally:
+            late[0].__exit__(None, None, None)
+
+    assert told[-1] == 30
+    waiting = [line for line in caplog.messages if "has no workers" in line]
+    assert waiting == ["dubins-study: the Dask scheduler has no workers; waiting for the first"]
+
+
+def test_nothing_listens_beyond_the_loopback():
+    """Scheduler, workers and their pages, as they are while a run is on."""
+    with local_cluster(2) as host:
+        mine = [p for p in psutil.Process().children() if "dask_cluster" in " ".join(p.cmdline())]
+        processes = here.family(mine[0].pid)
+        found = [
+            connection.laddr.ip
+            for process in processes
+            for connection in process.net_connections("inet")
+            if connection.status == psutil.CONN_LISTEN
+        ]
+        assert host.address.startswith("tcp://127.0.0.1:")
+        assert host.dashboard.startswith("http://127.0.0.1:")
+
+    assert len(found) >= 4  # scheduler and its page, two workers and their nannies
+    assert set(found) == {"127.0.0.1"}
+    here.until(lambda: here.gone([process.pid for process in processes]), "all end")
+
+
+def test_other_code_is_refused(experiment, tmp_path):
+    """A worker whose dubins-study is of another version makes no row."""
+    copy = tmp_path / "copy"
+    for package in ("study", "solvers", "experiments"):
+        shutil.copytree(ROOT / package, copy / package)
+    with (copy / "solvers" / "slsqp.py").open("a") as file:
+        file.write("\n# a later version\n")
+    with (
+        here.scheduler(tmp_path) as address,
+        here.worker(address, "--nthreads", "1", PYTHONPATH=str(copy)),
+        pytest.raises(RunError, match=r"the code of slsqp is not what was asked: .* and is"),
+    ):
+        run(experiment, tmp_path / "out", engine="dask", scheduler=address)
+    assert done(tmp_path / "out") == set()
+
+
+def test_workers_without_our_packages_are_told(experiment, tmp_path):
+    """What stands in for them is a package of the same name that has nothing to offer."""
+    (tmp_path / "copy" / "experiments").mkdir(parents=True)
+    (tmp_path / "copy" / "experiments" / "__init__.py").touch()
+    with (
+        here.scheduler(tmp_path) as address,
+        here.worker(address, "--nthreads", "1", PYTHONPATH=str(tmp_path / "copy")),
+        pytest.raises(RunError, match=r"^dubins-study is not on a Dask worker, or of"),
+    ):
+        run(experiment, tmp_path / "out", engine="dask", scheduler=address)
+
+
+def test_a_plugin_that_is_not_there_is_told(experiment, tmp_path):
+    """A relative path means another file where the worker has another folder."""
+    (tmp_path / "slow.py").write_text(SLOW)
+    before = Path.cwd()
+    with here.scheduler(tmp_path) as address, here.worker(address, "--nthreads", "1"):
+        os.chdir(tmp_path)
+        try:
+            with pytest.raises(RunError, match=r"there is no file 'slow\.py' for the solver"):
+                run(
+                    experiment,
+                    tmp_path / "out",
+                    solvers=["slow.py:Slow"],
+                    engine="dask",
+                    scheduler=address,
+                )
+        finally:
+            os.chdir(before)
+
+
+def study(*arguments: str, **environment: str) -> subprocess.Popen[str]:
+    return subprocess.Popen(
+        [sys.executable, "-m", "dubins_study", "run", *arguments],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+        env={**os.environ, **environment},
+    )
+
+
+def test_a_scheduler_that_does_not_answer(experiment, tmp_path):
+    asked = ("--engine", "dask", "--scheduler", "tcp://127.0.0.1:1", "--out", str(tmp_path / "out"))
+    process = study(experiment, *asked)
+    printed, err = process.communicate(timeout=120)
+
+    assert process.returncode == 2
+    assert err.startswith("dubins-study: no Dask scheduler answers at 'tcp://127.0.0.1:1' (")
+    assert (err.count("\n"), printed) == (1, "")
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize("signals", [1, 2])
+def test_ctrl_c(experiment, tmp_path, signals):
+    """Once: what is being solved is finished. Twice: at once. No process and no noise is left."""
+    (tmp_path / "slow.py").write_text(SLOW)
+    asked = ("--solver", f"{tmp_path}/slow.py:Slow", "--out", str(tmp_path / "out"))
+    nap = "0.5" if signals == 1 else "50"
+    process = study(experiment, *asked, "--engine", "dask", "--jobs", "2", NAP=nap)
+    here.until(lambda: (tmp_path / "asked").exists(), "a solver is asked")
+    mine = [one.pid for one in here.family(process.pid)]
+    assert len(mine) > 5
+    began = time.monotonic()
+    for _ in range(signals):
+        os.killpg(process.pid, signal.SIGINT)
+        time.sleep(0.3)
+    printed, err = process.communicate(timeout=120)
+
+    kept = len(done(tmp_path / "out"))
+    assert process.returncode == 130, err
+    assert time.monotonic() - began < 45
+    assert f"interrupted; what was done is kept, run the same command to go on ({kept} of" in err
+    assert (0 < kept < 30) if signals == 1 else kept == 0
+    assert "Traceback" not in err
+    assert "distributed" not in err
+    assert printed == ""
+    here.until(lambda: here.gone(mine), "all end")
+
+
+def test_nothing_outlives_a_run_that_is_killed(experiment, tmp_path):
+    """Its cluster, their fork servers and their solvers end by themselves."""
+    (tmp_path / "slow.py").write_text(SLOW)
+    asked = ("--solver", f"{tmp_path}/slow.py:Slow", "--out", str(tmp_path / "out"))
+    process = study(experiment, *asked, "--engine", "dask", "--jobs", "2", NAP="3600")
+    here.until(lambda: (tmp_path / "asked").exists(), "a solver is asked")
+    mine = [one.pid for one in here.family(process.pid)]
+    process.kill()
+    process.communicate()
+
+    here.until(lambda: here.gone(mine), "all end")
+
+
+def certificates(folder: Path) -> dict[str, str]:
+    """Files of an authority and of one certificate by it for all."""
+    ca, key, request, certificate = (folder / f"{n}.pem" for n in ("ca", "key", "request", "cert"))
+    ca_key = folder / "ca-key.pem"
+    new = ("openssl", "req", "-newkey", "rsa:2048", "-nodes")
+    by = ("openssl", "x509", "-req", "-in", request, "-CA", ca, "-CAkey", ca_key, "-days", "1")
+    for command in (
+        (*new, "-subj", "/CN=study-ca", "-x509", "-days", "1", "-keyout", ca_key, "-out", ca),
+        (*new, "-subj", "/CN=study", "-keyout", key, "-out", request),
+        (*by, "-CAcreateserial", "-out", certificate),
+    ):
+        subprocess.run(command, check=True, capture_output=True)
+    return {"ca-file": str(ca), "cert": str(certificate), "key": str(key)}
+
+
+@pytest.mark.skipif(shutil.which("openssl") is None, reason="openssl makes the certificates")
+def test_over_tls(experiment, tmp_path):
+    """With Dask's own configuration; without certificates nobody is let in."""
+    import dask
+
+    files = certificates(tmp_path)
+    options = [word for name, file in files.items() for word in (f"--tls-{name}", file)]
+    known = {
+        "distributed.comm.tls.ca-file": files["ca-file"],
+        "distributed.comm.tls.client.cert": files["cert"],
+        "distributed.comm.tls.client.key": files["key"],
+    }
+    one = run(experiment, tmp_path / "one")
+    with here.scheduler(tmp_path, "--protocol", "tls", *options) as address:
+        assert address.startswith("tls://")
+        with pytest.raises(RunError, match="no Dask scheduler answers at 'tls://"):
+            run(experiment, tmp_path / "refused", engine="dask", scheduler=address)
+        with here.worker(address, "--nthreads", "1", *options), dask.config.set(known):
+            other = run(experiment, tmp_path / "other", engine="dask", scheduler=address)
+
+    here.assert_same(one, other)

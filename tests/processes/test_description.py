@@ -1,0 +1,96 @@
+"""What a run learns of solvers without letting other people's code in."""
+
+from __future__ import annotations
+
+import os
+import sys
+
+import pytest
+
+from dubins_study import run
+from dubins_study.experiments.definition.experiment import ExperimentError
+from dubins_study.experiments.plan.code_digest import code
+from dubins_study.experiments.plan.solver_description import described
+from dubins_study.solvers.registry import SolverError, load, registered
+
+PLUGIN = """
+import os
+from pathlib import Path
+from dubins_study.solvers.paper_nlp.slsqp import Slsqp
+Path(__file__).with_name(f"loaded-{os.getpid()}").touch()
+class Plain(Slsqp):
+    pass
+"""
+
+
+@pytest.mark.parametrize("spec", [*registered(), "slsqp[count=3]"])
+def test_our_own_are_described_as_they_are(spec):
+    found, solver = described(spec), load(spec)
+
+    assert found.spec == spec
+    assert found.code == code(spec)
+    assert found.warm == solver.warm
+    assert found.packages == solver.packages
+    assert found.closed_form == (spec == "analytic")
+    assert found.runs is None
+
+
+def test_a_program_on_path_is_told():
+    assert described("nlp[solver=bonmin]").runs == "bonmin"
+
+
+def test_a_plugin_is_loaded_by_another_process(tmp_path):
+    (tmp_path / "plain.py").write_text(PLUGIN)
+    found = described(f"{tmp_path}/plain.py:Plain[count=2]")
+
+    loaders = {file.name for file in tmp_path.glob("loaded-*")}
+    assert found.settings["count"] == 2
+    assert not found.closed_form
+    assert len(loaders) == 1
+    assert f"loaded-{os.getpid()}" not in loaders
+    assert not [name for name in sys.modules if name.startswith("dubins_study_plugin_plain")]
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("import os; os._exit(0)", "ends the process that loads it: exit 0"),
+        ("import os; os._exit(3)", "ends the process that loads it: exit 3"),
+        ("import os; os.abort()", "ends the process that loads it: SIGABRT"),
+        ("raise KeyboardInterrupt", "cannot be described: KeyboardInterrupt"),
+        ("class Own(BaseException): pass\nraise Own('x')", "cannot be described: Own: x"),
+        ("X = 1", "has no 'name'; expected the promise"),
+    ],
+)
+def test_a_plugin_that_breaks_where_it_is_loaded_is_a_message(tmp_path, text, message):
+    file = tmp_path / "broken.py"
+    file.write_text(text)
+    with pytest.raises(SolverError, match=message):
+        described(f"{file}:X")
+
+
+@pytest.mark.parametrize("where", ["experiment", "block"])
+@pytest.mark.parametrize(
+    "spec", ["{here}/plain.py:Plain", "nlp[solver=touch]", "slsqp[count={{2,3}}]"]
+)
+def test_an_experiment_does_not_choose_what_is_run(tmp_path, spec, where):
+    """Unless it is trusted; what the caller names himself always is."""
+    (tmp_path / "plain.py").write_text(PLUGIN)
+    named = f'solvers = ["{spec.format(here=tmp_path)}"]\n'
+    file = tmp_path / "theirs.toml"
+    file.write_text(
+        'title = "theirs"\nquestion = "?"\n'
+        + (named if where == "experiment" else 'solvers = ["analytic"]\n')
+        + "[[scenarios]]\ntarget_x = 3\ntarget_y = 1\n"
+        + (named if where == "block" else "")
+    )
+    if spec.startswith("slsqp"):
+        run(file, tmp_path / "out")
+        return
+    with pytest.raises(ExperimentError, match="expected --trust"):
+        run(file, tmp_path / "out")
+
+    assert not list(tmp_path.glob("loaded-*"))
+    assert not (tmp_path / "out").exists()
+    run(file, tmp_path / "out", trust=True)
+    run(file, tmp_path / "own", solvers=[spec.format(here=tmp_path)])

@@ -1,0 +1,178 @@
+"""One run at a time in a folder, whatever becomes of the run that holds it."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import stat
+import subprocess
+import sys
+
+import pytest
+from live_run import finished, manifest, parts, slow_experiment, started, wait_for
+
+from dubins_study import status
+from dubins_study.experiments.store.disk import StoreError
+from dubins_study.experiments.store.folder import done, read_rows
+from dubins_study.experiments.store.lock import LOCK, held, holder, locked
+
+
+def contents(folder):
+    """Every file of a folder and its bytes; how long the live run has taken is its own to tell."""
+    held = {file: file.read_bytes() for file in sorted(folder.rglob("*")) if file.is_file()}
+    manifest = json.loads(held.pop(folder / "manifest.json"))
+    for entry in manifest["runs"]:
+        del entry["seconds"]
+    return held, manifest
+
+
+def test_a_second_run_is_told_who_is_at_work_and_touches_nothing(tmp_path):
+    experiment, out = slow_experiment(tmp_path, nap=30), tmp_path / "out"
+    with started("run", experiment, "--trust", "--out", out) as first:
+        wait_for(lambda: (out / "manifest.json").exists())
+        since = holder(out)["started"]
+        before = contents(out)
+        for extra in ((), ("--fresh",)):
+            second = finished("run", experiment, "--trust", "--out", out, *extra)
+
+            assert second.returncode == 2
+            assert second.stdout == ""
+            (line,) = second.stderr.strip().splitlines()
+            assert f"{out} is in use: process {first.pid} has been at work" in line
+            assert f"since {since}" in line
+            assert "choose another --out" in line
+        assert contents(out) == before
+        assert first.poll() is None
+
+
+def test_a_killed_run_holds_nothing_even_while_its_workers_live(tmp_path):
+    """kill -9 of the run alone: workers that nap on do not keep the next run out."""
+    experiment, out = slow_experiment(tmp_path, nap=0.2, count=24), tmp_path / "out"
+    with started("run", experiment, "--trust", "--out", out, "--jobs", "2") as first:
+        wait_for(lambda: parts(out))
+        children = descendants(first.pid)
+        assert children
+        for child in children:  # they outlive the run: the system wakes them for nothing
+            os.kill(child, signal.SIGSTOP)
+        os.kill(first.pid, signal.SIGKILL)
+        first.wait()
+        assert any(alive(child) for child in children)
+        assert not held(out)
+        kept = done(out)
+        assert status(out).runs[-1].state == "killed"
+
+        again = finished("run", experiment, "--trust", "--out", out)
+        for child in children:
+            if alive(child):
+                os.kill(child, signal.SIGKILL)
+
+    assert again.returncode == 0, again.stderr
+    assert kept <= done(out)
+    assert len(done(out)) == 24
+    assert [run["state"] for run in manifest(out)["runs"]] == ["running", "finished"]
+    assert [run.state for run in status(out).runs] == ["killed", "finished"]
+
+
+def descendants(pid):
+    import psutil
+
+    return [child.pid for child in psutil.Process(pid).children(recursive=True)]
+
+
+def alive(pid):
+    import psutil
+
+    return psutil.pid_exists(pid) and psutil.Process(pid).status() != psutil.STATUS_ZOMBIE
+
+
+@pytest.mark.parametrize("way", ["fork", "spawn", "forkserver", "subprocess"])
+def test_no_process_that_is_started_meanwhile_holds_the_lock(tmp_path, way):
+    """However it is started: it lives on when the holder is gone, and the folder is free."""
+    start = {
+        "subprocess": "subprocess.Popen([sys.executable, '-c', 'import time; time.sleep(60)'])",
+    }.get(way, f"multiprocessing.get_context({way!r}).Process(target=time.sleep, args=(60,))")
+    program = f"""
+import multiprocessing, os, subprocess, sys, time
+from pathlib import Path
+from dubins_study.experiments.store.lock import locked
+if __name__ == "__main__":
+    with locked(Path({str(tmp_path)!r})):
+        child = {start}
+        if hasattr(child, "start"):
+            child.start()
+        time.sleep(1)
+        print(child.pid, flush=True)
+        time.sleep(60)
+"""
+    file = tmp_path / "holder.py"
+    file.write_text(program)
+    process = subprocess.Popen([sys.executable, str(file)], stdout=subprocess.PIPE, text=True)
+    child = int(process.stdout.readline())
+    try:
+        assert held(tmp_path)
+        os.kill(process.pid, signal.SIGKILL)
+        process.wait()
+
+        assert alive(child)
+        assert not held(tmp_path)
+        with locked(tmp_path):
+            assert held(tmp_path)
+    finally:
+        os.kill(child, signal.SIGKILL)
+        process.stdout.close()
+
+
+def test_status_and_report_work_while_a_run_does(tmp_path):
+    experiment, out = slow_experiment(tmp_path, nap=0.3, count=1000), tmp_path / "out"
+    with started("run", experiment, "--trust", "--out", out) as first:
+        wait_for(lambda: parts(out))
+        found = finished("status", out)
+        assert found.returncode == 0
+        assert f"running: process {first.pid} is at work" in found.stdout
+        assert found.stderr == ""
+        page = finished("report", out, "--out", tmp_path / "page")
+        assert page.returncode == 0, page.stderr
+        assert "Not finished" in (tmp_path / "page" / "index.html").read_text()
+        assert first.poll() is None
+
+
+def test_status_writes_nothing(tmp_path):
+    """So that a folder that may only be read can be looked at."""
+    experiment, out = slow_experiment(tmp_path, nap=0, count=2), tmp_path / "out"
+    assert finished("run", experiment, "--trust", "--out", out).returncode == 0
+    (out / LOCK).unlink()
+    before = {file: file.stat().st_mtime_ns for file in [out, *out.rglob("*")]}
+    for file in before:
+        file.chmod(file.stat().st_mode & ~(stat.S_IWUSR | stat.S_IWGRP | stat.S_IWOTH))
+
+    assert status(out).done == 2
+    assert {file: file.stat().st_mtime_ns for file in [out, *out.rglob("*")]} == before
+    for file in before:
+        file.chmod(file.stat().st_mode | stat.S_IWUSR)
+
+
+def test_a_lock_that_is_a_link_is_refused(tmp_path):
+    """Another place's file is neither locked nor written."""
+    (tmp_path / "mine").write_text("mine")
+    folder = tmp_path / "out"
+    folder.mkdir()
+    (folder / LOCK).symlink_to(tmp_path / "mine")
+
+    with pytest.raises(StoreError, match=r"cannot lock .*\.lock"), locked(folder):
+        pass
+    assert (tmp_path / "mine").read_text() == "mine"
+
+
+def test_runs_that_begin_at_once_leave_one_row_a_cell(tmp_path):
+    """Of many, one works at a time; the others are refused, and nothing is lost or doubled."""
+    experiment, out = slow_experiment(tmp_path, nap=0.05, count=10), tmp_path / "out"
+    with (
+        started("run", experiment, "--trust", "--out", out) as a,
+        started("run", experiment, "--trust", "--out", out) as b,
+    ):
+        codes = sorted((a.wait(timeout=120), b.wait(timeout=120)))
+    assert codes in ([0, 0], [0, 2])
+    rows = read_rows(out).to_pandas()
+    assert len(rows) == 10
+    assert not rows.duplicated("scenario_id").any()

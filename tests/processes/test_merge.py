@@ -1,0 +1,352 @@
+"""Folders of one experiment united: nothing lost, nothing twice, no contradiction swallowed."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import signal
+
+import pyarrow as pa
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from live_run import finished, manifest, parts, quick_experiment, slow_experiment, started, wait_for
+
+from dubins_study import merge, run, status
+from dubins_study.experiments.engines import stream
+from dubins_study.experiments.engines.rows import ARROW_SCHEMA, rows_table
+from dubins_study.experiments.store import merge as union
+from dubins_study.experiments.store.attempts import merged_rows
+from dubins_study.experiments.store.folder import StoreError, read_rows
+from dubins_study.experiments.store.parts import RUN_ID, about_part, read_part, write_part
+from dubins_study.report.data.load import load
+from dubins_study.study.rows.schema import KEY, ROW, names
+
+KEYS = names(KEY)
+CELLS = 8
+TOLERANCE = 1e-4
+
+
+@pytest.fixture(scope="module")
+def experiment(tmp_path_factory):
+    return str(quick_experiment(tmp_path_factory.mktemp("merge"), CELLS, "analytic"))
+
+
+@pytest.fixture(scope="module")
+def original(experiment, tmp_path_factory):
+    return run(experiment, tmp_path_factory.mktemp("original") / "out")
+
+
+@pytest.fixture
+def halves(original, tmp_path):
+    """The same folder twice, each with five of its eight rows: two of them are in both."""
+    return shard(original, tmp_path / "one", 0, 5), shard(original, tmp_path / "two", 3, 5)
+
+
+def shard(original, folder, first, count):
+    shutil.copytree(original, folder)
+    (part,) = parts(folder)
+    table = read_part(part)
+    part.unlink()
+    write_part(folder, "rows", table.slice(first, count), {RUN_ID: "x"})
+    return folder
+
+
+def change(folder, row, **values):
+    """Change one row of a folder, as another attempt at the same cell would have it."""
+    (part,) = parts(folder)
+    table = read_part(part).to_pylist()
+    table[row] |= {"run_id": "another", "started": "2030-01-01T00:00:00.000+00:00"} | values
+    part.unlink()
+    write_part(folder, "changed", rows_table(table), {RUN_ID: "another"})
+    return table[row]
+
+
+def frame(folder):
+    return read_rows(folder).to_pandas().sort_values(KEYS, ignore_index=True)
+
+
+def test_the_union_is_the_whole(original, halves, tmp_path):
+    made = merge(halves, tmp_path / "all")
+
+    assert (made.rows, made.again, made.stale) == (CELLS, 0, 0)
+    assert frame(made.folder).equals(frame(original))
+    held, one = manifest(made.folder), manifest(original)
+    assert held["finished"] == one["finished"]
+    assert held["runs"] == one["runs"]  # the same run in both: once
+    assert held["cells"] == CELLS
+    assert status(made.folder).finished
+    assert len(load([made.folder]).rows) == CELLS
+
+
+def test_a_union_that_is_not_whole_can_be_completed(experiment, original, tmp_path):
+    folders = [shard(original, tmp_path / str(first), first, 3) for first in (0, 2)]
+    made = merge(folders, tmp_path / "part")
+    assert made.rows == 5
+    assert manifest(made.folder)["finished"] is None
+    assert status(made.folder).left == {"analytic": CELLS - 5}
+
+    run(experiment, made.folder)
+
+    assert frame(made.folder)[KEYS].equals(frame(original)[KEYS])
+    assert status(made.folder).finished
+
+
+def test_the_folders_are_only_read(halves, tmp_path):
+    before = {f: f.read_bytes() for half in halves for f in half.rglob("*") if f.is_file()}
+    merge(halves, tmp_path / "all")
+
+    assert {f: f.read_bytes() for half in halves for f in half.rglob("*") if f.is_file()} == before
+
+
+def test_of_attempts_that_agree_the_earlier_is_kept(halves, tmp_path):
+    """However the folders are given; wall times may differ, and the gap a little."""
+    gap = read_rows(halves[1])["gap"][0].as_py()
+    change(halves[1], 0, wall_s=9.0, gap=gap + TOLERANCE / 2)
+    for order in (halves, halves[::-1]):
+        made = merge(order, tmp_path / "all")
+        assert (made.rows, made.again) == (CELLS, 1)
+        assert "another" not in set(read_rows(made.folder)["run_id"].to_pylist())
+        shutil.rmtree(made.folder)
+
+
+@pytest.mark.parametrize(
+    ("column", "value"),
+    [
+        ("verdict", "longer"),
+        ("outcome", "timeout"),
+        ("claim", "failed"),
+        ("word", None),
+        ("gap", 0.5),
+        ("gap", None),
+    ],
+)
+def test_a_contradiction_is_refused(halves, tmp_path, column, value):
+    """The cell, the column and both values are named, and nothing is written."""
+    before = read_rows(halves[1])[column][0].as_py()
+    row = change(halves[1], 0, **{column: value})
+    with pytest.raises(StoreError) as error:
+        merge(halves, tmp_path / "all")
+
+    said = str(error.value)
+    assert "contradict each other in 1 cell; nothing was merged" in said
+    assert ", ".join(str(row[name]) for name in KEYS) in said
+    assert f"{column} is " in said
+    for found, folder in ((before, halves[0]), (value, halves[1])):
+        shown = (
+            repr(found) if isinstance(found, str) else "missing" if found is None else f"{found:g}"
+        )
+        assert f"{shown} in {folder}" in said
+    assert {f.name for f in tmp_path.iterdir()} == {"one", "two"}
+
+
+def test_contradictions_are_counted_and_the_first_five_listed(original, tmp_path):
+    folders = [shard(original, tmp_path / name, 0, CELLS) for name in ("one", "two")]
+    for row in range(7):
+        change(folders[1], row, verdict="misses")
+    said = finished("merge", *folders, "--out", tmp_path / "all")
+
+    assert said.returncode == 2
+    assert said.stdout == ""
+    lines = said.stderr.splitlines()
+    assert "contradict each other in 7 cells" in lines[0]
+    assert len(lines) == 1 + 5 + 1
+    assert lines[-1].strip() == "and 2 more"
+    assert not (tmp_path / "all").exists()
+
+
+def test_other_code_is_another_cell(halves, tmp_path):
+    """Both rows are kept; the first folder's code counts, the other's rows are stale."""
+    change(halves[1], 0, verdict="misses", code="ffffffffffff")
+    made = merge(halves, tmp_path / "all")
+
+    assert (made.rows, made.again, made.stale) == (CELLS + 1, 0, 1)
+    assert status(made.folder).stale == 1
+    assert len(load([made.folder]).rows) == CELLS
+
+
+def _other(folder):
+    data = manifest(folder)
+    data["experiment"]["text"] += "# changed"
+    (folder / "manifest.json").write_text(json.dumps(data))
+    return "expected folders of one experiment, name and text"
+
+
+def _schema(folder):
+    (folder / "manifest.json").write_text(json.dumps(manifest(folder) | {"schema": 2}))
+    return "has schema 2; expected 3"
+
+
+def _damage(folder):
+    parts(folder)[0].write_bytes(b"PAR1")
+    return "it is no Parquet file, or damaged; run again for its rows"
+
+
+def _nothing(folder):
+    shutil.rmtree(folder)
+    return "is no results folder"
+
+
+def _link(folder):
+    (part,) = parts(folder)
+    place = part.rename(folder.parent / "elsewhere")
+    part.symlink_to(place)
+    return "is a link"
+
+
+@pytest.mark.parametrize("spoil", [_other, _schema, _damage, _nothing, _link])
+def test_folders_that_cannot_be_merged(halves, tmp_path, spoil):
+    message = spoil(halves[1])
+    before = {f.name for f in tmp_path.iterdir()}
+    said = finished("merge", *halves, "--out", tmp_path / "new" / "all")
+
+    assert said.returncode == 2
+    assert message in said.stderr
+    assert len(said.stderr.splitlines()) == 1
+    assert {f.name for f in tmp_path.iterdir()} - {"new"} == before
+    assert not any((tmp_path / "new").glob("*"))
+
+
+def test_places_that_are_taken(halves, tmp_path):
+    full = tmp_path / "full"
+    full.mkdir()
+    (full / "thesis.txt").write_text("mine")
+    (tmp_path / "link").symlink_to(full)
+    (tmp_path / "file").write_text("")
+    for out, message in ((full, "not empty"), ("link", "no folder"), ("file", "no folder")):
+        with pytest.raises(StoreError, match=message):
+            merge(halves, tmp_path / out)
+    assert [f.name for f in full.iterdir()] == ["thesis.txt"]
+    with pytest.raises(StoreError, match="at least two"):
+        merge(halves[:1], tmp_path / "new")
+    (tmp_path / "empty").mkdir()
+    assert merge(halves, tmp_path / "empty").rows == CELLS
+
+
+def test_a_folder_in_use_is_left_alone(tmp_path):
+    experiment, out = slow_experiment(tmp_path, nap=0.3, count=1000), tmp_path / "out"
+    with started("run", experiment, "--trust", "--out", out):
+        wait_for(lambda: parts(out))
+        with pytest.raises(StoreError, match="is in use by a run; merge it when that has ended"):
+            merge([out, out], tmp_path / "all")
+
+
+def test_a_merge_that_is_killed_leaves_nothing_at_its_place(halves, tmp_path, monkeypatch):
+    """What lies beside it is removed by the next one, unless a living one holds it."""
+    out = tmp_path / "all"
+    program = os.fork()
+    if program == 0:
+        monkeypatch.setattr(
+            "dubins_study.experiments.store.merge.write_manifest",
+            lambda *_: os.kill(os.getpid(), 9),
+        )
+        merge(halves, out)
+    assert os.WTERMSIG(os.waitpid(program, 0)[1]) == signal.SIGKILL
+    assert [f for f in tmp_path.iterdir() if f.name.startswith(".all.merging-")]
+    assert not out.exists()
+
+    merge(halves, out)
+
+    assert {f.name for f in tmp_path.iterdir()} == {"one", "two", "all"}
+    assert len(read_rows(out)) == CELLS
+
+
+STREAMED = """
+title = "streamed"
+question = "are files united?"
+solvers = ["analytic"]
+[[scenarios]]
+target_x = { linear = [-5, 5, 50] }
+target_y = { linear = [0.1, 5, 50] }
+"""
+
+
+@pytest.fixture
+def streamed(tmp_path, monkeypatch):
+    """A run of 2500 rows in five chunks, three of them in one folder and three in the other."""
+    monkeypatch.setattr(stream, "_CHUNK_PROVED", 500)
+    file = tmp_path / "streamed.toml"
+    file.write_text(STREAMED)
+    whole = run(str(file), tmp_path / "whole")
+    folders = [shutil.copytree(whole, tmp_path / name) for name in ("one", "two")]
+    for folder, without in zip(folders, (slice(3, 5), slice(0, 2)), strict=True):
+        for part in parts(folder)[without]:
+            part.unlink()
+    return whole, folders
+
+
+def test_streams_are_united_as_files(streamed, tmp_path, monkeypatch):
+    """Each chunk once; no row is read but of the chunk that both folders hold."""
+    whole, folders = streamed
+    read = []
+    monkeypatch.setattr(union, "read_part", lambda part, c: read.append(part) or read_part(part, c))
+    made = merge(folders, tmp_path / "all")
+
+    assert made.rows == 2500
+    assert [f.name for f in parts(made.folder)] == [f.name for f in parts(whole)]
+    assert [f.read_bytes() for f in parts(made.folder)] == [f.read_bytes() for f in parts(whole)]
+    assert {part.name for part in read} == {parts(whole)[2].name}
+    assert status(made.folder).finished
+    assert status(made.folder).done == status(whole).done == 2500
+
+
+def test_chunks_that_differ_are_a_contradiction(streamed, tmp_path):
+    _, folders = streamed
+    part = parts(folders[1])[0]
+    table, about = read_part(part), about_part(part)
+    place = table.column_names.index("verdict")
+    changed = table.set_column(place, "verdict", pa.array(["misses"] * len(table)))
+    write_part(folders[1], part.stem, changed, about)
+
+    with pytest.raises(StoreError, match="contradict each other in 500 cells"):
+        merge(folders, tmp_path / "all")
+    part.write_bytes(part.read_bytes()[:-9])
+    with pytest.raises(StoreError, match="is damaged; run that folder again before it is merged"):
+        merge(folders, tmp_path / "all")
+    assert not (tmp_path / "all").exists()
+
+
+def test_halves_that_no_run_finished_make_a_finished_whole(halves, tmp_path):
+    for half in halves:
+        (half / "manifest.json").write_text(json.dumps(manifest(half) | {"finished": None}))
+
+    assert status(merge(halves, tmp_path / "all").folder).finished
+
+
+WORDS = st.sampled_from(["optimal", "longer"])
+ATTEMPTS = st.lists(
+    st.tuples(st.integers(0, 4), st.integers(0, 3), WORDS, st.sampled_from([None, 0.0, 1.0])),
+    max_size=12,
+)
+
+
+def table_of(attempts, folder):
+    rows = [
+        dict.fromkeys(names(ROW))
+        | {"scenario_id": str(cell), "solver": "s", "repeat": 0, "code": "c"}
+        | {"verdict": verdict, "gap": gap, "run_id": f"{folder}", "started": f"2026-01-0{when + 1}"}
+        for cell, when, verdict, gap in {attempt[0]: attempt for attempt in attempts}.values()
+    ]
+    return rows_table(rows) if rows else ARROW_SCHEMA.empty_table()
+
+
+@given(ATTEMPTS, ATTEMPTS, ATTEMPTS)
+def test_any_folders(one, two, three):
+    """Against a dictionary: the earliest of each cell, or a refusal if two differ from it."""
+    tables = [table_of(own, i) for i, own in enumerate((one, two, three))]
+    best, clash = {}, False
+    every = [row for table in tables for row in table.to_pylist()]
+    for row in sorted(every, key=lambda row: row["started"]):
+        first = best.setdefault(row["scenario_id"], row)
+        clash |= (first["verdict"], first["gap"]) != (row["verdict"], row["gap"])
+    folders = [f"folder {i}" for i in range(3)]
+    if clash:
+        with pytest.raises(StoreError, match="contradict"):
+            merged_rows(tables, folders, TOLERANCE)
+        return
+    found = merged_rows(tables, folders, TOLERANCE)
+    assert {row["scenario_id"]: row for row in found.table.to_pylist()} == best
+    assert len(found.table) == len(best)
+    assert found.again == len(every) - len(best)
+    assert found.table.schema.equals(pa.schema(ARROW_SCHEMA))

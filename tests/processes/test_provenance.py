@@ -1,0 +1,185 @@
+"""What is known afterwards of where a row came from."""
+
+from __future__ import annotations
+
+import json
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from live_run import manifest, quick_experiment
+
+from dubins_study import run
+from dubins_study.experiments import provenance
+from dubins_study.experiments.engines.calibration import probe
+from dubins_study.experiments.provenance import governor, load_average, machine, solver_versions
+from dubins_study.experiments.store.folder import read_rows
+from dubins_study.experiments.store.run_entry import recorded
+from dubins_study.solvers import library_versions
+from dubins_study.solvers.registry import load
+from dubins_study.study.rows.machine_noise import Probe, by_machine, probes_of, spread, varied
+
+
+def test_the_governor_of_all_cores(tmp_path):
+    """Where it is not known, that is what is said; where cores differ, both are."""
+    assert governor(tmp_path) == "unknown"
+    for number, name in enumerate(("performance", "performance", "powersave")):
+        place = tmp_path / f"cpu{number}" / "cpufreq"
+        place.mkdir(parents=True)
+        (place / "scaling_governor").write_text(f"{name}\n")
+        expected = "performance" if number < 2 else "performance, powersave"
+        assert governor(tmp_path) == expected
+
+
+def test_the_machine_has_the_cores_that_may_be_used():
+    found = machine()
+
+    assert 1 <= found["usable_cores"] <= found["cores"] == os.cpu_count()
+    assert found["memory"].endswith(" GiB")
+    assert float(found["memory"].split()[0]) > 0
+
+
+def test_no_load_average_is_no_error(monkeypatch):
+    def fails():
+        raise OSError
+
+    monkeypatch.setattr(os, "getloadavg", fails)
+    assert load_average() is None
+
+
+def test_ipopt_inside_casadi_is_asked_itself():
+    """Against the name of the library's own file."""
+    import casadi
+
+    names = [file.name for file in Path(casadi.__file__).parent.glob("libipopt.so.3.*")]
+    if not names:
+        pytest.skip("this wheel names its library without its version")
+    assert library_versions.ipopt_in_casadi() == {"ipopt": names[0].removeprefix("libipopt.so.")}
+
+
+def test_scip_inside_pyscipopt_is_asked_itself():
+    from pyscipopt import Model
+
+    found = library_versions.scip()["scip"]
+    assert float(".".join(found.split(".")[:2])) == Model().version()
+
+
+def test_rows_hold_the_libraries_versions(tmp_path):
+    """Those of the worker that solved them."""
+    folder = run(str(quick_experiment(tmp_path, 2, 'ipopt", "analytic')), tmp_path / "out")
+    rows = read_rows(folder, ["versions"]).to_pylist()
+    by_solver = {row["solver"]: json.loads(row["versions"]) for row in rows}
+
+    assert by_solver["ipopt"] | library_versions.ipopt(False) == by_solver["ipopt"]
+    assert {"casadi", "pyomo", "dubins-study", "python", "numpy"} <= by_solver["ipopt"].keys()
+    assert "ipopt" not in by_solver["analytic"]
+
+
+class Untold:
+    packages = ()
+
+    def library_versions(self):
+        raise RuntimeError("no")
+
+
+def test_a_plugin_that_cannot_tell_its_versions_costs_no_row():
+    assert solver_versions(Untold())["library_versions"] == "raised RuntimeError"
+    assert "library_versions" not in solver_versions(load("analytic"))
+
+
+def test_a_run_leaves_an_entry(tmp_path):
+    """Command, machine, threads, load, state of the source, start and end."""
+    folder = run(str(quick_experiment(tmp_path, 3)), tmp_path / "out", limit=7.0)
+    held = manifest(folder)
+    (entry,) = held["runs"]
+
+    assert entry["command"].startswith("dubins-study run ")
+    assert "--limit 7.0" in entry["command"]
+    assert (entry["jobs"], entry["limit"], entry["threads"]) == (1, 7.0, 1)
+    assert entry["engine"] == "local"
+    assert entry["memory"] > 0
+    assert entry["machine"] == machine()
+    assert entry["governor"] == governor()
+    assert entry["git"] == provenance.source()
+    assert entry["state"] == "finished"
+    assert entry["started"] < entry["ended"]
+    assert len(entry["load_start"]) == len(entry["load_end"]) == 3
+    assert {entry["run_id"]} == set(read_rows(folder, ["run_id"])["run_id"].to_pylist())
+    assert held["solvers"]["slsqp"]["packages"] == {"scipy": __import__("scipy").__version__}
+
+
+def test_the_probe_is_small():
+    """Some milliseconds on any machine; a second would be felt."""
+    assert all(0 < took < 1 for took in (probe(), probe()))
+
+
+@given(st.lists(st.floats(1e-4, 1.0), min_size=5, max_size=60))
+def test_the_spread_is_that_of_the_quantiles(probes):
+    """By hand: sorted, linearly between neighbours; and the unit does not matter."""
+    ordered = sorted(probes)
+
+    def quantile(share):
+        place = share * (len(ordered) - 1)
+        low = int(place)
+        high = min(low + 1, len(ordered) - 1)
+        return ordered[low] + (place - low) * (ordered[high] - ordered[low])
+
+    expected = (quantile(0.95) - quantile(0.05)) / quantile(0.5)
+    assert spread(probes) == pytest.approx(expected, abs=1e-9)
+    assert spread([1000 * took for took in probes]) == pytest.approx(expected, abs=1e-9)
+
+
+def test_few_probes_say_nothing():
+    assert spread([]) is None
+    assert spread([1.0, 2.0, 3.0, 4.0]) is None
+    assert spread([1.0] * 5) == 0.0
+
+
+JSON = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=3),
+    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=2), inner),
+)
+
+
+@given(JSON)
+def test_probes_of_any_entry_are_numbers(value):
+    for listed in (value, [value, [1.0, value], [value, 1.0, 2], [0.0, 1.0, value]]):
+        found = probes_of({"probes": listed})
+        assert all(np.isfinite(took) and took > 0 and when >= 0 for when, took, _ in found)
+        share = varied(found)
+        assert share is None or share >= 0
+
+
+def test_machines_are_not_compared_with_each_other():
+    """Two that are steady, one twice as fast; a third that is not steady decides."""
+    steady = [Probe(i, 1e-3 * machine, machine) for i in range(20) for machine in (1, 2)]
+    loud = [Probe(i, 1e-3 * (1 + i % 2), 3) for i in range(20)]
+
+    assert varied(steady) == 0
+    assert varied(steady + loud) == spread([probe.took for probe in loud])
+    assert next(iter(by_machine(steady + loud))) == 3
+    assert varied([*steady, *loud[:4]]) == 0  # too few to tell
+    listed = [[p.when, p.took, p.machine] for p in steady] + [[1.0, 2.0]]
+    assert probes_of({"probes": listed}) == [*steady, Probe(1.0, 2.0)]
+
+
+def test_a_long_run_keeps_a_thousand_probes_at_most(tmp_path):
+    """Evenly over the whole run, each pair on a line of its own."""
+    held = {"schema": 3, "runs": [], "finished": None}
+    asked = {"run_id": "r"}
+    with recorded(tmp_path, held, asked) as record:
+        for i in range(10_000):
+            record.probe(1.0 + i)
+    (entry,) = manifest(tmp_path)["runs"]
+    took = [taken for _, taken in entry["probes"]]
+
+    assert 400 < len(took) <= 1000
+    assert set(np.diff(took)) == {16.0}
+    assert took[0] < 33
+    assert took[-1] > 9980
+    text = (tmp_path / "manifest.json").read_text()
+    assert f"[{entry['probes'][0][0]}, {entry['probes'][0][1]}]" in text
+    assert json.loads(text)["finished"] is not None

@@ -1,0 +1,364 @@
+"""Runs: every cell a row, nothing twice, and what is done stays done."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pyarrow as pa
+import pyarrow.compute as pc
+import pyarrow.parquet as pq
+import pytest
+
+from dubins_study import run
+from dubins_study.experiments.definition.experiment import ExperimentError, read
+from dubins_study.experiments.engines.judging import Run
+from dubins_study.experiments.engines.rows import ARROW_SCHEMA
+from dubins_study.experiments.interruption import Interruption
+from dubins_study.experiments.isolation.supervisor import Supervisor
+from dubins_study.experiments.isolation.watch import Bounds
+from dubins_study.experiments.plan.cells import chains
+from dubins_study.experiments.store.folder import StoreError, done, read_rows, write_part
+from dubins_study.solvers.attempt import nothing
+from dubins_study.solvers.protocol import Outcome
+from dubins_study.solvers.registry import SolverError
+from dubins_study.study.rows.schema import ROW, VERSION, documentation, names
+
+SMALL = """
+title = "small"
+question = "does it run?"
+solvers = ["analytic", "slsqp"]
+branches = ["best", "LS"]
+starts = ["cold", "warm"]
+
+[[scenarios]]
+label = "sweep"
+target_x = 0
+target_y = 3
+radius = { linear = [1.0, 2.0, 4] }
+"""
+CELLS = 2 * 4 + 2 * 2 * 4  # analytic has no warm starts
+
+
+@pytest.fixture
+def small(tmp_path):
+    file = tmp_path / "small.toml"
+    file.write_text(SMALL)
+    return str(file)
+
+
+def rows(folder):
+    return read_rows(folder).to_pandas()
+
+
+def test_every_cell_becomes_a_judged_row(small, tmp_path):
+    folder = run(small, tmp_path / "out")
+
+    found = rows(folder)
+    assert list(found.columns) == names(ROW)
+    assert len(found) == CELLS
+    assert not found.duplicated(subset=["solver", "branch", "start", "radius"]).any()
+    assert set(found["outcome"]) == {"returned"}
+    best = found[found["branch"] == "best"]
+    assert set(best["verdict"]) == {"optimal"}
+    # R = 2 puts the target into the left disc, where LS does not exist
+    gone = found[(found["radius"] == 2.0) & (found["branch"] == "LS")]
+    assert set(gone[gone["solver"] == "analytic"]["verdict"]) == {"none exists"}
+    assert (found["threads"] == 1).all()
+    assert (found["wall_s"] > 0).all()
+    assert json.loads(found["versions"][0])["numpy"]
+
+
+def test_the_manifest_says_where_the_run_came_from(small, tmp_path):
+    folder = run(small, tmp_path / "out", repeats=2)
+    manifest = json.loads((folder / "manifest.json").read_text())
+
+    assert manifest["schema"] == VERSION
+    assert manifest["experiment"]["text"] == SMALL
+    assert manifest["solvers"]["slsqp"]["settings"]["model"] == "words"
+    assert manifest["command"].endswith("--jobs 1 --repeats 2")
+    assert manifest["finished"]
+    assert manifest["machine"]["cores"] >= 1
+    assert manifest["cells"] == 2 * CELLS == len(rows(folder))
+
+
+def test_a_finished_run_is_one_part_and_a_second_run_solves_nothing(small, tmp_path, monkeypatch):
+    folder = run(small, tmp_path / "out")
+    before = rows(folder)
+    assert len(list((folder / "parts").iterdir())) == 1
+    monkeypatch.setattr(Supervisor, "solve", lambda *a: pytest.fail("solved again"))
+
+    run(small, folder)
+
+    assert rows(folder).equals(before)
+
+
+def test_a_second_run_that_solves_nothing_leaves_the_manifest(small, tmp_path):
+    folder = run(small, tmp_path / "out")
+    before = (folder / "manifest.json").read_text()
+
+    run(small, folder)
+
+    assert (folder / "manifest.json").read_text() == before
+
+
+def test_adding_a_solver_keeps_what_is_there(small, tmp_path):
+    """The manifest counts all cells and names all solvers; the origin stays."""
+    folder = run(small, tmp_path / "out", solvers=["analytic"])
+    first = json.loads((folder / "manifest.json").read_text())
+
+    run(small, folder, solvers=["slsqp[count=3]", "analytic"])
+
+    manifest = json.loads((folder / "manifest.json").read_text())
+    assert set(manifest["solvers"]) == {"analytic", "slsqp[count=3]"}
+    assert manifest["cells"] == len(rows(folder)) > first["cells"]
+    assert manifest["created"] == first["created"]
+    assert manifest["finished"] > first["finished"]
+
+
+def test_rows_without_a_solve_are_interrupted_too(small, monkeypatch):
+    """Of a solver that is not tried again: thousands of rows hold up neither Ctrl-C nor news."""
+    cells = chains(read(small).experiment) * 400
+    reply = nothing(Outcome.CRASHED, "no more")
+    stop, rows = Interruption(), 0
+    with Supervisor(Run("r", 60.0, 1), Bounds(60.0, 2**32), 1) as workers:
+        monkeypatch.setattr(workers._loading, "reply", lambda cell: reply)
+        for made in workers.solve(cells, {}, stop):
+            rows += len(made)
+            stop.asked = rows >= 300
+    assert 300 <= rows < 310
+
+    stop.asked, rows = False, 0
+    with Supervisor(Run("r", 60.0, 1), Bounds(60.0, 2**32), 1) as workers:
+        monkeypatch.setattr(workers._loading, "reply", lambda cell: reply)
+        rows = sum(map(len, workers.solve(cells, {}, stop)))
+    assert rows == sum(map(len, cells))
+
+
+def test_a_run_cut_short_is_completed(small, tmp_path, monkeypatch):
+    """Whatever is done stays; the rest is added; a warm sweep goes on from its last path."""
+    whole = rows(run(small, tmp_path / "whole"))
+    original = Supervisor.solve
+
+    def cut_short(self, *arguments):
+        for rows in original(self, *arguments):
+            yield rows
+            if any(row["start"] == "warm" and row["radius"] > 1 for row in rows):
+                raise KeyboardInterrupt
+
+    monkeypatch.setattr(Supervisor, "solve", cut_short)
+    with pytest.raises(KeyboardInterrupt):
+        run(small, tmp_path / "cut")
+    monkeypatch.undo()
+    kept = done(tmp_path / "cut")
+    assert 0 < len(kept) < CELLS
+    assert not json.loads((tmp_path / "cut" / "manifest.json").read_text())["finished"]
+
+    again = rows(run(small, tmp_path / "cut"))
+
+    key = ["scenario_id", "solver", "branch", "start"]
+    same = [*key, "length", "verdict", "evaluations"]
+    order = whole.sort_values(key)[same].reset_index(drop=True)
+    assert again.sort_values(key)[same].reset_index(drop=True).equals(order)
+
+
+def test_fresh_throws_away(small, tmp_path):
+    folder = run(small, tmp_path / "out")
+    first = set(rows(folder)["run_id"])
+
+    run(small, folder, fresh=True)
+
+    assert not first & set(rows(folder)["run_id"])
+
+
+def test_several_processes_find_the_same(small, tmp_path):
+    columns = ["scenario_id", "solver", "branch", "start", "length", "verdict"]
+    key = columns[:4]
+    one = rows(run(small, tmp_path / "one"))[columns].sort_values(key, ignore_index=True)
+    two = rows(run(small, tmp_path / "two", jobs=2))[columns].sort_values(key, ignore_index=True)
+
+    assert one.equals(two)
+
+
+def test_a_worker_that_ends_is_a_row(small, tmp_path):
+    plugin = tmp_path / "deadly.py"
+    plugin.write_text(
+        "import os\nfrom dubins_study.solvers.paper_nlp.slsqp import Slsqp\n"
+        "class Deadly(Slsqp):\n    def solve(self, model, limit): os._exit(1)\n"
+    )
+    found = rows(run(small, tmp_path / "out", solvers=[f"{plugin}:Deadly"], jobs=2))
+
+    assert len(found) == 16
+    assert set(found["outcome"]) == {"crashed"}
+    assert set(found["native_status"]) == {"exit 1"}
+
+
+def test_a_solver_that_raises_is_a_row(small, tmp_path):
+    plugin = tmp_path / "raising.py"
+    plugin.write_text(
+        "from dubins_study.solvers.paper_nlp.slsqp import Slsqp\n"
+        "class Raising(Slsqp):\n    def solve(self, model, limit): raise OSError('no licence')\n"
+    )
+    found = rows(run(small, tmp_path / "out", solvers=[f"{plugin}:Raising"]))
+
+    assert set(found["outcome"]) == {"raised"}
+    assert set(found["message"]) == {"OSError: no licence"}
+    assert set(found["verdict"]) == {"none"}
+
+
+def test_folders_that_cannot_be_used(small, tmp_path):
+    other = tmp_path / "other"
+    other.mkdir()
+    (other / "thesis.txt").write_text("mine")
+    with pytest.raises(StoreError, match=r"holds something else and no manifest\.json"):
+        run(small, other)
+    assert [f.name for f in other.iterdir()] == ["thesis.txt"]
+
+    file = tmp_path / "file"
+    file.write_text("")
+    with pytest.raises(StoreError, match="cannot write to"):
+        run(small, file / "out")
+
+    folder = run(small, tmp_path / "out")
+    Path(small).write_text(SMALL.replace("small", "changed"))
+    with pytest.raises(StoreError, match="holds results of another text of experiment"):
+        run(small, folder)
+
+
+def test_rows_in_two_parts_are_read_once(small, tmp_path):
+    """A run killed while compacting leaves its rows twice."""
+    folder = run(small, tmp_path / "out")
+    part = next((folder / "parts").iterdir())
+    (folder / "parts" / "copy.parquet").write_bytes(part.read_bytes())
+
+    assert len(rows(folder)) == CELLS
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"jobs": 0}, "jobs is 0"),
+        ({"jobs": "2"}, "jobs is '2'; expected a whole number"),
+        ({"jobs": 1.5}, "jobs is 1.5; expected a whole number"),
+        ({"jobs": True}, "jobs is True; expected a whole number"),
+        ({"experiment": None}, "experiment is None; expected a name or the path"),
+        ({"out": 3}, "out is 3; expected the path of a folder"),
+        ({"repeats": True}, "repeats is True: expected a number"),
+        ({"repeats": 1.5}, "repeats is 1.5: expected a whole number"),
+        ({"limit": "long"}, "limit is 'long': expected a number"),
+        ({"solvers": "slsqp"}, "solvers is 'slsqp': expected a list"),
+        ({"solvers": [3]}, "solvers.0 is 3: expected a text"),
+        ({"repeats": 0}, "repeats is 0"),
+        ({"limit": 0.0}, "limit is 0"),
+        ({"solvers": []}, "solvers is"),
+    ],
+)
+def test_requests_that_are_refused_leave_no_folder(small, tmp_path, change, message):
+    with pytest.raises(ExperimentError, match=message):
+        run(**{"experiment": small, "out": tmp_path / "out"} | change)
+    assert not (tmp_path / "out").exists()
+
+
+def test_errors_name_the_file_unless_the_caller_is_to_blame(small, tmp_path):
+    with pytest.raises(SolverError, match=r"^solver 'ipopt' has no setting 'steps'"):
+        run(small, solvers=["ipopt[steps=1]"])
+    for old, new, message in (
+        ('"analytic"', '"anal"', "solvers: no solver named 'anal'"),
+        ('"analytic"', '"ipopt[steps=3]"', "solvers: solver 'ipopt' has no setting 'steps'"),
+        ("[1.0, 2.0, 4]", "[-1.0, 2.0, 4]", "scenarios.0, scenario 0: radius is -1.0"),
+        ('label = "sweep"', 'solvers = ["anal"]', "scenarios.0.solvers: no solver named 'anal'"),
+    ):
+        Path(small).write_text(SMALL.replace(old, new))
+        with pytest.raises(ValueError, match=rf"small\.toml: {message}"):
+            run(small, tmp_path / "out")
+    assert not (tmp_path / "out").exists()
+
+
+MISFITS = """
+from dataclasses import dataclass
+from dubins_study.solvers.paper_nlp.slsqp import Slsqp
+class NoBranches(Slsqp):
+    branches = ()
+@dataclass(frozen=True)
+class Infinite(Slsqp):
+    patience: float = float("inf")
+class Late(Slsqp):
+    def solve(self, model, limit):
+        solution = super().solve(model, limit)
+        object.__setattr__(solution, "evaluations", "x")
+        return solution
+"""
+
+
+@pytest.mark.parametrize("jobs", [1, 2])
+def test_a_plugin_that_breaks_its_promise_spoils_no_other_row(small, tmp_path, jobs):
+    plugin = tmp_path / "misfits.py"
+    plugin.write_text(MISFITS)
+    specs = [f"{plugin}:{name}" for name in ("NoBranches", "Infinite", "Late")]
+    found = rows(run(small, tmp_path / "out", solvers=["analytic", *specs], jobs=jobs))
+
+    by_solver = {spec: set(part["outcome"]) for spec, part in found.groupby("solver")}
+    assert len(found) == 8 + 3 * 16
+    assert by_solver["analytic"] == by_solver[specs[1]] == {"returned"}
+    assert by_solver[specs[0]] == by_solver[specs[2]] == {"raised"}
+    said = set(found[found["solver"] == specs[2]]["message"])
+    assert said == {"TypeError: evaluations is 'x'; expected a count or None"}
+
+
+def test_progress_counts_every_cell(small, tmp_path):
+    told = []
+    run(small, tmp_path / "out", progress=lambda n, total: told.append((n, total)))
+
+    assert told[-1] == (CELLS, CELLS)
+    assert [n for n, _ in told] == sorted(n for n, _ in told)
+
+
+def test_the_schema_and_its_documentation_agree():
+    """results/README.md is generated from the declaration; every column has an Arrow type."""
+    readme = Path(__file__).parents[2] / "results" / "README.md"
+
+    assert documentation() in readme.read_text(encoding="utf-8")
+    assert ARROW_SCHEMA.names == names(ROW)
+
+
+LATE = """
+from pathlib import Path
+from dubins_study.solvers.paper_nlp.slsqp import Slsqp
+class Warmed(Slsqp):
+    def solve(self, model, limit):
+        scenario, start = model.question.scenario, model.question.start
+        if scenario.radius == 2 and FAILS:
+            raise ValueError("the second fails")
+        solution = super().solve(model, limit)
+        told = "none" if start is None else f"{start.length.sum():.6f}"
+        object.__setattr__(solution, "message", told)
+        return solution
+"""
+
+
+def test_a_resumed_sweep_starts_where_an_unbroken_one_would(tmp_path):
+    """After a failure, and across holes: from the last path that was found before."""
+    plugin, file = tmp_path / "late.py", tmp_path / "sweep.toml"
+    plugin.write_text(LATE.replace("FAILS", "True"))
+    file.write_text(
+        'title = "sweep"\nquestion = "?"\nsolvers = ["analytic"]\nstarts = ["warm"]\n'
+        "[[scenarios]]\ntarget_x = 9\ntarget_y = 3\nradius = [1, 2, 3, 4, 5]\n"
+    )
+    spec = f"{plugin}:Warmed"
+    whole = rows(run(file, tmp_path / "out", solvers=[spec])).sort_values("radius")
+    started = whole["message"].tolist()
+    assert started[1] == "ValueError: the second fails"
+    assert started[0] == "none" not in started[2:]
+
+    for gone in ([3.0, 4.0, 5.0], [3.0, 5.0], [4.0], [2.0, 3.0]):
+        part = next((tmp_path / "out" / "parts").glob("*.parquet"))
+        table = pq.read_table(part)
+        kept = table.filter(pc.invert(pc.is_in(table["radius"], value_set=pa.array(gone))))
+        name = part.stem
+        part.unlink()
+        write_part(tmp_path / "out", name, kept)
+
+        again = rows(run(file, tmp_path / "out", solvers=[spec])).sort_values("radius")
+
+        assert again["message"].tolist() == started
+        assert len(again) == 5

@@ -1,0 +1,300 @@
+"""Experiments: what a file may say, what is expanded from it, and what is said of mistakes."""
+
+from __future__ import annotations
+
+import math
+import re
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from dubins_study.experiments.definition.experiment import ExperimentError, packaged, parse, read
+from dubins_study.experiments.plan import cells as grid
+from dubins_study.experiments.plan.cells import chains, scenario_id, shuffled
+from dubins_study.experiments.plan.solver_specs import expand_solvers
+from dubins_study.solvers.registry import SolverError, load, registered
+from dubins_study.study.closed_form.shortest import local, shortest
+from dubins_study.study.scenario import Scenario
+
+HEAD = 'title = "t"\nquestion = "q"\nsolvers = ["analytic"]\n'
+LOCAL = HEAD.replace("analytic", "slsqp")
+BLOCK = "[[scenarios]]\ntarget_x = 3\ntarget_y = 2\n"
+
+
+def expand(text: str) -> list[Scenario]:
+    groups = chains(parse("name", "name.toml", text).experiment)
+    return [cell.scenario for group in groups for cell in group]
+
+
+@pytest.mark.parametrize("name", packaged())
+def test_packaged_experiments_are_valid(name):
+    """Each has a title, a question, and cells with keys of their own."""
+    experiment = read(name).experiment
+    cells = [cell for group in chains(experiment) for cell in group]
+
+    assert experiment.question.endswith("?")
+    assert len({cell.key for cell in cells}) == len(cells)
+
+
+def test_the_issues_experiments_are_there():
+    assert {"paper", "radius-sweep", "random", "plane", "discretisation"} <= set(packaged())
+
+
+def test_products_and_sweeps():
+    """Fields vary in the order of the scenario's own, the last one fastest."""
+    found = expand(
+        HEAD + '[[scenarios]]\nheading = ["90deg", 0]\ntarget_x = { linear = [1, 3, 3] }\n'
+        "target_y = 2\nradius = { log = [0.1, 10, 3] }\n"
+    )
+
+    assert len(found) == 2 * 3 * 3
+    assert found[0].heading == pytest.approx(math.pi / 2)
+    assert [s.radius for s in found[:3]] == pytest.approx([0.1, 1, 10])
+    assert [s.target_x for s in found[::3]] == pytest.approx([1, 2, 3, 1, 2, 3])
+
+
+WARM = 'title = "t"\nquestion = "q"\nsolvers = ["slsqp"]\nstarts = ["warm"]\n'
+
+
+def test_a_sweep_is_known_by_all_its_cells():
+    """Two sweeps with one cell in common are not one sweep, nor can both own that cell; the same
+    sweep twice is one."""
+    first, second = (BLOCK + f"radius = [{radii}]\n" for radii in ("1, 1.5, 2", "1, 0.5, 0.25"))
+    other = second.replace("[[scenarios]]", '[[scenarios]]\nlabel = "down"')
+
+    assert len(expand(WARM + first + first)) == 3
+    assert len(expand(WARM + first + other)) == 6
+    with pytest.raises(ExperimentError, match=r"scenarios.1, scenario 0: already swept by scen"):
+        expand(WARM + first + second)
+    with pytest.raises(ExperimentError, match=r"scenarios.0, scenario 2: already swept by itself"):
+        expand(WARM + BLOCK + "radius = [1, 2, 1]\n")
+
+
+def test_polar_targets():
+    found = expand(
+        HEAD + '[[scenarios]]\nheading = "30deg"\nradius = 2\ndistance = 5\nbearing = "60deg"\n'
+    )
+
+    assert (found[0].target_x, found[0].target_y) == pytest.approx((0, 10))
+
+
+@pytest.mark.parametrize("method", ["sobol", "latin hypercube"])
+def test_samples_repeat_and_fill_their_ranges(method):
+    text = HEAD + (
+        "[[scenarios]]\n[scenarios.sample]\n"
+        f'method = "{method}"\ncount = 64\nseed = 5\n'
+        "[scenarios.sample.ranges]\ndistance = { log = [0.05, 1000] }\n"
+        'bearing = { linear = ["-pi", "pi"] }\n'
+    )
+    found = expand(text)
+
+    assert found == expand(text)
+    assert found != expand(text.replace("seed = 5", "seed = 6"))
+    distances = sorted(math.hypot(s.target_x, s.target_y) for s in found)
+    assert 0.05 <= distances[0] < 0.1
+    assert 500 < distances[-1] <= 1000
+    # uniform in the logarithm: the median is the geometric mean of the ends
+    assert distances[32] == pytest.approx(math.sqrt(0.05 * 1000), rel=0.3)
+
+
+def test_the_radius_sweep_crosses_the_circle():
+    """At least 60 radii a problem, on both sides of the radius where the target enters."""
+    experiment = read("radius-sweep").experiment
+    by_label: dict[str, list[Scenario]] = {}
+    for group in chains(experiment.model_copy(update={"solvers": ["analytic"]})):
+        for cell in group:
+            by_label.setdefault(cell.scenario.label, []).append(cell.scenario)
+
+    assert len(by_label) == 5
+    for sweep in by_label.values():
+        assert len(sweep) >= 60
+        inside = [max(local(s).w, local(s).mirrored.w) > 0 for s in sweep]
+        assert inside == sorted(inside)
+        assert True in inside
+        assert False in inside
+        assert {len(shortest(s).word) for s in sweep} == {2}
+
+
+def test_warm_sweeps_are_chains_and_only_for_solvers_that_use_a_start():
+    text = HEAD.replace('["analytic"]', '["analytic", "slsqp"]') + 'starts = ["cold", "warm"]\n'
+    groups = chains(parse("n", "n", text + BLOCK + "radius = { log = [0.1, 1, 5] }\n").experiment)
+
+    assert sorted(len(g) for g in groups) == [1] * 10 + [5]
+    assert {g[0].solver for g in groups if g[0].start == "warm"} == {"slsqp"}
+
+
+def test_order_is_drawn_from_the_seed():
+    groups = chains(read("paper").experiment)
+
+    assert shuffled(groups, 1) == shuffled(groups, 1)
+    assert shuffled(groups, 1) != shuffled(groups, 2)
+    assert sorted(shuffled(groups, 1)) == sorted(groups)
+
+
+def test_solver_patterns():
+    assert expand_solvers(["*", "slsqp"]) == registered()
+    assert expand_solvers(["slsqp[model={words,joint}]"]) == ["slsqp", "slsqp[model=joint]"]
+    assert expand_solvers(["slsqp[ftol={1e-6,1e-9},count={3,4}]"]) == [
+        "slsqp[count=3,ftol=1e-06]",
+        "slsqp[count=4,ftol=1e-06]",
+        "slsqp[count=3,ftol=1e-09]",
+        "slsqp[count=4,ftol=1e-09]",
+    ]
+    with pytest.raises(SolverError, match="no solver named"):
+        expand_solvers(["nope"])
+
+
+@pytest.mark.parametrize(
+    ("spec", "message"),
+    [
+        ("turn-rate-qp[n={10,20]", "']' at character 22 closes nothing"),
+        ("turn-rate-qp[n={10,20}", "'[' is not closed"),
+        ("turn-rate-qp[n=10,20}]", "'}' at character 21 closes nothing"),
+        ("slsqp]", "']' at character 6 closes nothing"),
+    ],
+)
+def test_brackets_that_do_not_match_are_said_to(spec, message):
+    with pytest.raises(SolverError, match=re.escape(message)):
+        expand_solvers([spec])
+
+
+def sample(count: int, seed: int) -> str:
+    return (
+        f'sample = {{ method = "sobol", count = {count}, seed = {seed}, '
+        "ranges = { heading = { linear = [0, 1] } } }\n"
+    )
+
+
+def test_sizes_are_counted_exactly():
+    """What is compared with the limit is what would be expanded."""
+    text = HEAD.replace('["analytic"]', '["analytic", "slsqp"]') + (
+        'starts = ["cold", "warm"]\nrepeats = 2\n' + BLOCK + "radius = { log = [1, 2, 5] }\n"
+    )
+    experiment = parse("n", "n", text + "speed = [1, 2]\n" + sample(4, 1)).experiment
+    cells = [cell for group in chains(experiment) for cell in group]
+    assert len(cells) == 2 * 5 * 2 * 4 * 3
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setattr(grid, "MOST_CELLS", len(cells))
+        chains(experiment)
+        patched.setattr(grid, "MOST_CELLS", len(cells) - 1)
+        with pytest.raises(ExperimentError, match="40 scenarios and 240 cells"):
+            chains(experiment)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("x = ", "bad.toml: not TOML"),
+        (BLOCK, "title: missing"),
+        (HEAD, "scenarios: missing"),
+        (HEAD + "colour = 1\n" + BLOCK, "colour: unknown key"),
+        (HEAD + BLOCK + "radios = 1\n", "scenarios.0.radios: unknown key"),
+        (HEAD + 'branches = ["SL"]\n' + BLOCK, "no branch named 'SL'; choose from best"),
+        (HEAD + 'profile = "slow"\n' + BLOCK, "profile is 'slow': no profile named"),
+        (HEAD + "repeats = 0\n" + BLOCK, "repeats is 0"),
+        (HEAD + "limit = -1\n" + BLOCK, "limit is -1"),
+        (HEAD + "limit = nan\n" + BLOCK, "limit is nan"),
+        (HEAD + BLOCK + 'heading = "east"\n', "'east' is not an angle"),
+        (HEAD + BLOCK + "radius = 0\n", "scenarios.0, scenario 0: radius is 0.0"),
+        (HEAD + BLOCK + "radius = nan\n", "scenarios.0.radius is nan"),
+        (HEAD + BLOCK + "radius = { log = [0, 1, 3] }\n", "starts and ends above 0"),
+        (HEAD + BLOCK + "radius = { log = [1, 2] }\n", "scenarios.0.radius.log"),
+        (HEAD + "[[scenarios]]\ntarget_x = 1\n", "expected target_x and target_y, or distance"),
+        (HEAD + "[[scenarios]]\ndistance = 1\ntarget_y = 2\n", "or distance and bearing"),
+        (HEAD + BLOCK + 'sample = { method = "dice", count = 1, seed = 1 }\n', "sample"),
+        ("scenarios = 3\n" + HEAD, "scenarios is 3: expected a list"),
+        ("scenarios = []\n" + HEAD, "scenarios is []: expected at least one"),
+        (HEAD + "starts = []\n" + BLOCK, "starts is []: expected at least one"),
+        (HEAD + 'starts = ["hot"]\n' + BLOCK, "starts.0 is 'hot': expected 'cold' or 'warm'"),
+        (HEAD + "repeats = true\n" + BLOCK, "repeats is True: expected a number"),
+        (HEAD + "repeats = 1.5\n" + BLOCK, "repeats is 1.5: expected a whole number"),
+        (HEAD + "limit = true\n" + BLOCK, "limit is True: expected a number"),
+        (HEAD + "seed = -1\n" + BLOCK, "seed is -1: expected a number of at least 0"),
+        (HEAD + BLOCK + "label = 3\n", "scenarios.0.label is 3: expected a text"),
+        (HEAD + BLOCK + "radius = true\n", "scenarios.0.radius is True: expected a number"),
+        (HEAD + BLOCK + "radius = [1, true]\n", "scenarios.0.radius.1 is True: expected a number"),
+        (HEAD + BLOCK + "radius = []\n", "scenarios.0.radius is []: expected at least one"),
+        (HEAD + BLOCK + "branches = []\n", "scenarios.0.branches is []: expected at least one"),
+        (HEAD + BLOCK + "solvers = []\n", "scenarios.0.solvers is []: expected at least one"),
+        (HEAD + BLOCK + "radius = { lin = 1 }\n", "scenarios.0.radius: expected a number, a list"),
+        (HEAD + BLOCK + "radius = 2026-01-01\n", "): expected a number, a list of numbers, { lin"),
+        (HEAD + BLOCK + "radius = { log = [1, 2] }\n", "is [1, 2]: expected [first, last, count]"),
+        (HEAD + BLOCK + "radius = { linear = [1, 2, true] }\n", "linear.2 is True: expected a num"),
+        (HEAD + BLOCK + "radius = " + "9" * 5000 + "\n", "bad.toml: not TOML"),
+        (HEAD + BLOCK + "radius = " + "[" * 5000 + "\n", "bad.toml: not TOML"),
+        (HEAD + BLOCK + sample(1, -1), "sample.seed is -1: expected a number of at least 0"),
+        (HEAD + BLOCK + sample(0, 1), "sample.count is 0: expected a number of at least 1"),
+        (HEAD + BLOCK + sample(1, 1).replace("0, 1", "1"), "is [1]: expected [low, high]"),
+        (LOCAL + BLOCK + sample(10**9, 1), "scenarios.0: 1000000000 scenarios and 1000000000 cel"),
+        (
+            HEAD + BLOCK + "x = { linear = [1, 2, 11] }\n" + sample(10**9, 1),
+            "scenarios.0: 11000000000 rows of the closed form up to here; expected at most 10000",
+        ),
+        (
+            LOCAL + BLOCK + "radius = { linear = [1, 2, 1000000000] }\nx = [1, 2]\n",
+            "at most 2000000",
+        ),
+        (HEAD + "repeats = 1000000000\n" + BLOCK, "scenarios.0: 1 scenarios and 1000000000 cells"),
+        (LOCAL + 2 * (BLOCK + "x = { linear = [1, 2, 1500000] }\n"), "3000000 cells up to here"),
+    ],
+)
+def test_mistakes_name_file_key_and_value(text, message):
+    with pytest.raises(ExperimentError) as error:
+        expand(text) if "title" not in message else parse("bad", "bad.toml", text)
+
+    assert message in str(error.value).replace("name.toml", "bad.toml")
+    assert "\n" not in str(error.value)
+
+
+def test_experiments_that_are_not_there(tmp_path):
+    with pytest.raises(ExperimentError, match="no experiment named 'nope'; choose one of: "):
+        read("nope")
+    with pytest.raises(ExperimentError, match="cannot be read: No such file"):
+        read(str(tmp_path / "nope.toml"))
+    (tmp_path / "latin.toml").write_bytes(b"\xff\xfe")
+    with pytest.raises(ExperimentError, match="not UTF-8"):
+        read(str(tmp_path / "latin.toml"))
+
+
+@given(st.text(max_size=80))
+def test_any_text_gets_one_message(text):
+    """Whatever the file holds, there is one clear refusal."""
+    # no short text can hold all that an experiment needs
+    with pytest.raises(ExperimentError, match=r"^any\.toml: "):
+        parse("any", "any.toml", text)
+
+
+def test_scenario_ids_depend_on_every_bit():
+    one = Scenario(0, 0, 0, 1, 2, 1)
+
+    assert scenario_id(one) == scenario_id(Scenario(0, 0, 0, 1.0, 2, 1))
+    assert scenario_id(one) != scenario_id(Scenario(0, 0, 0, math.nextafter(1, 2), 2, 1))
+    assert scenario_id(one) != scenario_id(Scenario(0, 0, 0, 1, 2, 1, label="a"))
+
+
+@pytest.mark.parametrize(
+    ("block", "message"),
+    [
+        ("arc = 1\nmargin = -1.5", "margin is -1.5; expected at least -1"),
+        (
+            "target_x = 1\ntarget_y = 2\nbegin = {z1 = 0, z2 = 0, z3 = -1}",
+            "begin is .*expected",
+        ),
+        ("target_x = 1\ntarget_y = 2\nbegin = {z1 = 0, z2 = 0, z3 = 1e300}", "begin is .*expected"),
+    ],
+)
+def test_places_and_beginnings_that_cannot_be(block, message):
+    text = HEAD.replace("analytic", "ipopt") + "[[scenarios]]\n" + block + "\n"
+    with pytest.raises(ExperimentError, match=message):
+        expand(text)
+
+
+def test_a_solver_that_takes_no_start_is_not_dropped_in_silence():
+    """Named beside a `begin` it is a mistake; `*` means those that take one."""
+    block = "[[scenarios]]\ntarget_x = 1\ntarget_y = 2\nbegin = {z1 = 1, z2 = 0, z3 = [1, 2]}\n"
+
+    with pytest.raises(SolverError, match="analytic takes no start"):
+        expand(HEAD + block)
+    found = expand(HEAD.replace("analytic", "*") + block)
+    assert len(found) == 2 * sum(load(name).warm for name in registered())

@@ -1,0 +1,179 @@
+"""What `status` says of a folder: counted by hand, and estimated from what the folder holds."""
+
+from __future__ import annotations
+
+import json
+import shutil
+
+import pytest
+from live_run import finished, manifest, parts, quick_experiment, slow_experiment, started, wait_for
+
+from dubins_study import run, status
+from dubins_study.experiments.engines.rows import rows_table
+from dubins_study.experiments.store.parts import RUN_ID, read_part, write_part
+
+CELLS = 10
+
+
+@pytest.fixture(scope="module")
+def original(tmp_path_factory):
+    place = tmp_path_factory.mktemp("status")
+    experiment = quick_experiment(place, CELLS, 'analytic", "slsqp", "shooting')
+    return run(str(experiment), place / "out")
+
+
+@pytest.fixture
+def folder(original, tmp_path):
+    shutil.copytree(original, tmp_path / "out")
+    return tmp_path / "out"
+
+
+def rewrite(folder, edit):
+    """Put other rows into a folder: those that `edit` makes of its own."""
+    (part,) = parts(folder)
+    rows = edit(read_part(part).to_pylist())
+    part.unlink()
+    write_part(folder, "edited", rows_table(rows), {RUN_ID: "x"})
+
+
+def amend(folder, **changes):
+    file = folder / "manifest.json"
+    file.write_text(json.dumps(manifest(folder) | changes))
+
+
+def test_done_left_and_failing_are_counted(folder):
+    """Of 30 cells: 2 of slsqp and all of shooting left, 3 timed out, 1 of earlier code."""
+
+    def edit(rows):
+        rows = [row for row in rows if row["solver"] != "shooting"]
+        own = [row for row in rows if row["solver"] == "slsqp"]
+        for row in own[:3]:
+            row |= {"outcome": "timeout", "claim": "none", "verdict": "none"}
+        own[3]["code"] = "ffffffffffff"
+        rows.remove(own[4])
+        return rows
+
+    rewrite(folder, edit)
+    found = status(folder)
+
+    assert (found.cells, found.done, found.stale) == (3 * CELLS, 2 * CELLS - 2, 1)
+    assert found.left == {"slsqp": 2, "shooting": CELLS}
+    assert found.failing == {"timeout": 3}
+    assert found.verdicts["slsqp"] == {"timeout": 3, "optimal": CELLS - 5}
+    assert found.verdicts["analytic"] == {"optimal": CELLS}
+    assert found.unknown == ["shooting"]
+
+
+def test_the_time_left_is_each_solvers_mean_and_the_overhead(folder):
+    """8 cells of 2 s done in 20 s by one job: 4 s of overhead in 8; 2 left, so 2 (2 + 0.5) s."""
+
+    def edit(rows):
+        rows = [row for row in rows if row["solver"] == "slsqp"][: CELLS - 2]
+        return [row | {"wall_s": 2.0, "run_id": "r"} for row in rows]
+
+    rewrite(folder, edit)
+    solvers = {"slsqp": manifest(folder)["solvers"]["slsqp"]}
+    entry = {"run_id": "r", "seconds": 20.0, "jobs": 1, "state": "finished"}
+    amend(folder, solvers=solvers, cells=CELLS, runs=[entry])
+    assert status(folder).seconds_left == pytest.approx(5.0)
+
+    amend(folder, runs=[entry | {"jobs": 2, "seconds": 10.0}])
+    assert status(folder).seconds_left == pytest.approx(2.5)
+    assert status(folder).jobs == 2
+
+    amend(folder, runs=[])
+    assert status(folder).seconds_left == pytest.approx(4.0)
+    text = finished("status", folder).stdout
+    assert "time left about 4 s with 1 job" in text
+    assert "left      2: slsqp 2" in text
+
+
+def test_of_a_solver_without_rows_no_time_is_made_up(folder):
+    rewrite(folder, lambda rows: [row for row in rows if row["solver"] == "analytic"])
+    amend(folder, solvers={"slsqp": manifest(folder)["solvers"]["slsqp"]}, cells=CELLS)
+    found = status(folder)
+
+    assert found.seconds_left is None
+    assert found.unknown == ["slsqp"]
+    assert "time left unknown: no row is done yet to judge by" in finished("status", folder).stdout
+
+
+def test_json_is_one_object_with_the_same(folder):
+    rewrite(folder, lambda rows: rows[:-3])
+    amend(folder, finished=None)
+    said = finished("status", folder, "--json")
+    found = json.loads(said.stdout)
+
+    assert said.returncode == 0
+    assert (found["cells"], found["done"], found["left"]) == (3 * CELLS, 3 * CELLS - 3, 3)
+    assert sum(found["left_by_solver"].values()) == 3
+    assert found["seconds_left"] > 0
+    assert {"failing", "stale", "damaged", "runs", "unknown", "jobs"} <= found.keys()
+    assert found["runs"][0]["state"] == "finished"
+    assert not found["finished"]
+
+
+def test_a_noisy_run_says_so(folder):
+    runs = manifest(folder)["runs"]
+    runs[0]["probes"] = [[i, 1e-3 * (1 + 0.3 * (i % 2))] for i in range(40)]
+    amend(folder, runs=runs)
+    said = finished("status", folder).stdout
+
+    assert f"the machine's speed varied by 26.1 % during run {runs[0]['run_id']}" in said
+
+
+@pytest.mark.parametrize(
+    "entry",
+    [
+        {},
+        {"probes": "x", "seconds": "long", "jobs": "many", "state": 3, "started": None},
+        {"jobs": -3, "seconds": -1.0, "probes": [[0, 0]] * 9},
+        {"run_id": "\x1b[31mred\x1b[0m\n", "seconds": 10**400},
+    ],
+)
+def test_entries_that_nobody_wrote(folder, entry):
+    """Never a traceback, and no control characters on the terminal."""
+    amend(folder, runs=[entry])
+    said = finished("status", folder)
+
+    assert said.returncode == 0, said.stderr
+    assert "\x1b" not in said.stdout
+
+
+def test_subsets_and_repeats_keep_count(tmp_path):
+    """A run of one solver alone does not make the folder finished, nor forget the others."""
+    experiment = str(quick_experiment(tmp_path, 4, 'analytic", "slsqp'))
+    folder = run(experiment, tmp_path / "out")
+    rewrite(folder, lambda rows: [row for row in rows if row["solver"] == "analytic"])
+    amend(folder, finished=None)
+
+    run(experiment, folder, solvers=["shooting"])
+
+    found = status(folder)
+    assert (found.cells, found.done, found.finished) == (12, 8, False)
+    assert found.left == {"slsqp": 4}
+    entries = len(manifest(folder)["runs"])
+    run(experiment, folder, solvers=["shooting"])  # there is nothing to do
+    assert len(manifest(folder)["runs"]) == entries
+    run(experiment, folder)
+    assert status(folder).finished
+    run(experiment, folder, repeats=2)
+    assert status(folder).cells == status(folder).done == 4 + 16
+
+
+def test_runs_tell_how_they_ended(tmp_path):
+    """Interrupted, then finished; each with when and how long."""
+    experiment, out = slow_experiment(tmp_path, nap=0.1, count=40), tmp_path / "out"
+    with started("run", experiment, "--trust", "--out", out) as process:
+        wait_for(lambda: parts(out))
+        assert status(out).runs[-1].state == "running"
+        assert status(out).process == process.pid
+        process.send_signal(2)
+        assert process.wait(timeout=60) == 130
+    assert status(out).runs[-1].state == "interrupted"
+    (entry,) = manifest(out)["runs"]
+    assert entry["ended"] >= entry["started"]
+    assert 0 < entry["seconds"] < 120
+
+    assert finished("run", experiment, "--trust", "--out", out).returncode == 0
+    assert [known.state for known in status(out).runs] == ["interrupted", "finished"]

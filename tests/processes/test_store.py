@@ -1,0 +1,147 @@
+"""The results folder: what is wrong with one is said in one sentence that names the file."""
+
+from __future__ import annotations
+
+import json
+import shutil
+
+import pyarrow as pa
+import pyarrow.parquet as pq
+import pytest
+
+from dubins_study import run
+from dubins_study.experiments.engines.rows import ARROW_SCHEMA
+from dubins_study.experiments.store import folder as store
+from dubins_study.experiments.store.folder import StoreError, done, read_manifest, read_rows
+from dubins_study.study.rows.schema import VERSION
+
+EXPERIMENT = """
+title = "store"
+question = "is it kept?"
+solvers = ["analytic"]
+[[scenarios]]
+target_x = [1, 2]
+target_y = 3
+"""
+
+
+@pytest.fixture
+def experiment(tmp_path):
+    file = tmp_path / "store.toml"
+    file.write_text(EXPERIMENT)
+    return str(file)
+
+
+@pytest.fixture
+def folder(experiment, tmp_path):
+    return run(experiment, tmp_path / "out")
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"schema": None}, f"schema None; expected {VERSION}"),
+        ({"schema": 99}, f"has schema 99; expected {VERSION}"),
+        ({"experiment": 3}, "experiment is 3; expected an object with name and text"),
+        ({"experiment": {}}, "experiment is {}; expected an object with name and text"),
+        ({"cells": "x"}, "cells is 'x'; expected a whole number of at least 0"),
+        ({"cells": -1}, "cells is -1; expected a whole number"),
+        ({"solvers": []}, "solvers is []; expected an object"),
+        ({"finished": 1}, "finished is 1; expected a time or null"),
+    ],
+)
+def test_a_manifest_that_is_not_one(experiment, folder, change, message):
+    """Every reader says the same, naming manifest.json, and nothing is lost."""
+    file = folder / "manifest.json"
+    file.write_text(json.dumps(json.loads(file.read_text()) | change))
+    before = done(folder)
+    for read in (read_manifest, lambda f: run(experiment, f)):
+        with pytest.raises(StoreError) as error:
+            read(folder)
+        assert "manifest.json" in str(error.value)
+        assert message in str(error.value)
+        assert "\n" not in str(error.value)
+    assert done(folder) == before
+
+
+@pytest.mark.parametrize("text", ["{", "[]", "[" * 100_000, ""])
+def test_a_manifest_of_any_text_gets_one_message(folder, text):
+    (folder / "manifest.json").write_text(text)
+    with pytest.raises(StoreError, match=r"manifest\.json"):
+        read_manifest(folder)
+
+
+def _broken(folder, column, values):
+    part = next((folder / "parts").iterdir())
+    table = pq.read_table(part)
+    place = table.column_names.index(column)
+    pq.write_table(table.set_column(place, column, pa.array(values)), part)
+
+
+def test_a_column_of_another_type_is_named(experiment, folder):
+    _broken(folder, "length", ["a", "b"])
+    with pytest.raises(
+        StoreError, match=r"\.parquet cannot be read: column 'length' holds string;"
+    ):
+        read_rows(folder)
+    with pytest.raises(StoreError, match="expected double"):
+        read_rows(folder, ["length"])
+    _broken(folder, "repeat", ["a", "b"])
+    with pytest.raises(StoreError, match="column 'repeat' holds string; expected int64"):
+        run(experiment, folder)
+
+
+def test_a_column_that_another_program_wrote_wider_is_read(folder):
+    before = read_rows(folder)
+    part = next((folder / "parts").iterdir())
+    wide = pa.schema([f.with_type(pa.large_string()) if pa.types.is_string(f.type) else f
+                      for f in ARROW_SCHEMA])  # fmt: skip
+    pq.write_table(pq.read_table(part).cast(wide), part)
+
+    assert read_rows(folder).equals(before)
+
+
+def test_a_part_that_is_none_is_named(folder):
+    part = folder / "parts" / "zz.parquet"
+    part.write_bytes(b"PAR1 not really")
+    with pytest.raises(
+        StoreError, match=r"zz\.parquet cannot be read: it is no Parquet file, or d"
+    ):
+        read_rows(folder)
+    pq.write_table(pa.table({"a": [1]}), part)
+    with pytest.raises(
+        StoreError, match=r"zz\.parquet cannot be read: it has no column 'scenario_id'"
+    ):
+        read_rows(folder)
+
+
+def test_parts_that_were_deleted_are_solved_again(experiment, folder):
+    shutil.rmtree(folder / "parts")
+
+    assert len(read_rows(folder)) == 0
+    run(experiment, folder)  # finished, says the manifest; its rows are gone all the same
+    assert len(done(folder)) == 2
+
+
+def test_no_room_for_one_part_leaves_the_many(experiment, folder, monkeypatch):
+    """They hold the same rows: nothing is lost, so nothing is said."""
+    run(experiment, folder, solvers=["slsqp"])
+    (whole,) = (folder / "parts").iterdir()
+    rows = pq.read_table(whole)
+    whole.unlink()
+    for number in range(2):
+        pq.write_table(rows.slice(2 * number, 2), folder / "parts" / f"{number}.parquet")
+    before = sorted((folder / "parts").iterdir())
+    real = store.write_part
+
+    def full(*arguments):
+        raise StoreError("No space left on device")
+
+    monkeypatch.setattr(store, "write_part", full)
+    store.compact(folder, "run")
+    assert sorted((folder / "parts").iterdir()) == before
+    monkeypatch.setattr(store, "write_part", real)
+    store.compact(folder, "run")
+
+    (one,) = (folder / "parts").iterdir()
+    assert pq.read_table(one, columns=rows.column_names).equals(rows)

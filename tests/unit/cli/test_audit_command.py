@@ -1,0 +1,56 @@
+"""`dubins-study audit`: text, JSON and exit codes."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+from typer.testing import CliRunner
+
+from dubins_study.cli.app import app
+from dubins_study.report.paper import audit_file
+
+
+@pytest.fixture
+def asked():
+    return lambda *arguments: CliRunner().invoke(app, ["audit", *arguments])
+
+
+def test_json_is_the_committed_file(asked):
+    """Byte for byte, so that the command can write it."""
+    done = asked("--json")
+
+    assert done.exit_code == 0
+    found = json.loads(done.stdout)
+    assert len(found["cells"]) == 33
+    right = [cell for cell in found["cells"] if cell["verdict"] == "correct rounding"]
+    assert len(right) == 26
+    assert all(len(c["exact"].replace(".", "").lstrip("0")) == 40 for c in found["cells"])
+    committed = audit_file.files("report").joinpath("audit.json").read_text(encoding="utf-8")
+    assert done.stdout == committed
+
+
+def test_text_has_every_part(asked):
+    shown = asked().stdout
+
+    assert "33 printed lengths: 26 correct rounding, 1 double rounding" in shown
+    assert "1.734999854667528017769085812802804636586" in shown
+    assert "3 miss by more than rounding allows, 4 do not add up" in shown
+    assert "34.1% at R = 60" in shown
+    assert "237.7494301972762153388188624075847022912" in shown
+    assert "9 of 9 printed solve times" in shown
+    assert "14 of the 14 exact LS and RS qualify" in shown
+
+
+def test_a_contradiction_is_exit_code_1(asked, monkeypatch):
+    """The cell is named on stderr; what was computed is printed all the same."""
+    changed = json.loads(asked("--json").stdout)
+    changed["cells"][12]["exact"] = "0.79"
+    monkeypatch.setattr(audit_file, "committed", lambda: changed)
+
+    done = asked("--json")
+
+    assert done.exit_code == 1
+    assert "contradiction: cells[6.3, problem 3, optimal, z1].exact" in done.stderr
+    assert "the closed form has 0.777354" in done.stderr
+    assert json.loads(done.stdout)["cells"][12]["exact"].startswith("0.777354264")

@@ -1,0 +1,327 @@
+"""The command line, as a user runs it: output, exit codes, and never a traceback."""
+
+from __future__ import annotations
+
+import json
+import math
+import shutil
+import subprocess
+import sys
+
+import pytest
+
+from dubins_study.solvers.export import export
+from dubins_study.study.scenario import COLUMNS, Scenario
+
+
+def dubins(*arguments: str, cwd=None) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [sys.executable, "-c", "from dubins_study.cli.app import main; main()", *arguments],
+        capture_output=True,
+        text=True,
+        cwd=cwd,
+        timeout=300,
+    )
+
+
+def asked(*arguments: str, cwd=None) -> str:
+    done = dubins(*arguments, cwd=cwd)
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+PROBLEM_1 = ("solve", "10", "5", "--from", "0", "0", "120deg", "--radius", "1")
+
+
+@pytest.mark.parametrize("solver", ["analytic", "ipopt"])
+def test_solve_json(solver):
+    """The object of DESIGN section 3, for the paper's first problem."""
+    answer = json.loads(asked(*PROBLEM_1, "--solver", solver, "--json"))
+
+    assert answer["word"] == "RS"
+    assert answer["length"] == pytest.approx(11.868088817, abs=1e-8)
+    assert answer["time"] == answer["length"]
+    assert [s["turn"] for s in answer["segments"]] == ["R", "S"]
+    assert sum(s["length"] for s in answer["segments"]) == pytest.approx(answer["length"])
+    assert (answer["verdict"], answer["solver"], answer["branch"]) == ("optimal", solver, "best")
+    assert answer["claim"] == ("optimal" if solver == "analytic" else "local")
+    assert answer["region"] == "outside"
+    assert {"gap", "miss", "margin"} <= answer.keys()
+
+
+def test_solve_text_tells_the_tie_straight_behind():
+    assert "LS  (tied with RS)" in asked("solve", "-5", "0")
+
+
+def test_negative_targets_are_not_options():
+    answer = json.loads(asked("solve", "-6", "-3", "--from", "-1", "-1", "-2pi/3", "--json"))
+
+    assert answer["length"] > 0
+
+
+def test_a_branch_without_a_path():
+    answer = json.loads(asked("solve", "0", "1", "--branch", "LS", "--json"))
+
+    assert answer["verdict"] == "none exists"
+    assert answer["length"] is None
+    assert answer["segments"] == []
+
+
+def test_plot(tmp_path):
+    for suffix in ("svg", "pdf", "png"):
+        file = tmp_path / f"path.{suffix}"
+        asked(*PROBLEM_1, "--plot", str(file))
+        assert file.stat().st_size > 1000
+
+
+def test_solvers():
+    listed = json.loads(asked("solvers", "--json"))
+
+    assert {"analytic", "slsqp", "ipopt", "turn-rate-qp"} <= {entry["name"] for entry in listed}
+    assert all(entry["available"] == (entry["reason"] is None) for entry in listed)
+    assert "turn-rate-qp" in asked("solvers")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("solve", "nan", "0"), "target_x is nan; expected a finite number"),
+        (("solve", "1", "inf"), "target_y is inf; expected a finite number"),
+        (("solve", "one", "0"), "target_x is 'one'; expected a number"),
+        (("solve", "1", "2", "--radius", "0"), "radius is 0.0; expected a number above 0"),
+        (("solve", "1", "2", "--radius", "-1"), "radius is -1.0; expected a number above 0"),
+        (("solve", "1", "2", "--speed", "0"), "speed is 0.0; expected a number above 0"),
+        (("solve", "1", "2", "--from", "0", "0", "east"), "heading: 'east' is not an angle"),
+        (("solve", "1", "2", "--solver", "nope"), "no solver named 'nope'; choose one of"),
+        (("solve", "1", "2", "--branch", "SL"), "no branch named 'SL'; choose one of"),
+        (("solve", "1", "2", "--profile", "x"), "no profile named 'x'"),
+        (("solve", "1", "2", "--limit", "0"), "limit is 0.0; expected"),
+        (("solve", "1", "2", "--plot", "path.bmp"), "expected a name ending in .svg"),
+        (("solve", "1", "2", "--plot", "/nowhere/path.svg"), "cannot write /nowhere/path.svg"),
+        (("export", "1", "nan"), "target_y is nan; expected a finite number"),
+        (("export", "1", "2", "--radius", "0"), "radius is 0.0; expected a number above 0"),
+        (("export", "1", "2", "--from", "0", "0", "up"), "heading: 'up' is not an angle"),
+        (("export", "1", "2", "--model", "x"), "model is 'x'; expected one of: paper, disj"),
+        (("export", "1", "2", "--format", "lp"), "format is 'lp'; expected one of: nl, mod"),
+        (("export", "1", "2", "--order", "SRL"), "order is 'SRL'; expected one of: LRS, RLS"),
+        (("export", "1", "2", "--out", "/nowhere/a.nl"), "cannot write /nowhere/a.nl"),
+        (("solve", "1", "2", "--bogus"), "no such option: --bogus"),
+        (("solve", "--bogus", "1", "2"), "no such option: --bogus"),
+        (("solve", "1", "2", "-r"), "no such option: -r"),
+        (("solve", "1", "2", "3"), "unexpected argument '3'"),
+        (("solve", "1", "2", "--solver", "turn-rate-qp", "--branch", "LR"), "is unsupported: turn"),
+        (("run", "nope"), "no experiment named 'nope'; choose one of"),
+        (("run", "paper", "--solver", "nope", "--out", "unused"), "no solver named 'nope'"),
+        (("run", "paper", "--jobs", "0", "--out", "unused"), "jobs is 0"),
+        (("status", "/nowhere"), "is no results folder"),
+        (("report", "/nowhere"), "/nowhere"),
+    ],
+)
+def test_bad_requests_get_one_message(arguments, message, tmp_path):
+    """Exit code 2, one line on stderr, nothing on stdout, nothing written."""
+    done = dubins(*arguments, cwd=tmp_path)
+
+    assert done.returncode == 2, done.stderr
+    assert message in done.stderr
+    assert len(done.stderr.splitlines()) == 1
+    assert done.stdout == ""
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_export(tmp_path):
+    """The text of the Python call, to standard output or to a file."""
+    pose = ("-6", "3", "--from", "1", "-2", "120deg", "--radius", "2")
+    shown = asked("export", *pose, "--format", "mod", "--order", "RLS")
+    wrote = asked("export", *pose, "--model", "disjunctive", "--out", "a.nl", cwd=tmp_path)
+
+    scenario = Scenario(1, -2, 2 * math.pi / 3, -6, 3, 2)
+    assert shown == export(scenario, "paper", "mod", "RLS")
+    assert "subject to" in shown
+    assert wrote == ""
+    assert (tmp_path / "a.nl").read_text() == export(scenario, "disjunctive", "nl")
+
+
+def test_bad_options_get_usage():
+    done = dubins("solve", "1")
+
+    assert done.returncode == 2
+    assert "Missing argument" in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def test_run_status_and_report(tmp_path):
+    """An experiment from a file, run twice, reported."""
+    file = tmp_path / "mine.toml"
+    file.write_text(
+        'title = "mine"\nquestion = "how far?"\nsolvers = ["analytic", "slsqp"]\n'
+        "[[scenarios]]\ntarget_x = [1, 2]\ntarget_y = 3\n"
+    )
+    first = asked("run", str(file), cwd=tmp_path)
+    assert "4 of 4 cells done, finished" in first
+    assert asked("run", str(file), cwd=tmp_path) == first
+    assert "optimal" in asked("status", "results/mine", cwd=tmp_path)
+
+    shown = asked("report", "results/mine", cwd=tmp_path)
+
+    page = tmp_path / "results" / "mine" / "report" / "index.html"
+    assert "index.html" in shown
+    assert "slsqp" in shown
+    assert "how far?" in page.read_text(encoding="utf-8")
+
+
+MINE = """
+title = "mine"
+question = "how far?"
+solvers = ["analytic"]
+[[scenarios]]
+target_x = [1, 2]
+target_y = 3
+"""
+
+
+def test_a_folder_without_rows(tmp_path):
+    """Interrupted before the first row, or its parts deleted: nothing is done, and no more."""
+    (tmp_path / "mine.toml").write_text(MINE)
+    asked("run", "mine.toml", cwd=tmp_path)
+    shutil.rmtree(tmp_path / "results" / "mine" / "parts")
+
+    assert asked("status", "results/mine", cwd=tmp_path).startswith("results/mine: 0 of 2 cells do")
+    assert "2 of 2 cells done, finished" in asked("run", "mine.toml", cwd=tmp_path)
+
+
+def test_errors_of_a_run_begin_the_output(tmp_path):
+    """No empty line before the message, which names the file."""
+    (tmp_path / "mine.toml").write_text(MINE.replace("analytic", "anal"))
+    done = dubins("run", "mine.toml", cwd=tmp_path)
+
+    assert done.returncode == 2
+    assert done.stderr.startswith("dubins-study: mine.toml: solvers: no solver named 'anal'")
+
+
+PLUGIN = """
+import os
+import sys
+from dubins_study.solvers.analytic import Analytic
+from dubins_study.solvers.protocol import Solution
+from dubins_study.study.path import Path
+from dubins_study.study.check.verdict import Claim
+print("loaded")
+class Loud(Analytic):
+    def solve(self, model, limit):
+        print("from Python")
+        os.write(1, b"from below")
+        return super().solve(model, limit)
+class Liar(Analytic):
+    def solve(self, model, limit):
+        return Solution(Claim.OPTIMAL, Path(super().solve(model, limit).path.start, [0], [1]))
+class Absent(Analytic):
+    def unavailable(self):
+        return "no licence"
+"""
+
+
+@pytest.fixture
+def plugin(tmp_path):
+    (tmp_path / "plugin.py").write_text(PLUGIN)
+    return str(tmp_path / "plugin.py")
+
+
+def test_what_a_solver_prints_is_no_result(plugin, tmp_path):
+    done = dubins("solve", "1", "2", "--solver", f"{plugin}:Loud", "--json")
+
+    assert json.loads(done.stdout)["verdict"] == "optimal"
+    assert "from Python" not in done.stderr
+    assert "from below" not in done.stderr
+    (tmp_path / "mine.toml").write_text(MINE)
+    shown = asked("run", "mine.toml", "--solver", f"{plugin}:Loud", cwd=tmp_path)
+    assert shown.startswith("results/mine: 2 of 2 cells done")
+    assert "from" not in shown
+
+
+def test_nobody_has_to_listen():
+    """A closed stdout is no error."""
+    command = "from dubins_study.cli.app import main; main()"
+    done = subprocess.run(
+        ["sh", "-c", '"$0" -c "$1" solve 1 2 >&-', sys.executable, command],
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_a_false_claim_is_told(plugin):
+    assert "false claim" in asked("solve", "1", "2", "--solver", f"{plugin}:Liar")
+    assert "false claim" not in asked("solve", "1", "2")
+
+
+def test_a_solver_that_was_not_asked_gives_no_answer(plugin):
+    """The reason on stderr and exit code 2; with --json the object, too."""
+    done = dubins("solve", "1", "2", "--solver", f"{plugin}:Absent", "--plot", "unused.svg")
+    assert (done.returncode, done.stdout) == (2, "")
+    assert "is unavailable: no licence" in done.stderr
+
+    done = dubins("solve", "1", "2", "--solver", f"{plugin}:Absent", "--json")
+    assert done.returncode == 2
+    assert json.loads(done.stdout)["outcome"] == "unavailable"
+    assert "is unavailable: no licence" in done.stderr
+
+
+def test_the_public_surface_from_python():
+    """DESIGN section 3, as a newcomer would type it."""
+    import pandas as pd
+
+    from dubins_study import Path, Scenario, available, solve, solve_frame
+
+    scenario = Scenario(x=0, y=0, heading=2.0944, target_x=10, target_y=5, radius=1)
+    answer = solve(scenario, solver="ipopt", branch="best")
+    assert (answer.word, answer.claim, answer.verdict) == ("RS", "local", "optimal")
+    assert answer.length == answer.time == pytest.approx(11.8681, abs=1e-4)
+    assert answer.miss < 1e-6
+    assert isinstance(answer.path, Path)
+    assert "analytic" in available()
+    frame = pd.DataFrame(
+        [(0, 0, 2.0944, 10, 5, 1, 1.0, "a")] * 2, columns=list(COLUMNS), index=["p", "q"]
+    )
+    rows = solve_frame(frame, solver="analytic", branch="best")
+    assert list(rows.index) == ["p", "q"]
+    assert rows["length"].tolist() == pytest.approx([answer.length] * 2)
+    assert not math.isnan(rows["gap"].iloc[0])
+    assert list(solve_frame(frame, solver="slsqp").columns) == list(rows.columns)
+
+
+def test_export_takes_no_word_that_it_does_not_know():
+    """A misspelt radius would export another problem."""
+    for words in (("--raduis", "25"), ("7",), ("--speed", "2")):
+        done = dubins("export", "10", "5", *words)
+        assert done.returncode == 2
+        assert words[0] in done.stderr
+
+
+def test_a_message_is_one_line_whatever_it_quotes(tmp_path):
+    done = dubins("status", "a\nb\x1b[31m", cwd=tmp_path)
+
+    assert done.returncode == 2
+    assert done.stderr.startswith("dubins-study: a\\nb\\x1b[31m is no results folder")
+    assert len(done.stderr.splitlines()) == 1
+
+
+def test_brackets_in_names_are_no_markup(tmp_path):
+    """The bar that shows an experiment's name would take them for colours, and fail."""
+    (tmp_path / "[").mkdir()
+    file = tmp_path / "[" / "red].toml"
+    file.write_text(
+        'title = "t"\nquestion = "q"\nsolvers = ["analytic"]\n'
+        "[[scenarios]]\ntarget_x = 3\ntarget_y = 2\n"
+    )
+
+    asked("run", "[/red].toml", "--out", "out", cwd=tmp_path)
+
+
+def test_tables_hold_text():
+    """Names come from folders: brackets in a head or a cell are no markup."""
+    from dubins_study.cli.show import table
+
+    head, _, row, *_ = filter(str.strip, table(("[/red]", "n"), [("[bold]x", "1")]).splitlines())
+    assert head.split() == ["[/red]", "n"]
+    assert row.split() == ["[bold]x", "1"]

@@ -1,0 +1,20 @@
+"""Fixtures of the report's tests."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from pathlib import Path as FilePath
+from typing import Any
+
+import pytest
+from tests.report.results_folder import write_folder
+
+
+@pytest.fixture
+def results(tmp_path: FilePath) -> Callable[..., FilePath]:
+    """Writes a results folder below the test's own."""
+
+    def make(name: str, rows: Iterable[dict[str, Any]], **manifest: Any) -> FilePath:
+        return write_folder(tmp_path / name, name, rows, **manifest)
+
+    return make

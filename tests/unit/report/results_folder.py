@@ -1,0 +1,117 @@
+"""Small results folders, written as a run writes them."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable
+from pathlib import Path as FilePath
+from typing import Any
+
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from dubins_study.solvers.registry import SolverError, load, settings
+from dubins_study.study.check.verdict import Claim, judge
+from dubins_study.study.closed_form.shortest import shortest_path
+from dubins_study.study.path import Path
+from dubins_study.study.rows.schema import ROW, VERSION, arrow_schema
+from dubins_study.study.scenario import Scenario
+
+SCHEMA = arrow_schema()
+
+PAPER = {
+    "problem 1": (2, 10, 5, 1),
+    "problem 2": (2, -6, 3, 1),
+    "problem 3": (1, -1, 5, 1),
+    "problem 4": (1, -2, -5, 1),
+    "problem 5, R=25": (2, -80, 20, 25),
+    "problem 5, R=10": (2, -80, 20, 10),
+    "problem 5, R=5": (2, -80, 20, 5),
+}
+THIRD = 1.0471975511965976
+
+
+def paper_scenarios() -> list[Scenario]:
+    return [
+        Scenario(0, 0, turns * THIRD, x, y, radius, label=label)
+        for label, (turns, x, y, radius) in PAPER.items()
+    ]
+
+
+def attempt(
+    scenario: Scenario,
+    solver: str = "analytic",
+    branch: str = "best",
+    path: Path | str | None = "exact",
+    claim: Claim = Claim.OPTIMAL,
+    **changes: Any,
+) -> dict[str, Any]:
+    """One row, judged; `path` is the closed form's unless given."""
+    given = shortest_path(scenario, branch) if isinstance(path, str) else path
+    if given is None and claim is Claim.OPTIMAL:
+        claim = Claim.INFEASIBLE
+    found = judge(scenario, given, claim, branch)
+    row: dict[str, Any] = {column.name: None for column in ROW}
+    row |= {name: getattr(scenario, name) for name in Scenario.__dataclass_fields__}
+    row |= {name: getattr(found, name) for name in type(found).__dataclass_fields__}
+    row |= {
+        "scenario_id": f"{hash((scenario.target_x, scenario.target_y, scenario.radius)):x}",
+        "solver": solver,
+        "profile": "default",
+        "branch": branch,
+        "start": "cold",
+        "repeat": 0,
+        "code": "0123456789ab",
+        "outcome": "returned",
+        "claim": str(claim),
+        "native_status": "",
+        "message": "",
+        "curvatures": None if given is None else given.curvature.tolist(),
+        "lengths": None if given is None else given.length.tolist(),
+        "build_s": 1e-4,
+        "solve_s": 2e-3,
+        "wall_s": 2.1e-3,
+        "iterations": 7,
+        "versions": "{}",
+        "host": "Linux x86_64",
+        "threads": 1,
+        "jobs": 1,
+        "engine": "local",
+        "run_id": "a",
+        "started": "2026-01-01T00:00:00Z",
+    }
+    return row | changes
+
+
+def _settings(spec: str) -> dict[str, Any]:
+    """A solver's settings; none of names that only a hostile row would have."""
+    try:
+        return settings(load(spec))
+    except SolverError:
+        return {}
+
+
+def write_folder(
+    folder: FilePath, name: str, rows: Iterable[dict[str, Any]], **manifest: Any
+) -> FilePath:
+    """A results folder with one part."""
+    rows = list(rows)
+    (folder / "parts").mkdir(parents=True)
+    pq.write_table(pa.Table.from_pylist(rows, schema=SCHEMA), folder / "parts" / "1.parquet")
+    text = {
+        "schema": VERSION,
+        "experiment": {"name": name, "title": f"About {name}", "question": "?", "text": "a = 1"},
+        "command": f"dubins-study run {name}",
+        "versions": {"numpy": "2.3"},
+        "machine": {"system": "Linux"},
+        "solvers": {
+            row["solver"]: {"settings": _settings(row["solver"]), "code": row["code"]}
+            for row in rows
+        },
+        "gap_tolerance": 1e-4,
+        "git": {"commit": "abc"},
+        "created": "2026-01-01T00:00:00Z",
+        "finished": "2026-01-01T00:01:00Z",
+    }
+    (folder / "manifest.json").write_text(json.dumps(text | manifest), encoding="utf-8")
+    return folder

@@ -1,0 +1,204 @@
+"""Where starts lead: ends named by length, shares by hand, the section, and the claim for real."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from tests.report.results_folder import attempt, paper_scenarios
+
+from dubins_study import render, run
+from dubins_study.experiments.definition.experiment import read
+from dubins_study.report.data.load import load
+from dubins_study.report.topics.basins.numbers import (
+    GIVES_UP,
+    INFEASIBLE,
+    MISSES,
+    NOWHERE,
+    OPTIMUM,
+    OTHER,
+    TURNS,
+    capping,
+    ends,
+    is_capped,
+    minimum,
+    shares,
+)
+from dubins_study.study.check.verdict import Claim
+from dubins_study.study.closed_form.shortest import shortest, shortest_path
+from dubins_study.study.path import Path
+
+THREE, FOUR = paper_scenarios()[2:4]
+SPEC = "slsqp[model=joint,order=LRS,start=given,capped=false]"
+
+
+def turned(scenario, word, turns):
+    """The word's path with full turns to the left before it."""
+    path = shortest_path(scenario, word)
+    R = scenario.radius
+    before = [math.tau * R] * turns
+    return Path(scenario.start, [1 / R] * turns + list(path.curvature), before + list(path.length))
+
+
+@pytest.mark.parametrize("scenario", [THREE, FOUR, replace(THREE, radius=0.5)])
+def test_the_minima_are_those_of_brute_force(scenario):
+    """Drive L(z1) for every z1 up to three turns and then the best RS: the length has a minimum at
+    z1 = 0 and wherever it drops, and `minimum` knows each of them by its length."""
+    R = scenario.radius
+    found, last = [], math.inf
+    for z1 in np.arange(0, 3 * math.tau, 1e-3):
+        pose = Path(scenario.start, [1 / R], [z1 * R]).end
+        moved = replace(scenario, x=pose.x, y=pose.y, heading=pose.heading)
+        rest = shortest(moved, "RS")
+        # inside the right-hand circle of that pose there is no RS
+        length = math.inf if rest is None else (z1 + rest.total) * R
+        if length < last:
+            found.append(minimum(scenario, length))
+        last = length
+
+    # past a drop the length is flat to third order, so the step adds nothing that is seen
+    assert found == [("RS", 0), ("LS", 0), ("LS", 1), ("LS", 2)]
+    assert minimum(scenario, shortest(scenario).total * R + 0.1 * R) is None
+
+
+def given(scenario, z1, z2, **changes):
+    return attempt(scenario, SPEC, start=f"{z1} {z2} 5.0", **changes)
+
+
+def not_a_minimum():
+    """A right turn more than LS needs, then the best that is left: it arrives and is too long."""
+    early = Path(THREE.start, [-1], [0.5]).end
+    rest = shortest_path(replace(THREE, x=early.x, y=early.y, heading=early.heading), "LS")
+    return Path(THREE.start, [-1, *rest.curvature], [0.5, *rest.length])
+
+
+def every_end():
+    """Rows for every end there is, in the order of `ENDS`, the last one three times."""
+    local = {"claim": Claim.LOCAL}
+    astray = Path(THREE.start, [0], [2.0])
+    return [
+        given(THREE, 0.0, 0.0, **local),
+        given(THREE, 0.0, 1.0, path=turned(THREE, "LS", 2), **local),
+        given(THREE, 0.0, 2.0, path=turned(THREE, "RS", 1), **local),
+        given(THREE, 1.0, 0.0, path=not_a_minimum(), **local),
+        given(THREE, 1.0, 1.0, path=None, claim=Claim.INFEASIBLE),
+        given(THREE, 1.0, 2.0, path=astray, **local),
+        given(THREE, 2.0, 0.0, path=astray, claim=Claim.FAILED),
+        given(THREE, 2.0, 1.0, path=None, claim=Claim.LIMIT),
+        given(THREE, 2.0, 2.0, path=turned(THREE, "RS", 0), claim=Claim.LIMIT),
+    ]
+
+
+def test_every_end_is_told_apart(results):
+    """By verdict, claim and length; full turns are counted in minima only."""
+    table = ends(load([results("basins", every_end())]).rows)
+
+    assert table["end"].tolist() == [
+        OPTIMUM,
+        TURNS,
+        OTHER,
+        NOWHERE,
+        INFEASIBLE,
+        MISSES,
+        *[GIVES_UP] * 3,
+    ]
+    np.testing.assert_array_equal(table["turns"], [0, 2, 1, *[math.nan] * 6])
+    assert table[["z1", "z2", "z3"]].iloc[5].tolist() == [1.0, 2.0, 5.0]
+
+
+def test_shares_by_hand(results):
+    """Every start is in the denominator."""
+    line = shares(ends(load([results("basins", every_end())]).rows)).iloc[0]
+
+    assert (line["starts"], line["found"], line["lies"]) == (9, 1 / 9, 3)
+    assert (line["turns_1"], line["turns_2"], line["turns_more"], line["most_turns"]) == (
+        1,
+        1,
+        0,
+        2,
+    )
+
+
+def test_what_a_cap_changes_by_hand(results):
+    """Only solvers that were tried both ways count."""
+    free, bounded = SPEC, "slsqp[model=joint,order=LRS,start=given]"
+    local = {"claim": Claim.LOCAL}
+    rows = [
+        given(THREE, 0.0, 0.0, **local),
+        given(THREE, 0.0, 1.0, path=turned(THREE, "LS", 1), **local),
+        given(THREE, 0.0, 0.0, **local) | {"solver": bounded},
+        given(THREE, 0.0, 1.0, path=None, claim=Claim.INFEASIBLE) | {"solver": bounded},
+        given(THREE, 0.0, 0.0, path=None, claim=Claim.INFEASIBLE) | {"solver": "nlp[start=given]"},
+    ]
+
+    change = capping(shares(ends(load([results("basins", rows)]).rows)))
+
+    assert change["found"].to_dict() == {False: 0.5, True: 0.5}
+    assert change["turned"].to_dict() == {False: 0.5, True: 0.0}
+    assert change["lies"].to_dict() == {False: 0, True: 1}
+    assert is_capped(bounded)
+    assert not is_capped(free)
+
+
+def test_cold_starts_are_not_of_the_study(results):
+    assert ends(load([results("basins", [attempt(THREE)])]).rows).empty
+
+
+def test_the_section_tells_what_the_rows_hold(results, tmp_path):
+    """Numbers in the sentences are of these rows; without lies it does not speak of them."""
+    page = render([results("basins", every_end())], tmp_path / "a").read_text(encoding="utf-8")
+    honest = [given(FOUR, z1, z2, claim=Claim.LOCAL) for z1 in (0.0, 1.0) for z2 in (0.0, 1.0)]
+    plain = render([results("honest", honest, experiment={"name": "basins"})], tmp_path / "b")
+
+    assert '<section id="basins"' in page
+    assert "3 statements are refuted" in page
+    assert "22.2 % of all attempts end in a minimum with full turns in it, with up to 2" in page
+    text = plain.read_text(encoding="utf-8")
+    assert "refuted" not in text.split('<section id="basins"')[1].split("<figure")[0]
+    assert "from 100 % at best" in text
+
+
+def test_lost_rows_are_drawn_as_given_up(results, tmp_path):
+    """A crash takes length and claim with it; the report is still made."""
+    lost = dict.fromkeys(("region", "word_ref", "reference", "iterations"))
+    rows = [given(THREE, 0.0, 0.0, path=None, claim=Claim.NONE, outcome="crashed", **lost)]
+
+    page = render([results("basins", rows)], tmp_path / "out").read_text(encoding="utf-8")
+
+    assert "gives up (1)" in page
+
+
+@pytest.fixture(scope="module")
+def reduced(tmp_path_factory):
+    """The study itself on a grid of 7 by 7."""
+    base = tmp_path_factory.mktemp("basins")
+    text = read("basins").text
+    assert text.count(", 25]") == 4
+    (base / "basins.toml").write_text(text.replace(", 25]", ", 7]"), encoding="utf-8")
+    return run(str(base / "basins.toml"), base / "out")
+
+
+@pytest.mark.slow
+def test_where_a_local_solver_starts_decides_where_it_ends(reduced):
+    """The study's claim: no solver finds the shortest path from everywhere, full turns are among
+    the ends, and some of what is said is false: that no path exists, or that a point is a minimum
+    which Pontryagin's conditions refute."""
+    table = ends(load([reduced]).rows)
+    found = shares(table)
+
+    assert len(found) == 10
+    assert found["starts"].tolist() == [49] * 10
+    assert found["found"].between(0.2, 0.85).all()
+    assert (found[~found["capped"]]["turns_1"] > 0).all()
+    ipopt = found[(found["name"] == "ipopt") & (found["label"] == "problem 4")]
+    assert (ipopt[INFEASIBLE] > 4).all()
+    change = capping(found)
+    assert change.loc[True, "turned"] < change.loc[False, "turned"] / 2
+    assert change.loc[True, "lies"] > 4  # no cap makes a local solver honest
+    nowhere = table[table["end"] == NOWHERE]
+    assert len(nowhere) > 0
+    # what the lengths call no minimum is no extremal either; true minima miss by up to 6e-3 where
+    # a solver stops early on the degenerate one
+    assert (nowhere["pmp_residual"] > 9e-3).all()

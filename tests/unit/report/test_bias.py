@@ -1,0 +1,169 @@
+"""The bias in the segments: numbers by hand, the section, and the claim for real."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from tests.report.results_folder import attempt
+
+from dubins_study import render, run
+from dubins_study.experiments.definition.experiment import read
+from dubins_study.report.data.load import load
+from dubins_study.report.topics.bias.numbers import (
+    barrier,
+    by_barrier,
+    last_barrier,
+    left_over,
+    slope,
+    without_barrier,
+)
+from dubins_study.study.check.verdict import Claim
+from dubins_study.study.closed_form.shortest import shortest_path
+from dubins_study.study.path import Path
+from dubins_study.study.scenario import Scenario
+
+TOLD = "ipopt[model=joint,order=LRS,units=scenario,mu_target={}]"
+DEFAULT = "ipopt[model=joint,order=LRS,units=scenario]"
+SPLIT, ACTIVE = "slsqp[units=scenario]", "slsqp[model=joint,order=LRS]"
+
+
+def behind(radius):
+    """LS is shortest."""
+    return Scenario(0, 0, 0, -3 * radius, 4 * radius, radius, label="behind")
+
+
+def left(scenario, solver, right, claim=Claim.LOCAL):
+    """An answer with so long a right turn in it, put where LS begins: it arrives."""
+    if right == 0:
+        return attempt(scenario, solver, claim=claim)
+    R = scenario.radius
+    first = Path(scenario.start, [-1 / R], [right])
+    pose = first.end
+    rest = shortest_path(
+        Scenario(*pose, scenario.target_x, scenario.target_y, R),
+        "LS",
+    )
+    path = Path(scenario.start, [-1 / R, *rest.curvature], [right, *rest.length])
+    return attempt(scenario, solver, path=path, claim=claim)
+
+
+def by_theory(factor=1.0):
+    """Answers with `factor` times the predicted turn, at two barriers and three radii; then what
+    the defaults leave and what methods without a barrier leave."""
+    rows = [
+        left(behind(R), TOLD.format(mu), factor * (mu * R**2) ** (1 / 3))
+        for mu in (1e-9, 1e-6)
+        for R in (0.1, 1.0, 10.0)
+    ]
+    mu = last_barrier(1e-8)
+    rows.append(left(behind(1.0), DEFAULT, factor * mu ** (1 / 3), claim=Claim.FAILED))
+    rows += [left(behind(R), ACTIVE, z2) for R, z2 in ((0.1, 0.0), (1.0, 1e-3))]
+    return [*rows, left(behind(1.0), SPLIT, 0.0)]
+
+
+def test_the_barriers_sequence_by_hand():
+    """0.1, 0.02, 0.02^1.5, ... until it is within the tolerance, never below an eleventh of it."""
+    assert last_barrier(1e-8) == pytest.approx(0.02 ** (1.5**4), rel=1e-12)
+    assert last_barrier(1e-8) == pytest.approx(2.506e-9, rel=1e-3)
+    assert last_barrier(1e-6) == pytest.approx(1e-6 / 11)
+    assert last_barrier(1.0) == 0.1
+
+
+def test_whose_barrier_is_known():
+    """Ipopt's on the unsplit model, from its settings; nobody else's."""
+    settings = {
+        "ipopt[a]": {"model": "joint", "mu_target": 1e-5, "tol": 1e-12},
+        "ipopt[b]": {"model": "joint", "mu_target": 0.0, "tol": 1e-6},
+        "ipopt": {"model": "words", "mu_target": 0.0, "tol": 1e-8},
+        "slsqp[c]": {"model": "joint"},
+    }
+
+    known = [barrier(spec, settings) for spec in (*settings, "unheard-of")]
+
+    np.testing.assert_allclose(known, [1e-5, 1e-6 / 11, math.nan, math.nan, math.nan])
+
+
+def test_slope_of_a_power():
+    """x^3 has slope 3; zeros and NaN are left out; one place is no slope."""
+    x = np.array([1.0, 2.0, 4.0, 0.0, 5.0])
+    assert slope(x, np.array([1.0, 8.0, 64.0, 1.0, math.nan])) == pytest.approx(3)
+    assert math.isnan(slope(np.ones(3), np.ones(3)))
+
+
+def test_numbers_by_hand(results):
+    """Twice the predicted turn is a ratio of 2 and a slope of 1, at each barrier."""
+    table = left_over(load([results("bias", by_theory(2.0))]))
+    told, others = by_barrier(table), without_barrier(table)
+
+    assert told["mu"].tolist() == pytest.approx([1e-6, last_barrier(1e-8), 1e-9])
+    assert told["asked"].tolist() == [True, False, True]
+    np.testing.assert_allclose(told[["ratio_low", "ratio_high"]], 2.0)
+    np.testing.assert_allclose(told["slope"], [1, math.nan, 1])
+    assert told["failed"].tolist() == [0, 1, 0]
+    assert others["solver"].tolist() == [ACTIVE, SPLIT]
+    assert others["joint"].tolist() == [True, False]
+    assert others["exact"].tolist() == [1, 1]
+    assert others["most"].tolist() == pytest.approx([1e-3, 0])
+
+
+def text_of(folder, out):
+    page = render([folder], out).read_text(encoding="utf-8")
+    return page.split('<section id="bias"')[1].split("<figure")[0]
+
+
+def test_the_section_says_what_the_rows_say(results, tmp_path):
+    """Where the prediction holds it says so, with numbers; where it does not, not."""
+    good = text_of(results("bias", by_theory()), tmp_path / "a")
+    bad = text_of(results("off", by_theory(2.0), experiment={"name": "bias"}), tmp_path / "b")
+
+    assert "Over 7 attempts z₂ is within a relative" in good
+    assert "though the solver calls 1 of them failures" in good
+    assert "leaves z₂ = 0.001358 where 0.001358 is predicted" in good
+    assert "slsqp leaves no turn in 1 of 2 attempts and up to 0.0010 R in the others" in good
+    assert "left out exactly in 1 of 1" in good
+    assert "z₂ does not follow this everywhere: it is up to a relative 1.0 away" in bad
+
+
+def test_a_part_of_the_rows_is_enough(results, tmp_path):
+    """Lost answers, no defaults, no other methods: what is left is drawn, and nothing is not."""
+    lost = attempt(behind(5.0), TOLD.format(1e-9), path=None, claim=Claim.NONE, outcome="crashed")
+    told = results("told", [lost, *by_theory()[:3]], experiment={"name": "bias"})
+    none = results("none", [lost], experiment={"name": "bias"})
+
+    assert "Over 3 attempts" in text_of(told, tmp_path / "a")
+    assert '<section id="bias"' not in render([none], tmp_path / "b").read_text(encoding="utf-8")
+
+
+@pytest.fixture(scope="module")
+def reduced(tmp_path_factory):
+    """The study itself at three barriers and two radii."""
+    base = tmp_path_factory.mktemp("bias")
+    text = read("bias").text
+    barriers, radii = "{1e-11,1e-10,1e-9,1e-8,1e-7,1e-6,1e-5,1e-4}", "[0.1, 0.3, 1, 3, 10, 30, 100]"
+    assert barriers in text
+    assert radii in text
+    text = text.replace(barriers, "{1e-10,1e-7,1e-5}").replace(radii, "[0.1, 1, 30]")
+    (base / "bias.toml").write_text(text, encoding="utf-8")
+    return run(str(base / "bias.toml"), base / "out")
+
+
+def test_an_interior_point_stops_at_the_cube_root(reduced):
+    """The study's claim: z2 = (mu R^2)^(1/3) and the length mu / 3 too long, to first order in
+    z2 / R, at barriers told and at the one that Ipopt's defaults lead to; the split model leaves
+    none."""
+    table = left_over(load([reduced]))
+    known = table[table["mu"].notna()]
+    told, others = by_barrier(table), without_barrier(table)
+
+    assert len(known) == 12
+    first_order = known["predicted"] / known["radius"]
+    # the next terms are below a tenth and a half of z2 / R here; 2e-4 is Ipopt's own tolerance
+    assert ((known["ratio"] - 1).abs() < 0.1 * first_order + 2e-4).all()
+    # lengths are known to rounding, which is up to 1e-3 of the least excess
+    assert ((known["excess_ratio"] - 1).abs() < 0.5 * first_order + 2e-3).all()
+    assert told["slope"].tolist() == pytest.approx([1.0] * 4, abs=1e-3)
+    assert (others[~others["joint"]]["exact"] == 3).all()
+    # an active-set method is not exact on the unsplit model: that multiplier is zero
+    assert others[others["joint"]]["most"].max() > 1e-4

@@ -1,0 +1,157 @@
+"""Certificates in the report: numbers by hand, the section, and real rows."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+from tests.report.results_folder import attempt, paper_scenarios
+
+from dubins_study import render, run
+from dubins_study.report.data.load import load
+from dubins_study.report.data.tally import compared, widths
+from dubins_study.report.topics.certificates.numbers import certificates
+from dubins_study.study.check.verdict import Claim
+from dubins_study.study.closed_form.shortest import shortest
+from dubins_study.study.scenario import Scenario
+
+PROVED = {
+    "proof": "proved",
+    "pmp_residual": 1e-15,
+    "cut_margin": 0.5,
+    "reference_low": 1.0,
+    "reference_high": 1.0 + 4e-16,
+    "false_bound": False,
+}
+
+
+def rows():
+    """One solver proved, with multipliers; one with a bad bound, an extremal and a lost row."""
+    first, second, third = paper_scenarios()[:3]
+    return [
+        attempt(first, "slsqp", costate_error=1e-9, **PROVED),
+        attempt(second, "slsqp", costate_error=1e-7, **(PROVED | {"cut_margin": 0.2})),
+        attempt(
+            first,
+            "disjunctive",
+            lower_bound=9.0,
+            **(PROVED | {"proof": "extremal", "false_bound": True}),
+        ),
+        attempt(second, "disjunctive", lower_bound=1.0, **(PROVED | {"proof": "bounded"})),
+        attempt(
+            third,
+            "disjunctive",
+            path=None,
+            claim=Claim.NONE,
+            outcome="crashed",
+            length=None,
+            gap=None,
+        ),
+    ]
+
+
+def test_numbers_by_hand(results):
+    """Counts of each word, a lost row has no proof; worst and least of what is measured."""
+    table = certificates(load([results("tiny", rows())]).reduction).set_index("solver")
+    words = ["attempts", "proved", "bounded", "extremal", "none"]
+
+    assert table.loc["slsqp", words].tolist() == [2, 2, 0, 0, 0]
+    assert table.loc["disjunctive", words].tolist() == [3, 0, 1, 1, 1]
+    assert table.loc["slsqp", ["cut_margin", "pmp_residual"]].tolist() == [0.2, 1e-15]
+    assert table.loc["slsqp", ["multipliers", "costate_error"]].tolist() == [2, 1e-7]
+    assert table.loc["disjunctive", ["bounds", "false_bounds"]].tolist() == [2, 1]
+    assert math.isnan(table.loc["disjunctive", "costate_error"])
+
+
+def test_multipliers_are_compared_with_costates_that_are_there(results):
+    """Not of a single arc, which leaves them free, nor of a path that is no extremal or is lost."""
+    scenario = paper_scenarios()[0]
+    kept = attempt(scenario, "slsqp", costate_error=1e-9, **PROVED)
+    made = [
+        kept,
+        kept | {"repeat": 1, "word": "L"},
+        kept | {"repeat": 2, "pmp_residual": 0.1},
+        kept | {"repeat": 3, "costate_error": None},
+        kept | {"repeat": 4, "gap": None},
+    ]
+
+    assert compared(load([results("tiny", made)]).rows).tolist() == [True] + 4 * [False]
+
+
+def test_width_of_enclosures(results):
+    """Of every attempt, and not where no path exists."""
+    made = rows()
+    made[0] |= {"reference_low": 2.0, "reference_high": 2.5}
+    made[2] |= {"reference_low": 2.0, "reference_high": 2.5}
+    found = load([results("tiny", made)])
+    width = set(widths(found.rows))
+
+    assert sorted(width) == pytest.approx([4e-16, 0.2])
+    assert found.reduction.total.spread("width").largest == pytest.approx(0.2)
+
+
+def text_of(folder, out):
+    page = render([folder], out).read_text(encoding="utf-8")
+    return page.split('<section id="certificates"')[1].split("<figure")[0]
+
+
+def test_the_section_says_what_the_rows_say(results, tmp_path):
+    """Counts, the widest interval, the worst multiplier and the false bound."""
+    text = text_of(results("tiny", rows()), tmp_path / "a")
+
+    assert "Of 5 attempts 2 are proved (40.0 %; 1 bounded, 1 extremal, 1 none)." in text
+    assert "is 4.4e−16 of it, below 1e-12." in text
+    assert "at most 1.0e−7 (slsqp, whose median is 5.0e−8)" in text
+    assert "of 2 lower bounds 1 lie above" in text
+
+    wide = [row | {"reference_low": 0.5} for row in rows()[:2]]
+    text = text_of(results("wide", wide), tmp_path / "b")
+    assert "not below 1e-12" in text
+    assert "lower bounds" not in text
+
+
+def test_rows_without_certificates_have_no_section(results, tmp_path):
+    """Of rows in which nothing is certified there is nothing to tell."""
+    page = render([results("tiny", [attempt(s) for s in paper_scenarios()])], tmp_path / "out")
+
+    assert '<section id="certificates"' not in page.read_text(encoding="utf-8")
+
+
+EXPERIMENT = """
+title = "certified"
+question = "?"
+branches = ["best", "RS"]
+solvers = ["analytic", "shooting", "disjunctive"]
+limit = 20
+
+[[scenarios]]
+target_x = 4
+target_y = 1
+
+[[scenarios]]
+target_x = 0.3
+target_y = -1.2
+"""
+
+
+def test_real_answers_are_certified(tmp_path):
+    """Right answers to easy questions are all proved, RS to the right disc by its absence; the
+    enclosures hold the closed form's length and are narrower than 1e-12."""
+    (tmp_path / "certified.toml").write_text(EXPERIMENT, encoding="utf-8")
+    results = load([run(str(tmp_path / "certified.toml"), tmp_path / "out")])
+    loaded, table = results.rows, certificates(results.reduction).set_index("solver")
+    disc = loaded[loaded["region"] == "right disc"]
+
+    assert table["none"].sum() == 0
+    assert table.loc["analytic", "proved"] == 4
+    assert set(disc.loc[disc["branch"] == "RS", "verdict"]) == {"none exists"}
+    assert len(widths(loaded)) == 3 * 3
+    assert widths(loaded).max() < 1e-12
+    assert table["false_bounds"].sum() == 0
+    best = disc[disc["branch"] == "best"].iloc[0]
+    # a unit in the last place, which is what the closed form's own arithmetic loses
+    exact = shortest(Scenario(0, 0, 0, 0.3, -1.2, 1)).total
+    assert best["reference_low"] <= exact * (1 + 1e-15)
+    assert exact * (1 - 1e-15) <= best["reference_high"]
+    # shooting's multipliers are its costates
+    assert table.loc["shooting", "costate_error"] < 1e-9

@@ -1,0 +1,157 @@
+"""Order of convergence: numbers by hand, the section, and the claim for real."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+from tests.report.results_folder import attempt
+
+from dubins_study import render, run
+from dubins_study.experiments.definition.experiment import read
+from dubins_study.report.data.load import load
+from dubins_study.report.topics.convergence.numbers import medians, orders, refined, series
+from dubins_study.study.check.verdict import Claim
+from dubins_study.study.scenario import Scenario
+
+FAR = [Scenario(0, 0, 0, x, 3, 1) for x in (4.0, 5.0, 6.0)]
+NEAR = [Scenario(0, 0, 0, x, 1, 1) for x in (0.1, 0.2, 0.3)]
+RAW = "collocation[n={},points=2,mesh=equal,correct=False]"
+
+
+def rows():
+    """A QP of order 3 outside and 2 in the disc; collocation that misses with order 3."""
+    made = []
+    for n in (10, 20, 40):
+        for where, p in ((FAR, 3), (NEAR, 2)):
+            made += [
+                attempt(scenario, f"turn-rate-qp[n={n}]", gap=factor / n**p, wall_s=n / 1e3)
+                for scenario, factor in zip(where, (1.0, 2.0, 4.0), strict=True)
+            ]
+        made += [
+            attempt(scenario, RAW.format(n), gap=None, miss=1.0 / n**3, verdict="misses")
+            for scenario in FAR
+        ]
+    return made
+
+
+def frames(folder):
+    loaded = load([folder])
+    return refined(loaded.rows, loaded.manifests[0].solvers)
+
+
+def test_orders_by_hand(results):
+    """Powers made up are powers found; the median is the middle target's."""
+    attempts = frames(results("convergence", rows()))
+    table = medians(attempts).set_index(["series", "place", "size"])
+    found = orders(attempts).set_index(["series", "place"])
+
+    assert table.loc[("turn-rate-qp", "outside", 10), "value"] == pytest.approx(2e-3)
+    for place, p in (("outside", 3), ("in a disc", 2)):
+        line = found.loc[("turn-rate-qp", place)]
+        assert line[["order", "least", "most"]].tolist() == pytest.approx([p, p, p])
+        assert (line["scenarios"], line["finest"], line["measure"]) == (3, 40, "gap")
+    raw = found.loc[(series(RAW.format(20)), "outside")]
+    assert (raw["measure"], raw["order"]) == ("miss", pytest.approx(3))
+
+
+def test_goal_is_met_where_the_gap_stays_below(results):
+    """Outside 2 / n^3 stays below 1e-4 from n = 40 on; 2 / n^2 in the disc never does."""
+    found = orders(frames(results("convergence", rows()))).set_index(["series", "place"])
+
+    assert found.loc[("turn-rate-qp", "outside"), "goal_s"] == pytest.approx(0.04)
+    assert math.isnan(found.loc[("turn-rate-qp", "in a disc"), "goal_s"])
+
+
+def test_what_does_not_arrive_is_infinitely_far_off(results):
+    """Two of three lost at the finest n: the median is infinite there, and the order is of the
+    rest."""
+    lost = [row | {"gap": None} for row in rows()[:3]]  # n = 10 outside
+    made = [*lost[:2], *rows()[2:]]
+    table = medians(frames(results("convergence", made)))
+    line = table[(table["place"] == "outside") & (table["size"] == 10)].iloc[0]
+
+    assert line["value"] == math.inf
+    assert line["arrived"] == pytest.approx(1 / 3)
+
+
+def test_a_wrong_basin_measures_no_order(results):
+    """One jump to another optimum moves no single order; it is counted."""
+    made = rows()
+    made[-6] |= {"gap": 1.5, "wrong_basin": True}
+    assert made[-6]["solver"] == "turn-rate-qp[n=40]"
+    found = orders(frames(results("convergence", made))).set_index(["series", "place"])
+    line = found.loc[("turn-rate-qp", "in a disc")]
+
+    assert line["wrong"] == 1
+    assert line["least"] == pytest.approx(2)
+
+
+def text_of(folder, out):
+    page = render([folder], out).read_text(encoding="utf-8")
+    return page.split('<section id="convergence"')[1].split("<figure")[0]
+
+
+def test_the_section_says_what_the_rows_say(results, tmp_path):
+    """Orders per place, who is first at 1e-4, the uncorrected miss; all pictures drawn."""
+    text = text_of(results("convergence", rows()), tmp_path / "out")
+    pictures = {file.stem for file in (tmp_path / "out" / "figures").glob("convergence-*.svg")}
+
+    assert "outside the discs turn-rate-qp 3.00; in a disc turn-rate-qp 2.00." in text
+    assert "outside the discs turn-rate-qp is first, in 40.0 ms; in a disc none" in text
+    assert "fitted powers are: outside the discs p = 2: 3.00." in text
+    assert pictures == {
+        "convergence-outside",
+        "convergence-time-outside",
+        "convergence-in-a-disc",
+        "convergence-time-in-a-disc",
+        "convergence-miss-outside",
+    }
+
+
+def test_lost_rows_make_a_section_too(results, tmp_path):
+    """Nothing arrives: a table, no picture, no order."""
+    gone = dict.fromkeys(("gap", "length", "miss", "wall_s"))
+    made = [
+        attempt(scenario, f"turn-rate-qp[n={n}]", path=None, claim=Claim.NONE, **gone)
+        for n in (10, 20)
+        for scenario in FAR
+    ]
+    text = text_of(results("convergence", made), tmp_path / "out")
+
+    assert "The median gap falls" not in text
+    assert "outside the discs none of them does" in text
+
+
+@pytest.fixture(scope="module")
+def reduced(tmp_path_factory):
+    """The study itself with few sizes and no MILP of many headings."""
+    base = tmp_path_factory.mktemp("convergence")
+    text = read("convergence").text
+    for old, new in (
+        ("n={10,20,40,80,160,320,640},engine", "n={20,80,320},engine"),
+        ("headings={18,36,72,144,288}", "headings={18,36,72}"),
+        ("n={10,20,40,80,160}]", "n={20,40}]"),
+        ("points={1,2,3},n={10,20,40,80}", "points={1,2},n={20,40}"),
+    ):
+        assert old in text
+        text = text.replace(old, new)
+    (base / "convergence.toml").write_text(text, encoding="utf-8")
+    return run(str(base / "convergence.toml"), base / "out")
+
+
+@pytest.mark.slow
+def test_orders_are_those_of_the_theory(reduced):
+    """Held turn rates: 3 outside the discs, 2 inside; headings: 2; Radau's miss: 2p - 1.
+
+    Half an order is allowed: where the switches fall between two steps moves medians of eight.
+    """
+    found = orders(frames(reduced)).set_index(["series", "place"])["order"]
+    raw = "collocation[points={},mesh=equal,correct=False]"
+
+    assert found["turn-rate-qp", "outside"] == pytest.approx(3, abs=0.5)
+    assert found["turn-rate-qp", "in a disc"] == pytest.approx(2, abs=0.5)
+    for place in ("outside", "in a disc"):
+        assert found["heading-milp", place] == pytest.approx(2, abs=0.5)
+        assert found[raw.format(1), place] == pytest.approx(1, abs=0.2)
+        assert found[raw.format(2), place] == pytest.approx(3, abs=0.3)

@@ -1,0 +1,143 @@
+"""The ladder toward a turning circle: numbers by hand, the section, and the claim for real."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+from tests.report.results_folder import attempt
+
+from dubins_study import render, run
+from dubins_study.report.data.load import load
+from dubins_study.report.topics.ladder.numbers import SIDES, down_to, ladder, rungs
+from dubins_study.study.check.verdict import Claim
+from dubins_study.study.closed_form.shortest import shortest, shortest_path
+from dubins_study.study.path import Path
+from dubins_study.study.scenario import Scenario
+
+FRONT, REAR = 0.5, 4.0
+MARGINS = (1e-2, 1e-4, 1e-8)
+
+
+def target(arc, margin):
+    """So many radii outside the left circle, at an arc angle."""
+    r = 1 + margin
+    return Scenario(0, 0, 0, r * math.sin(arc), 1 - r * math.cos(arc), 1, label="ladder")
+
+
+def row(scenario, solver, path="exact", **changes):
+    """With the bounds that a certificate would hold."""
+    optimum = shortest(scenario).total
+    bounds = {"reference_low": optimum * (1 - 1e-15), "reference_high": optimum * (1 + 1e-15)}
+    return attempt(scenario, solver, path=path, claim=Claim.LOCAL, **(bounds | changes))
+
+
+def along(scenario, arc):
+    """Along the circle, which misses the target by its margin."""
+    return Path(scenario.start, [1.0], [arc])
+
+
+def rows():
+    """The exact path everywhere; a solver that follows the circle where its miss is below 1e-6."""
+    made = []
+    for arc in (FRONT, REAR):
+        for margin in (*MARGINS, *(-m for m in MARGINS)):
+            scenario = target(arc, margin)
+            made.append(row(scenario, "collocation"))
+            near = abs(margin) < 1e-6
+            made.append(row(scenario, "ipopt", along(scenario, arc) if near else "exact"))
+    return made
+
+
+def test_the_four_sides_and_their_rungs(results):
+    """Arc angle below pi is the front half; the sign of the margin is the region."""
+    attempts = rungs(load([results("ladder", rows())]).rows)
+
+    assert set(attempts["side"]) == set(SIDES)
+    assert sorted(attempts["rung"].unique()) == [-8, -4, -2]
+    assert (attempts.groupby("side").size() == 6).all()
+
+
+def test_a_short_path_is_told_from_a_right_one(results):
+    """The check calls both optimal; only just inside the front half does a miss pay."""
+    attempts = rungs(load([results("ladder", rows())]).rows)
+    short = attempts[attempts["finding"] == "by its miss"]
+    found = down_to(ladder(attempts)).set_index("solver")
+
+    assert short[["solver", "side", "rung"]].to_numpy().tolist() == [["ipopt", "front, inside", -8]]
+    assert found.loc["ipopt", list(SIDES)].tolist() == [1e-4, 0, 0, 0]
+    assert found.loc["collocation", list(SIDES)].tolist() == [0, 0, 0, 0]
+    assert found["by_miss"].to_dict() == {"ipopt": 1, "collocation": 0}
+
+
+def test_findings_and_the_worst_of_a_rung(results):
+    """Coarse is not a wrong basin, and a rung is as good as its worst answer."""
+    inside = target(FRONT, -1e-2)
+    other = shortest_path(inside, "RS")
+    made = [
+        row(inside, "slsqp", gap=1e-3, verdict="longer"),
+        row(inside, "slsqp", other, repeat=1),
+        row(inside, "nlp", path=None),
+        row(target(FRONT, -1e-4), "nlp"),
+    ]
+    attempts = rungs(load([results("ladder", made)]).rows)
+    table = ladder(attempts)
+
+    assert attempts["finding"].tolist() == ["coarse", "wrong basin", "no path", "right"]
+    assert table["finding"].tolist() == ["wrong basin", "no path", "right"]
+    assert down_to(table)["front, inside"].isna().all()
+
+
+def text_of(folder, out):
+    page = render([folder], out).read_text(encoding="utf-8")
+    return page.split('<section id="ladder"')[1].split("<figure")[0]
+
+
+def test_the_section_says_what_the_rows_say(results, tmp_path):
+    """Who is tempted from where, who is not; with nobody tempted it blames nobody."""
+    text = text_of(results("ladder", rows()), tmp_path / "a")
+    good = [r for r in rows() if r["solver"] == "collocation"]
+    level = results("good", good, experiment={"name": "ladder"})
+
+    assert "these take it: ipopt from 1e-8; the right path at every margin there: coll" in text
+    assert "Of all 24 claims 0 are false." in text
+    assert "On the other sides 2 of 2 solvers find the shortest path, coarse or not, at" in text
+    assert "no solver trades a miss for the short path" in text_of(level, tmp_path / "b")
+
+
+def test_a_false_claim_is_counted(results, tmp_path):
+    """A longer path that claims to be the shortest."""
+    inside = target(FRONT, -1e-2)
+    made = [row(inside, "slsqp", shortest_path(inside, "RS"), false_claim=True)]
+    text = text_of(results("ladder", made), tmp_path / "out")
+
+    assert "Of all 1 claims 1 are false." in text
+
+
+EXPERIMENT = """
+title = "ladder"
+question = "?"
+branches = ["best"]
+solvers = ["analytic", "slsqp", "ipopt", "collocation", "shooting", "disjunctive"]
+limit = 20
+
+[[scenarios]]
+heading = 0.7
+arc = [0.5, 4.4]
+margin = [1e-3, 1e-11, -1e-3, -1e-11]
+"""
+
+
+@pytest.mark.slow
+def test_a_miss_buys_a_turn_only_inside_the_front_half(tmp_path):
+    """The study's claim on eight targets: 1e-11 R inside the front half every solver with a
+    tolerance on equations takes the short path, everywhere else all are right, and none lies."""
+    (tmp_path / "ladder.toml").write_text(EXPERIMENT, encoding="utf-8")
+    folder = run(str(tmp_path / "ladder.toml"), tmp_path / "out")
+    attempts = rungs(load([folder]).rows)
+    short = attempts[attempts["finding"] == "by its miss"]
+
+    assert set(short["solver"]) == {"slsqp", "ipopt", "shooting", "disjunctive"}
+    assert set(zip(short["side"], short["rung"], strict=True)) == {("front, inside", -11)}
+    assert attempts.drop(short.index)["finding"].eq("right").all()
+    assert not attempts["false_claim"].any()

@@ -1,0 +1,194 @@
+"""Folders of streams: numbers of all rows, single rows of some, whatever their number."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+
+import numpy as np
+import pandas as pd
+import pyarrow.parquet as pq
+import pytest
+from tests.report.test_reduction import alike
+
+from dubins_study import render, run
+from dubins_study.experiments.engines import stream
+from dubins_study.report.data import parts
+from dubins_study.report.data.load import ReportError
+from dubins_study.report.data.load import load as load_results
+from dubins_study.report.data.reduction import of
+from dubins_study.report.statistics.metrics import gap_quantiles, summary
+from dubins_study.report.topics.map.numbers import CELLS, REACH, WORDS, PlaneMap
+
+EXPERIMENT = """
+title = "Many"
+question = "How long is it?"
+solvers = ["analytic"]
+branches = ["best", "LS"]
+[[scenarios]]
+label = "many"
+heading = [0.3, 2]
+radius = [1, 2]
+target_x = { linear = [-4, 4, 40] }
+target_y = { linear = [-4, 4, 40] }
+[[scenarios]]
+label = "few"
+target_x = 3
+target_y = { linear = [1, 9, 9] }
+"""
+ROWS = 2 * (6400 + 9)
+
+
+@pytest.fixture
+def many(tmp_path, monkeypatch):
+    """A folder of streamed chunks and single cells."""
+    monkeypatch.setattr(stream, "_CHUNK_PROVED", 1000)
+    (tmp_path / "many.toml").write_text(EXPERIMENT, encoding="utf-8")
+    return run(str(tmp_path / "many.toml"), tmp_path / "out")
+
+
+@pytest.fixture
+def sampling(monkeypatch):
+    """Rows are kept whole up to 5000, of more about 2000."""
+    monkeypatch.setattr("dubins_study.report.data.load.MOST_ROWS", 5000)
+    monkeypatch.setattr(parts, "SAMPLE", 2000)
+
+
+def every_row(folder):
+    return pd.concat([pq.read_table(f).to_pandas() for f in sorted((folder / "parts").iterdir())])
+
+
+def test_numbers_are_of_all_rows_and_rows_a_sample_of_scenarios(many, sampling):
+    """The reduction of the parts is that of all rows; a scenario is in the sample or is not."""
+    found = load_results([many])
+    rows = every_row(many).assign(experiment="many")
+
+    assert len(rows) == ROWS == found.reduction.total.attempts
+    assert found.sampled
+    alike(found.reduction, of(rows))
+    assert 1500 < len(found.rows) < 2500
+    counted = rows.groupby("scenario_id").size()
+    kept = found.rows.groupby("scenario_id").size()
+    assert kept.equals(counted[kept.index])
+    expected = rows.set_index(["scenario_id", "branch"])["length"]
+    of_sample = found.rows.set_index(["scenario_id", "branch"])["length"]
+    assert np.array_equal(of_sample, expected[of_sample.index], equal_nan=True)
+    first = found.rows[found.rows["gap"].notna()].index[0]
+    assert found.path(first).total_length == found.rows["length"][first]
+
+
+def test_the_sample_does_not_depend_on_the_order_of_parts(many, sampling, monkeypatch):
+    """Nor do the numbers."""
+    one = load_results([many])
+    original = parts.parts_of
+    monkeypatch.setattr(
+        "dubins_study.report.data.load.parts_of", lambda folder: original(folder)[::-1]
+    )
+    other = load_results([many])
+
+    alike(one.reduction, other.reduction)
+    assert set(one.rows["scenario_id"]) == set(other.rows["scenario_id"])
+
+
+@pytest.mark.parametrize("kept", [5000, 10**6])
+def test_what_two_folders_hold_counts_once(many, tmp_path, kept, monkeypatch):
+    """Chunks are known by their metadata, cells by their keys; whole rows or a sample of them."""
+    monkeypatch.setattr("dubins_study.report.data.load.MOST_ROWS", kept)
+    once, twice = load_results([many]), load_results([many, many])
+
+    alike(once.reduction, twice.reduction)
+    if kept > ROWS:
+        assert len(twice.rows) == ROWS
+    assert [run.stale for run in twice.manifests] == [0, 0]
+
+
+def test_rows_of_earlier_code_are_told_and_left_out(many, sampling):
+    """Chunk by chunk, as cell by cell."""
+    manifest = json.loads((many / "manifest.json").read_text())
+    manifest["solvers"]["analytic"]["code"] = "changed"
+    (many / "manifest.json").write_text(json.dumps(manifest))
+
+    with pytest.raises(ReportError, match="no rows but of earlier code"):
+        load_results([many])
+
+
+def test_the_page_says_what_it_leaves_out(many, sampling, tmp_path):
+    """With both numbers, in the sections that it concerns; tables count every attempt."""
+    page = render([many], tmp_path / "page").read_text(encoding="utf-8")
+    table = pd.read_csv(tmp_path / "page" / "tables" / "summary.csv")
+    rows = every_row(many)
+
+    kept = len(load_results([many]).rows)
+    assert table["attempts"].tolist() == [ROWS]
+    assert table["none exists"].tolist() == [(rows["verdict"] == "none exists").sum()]
+    spaced = f"{kept:,}".replace(",", "\u202f")
+    time = page.split('<section id="time"')[1].split("<figure")[0]
+    assert f"they are {spaced} of the 12\u202f818:" in time
+    assert "quartiles and medians are of all" in time
+    assert "Where single attempts" not in page.split('<section id="summary"')[1].split("<table")[0]
+
+
+def test_small_folders_are_read_whole(many, tmp_path):
+    """No sample, no word about one; the numbers are those of the rows."""
+    found = load_results([many])
+    page = render([many], tmp_path / "page").read_text(encoding="utf-8")
+
+    assert not found.sampled
+    assert len(found.rows) == ROWS
+    assert "Where single attempts" not in page
+    assert 'id="map"' not in page
+    whole = of(every_row(many).assign(experiment="many"))
+    pd.testing.assert_frame_equal(summary(found.reduction), summary(whole))
+    pd.testing.assert_frame_equal(gap_quantiles(found.reduction), gap_quantiles(whole))
+
+
+def test_the_plane_is_counted_by_cells(many):
+    """Against each row by hand, turned into the vehicle's frame by complex numbers."""
+    rows = every_row(many)
+    rows = rows[(rows["branch"] == "best") & rows["length"].notna()]
+    halves = [PlaneMap.of(rows[::2]), PlaneMap.of(rows[1::2])]
+    found = PlaneMap.merged(halves[::-1])
+    expected = np.zeros_like(found.counts)
+    for row in rows.itertuples():
+        target = complex(row.target_x - row.x, row.target_y - row.y) / row.radius
+        seen = target * np.exp(-1j * row.heading)
+        column, line = (int((v + REACH) / (2 * REACH) * CELLS // 1) for v in (seen.real, seen.imag))
+        if 0 <= column < CELLS and 0 <= line < CELLS and abs(seen.real) < REACH > abs(seen.imag):
+            expected[WORDS.index(row.word), line, column] += 1
+            assert found.least[line, column] <= row.length / row.radius
+            assert row.length / row.radius <= found.largest[line, column]
+
+    # a target on the edge of a cell may fall on either side of it
+    assert np.abs(found.counts - expected).sum() <= 0.01 * expected.sum()
+    whole = PlaneMap.of(rows)
+    assert np.array_equal(found.counts, whole.counts)
+    assert np.array_equal(found.least, whole.least)
+
+
+PEAK = """
+import resource, sys
+from dubins_study import run
+from dubins_study import render
+run(sys.argv[1], sys.argv[2])
+render([sys.argv[2]])
+print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
+"""
+
+
+@pytest.mark.slow
+def test_a_report_of_millions_stays_within_its_memory(tmp_path):
+    """Run and report of three million rows in one process, and a map in the page."""
+    (tmp_path / "large.toml").write_text(
+        'title = "t"\nquestion = "q?"\nsolvers = ["analytic"]\n[[scenarios]]\n[scenarios.sample]\n'
+        'method = "sobol"\ncount = 3000000\nseed = 3\n[scenarios.sample.ranges]\n'
+        "target_x = { linear = [-4, 4] }\ntarget_y = { linear = [-4, 4] }\n",
+        encoding="utf-8",
+    )
+    words = [sys.executable, "-c", PEAK, str(tmp_path / "large.toml"), str(tmp_path / "out")]
+    done = subprocess.run(words, capture_output=True, text=True, check=True)
+
+    assert int(done.stdout.split()[-1]) / 1024 < 1500
+    page = (tmp_path / "out" / "report" / "index.html").read_text(encoding="utf-8")
+    assert '<section id="map"' in page
+    assert "3\u202f000\u202f000 attempts" in page

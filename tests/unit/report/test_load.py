@@ -1,0 +1,127 @@
+"""Results folders: what is read, and what is refused with one clear message."""
+
+from __future__ import annotations
+
+import json
+
+import pyarrow as pa
+import pyarrow.parquet as pq
+import pytest
+from tests.report.results_folder import SCHEMA, attempt, paper_scenarios, write_folder
+
+from dubins_study.report.data.load import ReportError, load
+from dubins_study.study.closed_form.shortest import shortest_path
+from dubins_study.study.rows.schema import VERSION
+
+
+def test_paths_come_back_as_they_were_written(results):
+    """The controls in a row are the path that was judged."""
+    scenario = paper_scenarios()[0]
+    found = load([results("paper", [attempt(scenario)])])
+
+    assert found.path(0) == shortest_path(scenario)
+    assert found.rows["experiment"].tolist() == ["paper"]
+
+
+def test_attempt_without_a_path_has_none(results):
+    """No path is not an empty path."""
+    found = load([results("paper", [attempt(paper_scenarios()[0], path=None)])])
+
+    assert found.path(0) is None
+
+
+def test_a_cell_that_two_folders_hold_counts_once(tmp_path, results):
+    """Merging folders is a union of cells, and paths stay with their rows."""
+    one, two, three = paper_scenarios()[:3]
+    first = results("paper", [attempt(one), attempt(two)])
+    (tmp_path / "again").mkdir()
+    second = results("again/paper", [attempt(two), attempt(three)])
+    manifest = json.loads((second / "manifest.json").read_text())
+    manifest["experiment"]["name"] = "paper"
+    (second / "manifest.json").write_text(json.dumps(manifest))
+
+    found = load([first, second])
+
+    assert found.rows["label"].tolist() == [one.label, two.label, three.label]
+    assert found.path(2) == shortest_path(three)
+
+
+def _spoil_schema(folder):
+    manifest = json.loads((folder / "manifest.json").read_text())
+    (folder / "manifest.json").write_text(json.dumps(manifest | {"schema": VERSION + 1}))
+
+
+def _spoil_name(folder):
+    manifest = json.loads((folder / "manifest.json").read_text())
+    (folder / "manifest.json").write_text(json.dumps(manifest | {"experiment": {}}))
+
+
+def _drop_column(folder):
+    table = pq.read_table(folder / "parts" / "1.parquet").drop_columns(["gap"])
+    pq.write_table(table, folder / "parts" / "1.parquet")
+
+
+def _add_column(folder):
+    table = pq.read_table(folder / "parts" / "1.parquet")
+    table = table.append_column("extra", pa.array([1] * table.num_rows))
+    pq.write_table(table, folder / "parts" / "1.parquet")
+
+
+def _change_type(folder):
+    table = pq.read_table(folder / "parts" / "1.parquet")
+    place = table.column_names.index("gap")
+    table = table.set_column(place, "gap", pa.array(["much"] * table.num_rows))
+    pq.write_table(table, folder / "parts" / "1.parquet")
+
+
+@pytest.mark.parametrize(
+    ("spoil", "message"),
+    [
+        (lambda f: (f / "manifest.json").unlink(), "has no manifest.json"),
+        (lambda f: (f / "manifest.json").write_text("{"), "cannot be read as JSON"),
+        (lambda f: (f / "manifest.json").write_text("[]"), "expected an object"),
+        (lambda f: (f / "manifest.json").write_text("[" * 100_000), "cannot be read as JSON"),
+        (lambda f: (f / "manifest.json").write_text("9" * 5_000), "cannot be read as JSON"),
+        (lambda f: (f / "manifest.json").write_bytes(b"\xff\xfe\x00"), "cannot be read as JSON"),
+        (_spoil_schema, f"schema is {VERSION + 1}; expected {VERSION}"),
+        (_spoil_name, "experiment has no name"),
+        (lambda f: (f / "parts" / "1.parquet").unlink(), "has no rows"),
+        (lambda f: pq.write_table(SCHEMA.empty_table(), f / "parts" / "1.parquet"), "has no rows"),
+        (lambda f: (f / "parts" / "1.parquet").write_bytes(b"PAR1 no"), "cannot be read"),
+        (lambda f: (f / "parts" / "1.parquet").write_bytes(b""), "cannot be read"),
+        (_drop_column, "missing column 'gap'"),
+        (_add_column, "unknown column 'extra'"),
+        (_change_type, "cannot be read"),
+    ],
+)
+def test_a_spoilt_folder_is_refused(results, spoil, message):
+    """Whatever is wrong with a folder, one error names it and the place."""
+    folder = results("paper", [attempt(paper_scenarios()[0])])
+    spoil(folder)
+
+    with pytest.raises(ReportError, match="paper") as caught:
+        load([folder])
+    assert message in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_no_folder_is_refused(tmp_path):
+    """Neither a missing folder nor an empty list is silently an empty report."""
+    with pytest.raises(ReportError, match="not a folder"):
+        load([tmp_path / "nowhere"])
+    with pytest.raises(ReportError, match="at least one"):
+        load([])
+
+
+def test_a_gap_that_differs_contradicts(tmp_path):
+    """By more than the tolerance; where everything else agrees, and whichever comes first."""
+    rows = [attempt(scenario) for scenario in paper_scenarios()]
+    near = [row | {"gap": row["gap"] + 0.5e-4} for row in rows]
+    far = [row | {"gap": row["gap"] + 1.5e-4 * (i < 3)} for i, row in enumerate(rows)]
+    one, near, far = (
+        write_folder(tmp_path / str(number), "paper", own)
+        for number, own in enumerate((rows, near, far))
+    )
+
+    assert [m.contradicting for m in load([one, near, far]).manifests] == [0, 0, 3]
+    assert [m.contradicting for m in load([far, one]).manifests] == [0, 3]

@@ -1,0 +1,284 @@
+"""Numbers against rows worked by hand."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from dubins_study.report.data.reduction import of
+from dubins_study.report.statistics import metrics, timing
+from dubins_study.report.topics.agreement.numbers import agreement
+from dubins_study.report.topics.time.numbers import work_precision
+from dubins_study.study.path import Path
+from dubins_study.study.scenario import COLUMNS, Pose
+
+NAN = float("nan")
+
+
+def frame(**columns):
+    """Rows with what the metrics need, one value for all where a scalar is given."""
+    n = max(len(value) for value in columns.values() if isinstance(value, list))
+    base = {
+        "experiment": "random",
+        "scenario_id": [str(i) for i in range(n)],
+        "solver": "a",
+        "branch": "best",
+        "start": "cold",
+        "repeat": 0,
+        "radius": 1.0,
+        "outcome": "returned",
+        "claim": "local",
+        "verdict": "optimal",
+        "false_claim": False,
+        "wrong_basin": False,
+        "region": "outside",
+        "word_ref": "LS",
+        "message": "",
+        "native_status": "",
+        "gap": 0.0,
+        "reference": 1.0,
+        "length": 1.0,
+        "build_s": 0.001,
+        "solve_s": 0.002,
+        "wall_s": 0.003,
+        "iterations": 1.0,
+    }
+    return pd.DataFrame({**base, **columns})
+
+
+def test_failures_stay_in_every_denominator():
+    """Four attempts, one optimal and one right refusal: half succeed, whatever the others did."""
+    rows = frame(
+        verdict=["optimal", "none exists", "misses", "none"],
+        outcome=["returned", "returned", "returned", "timeout"],
+        false_claim=[False, False, True, False],
+    )
+    line = metrics.summary(of(rows)).iloc[0]
+
+    assert (line["attempts"], line["success"]) == (4, 0.5)
+    assert (line["misses"], line["none"], line["none exists"]) == (1, 1, 1)
+    assert (line["false_claims"], line["not_returned"]) == (1, 1)
+
+
+def test_every_attempt_is_in_one_verdict_column():
+    """Verdict counts add up to the attempts."""
+    rows = frame(verdict=["optimal", "longer", "longer", "misses", "none", "none exists"])
+    line = metrics.summary(of(rows)).iloc[0]
+
+    assert sum(line[verdict] for verdict in metrics.VERDICTS) == line["attempts"]
+
+
+def test_gap_quantiles_count_what_did_not_arrive_as_infinite():
+    """Of ten attempts nine arrive: the median is a number, the worst is not."""
+    rows = frame(gap=[0.1 * i for i in range(9)] + [NAN])
+    line = metrics.gap_quantiles(of(rows)).iloc[0]
+
+    assert line["attempts"] == 10
+    assert line["arrived"] == 0.9
+    assert line["q50"] == pytest.approx(0.4)  # the fifth of ten
+    assert line["q90"] == pytest.approx(0.8)
+    assert line["q100"] == math.inf
+
+
+def test_questions_without_an_answer_have_no_gap_to_measure():
+    """LS inside the left disc does not exist; refusing it must not look like an infinite gap."""
+    rows = frame(gap=[0.0, NAN], word_ref=["LS", None], verdict=["optimal", "none exists"])
+    assert metrics.gap_quantiles(of(rows)).iloc[0]["attempts"] == 1
+
+
+def test_a_crash_counts_where_an_answer_exists():
+    """A row that lost everything still belongs to a question that has an answer, or has none: the
+    target in the left disc is reached by RS and not by LS."""
+    lost = {"word_ref": None, "region": None, "gap": NAN, "verdict": "none", "outcome": "crashed"}
+    place = dict(zip(COLUMNS, (0.0, 0.0, 0.0, 0.5, 0.8, 1.0, 1.0, ""), strict=True))
+    rows = frame(solver=["a", "b"], branch=["LS", "RS"], **(place | lost))
+    table = metrics.gap_quantiles(of(rows)).set_index(["solver", "region"])
+
+    assert list(table.index) == [("b", "all")]
+    assert table.loc[("b", "all"), "q50"] == math.inf
+
+
+@pytest.mark.parametrize(
+    ("q", "expected"), [(0.0, 1.0), (0.5, 2.0), (0.51, 3.0), (0.75, 3.0), (1.0, 4.0)]
+)
+def test_upper_quantile_takes_a_value_that_is_there(q, expected):
+    """No interpolation: the least value that a share q does not exceed."""
+    assert metrics.upper_quantile([4.0, 1.0, 3.0, 2.0], q) == expected
+
+
+@pytest.mark.parametrize(
+    ("spec", "expected"),
+    [
+        ("ipopt", ("ipopt", {})),
+        ("turn-rate-qp[n=10,engine=osqp]", ("turn-rate-qp", {"n": "10", "engine": "osqp"})),
+        ("my file.py:Class[a=1]", ("my file.py:Class", {"a": "1"})),
+        ("odd]name[", ("odd]name[", {})),
+    ],
+)
+def test_parse_spec(spec, expected):
+    """A spec that does not parse is a name."""
+    assert metrics.parse_spec(spec) == expected
+
+
+def test_closed_form_comes_first_and_variants_after_their_solver():
+    """The order of rows, bars and lines."""
+    names = ["zeta", "ipopt[model=joint]", "turn-rate-qp", "ipopt", "analytic", "ipopt"]
+
+    assert metrics.solver_order(names) == [
+        "analytic",
+        "ipopt",
+        "ipopt[model=joint]",
+        "turn-rate-qp",
+        "zeta",
+    ]
+
+
+def test_circle_radius_of_problem_5():
+    """THEORY section 7: its target enters the left disc for R above 57.352960."""
+    found = metrics.circle_radius(0, 0, 2 * math.pi / 3, -80, 20)
+
+    assert found == pytest.approx(57.352960, abs=5e-7)
+    assert metrics.circle_radius(0, 0, 0, 3, 0) == math.inf
+
+
+def test_fitted_order_recovers_a_power():
+    """gap = 3 n^-2 exactly; a value at rounding level is left out."""
+    n = np.array([10, 20, 40, 80])
+    assert metrics.fitted_order([*n, 640], [*(3.0 / n**2), 1e-16]) == pytest.approx(2)
+    assert math.isnan(metrics.fitted_order([10], [0.1]))
+
+
+def test_runs_of_equal_words():
+    """First, past the last, word."""
+    assert metrics.runs_of(["LS", "LS", "RL"]) == [(0, 2, "LS"), (2, 3, "RL")]
+    assert metrics.runs_of([]) == []
+
+
+def test_shifted_geometric_mean_by_hand():
+    """Times 1 and 7 with shift 1: sqrt(2 * 8) - 1 = 3."""
+    assert timing.shifted_geometric_mean([1.0, 7.0], 1.0) == pytest.approx(3.0)
+
+
+def test_mean_times_use_only_what_every_solver_got_right():
+    """Solver b fails question 1, so question 1 counts for neither."""
+    rows = frame(
+        scenario_id=["0", "0", "1", "1"],
+        solver=["a", "b", "a", "b"],
+        wall_s=[1.0, 2.0, 100.0, 1.0],
+        verdict=["optimal", "optimal", "optimal", "longer"],
+    )
+    table, shift = timing.mean_times(rows)
+
+    assert shift == pytest.approx(1.25)
+    assert table["questions"].tolist() == [1, 1]
+    assert table["mean_s"].tolist() == pytest.approx([1.0, 2.0])
+    assert table["rank"].tolist() == [1, 2]
+
+
+def test_time_ratios_keep_failures_as_never_solved():
+    """Question 0: b is right in twice the time; 1: only a is right; 2 was never put to b."""
+    rows = frame(
+        scenario_id=["0", "0", "1", "1", "2"],
+        solver=["a", "b", "a", "b", "a"],
+        wall_s=[1.0, 2.0, 3.0, 1.0, 1.0],
+        verdict=["optimal", "optimal", "optimal", "longer", "optimal"],
+    )
+    ratios = timing.time_ratios(rows)
+
+    assert ratios["a"].tolist() == [1.0, 1.0]
+    assert ratios["b"].tolist() == [2.0, math.inf]
+
+
+def test_messages_that_differ_in_numbers_are_one():
+    """Grouping failures by their gist."""
+    rows = frame(verdict="none", message=["off by 2.3e-01; off by 1.1e+02", "off by 7; off by 0.5"])
+    table = metrics.failures(of(rows))
+
+    assert table[["said", "attempts"]].to_numpy().tolist() == [["off by #", 2]]
+
+
+def test_warm_starts_are_compared_question_by_question():
+    """Warm halves both times; a solver that is never warm is left out."""
+    rows = frame(
+        scenario_id=["0", "1", "0", "1", "0"],
+        solver=["a", "a", "a", "a", "b"],
+        start=["cold", "cold", "warm", "warm", "cold"],
+        wall_s=[2.0, 4.0, 1.0, 2.0, 1.0],
+        verdict=["optimal", "longer", "optimal", "optimal", "optimal"],
+    )
+    table = timing.warm_starts(rows)
+
+    assert table["solver"].tolist() == ["a"]
+    assert table[["questions", "ratio"]].iloc[0].tolist() == [2, 0.5]
+    assert table[["cold_success", "warm_success"]].iloc[0].tolist() == [0.5, 1.0]
+
+
+def test_agreement_by_hand():
+    """Two questions put to both, one answered by both: 10 against 11 long, on one straight line."""
+    rows = frame(
+        scenario_id=["0", "0", "1", "1"],
+        solver=["a", "b", "a", "b"],
+        length=[10.0, 11.0, 5.0, NAN],
+        reference=[10.0, 10.0, 5.0, 5.0],
+        gap=[0.0, 0.1, 0.0, NAN],
+    )
+    paths = {i: Path(Pose(0, 0, 0), [0.0], [length]) for i, length in enumerate((10, 11, 5, 1))}
+    line = agreement(rows, paths.get).iloc[0]
+
+    assert (line["asked"], line["both"]) == (2, 1)
+    assert line["largest"] == line["median"] == pytest.approx(0.1)
+    assert line["within"] == 0.0
+    assert line["apart_largest"] == pytest.approx(0.1)
+
+
+def test_agreement_divides_by_the_radius_of_a_short_path():
+    """max(reference, R): a target at the start has no length to divide by."""
+    rows = frame(
+        scenario_id=["0", "0"], solver=["a", "b"], length=[0.0, 1e-3], reference=0.0, radius=2.0
+    )
+    paths = [Path(Pose(0, 0, 0), [0.0], [length]) for length in (0.0, 1e-3)]
+
+    assert agreement(rows, paths.__getitem__).iloc[0]["largest"] == pytest.approx(5e-4)
+
+
+def settings_of(*specs):
+    """What a manifest says of them."""
+    defaults = {"n": 50, "engine": "piqp", "mesh": "equal"}
+    return {
+        spec: defaults | {k: type(defaults[k])(v) for k, v in metrics.parse_spec(spec)[1].items()}
+        for spec in specs
+    }
+
+
+def test_work_precision_knows_the_settings_that_specs_leave_out():
+    """They are the manifest's, since a profile may have changed them; other solvers do not count,
+    and a mesh of another kind is another curve."""
+    rows = frame(
+        solver=[
+            "turn-rate-qp",
+            "turn-rate-qp[n=100]",
+            "turn-rate-qp[engine=osqp]",
+            "turn-rate-qp[mesh=graded]",
+            "ipopt",
+        ],
+        gap=[4e-5, 1e-5, NAN, 1e-7, 0.0],
+    )
+    table = work_precision(rows, settings_of(*rows["solver"][:4])).set_index(["engine", "n"])
+
+    graded = ("piqp, mesh=graded", 50)
+    assert set(table.index) == {("piqp", 50), ("piqp", 100), ("osqp", 50), graded}
+    assert table.loc[("piqp", 50), "order"] == pytest.approx(2.0)
+    assert table.loc[("osqp", 50), "gap"] == math.inf
+
+
+def test_the_order_is_fitted_as_far_as_the_gap_falls():
+    """An engine that reaches its own accuracy at n=40 is not charged for what follows."""
+    rows = frame(
+        solver=[f"turn-rate-qp[n={n}]" for n in (10, 20, 40, 80)], gap=[1.6e-3, 4e-4, 1e-4, 5e-2]
+    )
+    found = work_precision(rows, settings_of(*rows["solver"]))
+
+    assert found["order"].tolist() == pytest.approx([2.0] * 4)

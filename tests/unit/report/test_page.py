@@ -1,0 +1,317 @@
+"""The report as a whole: complete, self-contained, escaped, repeatable, all or nothing."""
+
+from __future__ import annotations
+
+import re
+from html.parser import HTMLParser
+
+import pytest
+from tests.report.results_folder import attempt, paper_scenarios
+
+from dubins_study import render
+from dubins_study.report.data.load import ReportError
+from dubins_study.report.page.content import Column, Table, count, digits, seconds, share
+from dubins_study.report.page.markup import markdown, tex, to_csv, to_markdown, to_tex
+from dubins_study.report.page.sections import SECTIONS
+from dubins_study.study.check.verdict import Claim
+from dubins_study.study.path import Path
+from dubins_study.study.scenario import Scenario
+
+HOSTILE = "<script>alert('x')</script> & |a_b| $x^2$ \\input{y} `c` [l](u) #%~{}"
+
+
+def paper_rows():
+    """Every test problem and branch, from the closed form and from a solver that always misses."""
+    rows = []
+    for scenario in paper_scenarios():
+        for branch in ("best", "LS", "RS"):
+            rows.append(attempt(scenario, branch=branch))
+            wrong = Path(scenario.start, [0.0], [1.0])
+            rows.append(attempt(scenario, "ipopt", branch, path=wrong, claim=Claim.LOCAL))
+    return rows
+
+
+def sweep_rows():
+    """Problem 5 through its crossing, cold and warm."""
+    rows = []
+    for radius in (20.0, 40.0, 55.0, 60.0, 80.0):
+        scenario = Scenario(0, 0, 2.0943951023931953, -80, 20, radius, label="problem 5")
+        rows += [
+            attempt(scenario),
+            attempt(scenario, "slsqp"),
+            attempt(scenario, "slsqp", start="warm"),
+        ]
+    return rows
+
+
+def plane_rows():
+    """A coarse plane for the closed form, a coarser one for another solver."""
+    places = [-1.9 + 0.4 * i for i in range(10)]
+    grid = [Scenario(0, 0, 0, x, y, 1) for x in places for y in places]
+    return [attempt(s) for s in grid] + [attempt(s, "slsqp", path=None) for s in grid[::3]]
+
+
+def discretisation_rows():
+    """Three numbers of steps, two engines, made-up gaps."""
+    scenario = paper_scenarios()[0]
+    return [
+        attempt(scenario, f"turn-rate-qp[n={n},engine={engine}]", gap=1.0 / n**2, wall_s=n / 1e4)
+        for n in (10, 20, 40)
+        for engine in ("osqp", "highs")
+    ]
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    """A report with every section in it."""
+    from tests.report.results_folder import write_folder
+
+    base = tmp_path_factory.mktemp("whole")
+    made = {
+        "paper": paper_rows(),
+        "radius-sweep": sweep_rows(),
+        "plane": plane_rows(),
+        "discretisation": discretisation_rows(),
+    }
+    folders = [write_folder(base / name, name, rows) for name, rows in made.items()]
+    return render(folders, out=base / "report")
+
+
+def test_every_section_is_there(whole):
+    """Rows for all of them, so all of them; and the contents link to each."""
+    page = whole.read_text(encoding="utf-8")
+    keys = re.findall(r'<section id="([^"]+)"', page)
+
+    assert keys == [
+        "summary",
+        "paper",
+        "audit",
+        "paths",
+        "radius",
+        "agreement",
+        "success",
+        "time",
+        "discretisation",
+        "plane",
+    ]
+    for key in keys:
+        assert f'href="#{key}"' in page
+
+
+def test_every_figure_and_table_is_a_file_too(whole):
+    """SVG and PDF, CSV and Markdown and TeX; none of them empty."""
+    for folder, suffixes in (("figures", ("svg", "pdf")), ("tables", ("csv", "md", "tex"))):
+        files = sorted((whole.parent / folder).iterdir())
+        stems = {file.stem for file in files}
+        assert {file.name for file in files} == {f"{s}.{x}" for s in stems for x in suffixes}
+        assert all(file.stat().st_size > 0 for file in files)
+    assert (whole.parent / "report.md").stat().st_size > 0
+
+
+class Requests(HTMLParser):
+    """Collects whatever would make a browser fetch something."""
+
+    def __init__(self):
+        super().__init__()
+        self.found = []
+
+    def handle_starttag(self, tag, attrs):
+        for name, value in attrs:
+            if name in ("src", "href", "xlink:href", "srcset", "data", "action") and value:
+                self.found.append(value)
+
+
+def test_the_page_asks_for_nothing(whole):
+    """Self-contained: every reference stays inside the page."""
+    page = whole.read_text(encoding="utf-8")
+    requests = Requests()
+    requests.feed(page)
+
+    assert all(value.startswith(("#", "data:")) for value in requests.found)
+    assert "@import" not in page
+    assert not re.search(r"url\((?!#)", page)
+
+
+def test_every_figure_has_words_for_those_who_cannot_see_it(whole):
+    """Each inline SVG is an image with a label."""
+    page = whole.read_text(encoding="utf-8")
+
+    assert page.count("<svg") == page.count("<svg role='img' aria-label='") > 10
+
+
+def test_the_paper_section_says_26_of_33(whole):
+    """The number that the tables below it add up to."""
+    assert "26 of the 33 printed lengths" in whole.read_text(encoding="utf-8")
+
+
+def test_the_same_rows_give_the_same_bytes(results, tmp_path):
+    """No dates and no random ids: a report can be compared with the committed one."""
+    folder = results("paper", paper_rows())
+    pages = [render([folder], out=tmp_path / name).parent for name in ("one", "two")]
+    files = sorted(file.relative_to(pages[0]) for file in pages[0].rglob("*") if file.is_file())
+
+    assert len(files) > 20
+    for file in files:
+        assert (pages[0] / file).read_bytes() == (pages[1] / file).read_bytes(), file
+
+
+def test_hostile_names_are_shown_as_they_are(results, tmp_path):
+    """Labels, messages, solvers and manifest are text, in HTML, SVG, Markdown and TeX."""
+    scenario = Scenario(0, 0, 0, 5, 5, 1, label=HOSTILE)
+    rows = [
+        attempt(scenario, HOSTILE, path=None, claim=Claim.FAILED, message=HOSTILE),
+        *[attempt(Scenario(0, 0, 0, 5, 5, r, label=HOSTILE), HOSTILE) for r in (2.0, 3.0, 9.0)],
+    ]
+    experiment = {"name": "radius-sweep", "title": HOSTILE, "question": HOSTILE, "text": HOSTILE}
+    hostile = {"command": HOSTILE, "machine": {HOSTILE: HOSTILE}, "git": {"branch": HOSTILE}}
+    folder = results("radius-sweep", rows, experiment=experiment, **hostile)
+
+    page = render([folder], out=tmp_path / "out").read_text(encoding="utf-8")
+    report = (tmp_path / "out" / "report.md").read_text(encoding="utf-8")
+
+    assert "<script" not in page
+    assert "&lt;script&gt;" in page
+    assert "<script" not in report
+    for svg in (tmp_path / "out" / "figures").glob("*.svg"):
+        assert "<script" not in svg.read_text(encoding="utf-8")
+        assert "mathdefault" not in svg.read_text(encoding="utf-8")
+    for line in (tmp_path / "out" / "tables" / "failures.md").read_text().splitlines():
+        assert len(re.findall(r"(?<!\\)\|", line)) == 7  # six cells
+
+
+def test_tex_and_markdown_escapes():
+    """Every character that means something there is made to mean itself."""
+    assert tex(r"a_b & 50% $x$ {\n} #1 ~ ^") == (
+        r"a\_b \& 50\% \$x\$ \{\textbackslash{}n\} \#1 \textasciitilde{} \textasciicircum{}"
+    )
+    assert markdown("a|b\n<i> *c* _d_ $e$") == r"a\|b &lt;i&gt; \*c\* \_d\_ \$e\$"
+
+
+def test_table_in_three_formats():
+    """CSV keeps raw values; Markdown and TeX show the formatted ones."""
+    import pandas as pd
+
+    frame = pd.DataFrame({"s": ["x_1"], "v": [0.123456], "w": [None]})
+    columns = (Column("s", "name", kind="code"), Column("v", "v", digits(3)), Column("w", "w"))
+    table = Table("t", "", frame, columns)
+
+    assert to_csv(table) == "s,v,w\nx_1,0.123456,\n"
+    assert to_markdown(table).splitlines()[2] == "| x\\_1 | 0.123 | – |"
+    assert r"\texttt{x\_1} & 0.123 & -- \\" in to_tex(table)
+
+
+@pytest.mark.parametrize(
+    ("show", "value", "text"),
+    [
+        (digits(3), 0.0012345, "0.00123"),
+        (digits(3), 1.2345e-7, "1.23e−7"),
+        (digits(3), 0.99999, "1.00"),
+        (digits(3), -2.5, "−2.50"),
+        (digits(3), float("inf"), "∞"),
+        (share, 1.0, "100 %"),
+        (share, 0.9999, ">99.9 %"),
+        (share, 0.0001, "<0.1 %"),
+        (count, 12345, "12\u202f345"),
+        (seconds, 0.0123, "12.3 ms"),
+        (seconds, 2.5e-7, "250 ns"),
+    ],
+)
+def test_numbers_as_they_are_shown(show, value, text):
+    """Few digits, and no rounding up to certainty."""
+    assert show(value) == text
+
+
+def _lost(scenario, solver="x", **changes):
+    """A row of a process that took everything with it."""
+    lost = dict.fromkeys(
+        ("region", "margin", "word_ref", "reference", "build_s", "solve_s", "wall_s", "iterations")
+    )
+    return attempt(scenario, solver, path=None, claim=Claim.NONE, **lost, **changes)
+
+
+def _same_place(target_x, target_y):
+    return [Scenario(0, 0, 0, target_x, target_y, radius, label="p") for radius in (1, 2, 3, 4)]
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize(
+    ("name", "rows"),
+    [
+        ("all-lost", [_lost(s, outcome="unavailable") for s in paper_scenarios()]),
+        ("one-lost", [attempt(paper_scenarios()[0]), _lost(paper_scenarios()[0])]),
+        ("paper", [attempt(s, branch="LS") for s in paper_scenarios()]),
+        ("ahead", [attempt(s) for s in _same_place(5, 0)]),
+        ("behind", [attempt(s) for s in _same_place(-5, 0)]),
+        ("at-the-start", [attempt(s) for s in _same_place(0, 0)]),
+        ("warm-only", [attempt(s, start="warm") for s in paper_scenarios()]),
+        ("discretisation", [_lost(s, "turn-rate-qp[n=10]") for s in paper_scenarios()]),
+        ("many", [attempt(s, f"s{i}[a={i}]") for s in paper_scenarios()[:2] for i in range(9)]),
+    ],
+)
+def test_odd_results_make_a_report_too(results, tmp_path, name, rows):
+    """Nothing came back, nothing to compare with, no circle to cross, no length at all."""
+    page = render([results(name, rows)], tmp_path / "out")
+
+    assert '<section id="summary"' in page.read_text(encoding="utf-8")
+
+
+def test_default_place_is_inside_the_first_folder(results):
+    """And a second report replaces the first, leaving nothing else behind."""
+    folder = results("tiny", [attempt(paper_scenarios()[0])])
+    first = render([folder])
+    (first.parent / "figures" / "stale.svg").write_text("old")
+    second = render(folder)
+
+    assert first == second == folder / "report" / "index.html"
+    assert not (second.parent / "figures" / "stale.svg").exists()
+    assert sorted(p.name for p in folder.iterdir()) == ["manifest.json", "parts", "report"]
+
+
+def test_an_unfinished_run_says_so(results, tmp_path):
+    """Its numbers are of some cells only, which may be the easy ones."""
+    done = results("tiny", [attempt(paper_scenarios()[0])])
+    part = results("part", [attempt(paper_scenarios()[0])], finished=None)
+
+    assert "Not finished" not in render([done], tmp_path / "a").read_text(encoding="utf-8")
+    page = render([part], tmp_path / "b")
+    assert "Not finished" in page.read_text(encoding="utf-8")
+    assert "Not finished" in (page.parent / "report.md").read_text(encoding="utf-8")
+
+
+def test_progress_is_told(results, tmp_path):
+    """The caller shows progress; render says where it is."""
+    told: list[str] = []
+    render([results("tiny", [attempt(paper_scenarios()[0])])], tmp_path / "out", told.append)
+
+    assert told == list(SECTIONS)
+
+
+def test_a_place_that_cannot_be_written_is_refused(results, tmp_path):
+    """A file in the way, or a folder full of something else, is left alone."""
+    folder = results("tiny", [attempt(paper_scenarios()[0])])
+    (tmp_path / "file").write_text("mine")
+    (tmp_path / "full").mkdir()
+    (tmp_path / "full" / "thesis.txt").write_text("mine")
+
+    for out in ("file", "file/below", "full"):
+        with pytest.raises(ReportError, match=out.split("/")[0]):
+            render([folder], tmp_path / out)
+    assert (tmp_path / "file").read_text() == "mine"
+    assert [p.name for p in (tmp_path / "full").iterdir()] == ["thesis.txt"]
+
+
+def test_nothing_half_written_is_left(results, tmp_path, monkeypatch):
+    """A report that fails while it is written leaves the old one as it was."""
+    folder = results("tiny", [attempt(paper_scenarios()[0])])
+    page = render([folder], tmp_path / "out")
+    before = page.read_bytes()
+
+    def full(*_: object) -> str:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("dubins_study.report.page.render.to_tex", full)
+    with pytest.raises(ReportError, match="No space left"):
+        render([folder], tmp_path / "out")
+
+    assert page.read_bytes() == before
+    assert {p.name for p in tmp_path.iterdir()} == {"tiny", "out"}

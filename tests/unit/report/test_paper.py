@@ -1,0 +1,75 @@
+"""The paper's printed tables against the closed form."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+from tests.report.results_folder import paper_scenarios
+
+from dubins_study.report.paper.audit_file import misprints
+from dubins_study.report.paper.printed import PROBLEMS, compare, segments
+from dubins_study.study.closed_form.shortest import shortest_path
+from dubins_study.study.path import Path
+from dubins_study.study.scenario import Pose
+
+
+@pytest.fixture
+def cells():
+    paths = {
+        (scenario.label, branch): shortest_path(scenario, branch)
+        for scenario in paper_scenarios()
+        for branch in ("LS", "RS")
+    }
+    return compare(paths)
+
+
+def test_26_of_the_33_printed_cells_are_correct_roundings(cells):
+    """By the closed form in doubles; the other seven are those of the audit."""
+    assert len(cells) == 33
+    assert cells["verdict"].value_counts().to_dict() == {"correct": 26, "misprint": 7}
+    wrong = cells[cells["verdict"] == "misprint"]
+    assert set(zip(wrong["label"], wrong["path"], wrong["quantity"], strict=True)) == {
+        (cell["label"], cell["path"], cell["quantity"]) for cell in misprints()
+    }
+
+
+def test_the_papers_scenarios_are_those_of_the_experiment():
+    """The exact problems that the audit starts from, beside the doubles that solvers are given."""
+    for scenario in paper_scenarios():
+        problem = PROBLEMS[scenario.label]
+        assert (scenario.target_x, scenario.target_y) == problem.target
+        assert scenario.radius == problem.radius
+        assert scenario.heading == pytest.approx(float(problem.heading) * math.pi, rel=1e-15)
+    assert len(PROBLEMS) == len(paper_scenarios())
+
+
+def test_a_path_off_by_a_hundredth_differs(cells):
+    """A cell that no misprint explains is not excused."""
+    paths = {
+        (scenario.label, branch): shortest_path(scenario, branch)
+        for scenario in paper_scenarios()
+        for branch in ("LS", "RS")
+    }
+    good = paths["problem 2", "LS"]
+    paths["problem 2", "LS"] = Path(good.start, good.curvature, good.length + 0.01)
+    changed = compare(paths)
+
+    differs = changed[changed["verdict"] == "differs"]
+    assert set(differs["label"]) == {"problem 2"}
+    assert set(differs["quantity"]) == {"z1", "z3", "f"}
+
+
+def test_a_row_needs_both_words():
+    """Which path is optimal cannot be told from one of them."""
+    scenario = paper_scenarios()[0]
+    cells = compare({("problem 1", "LS"): shortest_path(scenario, "LS")})
+
+    assert set(cells["verdict"]) == {"no answer"}
+
+
+def test_a_turn_at_half_rate_counts_half():
+    """Segments of a discretised path: the turn's full-rate length, the rest straight."""
+    path = Path(Pose(0, 0, 0), [0.5, 0.25, 0.0, -0.5], [2.0, 1.0, 3.0, 1.0])
+
+    assert segments(path, radius=2.0) == (2.5, 1.0, 3.5, 7.0)

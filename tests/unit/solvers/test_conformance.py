@@ -1,0 +1,186 @@
+"""What every registered solver must do, whatever its method."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+from cases import EDGES, PAPER
+
+from dubins_study.solvers.attempt import solve
+from dubins_study.solvers.protocol import Guarantee, Outcome, Question, Solution
+from dubins_study.solvers.registry import available, entries, load, registered
+from dubins_study.study.check.verdict import Claim, Verdict
+from dubins_study.study.closed_form.shortest import BRANCHES, shortest
+from dubins_study.study.scenario import Scenario
+
+# A gap that the method's kind may leave: rounding; the solver's tolerance of 1e-8 on lengths; the
+# coarseness of 50 steps, which falls like 1/n^2.
+LARGEST_GAP = {
+    Guarantee.EXACT: 1e-14,
+    Guarantee.LOCAL: 1e-7,
+    Guarantee.GLOBAL: 1e-6,
+    Guarantee.DISCRETISED: 1e-3,
+}
+EASY = Scenario(0, 0, 0.3, 3, 2, 1)
+
+
+def test_every_entry_says_what_it_is():
+    """Name, method, guarantee, branches and a line of summary, available or not."""
+    assert {"analytic", "slsqp", "ipopt", "turn-rate-qp"} <= set(registered())
+    for entry in entries():
+        assert entry.method
+        assert entry.guarantee in set(Guarantee)
+        assert entry.summary
+        assert {"best", "LS", "RS"} <= set(entry.branches) <= set(BRANCHES)
+        assert entry.reason is None or entry.reason.strip()
+
+
+@pytest.mark.parametrize("name", available())
+@pytest.mark.parametrize("branch", ["best", "LS", "RS"])
+@pytest.mark.parametrize("problem", PAPER)
+def test_paper_problems(name, branch, problem):
+    """Every solver finds the shortest path of every branch of the paper's problems."""
+    answer = solve(PAPER[problem], name, branch)
+
+    assert answer.outcome is Outcome.RETURNED, answer.message
+    assert answer.verdict is Verdict.OPTIMAL
+    assert not answer.false_claim
+    assert answer.miss <= 1e-6 * PAPER[problem].radius
+    assert -1e-12 <= answer.gap <= LARGEST_GAP[load(name).guarantee]
+
+
+@pytest.mark.parametrize("name", available())
+@pytest.mark.parametrize("edge", EDGES)
+def test_edges(name, edge):
+    """Every solver is right at every kind of target; on long ones a coarse answer may be longer."""
+    scenario = EDGES[edge]
+    answer = solve(scenario, name)
+
+    assert answer.outcome is Outcome.RETURNED, answer.message
+    assert answer.path is not None
+    assert answer.path.start == scenario.start
+    assert not answer.false_claim
+    assert not answer.wrong_basin
+    expected = {Verdict.OPTIMAL}
+    if load(name).guarantee is Guarantee.DISCRETISED:
+        expected.add(Verdict.LONGER)
+    assert answer.verdict in expected
+
+
+@pytest.mark.parametrize("name", available())
+@pytest.mark.parametrize(("branch", "target_y"), [("LS", 1.0), ("RS", -1.0)])
+def test_a_branch_without_a_path_is_not_answered_with_one(name, branch, target_y):
+    """No LS path reaches the left disc: no solver may claim to have found one."""
+    answer = solve(Scenario(0, 0, 0, 0.2, target_y, 1), name, branch)
+
+    assert answer.outcome is Outcome.RETURNED
+    assert answer.verdict in (Verdict.NONE_EXISTS, Verdict.MISSES, Verdict.NONE)
+    assert not answer.false_claim
+
+
+@pytest.mark.parametrize("name", available())
+def test_a_branch_it_cannot_answer_is_a_row(name):
+    """An unsupported branch is an outcome with a reason, not an exception."""
+    for branch in set(BRANCHES) - set(load(name).branches):
+        answer = solve(EASY, name, branch)
+        assert answer.outcome is Outcome.UNSUPPORTED
+        assert branch in answer.message
+        assert answer.verdict is Verdict.NONE
+
+
+@pytest.mark.parametrize("name", available())
+def test_answers_repeat(name):
+    """The same question gets the same answer, also after another one: no state leaks."""
+    solver = load(name)
+
+    def ask(scenario):
+        return solver.solve(solver.build(Question(scenario)), 60.0).path
+
+    first = ask(EASY)
+    ask(PAPER["problem 4"])
+    assert ask(EASY) == first
+
+
+@pytest.mark.parametrize("name", available())
+def test_a_warm_start_does_no_harm(name):
+    """Started from the shortest path, a solver that takes starts stays at its length."""
+    if not load(name).warm:
+        pytest.skip("takes no start")
+    near = Scenario(0, 0, 0.3, 3.05, 2, 1)
+    start = solve(near, "analytic").path
+    assert start is not None
+
+    answer = solve(EASY, name, start=start)
+
+    assert answer.verdict is Verdict.OPTIMAL
+
+
+@pytest.mark.parametrize("name", available())
+def test_profiles_are_accepted(name):
+    """Every solver runs under every profile, and `accurate` is no worse than `fast`."""
+    gaps = {p: solve(EASY, name, profile=p).gap for p in ("fast", "default", "accurate")}
+
+    assert None not in gaps.values()
+    assert gaps["accurate"] <= gaps["fast"] + 1e-9
+
+
+@pytest.mark.parametrize("name", available())
+def test_multipliers_are_the_costates(name):
+    """Duals, where a solver has them, are the unit vector along the final heading.
+
+    THEORY section 6: the multipliers of (4.12)'s equations are -(nu1, nu2)/nu0, which for a path
+    that ends straight is (cos, sin) of the final heading.
+    """
+    problem = PAPER["problem 1"]
+    answer = solve(problem, name)
+    if answer.multiplier_x is None:
+        pytest.skip("reports no multipliers")
+    found = shortest(problem)
+    assert found is not None
+    heading = problem.heading - found.segments.first
+    # a discretised control ends within one step of the straight
+    allowed = 0.02 if load(name).guarantee is Guarantee.DISCRETISED else 1e-6
+
+    assert math.hypot(
+        answer.multiplier_x - math.cos(heading), answer.multiplier_y - math.sin(heading)
+    ) == pytest.approx(0, abs=allowed)
+
+
+def test_whatever_a_solver_does_becomes_a_row():
+    """Raising, returning another type, a path to elsewhere and a claim without a path."""
+    from dubins_study.solvers.attempt import attempt
+
+    class Hostile:
+        name, method, guarantee, branches = "hostile", "local NLP", Guarantee.LOCAL, ("best",)
+        warm, packages, summary = False, (), "does what it is told"
+
+        def __init__(self, behaviour):
+            self.behaviour = behaviour
+
+        def unavailable(self):
+            return None
+
+        def build(self, question):
+            return question
+
+        def solve(self, model, limit):
+            return self.behaviour(model)
+
+    def ask(behaviour):
+        return attempt(Hostile(behaviour), Question(EASY))
+
+    def boom(question):
+        raise RuntimeError("boom")
+
+    assert ask(boom).outcome is Outcome.RAISED
+    assert "boom" in ask(boom).message
+    assert ask(lambda q: 3).outcome is Outcome.RAISED
+    without = ask(lambda q: Solution(Claim.OPTIMAL, claimed_length=1.0))
+    assert without.verdict is Verdict.NONE
+    assert without.false_claim
+    elsewhere = solve(PAPER["problem 2"]).path
+    lost = ask(lambda q: Solution(Claim.LOCAL, elsewhere, claimed_length=math.nan))
+    assert lost.verdict is Verdict.MISSES
+    assert lost.false_claim
+    assert lost.claimed_length is None

@@ -1,0 +1,258 @@
+"""heading-milp against the closed form, brute force over its grid, and its promises."""
+
+from __future__ import annotations
+
+import math
+from itertools import product
+
+import numpy as np
+import pytest
+from cases import PAPER
+from hard_cases import hard_frame
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from scipy.optimize import linprog
+
+from dubins_study.solvers.heading_milp.grid import one_turn, two_turns
+from dubins_study.solvers.heading_milp.legs import controls, least_legs
+from dubins_study.solvers.heading_milp.solver import HeadingMilp
+from dubins_study.solvers.protocol import Question, Solution
+from dubins_study.study.check.verdict import Claim, Judgement, Verdict, judge
+from dubins_study.study.closed_form.shortest import shortest
+from dubins_study.study.path import Path
+from dubins_study.study.scenario import Pose, Scenario
+
+DEFAULT = HeadingMilp()
+ORIGIN = Pose(0.0, 0.0, 0.0)
+# in radii, from the origin facing +x
+DISCS = {"centre": (0.0, 1.0), "left": (-0.2, 0.6), "right": (0.4, -1.2), "rear": (-0.5, -1.2)}
+
+
+def ask(
+    scenario: Scenario, branch: str = "best", solver: HeadingMilp = DEFAULT, limit: float = 20.0
+) -> tuple[Solution, Judgement]:
+    solution = solver.solve(solver.build(Question(scenario, branch)), limit)
+    return solution, judge(scenario, solution.path, solution.claim, branch)
+
+
+def coarseness(solver: HeadingMilp) -> float:
+    """Largest relative gap outside the discs.
+
+    Between two legs' headings that are b apart the way is longer by up to 1 / cos(b / 2) - 1, and
+    the rest of a step of d that is turned in vain costs less than d^3 / 6 radii.
+    """
+    step = 2 * math.pi / solver.headings
+    return 1 / math.cos(step / solver.legs / 2) - 1 + step**3 / 6
+
+
+@pytest.mark.parametrize(("problem", "branch"), list(product(PAPER, ("best", "LS", "RS"))))
+@pytest.mark.parametrize("solver", [DEFAULT, HeadingMilp(legs=1), HeadingMilp(headings=20)])
+def test_paper_problems_cost_no_more_than_the_grid_is_coarse(problem, branch, solver):
+    """The gap is above nothing, and below what the coarseness of the grid explains."""
+    solution, found = ask(PAPER[problem], branch, solver)
+
+    assert solution.claim is Claim.LOCAL
+    assert found.gap is not None
+    assert -1e-12 <= found.gap <= coarseness(solver)
+
+
+def test_the_gap_falls_with_the_square_of_the_headings():
+    """Ten times the headings, a hundredth of the gap; halved and doubled for where they happen."""
+    gaps = [
+        [ask(problem, "best", HeadingMilp(headings=k, legs=1))[1].gap for problem in PAPER.values()]
+        for k in (36, 360)
+    ]
+
+    assert 50 <= np.max(gaps[0]) / np.max(gaps[1]) <= 200
+
+
+@pytest.mark.parametrize("place", DISCS)
+def test_inside_a_disc_the_second_arc_is_the_long_one(place):
+    """Inside the discs RL or LR is found; its gap falls with the square of the step, 1.1 d^2."""
+    X, Y = DISCS[place]
+    scenario = Scenario(0, 0, 0, X, Y, 1)
+    solution, found = ask(scenario)
+
+    assert solution.claim is Claim.LOCAL
+    assert found.word == found.word_ref
+    # for these targets; next to a circle's front it is larger
+    assert 0 <= found.gap <= 0.15 * (2 * math.pi / DEFAULT.headings) ** 2
+
+
+def test_every_hard_target_is_reached_or_said_to_be_out_of_reach():
+    """At every scale, on the circles, next to them and to the start: no miss, no false claim."""
+    for n, row in enumerate(hard_frame(60, seed=5).itertuples()):
+        scenario = Scenario(
+            row.x, row.y, row.heading, row.target_x, row.target_y, row.radius, row.speed
+        )
+        branch = ("best", "LS", "RS")[n % 3]
+        solution, found = ask(scenario, branch)
+
+        assert not found.false_claim
+        assert not found.wrong_basin
+        if found.reference is None:
+            assert solution.claim is Claim.INFEASIBLE
+        else:
+            assert solution.claim is Claim.LOCAL
+            assert found.verdict in (Verdict.OPTIMAL, Verdict.LONGER)
+
+
+@pytest.mark.parametrize("exponent", range(1, 15))
+@pytest.mark.parametrize("angle", [0.3, 1.0, 2.5, 4.0, 6.0])
+def test_a_target_just_outside_its_circle_is_reached_by_a_tangent(angle, exponent):
+    """However near: an equal grid has no turn that ends between tangent point and target."""
+    r = 1 + 10.0**-exponent
+    scenario = Scenario(0, 0, 0, r * math.sin(angle), 1 - r * math.cos(angle), 1)
+    solution, found = ask(scenario, "LS")
+
+    assert solution.claim is Claim.LOCAL
+    assert found.verdict is Verdict.OPTIMAL
+
+
+@pytest.mark.parametrize("Y", [10.0**-k for k in range(1, 14)])
+@pytest.mark.parametrize("X", [0.05, 2.0, 700.0])
+def test_a_target_nearly_ahead_is_reached_by_less_than_a_step(X, Y):
+    """A full step would pass it: without shorter ones only a full turn would get there."""
+    solution, found = ask(Scenario(0, 0, 0, X, -Y, 1))
+
+    assert solution.claim is Claim.LOCAL
+    assert found.verdict in (Verdict.OPTIMAL, Verdict.LONGER)
+    assert found.gap <= coarseness(DEFAULT) or found.region == "right disc"
+
+
+@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@given(st.floats(-4, 4), st.floats(-4, 4), st.sampled_from(["LS", "RS"]))
+def test_highs_finds_the_best_choice_of_the_grid(X, Y, branch):
+    """Brute force over all choices, the legs of each by linear programming, says the same."""
+    solver = HeadingMilp(headings=16, legs=2)
+    if math.hypot(X, Y) < 1e-3:
+        return  # the linear programs' tolerances are 1e-7
+    family = one_turn(1 if branch == "LS" else -1, 16, 2, X, Y)
+    lengths = []
+    for choice, heading in enumerate(family.heading):
+        u = np.array([np.cos(heading), np.sin(heading)])
+        gap = np.array([X, Y]) - family.shift[:, choice]
+        legs = linprog(np.ones(heading.size), A_eq=u, b_eq=gap, method="highs-ipm")
+        if legs.status == 0:
+            lengths.append(family.length[choice] + legs.fun)
+    solution, _ = ask(Scenario(0, 0, 0, X, Y, 1), branch, solver)
+
+    if lengths and solution.claimed_length is not None:
+        assert solution.claimed_length == pytest.approx(min(lengths), abs=2e-6)  # gap 1e-6
+    else:
+        # next to the turning circle, within the tolerances, the two may disagree
+        side = 1 if branch == "LS" else -1
+        assert bool(lengths) is (solution.claimed_length is not None) or math.isclose(
+            math.hypot(X, Y - side), 1, abs_tol=1e-5
+        )
+
+
+@pytest.mark.parametrize("side", [1, -1])
+@pytest.mark.parametrize(
+    "build", [lambda s: one_turn(s, 24, 3, 5, 1), lambda s: two_turns(s, 24)[0]]
+)
+def test_a_choice_leads_where_its_controls_do(build, side):
+    """Shift, length and legs of a choice are those of the path that is made of it, driven."""
+    family = build(side)
+    rng = np.random.default_rng(3)
+    n, m = family.heading.shape
+    for choice in range(n):
+        legs = rng.random(m) * rng.integers(0, 2, m)
+        path = Path(ORIGIN, *controls(family, choice, legs))
+        u = np.array([np.cos(family.heading[choice]), np.sin(family.heading[choice])])
+        expected = family.shift[:, choice] + u @ legs
+
+        # sums of up to ten rounded pieces
+        assert np.abs(path.poses[-1, :2] - expected).max() < 1e-13
+        assert path.total_length == pytest.approx(family.length[choice] + legs.sum(), abs=1e-13)
+        assert (np.abs(path.curvature) <= 1).all()
+
+
+def test_least_legs_is_the_linear_program():
+    """Two legs out of many, their sum and their duals, as an LP solver has them."""
+    rng = np.random.default_rng(4)
+    for _ in range(50):
+        heading, gap = rng.uniform(-3, 3, 5), rng.uniform(-3, 3, 2)
+        u = np.array([np.cos(heading), np.sin(heading)])
+        expected = linprog(np.ones(5), A_eq=u, b_eq=gap)
+        found = least_legs(heading, gap)
+
+        assert (found is None) is (expected.status == 2)
+        if found is None:
+            continue
+        assert found.length.sum() == pytest.approx(expected.fun, rel=1e-9)
+        assert u @ found.length == pytest.approx(gap, abs=1e-9)
+        assert found.duals == pytest.approx(expected.eqlin.marginals, abs=1e-9)
+
+
+@pytest.mark.parametrize("place", ["centre", "rear"])
+def test_multipliers_inside_a_disc_are_the_slope_of_the_length(place):
+    """Duals are how the length changes with the target, there by a difference of references."""
+    X, Y = DISCS[place]
+    solution, _ = ask(Scenario(0, 0, 0, X, Y, 1), solver=HeadingMilp(headings=144))
+    h = 1e-6
+    slope = [
+        (
+            shortest(Scenario(0, 0, 0, X + dx, Y + dy, 1)).total
+            - shortest(Scenario(0, 0, 0, X - dx, Y - dy, 1)).total
+        )
+        / (2 * h)
+        for dx, dy in ((h, 0), (0, h))
+    ]
+
+    # the switch and the end are on headings up to half a step off
+    assert solution.multipliers == pytest.approx(slope, abs=2 * math.pi / 144)
+
+
+def test_the_bound_is_of_the_grid_and_is_not_passed_off_as_the_scenarios():
+    """The bound in the message is the path's length, which is above the shortest one."""
+    scenario = PAPER["problem 4"]
+    solution, found = ask(scenario)
+    bound = float(solution.message.split("bound ")[1].split()[0])
+
+    assert solution.lower_bound is None
+    assert "not for the scenario" in solution.message
+    assert bound == pytest.approx(found.length, rel=1e-6)
+    assert bound > found.reference * (1 + 1e-6)
+
+
+def test_a_branch_without_a_path_is_infeasible_and_a_grid_without_one_is_not(monkeypatch):
+    """HiGHS calls both infeasible; only where no path exists at all is that the answer."""
+    monkeypatch.setattr(
+        "dubins_study.solvers.heading_milp.solver.least_legs", lambda heading, gap: None
+    )
+    solution, _ = ask(PAPER["problem 1"], "LS")
+    assert solution.claim is Claim.FAILED
+    assert "no path on the grid of 72 headings" in solution.message
+
+    monkeypatch.undo()
+    solution, found = ask(Scenario(0, 0, 0, 0.2, 1, 1), "LS")
+
+    assert solution.claim is Claim.INFEASIBLE
+    assert found.verdict is Verdict.NONE_EXISTS
+    assert "inside the left turning circle" in solution.message
+
+
+def test_no_time_is_a_limit():
+    """Neither a time limit reached nor one that leaves no time to begin is an exception."""
+    for limit in (0.0, 1e-5):
+        solution, _ = ask(PAPER["problem 1"], limit=limit)
+        assert solution.claim is Claim.LIMIT
+        assert solution.path is None
+
+
+@pytest.mark.parametrize(
+    "setting",
+    [
+        {"headings": 3},
+        {"headings": 1001},
+        {"headings": 72.0},
+        {"headings": True},
+        {"legs": 0},
+        {"gap": 0.0},
+    ],
+)
+def test_a_bad_setting_is_refused(setting):
+    """With its name and what was expected."""
+    with pytest.raises(ValueError, match=f"{next(iter(setting))} is .*; expected"):
+        HeadingMilp(**setting)

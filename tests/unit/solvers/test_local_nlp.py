@@ -1,0 +1,230 @@
+"""slsqp and ipopt on the paper's model: derivatives, starts, the joint model's minima and bias."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from cases import PAPER, scenarios
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+from stand_in import put_solver
+
+from dubins_study.solvers.attempt import attempt, solve
+from dubins_study.solvers.paper_nlp.initial_guesses import STARTS, starting_points
+from dubins_study.solvers.paper_nlp.ipopt import Ipopt
+from dubins_study.solvers.paper_nlp.model import SUBPROBLEMS, as_path, equations, jacobian, target
+from dubins_study.solvers.protocol import Question
+from dubins_study.solvers.registry import load
+from dubins_study.study.check.verdict import Claim, Verdict
+from dubins_study.study.closed_form.shortest import margin, shortest
+from dubins_study.study.path import Path
+from dubins_study.study.scenario import Scenario
+
+lengths = st.tuples(st.floats(0, 6), st.floats(0, 6), st.floats(0, 20)).map(np.array)
+NLP = ("slsqp", "ipopt")
+
+
+@given(lengths, st.floats(-5, 5), st.floats(-5, 5))
+def test_the_jacobian_is_the_derivative_of_the_equations(z, X, Y):
+    """Central differences with step 1e-6 are right to about 1e-9 times the straight's length."""
+    h = 1e-6
+    numeric = np.column_stack(
+        [(equations(z + h * e, X, Y) - equations(z - h * e, X, Y)) / (2 * h) for e in np.eye(3)]
+    )
+
+    np.testing.assert_allclose(jacobian(z), numeric, atol=1e-7)
+
+
+@given(lengths, st.sampled_from(sorted(SUBPROBLEMS)), scenarios())
+def test_the_equations_are_those_of_the_path(z, name, scenario):
+    """(4.10) and (4.11) vanish exactly where the path's controls lead: paper against rollout."""
+    subproblem = SUBPROBLEMS[name]
+    z = np.where(np.isin(np.arange(3), subproblem.free), z, 0.0)
+    end = as_path(scenario, subproblem, z).end
+    moved = Scenario(*scenario.start, end.x, end.y, scenario.radius)
+
+    residual = equations(z, *target(moved, subproblem.mirrored))
+
+    # coordinates lie up to 100 radii from the origin, so they carry errors of 1e-14 radii
+    np.testing.assert_allclose(residual, 0, atol=1e-11)
+
+
+@pytest.mark.parametrize("name", NLP)
+@settings(max_examples=40)
+@given(scenario=scenarios(far=1000.0))
+def test_best_is_right_everywhere(name, scenario):
+    """Outside and in both discs, away from the circles where a miss may be shorter."""
+    assume(margin(scenario) > 1e-4)
+
+    answer = attempt(load(name), Question(scenario))
+
+    assert answer.verdict is Verdict.OPTIMAL
+    assert answer.gap < 1e-7
+
+
+@pytest.mark.parametrize("name", NLP)
+@pytest.mark.parametrize("branch", ["LS", "RS"])
+@settings(max_examples=40)
+@given(scenario=scenarios())
+def test_words_are_right_or_said_not_to_be(name, branch, scenario):
+    """Where the word exists it is found; where it does not, no path is claimed."""
+    assume(margin(scenario) > 1e-3)
+
+    answer = attempt(load(name), Question(scenario, branch))
+
+    if shortest(scenario, branch) is None:
+        assert answer.claim is not Claim.LOCAL
+    else:
+        assert answer.verdict is Verdict.OPTIMAL
+
+
+@pytest.mark.parametrize("branch", ["LS", "RS"])
+def test_ipopt_recognises_a_word_that_does_not_exist(branch):
+    """Infeasible by theory, and said so: a success."""
+    side = 1 if branch == "LS" else -1
+    answer = solve(Scenario(0, 0, 0, 0.3, 0.8 * side, 1), "ipopt", branch)
+
+    assert answer.claim is Claim.INFEASIBLE
+    assert answer.verdict is Verdict.NONE_EXISTS
+    assert "Infeasible" in answer.native_status
+
+
+def test_the_papers_order_is_not_mirror_symmetric():
+    """THEORY section 5: L R S does not contain RL, so it is wrong in the left disc only."""
+    left, right = Scenario(0, 0, 0, 0, 1, 1), Scenario(0, 0, 0, 0, -1, 1)
+    paper = "ipopt[model=joint,order=LRS,start=random,count=40]"
+    both = "ipopt[model=joint,order=both,start=random,count=40]"
+
+    assert solve(left, paper).verdict is Verdict.LONGER
+    assert solve(left, paper).word.startswith("R")
+    assert solve(right, paper).verdict is Verdict.OPTIMAL
+    assert solve(left, both).verdict is Verdict.OPTIMAL
+
+
+@pytest.mark.parametrize("radius", [1e-3, 1.0, 1e3])
+def test_an_interior_point_leaves_its_barrier_in_the_degenerate_arc(radius):
+    """z2 is (mu R^2)^(1/3) with mu = 2.5e-9 at Ipopt's default tolerance, not zero.
+
+    In units of the radius that is 1.357e-3 (THEORY section 5), and the length does not show it.
+    """
+    straight = Scenario(0, 0, 0, 2 * radius, 4 * radius, radius)
+
+    answer = solve(straight, "ipopt[model=joint,order=LRS]")
+
+    assert answer.word == "LRS"
+    assert answer.path.length[1] / radius == pytest.approx(2.5e-9 ** (1 / 3), rel=0.05)
+    assert answer.gap < 1e-8
+
+
+def test_slsqp_gets_nowhere_from_the_zero_that_ampl_starts_at():
+    """At z = 0 the two gradients are parallel: SLSQP stops with a singular matrix."""
+    answer = solve(PAPER["problem 1"], "slsqp[model=joint,order=LRS,start=zero,capped=false]")
+
+    assert answer.claim is Claim.FAILED
+    assert answer.verdict is Verdict.MISSES
+
+
+@pytest.mark.parametrize("kind", STARTS)
+@pytest.mark.parametrize("name", SUBPROBLEMS)
+@given(scenario=scenarios())
+def test_starting_points_are_admissible(kind, name, scenario):
+    """Not negative, arcs within a full turn, and zero where a length is fixed."""
+    subproblem = SUBPROBLEMS[name]
+    points = list(starting_points(Question(scenario), subproblem, kind, seed=1, count=5))
+
+    for z in points:
+        assert (z >= 0).all()
+        assert (z[:2] <= 2 * math.pi).all()
+        assert not np.delete(z, subproblem.free).any()
+    assert len(points) == (5 if kind == "random" else len(points)) >= 1
+
+
+def test_random_starts_repeat_with_their_seed():
+    def points(seed):
+        question, joint = Question(PAPER["problem 1"]), SUBPROBLEMS["LRS"]
+        return list(starting_points(question, joint, "random", seed, 4))
+
+    np.testing.assert_array_equal(points(3), points(3))
+    assert (np.array(points(3)) != np.array(points(4))).all()
+
+
+@pytest.mark.parametrize("name", NLP)
+def test_a_warm_start_saves_iterations(name):
+    """Started from the solution's own segments, a word takes fewer iterations than from cold."""
+    problem = PAPER["problem 4"]
+    start = solve(problem, "analytic", "LS").path
+
+    cold, warm = solve(problem, name, "LS"), solve(problem, name, "LS", start=start)
+
+    assert warm.length == pytest.approx(cold.length, rel=1e-8)
+    assert warm.iterations < cold.iterations
+
+
+def test_an_executable_on_path_is_used(tmp_path, monkeypatch):
+    """`ipopt` on PATH comes first; its answers, duals included, are those of the library."""
+    put_solver(tmp_path, "ipopt")
+    library = solve(PAPER["problem 1"], "ipopt[via=library]")
+    monkeypatch.setenv("PATH", str(tmp_path), prepend=":")
+
+    executable = solve(PAPER["problem 1"], "ipopt")
+
+    assert executable.verdict is Verdict.OPTIMAL, executable.message
+    assert "stand-in" in executable.message
+    assert executable.length == pytest.approx(library.length, rel=1e-8)
+    assert executable.multiplier_x == pytest.approx(library.multiplier_x, abs=1e-6)
+    infeasible = solve(Scenario(0, 0, 0, 0, 1, 1), "ipopt", "LS")
+    assert infeasible.verdict in (Verdict.NONE_EXISTS, Verdict.MISSES)
+
+
+def test_without_executable_and_library_there_is_a_reason(monkeypatch):
+    monkeypatch.setenv("PATH", "")
+
+    assert "no executable 'ipopt' on PATH" in str(Ipopt(via="executable").unavailable())
+    answer = solve(PAPER["problem 1"], "ipopt[via=executable]")
+    assert answer.outcome == "unavailable"
+    assert "PATH" in answer.message
+
+
+@pytest.mark.parametrize("mu", [1e-9, 1e-7, 1e-5])
+@pytest.mark.parametrize("radius", [0.5, 1.0, 20.0])
+def test_the_interior_point_bias_is_the_cube_root_of_mu_r_squared(mu, radius):
+    """THEORY section 5: at LS the reduced cost of z2 is zero and f grows like z2^3 / (3 R^2), so a
+    barrier of mu leaves z2 = (mu R^2)^(1/3), in the paper's own units. To first order: the next
+    term is a share z2 / R smaller."""
+    scenario = Scenario(0, 0, 0, -3 * radius, 4 * radius, radius)
+    spec = f"ipopt[model=joint,order=LRS,units=scenario,mu_target={mu},tol=1e-12,bound_relax=1e-8]"
+    answer = solve(scenario, spec)
+
+    assert answer.word == "LRS"
+    right = answer.path.length[1]
+    expected = (mu * radius**2) ** (1 / 3)
+    assert right == pytest.approx(expected, rel=0.1 + 2 * expected / radius)
+    assert answer.gap < expected  # the length is right far beyond what the segments are
+
+
+@pytest.mark.parametrize("name", ["slsqp", "ipopt"])
+@pytest.mark.parametrize("radius", [1e-3, 1.0, 1e3])
+def test_the_model_in_the_papers_units(name, radius):
+    """Posed in the scenario's unit, easy scales have the same answers."""
+    scenario = Scenario(0, 0, 0.4, 5 * radius, 3 * radius, radius)
+    answer = solve(scenario, f"{name}[units=scenario]")
+
+    assert answer.verdict is Verdict.OPTIMAL
+    assert answer.gap < 1e-6
+
+
+def test_a_given_start_is_the_only_one():
+    """From where it is told to start and from nowhere else; without one, as by default."""
+    scenario = PAPER["problem 2"]
+    path = Path(scenario.start, [1, -1, 0], [0.6, 1e-3, 6.0])
+    joint = SUBPROBLEMS["LRS"]
+
+    def points(question, kind):
+        return [z.tolist() for z in starting_points(question, joint, kind, 0, 3)]
+
+    assert points(Question(scenario, start=path), "given") == [[0.6, 1e-3, 6.0]]
+    assert points(Question(scenario), "given") == points(Question(scenario), "bearing")
+    answer = solve(scenario, "ipopt[model=joint,order=LRS,start=given]", start=path)
+    assert answer.verdict is Verdict.OPTIMAL

@@ -1,0 +1,347 @@
+"""nlp: trust-constr, executables found on PATH and run as AMPL runs them, KNITRO's absence."""
+
+from __future__ import annotations
+
+import math
+import os
+import time
+from importlib.util import find_spec
+
+import numpy as np
+import pytest
+from cases import EDGES, PAPER, scenarios
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+from stand_in import put_program, put_solver
+
+from dubins_study.solvers.attempt import attempt, solve
+from dubins_study.solvers.paper_nlp.ampl import read_sol
+from dubins_study.solvers.paper_nlp.ipopt import Case
+from dubins_study.solvers.paper_nlp.model import FULL_TURN, SUBPROBLEMS, hessian, jacobian, target
+from dubins_study.solvers.paper_nlp.nlp import Nlp
+from dubins_study.solvers.paper_nlp.pyomo_direct import knitro_unavailable
+from dubins_study.solvers.paper_nlp.pyomo_direct import solve as solve_direct
+from dubins_study.solvers.paper_nlp.trust_constr import trust_constr
+from dubins_study.solvers.protocol import Outcome, Question
+from dubins_study.solvers.registry import SolverError, entries, load
+from dubins_study.study.check.verdict import Claim, Verdict
+from dubins_study.study.closed_form.shortest import margin, shortest
+from dubins_study.study.scenario import Scenario
+
+lengths = st.tuples(st.floats(0, 6), st.floats(0, 6), st.floats(0, 20)).map(np.array)
+weights = st.tuples(st.floats(-3, 3), st.floats(-3, 3)).map(np.array)
+LEFT_DISC = EDGES["centre of the left disc"]
+
+
+@given(lengths, weights)
+def test_the_hessian_is_the_derivative_of_the_jacobian(z, weights):
+    """Central differences with step 1e-6 are right to about 1e-9 times straight and weights."""
+    h = 1e-6
+    numeric = np.column_stack(
+        [weights @ (jacobian(z + h * e) - jacobian(z - h * e)) / (2 * h) for e in np.eye(3)]
+    )
+
+    np.testing.assert_allclose(hessian(z, weights), numeric, atol=1e-6)
+
+
+@settings(max_examples=15)
+@given(scenario=scenarios(far=1000.0))
+def test_trust_constr_finds_the_best_everywhere(scenario):
+    """Outside and in both discs, away from the circles where a miss may be shorter."""
+    assume(margin(scenario) > 1e-4)
+
+    answer = attempt(Nlp(), Question(scenario))
+
+    assert answer.verdict is Verdict.OPTIMAL
+    assert answer.gap < 1e-7
+
+
+@pytest.mark.parametrize("branch", ["LS", "RS", "LR", "RL"])
+@settings(max_examples=10)
+@given(scenario=scenarios(far=4.0))
+def test_trust_constr_finds_a_word_or_says_not_to_have(branch, scenario):
+    """Where the word exists a path of it is found; where it does not, none is claimed.
+
+    Of LR and RL it may be the longer one of the two: which of them a run reaches is its own affair.
+    """
+    # where the two solutions of LR or RL meet, at 1 and 3 radii from the first centre, none is
+    # isolated
+    assume(margin(scenario) > 1e-2)
+    X, Y = scenario.local()
+    assume(abs(math.hypot(X, abs(Y) + 1) - 3) > 1e-2 < abs(math.hypot(X, abs(Y) - 1) - 3))
+
+    answer = attempt(Nlp(), Question(scenario, branch))
+
+    if shortest(scenario, branch) is None:
+        assert answer.claim is not Claim.LOCAL
+    else:
+        assert answer.claim is Claim.LOCAL
+        assert answer.verdict in (Verdict.OPTIMAL, *[Verdict.LONGER] * (branch in ("LR", "RL")))
+
+
+@pytest.mark.parametrize("name", ["slsqp", "ipopt"])
+@pytest.mark.parametrize("branch", ["LR", "RL"])
+@settings(max_examples=25)
+@given(scenario=scenarios(far=4.0))
+def test_slsqp_and_ipopt_find_the_shorter_of_two_arcs(name, branch, scenario):
+    """Of the two isolated solutions of LR and RL the shorter one is the branch's answer."""
+    assume(margin(scenario) > 1e-2)
+    X, Y = scenario.local()
+    assume(abs(math.hypot(X, abs(Y) + 1) - 3) > 1e-2 < abs(math.hypot(X, abs(Y) - 1) - 3))
+
+    answer = attempt(load(name), Question(scenario, branch))
+
+    if shortest(scenario, branch) is None:
+        assert answer.claim is not Claim.LOCAL
+    else:
+        assert answer.verdict is Verdict.OPTIMAL
+
+
+def test_trust_constr_recognises_a_word_that_does_not_exist():
+    """At the disc's centre every LS arc ends equally far away: stationary, and said so."""
+    answer = solve(LEFT_DISC, "nlp", "LS")
+
+    assert answer.claim is Claim.INFEASIBLE
+    assert answer.verdict is Verdict.NONE_EXISTS
+    assert answer.path is None
+    assert "stationary" in answer.message
+
+
+@pytest.mark.parametrize("target", [(1, 1), (0, 2), (-1, 1)])
+@pytest.mark.parametrize("branch", ["best", "LS"])
+def test_a_double_root_is_not_taken_for_infeasible(branch, target):
+    """On the left circle LS has no straight, and the violation is flat there without a gradient."""
+    answer = solve(Scenario(0, 0, 0, *target, 1), "nlp", branch)
+
+    assert answer.claim is Claim.LOCAL
+    assert answer.verdict is Verdict.OPTIMAL
+
+
+def test_a_far_target_is_met():
+    """A tolerance that grew with the distance would miss these, 10^4 to 10^5 radii away."""
+    for x, y, heading in ((13994, -7553, -6.3204), (-28211, -12892, 0.4288), (-7e4, 8e4, 1)):
+        answer = solve(Scenario(0, 0, heading, x, y, 1), "nlp")
+
+        assert answer.verdict is Verdict.OPTIMAL
+        assert answer.miss < 1e-6
+
+
+def test_trust_constr_keeps_its_limit_and_says_so():
+    """A hundred random starts on the joint model take seconds; a fifth of one is all there is."""
+    began = time.perf_counter()
+
+    answer = solve(PAPER["problem 4"], "nlp[model=joint,start=random,count=100]", limit=0.2)
+
+    # one iteration, some milliseconds, may pass before the clock is looked at again
+    assert time.perf_counter() - began < 0.2 + 1.0
+    assert answer.outcome is Outcome.RETURNED
+    assert solve(PAPER["problem 4"], "nlp", limit=1e-9).claim is Claim.LIMIT
+    within = trust_constr(_ls(PAPER["problem 4"]), np.ones(3), 0.0, 1e-9, 200)
+    assert (within.claim, within.iterations) == (Claim.LIMIT, 1)
+
+
+@pytest.fixture
+def programs(tmp_path, monkeypatch):
+    """A folder in front of PATH."""
+    monkeypatch.setenv("PATH", str(tmp_path), prepend=os.pathsep)
+    return tmp_path
+
+
+def test_an_executable_solves_the_papers_model(programs):
+    """Its path, duals, status and message come back; the duals are those of Ipopt in process."""
+    put_solver(programs, "snopt")
+    problem = PAPER["problem 4"]
+
+    ours, same = solve(problem, "nlp[solver=snopt]"), solve(problem, "ipopt[via=library]")
+
+    assert (ours.word, ours.verdict, ours.claim) == ("RS", Verdict.OPTIMAL, Claim.LOCAL)
+    assert ours.length == pytest.approx(same.length, rel=1e-9)
+    # multipliers are right to the root of the tolerance at most
+    assert ours.multiplier_x == pytest.approx(same.multiplier_x, abs=1e-6)
+    assert ours.multiplier_y == pytest.approx(same.multiplier_y, abs=1e-6)
+    assert ours.native_status == "solve_result_num 0"
+    assert "stand-in" in ours.message
+
+
+def test_an_executable_in_the_left_disc(programs):
+    """RL is found there, in a mirror; LS does not exist, and the solver's 200 says so."""
+    put_solver(programs, "snopt")
+
+    best = solve(Scenario(0, 0, 0.4, 0, 1, 1), "nlp[solver=snopt]", "RL")
+    none = solve(LEFT_DISC, "nlp[solver=snopt]", "LS")
+
+    assert best.word == "RL"
+    assert best.verdict is Verdict.OPTIMAL
+    assert none.claim is Claim.INFEASIBLE
+    assert none.verdict is Verdict.NONE_EXISTS
+    assert none.native_status == "solve_result_num 200"
+
+
+@pytest.mark.parametrize("program", ["ls", "true", "cat", "yes"])
+def test_an_executable_that_is_no_solver_is_a_failure_with_a_message(program):
+    answer = solve(PAPER["problem 1"], f"nlp[solver={program}]", "LS", limit=5)
+
+    assert answer.outcome is Outcome.RETURNED
+    assert answer.claim is Claim.FAILED
+    assert answer.verdict is Verdict.NONE
+    assert answer.path is None
+    assert f"{program} wrote no .sol file" in answer.message
+    assert "exit code" in answer.native_status
+
+
+def test_an_executable_that_never_ends_is_stopped_with_its_children(programs):
+    """At the time limit, and the process that it left behind dies with it."""
+    mark = programs / "child"
+    put_program(programs, "slow", f"#!/bin/sh\nsleep 60 &\necho $! > {mark}\nwait\n")
+    began = time.perf_counter()
+
+    answer = solve(PAPER["problem 1"], "nlp[solver=slow]", limit=0.5)
+
+    assert time.perf_counter() - began < 0.5 + 2  # to start and end a process on a busy machine
+    assert answer.claim is Claim.LIMIT
+    assert answer.path is None
+    child = int(mark.read_text())
+    for _ in range(50):  # a killed process stays until whoever adopted it has looked
+        if not _running(child):
+            break
+        time.sleep(0.02)
+    assert not _running(child)
+
+
+def _running(pid: int) -> bool:
+    try:
+        with open(f"/proc/{pid}/stat") as stream:  # noqa: PTH123
+            return stream.read().rpartition(")")[2].split()[0] != "Z"
+    except OSError:
+        return False
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("", "no line 'Options'"),
+        ("nonsense\nOptions\nthree\n", "invalid literal"),
+        ("m\nOptions\n3\n1\n1\n0\n2\n2\n2\n2\n0.5\n", "ends too soon"),
+        ("m\nOptions\n3\n1\n1\n0\n0\n0\n0\n0\n", "no line 'objno'"),
+    ],
+)
+def test_a_broken_sol_file_is_a_failure_with_a_message(programs, text, message):
+    """Whatever a program writes, it is read or refused."""
+    put_program(
+        programs, "broken", f"#!/bin/sh\nprintf '{text!r}' > model.sol\n".replace("''", "'")
+    )
+
+    answer = solve(PAPER["problem 1"], "nlp[solver=broken]", "LS")
+
+    assert answer.outcome is Outcome.RETURNED
+    assert answer.claim is Claim.FAILED
+    assert message in answer.message
+
+
+@pytest.mark.parametrize(
+    ("code", "claim"),
+    [
+        (2, Claim.LOCAL),
+        (103, Claim.FAILED),  # it says feasible, of a point that does not arrive
+        (200, Claim.INFEASIBLE),
+        (300, Claim.FAILED),
+        (401, Claim.LIMIT),
+        (500, Claim.FAILED),
+        (-7, Claim.FAILED),
+    ],
+)
+def test_ampls_result_codes_are_claims(programs, code, claim):
+    """AMPL book, section 14.2. The claimed point, z = (1, 1), is judged like any other."""
+    sol = f"said so\\n\\nOptions\\n3\\n1\\n1\\n0\\n2\\n0\\n2\\n2\\n1\\n1\\nobjno 0 {code}\\n"
+    put_program(programs, "says", f"#!/bin/sh\nprintf '{sol}' > model.sol\n")
+
+    answer = solve(PAPER["problem 1"], "nlp[solver=says]", "LS")
+
+    assert answer.claim is claim
+    assert answer.message == "LS: said so"
+    assert answer.verdict is (Verdict.NONE if claim is Claim.INFEASIBLE else Verdict.MISSES)
+    assert answer.multiplier_x is None
+
+
+def test_a_sol_file_with_a_tolerance_among_its_options():
+    """ASL's writesol.c: a 3 in second place announces one more number, counted as two."""
+    text = "a\nb\n\nOptions\n5\n1\n3\n0\n1\n1\n2\n2\n1e-6\n0.25\n1.5\n2.5\nobjno 0 0\nsuffix 0\n"
+
+    assert read_sol(text) == ("a b", [0.25], [1.5, 2.5], 0)
+
+
+@pytest.mark.parametrize("name", ["/bin/ls", "../ls", "..", "-rf", "a b", "a;b", "ls\n", ""])
+def test_a_solver_is_a_name_and_no_path(name):
+    """An experiment's text cannot choose a file to run."""
+    with pytest.raises(ValueError, match="no folders"):
+        Nlp(solver=name)
+
+
+def test_absence_has_its_reason(monkeypatch):
+    """A name that PATH does not have, KNITRO without its package."""
+    assert Nlp().unavailable() is None
+    answer = solve(PAPER["problem 1"], "nlp[solver=no-such-solver]")
+    assert answer.outcome is Outcome.UNAVAILABLE
+    assert answer.message == "no executable 'no-such-solver' on PATH"
+    with pytest.raises(SolverError, match="no folders"):
+        load("nlp[solver=./x]")
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
+    assert Nlp(solver="knitro").unavailable() == "the package knitro is not installed"
+
+
+@pytest.mark.skipif(find_spec("knitro") is None, reason="the package knitro is not installed")
+def test_knitro_without_a_licence_says_exactly_that(capfd):
+    """Its wheel installs without one; its own pages of text about it stay out of the output."""
+    reason = knitro_unavailable()
+    if reason is None:
+        pytest.skip("there is a licence")
+
+    assert (
+        reason == "knitro is installed, but no licence was found (its wheel installs without one)"
+    )
+    printed = capfd.readouterr()
+    assert printed.out + printed.err == ""
+    answer = solve(PAPER["problem 1"], "nlp[solver=knitro]")
+    assert answer.outcome is Outcome.UNAVAILABLE
+    assert answer.message == reason
+
+
+def _ls(scenario: Scenario) -> Case:
+    upper = np.array((FULL_TURN, 0.0, math.inf))
+    return Case(SUBPROBLEMS["LS"], np.zeros(3), upper, target(scenario, False))
+
+
+def test_knitros_route_with_a_solver_that_needs_no_licence():
+    """Pyomo's direct interfaces answer alike; SCIP's stands in for KNITRO's."""
+    start = np.array((1.0, 0.0, 5.0))
+
+    point = solve_direct(_ls(PAPER["problem 1"]), start, 20.0, "scip_direct")
+    none = solve_direct(_ls(Scenario(0, 0, 0, 0.3, 0.8, 1)), start, 20.0, "scip_direct")
+
+    expected = shortest(PAPER["problem 1"], "LS")
+    assert point.claim is Claim.LOCAL
+    # SCIP meets equations to 1e-6
+    assert point.z[[0, 2]] == pytest.approx(tuple(expected.segments), abs=1e-5)
+    assert point.z[1] == 0
+    assert none.claim is Claim.INFEASIBLE
+    assert np.isnan(none.z).all()
+
+
+@pytest.mark.skipif(find_spec("knitro") is None, reason="the package knitro is not installed")
+def test_knitro_losing_its_licence_in_a_run_is_a_failure():
+    """A seat that is gone between the question whether there is one and the solve."""
+    if knitro_unavailable() is None:
+        pytest.skip("there is a licence")
+
+    point = solve_direct(_ls(PAPER["problem 1"]), np.ones(3), 5.0, "knitro_direct")
+
+    assert point.claim is Claim.FAILED
+    assert "not available" in point.message
+
+
+def test_the_papers_own_solver_has_a_line_of_its_own():
+    """KNITRO is listed beside `nlp`, with the reason for its absence if it is absent."""
+    lines = {entry.name: entry.reason for entry in entries()}
+
+    assert lines["nlp"] is None
+    assert lines["nlp[solver=knitro]"] == Nlp(solver="knitro").unavailable()

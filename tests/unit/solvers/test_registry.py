@@ -1,0 +1,158 @@
+"""Solvers by name, by settings and by file."""
+
+from __future__ import annotations
+
+import pytest
+
+from dubins_study.solvers.attempt import QuestionError, solve
+from dubins_study.solvers.profiles import ProfileError
+from dubins_study.solvers.protocol import Outcome
+from dubins_study.solvers.registry import SolverError, canonical, load, settings
+from dubins_study.study.scenario import Scenario
+
+EASY = Scenario(0, 0, 0.3, 3, 2, 1)
+PLUGIN = '''
+from dataclasses import dataclass
+from typing import ClassVar
+from dubins_study.solvers.protocol import Guarantee, Solution
+from dubins_study.study.path import Path
+from dubins_study.study.check.verdict import Claim
+
+@dataclass(frozen=True)
+class Straight:
+    """Drives straight on, whatever the target."""
+    far: float = 1.0
+    name: ClassVar[str] = "straight"
+    method: ClassVar[str] = "local NLP"
+    guarantee: ClassVar[Guarantee] = Guarantee.LOCAL
+    branches: ClassVar[tuple[str, ...]] = ("best",)
+    warm: ClassVar[bool] = False
+    packages: ClassVar[tuple[str, ...]] = ()
+    summary: ClassVar[str] = "straight on"
+    def unavailable(self): return None
+    def build(self, question): return question
+    def solve(self, model, limit):
+        return Solution(Claim.LOCAL, Path(model.scenario.start, [0.0], [self.far]))
+
+class Lacking:
+    name = "lacking"
+'''
+
+
+@pytest.fixture
+def plugin(tmp_path):
+    file = tmp_path / "plugin.py"
+    file.write_text(PLUGIN)
+    return file
+
+
+def test_settings_are_read_by_the_type_of_their_default():
+    solver = load("ipopt[tol=1e-6,capped=false,start=random,count=3]")
+
+    assert settings(solver) | {"tol": 1e-6, "capped": False, "start": "random", "count": 3} == (
+        settings(solver)
+    )
+
+
+def test_canonical_specs():
+    """Defaults are left out, and the order is that of the declaration."""
+    assert canonical("slsqp[count=10]") == "slsqp"
+    assert canonical(" slsqp[ start = zero , model=joint]") == "slsqp[model=joint,start=zero]"
+    assert canonical(canonical("ipopt[tol=1e-06]")) == canonical("ipopt[tol=0.000001]")
+
+
+def test_a_profile_changes_settings_and_the_spec_has_the_last_word():
+    assert load("slsqp", "fast").ftol == 1e-8
+    assert load("slsqp[ftol=1e-5]", "fast").ftol == 1e-5
+
+
+@pytest.mark.parametrize(
+    ("spec", "message"),
+    [
+        ("nope", "no solver named 'nope'; choose one of: analytic"),
+        ("slsqp[", "does not parse"),
+        ("slsqp[ftol]", "'ftol' does not parse; expected setting=value"),
+        ("slsqp[foo=1]", "has no setting 'foo'; it has: model, order"),
+        ("slsqp[count=two]", "count is 'two'; expected int, such as 10"),
+        ("slsqp[capped=perhaps]", "capped is 'perhaps'; expected bool"),
+        ("slsqp[start=here]", "start is 'here'; expected one of: bearing"),
+        ("turn-rate-qp[engine=nope]", "engine"),
+        ("turn-rate-qp[n=0]", "n"),
+        ("missing.py:Class", "no file 'missing.py'; expected file.py:Class"),
+    ],
+)
+def test_what_cannot_be_loaded(spec, message):
+    with pytest.raises(SolverError) as error:
+        solve(EASY, spec)
+
+    assert message in str(error.value)
+
+
+def test_a_plug_in_from_a_file(plugin):
+    """A stranger's solver is judged like ours."""
+    answer = solve(EASY, f"{plugin}:Straight[far=2.5]")
+
+    assert answer.length == 2.5
+    assert answer.verdict == "misses"
+    assert answer.false_claim
+
+
+def test_plug_ins_that_do_not_keep_the_promise(plugin, tmp_path):
+    with pytest.raises(SolverError, match="has no 'method'"):
+        load(f"{plugin}:Lacking")
+    with pytest.raises(SolverError, match="has no class 'Nothing'"):
+        load(f"{plugin}:Nothing")
+    broken = tmp_path / "broken.py"
+    broken.write_text("1/0")
+    with pytest.raises(SolverError, match="ZeroDivisionError"):
+        load(f"{broken}:Any")
+
+
+def test_a_plug_in_may_look_like_our_own(tmp_path):
+    """Postponed annotations and an unqualified ClassVar, as CONTRIBUTING shows; two files of one
+    name are two modules."""
+    for folder, answer in (("one", 1), ("two", 2)):
+        (tmp_path / folder).mkdir()
+        (tmp_path / folder / "plug.py").write_text(
+            "from __future__ import annotations\n"
+            "from dataclasses import dataclass\n"
+            "from typing import ClassVar\n"
+            "from dubins_study.solvers.protocol import Guarantee, Solution\n"
+            "from dubins_study.study.check.verdict import Claim\n"
+            "@dataclass(frozen=True)\n"
+            "class Plug:\n"
+            f"    n: int = {answer}\n"
+            "    name: ClassVar[str] = 'plug'\n"
+            "    method: ClassVar[str] = 'none'\n"
+            "    guarantee: ClassVar[Guarantee] = Guarantee.LOCAL\n"
+            "    branches: ClassVar[tuple[str, ...]] = ('best',)\n"
+            "    warm: ClassVar[bool] = False\n"
+            "    packages: ClassVar[tuple[str, ...]] = ()\n"
+            "    summary: ClassVar[str] = 'nothing'\n"
+            "    def unavailable(self): raise OSError('no such luck')\n"
+            "    def build(self, question): return question\n"
+            "    def solve(self, model, limit): return Solution(Claim.NONE)\n"
+        )
+    found = [load(f"{tmp_path / folder / 'plug.py'}:Plug") for folder in ("one", "two")]
+
+    assert [solver.n for solver in found] == [1, 2]
+    answer = solve(EASY, f"{tmp_path / 'one' / 'plug.py'}:Plug")
+    assert answer.outcome is Outcome.UNAVAILABLE
+    assert "raised OSError: no such luck" in answer.message
+
+
+def test_a_spec_leaves_out_what_its_profile_has_anyway():
+    """What is asked for explicitly is kept where the profile says otherwise."""
+    assert canonical("ipopt[tol=1e-8]") == "ipopt"
+    assert canonical("ipopt[tol=1e-8]", "accurate") == "ipopt[tol=1e-08]"
+    assert canonical("ipopt[tol=1e-11]", "accurate") == "ipopt"
+    assert load(canonical("ipopt[tol=1e-8]", "accurate"), "accurate").tol == 1e-8
+
+
+def test_requests_that_no_solver_gets():
+    with pytest.raises(QuestionError, match="no branch named 'SL'; choose one of: best"):
+        solve(EASY, branch="SL")
+    with pytest.raises(QuestionError, match="limit is nan; expected"):
+        solve(EASY, limit=float("nan"))
+    with pytest.raises(ProfileError, match="no profile named 'slow'; choose one of: default"):
+        solve(EASY, profile="slow")

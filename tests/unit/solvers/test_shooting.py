@@ -1,0 +1,308 @@
+"""shooting: equations against an integrator, sign conditions against theory, answers judged."""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from cases import PAPER, scenarios
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+from scipy.integrate import solve_ivp
+
+from dubins_study.solvers.attempt import attempt, solve
+from dubins_study.solvers.indirect.extremal import Conditions, examine
+from dubins_study.solvers.indirect.shooting import Shooting
+from dubins_study.solvers.indirect.structure import Structure
+from dubins_study.solvers.protocol import Question
+from dubins_study.solvers.registry import load
+from dubins_study.study.check.verdict import Claim, Verdict
+from dubins_study.study.closed_form.shortest import margin, shortest
+from dubins_study.study.scenario import Scenario
+
+TURNS = ((1.0, 0.0), (-1.0, 0.0), (1.0, -1.0), (-1.0, 1.0))
+
+durations = st.tuples(st.floats(0, 7), st.floats(0, 7)).map(np.array)
+costates = st.tuples(*[st.floats(-2, 2)] * 4).map(np.array)
+
+
+def integrate(structure, durations, costates):
+    """States and nu3 by (2.2) and (2.6) at the ends of both pieces: rows (x, y, theta, nu3)."""
+    nu1, nu2, nu3 = costates[1:]
+    states = [np.array((0.0, 0.0, 0.0, nu3))]
+    for turn, duration in zip(structure.turns, durations, strict=True):
+
+        def rates(_, s, turn=turn):
+            cos, sin = math.cos(s[2]), math.sin(s[2])
+            return cos, sin, turn, nu1 * sin - nu2 * cos
+
+        run = solve_ivp(rates, (0, duration), states[-1], method="DOP853", rtol=1e-12, atol=1e-12)
+        states.append(run.y[:, -1])
+    return np.array(states[1:])
+
+
+@pytest.mark.parametrize("turns", TURNS)
+@settings(max_examples=15)
+@given(durations, costates)
+def test_the_pieces_are_solutions_of_the_canonical_equations(turns, durations, costates):
+    """States, nu3 and its derivative against an ODE integrator at 1e-12."""
+    structure = Structure(turns, 3.0, -2.0)
+    switch, end = integrate(structure, durations, costates)
+    nu0, nu1, nu2, nu3 = costates
+    stays = nu1 * math.sin(switch[2]) - nu2 * math.cos(switch[2])
+    expected = (
+        (end[0] - 3.0) / structure.scale,
+        (end[1] + 2.0) / structure.scale,
+        switch[3],
+        stays if structure.singular else end[3],
+        nu0 + nu1 + turns[0] * nu3,
+        nu0**2 + nu1**2 + nu2**2 - 1,
+    )
+
+    found = structure.residual(structure.unknowns(costates, durations))
+
+    np.testing.assert_allclose(found, expected, atol=1e-9)  # the integrator's error over 14 radii
+    assert structure.miss(durations) == pytest.approx(
+        math.hypot(end[0] - 3.0, end[1] + 2.0), abs=1e-9
+    )
+
+
+@pytest.mark.parametrize("turns", TURNS)
+@given(durations, costates)
+def test_the_jacobian_is_the_derivative_of_the_residual(turns, durations, costates):
+    """Central differences with step 1e-6 are right to about 1e-9 for numbers of this size."""
+    structure, h = Structure(turns, 3.0, -2.0), 1e-6
+    v = structure.unknowns(costates, durations)
+    numeric = np.column_stack(
+        [
+            (structure.residual(v + h * e) - structure.residual(v - h * e)) / (2 * h)
+            for e in np.eye(6)
+        ]
+    )
+
+    np.testing.assert_allclose(structure.jacobian(v), numeric, atol=1e-7)
+
+
+@pytest.mark.parametrize("turns", TURNS)
+@given(durations, costates)
+def test_the_sign_condition_holds_between_the_ends_too(turns, durations, costates):
+    """u nu3 sampled along the arcs never exceeds the extreme that is computed, and comes near it.
+
+    (2.15) gives nu3 from nu0, nu1, nu2, so they are made to agree first. 400 samples of at most
+    14 rad lie within 0.018 rad of the largest value, where it is flat: 2 rho 0.018^2 / 2 < 1e-3.
+    """
+    structure = Structure(turns, 3.0, -2.0)
+    nu0, nu1, nu2 = costates[:3]
+    assume(math.hypot(nu0, nu1, nu2) > 1e-3)
+    costates = structure.consistent((nu0, nu1, nu2))
+    arcs, heading, sampled = np.linspace(0, 1, 400), 0.0, [0.0]
+    for turn, duration in zip(turns, durations, strict=True):
+        theta = heading + turn * duration * arcs
+        u_nu3 = -(costates[0] + costates[1] * np.cos(theta) + costates[2] * np.sin(theta))
+        if turn != 0 and duration > 0:
+            sampled.append(u_nu3.max())
+        heading += turn * duration
+
+    found = structure.wrong_sign(costates, durations)
+
+    assert max(sampled) - 1e-12 <= found <= max(sampled) + 1e-3
+
+
+@settings(max_examples=200)
+@given(st.floats(0.01, 6.28), st.floats(0.01, 6.28))
+def test_two_arcs_are_an_extremal_where_theory_says(a1, a2):
+    """Extremal iff pi < a2 < 2 pi and a1 <= a2 (THEORY section 6), from the sign of nu3 alone."""
+    assume(min(abs(a2 - math.pi), abs(a1 - a2)) > 1e-3)
+    aimless = Structure((1.0, -1.0), 0.0, 0.0)
+    end = aimless.pieces(a1, a2)[1]
+    assume(math.hypot(end.x, end.y) > 1e-3)
+    structure = Structure((1.0, -1.0), end.x, end.y)
+    durations = np.array((a1, a2))
+    v = structure.unknowns(structure.costates(durations), durations)
+
+    def fault(prescribed):
+        return examine(structure, v, Conditions(1e-9, 1e-9, prescribed))[1]
+
+    extremal = math.pi < a2 < 2 * math.pi and a1 <= a2
+    assert fault(prescribed=True) is None
+    if extremal:
+        assert fault(prescribed=False) is None
+    else:
+        assert "sign of nu3" in fault(prescribed=False)
+
+
+def test_costates_near_the_extremal_ones_never_drive_straight():
+    """Why the structure is assumed: with the control left to the sign of nu3, 1e-6 is too much.
+
+    nu3 changes sign with its derivative, or turns back, so that the vehicle circles for ever.
+    """
+    problem = Scenario(0, 0, 0, 10, 5, 1)
+    answer = solve(problem, "shooting")
+    nu1, nu2 = -answer.multiplier_x, -answer.multiplier_y
+    assert math.hypot(nu1, nu2) == pytest.approx(1, abs=1e-9)
+
+    for change in (-1e-6, 1e-6):
+        a, b = nu1 * (1 + change), nu2 * (1 + change)
+        x = y = theta = 0.0
+        nearest, nu3, dt = math.inf, -(1 + a), 1e-3
+        for _ in range(15_000):  # a third longer than the shortest path
+            turn = -math.copysign(dt, nu3 + a * y - b * x)
+            theta += turn
+            x, y = x + dt * math.cos(theta - turn / 2), y + dt * math.sin(theta - turn / 2)
+            nearest = min(nearest, math.hypot(x - 10, y - 5))
+        assert nearest > 5
+
+
+@settings(max_examples=60)
+@given(scenario=scenarios(far=1000.0))
+def test_best_is_right_everywhere(scenario):
+    """Outside and in both discs, away from the circles where a miss may be shorter."""
+    assume(margin(scenario) > 1e-6)
+
+    answer = attempt(Shooting(), Question(scenario))
+
+    assert answer.claim is Claim.LOCAL
+    assert answer.verdict is Verdict.OPTIMAL
+    assert answer.gap < 1e-8  # ten times the residual allowed
+
+
+@pytest.mark.parametrize(
+    ("branch", "root"),
+    # of two arcs' two solutions lm misses the shorter now and then
+    [("LS", "hybr"), ("RS", "hybr"), ("LR", "hybr"), ("RL", "hybr"), ("LS", "lm"), ("RS", "lm")],
+)
+@settings(max_examples=40)
+@given(scenario=scenarios())
+def test_a_branch_is_answered_or_known_to_have_no_path(branch, root, scenario):
+    """The shortest path of the word where it exists; where not, said so: a success."""
+    assume(margin(scenario) > 1e-6)
+    other = _of_two_arcs(scenario)
+    assume(all(abs(distance - limit) > 1e-6 for distance in other for limit in (1, 3)))
+
+    answer = attempt(Shooting(root=root), Question(scenario, branch))
+
+    if shortest(scenario, branch) is None:
+        assert answer.claim is Claim.INFEASIBLE
+        assert answer.verdict is Verdict.NONE_EXISTS
+    else:
+        assert answer.claim is Claim.LOCAL
+        assert answer.verdict is Verdict.OPTIMAL
+
+
+def _of_two_arcs(scenario):
+    """The target's distances from both turning centres: RL and LR need them between 1 and 3."""
+    X, Y = scenario.local()
+    return math.hypot(X, Y - 1), math.hypot(X, Y + 1)
+
+
+@pytest.mark.parametrize("front", [True, False])
+@pytest.mark.parametrize("side", [1, -1])
+def test_margins_down_to_rounding(front, side):
+    """Where the equations become singular and the length jumps, no answer is wrong or claims more.
+
+    From 1e-1 to 1e-13 of a radius outside and inside the left circle.
+    """
+    for exponent in range(1, 14):
+        r = 1 + side * 10.0**-exponent
+        for angle in (0.3, 1.5, 2.9):
+            a = angle if front else 2 * math.pi - angle
+            near = Scenario(0, 0, 0, r * math.sin(a), 1 - r * math.cos(a), 1)
+            for branch in ("best", "LS", "RS"):
+                answer = solve(near, "shooting", branch)
+                assert answer.verdict in (Verdict.OPTIMAL, Verdict.NONE_EXISTS), (near, branch)
+                assert not answer.false_claim
+
+
+@pytest.mark.parametrize("scenario", [PAPER["problem 1"], Scenario(1, 2, 0.7, 1.1, 2.9, 1)])
+def test_the_multipliers_are_the_gradient_of_the_length(scenario):
+    """-(nu1, nu2)/nu0 against differences of the closed form; outside (RS) and in the disc (RL)."""
+    h = 1e-6
+
+    def length(dx, dy):
+        x, y = scenario.target_x + dx, scenario.target_y + dy
+        return shortest(Scenario(*scenario.start, x, y, scenario.radius)).total * scenario.radius
+
+    answer = solve(scenario, "shooting")
+
+    # central differences of a length near 10: rounding of 2e-15 / 1e-6, and h^2 times curvature
+    assert answer.multiplier_x == pytest.approx((length(h, 0) - length(-h, 0)) / (2 * h), abs=1e-7)
+    assert answer.multiplier_y == pytest.approx((length(0, h) - length(0, -h)) / (2 * h), abs=1e-7)
+
+
+def test_an_extremal_need_not_be_the_shortest():
+    """LS where RS is best meets every condition: this is why the claim is local."""
+    problem = PAPER["problem 1"]
+    best, other = solve(problem, "shooting"), solve(problem, "shooting", "LS")
+
+    assert other.length > best.length + 1
+    assert other.claim is Claim.LOCAL
+    assert "LS: bang-singular, normal" in other.message
+
+
+def test_a_branch_may_be_answered_by_a_path_that_is_no_extremal():
+    """A second arc below pi turns against nu3, but a branch that prescribes the turns has it."""
+    short = solve(Scenario(0, 0, 0, 1.5, 0.5, 1), "shooting", "RL")
+    long = solve(Scenario(0, 0, 0, 0.3, 1.2, 1), "shooting", "RL")
+
+    assert short.path.length[1] < math.pi < long.path.length[1]
+    assert short.verdict is long.verdict is Verdict.OPTIMAL
+    assert "no extremal" in short.message
+    assert "no extremal" not in long.message
+
+
+def test_a_warm_start_saves_evaluations():
+    """Started along a neighbour's path, each word takes fewer evaluations than from cold."""
+    problem = PAPER["problem 4"]
+    for branch in ("LS", "RS"):
+        neighbour = Scenario(0, 0, math.pi / 3, -2.02, -5, 1)
+        start = solve(neighbour, "analytic", branch).path
+
+        cold, warm = (solve(problem, "shooting", branch, start=s) for s in (None, start))
+
+        assert warm.length == pytest.approx(cold.length, rel=1e-9)
+        assert warm.evaluations < cold.evaluations
+
+
+def test_random_starts_repeat_with_their_seed_and_more_are_no_worse():
+    """The first starts are the same whatever their count, so the shortest only gets shorter."""
+    disc = Scenario(0, 0, 0, -0.4, 0.7, 1)
+
+    def ask(count, seed=2):
+        answer = solve(disc, f"shooting[start=random,count={count},seed={seed}]")
+        return answer.length if answer.claim is Claim.LOCAL else math.inf
+
+    lengths = [ask(count) for count in (1, 4, 16)]
+
+    assert ask(4) == lengths[1]
+    assert all(more <= fewer for fewer, more in pairwise(lengths))
+    assert lengths[-1] == pytest.approx(shortest(disc).total, rel=1e-9)
+    assert len({ask(1, seed) for seed in range(8)}) > 1
+
+
+def test_a_start_that_fails_says_so_and_keeps_its_point():
+    """From all zeros the dogleg gets nowhere: failed, with what is wrong and the nearest path."""
+    answer = solve(PAPER["problem 1"], "shooting[start=zero]")
+
+    assert answer.claim is Claim.FAILED
+    assert answer.verdict is Verdict.MISSES
+    assert "misses the target" in answer.message
+    assert answer.native_status.startswith("hybr")
+    assert answer.path is not None
+
+
+def test_no_time_is_a_limit():
+    solver = load("shooting")
+    solution = solver.solve(solver.build(Question(PAPER["problem 1"])), 0.0)
+
+    assert solution.claim is Claim.LIMIT
+
+
+@pytest.mark.parametrize(
+    "bad", [{"start": "sobol"}, {"root": "newton"}, {"tol": 0.0}, {"count": 0}, {"seed": -1}]
+)
+def test_bad_settings_are_refused(bad):
+    """With the setting's name in the message."""
+    with pytest.raises(ValueError, match=next(iter(bad))):
+        Shooting(**bad)

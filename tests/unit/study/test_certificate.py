@@ -1,0 +1,166 @@
+"""How far a proof goes: proved, only bounded, an extremal, or a lie."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from cases import EDGES, PAPER
+from hard_cases import hard_frame
+
+from dubins_study.solvers.registry import load
+from dubins_study.study.check.certificate import Proof, certify
+from dubins_study.study.check.certificate_frame import PROOFS, certify_frame
+from dubins_study.study.check.extremal import MEASURED
+from dubins_study.study.check.verdict import Claim, Tolerances, Verdict, judge
+from dubins_study.study.check.verdict_frame import CLAIMS, judge_frame
+from dubins_study.study.closed_form.shortest import BRANCHES, shortest_path
+from dubins_study.study.path import Path
+from dubins_study.study.scenario import Pose, Scenario, scenarios
+
+ALL = PAPER | EDGES
+PROBLEM = PAPER["problem 1"]
+
+
+def certified(scenario, path, branch="best", claim=Claim.LOCAL, **said):
+    return certify(scenario, path, judge(scenario, path, claim, branch), branch, **said)
+
+
+@pytest.mark.parametrize("name", ALL)
+@pytest.mark.parametrize("branch", BRANCHES)
+def test_the_closed_form_is_proved_everywhere(name, branch):
+    """Also that there is no path, where there is none."""
+    path = shortest_path(ALL[name], branch)
+    found = certified(ALL[name], path, branch, Claim.INFEASIBLE if path is None else Claim.OPTIMAL)
+
+    assert found.proof is Proof.PROVED
+    assert (found.reference_high is None) == (path is None)
+
+
+@pytest.mark.parametrize("problem", PAPER)
+def test_the_papers_feasible_row_is_an_extremal_and_no_more(problem):
+    """THEORY section 6: LS where RS is best satisfies every condition, and the cut rejects it."""
+    scenario = PAPER[problem]
+    both = [shortest_path(scenario, word) for word in ("LS", "RS")]
+    longer = max(both, key=lambda path: path.total_length)
+    found = certified(scenario, longer)
+
+    assert found.proof is Proof.EXTREMAL
+    assert found.pmp_residual < 1e-9
+    assert found.cut_margin < 0
+    assert found.reference_high < longer.total_length
+
+
+def test_a_short_path_that_is_no_extremal_is_not_proved():
+    """Forty steps that average to the shortest path's turn: optimal to four digits, unproved."""
+    path = shortest_path(PROBLEM)
+    wobble = 1 + 1e-3 * np.sin(np.arange(40))
+    arc, straight = path.length
+    curvature = np.concatenate((np.full(40, path.curvature[0]), [0.0]))
+    lengths = np.concatenate((arc / 40 * wobble / wobble.mean(), [straight]))
+    same = Path(PROBLEM.start, curvature * np.append(1 / wobble, 1), lengths * np.append(wobble, 1))
+    found = judge(PROBLEM, same, Claim.LOCAL, tolerances=Tolerances(miss=1, curvature=1, gap=1e-2))
+
+    assert found.verdict is Verdict.OPTIMAL
+    assert certify(PROBLEM, same, found, tolerances=Tolerances(gap=1e-2)).proof is Proof.NONE
+
+
+def test_a_bound_proves_what_no_condition_does():
+    """A global solver's own bound, if it is within the tolerance; it names no extremal."""
+    exact = shortest_path(PROBLEM)
+    arc, straight = exact.length
+    # an arc of 1e-5 the other way makes it no extremal, and no longer to speak of
+    path = Path(PROBLEM.start, [*exact.curvature[:1], 1.0, 0.0], [arc + 1e-5, 1e-5, straight])
+    length = path.total_length
+    found = judge(PROBLEM, path, Claim.OPTIMAL, tolerances=Tolerances(miss=1e-3))
+
+    assert found.verdict is Verdict.OPTIMAL
+    assert certify(PROBLEM, path, found).proof is not Proof.PROVED
+    bounded = certify(PROBLEM, path, found, lower_bound=exact.total_length * (1 - 1e-7))
+    assert bounded.proof is Proof.BOUNDED
+    loose = certify(PROBLEM, path, found, lower_bound=length - 0.1)
+    assert loose.proof is not Proof.BOUNDED
+
+
+def test_a_bound_above_the_shortest_length_is_false():
+    """And counts for nothing, whatever the path."""
+    path = shortest_path(PROBLEM)
+    found = certified(PROBLEM, path, lower_bound=2 * path.total_length)
+
+    assert found.false_bound
+    assert found.proof is Proof.PROVED  # by the interval and the cut, not by the bound
+    assert not certified(PROBLEM, path, lower_bound=path.total_length).false_bound
+    assert not certified(PROBLEM, path, lower_bound=math.nan).false_bound
+
+
+def test_an_answer_that_owes_its_length_to_its_miss_is_not_proved():
+    """Inside a circle's front by 1e-8: the arc beside it arrives and proves nothing."""
+    r = 1 - 1e-8
+    scenario = Scenario(0, 0, 0, r * math.sin(0.3), 1 - r * math.cos(0.3), 1)
+    arc = Path(scenario.start, [1.0], [0.3])
+    found = judge(scenario, arc, Claim.LOCAL)
+
+    assert found.verdict is Verdict.OPTIMAL
+    assert found.length < 0.31
+    assert certify(scenario, arc, found).proof is Proof.EXTREMAL
+    assert certify(scenario, arc, found).reference_low > 6
+
+
+@pytest.mark.parametrize("path", [None, Path(Pose(0, 0, 0), [math.nan], [1.0])])
+def test_nothing_is_said_of_no_path(path):
+    found = certified(PROBLEM, path)
+
+    assert found.proof is Proof.NONE
+    assert found.pmp_residual is None
+    assert found.reference_low == pytest.approx(found.reference_high)
+
+
+def test_an_infeasible_claim_is_proved_only_if_the_interval_says_so():
+    """No LS path enters the left disc; outside it one exists and the claim is a lie."""
+    inside = Scenario(0, 0, 0, 0.2, 1.0, 1)
+
+    assert certified(inside, None, "LS", Claim.INFEASIBLE).proof is Proof.PROVED
+    assert certified(PROBLEM, None, "LS", Claim.INFEASIBLE).proof is Proof.NONE
+
+
+@pytest.mark.parametrize("branch", ["best", "LS", "RS"])
+def test_multipliers_are_compared_with_the_costates(branch):
+    """THEORY section 6: those of (4.12) are -(nu1, nu2)/nu0; a sign error is 2, a turn shows."""
+    path = shortest_path(PROBLEM, branch)
+    heading = path.end.heading
+    right = (math.cos(heading), math.sin(heading))
+
+    assert certified(PROBLEM, path, branch, multipliers=right).costate_error < 1e-9
+    wrong = (-right[0], -right[1])
+    assert certified(PROBLEM, path, branch, multipliers=wrong).costate_error == pytest.approx(2)
+    assert certified(PROBLEM, path, branch, multipliers=(math.nan, 0.0)).costate_error is None
+
+
+@pytest.mark.parametrize("branch", BRANCHES)
+def test_a_frame_is_certified_as_one_by_one(branch):
+    """Closed-form answers of the hard frame, made longer here and there: same words, same numbers.
+
+    Numbers to 1e-6: costates have no bound where a second arc nears half a turn.
+    """
+    frame = hard_frame(400, seed=21)
+    solution = load("analytic").solve_frame(frame, branch)
+    stretch = np.where(np.arange(400) % 5 == 0, 1.01, 1.0)
+    paths = replace(solution.paths, length=solution.paths.length * stretch)
+    judged = judge_frame(frame, paths, solution.claim, branch)
+    found = certify_frame(frame, paths, judged, branch)
+
+    columns = found.columns()
+    for row, scenario in enumerate(scenarios(frame)):
+        path = paths.path(row, scenario)
+        code = solution.claim if isinstance(solution.claim, Claim) else CLAIMS[solution.claim[row]]
+        one = certify(scenario, path, judge(scenario, path, code, branch), branch)
+        assert PROOFS[found.proof[row]] is one.proof, scenario
+        assert found.abnormal[row] == one.abnormal
+        for name in MEASURED:
+            value, other = getattr(one, name), columns[name][row]
+            if value is None:
+                assert np.isnan(other), name
+            elif not one.abnormal:
+                assert abs(value - other) <= 1e-6 * max(1, abs(value)), (name, scenario)

@@ -1,0 +1,235 @@
+"""Pontryagin's conditions and the cut, against an ODE integrator, the closed form and THEORY."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from cases import EDGES, PAPER
+from hard_cases import hard_frame
+from hypothesis import assume, given
+from hypothesis import strategies as st
+from scipy.integrate import solve_ivp
+
+from dubins_study.study.check.extremal import cut_margin, extremal, measured
+from dubins_study.study.check.pieces import pieces
+from dubins_study.study.closed_form.shortest import margin as distance
+from dubins_study.study.closed_form.shortest import shortest, shortest_path
+from dubins_study.study.path import Path
+from dubins_study.study.scenario import Pose, Scenario, scenarios
+
+ARCS = st.floats(0.01, 6.2)
+# rounding of a path of up to a thousand radii, in angles
+ROUNDING = 1e-9
+
+
+def certified(path, radius=1.0):
+    found = extremal(pieces(path, radius))
+    assert found is not None
+    return found
+
+
+def driven(path: Path, nu, nu0: float, radius: float):
+    """Pontryagin's system (2.3)-(2.9) integrated backwards from the end with nu3 = 0 there.
+
+    Returns max |H|, and the least -u nu3 over turns, by an ODE integrator at 1e-12: no code is
+    shared with `study.check.extremal`.
+    """
+    x, y, heading = path.end
+    state = np.array([x, y, heading, 0.0]) / np.array([radius, radius, 1, 1])
+    largest, least = 0.0, math.inf
+    arcs = zip(path.curvature[::-1] * radius, path.length[::-1] / radius, strict=True)
+    for u, length in arcs:
+
+        def field(s, z, u=u):
+            # d/ds of x, y, theta and nu3; nu1 and nu2 are constant
+            return [
+                math.cos(z[2]),
+                math.sin(z[2]),
+                u,
+                nu[0] * math.sin(z[2]) - nu[1] * math.cos(z[2]),
+            ]
+
+        flow = solve_ivp(
+            field, (length, 0), state, rtol=1e-12, atol=1e-12, t_eval=np.linspace(length, 0, 50)
+        )
+        theta, nu3 = flow.y[2], flow.y[3]
+        H = nu0 + nu[0] * np.cos(theta) + nu[1] * np.sin(theta) + nu3 * u
+        largest = max(largest, float(np.abs(H).max()))
+        if u != 0:
+            least = min(least, float((-u * nu3).min()))
+        state = flow.y[:, -1]
+    return largest, least
+
+
+@pytest.mark.parametrize("name", PAPER | EDGES)
+def test_costates_against_an_ode_integrator(name):
+    """With the costates found, the integrated Hamiltonian is zero and every turn has its sign."""
+    scenario = (PAPER | EDGES)[name]
+    path = shortest_path(scenario)
+    if path is None or not path.length.size:
+        pytest.skip("nothing to drive")
+    found = certified(path, scenario.radius)
+    H, margin = driven(path, found.nu, 0.0 if found.abnormal else 1.0, scenario.radius)
+
+    # the integrator's 1e-12 grows with the length in radii, and with the costates' size
+    allowed = 1e-9 * (1 + path.total_length / scenario.radius) * max(1, math.hypot(*found.nu))
+    assert found.residual <= ROUNDING
+    assert allowed >= H
+    assert margin >= -allowed
+
+
+@given(ARCS, st.floats(0.1, 20), st.sampled_from([1, -1]), st.floats(-4, 4))
+def test_ending_straight_costates_are_against_the_final_heading(arc, straight, side, heading):
+    """THEORY section 6, CS: (nu1, nu2) = -(cos, sin) of the final heading; always an extremal."""
+    path = Path(Pose(1, 2, heading), [side, 0], [arc, straight])
+    found = certified(path)
+
+    final = heading + side * arc
+    assert found.nu == pytest.approx((-math.cos(final), -math.sin(final)), abs=ROUNDING)
+    assert not found.abnormal
+    assert found.residual <= ROUNDING
+
+
+@given(ARCS, ARCS, st.sampled_from([1, -1]), st.floats(-4, 4))
+def test_two_arcs_are_extremal_iff_theory_says_so(first, second, side, heading):
+    """THEORY section 6, CC: extremal iff pi < a2 < 2 pi and a1 <= a2."""
+    assume(min(abs(second - math.pi), abs(first - second)) > 1e-4)
+    path = Path(Pose(0, 0, heading), [side, -side], [first, second])
+    found = certified(path)
+
+    is_extremal = math.pi < second and first <= second
+    assert (found.residual <= ROUNDING) == is_extremal
+    if is_extremal:
+        rho = -1 / math.cos(second / 2)
+        phi = heading + side * first - side * second / 2
+        expected = (rho * math.cos(phi), rho * math.sin(phi))
+        assert found.nu == pytest.approx(expected, rel=1e-6)
+
+
+def test_a_second_arc_of_half_a_turn_is_abnormal():
+    """a2 = pi: rho = -nu0 / cos(a2 / 2) has no bound, nu0 = 0."""
+    found = certified(Path(Pose(0, 0, 0), [-1, 1], [0.3, math.pi]))
+
+    assert found.abnormal
+    assert math.hypot(*found.nu) == pytest.approx(1)
+    assert found.hamiltonian <= ROUNDING
+
+
+@pytest.mark.parametrize(
+    ("curvature", "length", "least"),
+    [
+        # an interior-point solver's bias: H is off by its square
+        ([1, -1, 0], [1.735, 1.36e-3, 10.0], 3e-7),
+        ([0, 1], [2.0, 1.0], 1e-3),  # straight first
+        ([0.5, 0], [1.0, 5.0], 1e-3),  # not at the full rate
+        ([1, 0, 1, 0], [0.5, 2.0, 0.5, 2.0], 1e-3),
+        ([1, 0, -1], [0.5, 2.0, 0.5], 1e-3),
+    ],
+)
+def test_what_is_no_extremal(curvature, length, least):
+    assert certified(Path(Pose(0, 0, 0.4), curvature, length)).residual > least
+
+
+def test_what_is_too_small_to_matter_is_passed_over():
+    """A solver's arcs of 1e-9 name no piece, and equal neighbours are one."""
+    path = Path(Pose(0, 0, 0), [1, 1, -1, 0, 0], [0.5, 0.5, 1e-9, 3.0, 2.0])
+    found = pieces(path, 1.0)
+
+    assert found.u.tolist() == [1, 0]
+    assert found.length == pytest.approx([1.0, 5.0])
+    assert certified(path).residual <= ROUNDING
+
+
+def test_a_path_of_no_length_has_no_costates():
+    assert extremal(pieces(Path(Pose(0, 0, 0), [], []), 1.0)) is None
+    assert cut_margin(pieces(Path(Pose(0, 0, 0), [], []), 1.0)) == math.pi
+
+
+@given(st.floats(-3, 3), st.floats(0.1, 50), st.floats(-3, 3), st.floats(0.2, 5))
+def test_the_certificate_is_the_same_at_any_scale_and_heading(turn, scale, X, Y):
+    scenario = Scenario(0, 0, 0, X, Y, 1)
+    other = Scenario(0, 0, 0, X, Y, 1).rotated(turn)
+    other = Scenario(0, 0, other.heading, other.target_x * scale, other.target_y * scale, scale)
+    one, two = (shortest_path(s) for s in (scenario, other))
+    a, b = certified(one, 1.0), certified(two, scale)
+
+    assert math.hypot(*a.nu) == pytest.approx(math.hypot(*b.nu), rel=1e-5)
+    assert cut_margin(pieces(one, 1.0)) == pytest.approx(cut_margin(pieces(two, scale)), abs=1e-6)
+
+
+def test_the_cut_is_where_the_closed_form_changes_its_mind():
+    """Every word's path over the hard frame: a positive margin iff no word is shorter.
+
+    Margins nearer to zero than 1e-6 rad are ties to the closed form's rounding; so are all the
+    words of about a full turn by which a target next to the start is reached, and LS and RS to a
+    target so far away that a turn is lost in the length's rounding.
+    """
+    seen = 0
+    for scenario in scenarios(hard_frame(2000, seed=9)):
+        best = shortest(scenario)
+        assert best is not None
+        if distance(scenario) < 1e-3:
+            continue  # words with a second piece of s are as long as those without, up to s^3
+        for word in ("LS", "RS", "LR", "RL"):
+            path = shortest_path(scenario, word)
+            if path is None or not 1e-4 < math.hypot(*scenario.local()) < 1e4:
+                continue
+            margin = cut_margin(pieces(path, scenario.radius))
+            if margin is None or abs(margin) < 1e-6:
+                continue
+            longer = path.total_length / scenario.radius - best.total
+            assert (margin > 0) == (longer <= 1e-12 * (1 + best.total)), (scenario, word)
+            seen += 1
+    assert seen > 2000
+
+
+@pytest.mark.parametrize(
+    ("curvature", "length"),
+    [([1, -1, 0], [1.0, 1.0, 1.0]), ([0, 1], [1.0, 1.0]), ([0.9, 0], [1.0, 1.0])],
+)
+def test_other_words_have_no_cut(curvature, length):
+    assert cut_margin(pieces(Path(Pose(0, 0, 0), curvature, length), 1.0)) is None
+
+
+def test_a_nearly_straight_leg_is_a_leg():
+    """Found in review: 5 R at a rate of 1e-7 is no piece too small to matter."""
+    bent = pieces(Path(Pose(0, 0, 0), [1, 1e-7], [4.5, 5]), 1.0)
+    straight = pieces(Path(Pose(0, 0, 0), [1, 0], [4.5, 5]), 1.0)
+
+    assert bent.length.sum() == pytest.approx(9.5)
+    assert cut_margin(bent) == pytest.approx(cut_margin(straight))
+    assert cut_margin(bent) < 0
+
+
+def test_an_arc_in_a_million_pieces_is_an_arc():
+    arc = pieces(Path(Pose(0, 0, 0), np.ones(10**6), np.full(10**6, 4e-7)), 1.0)
+
+    assert arc.u.tolist() == [1.0]
+    assert arc.length == pytest.approx([0.4])
+
+
+def test_what_is_passed_over_is_next_to_nothing_or_kept():
+    """Pieces that are each too small, and together the whole path, stay."""
+    rates = np.resize([1.0, -1.0], 5 * 10**6)
+    found = pieces(Path(Pose(0, 0, 0), rates, np.full(rates.size, 1e-7)), 1.0)
+
+    assert found.length.sum() == pytest.approx(0.5)
+    assert cut_margin(found) is None
+
+
+@pytest.mark.parametrize(
+    ("curvature", "length", "radius"),
+    [
+        ([1e308], [1e-3], 1e4),
+        ([1, 1e308], [0, 1], 1e4),
+        ([0], [1e308], 1e-4),
+        ([1e200, 0], [1, 1e200], 1),
+    ],
+)
+def test_numbers_that_overflow_are_not_measured(curvature, length, radius):
+    """Found by fuzzing: infinite conditions have no costates, and their factors raise."""
+    found, _ = measured(Path(Pose(0, 0, 0), curvature, length), radius)
+
+    assert found is None

@@ -1,0 +1,219 @@
+"""The closed form over arrays against the scalar one, row by row."""
+
+from __future__ import annotations
+
+import math
+import os
+import subprocess
+import sys
+
+import mpmath as mp
+import numpy as np
+import pytest
+from hard_cases import hard_frame
+
+from dubins_study.study.closed_form import kernel_math
+from dubins_study.study.closed_form.kernel import SMALL, WORDS, Rows, shortest_rows
+from dubins_study.study.closed_form.kernel_compile import compiled
+from dubins_study.study.closed_form.kernel_words import NO_PATH
+from dubins_study.study.closed_form.shortest import BRANCHES, Local, local, shortest_local
+from dubins_study.study.scenario import Scenario, scenarios
+
+EPS = math.ulp(1.0)
+COLUMNS = ("x", "y", "heading", "target_x", "target_y", "radius")
+
+
+def arrays(frame):
+    return [frame[name].to_numpy() for name in COLUMNS]
+
+
+def on_the_edge_of_a_snap(scenario: Scenario) -> bool:
+    """Whether the last ulp of X and Y decides if the target counts as on a circle or the axis.
+
+    Two evaluations of X and Y differ by at most half of `rounding`, since sine, cosine and each
+    operation are good to an ulp; this is half the axis' snap and less than half the others'.
+    """
+    X, Y = scenario.local()
+    rounding = local(scenario).rounding
+    width = 8 * rounding * (1 + abs(X) + abs(Y))
+    w = abs(Y) * (2 - abs(Y)) - X * X
+    return any(
+        0.5 * limit <= value <= 1.5 * limit
+        for value, limit in (
+            (abs(X), rounding),
+            (abs(Y), rounding),
+            (abs(Y), 4 * rounding),
+            (abs(w), width),
+        )
+    )
+
+
+def tolerance(target: Local, found) -> float:
+    """How far two correct evaluations of a length may be apart, in units of the radius.
+
+    8 eps of the length: three functions good to an ulp, half a dozen roundings. Besides, the data
+    leave X and Y open by `rounding`, and the length follows them at the rate |grad V|: 1 for words
+    that end straight, 1 / |cos(a2 / 2)| for those that end in an arc a2 (THEORY section 6: rho),
+    and for one arc, whose target is held on the circle, 2 / chord.
+    """
+    rate = 1.0
+    if len(found.word) == 2 and found.word[1] != "S":
+        rate = 1 / abs(math.cos(found.segments.second / 2))
+    elif found.word in ("L", "R"):
+        rate = max(1.0, 2 / math.hypot(target.X, target.Y))
+    return 8 * EPS * found.total + 2 * target.rounding * rate
+
+
+@pytest.mark.parametrize("n", [3_000, pytest.param(100_000, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("branch", BRANCHES)
+def test_rows_agree_with_the_scalar_closed_form(branch, n):
+    """Same words, same lengths to a few ulp, and no path in the same places."""
+    frame = hard_frame(n, seed=n)
+    rows = shortest_rows(*arrays(frame), branch=branch)
+
+    for i, scenario in enumerate(scenarios(frame)):
+        target = local(scenario)
+        expected = shortest_local(target, branch)
+        if on_the_edge_of_a_snap(scenario):
+            continue
+        if expected is None:
+            assert rows.word[i] == NO_PATH
+            assert math.isnan(rows.length[i])
+            continue
+        assert WORDS[rows.word[i]] == expected.word, scenario
+        off = abs(rows.length[i] / scenario.radius - expected.total)
+        assert off <= tolerance(target, expected), scenario
+        assert rows.length[i] == rows.first[i] + rows.second[i]
+
+
+def test_only_a_few_rows_lie_on_the_edge_of_a_snap():
+    """Otherwise the test above would test nothing."""
+    edges = [on_the_edge_of_a_snap(scenario) for scenario in scenarios(hard_frame(3000))]
+
+    assert np.mean(edges) < 0.02
+
+
+def test_threads_and_vectors_do_not_change_a_bit():
+    """Threaded, alone, and one row at a time: strict IEEE arithmetic gives the same numbers."""
+    data = arrays(hard_frame(700))
+    many = [np.tile(column, SMALL // 700 + 2) for column in data]
+    threaded = shortest_rows(*many)
+    alone = shortest_rows(*data)
+
+    for a, b in zip(threaded, alone, strict=True):
+        np.testing.assert_array_equal(a[:700], b)
+        np.testing.assert_array_equal(a[700:1400], b)
+    for i in range(0, 700, 7):
+        single = shortest_rows(*(column[i : i + 1] for column in data))
+        assert [a[0] for a in single] == [a[i] for a in alone]
+
+
+@pytest.mark.parametrize("radius", [1e-310, 1e-160, 1e160, 1e300])
+def test_extreme_radii(radius):
+    """Where the reciprocal of the radius would overflow, rows are done by division."""
+    x = np.zeros(1)
+    rows = shortest_rows(x, x, x, 3 * radius + x, 4 * radius + x, radius + x)
+
+    unit = shortest_rows(x, x, x, 3 + x, 4 + x, 1 + x)
+    assert WORDS[rows.word[0]] == "LS"
+    assert rows.length[0] / radius == pytest.approx(unit.length[0], rel=1e-12)
+
+
+def test_bad_rows_yield_nan_and_no_word():
+    x = np.array([0.0, np.nan, np.inf])
+    one = np.ones(3)
+    rows = shortest_rows(x, one, one, one, 3 * one, one)
+
+    np.testing.assert_array_equal(rows.word == NO_PATH, [False, True, True])
+    np.testing.assert_array_equal(np.isnan(rows.length), [False, True, True])
+
+
+FORK = """
+import os, numpy as np
+from dubins_study.study.closed_form.kernel import SMALL, shortest_rows
+data = np.ones((6, SMALL))
+before = shortest_rows(*data).length
+child = os.fork()
+if child == 0:
+    os._exit(0 if (shortest_rows(*data).length == before).all() else 1)
+raise SystemExit(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))
+"""
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork here")
+def test_a_forked_child_can_go_on():
+    """GNU OpenMP ends a child that starts threads after its parent did; ours does not start any."""
+    assert subprocess.run([sys.executable, "-W", "ignore", "-c", FORK], check=False).returncode == 0
+
+
+def test_outputs_can_be_given_and_shapes_are_checked():
+    data = arrays(hard_frame(10))
+    out = Rows.empty(10)
+
+    assert shortest_rows(*data, out=out).length is out.length
+    assert shortest_rows(*(column[:0] for column in data)).length.shape == (0,)
+    with pytest.raises(ValueError, match=r"shape \(9,\); expected \(10,\)"):
+        shortest_rows(*data, out=Rows.empty(9))
+    with pytest.raises(ValueError, match="no branch 'SL'"):
+        shortest_rows(*data, branch="SL")
+
+
+@compiled
+def _elementary(angle, y, x, out):
+    for i in range(angle.size):
+        out[0, i], out[1, i] = kernel_math.sine_cosine(angle[i])
+        out[2, i] = kernel_math.upper_arctangent(y[i], x[i])
+
+
+def test_elementary_functions_are_good_to_two_ulp():
+    """Against mpmath. Sine and cosine: of 1, since that is what a rotation needs."""
+    rng = np.random.default_rng(1)
+    angle = np.concatenate([rng.uniform(-8, 8, 1500), rng.uniform(-1e9, 1e9, 500)])
+    y = np.abs(rng.standard_normal(2000)) * 10 ** rng.uniform(-12, 12, 2000)
+    x = rng.standard_normal(2000) * 10 ** rng.uniform(-12, 12, 2000)
+    out = np.empty((3, 2000))
+    _elementary(angle, y, x, out)
+
+    exact = np.array([[mp.sin(a), mp.cos(a)] for a in angle], dtype=object).T
+    assert np.abs((out[:2] - exact).astype(float)).max() < EPS
+    exact = np.array([mp.atan2(a, b) for a, b in zip(y, x, strict=True)], dtype=object)
+    assert np.abs(((out[2] - exact) / exact).astype(float)).max() < 2 * EPS
+
+
+def _series(f, exponent):
+    """(sin r / r - 1) / z and its like lose all digits at z = 0: the first terms do instead."""
+    return lambda z: f(mp.sqrt(z)) if z > 1e-6 else sum(exponent(k) * z**k for k in range(4))
+
+
+def test_coefficients_are_those_that_the_comment_says():
+    with mp.workdps(40):
+        quarter, eighth = (mp.pi / 4) ** 2, mp.tan(mp.pi / 8) ** 2
+        cases = [
+            (
+                kernel_math.SINE,
+                _series(
+                    lambda r: (mp.sin(r) / r - 1) / r**2,
+                    lambda k: (-1) ** (k + 1) / mp.factorial(2 * k + 3),
+                ),
+                quarter,
+            ),
+            (
+                kernel_math.COSINE,
+                _series(
+                    lambda r: (mp.cos(r) - 1 + r**2 / 2) / r**4,
+                    lambda k: (-1) ** k / mp.factorial(2 * k + 4),
+                ),
+                quarter,
+            ),
+            (
+                kernel_math.ARCTANGENT,
+                _series(
+                    lambda t: (mp.atan(t) / t - 1) / t**2,
+                    lambda k: (-1) ** (k + 1) / mp.mpf(2 * k + 3),
+                ),
+                eighth,
+            ),
+        ]
+        for coefficients, f, largest in cases:
+            found = mp.chebyfit(f, [0, largest], len(coefficients), asc=True)
+            np.testing.assert_allclose(coefficients, [float(c) for c in found], rtol=1e-12)

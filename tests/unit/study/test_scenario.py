@@ -1,0 +1,136 @@
+"""Scenarios and frames: what is accepted, and what is said of the rest."""
+
+from __future__ import annotations
+
+import math
+import re
+
+import numpy as np
+import pandas as pd
+import pytest
+from cases import PAPER
+
+from dubins_study.study.angle import AngleError, parse_angle
+from dubins_study.study.scenario import (
+    COLUMNS,
+    Scenario,
+    ScenarioError,
+    check_frame,
+    scenario_frame,
+    scenarios,
+)
+
+GOOD = {"x": 0, "y": 0, "heading": 0, "target_x": 1, "target_y": 2, "radius": 1}
+
+
+@pytest.mark.parametrize("field", ["x", "y", "heading", "target_x", "target_y", "radius", "speed"])
+@pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf, "one", None])
+def test_not_a_finite_number(field, value):
+    """The message names the field and the value, and a frame's message the row as well."""
+    with pytest.raises(ScenarioError, match=rf"{field} is .*expected a (finite )?number"):
+        Scenario(**(GOOD | {field: value}))
+    frame = pd.DataFrame([GOOD | {"speed": 1.0}] * 3, index=["a", "b", "c"]).astype(object)
+    frame.loc["b", field] = value
+    with pytest.raises(ScenarioError, match=rf"'b': {field} is .*expected a (finite )?number"):
+        check_frame(frame)
+
+
+@pytest.mark.parametrize("field", ["radius", "speed"])
+@pytest.mark.parametrize("value", [0.0, -1.0])
+def test_not_positive(field, value):
+    with pytest.raises(ScenarioError, match=f"{field} is {value}; expected a number above 0"):
+        Scenario(**(GOOD | {field: value}))
+    frame = pd.DataFrame([GOOD, GOOD | {field: value}])
+    frame = frame.fillna({"speed": 1.0})
+    with pytest.raises(ScenarioError, match=f"row 1: {field} is {value}"):
+        check_frame(frame)
+
+
+@pytest.mark.parametrize(
+    ("field", "value"),
+    [("x", 1e308), ("target_y", -1e200), ("radius", 1e308), ("radius", 1e-320), ("speed", 1e-320)],
+)
+def test_numbers_whose_squares_overflow_or_vanish(field, value):
+    with pytest.raises(ScenarioError, match=re.escape(f"{field} is {value}; expected")):
+        Scenario(**(GOOD | {field: value}))
+    frame = pd.DataFrame([GOOD | {"speed": 1.0}, GOOD | {"speed": 1.0} | {field: value}])
+    with pytest.raises(ScenarioError, match=re.escape(f"row 1: {field} is {value}; expected")):
+        check_frame(frame)
+
+
+def test_a_number_too_large_for_a_double():
+    with pytest.raises(ScenarioError, match="x is 1000000"):
+        Scenario(**(GOOD | {"x": 10**400}))
+
+
+def test_a_radius_lost_in_rounding():
+    """A turning circle smaller than the coordinates' last digit cannot be planned with."""
+    bad = GOOD | {"target_x": 1e10, "radius": 1e-6}
+
+    with pytest.raises(ScenarioError, match="radius is 1e-06; expected at least 0"):
+        Scenario(**bad)
+    with pytest.raises(ScenarioError, match="row 1: radius is 1e-06"):
+        check_frame(pd.DataFrame([GOOD, bad]))
+
+
+def test_columns():
+    frame = pd.DataFrame([GOOD])
+    with pytest.raises(ScenarioError, match="missing column 'radius'; expected columns x, y"):
+        check_frame(frame.drop(columns="radius"))
+    with pytest.raises(ScenarioError, match="unknown column 'radios'"):
+        check_frame(frame.assign(radios=1))
+    with pytest.raises(ScenarioError, match="expected a DataFrame"):
+        check_frame([GOOD])
+
+
+def test_defaults_and_index_are_kept():
+    frame = pd.DataFrame([GOOD, GOOD], index=[7, 3])
+    checked = check_frame(frame)
+
+    assert list(checked.columns) == list(COLUMNS)
+    assert list(checked.index) == [7, 3]
+    assert (checked["speed"] == 1).all()
+    assert list(frame.columns) == list(GOOD)
+
+
+def test_an_empty_frame():
+    assert len(check_frame(pd.DataFrame(columns=list(COLUMNS)))) == 0
+
+
+def test_frames_and_scenarios_go_round():
+    rows = list(PAPER.values())
+
+    assert list(scenarios(check_frame(scenario_frame(rows)))) == rows
+
+
+def test_local_coordinates():
+    """A target two radii ahead and one to the left, whatever the pose."""
+    scenario = Scenario(5, -3, 2.0, 5 + 2 * (2 * math.cos(2.0) - math.sin(2.0)),
+                        -3 + 2 * (2 * math.sin(2.0) + math.cos(2.0)), radius=2)  # fmt: skip
+
+    np.testing.assert_allclose(scenario.local(), (2, 1), rtol=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("text", "radians"),
+    [
+        ("120deg", 2 * math.pi / 3),
+        ("-45 deg", -math.pi / 4),
+        ("90°", math.pi / 2),
+        ("2.0944", 2.0944),
+        ("-1e-3", -1e-3),
+        ("pi", math.pi),
+        ("-pi/2", -math.pi / 2),
+        ("2pi/3", 2 * math.pi / 3),
+        ("0.5*pi", math.pi / 2),
+        (1, 1.0),
+    ],
+)
+def test_angles(text, radians):
+    assert parse_angle(text) == pytest.approx(radians, rel=1e-15)
+
+
+@pytest.mark.parametrize("text", ["", "banana", "nan", "inf", "pi/0", "1e999", "2pi/", "deg", "__"])
+def test_not_an_angle(text):
+    with pytest.raises(AngleError, match="is not an angle; expected"):
+        parse_angle(text)

@@ -1,0 +1,291 @@
+"""The check: what it accepts, what it does not, and what it compares with."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from cases import EDGES, PAPER, scenarios
+from hypothesis import given
+from hypothesis import strategies as st
+
+from dubins_study.study.check.verdict import Claim, Tolerances, Verdict, judge
+from dubins_study.study.closed_form.shortest import as_path, local, right_left_pair, shortest_path
+from dubins_study.study.path import Path
+from dubins_study.study.scenario import Scenario
+
+PROBLEM = PAPER["problem 1"]
+
+
+def on_left_circle(angle: float, inside: float = 0.0) -> Scenario:
+    """A target at an arc angle of the left circle (R = 1), `inside` radii towards its centre."""
+    r = 1 - inside
+    return Scenario(0, 0, 0, r * math.sin(angle), 1 - r * math.cos(angle), 1)
+
+
+@given(scenarios())
+def test_the_closed_form_is_judged_optimal(scenario):
+    """Its path arrives to rounding and its gap is zero."""
+    found = judge(scenario, shortest_path(scenario), Claim.OPTIMAL)
+
+    assert found.verdict is Verdict.OPTIMAL
+    assert not found.false_claim
+    assert abs(found.gap) < 1e-12
+
+
+@given(scenarios(), st.sampled_from(["LS", "RS"]))
+def test_another_word_is_never_shorter(scenario, word):
+    """Any admissible path that arrives has a gap of at least zero, up to rounding."""
+    path = shortest_path(scenario, word)
+    if path is None:
+        assert judge(scenario, None, Claim.INFEASIBLE, word).verdict is Verdict.NONE_EXISTS
+        return
+    found = judge(scenario, path, Claim.LOCAL)
+
+    assert found.gap >= -1e-12
+    assert found.verdict in (Verdict.OPTIMAL, Verdict.LONGER)
+
+
+def test_a_wrong_basin_is_not_a_false_claim_unless_optimality_is_claimed():
+    worse = shortest_path(PROBLEM, "LS")
+
+    local = judge(PROBLEM, worse, Claim.LOCAL)
+    assert (local.verdict, local.wrong_basin, local.false_claim) == (Verdict.LONGER, True, False)
+    assert judge(PROBLEM, worse, Claim.OPTIMAL).false_claim
+    assert judge(PROBLEM, worse, Claim.LOCAL, "LS").verdict is Verdict.OPTIMAL
+
+
+def test_a_coarse_answer_is_not_a_wrong_basin():
+    """A path of the right shape, a little longer: a detour of the same net turn."""
+    straight = Scenario(0, 0, 0, 10, 0, 1)
+    wave = Path(straight.start, [0.5, -0.5, 0.5], [0.5, 1.0, 0.5])
+    end = wave.end
+    reached = replace(straight, target_x=end.x, target_y=end.y)
+    # its heading at the end is the one it began with
+    found = judge(reached, wave, Claim.LOCAL)
+
+    assert found.verdict is Verdict.LONGER
+    assert not found.wrong_basin
+
+
+@pytest.mark.parametrize(
+    ("path", "verdict"),
+    [
+        (None, Verdict.NONE),
+        (Path(PROBLEM.start, [-2.0, 0.0], [0.8, 11.0]), Verdict.MISSES),
+        (Path(PROBLEM.start, [math.nan], [1.0]), Verdict.MISSES),
+        (Path(PROBLEM.start, [1.0], [math.inf]), Verdict.MISSES),
+        (Path(PROBLEM.start, [1.0], [-1.0]), Verdict.MISSES),
+        # so long that rounding hides where they end, and so long that lengths overflow
+        (Path(PROBLEM.start, [1.0], [1e16]), Verdict.MISSES),
+        (Path(PROBLEM.start, [1.0], [1e300]), Verdict.MISSES),
+        (Path(PROBLEM.start, [0.0, 0.0], [1e308, 1e308]), Verdict.MISSES),
+        (Path(PROBLEM.start, [], []), Verdict.MISSES),
+        (Path(replace(PROBLEM, x=9.9, y=5).start, [0.0], [0.1]), Verdict.MISSES),
+    ],
+)
+def test_what_does_not_arrive(path, verdict):
+    """No path, too sharp a turn, broken numbers, backwards, nothing, and another start."""
+    found = judge(PROBLEM, path, Claim.LOCAL)
+
+    assert found.verdict is verdict
+    assert found.gap is None
+    assert found.false_claim
+
+
+def test_turning_too_hard_is_seen_however_well_it_arrives():
+    tight = shortest_path(replace(PROBLEM, radius=0.999))
+
+    found = judge(PROBLEM, tight, Claim.LOCAL)
+
+    assert found.miss < 1e-12
+    assert found.verdict is Verdict.MISSES
+    assert found.curvature_excess == pytest.approx(1 / 0.999 - 1)
+
+
+@pytest.mark.parametrize(
+    ("branch", "curvature", "length", "excess"),
+    [
+        ("LS", [1, 0], [1, 1], 0),
+        ("LS", [-0.25, 1], [1, 1], 0.25),
+        ("RS", [0.25, -1], [1, 1], 0.25),
+        ("LR", [1, -1], [1, 1], 0),
+        ("LR", [-1, 1], [1, 1], 2),
+        ("LR", [1, 0, -1], [1, 1, 1], 1),
+        ("RL", [-1, 1], [1, 1], 0),
+        ("RL", [-1], [1], 0),
+        ("best", [1.5], [1], 0.5),
+        ("LS", [-1, 1], [0, 1], 0),
+    ],
+)
+def test_curvature_that_a_branch_allows(branch, curvature, length, excess):
+    """Arcs of no length count for nothing."""
+    path = Path(EDGES["ahead"].start, curvature, length)
+
+    assert judge(EDGES["ahead"], path, branch=branch).curvature_excess == pytest.approx(excess)
+
+
+def test_the_reference_is_relaxed_over_the_miss_near_a_circle():
+    """THEORY section 4: just inside, the optimum is 6.535; a miss of 2e-7 makes 0.300 honest."""
+    inside = on_left_circle(0.3, inside=1e-7)
+    arc = Path(inside.start, [1.0], [0.3])
+
+    bare = judge(inside, shortest_path(inside), Claim.LOCAL)
+    short = judge(inside, arc, Claim.LOCAL)
+
+    assert bare.length == pytest.approx(6.535, abs=1e-3)
+    assert bare.verdict is Verdict.OPTIMAL
+    assert short.miss == pytest.approx(1e-7, rel=1e-6)
+    assert short.length == pytest.approx(0.3)
+    assert short.verdict is Verdict.OPTIMAL
+    assert abs(short.gap) < 1e-6
+    assert short.reference < 0.31
+
+
+def test_the_reference_is_not_relaxed_for_a_longer_answer():
+    """A path that arrives exactly is compared with the exact optimum."""
+    inside = on_left_circle(0.3, inside=1e-7)
+    longer = shortest_path(inside, "RS")
+
+    assert judge(inside, longer).reference == pytest.approx(6.535, abs=1e-3)
+
+
+def test_an_exact_answer_that_lands_across_the_circle_is_not_punished():
+    """The long path to a target 1e-9 inside, ended 2e-9 off on the outer side, is still right."""
+    inside = on_left_circle(0.3, inside=1e-9)
+    path = shortest_path(inside)
+    nudged = Path(path.start, path.curvature, path.length - [0, 3e-9])
+
+    found = judge(inside, nudged, Claim.LOCAL)
+
+    assert found.miss > 1e-9
+    assert found.verdict is Verdict.OPTIMAL
+    assert found.reference > 6
+
+
+def test_near_the_rear_a_miss_explains_more():
+    """There the optimal length changes by 1 / cos(a / 2) = 48 times the target's shift."""
+    scenario = on_left_circle(3.10, inside=4e-9)
+    short = on_left_circle(3.10, inside=1e-9)  # its target is 3e-9 away, its optimum 1e-7 shorter
+    path = shortest_path(short)
+    assert path is not None
+
+    found = judge(scenario, path)
+
+    assert path.total_length < shortest_path(scenario).total_length
+    assert found.verdict is Verdict.OPTIMAL
+
+
+def test_a_branch_that_only_a_miss_makes_possible():
+    """LS does not exist just inside the left disc, but an arc that misses by 1e-7 answers it."""
+    inside = on_left_circle(0.3, inside=1e-7)
+
+    found = judge(inside, Path(inside.start, [1.0], [0.3]), Claim.LOCAL, "LS")
+
+    assert found.verdict is Verdict.OPTIMAL
+    assert found.word_ref is None
+
+
+def test_going_straight_first_does_not_answer_ls_inside_the_left_disc():
+    """One-sided turning arrives at the centre (straight 1, left 3 pi / 2), but not as LS."""
+    centre = EDGES["centre of the left disc"]
+    path = Path(centre.start, [0.0, 1.0], [1.0, 1.5 * math.pi])
+
+    found = judge(centre, path, Claim.LOCAL, "LS")
+
+    assert found.miss < 1e-12
+    assert found.verdict is Verdict.MISSES
+    assert judge(centre, path, Claim.LOCAL).verdict is Verdict.LONGER
+
+
+@given(scenarios(), st.lists(st.tuples(st.floats(0, 1), st.floats(0, 3)), min_size=1, max_size=6))
+def test_one_sided_turning_is_never_shorter_than_ls(scenario, pieces):
+    """docs/derivation.md, section 8: any end that LS reaches at all, it reaches first."""
+    radius = scenario.radius
+    path = Path(
+        scenario.start, [u / radius for u, _ in pieces], [length * radius for _, length in pieces]
+    )
+    moved = replace(scenario, target_x=path.end.x, target_y=path.end.y)
+    best = shortest_path(moved, "LS")
+
+    if best is not None:
+        assert best.total_length <= path.total_length + 1e-9 * radius
+
+
+def test_either_word_of_a_tie_is_the_right_basin():
+    """Straight behind, a coarse RS is no more another optimum than a coarse LS."""
+    behind = EDGES["behind"]
+    for word in ("LS", "RS"):
+        path = shortest_path(behind, word)
+        end = Path(path.start, path.curvature, path.length * [1.0, 1.01]).end
+        longer = replace(behind, target_x=end.x, target_y=0.0)
+        found = judge(longer, path, tolerances=Tolerances(miss=1, gap=-1))
+        assert found.verdict is Verdict.LONGER
+        assert not found.wrong_basin
+
+
+def test_claims_of_infeasibility():
+    inside = Scenario(0, 0, 0, 0, 1, 1)
+
+    right = judge(inside, None, Claim.INFEASIBLE, "LS")
+    wrong = judge(inside, None, Claim.INFEASIBLE, "RS")
+
+    assert (right.verdict, right.false_claim) == (Verdict.NONE_EXISTS, False)
+    assert (wrong.verdict, wrong.false_claim) == (Verdict.NONE, True)
+
+
+def test_tolerances_decide():
+    """The same path is optimal or longer by the gap that is allowed."""
+    path = shortest_path(PROBLEM)
+    stretched = Path(path.start, path.curvature, path.length * [1, 1 + 5e-5])
+    end = stretched.end
+    moved = replace(PROBLEM, target_x=end.x, target_y=end.y)
+    assert judge(moved, stretched).verdict is Verdict.OPTIMAL
+
+    loose, tight = Tolerances(miss=1e-2), Tolerances(miss=1e-2, gap=1e-6)
+    assert judge(PROBLEM, stretched, tolerances=loose).verdict is Verdict.OPTIMAL
+    assert judge(PROBLEM, stretched, tolerances=tight).verdict is Verdict.LONGER
+    assert judge(PROBLEM, stretched).verdict is Verdict.MISSES
+
+
+@given(scenarios())
+def test_margin_is_the_distance_to_the_nearer_circle(scenario):
+    """Against the distance computed in the world frame."""
+    found = judge(scenario, None)
+    x, y, heading, radius = scenario.x, scenario.y, scenario.heading, scenario.radius
+    centres = [
+        (x - side * radius * math.sin(heading), y + side * radius * math.cos(heading))
+        for side in (1, -1)
+    ]
+    distances = [math.hypot(scenario.target_x - a, scenario.target_y - b) for a, b in centres]
+
+    expected = min(abs(d / radius - 1) for d in distances)
+    # coordinates up to 100 radii from the origin are rounded at 1e-14 radii
+    np.testing.assert_allclose(found.margin, expected, rtol=1e-9, atol=1e-12)
+    if expected > 1e-9:
+        inside = [d < radius for d in distances]
+        place = {(1, 0): "left disc", (0, 1): "right disc", (0, 0): "outside"}
+        assert found.region == place[tuple(map(int, inside))]
+
+
+def test_another_word_far_off_is_a_wrong_basin_though_it_turns_as_far():
+    """Found in review: RL beside the rear of a circle's front turns as LS does, a third longer."""
+    scenario = on_left_circle(2.8, inside=-1e-5)
+    pair = right_left_pair(local(scenario))
+    assert pair is not None
+    path = as_path(scenario, "RL", pair[0])
+    found = judge(scenario, path, Claim.LOCAL)
+
+    assert found.gap > 0.3
+    assert abs(path.turn - 2.8) < 1
+    assert found.wrong_basin
+
+
+def test_a_ripple_on_a_straight_names_no_letter():
+    """A discretised straight bends by a rounding at every step: it is a straight."""
+    rate = np.concatenate((np.ones(5), np.full(5, 1e-9)))
+    path = Path(PROBLEM.start, rate, np.concatenate((np.full(5, 0.3), np.full(5, 2.0))))
+
+    assert path.word(0.05) == "LS"

@@ -1,0 +1,194 @@
+"""The check over frames against the scalar check, row by row, for good and broken answers."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hard_cases import hard_frame
+
+from dubins_study.study.check.verdict import Claim, Verdict, judge
+from dubins_study.study.check.verdict_frame import CLAIMS, NO_WORD, Paths, judge_frame
+from dubins_study.study.check.verdict_kernel import PATH_WORDS, REGIONS, VERDICTS
+from dubins_study.study.closed_form.kernel import WORDS, shortest_rows
+from dubins_study.study.closed_form.kernel_math import LARGEST_ANGLE
+from dubins_study.study.closed_form.kernel_paths import curvatures
+from dubins_study.study.closed_form.shortest import BRANCHES, EPS, shortest_path
+from dubins_study.study.path import Path
+from dubins_study.study.scenario import NUMBERS, Scenario, check_frame, scenario_frame, scenarios
+
+N = 1200
+FRAME = hard_frame(N, seed=11)
+TEXTS = {"verdict": VERDICTS, "word": PATH_WORDS, "word_ref": WORDS, "region": REGIONS}
+
+
+def answers(branch):
+    """Controls of the closed form, shape (2, n) each, and which rows have a path."""
+    x, y, heading, tx, ty, radius = (FRAME[name].to_numpy() for name in NUMBERS[:6])
+    rows = shortest_rows(x, y, heading, tx, ty, radius, branch=branch)
+    k, returned = np.empty((2, N)), ~np.isnan(rows.length)
+    curvatures(rows.word, radius, k)
+    return k, np.where(returned, [rows.first, rows.second], 0.0), returned
+
+
+def as_they_are(rng, k, length):
+    return k, length
+
+
+def stretched(rng, k, length):
+    return k, length * (1 + 10.0 ** rng.uniform(-14, 0, length.shape))
+
+
+def shifted(rng, k, length):
+    R = FRAME["radius"].to_numpy()
+    return k, length + R * 10.0 ** rng.uniform(-9, -3, k.shape) * rng.choice([-1, 1], k.shape)
+
+
+def bent(rng, k, length):
+    return k * (1 + 10.0 ** rng.uniform(-12, 0, k.shape) * rng.choice([-1, 1], k.shape)), length
+
+
+def with_a_full_turn(rng, k, length):
+    extra = 2 * math.pi * FRAME["radius"].to_numpy() * rng.integers(0, 2, N)
+    return k, length + np.array([extra, np.zeros(N)])
+
+
+def broken(rng, k, length):
+    k, length = k.copy(), length.copy()
+    k[rng.integers(0, 2, N), np.arange(N)] *= rng.choice([-1, 0, 1], N)
+    k[rng.integers(0, 2, N // 9), np.arange(0, N, 9)[: N // 9]] = np.nan
+    length[1, ::7] *= -1
+    length[0, ::31] = np.inf
+    return k, length
+
+
+def at_random(rng, k, length):
+    R = FRAME["radius"].to_numpy()
+    length = rng.exponential(1, k.shape) * R * rng.choice([0, 1e-7, 1], k.shape)
+    return rng.choice([-1, 0, 1], k.shape) / R, length
+
+
+SPOILERS = [as_they_are, stretched, shifted, bent, with_a_full_turn, broken, at_random]
+
+
+@pytest.mark.filterwarnings("ignore:invalid value:RuntimeWarning")  # inf - inf in a broken path
+@pytest.mark.parametrize("spoil", SPOILERS)
+@pytest.mark.parametrize("branch", BRANCHES)
+def test_rows_are_judged_as_the_scalar_check_does(branch, spoil):
+    rng = np.random.default_rng(3)
+    k, length, returned = answers(branch)
+    paths = Paths(*spoil(rng, k, length), returned)
+    claims = rng.integers(0, len(CLAIMS), N)
+    found = judge_frame(FRAME, paths, claims, branch)
+
+    for row, scenario in enumerate(scenarios(FRAME)):
+        expected = judge(scenario, paths.path(row, scenario), CLAIMS[claims[row]], branch)
+        assert difference(expected, found, row, scenario) is None, scenario
+
+
+def test_another_branch_than_the_one_asked():
+    """RS paths for the question `best`: wrong basins, and longer ones that are none."""
+    k, length, returned = answers("RS")
+    found = judge_frame(FRAME, Paths(k, length, returned), Claim.OPTIMAL, "best")
+
+    for row, scenario in enumerate(scenarios(FRAME)):
+        path = Paths(k, length, returned).path(row, scenario)
+        assert difference(judge(scenario, path, Claim.OPTIMAL), found, row, scenario) is None
+    assert found.wrong_basin.sum() > N / 10
+    np.testing.assert_array_equal(
+        found.false_claim, found.verdict != VERDICTS.index(Verdict.OPTIMAL)
+    )
+
+
+def difference(expected, found, row, scenario):
+    """The first field that differs, with both values; None if there is none.
+
+    Numbers may differ by 1e-14 of the size of what is added up: coordinates, radius and length.
+    References of paths shorter than the shortest follow the end point, whose last digits differ
+    between two integrations, at a rate of up to 1e3 here: 1e-11.
+    """
+    size = scenario.extent + scenario.radius + (expected.length or 0.0)
+    units = {
+        "length": size,
+        "miss": size,
+        "reference": 1e3 * size,
+        "time": size / scenario.speed,
+        "gap": 1e3 * size / scenario.radius,
+        "margin": size / scenario.radius,
+        "curvature_excess": 1 + (expected.curvature_excess or 0.0),
+    }
+    for name, unit in units.items():
+        one, other = getattr(expected, name), getattr(found, name)[row]
+        one = math.nan if one is None else one
+        if not (one == other or (one != one and other != other)) and not (
+            abs(one - other) <= 1e-14 * unit
+        ):
+            return name, one, other
+    for name, texts in TEXTS.items():
+        code = getattr(found, name)[row]
+        other = None if code == NO_WORD else texts[code]
+        if getattr(expected, name) != other:
+            return name, getattr(expected, name), other
+    for name in ("false_claim", "wrong_basin"):
+        if getattr(expected, name) != getattr(found, name)[row]:
+            return name, getattr(expected, name), getattr(found, name)[row]
+    return None
+
+
+def test_the_closed_form_is_judged_optimal_without_the_scalar_check(monkeypatch):
+    """Ordinary rows take the quick way: the tolerance for what is not is one row in a hundred."""
+    calls = []
+    monkeypatch.setattr(
+        "dubins_study.study.check.verdict_frame.judge",
+        lambda *args: calls.append(1) or judge(*args),
+    )
+    k, length, _ = answers("best")
+    found = judge_frame(FRAME, Paths(k, length), Claim.OPTIMAL)
+
+    assert (found.verdict == VERDICTS.index(Verdict.OPTIMAL)).all()
+    assert not found.false_claim.any()
+    ordinary = (FRAME["heading"].abs() < LARGEST_ANGLE).sum()
+    assert len(calls) < N - ordinary + N / 100
+
+
+def test_empty_frames_and_wrong_shapes():
+    empty = Paths(np.zeros((2, 0)), np.zeros((2, 0)))
+
+    assert judge_frame(FRAME[:0], empty).verdict.shape == (0,)
+    with pytest.raises(ValueError, match="0 paths for 1200 scenarios"):
+        judge_frame(FRAME, empty)
+    with pytest.raises(ValueError, match=r"length has shape \(2, 3\); expected \(2, 4\)"):
+        Paths(np.zeros((2, 4)), np.zeros((2, 3)))
+
+
+def test_a_right_answer_just_inside_a_circle_is_judged_by_its_own_reference():
+    """Shorter by two ulp and off by more than its margin, it is still no path from outside."""
+    r = 1 - 1e-9
+    scenario = Scenario(0, 0, 0, r * math.sin(0.3), 1 - r * math.cos(0.3), 1)
+    path = shortest_path(scenario)
+    coarse = Path(path.start, path.curvature * (1 - 1e-8), path.length * (1 - 2 * EPS))
+    found = judge(scenario, coarse, Claim.OPTIMAL)
+
+    assert found.miss > found.margin
+    assert found.length < path.total_length
+    assert found.verdict is Verdict.OPTIMAL
+    assert found.reference == pytest.approx(6.535, abs=5e-4)
+
+
+def test_a_longer_path_of_a_tie_is_in_the_right_basin():
+    """Straight behind, LS and RS tie: either word, coarsely driven, turns the right way."""
+    behind = Scenario(0, 0, 0, -1, 0, 1)
+    wide = replace(behind, radius=1.1)
+    paths = [shortest_path(wide, word) for word in ("LS", "RS")]
+    frame = check_frame(scenario_frame([behind, behind]))
+    curvature, length = (
+        np.array([getattr(p, n) for p in paths]).T for n in ("curvature", "length")
+    )
+
+    found = judge_frame(frame, Paths(curvature, length))
+
+    assert [VERDICTS[code] for code in found.verdict] == [Verdict.LONGER] * 2
+    assert found.wrong_basin.tolist() == [judge(behind, path).wrong_basin for path in paths]
+    assert not found.wrong_basin.any()
