@@ -26,7 +26,7 @@ studies: $(READY)  ## run every experiment but the reference and write one repor
 	$(BIN)/dubins-study report $(STUDIES:%=results/%) --out results/studies
 
 reference: $(READY)  ## make the committed reference run anew
-	$(BIN)/dubins-study run reference --out results/reference --fresh
+	$(BIN)/dubins-study run reference --out results/reference --restart
 
 test: $(READY)  ## run the tests
 	$(BIN)/python -m pytest $(ARGS)

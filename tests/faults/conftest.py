@@ -33,7 +33,7 @@ def shared_run(folder: Path, table: dict, asked: int, jobs: int, limit: float) -
     scratch.mkdir()
     specs = [spec(*name.split(":"), **_settings(scratch, case)) for name, case in table.items()]
     asking = experiment(folder, (specs, asked), ([HONEST], ASKED))
-    options = ("--jobs", jobs, "--limit", limit, "--memory", 2, "--out", folder / "out")
+    options = ("--jobs", jobs, "--time-limit", limit, "--memory-limit", 2, "--out", folder / "out")
     ended = study("run", asking, *options, cwd=scratch, env={"TMPDIR": str(scratch)})
     assert (folder / "out" / "manifest.json").is_file(), ended.err
     return Shared(ended, rows(folder / "out"), folder / "out", scratch, table, asked, limit)

@@ -23,7 +23,7 @@ HERE = Path(__file__).parent
 # far above what any run here takes; only a run that hangs gets there
 PATIENCE = 150.0
 # what differs between two runs that find the same
-MEASURED = ["build_s", "solve_s", "wall_s", "host", "jobs", "engine", "run_id", "started"]
+MEASURED = ["build_s", "solve_s", "wall_s", "machine", "jobs", "engine", "run_id", "started"]
 
 
 class Ended(NamedTuple):
@@ -66,7 +66,7 @@ def started(*arguments: object, **options: Any) -> Iterator[Started]:
     """Start `dubins-study ARGUMENTS`; whatever is left of it at the end is killed."""
     mark, marking = marked()
     if arguments[0] == "run":
-        arguments += ("--trust",)  # the experiments here name plug-ins
+        arguments += ("--trust-plugins",)  # the experiments here name plug-ins
     paths = os.pathsep.join(filter(None, (str(ROOT), os.environ.get("PYTHONPATH"))))
     environment = {**os.environ, "PYTHONPATH": paths, **options.pop("env", {}), **marking}
     with TemporaryFile() as out, TemporaryFile() as err:
@@ -137,5 +137,5 @@ def lasting(found: pd.DataFrame) -> pd.DataFrame:
     kept = found.drop(columns=MEASURED, errors="ignore")
     for column in ("curvatures", "lengths"):
         kept[column] = kept[column].map(lambda v: None if v is None else tuple(v))
-    keys = ["solver", "branch", "start", "repeat", "label", "target_x"]
+    keys = ["solver", "branch", "initial_guess", "repeat", "label", "target_x"]
     return kept.sort_values(keys, ignore_index=True)

@@ -41,7 +41,7 @@ def asking(tmp_path):
 def test_killed_at_twenty_random_moments(asking, tmp_path):
     """Each time the run is begun anew and killed, in turn all of it and its supervisor alone."""
     draw, cut, kept = Random(20260), 0, set()
-    options = ("--jobs", 2, "--limit", 10)
+    options = ("--jobs", 2, "--time-limit", 10)
     whole = tmp_path / "whole"
     began = time.monotonic()
     assert study("run", asking, "--out", whole, *options).code == 0
@@ -87,7 +87,7 @@ def finished(folder):
 def test_a_damaged_part_is_repaired_or_named(asking, tmp_path, damage):
     """The run says which part it is, or solves its cells again: no wrong row, no traceback."""
     out = tmp_path / "out"
-    options = ("--jobs", 2, "--limit", 10, "--out", out)
+    options = ("--jobs", 2, "--time-limit", 10, "--out", out)
     with started("run", asking, *options) as run:
         while len(parts := sorted((out / "parts").glob("[!.]*.parquet"))) < 3:
             assert run.process.poll() is None
@@ -115,7 +115,7 @@ def test_a_damaged_part_is_repaired_or_named(asking, tmp_path, damage):
 def test_a_full_disk_is_a_message_and_loses_nothing_written(asking, small_disk, tmp_path):
     """A tmpfs fills up in the middle of a run; with room again, the same command completes it."""
     out, filler = small_disk / "out", small_disk / "filler"
-    options = ("--jobs", 2, "--limit", 10, "--out", out)
+    options = ("--jobs", 2, "--time-limit", 10, "--out", out)
     with started("run", asking, *options) as run:
         while not list((out / "parts").glob("[!.]*.parquet")):
             assert run.process.poll() is None

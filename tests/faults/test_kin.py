@@ -26,7 +26,7 @@ def test_kin_that_is_attacked_lives_on_or_says_so(tmp_path, clean, name, jobs):
     hostile = spec("hostile_kin", name)
     asking = experiment(tmp_path, ([hostile], 3), ([HONEST], 8))
     out = tmp_path / "out"
-    ended = study("run", asking, "--out", out, "--jobs", jobs, "--limit", 5)
+    ended = study("run", asking, "--out", out, "--jobs", jobs, "--time-limit", 5)
 
     assert ended.alive == []
     assert "Traceback" not in ended.err
@@ -49,7 +49,7 @@ def test_kin_that_is_attacked_lives_on_or_says_so(tmp_path, clean, name, jobs):
 def test_rubbish_in_every_pipe_costs_no_row(tmp_path, plugin):
     """All are there and no answer is wrong, but whoever shared the worker may be blamed."""
     asking = experiment(tmp_path, ([spec("hostile_state", plugin)], 2), ([HONEST], 8))
-    ended = study("run", asking, "--out", tmp_path / "out", "--limit", 5)
+    ended = study("run", asking, "--out", tmp_path / "out", "--time-limit", 5)
 
     assert ended.code == 0, ended.err
     assert ended.alive == []
@@ -68,7 +68,9 @@ def slow_run(folder, nap, count, file="pids"):
 def test_a_worker_killed_from_outside_is_one_crashed_row(tmp_path, clean, jobs):
     """The cell it was at says SIGKILL; the others know nothing of it."""
     asking, file = slow_run(tmp_path, 1.0, 4)
-    with started("run", asking, "--out", tmp_path / "out", "--jobs", jobs, "--limit", 20) as run:
+    with started(
+        "run", asking, "--out", tmp_path / "out", "--jobs", jobs, "--time-limit", 20
+    ) as run:
         os.kill(until(lambda: noted(file), run)[0], signal.SIGKILL)
         ended = run.wait()
 
@@ -85,7 +87,9 @@ def test_a_worker_killed_from_outside_is_one_crashed_row(tmp_path, clean, jobs):
 @pytest.mark.parametrize("jobs", [1, 2])
 def test_a_worker_stopped_from_outside_is_killed_at_the_limit(tmp_path, clean, jobs):
     asking, file = slow_run(tmp_path, 0.7, 4)
-    with started("run", asking, "--out", tmp_path / "out", "--jobs", jobs, "--limit", 2) as run:
+    with started(
+        "run", asking, "--out", tmp_path / "out", "--jobs", jobs, "--time-limit", 2
+    ) as run:
         os.kill(until(lambda: noted(file), run)[0], signal.SIGSTOP)
         ended = run.wait()
 
@@ -102,7 +106,7 @@ def test_an_idle_worker_killed_from_outside_costs_no_row(tmp_path):
     """Every process of the run but the first, killed in between; whatever they did, each cell
     has one row."""
     asking, file = slow_run(tmp_path, 0.3, 12)
-    with started("run", asking, "--out", tmp_path / "out", "--jobs", 2, "--limit", 20) as run:
+    with started("run", asking, "--out", tmp_path / "out", "--jobs", 2, "--time-limit", 20) as run:
         for n in (1, 4, 8):
             until(lambda n=n: len(noted(file)) >= n, run)
             for process in run.workers():
@@ -132,7 +136,7 @@ def test_workers_die_with_their_supervisor(tmp_path, file, name):
     """Only the supervisor is killed, and its workers answer to nobody."""
     napping = spec("honest", "Napping", nap=600, note=tmp_path / "pids")
     asking = experiment(tmp_path, ([spec(file, name), napping], 1))
-    options = ("--jobs", 2, "--limit", 600, "--out", tmp_path / "out")
+    options = ("--jobs", 2, "--time-limit", 600, "--out", tmp_path / "out")
     with started("run", asking, *options) as run:
         # the napping one is under way; a moment later the hostile one beside it is as well
         until(lambda: noted(tmp_path / "pids"), run)

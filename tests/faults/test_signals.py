@@ -20,7 +20,7 @@ def during_a_cell(tmp_path, numbers, jobs, limit, nap=600.0, asked=1):
     file, out = tmp_path / "pids", tmp_path / "out"
     napping = spec("honest", "Napping", nap=nap, note=file)
     asking = experiment(tmp_path, ([napping], 4), ([HONEST], 8))
-    options = ("--out", out, "--jobs", jobs, "--limit", limit)
+    options = ("--out", out, "--jobs", jobs, "--time-limit", limit)
     with started("run", asking, *options) as run:
         until(lambda: file.exists() and len(file.read_text().split()) >= asked, run)
         time.sleep(0.3)
@@ -64,7 +64,7 @@ def test_the_first_lets_the_cell_be_answered(tmp_path, jobs):
     assert set(late["outcome"]) == {"returned"}
 
     # and the same command completes it
-    options = ("--out", out, "--jobs", jobs, "--limit", 60)
+    options = ("--out", out, "--jobs", jobs, "--time-limit", 60)
     assert study("run", asking, *options).code == 0
     assert len(rows(out)) == 12
     assert set(rows(out)["verdict"]) == {"optimal"}

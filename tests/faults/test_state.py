@@ -28,7 +28,7 @@ def tainted(request, tmp_path_factory):
     asking = experiment(
         folder, ([TAINTING, SOMETIMES], 2 * N), ([WITNESS, LYING], 3 * N), ([PUNCTUAL], 2)
     )
-    options = ("--jobs", request.param, "--limit", 1, "--out", folder / "out")
+    options = ("--jobs", request.param, "--time-limit", 1, "--out", folder / "out")
     ended = study("run", asking, *options)
     assert ended.code == 0, ended.err
     return ended, rows(folder / "out")
@@ -165,7 +165,7 @@ def test_plugins_that_go_wrong_before_they_are_asked(tmp_path, clean, what, wher
 def refused(folder, file, clean):
     honest = spec("honest", "Honest")
     asking = experiment(folder, ([f"{file}:Plugin"], 1), ([honest], 8))
-    ended = study("run", asking, "--out", folder / "out", "--limit", 1)
+    ended = study("run", asking, "--out", folder / "out", "--time-limit", 1)
 
     assert ended.alive == []
     assert "Traceback" not in ended.err
@@ -200,7 +200,7 @@ def test_state_of_the_caller_is_left_alone(tmp_path):
     before = os.getcwd(), dict(os.environ), np.geterr()  # noqa: PTH109
     own = {name for name, (_, changed) in STATES.items() if changed()}  # pytest's alarm, say
     asking = experiment(tmp_path, ([TAINTING], 2 * N))
-    run(asking, tmp_path / "out", limit=5, trust=True)
+    run(asking, tmp_path / "out", time_limit=5, trust_plugins=True)
 
     assert (os.getcwd(), dict(os.environ), np.geterr()) == before  # noqa: PTH109
     assert {name for name, (_, changed) in STATES.items() if changed()} == own

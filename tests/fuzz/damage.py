@@ -80,7 +80,7 @@ def hostile_names(folder: Path, dice: Dice) -> None:
     manifest |= {"command": text, "created": text, "machine": {text: text}, "git": {text: text}}
     manifest["experiment"] |= {"title": text, "question": text}
     manifest["versions"] = {text: text}
-    manifest["solvers"][text] = {"settings": {text: text}, "code": text, "cells": 1}
+    manifest["solvers"][text] = {"settings": {text: text}, "code_digest": text, "cells": 1}
     names = ("run_id", "command", "engine", "state", "started", "governor")
     manifest["runs"][0] |= dict.fromkeys(names, text) | {"probes": [[i, 1 + i] for i in range(9)]}
     manifest["runs"][0]["machine"] = {"processor": text, "cores": text}

@@ -51,7 +51,11 @@ _COMMANDS: dict[str, tuple[st.SearchStrategy[list[str]], list[st.SearchStrategy[
         _TARGET,
         [
             *(_POSE, _option("--radius", _NUMBERS), _option("--speed", _NUMBERS)),
-            *(_option("--limit", _NUMBERS), _option("--solver", _SOLVERS), st.just(["--json"])),
+            *(
+                _option("--time-limit", _NUMBERS),
+                _option("--solver", _SOLVERS),
+                st.just(["--json"]),
+            ),
             _option("--branch", st.sampled_from(["best", "LS", "RL", "SL"])),
             _option("--profile", st.sampled_from(["default", "accurate", "no"])),
         ],
@@ -71,8 +75,12 @@ _COMMANDS: dict[str, tuple[st.SearchStrategy[list[str]], list[st.SearchStrategy[
     "run": (
         _PLACES.map(lambda p: [p]),
         [
-            *(_option("--out", _PLACES), _option("--limit", _NUMBERS), st.just(["--fresh"])),
-            *(_option("--memory", _NUMBERS), _option("--solver", _SOLVERS), st.just(["--trust"])),
+            *(_option("--out", _PLACES), _option("--time-limit", _NUMBERS), st.just(["--restart"])),
+            *(
+                _option("--memory-limit", _NUMBERS),
+                _option("--solver", _SOLVERS),
+                st.just(["--trust-plugins"]),
+            ),
             _option("--jobs", st.sampled_from(["1", "0", "-1", "9" * 30, "1.5"])),
             _option("--repeats", st.sampled_from(["0", "-1", "9" * 30, "1000000000", "x"])),
         ],

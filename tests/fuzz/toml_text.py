@@ -86,7 +86,7 @@ _blocks = st.fixed_dictionaries(
         "sample": _samples,
         "solvers": st.lists(st.sampled_from(SPECS[:6]), min_size=1, max_size=2),
         "branches": st.lists(st.sampled_from(["best", "LS", "RL"]), min_size=1, max_size=2),
-        "begin": st.fixed_dictionaries({"z1": _axes, "z2": _axes, "z3": _axes}),
+        "guess_lengths": st.fixed_dictionaries({"z1": _axes, "z2": _axes, "z3": _axes}),
     },
 )
 valid = st.fixed_dictionaries(
@@ -97,10 +97,10 @@ valid = st.fixed_dictionaries(
         "scenarios": st.lists(_blocks, min_size=1, max_size=2),
     },
     optional={
-        "starts": st.lists(st.sampled_from(["cold", "warm"]), min_size=1, max_size=2),
+        "initial_guesses": st.lists(st.sampled_from(["cold", "warm"]), min_size=1, max_size=2),
         "repeats": _counts,
-        "limit": st.sampled_from([1, 0.5, 1e9]),
-        "memory": st.sampled_from([0.25, 4]),
+        "time_limit_s": st.sampled_from([1, 0.5, 1e9]),
+        "memory_limit_gib": st.sampled_from([0.25, 4]),
         "seed": st.sampled_from([0, 7, 2**63 - 1]),
         "profile": st.sampled_from(["default", "fast", "accurate"]),
     },

@@ -70,7 +70,7 @@ def files(folder):
 
 
 def test_parts_say_what_they_are(folder, experiment):
-    run(experiment, folder, fresh=True)
+    run(experiment, folder, restart=True)
     (part,) = parts(folder)
     (entry,) = manifest(folder)["runs"]
 
@@ -123,7 +123,7 @@ def test_a_damaged_part_is_put_aside_and_its_cells_are_solved_again(folder, expe
     )
     assert (folder / "damaged" / "b.parquet").read_bytes() == spoilt
     after = read_rows(folder).to_pandas().sort_values("scenario_id", ignore_index=True)
-    same = ["scenario_id", "solver", "code", "verdict", "length", "word"]
+    same = ["scenario_id", "solver", "code_digest", "verdict", "length", "word"]
     assert after[same].equals(before[same])
     assert len(set(after["run_id"])) == 2
     assert (status(folder).damaged, status(folder).aside) == (0, 1)
@@ -169,8 +169,8 @@ def wider(folder, table):
 
 def older(folder, table):
     """As schema 2 had them."""
-    pq.write_table(table.drop_columns(["code", "engine"]), folder / "parts" / "zz.parquet")
-    return "it has no column 'code'"
+    pq.write_table(table.drop_columns(["code_digest", "engine"]), folder / "parts" / "zz.parquet")
+    return "it has no column 'code_digest'"
 
 
 def newer(folder, table):

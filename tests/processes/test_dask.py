@@ -29,10 +29,10 @@ from dubins_study.experiments.store.folder import read_rows
 EXPERIMENT = """
 title = "dask"
 question = "are the rows the same?"
-limit = 60.0
+time_limit_s = 60.0
 solvers = ["analytic", "slsqp", "ipopt"]
 branches = ["best", "LS"]
-starts = ["cold", "warm"]
+initial_guesses = ["cold", "warm"]
 [[scenarios]]
 target_x = 0
 target_y = 3
@@ -117,7 +117,7 @@ ONCE = (
 def test_a_worker_killed_in_the_middle_of_a_chunk_costs_no_row(experiment, tmp_path, address):
     """What it had not delivered is solved again by others; none is there twice."""
     solver = plugin(tmp_path, ONCE)
-    asked = {"solvers": [solver, "analytic"], "limit": 90.0}
+    asked = {"solvers": [solver, "analytic"], "time_limit": 90.0}
     one = run(experiment, tmp_path / "one", **asked)
     (tmp_path / "engine").write_text("dask")
     (tmp_path / "armed").touch()
@@ -151,7 +151,7 @@ def test_what_a_dead_worker_was_solving_dies_with_it(experiment, tmp_path, addre
             pids.extend(map(int, (tmp_path / "pids").read_text().split()))
             psutil.Process(pids[0]).kill()
 
-    asked = {"solvers": [solver, "analytic"], "limit": 3000.0, "progress": kill}
+    asked = {"solvers": [solver, "analytic"], "time_limit": 3000.0, "progress": kill}
     run(experiment, tmp_path / "out", engine="dask", scheduler=address, **asked)
 
     assert len(set(pids)) == 3
@@ -184,7 +184,7 @@ HOSTILE = {
 def test_hostile_solvers_come_to_the_same_end(experiment, tmp_path, address, kind):
     """Outcome and status, cell by cell; their neighbours' rows are whole."""
     solver = plugin(tmp_path, f"if question.branch == 'LS': {HOSTILE[kind]}")
-    asked = {"solvers": [solver, "slsqp"], "limit": 1.5}
+    asked = {"solvers": [solver, "slsqp"], "time_limit": 1.5}
     one = here.table(run(experiment, tmp_path / "one", **asked))
     other = run(experiment, tmp_path / "other", engine="dask", scheduler=address, **asked)
     other = here.table(other)

@@ -28,7 +28,7 @@ def test_our_own_are_described_as_they_are(spec):
     found, solver = described(spec), load(spec)
 
     assert found.spec == spec
-    assert found.code == code(spec)
+    assert found.code_digest == code(spec)
     assert found.warm == solver.warm
     assert found.packages == solver.packages
     assert found.closed_form == (spec == "analytic")
@@ -87,10 +87,10 @@ def test_an_experiment_does_not_choose_what_is_run(tmp_path, spec, where):
     if spec.startswith("slsqp"):
         run(file, tmp_path / "out")
         return
-    with pytest.raises(ExperimentError, match="expected --trust"):
+    with pytest.raises(ExperimentError, match="expected --trust-plugins"):
         run(file, tmp_path / "out")
 
     assert not list(tmp_path.glob("loaded-*"))
     assert not (tmp_path / "out").exists()
-    run(file, tmp_path / "out", trust=True)
+    run(file, tmp_path / "out", trust_plugins=True)
     run(file, tmp_path / "own", solvers=[spec.format(here=tmp_path)])

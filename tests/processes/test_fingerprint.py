@@ -132,11 +132,11 @@ def test_rows_of_earlier_code_are_solved_anew_and_never_shown(tmp_path):
     out = tmp_path / "out"
     for patience in (1, 2):
         plugin.write_text(PLUGIN.format(patience=patience, remark=""))
-        done = dubins_study("run", str(file), "--trust", "--out", str(out))
+        done = dubins_study("run", str(file), "--trust-plugins", "--out", str(out))
         assert "4 of 4 cells done, finished" in done
 
     kept = read_rows(out, ["run_id"]).to_pandas()
-    assert kept.groupby("solver")["code"].nunique().to_dict() == {
+    assert kept.groupby("solver")["code_digest"].nunique().to_dict() == {
         f"{plugin}:Mine": 2,
         "analytic": 1,
     }
@@ -145,7 +145,7 @@ def test_rows_of_earlier_code_are_solved_anew_and_never_shown(tmp_path):
     shown = load([out])
     assert len(shown.rows) == 4
     newest = json.loads((out / "manifest.json").read_text())["solvers"][f"{plugin}:Mine"]
-    assert set(shown.rows["code"]) == {newest["code"], code("analytic")}
+    assert set(shown.rows["code_digest"]) == {newest["code_digest"], code("analytic")}
     assert newest["settings"]["patience"] == 2
     assert newest["cells"] == 2
     assert shown.manifests[0].stale == 2
@@ -165,8 +165,8 @@ def test_cells_know_their_code(tmp_path):
     file.write_text(EXPERIMENT.format(spec="slsqp"))
     cells = [cell for chain in chains(read(str(file)).experiment) for cell in chain]
 
-    assert {cell.code for cell in cells} == {code("slsqp"), code("analytic")}
-    assert {cell.key[-1] for cell in cells} == {cell.code for cell in cells}
+    assert {cell.code_digest for cell in cells} == {code("slsqp"), code("analytic")}
+    assert {cell.key[-1] for cell in cells} == {cell.code_digest for cell in cells}
 
 
 def test_folders_of_two_codes(tmp_path):
@@ -175,7 +175,7 @@ def test_folders_of_two_codes(tmp_path):
     file.write_text(EXPERIMENT.format(spec=f"{plugin}:Mine"))
     for patience in (1, 2):
         plugin.write_text(PLUGIN.format(patience=patience, remark=""))
-        dubins_study("run", str(file), "--trust", "--out", str(tmp_path / str(patience)))
+        dubins_study("run", str(file), "--trust-plugins", "--out", str(tmp_path / str(patience)))
     one, two = tmp_path / "1", tmp_path / "2"
 
     found = load([one, two])
@@ -185,7 +185,9 @@ def test_folders_of_two_codes(tmp_path):
     dubins_study("report", str(one), str(two), "--out", str(tmp_path / "page"))
     said = "2 rows of cells that a folder before this one holds, made by other code"
     assert said in (tmp_path / "page" / "index.html").read_text()
-    assert set(read_rows(one)["code"].to_pylist()) != set(read_rows(two)["code"].to_pylist())
+    assert set(read_rows(one)["code_digest"].to_pylist()) != set(
+        read_rows(two)["code_digest"].to_pylist()
+    )
 
 
 def test_folders_that_contradict_each_other(tmp_path):
@@ -201,7 +203,7 @@ def test_folders_that_contradict_each_other(tmp_path):
     file.write_text(EXPERIMENT.format(spec=f"{plugin}:Mine"))
     folders = [tmp_path / name for name in ("one", "two", "three")]
     for folder, fail in zip(folders, ("", "yes", "yes"), strict=True):
-        asked = ["run", str(file), "--trust", "--out", str(folder)]
+        asked = ["run", str(file), "--trust-plugins", "--out", str(folder)]
         command = [sys.executable, "-m", "dubins_study", *asked]
         subprocess.run(command, check=True, env={**os.environ, "FAIL": fail}, capture_output=True)
 

@@ -174,12 +174,12 @@ def test_after_a_fresh_run_the_same_command_would_throw_away(experiment, tmp_pat
     """So the message names the other one."""
     out = tmp_path / "out"
     code, _, err = interrupted(
-        *(experiment, "--out", str(out), "--repeats", "100", "--fresh"),
+        *(experiment, "--out", str(out), "--repeats", "100", "--restart"),
         after=out / "parts" / "*.parquet",
     )
 
     assert code == 130, err
-    assert "what was done is kept, run the same command without --fresh to go on (" in err
+    assert "what was done is kept, run the same command without --restart to go on (" in err
 
 
 def test_ipopt_does_not_swallow_it(experiment, tmp_path):

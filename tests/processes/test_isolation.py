@@ -44,8 +44,8 @@ TEXT = """
 title = "isolation"
 question = "?"
 solvers = ["slsqp"]
-limit = 5
-memory = 1.0
+time_limit_s = 5
+memory_limit_gib = 1.0
 repeats = 6
 [[scenarios]]
 target_x = 3

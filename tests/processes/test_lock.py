@@ -29,12 +29,12 @@ def contents(folder):
 
 def test_a_second_run_is_told_who_is_at_work_and_touches_nothing(tmp_path):
     experiment, out = slow_experiment(tmp_path, nap=30), tmp_path / "out"
-    with started("run", experiment, "--trust", "--out", out) as first:
+    with started("run", experiment, "--trust-plugins", "--out", out) as first:
         wait_for(lambda: (out / "manifest.json").exists())
         since = holder(out)["started"]
         before = contents(out)
-        for extra in ((), ("--fresh",)):
-            second = finished("run", experiment, "--trust", "--out", out, *extra)
+        for extra in ((), ("--restart",)):
+            second = finished("run", experiment, "--trust-plugins", "--out", out, *extra)
 
             assert second.returncode == 2
             assert second.stdout == ""
@@ -49,7 +49,7 @@ def test_a_second_run_is_told_who_is_at_work_and_touches_nothing(tmp_path):
 def test_a_killed_run_holds_nothing_even_while_its_workers_live(tmp_path):
     """kill -9 of the run alone: workers that nap on do not keep the next run out."""
     experiment, out = slow_experiment(tmp_path, nap=0.2, count=24), tmp_path / "out"
-    with started("run", experiment, "--trust", "--out", out, "--jobs", "2") as first:
+    with started("run", experiment, "--trust-plugins", "--out", out, "--jobs", "2") as first:
         wait_for(lambda: parts(out))
         children = descendants(first.pid)
         assert children
@@ -62,7 +62,7 @@ def test_a_killed_run_holds_nothing_even_while_its_workers_live(tmp_path):
         kept = done(out)
         assert status(out).runs[-1].state == "killed"
 
-        again = finished("run", experiment, "--trust", "--out", out)
+        again = finished("run", experiment, "--trust-plugins", "--out", out)
         for child in children:
             if alive(child):
                 os.kill(child, signal.SIGKILL)
@@ -125,7 +125,7 @@ if __name__ == "__main__":
 
 def test_status_and_report_work_while_a_run_does(tmp_path):
     experiment, out = slow_experiment(tmp_path, nap=0.3, count=1000), tmp_path / "out"
-    with started("run", experiment, "--trust", "--out", out) as first:
+    with started("run", experiment, "--trust-plugins", "--out", out) as first:
         wait_for(lambda: parts(out))
         found = finished("status", out)
         assert found.returncode == 0
@@ -140,7 +140,7 @@ def test_status_and_report_work_while_a_run_does(tmp_path):
 def test_status_writes_nothing(tmp_path):
     """So that a folder that may only be read can be looked at."""
     experiment, out = slow_experiment(tmp_path, nap=0, count=2), tmp_path / "out"
-    assert finished("run", experiment, "--trust", "--out", out).returncode == 0
+    assert finished("run", experiment, "--trust-plugins", "--out", out).returncode == 0
     (out / LOCK).unlink()
     before = {file: file.stat().st_mtime_ns for file in [out, *out.rglob("*")]}
     for file in before:
@@ -168,8 +168,8 @@ def test_runs_that_begin_at_once_leave_one_row_a_cell(tmp_path):
     """Of many, one works at a time; the others are refused, and nothing is lost or doubled."""
     experiment, out = slow_experiment(tmp_path, nap=0.05, count=10), tmp_path / "out"
     with (
-        started("run", experiment, "--trust", "--out", out) as a,
-        started("run", experiment, "--trust", "--out", out) as b,
+        started("run", experiment, "--trust-plugins", "--out", out) as a,
+        started("run", experiment, "--trust-plugins", "--out", out) as b,
     ):
         codes = sorted((a.wait(timeout=120), b.wait(timeout=120)))
     assert codes in ([0, 0], [0, 2])

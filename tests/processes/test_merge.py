@@ -226,7 +226,7 @@ def test_places_that_are_taken(halves, tmp_path):
 
 def test_a_folder_in_use_is_left_alone(tmp_path):
     experiment, out = slow_experiment(tmp_path, nap=0.3, count=1000), tmp_path / "out"
-    with started("run", experiment, "--trust", "--out", out):
+    with started("run", experiment, "--trust-plugins", "--out", out):
         wait_for(lambda: parts(out))
         with pytest.raises(StoreError, match="is in use by a run; merge it when that has ended"):
             merge([out, out], tmp_path / "all")
@@ -324,7 +324,7 @@ ATTEMPTS = st.lists(
 def table_of(attempts, folder):
     rows = [
         dict.fromkeys(names(ROW))
-        | {"scenario_id": str(cell), "solver": "s", "repeat": 0, "code": "c"}
+        | {"scenario_id": str(cell), "solver": "s", "repeat": 0, "code_digest": "c"}
         | {"verdict": verdict, "gap": gap, "run_id": f"{folder}", "started": f"2026-01-0{when + 1}"}
         for cell, when, verdict, gap in {attempt[0]: attempt for attempt in attempts}.values()
     ]

@@ -92,15 +92,15 @@ def test_a_plugin_that_cannot_tell_its_versions_costs_no_row():
 
 def test_a_run_leaves_an_entry(tmp_path):
     """Command, machine, threads, load, state of the source, start and end."""
-    folder = run(str(quick_experiment(tmp_path, 3)), tmp_path / "out", limit=7.0)
+    folder = run(str(quick_experiment(tmp_path, 3)), tmp_path / "out", time_limit=7.0)
     held = manifest(folder)
     (entry,) = held["runs"]
 
     assert entry["command"].startswith("dubins-study run ")
-    assert "--limit 7.0" in entry["command"]
-    assert (entry["jobs"], entry["limit"], entry["threads"]) == (1, 7.0, 1)
+    assert "--time-limit 7.0" in entry["command"]
+    assert (entry["jobs"], entry["time_limit_s"], entry["threads"]) == (1, 7.0, 1)
     assert entry["engine"] == "local"
-    assert entry["memory"] > 0
+    assert entry["memory_limit_gib"] > 0
     assert entry["machine"] == machine()
     assert entry["governor"] == governor()
     assert entry["git"] == provenance.source()

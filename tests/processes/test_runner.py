@@ -29,7 +29,7 @@ title = "small"
 question = "does it run?"
 solvers = ["analytic", "slsqp"]
 branches = ["best", "LS"]
-starts = ["cold", "warm"]
+initial_guesses = ["cold", "warm"]
 
 [[scenarios]]
 label = "sweep"
@@ -57,7 +57,7 @@ def test_every_cell_becomes_a_judged_row(small, tmp_path):
     found = rows(folder)
     assert list(found.columns) == names(ROW)
     assert len(found) == CELLS
-    assert not found.duplicated(subset=["solver", "branch", "start", "radius"]).any()
+    assert not found.duplicated(subset=["solver", "branch", "initial_guess", "radius"]).any()
     assert set(found["outcome"]) == {"returned"}
     best = found[found["branch"] == "best"]
     assert set(best["verdict"]) == {"optimal"}
@@ -143,7 +143,7 @@ def test_a_run_cut_short_is_completed(small, tmp_path, monkeypatch):
     def cut_short(self, *arguments):
         for rows in original(self, *arguments):
             yield rows
-            if any(row["start"] == "warm" and row["radius"] > 1 for row in rows):
+            if any(row["initial_guess"] == "warm" and row["radius"] > 1 for row in rows):
                 raise KeyboardInterrupt
 
     monkeypatch.setattr(Supervisor, "solve", cut_short)
@@ -156,7 +156,7 @@ def test_a_run_cut_short_is_completed(small, tmp_path, monkeypatch):
 
     again = rows(run(small, tmp_path / "cut"))
 
-    key = ["scenario_id", "solver", "branch", "start"]
+    key = ["scenario_id", "solver", "branch", "initial_guess"]
     same = [*key, "length", "verdict", "evaluations"]
     order = whole.sort_values(key)[same].reset_index(drop=True)
     assert again.sort_values(key)[same].reset_index(drop=True).equals(order)
@@ -166,13 +166,13 @@ def test_fresh_throws_away(small, tmp_path):
     folder = run(small, tmp_path / "out")
     first = set(rows(folder)["run_id"])
 
-    run(small, folder, fresh=True)
+    run(small, folder, restart=True)
 
     assert not first & set(rows(folder)["run_id"])
 
 
 def test_several_processes_find_the_same(small, tmp_path):
-    columns = ["scenario_id", "solver", "branch", "start", "length", "verdict"]
+    columns = ["scenario_id", "solver", "branch", "initial_guess", "length", "verdict"]
     key = columns[:4]
     one = rows(run(small, tmp_path / "one"))[columns].sort_values(key, ignore_index=True)
     two = rows(run(small, tmp_path / "two", jobs=2))[columns].sort_values(key, ignore_index=True)
@@ -245,11 +245,11 @@ def test_rows_in_two_parts_are_read_once(small, tmp_path):
         ({"out": 3}, "out is 3; expected the path of a folder"),
         ({"repeats": True}, "repeats is True: expected a number"),
         ({"repeats": 1.5}, "repeats is 1.5: expected a whole number"),
-        ({"limit": "long"}, "limit is 'long': expected a number"),
+        ({"time_limit": "long"}, "time_limit_s is 'long': expected a number"),
         ({"solvers": "slsqp"}, "solvers is 'slsqp': expected a list"),
         ({"solvers": [3]}, "solvers.0 is 3: expected a text"),
         ({"repeats": 0}, "repeats is 0"),
-        ({"limit": 0.0}, "limit is 0"),
+        ({"time_limit": 0.0}, "time_limit_s is 0"),
         ({"solvers": []}, "solvers is"),
     ],
 )
@@ -326,7 +326,7 @@ from pathlib import Path
 from dubins_study.solvers.paper_nlp.slsqp import Slsqp
 class Warmed(Slsqp):
     def solve(self, model, limit):
-        scenario, start = model.question.scenario, model.question.start
+        scenario, start = model.question.scenario, model.question.initial_guess
         if scenario.radius == 2 and FAILS:
             raise ValueError("the second fails")
         solution = super().solve(model, limit)
@@ -341,7 +341,7 @@ def test_a_resumed_sweep_starts_where_an_unbroken_one_would(tmp_path):
     plugin, file = tmp_path / "late.py", tmp_path / "sweep.toml"
     plugin.write_text(LATE.replace("FAILS", "True"))
     file.write_text(
-        'title = "sweep"\nquestion = "?"\nsolvers = ["analytic"]\nstarts = ["warm"]\n'
+        'title = "sweep"\nquestion = "?"\nsolvers = ["analytic"]\ninitial_guesses = ["warm"]\n'
         "[[scenarios]]\ntarget_x = 9\ntarget_y = 3\nradius = [1, 2, 3, 4, 5]\n"
     )
     spec = f"{plugin}:Warmed"

@@ -54,7 +54,7 @@ def test_products_and_sweeps():
     assert [s.target_x for s in found[::3]] == pytest.approx([1, 2, 3, 1, 2, 3])
 
 
-WARM = 'title = "t"\nquestion = "q"\nsolvers = ["slsqp"]\nstarts = ["warm"]\n'
+WARM = 'title = "t"\nquestion = "q"\nsolvers = ["slsqp"]\ninitial_guesses = ["warm"]\n'
 
 
 def test_a_sweep_is_known_by_all_its_cells():
@@ -117,11 +117,11 @@ def test_the_radius_sweep_crosses_the_circle():
 
 
 def test_warm_sweeps_are_chains_and_only_for_solvers_that_use_a_start():
-    text = HEAD.replace('["analytic"]', '["analytic", "slsqp"]') + 'starts = ["cold", "warm"]\n'
+    text = HEAD.replace('["analytic"]', '["analytic", "slsqp"]') + 'initial_guesses = ["cold", "warm"]\n'
     groups = chains(parse("n", "n", text + BLOCK + "radius = { log = [0.1, 1, 5] }\n").experiment)
 
     assert sorted(len(g) for g in groups) == [1] * 10 + [5]
-    assert {g[0].solver for g in groups if g[0].start == "warm"} == {"slsqp"}
+    assert {g[0].solver for g in groups if g[0].initial_guess == "warm"} == {"slsqp"}
 
 
 def test_order_is_drawn_from_the_seed():
@@ -169,7 +169,7 @@ def sample(count: int, seed: int) -> str:
 def test_sizes_are_counted_exactly():
     """What is compared with the limit is what would be expanded."""
     text = HEAD.replace('["analytic"]', '["analytic", "slsqp"]') + (
-        'starts = ["cold", "warm"]\nrepeats = 2\n' + BLOCK + "radius = { log = [1, 2, 5] }\n"
+        'initial_guesses = ["cold", "warm"]\nrepeats = 2\n' + BLOCK + "radius = { log = [1, 2, 5] }\n"
     )
     experiment = parse("n", "n", text + "speed = [1, 2]\n" + sample(4, 1)).experiment
     cells = [cell for group in chains(experiment) for cell in group]
@@ -193,8 +193,8 @@ def test_sizes_are_counted_exactly():
         (HEAD + 'branches = ["SL"]\n' + BLOCK, "no branch named 'SL'; choose from best"),
         (HEAD + 'profile = "slow"\n' + BLOCK, "profile is 'slow': no profile named"),
         (HEAD + "repeats = 0\n" + BLOCK, "repeats is 0"),
-        (HEAD + "limit = -1\n" + BLOCK, "limit is -1"),
-        (HEAD + "limit = nan\n" + BLOCK, "limit is nan"),
+        (HEAD + "time_limit_s = -1\n" + BLOCK, "time_limit_s is -1"),
+        (HEAD + "time_limit_s = nan\n" + BLOCK, "time_limit_s is nan"),
         (HEAD + BLOCK + 'heading = "east"\n', "'east' is not an angle"),
         (HEAD + BLOCK + "radius = 0\n", "scenarios.0, scenario 0: radius is 0.0"),
         (HEAD + BLOCK + "radius = nan\n", "scenarios.0.radius is nan"),
@@ -205,11 +205,11 @@ def test_sizes_are_counted_exactly():
         (HEAD + BLOCK + 'sample = { method = "dice", count = 1, seed = 1 }\n', "sample"),
         ("scenarios = 3\n" + HEAD, "scenarios is 3: expected a list"),
         ("scenarios = []\n" + HEAD, "scenarios is []: expected at least one"),
-        (HEAD + "starts = []\n" + BLOCK, "starts is []: expected at least one"),
-        (HEAD + 'starts = ["hot"]\n' + BLOCK, "starts.0 is 'hot': expected 'cold' or 'warm'"),
+        (HEAD + "initial_guesses = []\n" + BLOCK, "initial_guesses is []: expected at least one"),
+        (HEAD + 'initial_guesses = ["hot"]\n' + BLOCK, "initial_guesses.0 is 'hot': expected 'cold' or 'warm'"),
         (HEAD + "repeats = true\n" + BLOCK, "repeats is True: expected a number"),
         (HEAD + "repeats = 1.5\n" + BLOCK, "repeats is 1.5: expected a whole number"),
-        (HEAD + "limit = true\n" + BLOCK, "limit is True: expected a number"),
+        (HEAD + "time_limit_s = true\n" + BLOCK, "time_limit_s is True: expected a number"),
         (HEAD + "seed = -1\n" + BLOCK, "seed is -1: expected a number of at least 0"),
         (HEAD + BLOCK + "label = 3\n", "scenarios.0.label is 3: expected a text"),
         (HEAD + BLOCK + "radius = true\n", "scenarios.0.radius is True: expected a number"),
@@ -279,9 +279,9 @@ def test_scenario_ids_depend_on_every_bit():
         ("arc = 1\nmargin = -1.5", "margin is -1.5; expected at least -1"),
         (
             "target_x = 1\ntarget_y = 2\nbegin = {z1 = 0, z2 = 0, z3 = -1}",
-            "begin is .*expected",
+            "guess_lengths is .*expected",
         ),
-        ("target_x = 1\ntarget_y = 2\nbegin = {z1 = 0, z2 = 0, z3 = 1e300}", "begin is .*expected"),
+        ("target_x = 1\ntarget_y = 2\nbegin = {z1 = 0, z2 = 0, z3 = 1e300}", "guess_lengths is .*expected"),
     ],
 )
 def test_places_and_beginnings_that_cannot_be(block, message):
@@ -291,10 +291,10 @@ def test_places_and_beginnings_that_cannot_be(block, message):
 
 
 def test_a_solver_that_takes_no_start_is_not_dropped_in_silence():
-    """Named beside a `begin` it is a mistake; `*` means those that take one."""
+    """Named beside a `guess_lengths` it is a mistake; `*` means those that take one."""
     block = "[[scenarios]]\ntarget_x = 1\ntarget_y = 2\nbegin = {z1 = 1, z2 = 0, z3 = [1, 2]}\n"
 
-    with pytest.raises(SolverError, match="analytic takes no start"):
+    with pytest.raises(SolverError, match="analytic takes no initial guess"):
         expand(HEAD + block)
     found = expand(HEAD.replace("analytic", "*") + block)
     assert len(found) == 2 * sum(load(name).warm for name in registered())

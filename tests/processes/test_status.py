@@ -49,7 +49,7 @@ def test_done_left_and_failing_are_counted(folder):
         own = [row for row in rows if row["solver"] == "slsqp"]
         for row in own[:3]:
             row |= {"outcome": "timeout", "claim": "none", "verdict": "none"}
-        own[3]["code"] = "ffffffffffff"
+        own[3]["code_digest"] = "ffffffffffff"
         rows.remove(own[4])
         return rows
 
@@ -164,7 +164,7 @@ def test_subsets_and_repeats_keep_count(tmp_path):
 def test_runs_tell_how_they_ended(tmp_path):
     """Interrupted, then finished; each with when and how long."""
     experiment, out = slow_experiment(tmp_path, nap=0.1, count=40), tmp_path / "out"
-    with started("run", experiment, "--trust", "--out", out) as process:
+    with started("run", experiment, "--trust-plugins", "--out", out) as process:
         wait_for(lambda: parts(out))
         assert status(out).runs[-1].state == "running"
         assert status(out).process == process.pid
@@ -175,5 +175,5 @@ def test_runs_tell_how_they_ended(tmp_path):
     assert entry["ended"] >= entry["started"]
     assert 0 < entry["seconds"] < 120
 
-    assert finished("run", experiment, "--trust", "--out", out).returncode == 0
+    assert finished("run", experiment, "--trust-plugins", "--out", out).returncode == 0
     assert [known.state for known in status(out).runs] == ["interrupted", "finished"]

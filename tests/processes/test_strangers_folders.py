@@ -92,7 +92,7 @@ def test_a_manifest_that_could_not_be_written_again_is_refused(folder, tmp_path)
 )
 def test_a_chunk_of_numbers_beyond_all_floats_is_damaged(folder, change):
     (part,) = parts(folder)
-    told = {"stream": "s", "solver": "a", "code": "b", "first": 0, "count": 3, "kinds": []}
+    told = {"stream": "s", "solver": "a", "code_digest": "b", "first": 0, "count": 3, "kinds": []}
     table = pq.read_table(part).replace_schema_metadata({CHUNK: json.dumps(told | change)})
     file = part.with_name("stream-s-00000000000-000003.parquet")
     pq.write_table(table, file)

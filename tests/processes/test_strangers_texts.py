@@ -30,7 +30,7 @@ def test_a_spec_has_an_end(ask):
 
 def test_what_nobody_is_asked_is_not_expanded():
     """The closed form takes no warm start, so a thousand million repeats of that are no cells."""
-    text = HEAD + 'starts = ["warm"]\nrepeats = 1000000000\n' + BLOCK
+    text = HEAD + 'initial_guesses = ["warm"]\nrepeats = 1000000000\n' + BLOCK
 
     assert chains(parse("name", "name.toml", text).experiment) == []
 

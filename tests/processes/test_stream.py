@@ -98,9 +98,9 @@ def test_rows_are_those_of_single_cells(experiment, tmp_path, small_chunks):
         for name in ("outcome", "claim", "verdict", "region", "message", "native_status", "proof"):
             assert getattr(row, name) == str(getattr(answer, name)), name
         assert (answer.word or None) == (row.word if isinstance(row.word, str) else None)
-        assert (row.solver, row.start, row.repeat, row.threads) == ("analytic", "cold", 0, 1)
+        assert (row.solver, row.initial_guess, row.repeat, row.threads) == ("analytic", "cold", 0, 1)
         if answer.length is None:
-            assert np.isnan([row.length, row.gap, row.time]).all()
+            assert np.isnan([row.length, row.gap, row.travel_time]).all()
             continue
         assert row.length == pytest.approx(answer.length, rel=1e-13)
         assert row.reference_low <= answer.length * (1 + 1e-15)
@@ -158,7 +158,7 @@ def test_many_are_certified_and_few_are_proved(experiment, tmp_path, small_chunk
 
 def test_what_is_streamed_is_no_cell(small_chunks):
     """Only the closed form's large cold blocks; everything else is expanded as ever."""
-    text = HEAD.replace('"]', '", "slsqp"]') + 'starts = ["cold", "warm"]\nrepeats = 2\n'
+    text = HEAD.replace('"]', '", "slsqp"]') + 'initial_guesses = ["cold", "warm"]\nrepeats = 2\n'
     text += GRID + '[[scenarios]]\nlabel = "few"\ntarget_x = 3\ntarget_y = { linear = [1, 9, 9] }\n'
     found = expanded(text)
     cells = [cell for chain in chains(found) for cell in chain]
@@ -289,7 +289,7 @@ def test_a_finished_run_solves_nothing_again(experiment, tmp_path, small_chunks,
         run(file, folder)
 
     assert {p.file.name: p.file.stat().st_mtime_ns for p in streamed_parts(folder)} == before
-    run(file, folder, fresh=True)
+    run(file, folder, restart=True)
     assert all(p.file.stat().st_mtime_ns > before[p.file.name] for p in streamed_parts(folder))
 
 
@@ -472,11 +472,11 @@ def test_a_stale_chunk_hides_no_current_one(experiment, tmp_path, digit):
     folder = run(experiment(HEAD + GRID), tmp_path / "out")
     (part,) = (folder / "parts").glob("*.parquet")
     table, about = pq.read_table(part), pq.read_metadata(part).metadata
-    stream, code = part.stem.split("-")[1], table["code"][0].as_py()
+    stream, code = part.stem.split("-")[1], table["code_digest"][0].as_py()
     other = digit * 12
     told = about[CHUNK.encode()].decode().replace(stream, other).replace(code, other)
-    place = table.schema.get_field_index("code")
-    stale = table.set_column(place, "code", pa.array([other] * len(table)))
+    place = table.schema.get_field_index("code_digest")
+    stale = table.set_column(place, "code_digest", pa.array([other] * len(table)))
     write_part(folder, part.stem.replace(stream, other), stale, {CHUNK: told})
 
     found = load([folder])

@@ -37,7 +37,7 @@ def solve(
     solver: Annotated[str, typer.Option(help="name or name[setting=value]")] = "analytic",
     branch: Annotated[str, typer.Option(help="best, LS, RS, LR or RL")] = "best",
     profile: Annotated[str, typer.Option(help="default, fast or accurate")] = "default",
-    limit: Annotated[float, typer.Option(help="seconds that the solve may take")] = 60.0,
+    time_limit: Annotated[float, typer.Option(help="seconds that the solve may take")] = 60.0,
     as_json: Annotated[bool, typer.Option("--json", help="print one JSON object")] = False,
     plot: Annotated[
         FilePath | None, typer.Option(metavar="FILE", help="draw the path: .svg, .pdf or .png")
@@ -49,7 +49,7 @@ def solve(
     show.check_words([x, y], context.args, "solve")
     scenario = show.scenario(x, y, start, radius, speed)
     with streams.solvers_to_stderr():
-        answer = show.solved(scenario, solver, branch, profile, limit)
+        answer = show.solved(scenario, solver, branch, profile, time_limit)
     refusal = show.no_answer(answer)
     if plot is not None and refusal is None:
         show.plot(answer, plot)
@@ -111,14 +111,14 @@ def run(
         list[str] | None, typer.Option(metavar="NAME", help="instead of the experiment's own")
     ] = None,
     jobs: Annotated[int, typer.Option(help="processes; 1 where times are quoted")] = 1,
-    limit: Annotated[
+    time_limit: Annotated[
         float | None, typer.Option(help="seconds after which a solve is ended")
     ] = None,
-    memory: Annotated[float | None, typer.Option(help="GiB that a solve may hold")] = None,
+    memory_limit: Annotated[float | None, typer.Option(help="GiB that a solve may hold")] = None,
     repeats: Annotated[int | None, typer.Option(help="attempts per cell")] = None,
-    fresh: Annotated[bool, typer.Option("--fresh", help="throw away earlier rows")] = False,
-    trust: Annotated[
-        bool, typer.Option("--trust", help="the experiment may name plug-ins and programs")
+    restart: Annotated[bool, typer.Option("--restart", help="throw away earlier rows")] = False,
+    trust_plugins: Annotated[
+        bool, typer.Option("--trust-plugins", help="the experiment may name plug-ins and programs")
     ] = False,
     engine: Annotated[str, typer.Option(help="local, or dask")] = "local",
     scheduler: Annotated[
@@ -143,18 +143,18 @@ def run(
                     out,
                     solvers=solver,
                     jobs=jobs,
-                    limit=limit,
-                    memory=memory,
+                    time_limit=time_limit,
+                    memory_limit=memory_limit,
                     repeats=repeats,
-                    fresh=fresh,
-                    trust=trust,
+                    restart=restart,
+                    trust_plugins=trust_plugins,
                     engine=engine,
                     scheduler=scheduler,
                     progress=tell,
                 )
             print(show_status.status_text(status_of(folder)))
     except KeyboardInterrupt:
-        again = "run the same command without --fresh" if fresh else "run the same command"
+        again = "run the same command without --restart" if restart else "run the same command"
         cells = " ({} of {} cells done)".format(*told) if told else ""
         print(f"interrupted; what was done is kept, {again} to go on{cells}", file=sys.stderr)
         raise typer.Exit(130) from None

@@ -75,8 +75,18 @@ def answer_json(answer: Answer) -> str:
     shown = {
         name: getattr(answer, name)
         for name in (
-            *("word", "length", "time", "gap", "verdict", "claim", "outcome", "solver", "branch"),
-            *("miss", "region", "margin", "reference", "word_ref", "curvature_excess"),
+            *(
+                "word",
+                "length",
+                "travel_time",
+                "gap",
+                "verdict",
+                "claim",
+                "outcome",
+                "solver",
+                "branch",
+            ),
+            *("miss", "region", "margin", "reference", "reference_word", "curvature_excess"),
             *("claimed_length", "lower_bound", "false_claim", "wrong_basin", "proof"),
             *("reference_low", "reference_high", "pmp_residual", "cut_margin", "false_bound"),
             *("native_status", "message", "wall_s"),
@@ -98,12 +108,12 @@ def answer_text(answer: Answer) -> str:
     lines = [f"verdict   {answer.verdict}", f"claim     {answer.claim}  ({answer.solver})"]
     lines.append(f"proof     {answer.proof}")
     if answer.length is not None:
-        ties = [word for word in answer.tied_words if word != answer.word_ref]
+        ties = [word for word in answer.tied_words if word != answer.reference_word]
         tied = f"  (tied with {', '.join(ties)})" if ties else ""
         lines = [
             f"word      {answer.word or 'none: the target is the start'}{tied}",
             f"length    {answer.length:.12g}",
-            f"time      {answer.time:.12g}",
+            f"time      {answer.travel_time:.12g}",
             *lines,
             f"gap       {'–' if answer.gap is None else format(answer.gap, '.3g')}",
             f"miss      {'–' if answer.miss is None else format(answer.miss, '.3g')}",

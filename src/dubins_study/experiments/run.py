@@ -42,11 +42,11 @@ def run(
     *,
     solvers: list[str] | None = None,
     jobs: int = 1,
-    limit: float | None = None,
-    memory: float | None = None,
+    time_limit: float | None = None,
+    memory_limit: float | None = None,
     repeats: int | None = None,
-    fresh: bool = False,
-    trust: bool = False,
+    restart: bool = False,
+    trust_plugins: bool = False,
     engine: str = "local",
     scheduler: str | None = None,
     progress: Progress | None = None,
@@ -61,11 +61,11 @@ def run(
         out: results folder; `results/<name>` by default.
         solvers: specs to run instead of the experiment's own.
         jobs: processes that solve side by side.
-        limit: seconds a solve may take, instead of the experiment's own.
-        memory: GiB that a worker process and its children may hold, instead of its own.
+        time_limit: seconds a solve may take, instead of the experiment's own.
+        memory_limit: GiB that a worker process and its children may hold, instead of its own.
         repeats: how often each cell is attempted, instead of the experiment's own.
-        fresh: throw away the rows that the folder holds.
-        trust: let the experiment's own text name plug-in files and programs on PATH as solvers;
+        restart: throw away the rows that the folder holds.
+        trust_plugins: let the experiment's own text name plug-in files and programs on PATH as solvers;
             those among `solvers` are trusted anyway.
         engine: `local`, or `dask`: the same by Dask's workers, on other machines too.
         scheduler: the address of Dask's scheduler; without one, `jobs` workers are started here.
@@ -78,14 +78,24 @@ def run(
             rows are written; a second SIGINT leaves the cell. Only in the main thread, where
             Python handles signals, and with the caller's own handler back in place.
     """
-    asked = (experiment, solvers, jobs, limit, memory, repeats, trust, engine, scheduler)
+    asked = (
+        experiment,
+        solvers,
+        jobs,
+        time_limit,
+        memory_limit,
+        repeats,
+        trust_plugins,
+        engine,
+        scheduler,
+    )
     request = Request(*asked)
     with Interruption() as stop:
         found, groups, wanted = accepted(request, out)
         folder = FilePath(out) if out is not None else FilePath("results") / found.name
         stop.check()
         with ENGINES[engine](jobs, scheduler) as entered:
-            _record(folder, found, groups, wanted, request, fresh, progress, stop, entered)
+            _record(folder, found, groups, wanted, request, restart, progress, stop, entered)
     return folder
 
 
@@ -95,7 +105,7 @@ def _record(
     groups: list[Chain],
     wanted: list[Stream],
     request: Request,
-    fresh: bool,
+    restart: bool,
     progress: Progress | None,
     stop: Interruption,
     engine: Engine,
@@ -105,7 +115,7 @@ def _record(
     with locked(folder):
         manifest = _manifest(found, groups, wanted, request.command())
         asked = set(manifest["solvers"])
-        earlier, mended = open_folder(folder, manifest["experiment"], fresh)
+        earlier, mended = open_folder(folder, manifest["experiment"], restart)
         for line in mended:
             _LOG.warning("dubins-study: %s", line)
         manifest = taken_up(manifest, earlier)
@@ -113,8 +123,10 @@ def _record(
         keys = {cell.key for group in groups for cell in group}
         cells = Counter((spec, digest) for _, spec, *_, digest in keys | finished)
         completes = count_cells(manifest, asked, cells + streamed_totals(folder, wanted))
-        shared = Run(uuid4().hex[:12], found.experiment.limit, engine.jobs, request.engine)
-        bounds = Bounds(found.experiment.limit, round(found.experiment.memory * 2**30))
+        shared = Run(uuid4().hex[:12], found.experiment.time_limit_s, engine.jobs, request.engine)
+        bounds = Bounds(
+            found.experiment.time_limit_s, round(found.experiment.memory_limit_gib * 2**30)
+        )
         total = len(keys) + sum(stream.rows for stream in wanted)
         writer = Writer(folder, shared.run_id, total, progress)
         all_done = keys <= finished and streams_done(folder, wanted)
@@ -123,7 +135,7 @@ def _record(
             return
         said = shared._asdict() | {
             "command": request.command(),
-            "memory": found.experiment.memory,
+            "memory_limit_gib": found.experiment.memory_limit_gib,
             "threads": THREADS,
             **engine.said,
         }
@@ -167,14 +179,14 @@ def _manifest(
         },
         "command": command,
         "seed": found.experiment.seed,
-        "limit": found.experiment.limit,
-        "memory": found.experiment.memory,
+        "time_limit_s": found.experiment.time_limit_s,
+        "memory_limit_gib": found.experiment.memory_limit_gib,
         "profile": found.experiment.profile,
         "gap_tolerance": tolerances(found.experiment.profile).gap,
         "solvers": {
             spec: {
                 "settings": solver.settings,
-                "code": solver.code,
+                "code_digest": solver.code_digest,
                 "packages": solver.versions,
             }
             for spec, solver in solvers.items()

@@ -26,7 +26,7 @@ DEFAULT_LIMIT = 60.0
 class Answer:
     """A judged and certified attempt. Units as in `study.rows.schema`; None where nothing can be said.
 
-    `length`, `time`, `word`, `gap` and `miss` are found from the path's controls by the check, and
+    `length`, `travel_time`, `word`, `gap` and `miss` are found from the path's controls by the check, and
     so is the certificate (`study.check.certificate.Certificate`); `claimed_length` is what the solver
     said.
     """
@@ -38,7 +38,7 @@ class Answer:
     region: str
     margin: float
     word: str | None
-    word_ref: str | None
+    reference_word: str | None
     outcome: Outcome
     claim: Claim
     verdict: Verdict
@@ -47,7 +47,7 @@ class Answer:
     native_status: str
     message: str
     length: float | None
-    time: float | None
+    travel_time: float | None
     reference: float | None
     gap: float | None
     miss: float | None
@@ -115,7 +115,7 @@ def solve(
     branch: str = "best",
     *,
     profile: str = "default",
-    start: Path | None = None,
+    initial_guess: Path | None = None,
     limit: float = DEFAULT_LIMIT,
 ) -> Answer:
     """Solve one scenario and judge the answer.
@@ -125,7 +125,7 @@ def solve(
         solver: a spec, e.g. `ipopt`, `turn-rate-qp[n=100]` or `file.py:Class`.
         branch: `best`, or a word: `LS`, `RS`, `LR`, `RL`.
         profile: `default`, `fast` or `accurate`.
-        start: a path to start from; cold if None.
+        initial_guess: a path to begin the search from; cold if None.
         limit: seconds that the solver is asked to keep to.
 
     Raises:
@@ -135,9 +135,9 @@ def solve(
     check_request(branch, limit)
     if not isinstance(scenario, Scenario):
         raise QuestionError(f"scenario is {scenario!r}; expected a Scenario")
-    if start is not None and not isinstance(start, Path):
-        raise QuestionError(f"start is {start!r}; expected a Path or None")
-    question = Question(scenario, branch, start)
+    if initial_guess is not None and not isinstance(initial_guess, Path):
+        raise QuestionError(f"initial_guess is {initial_guess!r}; expected a Path or None")
+    question = Question(scenario, branch, initial_guess)
     return attempt(load(solver, profile), question, limit, tolerances(profile), spec=solver)
 
 

@@ -164,7 +164,7 @@ def _columns(
     columns = {
         "region": _texts(judged.region, REGIONS),
         "word": _texts(judged.word, PATH_WORDS),
-        "word_ref": _texts(judged.word_ref, WORDS),
+        "reference_word": _texts(judged.reference_word, WORDS),
         "verdict": _texts(judged.verdict, VERDICTS),
         "claim": _texts(*claims),
         "outcome": _texts(same, [outcome]),
@@ -182,7 +182,7 @@ def _columns(
         "iterations": _no_counts(n),
         "evaluations": _no_counts(n),
     }
-    measured = ("margin", "false_claim", "wrong_basin", "length", "time", "reference", "gap")
+    measured = ("margin", "false_claim", "wrong_basin", "length", "travel_time", "reference", "gap")
     for name in (*measured, "miss", "curvature_excess"):
         columns[name] = getattr(judged, name)
     return columns

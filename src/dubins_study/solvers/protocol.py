@@ -39,11 +39,11 @@ class Outcome(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Question:
-    """A scenario, the branch asked of it, and a path to start from (None when cold)."""
+    """A scenario, the branch asked of it, and an initial guess (None when cold, a path when warm)."""
 
     scenario: Scenario
     branch: str = "best"
-    start: Path | None = None
+    initial_guess: Path | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -147,7 +147,7 @@ class Solver(Protocol[Model]):
             or indirect.
         guarantee: what the method promises.
         branches: the branches that it can be asked.
-        warm: whether `Question.start` is used.
+        warm: whether `Question.initial_guess` is used.
         packages: distributions whose versions belong to its rows.
         summary: one line for `dubins-study solvers`.
 

@@ -40,7 +40,7 @@ def test_solve_json(solver):
 
     assert answer["word"] == "RS"
     assert answer["length"] == pytest.approx(11.868088817, abs=1e-8)
-    assert answer["time"] == answer["length"]
+    assert answer["travel_time"] == answer["length"]
     assert [s["turn"] for s in answer["segments"]] == ["R", "S"]
     assert sum(s["length"] for s in answer["segments"]) == pytest.approx(answer["length"])
     assert (answer["verdict"], answer["solver"], answer["branch"]) == ("optimal", solver, "best")
@@ -95,7 +95,7 @@ def test_solvers():
         (("solve", "1", "2", "--solver", "nope"), "no solver named 'nope'; choose one of"),
         (("solve", "1", "2", "--branch", "SL"), "no branch named 'SL'; choose one of"),
         (("solve", "1", "2", "--profile", "x"), "no profile named 'x'"),
-        (("solve", "1", "2", "--limit", "0"), "limit is 0.0; expected"),
+        (("solve", "1", "2", "--time-limit", "0"), "limit is 0.0; expected"),
         (("solve", "1", "2", "--plot", "path.bmp"), "expected a name ending in .svg"),
         (("solve", "1", "2", "--plot", "/nowhere/path.svg"), "cannot write /nowhere/path.svg"),
         (("export", "1", "nan"), "target_y is nan; expected a finite number"),
@@ -276,7 +276,7 @@ def test_the_public_surface_from_python():
     scenario = Scenario(x=0, y=0, heading=2.0944, target_x=10, target_y=5, radius=1)
     answer = solve(scenario, solver="ipopt", branch="best")
     assert (answer.word, answer.claim, answer.verdict) == ("RS", "local", "optimal")
-    assert answer.length == answer.time == pytest.approx(11.8681, abs=1e-4)
+    assert answer.length == answer.travel_time == pytest.approx(11.8681, abs=1e-4)
     assert answer.miss < 1e-6
     assert isinstance(answer.path, Path)
     assert "analytic" in available()

@@ -59,9 +59,9 @@ def attempt(
         "solver": solver,
         "profile": "default",
         "branch": branch,
-        "start": "cold",
+        "initial_guess": "cold",
         "repeat": 0,
-        "code": "0123456789ab",
+        "code_digest": "0123456789ab",
         "outcome": "returned",
         "claim": str(claim),
         "native_status": "",
@@ -73,7 +73,7 @@ def attempt(
         "wall_s": 2.1e-3,
         "iterations": 7,
         "versions": "{}",
-        "host": "Linux x86_64",
+        "machine": "Linux x86_64",
         "threads": 1,
         "jobs": 1,
         "engine": "local",
@@ -105,7 +105,7 @@ def write_folder(
         "versions": {"numpy": "2.3"},
         "machine": {"system": "Linux"},
         "solvers": {
-            row["solver"]: {"settings": _settings(row["solver"]), "code": row["code"]}
+            row["solver"]: {"settings": _settings(row["solver"]), "code_digest": row["code_digest"]}
             for row in rows
         },
         "gap_tolerance": 1e-4,

@@ -31,7 +31,7 @@ from dubins_study.study.closed_form.shortest import shortest, shortest_path
 from dubins_study.study.path import Path
 
 THREE, FOUR = paper_scenarios()[2:4]
-SPEC = "slsqp[model=joint,order=LRS,start=given,capped=false]"
+SPEC = "slsqp[model=joint,order=LRS,initial_guess=given,capped=false]"
 
 
 def turned(scenario, word, turns):
@@ -64,7 +64,7 @@ def test_the_minima_are_those_of_brute_force(scenario):
 
 
 def given(scenario, z1, z2, **changes):
-    return attempt(scenario, SPEC, start=f"{z1} {z2} 5.0", **changes)
+    return attempt(scenario, SPEC, initial_guess=f"{z1} {z2} 5.0", **changes)
 
 
 def not_a_minimum():
@@ -123,14 +123,15 @@ def test_shares_by_hand(results):
 
 def test_what_a_cap_changes_by_hand(results):
     """Only solvers that were tried both ways count."""
-    free, bounded = SPEC, "slsqp[model=joint,order=LRS,start=given]"
+    free, bounded = SPEC, "slsqp[model=joint,order=LRS,initial_guess=given]"
     local = {"claim": Claim.LOCAL}
     rows = [
         given(THREE, 0.0, 0.0, **local),
         given(THREE, 0.0, 1.0, path=turned(THREE, "LS", 1), **local),
         given(THREE, 0.0, 0.0, **local) | {"solver": bounded},
         given(THREE, 0.0, 1.0, path=None, claim=Claim.INFEASIBLE) | {"solver": bounded},
-        given(THREE, 0.0, 0.0, path=None, claim=Claim.INFEASIBLE) | {"solver": "nlp[start=given]"},
+        given(THREE, 0.0, 0.0, path=None, claim=Claim.INFEASIBLE)
+        | {"solver": "nlp[initial_guess=given]"},
     ]
 
     change = capping(shares(ends(load([results("basins", rows)]).rows)))
@@ -162,7 +163,7 @@ def test_the_section_tells_what_the_rows_hold(results, tmp_path):
 
 def test_lost_rows_are_drawn_as_given_up(results, tmp_path):
     """A crash takes length and claim with it; the report is still made."""
-    lost = dict.fromkeys(("region", "word_ref", "reference", "iterations"))
+    lost = dict.fromkeys(("region", "reference_word", "reference", "iterations"))
     rows = [given(THREE, 0.0, 0.0, path=None, claim=Claim.NONE, outcome="crashed", **lost)]
 
     page = render([results("basins", rows)], tmp_path / "out").read_text(encoding="utf-8")

@@ -122,7 +122,7 @@ title = "certified"
 question = "?"
 branches = ["best", "RS"]
 solvers = ["analytic", "shooting", "disjunctive"]
-limit = 20
+time_limit_s = 20
 
 [[scenarios]]
 target_x = 4

@@ -119,7 +119,7 @@ title = "ladder"
 question = "?"
 branches = ["best"]
 solvers = ["analytic", "slsqp", "ipopt", "collocation", "shooting", "disjunctive"]
-limit = 20
+time_limit_s = 20
 
 [[scenarios]]
 heading = 0.7

@@ -106,7 +106,7 @@ def test_what_two_folders_hold_counts_once(many, tmp_path, kept, monkeypatch):
 def test_rows_of_earlier_code_are_told_and_left_out(many, sampling):
     """Chunk by chunk, as cell by cell."""
     manifest = json.loads((many / "manifest.json").read_text())
-    manifest["solvers"]["analytic"]["code"] = "changed"
+    manifest["solvers"]["analytic"]["code_digest"] = "changed"
     (many / "manifest.json").write_text(json.dumps(manifest))
 
     with pytest.raises(ReportError, match="no rows but of earlier code"):

@@ -26,7 +26,7 @@ def frame(**columns):
         "scenario_id": [str(i) for i in range(n)],
         "solver": "a",
         "branch": "best",
-        "start": "cold",
+        "initial_guess": "cold",
         "repeat": 0,
         "radius": 1.0,
         "outcome": "returned",
@@ -35,7 +35,7 @@ def frame(**columns):
         "false_claim": False,
         "wrong_basin": False,
         "region": "outside",
-        "word_ref": "LS",
+        "reference_word": "LS",
         "message": "",
         "native_status": "",
         "gap": 0.0,
@@ -85,14 +85,20 @@ def test_gap_quantiles_count_what_did_not_arrive_as_infinite():
 
 def test_questions_without_an_answer_have_no_gap_to_measure():
     """LS inside the left disc does not exist; refusing it must not look like an infinite gap."""
-    rows = frame(gap=[0.0, NAN], word_ref=["LS", None], verdict=["optimal", "none exists"])
+    rows = frame(gap=[0.0, NAN], reference_word=["LS", None], verdict=["optimal", "none exists"])
     assert metrics.gap_quantiles(of(rows)).iloc[0]["attempts"] == 1
 
 
 def test_a_crash_counts_where_an_answer_exists():
     """A row that lost everything still belongs to a question that has an answer, or has none: the
     target in the left disc is reached by RS and not by LS."""
-    lost = {"word_ref": None, "region": None, "gap": NAN, "verdict": "none", "outcome": "crashed"}
+    lost = {
+        "reference_word": None,
+        "region": None,
+        "gap": NAN,
+        "verdict": "none",
+        "outcome": "crashed",
+    }
     place = dict(zip(COLUMNS, (0.0, 0.0, 0.0, 0.5, 0.8, 1.0, 1.0, ""), strict=True))
     rows = frame(solver=["a", "b"], branch=["LS", "RS"], **(place | lost))
     table = metrics.gap_quantiles(of(rows)).set_index(["solver", "region"])
@@ -205,7 +211,7 @@ def test_warm_starts_are_compared_question_by_question():
     rows = frame(
         scenario_id=["0", "1", "0", "1", "0"],
         solver=["a", "a", "a", "a", "b"],
-        start=["cold", "cold", "warm", "warm", "cold"],
+        initial_guess=["cold", "cold", "warm", "warm", "cold"],
         wall_s=[2.0, 4.0, 1.0, 2.0, 1.0],
         verdict=["optimal", "longer", "optimal", "optimal", "optimal"],
     )

@@ -39,7 +39,7 @@ def sweep_rows():
         rows += [
             attempt(scenario),
             attempt(scenario, "slsqp"),
-            attempt(scenario, "slsqp", start="warm"),
+            attempt(scenario, "slsqp", initial_guess="warm"),
         ]
     return rows
 
@@ -224,7 +224,16 @@ def test_numbers_as_they_are_shown(show, value, text):
 def _lost(scenario, solver="x", **changes):
     """A row of a process that took everything with it."""
     lost = dict.fromkeys(
-        ("region", "margin", "word_ref", "reference", "build_s", "solve_s", "wall_s", "iterations")
+        (
+            "region",
+            "margin",
+            "reference_word",
+            "reference",
+            "build_s",
+            "solve_s",
+            "wall_s",
+            "iterations",
+        )
     )
     return attempt(scenario, solver, path=None, claim=Claim.NONE, **lost, **changes)
 
@@ -243,7 +252,7 @@ def _same_place(target_x, target_y):
         ("ahead", [attempt(s) for s in _same_place(5, 0)]),
         ("behind", [attempt(s) for s in _same_place(-5, 0)]),
         ("at-the-start", [attempt(s) for s in _same_place(0, 0)]),
-        ("warm-only", [attempt(s, start="warm") for s in paper_scenarios()]),
+        ("warm-only", [attempt(s, initial_guess="warm") for s in paper_scenarios()]),
         ("discretisation", [_lost(s, "turn-rate-qp[n=10]") for s in paper_scenarios()]),
         ("many", [attempt(s, f"s{i}[a={i}]") for s in paper_scenarios()[:2] for i in range(9)]),
     ],

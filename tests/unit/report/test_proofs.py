@@ -116,7 +116,7 @@ def test_the_section_says_what_the_rows_say(results, tmp_path):
 
 def test_lost_rows_make_a_section_too(results, tmp_path):
     """Nothing came back: no price, no bound, and a page."""
-    gone = dict.fromkeys(("length", "gap", "wall_s", "build_s", "region", "word_ref"))
+    gone = dict.fromkeys(("length", "gap", "wall_s", "build_s", "region", "reference_word"))
     made = [
         attempt(s, "disjunctive", path=None, claim=Claim.NONE, outcome="crashed", **gone)
         for s in DISC
@@ -132,7 +132,7 @@ title = "proofs"
 question = "?"
 branches = ["best"]
 solvers = ["slsqp", "shooting", "disjunctive[gap={1e-2,1e-6}]"]
-limit = 20
+time_limit_s = 20
 
 [[scenarios]]
 heading = 0.7

@@ -32,10 +32,10 @@ def attempts(draw):
             "experiment": st.sampled_from(["random", "paper"]),
             "solver": st.sampled_from(SOLVERS),
             "branch": st.sampled_from(["best", "LS"]),
-            "start": st.sampled_from(["cold", "warm"]),
+            "initial_guess": st.sampled_from(["cold", "warm"]),
             "region": st.sampled_from(REGIONS),
             "word": st.sampled_from(["LS", "L", None]),
-            "word_ref": st.sampled_from(["LS", None]),
+            "reference_word": st.sampled_from(["LS", None]),
             "outcome": st.sampled_from(["returned", "timeout"]),
             "claim": st.sampled_from(["optimal", "none"]),
             "verdict": st.sampled_from(metrics.VERDICTS),
@@ -123,14 +123,14 @@ def test_numbers_are_those_of_the_frame(rows):
         assert line["wall_s"] == pytest.approx(own["wall_s"].median(), nan_ok=True)
         assert all(line[v] == (own["verdict"] == v).sum() for v in metrics.VERDICTS)
     for line in metrics.gap_quantiles(found).to_dict("records"):
-        own = rows[(rows["solver"] == line["solver"]) & rows["word_ref"].notna()]
+        own = rows[(rows["solver"] == line["solver"]) & rows["reference_word"].notna()]
         own = own if line["region"] == "all" else own[own["region"] == line["region"]]
         gaps = np.sort(own["gap"].fillna(np.inf).clip(lower=0))
         assert line["attempts"] == len(gaps)
         assert line["q100"] == gaps[-1]
         assert line["q50"] == gaps[int(np.ceil(len(gaps) / 2)) - 1]
     for line in times(found).to_dict("records"):
-        own = rows[(rows["solver"] == line["solver"]) & (rows["start"] == "cold")]
+        own = rows[(rows["solver"] == line["solver"]) & (rows["initial_guess"] == "cold")]
         expected = own["solve_s"].quantile([0.25, 0.5, 0.75]).tolist()
         given = [line[f"solve_s{suffix}"] for suffix in ("_q1", "", "_q3")]
         assert given == pytest.approx(expected, nan_ok=True)
@@ -147,9 +147,11 @@ def test_numbers_are_those_of_the_frame(rows):
 def test_texts_as_categories_are_texts():
     """As they come out of streamed parts."""
     rows = pd.DataFrame({"experiment": "e", "solver": ["a", "b", "a"], "verdict": ["none"] * 3})
-    rows = rows.assign(start="cold", wall_s=[1.0, 2.0, 3.0], gap=np.nan, outcome="crashed")
-    rows = rows.assign(word_ref="LS", region="outside", false_claim=False, wrong_basin=False)
-    texts = dict.fromkeys(("experiment", "solver", "verdict", "start", "outcome"), "category")
+    rows = rows.assign(initial_guess="cold", wall_s=[1.0, 2.0, 3.0], gap=np.nan, outcome="crashed")
+    rows = rows.assign(reference_word="LS", region="outside", false_claim=False, wrong_basin=False)
+    texts = dict.fromkeys(
+        ("experiment", "solver", "verdict", "initial_guess", "outcome"), "category"
+    )
 
     alike(of(rows), of(rows.astype(texts)))
 

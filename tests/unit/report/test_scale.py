@@ -94,7 +94,7 @@ def test_the_section_says_what_the_rows_say(results, tmp_path):
 
 def test_lost_answers_are_no_spread(results, tmp_path):
     """Nothing came back from one solver: no number is made of it, and the page is."""
-    gone = dict.fromkeys(("region", "word_ref", "reference", "iterations", "length", "gap"))
+    gone = dict.fromkeys(("region", "reference_word", "reference", "iterations", "length", "gap"))
     lost = [
         attempt(scenario(R), "nlp", path=None, claim=Claim.NONE, outcome="crashed", **gone)
         for R in RADII

@@ -74,7 +74,7 @@ def test_sentences_say_what_the_rows_say(results):
 def test_the_section_has_the_figure(results, tmp_path):
     """Figure and table beside the sweeps; and neither where nothing was warm."""
     page = render([results("radius-sweep", rows())], tmp_path / "a")
-    cold = [row for row in rows() if row["start"] == "cold"]
+    cold = [row for row in rows() if row["initial_guess"] == "cold"]
     plain = render([results("cold", cold)], tmp_path / "b")
 
     assert (page.parent / "figures" / "warm-starts.svg").is_file()

@@ -104,7 +104,7 @@ def test_missing_is_null():
     assert near["claim"] == "infeasible"
     assert near["verdict"] == "none exists"
     assert near["message"] == "no LS path exists"
-    for name in ("word", "word_ref", "length", "gap", "miss", "curvatures", "lengths"):
+    for name in ("word", "reference_word", "length", "gap", "miss", "curvatures", "lengths"):
         assert pd.isna(near[name]), name
     table = pa.Table.from_pandas(answers)
     for name in ("length", "lengths", "iterations", "multiplier_x"):

@@ -74,7 +74,7 @@ def test_inside_a_disc_the_second_arc_is_the_long_one(place):
     solution, found = ask(scenario)
 
     assert solution.claim is Claim.LOCAL
-    assert found.word == found.word_ref
+    assert found.word == found.reference_word
     # for these targets; next to a circle's front it is larger
     assert 0 <= found.gap <= 0.15 * (2 * math.pi / DEFAULT.headings) ** 2
 

@@ -94,8 +94,8 @@ def test_ipopt_recognises_a_word_that_does_not_exist(branch):
 def test_the_papers_order_is_not_mirror_symmetric():
     """THEORY section 5: L R S does not contain RL, so it is wrong in the left disc only."""
     left, right = Scenario(0, 0, 0, 0, 1, 1), Scenario(0, 0, 0, 0, -1, 1)
-    paper = "ipopt[model=joint,order=LRS,start=random,count=40]"
-    both = "ipopt[model=joint,order=both,start=random,count=40]"
+    paper = "ipopt[model=joint,order=LRS,initial_guess=random,count=40]"
+    both = "ipopt[model=joint,order=both,initial_guess=random,count=40]"
 
     assert solve(left, paper).verdict is Verdict.LONGER
     assert solve(left, paper).word.startswith("R")
@@ -120,7 +120,9 @@ def test_an_interior_point_leaves_its_barrier_in_the_degenerate_arc(radius):
 
 def test_slsqp_gets_nowhere_from_the_zero_that_ampl_starts_at():
     """At z = 0 the two gradients are parallel: SLSQP stops with a singular matrix."""
-    answer = solve(PAPER["problem 1"], "slsqp[model=joint,order=LRS,start=zero,capped=false]")
+    answer = solve(
+        PAPER["problem 1"], "slsqp[model=joint,order=LRS,initial_guess=zero,capped=false]"
+    )
 
     assert answer.claim is Claim.FAILED
     assert answer.verdict is Verdict.MISSES
@@ -226,5 +228,5 @@ def test_a_given_start_is_the_only_one():
 
     assert points(Question(scenario, start=path), "given") == [[0.6, 1e-3, 6.0]]
     assert points(Question(scenario), "given") == points(Question(scenario), "bearing")
-    answer = solve(scenario, "ipopt[model=joint,order=LRS,start=given]", start=path)
+    answer = solve(scenario, "ipopt[model=joint,order=LRS,initial_guess=given]", start=path)
     assert answer.verdict is Verdict.OPTIMAL

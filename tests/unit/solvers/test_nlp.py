@@ -130,7 +130,7 @@ def test_trust_constr_keeps_its_limit_and_says_so():
     """A hundred random starts on the joint model take seconds; a fifth of one is all there is."""
     began = time.perf_counter()
 
-    answer = solve(PAPER["problem 4"], "nlp[model=joint,start=random,count=100]", limit=0.2)
+    answer = solve(PAPER["problem 4"], "nlp[model=joint,initial_guess=random,count=100]", limit=0.2)
 
     # one iteration, some milliseconds, may pass before the clock is looked at again
     assert time.perf_counter() - began < 0.2 + 1.0

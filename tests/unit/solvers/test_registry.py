@@ -47,17 +47,22 @@ def plugin(tmp_path):
 
 
 def test_settings_are_read_by_the_type_of_their_default():
-    solver = load("ipopt[tol=1e-6,capped=false,start=random,count=3]")
+    solver = load("ipopt[tol=1e-6,capped=false,initial_guess=random,count=3]")
 
-    assert settings(solver) | {"tol": 1e-6, "capped": False, "start": "random", "count": 3} == (
-        settings(solver)
-    )
+    assert settings(solver) | {
+        "tol": 1e-6,
+        "capped": False,
+        "initial_guess": "random",
+        "count": 3,
+    } == (settings(solver))
 
 
 def test_canonical_specs():
     """Defaults are left out, and the order is that of the declaration."""
     assert canonical("slsqp[count=10]") == "slsqp"
-    assert canonical(" slsqp[ start = zero , model=joint]") == "slsqp[model=joint,start=zero]"
+    assert (
+        canonical(" slsqp[ start = zero , model=joint]") == "slsqp[model=joint,initial_guess=zero]"
+    )
     assert canonical(canonical("ipopt[tol=1e-06]")) == canonical("ipopt[tol=0.000001]")
 
 

@@ -270,7 +270,7 @@ def test_random_starts_repeat_with_their_seed_and_more_are_no_worse():
     disc = Scenario(0, 0, 0, -0.4, 0.7, 1)
 
     def ask(count, seed=2):
-        answer = solve(disc, f"shooting[start=random,count={count},seed={seed}]")
+        answer = solve(disc, f"shooting[initial_guess=random,count={count},seed={seed}]")
         return answer.length if answer.claim is Claim.LOCAL else math.inf
 
     lengths = [ask(count) for count in (1, 4, 16)]
@@ -283,7 +283,7 @@ def test_random_starts_repeat_with_their_seed_and_more_are_no_worse():
 
 def test_a_start_that_fails_says_so_and_keeps_its_point():
     """From all zeros the dogleg gets nowhere: failed, with what is wrong and the nearest path."""
-    answer = solve(PAPER["problem 1"], "shooting[start=zero]")
+    answer = solve(PAPER["problem 1"], "shooting[initial_guess=zero]")
 
     assert answer.claim is Claim.FAILED
     assert answer.verdict is Verdict.MISSES
@@ -300,7 +300,8 @@ def test_no_time_is_a_limit():
 
 
 @pytest.mark.parametrize(
-    "bad", [{"start": "sobol"}, {"root": "newton"}, {"tol": 0.0}, {"count": 0}, {"seed": -1}]
+    "bad",
+    [{"initial_guess": "sobol"}, {"root": "newton"}, {"tol": 0.0}, {"count": 0}, {"seed": -1}],
 )
 def test_bad_settings_are_refused(bad):
     """With the setting's name in the message."""

@@ -185,7 +185,7 @@ def test_a_branch_that_only_a_miss_makes_possible():
     found = judge(inside, Path(inside.start, [1.0], [0.3]), Claim.LOCAL, "LS")
 
     assert found.verdict is Verdict.OPTIMAL
-    assert found.word_ref is None
+    assert found.reference_word is None
 
 
 def test_going_straight_first_does_not_answer_ls_inside_the_left_disc():

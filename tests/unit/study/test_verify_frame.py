@@ -21,7 +21,7 @@ from dubins_study.study.scenario import NUMBERS, Scenario, check_frame, scenario
 
 N = 1200
 FRAME = hard_frame(N, seed=11)
-TEXTS = {"verdict": VERDICTS, "word": PATH_WORDS, "word_ref": WORDS, "region": REGIONS}
+TEXTS = {"verdict": VERDICTS, "word": PATH_WORDS, "reference_word": WORDS, "region": REGIONS}
 
 
 def answers(branch):
@@ -114,7 +114,7 @@ def difference(expected, found, row, scenario):
         "length": size,
         "miss": size,
         "reference": 1e3 * size,
-        "time": size / scenario.speed,
+        "travel_time": size / scenario.speed,
         "gap": 1e3 * size / scenario.radius,
         "margin": size / scenario.radius,
         "curvature_excess": 1 + (expected.curvature_excess or 0.0),

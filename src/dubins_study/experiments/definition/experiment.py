@@ -108,8 +108,8 @@ CIRCULAR = ("arc", "margin")
 FIELDS = ("x", "y", "heading", *CARTESIAN, "radius", "speed", *POLAR, *CIRCULAR)
 
 
-class Begin(_Strict):
-    """Starting points for local solvers: the product of the paper's lengths z1, z2, z3, in radii.
+class GuessLengths(_Strict):
+    """Initial guesses of local solvers: the product of the paper's lengths z1, z2, z3, in radii.
 
     A left turn, a right turn, a straight, in that order.
     """
@@ -126,7 +126,7 @@ class Block(_Strict):
     heading); or `arc` and `margin`: so far along a turning circle (rad, to the left if positive)
     and so many radii outside it, inside if negative. In a product the fields vary in the order of
     `FIELDS`, the last one fastest. `solvers` and `branches` take the place of the experiment's own
-    for this block; `begin` takes that of its `starts`.
+    for this block; `guess_lengths` takes that of its `initial_guesses`.
     """
 
     label: str = ""
@@ -144,7 +144,7 @@ class Block(_Strict):
     sample: Sample | None = None
     solvers: list[str] | None = Field(default=None, min_length=1)
     branches: list[str] | None = Field(default=None, min_length=1)
-    begin: Begin | None = None
+    guess_lengths: GuessLengths | None = None
 
     @model_validator(mode="after")
     def _one_target(self) -> Self:
@@ -177,9 +177,9 @@ class Experiment(_Strict):
     """Everything that a run needs to know.
 
     `solvers` are specs; `*` stands for every registered solver, and `{a,b}` in a spec for each of
-    a and b. `starts` may hold `warm`: then each block is also solved in its order, every scenario
-    from the path found for the one before. A solve that takes longer than `limit` (s), or whose
-    process and children hold more than `memory` (GiB), is ended.
+    a and b. `initial_guesses` may hold `warm`: then each block is also solved in its order, every scenario
+    from the path found for the one before. A solve that takes longer than `time_limit_s`, or whose
+    process and children hold more than `memory_limit_gib`, is ended.
     """
 
     title: str = Field(min_length=1)
@@ -187,11 +187,11 @@ class Experiment(_Strict):
     scenarios: list[Block] = Field(min_length=1)
     solvers: list[str] = Field(min_length=1)
     branches: list[str] = Field(default=["best"], min_length=1)
-    starts: list[Literal["cold", "warm"]] = Field(default=["cold"], min_length=1)
+    initial_guesses: list[Literal["cold", "warm"]] = Field(default=["cold"], min_length=1)
     profile: str = "default"
     repeats: Count = 1
-    limit: Seconds = 60.0
-    memory: Gibibytes = 4.0
+    time_limit_s: Seconds = 60.0
+    memory_limit_gib: Gibibytes = 4.0
     seed: Seed = 0
 
     @field_validator("branches")

@@ -53,7 +53,9 @@ def _unfinished(
 
     After a failure the last path that was found serves on, as in a run that is not interrupted.
     """
-    begun = any(cell.start == "warm" and cell.key in finished for group in groups for cell in group)
+    begun = any(
+        cell.initial_guess == "warm" and cell.key in finished for group in groups for cell in group
+    )
     columns = ["x", "y", "heading", "gap", "curvatures", "lengths"]
     rows = read_rows(folder, columns).to_pylist() if begun else []
     found = {row_key(row): row_path(row) for row in rows}

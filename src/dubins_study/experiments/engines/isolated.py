@@ -56,9 +56,12 @@ def solve_isolated(
 
 
 def _answer(
-    cell: Cell, start: Path | None, run: Run, reply: Reply, started: str, versions: str
+    cell: Cell, initial_guess: Path | None, run: Run, reply: Reply, started: str, versions: str
 ) -> tuple[Answer, None]:
-    question, profile = Question(cell.scenario, cell.branch, start), tolerances(cell.profile)
+    question, profile = (
+        Question(cell.scenario, cell.branch, initial_guess),
+        tolerances(cell.profile),
+    )
     try:
         return judged(cell.solver, question, reply, profile), None
     except Exception as error:  # a path that the check cannot drive, as in a run

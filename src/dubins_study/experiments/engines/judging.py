@@ -25,13 +25,18 @@ class Run(NamedTuple):
 
 
 def row_of(
-    cell: Cell, start: Path | None, run: Run, reply: Reply, started: str = "", versions: str = ""
+    cell: Cell,
+    initial_guess: Path | None,
+    run: Run,
+    reply: Reply,
+    started: str = "",
+    versions: str = "",
 ) -> tuple[Row, Path | None]:
     """The row of a reply to a cell's question, and its path if it arrived."""
     known = dict(zip(_KEY, cell.key, strict=True))
     known |= {name: getattr(cell.scenario, name) for name in _SCENARIO}
     known |= shared(run, started or now(), versions)
-    question = Question(cell.scenario, cell.branch, start)
+    question = Question(cell.scenario, cell.branch, initial_guess)
     try:
         row = judged_row(cell.solver, question, reply, tolerances(cell.profile))
     except Exception as error:  # a path that the check cannot drive is a row too
@@ -46,7 +51,7 @@ def shared(run: Run, started: str, versions: str) -> Row:
     """The columns that tell where a row came from."""
     return {
         "versions": versions,
-        "host": host(),
+        "machine": host(),
         "threads": THREADS,
         "jobs": run.jobs,
         "engine": run.engine,

@@ -19,7 +19,7 @@ Row = dict[str, Any]
 ARROW_SCHEMA = arrow_schema()
 
 # columns that the solver has no part in, which outlive an answer that does not fit
-_OURS = (*names(KEY + SCENARIO + RUN), "region", "margin", "word_ref", "reference")
+_OURS = (*names(KEY + SCENARIO + RUN), "region", "margin", "reference_word", "reference")
 _TIMES = ("build_s", "solve_s", "wall_s")
 
 

@@ -51,7 +51,7 @@ class Stream(NamedTuple):
     profile: str
     branch: str
     repeat: int
-    code: str
+    code_digest: str
 
     @property
     def where(self) -> str:
@@ -73,9 +73,9 @@ class Stream(NamedTuple):
             "solver": self.solver,
             "profile": self.profile,
             "branch": self.branch,
-            "start": "cold",
+            "initial_guess": "cold",
             "repeat": self.repeat,
-            "code": self.code,
+            "code_digest": self.code_digest,
         }
 
     @property
@@ -90,14 +90,14 @@ class Stream(NamedTuple):
     def id(self) -> str:
         """A name that depends on all that the rows and their chunks depend on."""
         # who else is asked does not matter, nor where in the file
-        block = self.block.model_dump(mode="json", exclude={"solvers", "branches", "begin"})
+        block = self.block.model_dump(mode="json", exclude={"solvers", "branches", "guess_lengths"})
         text = json.dumps([self.chunk, block, *self[2:]], sort_keys=True)
         return hashlib.sha256(text.encode("utf-8", "replace")).hexdigest()[:12]
 
     @property
     def question(self) -> str:
         """The same whatever code answers."""
-        return self._replace(code="").id
+        return self._replace(code_digest="").id
 
 
 def streams(experiment: Experiment) -> list[Stream]:
@@ -108,7 +108,7 @@ def streams(experiment: Experiment) -> list[Stream]:
             to `overlap.MOST_LOOKED_THROUGH` rows).
         SolverError: if a solver's spec is not valid.
     """
-    if "cold" not in experiment.starts:
+    if "cold" not in experiment.initial_guesses:
         return []
     blocks, profile = experiment.scenarios, experiment.profile
     found: dict[str, Stream] = {}
@@ -119,7 +119,7 @@ def streams(experiment: Experiment) -> list[Stream]:
         closed = [spec for spec in specs if streamed(block, spec, profile)]
         for spec, branch, repeat in itertools.product(closed, branches, range(experiment.repeats)):
             stream = Stream(
-                number, block, spec, profile, branch, repeat, described(spec, profile).code
+                number, block, spec, profile, branch, repeat, described(spec, profile).code_digest
             )
             found.setdefault(stream.id, stream)
     alike: dict[int, set[int]] = {}
@@ -140,9 +140,9 @@ def streamed_totals(folder: FilePath, wanted: list[Stream]) -> Counter[tuple[str
     totals = Counter[tuple[str, str]]()
     for part in streamed_parts(folder):
         if part.stream not in ids:
-            totals[part.solver, part.code] += part.window[1]
+            totals[part.solver, part.code_digest] += part.window[1]
     for stream in wanted:
-        totals[stream.solver, stream.code] += stream.rows
+        totals[stream.solver, stream.code_digest] += stream.rows
     return totals
 
 
@@ -210,7 +210,11 @@ def _written(writing: Future[int] | None, writer: Writer) -> None:
 
 def _write(folder: FilePath, stream: Stream, window: Window, table: Any, run_id: str) -> int:
     name = stream.id
-    about = {"question": stream.question, "solver": stream.solver, "code": stream.code}
+    about = {
+        "question": stream.question,
+        "solver": stream.solver,
+        "code_digest": stream.code_digest,
+    }
     said = metadata(table, name, window, about, run_id)
     write_part(folder, part_name(name, window), table, said)
     return window[1]

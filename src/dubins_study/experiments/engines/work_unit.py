@@ -75,14 +75,14 @@ def _read_cell(
     solver: str,
     profile: str,
     branch: str,
-    start: str,
+    initial_guess: str,
     repeat: int,
-    code: str,
+    code_digest: str,
     scenario: list[float | str],
 ) -> Cell:
     fields = dict(zip(names(SCENARIO), scenario, strict=True))
     asked = Scenario(**fields)  # type: ignore[arg-type]
-    return Cell(name, solver, profile, branch, start, repeat, code, asked)
+    return Cell(name, solver, profile, branch, initial_guess, repeat, code_digest, asked)
 
 
 def _path(path: Path) -> list[list[float]]:

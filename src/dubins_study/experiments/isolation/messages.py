@@ -34,7 +34,7 @@ class Packed(NamedTuple):
     texts: tuple[str, str]
     started: str
     versions: str
-    code: str
+    code_digest: str
     worn: bool = False  # whether the worker is to be replaced
 
 

@@ -224,12 +224,14 @@ class Supervisor:
     def _check_code(self, cell: Cell, sent: Packed) -> None:
         """No row under a digest that is not that of the code which replied."""
         # one that does not load here, where it does on the machine that asks, is other code too
-        told = sent.code or self.run.engine != "local"
-        if sent.code == cell.code or not (cell.code and told):
+        told = sent.code_digest or self.run.engine != "local"
+        if sent.code_digest == cell.code_digest or not (cell.code_digest and told):
             return
-        found = f"is {sent.code} now" if sent.code else f"does not load: {sent.texts[1]}"
+        found = (
+            f"is {sent.code_digest} now" if sent.code_digest else f"does not load: {sent.texts[1]}"
+        )
         raise RunError(
-            f"the code of {cell.solver} is not what was asked: its digest was {cell.code} and "
+            f"the code of {cell.solver} is not what was asked: its digest was {cell.code_digest} and "
             f"{found}; its files, its settings or its libraries' versions differ"
         )
 
@@ -275,7 +277,7 @@ class Supervisor:
 
     def _rows(self, task: Task, reply: Reply, started: str = "", versions: str = "") -> list[Row]:
         """The judged row of a task's cell; its chain goes on."""
-        row, path = self._made(task.cell, task.start(), self.run, reply, started, versions)
+        row, path = self._made(task.cell, task.initial_guess(), self.run, reply, started, versions)
         self._tasks.go_on(task, path)
         return [row]
 

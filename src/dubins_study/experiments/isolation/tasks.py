@@ -9,7 +9,7 @@ from itertools import count
 from typing import NamedTuple
 
 from dubins_study.experiments.isolation.worker import Order
-from dubins_study.experiments.plan.cells import Cell, Chain, given_start
+from dubins_study.experiments.plan.cells import Cell, Chain, given_guess
 from dubins_study.solvers.registry import ours
 from dubins_study.study.path import Path
 from dubins_study.study.rows.schema import Key
@@ -34,8 +34,8 @@ class Task(NamedTuple):
         """
         return _kind(self.cell.solver)
 
-    def start(self) -> Path | None:
-        return self.path if self.cell.start == "warm" else given_start(self.cell)
+    def initial_guess(self) -> Path | None:
+        return self.path if self.cell.initial_guess == "warm" else given_guess(self.cell)
 
 
 class Tasks:
@@ -58,7 +58,14 @@ class Tasks:
         self._given[number] = task
         scenario, branch = cell.scenario, cell.branch
         return Order(
-            number, cell.solver, cell.profile, scenario, branch, task.start(), limit, warm_up
+            number,
+            cell.solver,
+            cell.profile,
+            scenario,
+            branch,
+            task.initial_guess(),
+            limit,
+            warm_up,
         )
 
     def take(self, number: int) -> Task:

@@ -34,7 +34,7 @@ class Order(NamedTuple):
     profile: str
     scenario: Scenario
     branch: str
-    start: Path | None
+    initial_guess: Path | None
     limit: float
     warm_up: bool  # whether a solver that is new here is asked an easy question first
 
@@ -88,7 +88,7 @@ def answer(order: Order) -> Packed:
             loaded = (order.solver, order.profile) not in _solvers
             solver = _ready(order)
             state.pardon(loaded)
-            question = Question(order.scenario, order.branch, order.start)
+            question = Question(order.scenario, order.branch, order.initial_guess)
             started = now()
             _tell(order.number, Phase.SOLVING)
             reply = ask(solver, question, order.limit)

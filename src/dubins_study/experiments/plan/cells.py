@@ -11,10 +11,10 @@ import numpy as np
 
 from dubins_study.experiments.definition.experiment import (
     Axis,
-    Begin,
     Block,
     Experiment,
     ExperimentError,
+    GuessLengths,
 )
 from dubins_study.experiments.plan.block_columns import axis_size, axis_values, scenarios, size
 from dubins_study.experiments.plan.scenario_ids import scenario_id
@@ -43,9 +43,9 @@ class Cell(NamedTuple):
     solver: str
     profile: str
     branch: str
-    start: str
+    initial_guess: str
     repeat: int
-    code: str
+    code_digest: str
     scenario: Scenario
 
     @property
@@ -80,23 +80,25 @@ def chains(experiment: Experiment) -> list[Chain]:
             continue  # nobody is asked, however often: `product` would write all repeats out
         made = list(scenarios(block, f"scenarios.{number}"))
         ids = [scenario_id(scenario) for scenario in made]
-        for spec, branch, repeat, start in itertools.product(
+        for spec, branch, repeat, guess in itertools.product(
             single,
             block.branches or experiment.branches,
             range(experiment.repeats),
-            experiment.starts if block.begin is None else _begins(block.begin),
+            experiment.initial_guesses
+            if block.guess_lengths is None
+            else _guesses(block.guess_lengths),
         ):
-            if start != "cold" and not specs[number][spec]:
+            if guess != "cold" and not specs[number][spec]:
                 continue  # the method has no use for a starting point
-            digest = described(spec, experiment.profile).code
+            digest = described(spec, experiment.profile).code_digest
             cells = [
-                Cell(name, spec, experiment.profile, branch, start, repeat, digest, scenario)
+                Cell(name, spec, experiment.profile, branch, guess, repeat, digest, scenario)
                 for name, scenario in zip(ids, made, strict=True)
             ]
-            groups = [tuple(cells)] if start == "warm" else [(cell,) for cell in cells]
+            groups = [tuple(cells)] if guess == "warm" else [(cell,) for cell in cells]
             for group in groups:
                 keys = tuple(cell.key for cell in group)
-                if keys not in found and start == "warm":
+                if keys not in found and guess == "warm":
                     _claim(swept, keys, number)
                 found.setdefault(keys, group)
     return list(found.values())
@@ -119,7 +121,7 @@ def streamed(block: Block, spec: str, profile: str) -> bool:
 
     Only to our own closed form: a plug-in's answers to whole frames are made where the run is.
     """
-    cold = block.begin is None and size(block) >= FEWEST_STREAMED
+    cold = block.guess_lengths is None and size(block) >= FEWEST_STREAMED
     return cold and described(spec, profile).closed_form
 
 
@@ -133,9 +135,11 @@ def _specs(block: Block, number: int, experiment: Experiment) -> dict[str, bool]
     except SolverError as error:
         raise SolverError(f"{key}: {error}") from None
     warm = {spec: described(spec, experiment.profile).warm for spec in expanded}
-    if block.begin is not None and "*" not in given and not all(warm.values()):
+    if block.guess_lengths is not None and "*" not in given and not all(warm.values()):
         idle = next(spec for spec, takes in warm.items() if not takes)
-        raise SolverError(f"{key}: {idle} takes no start; expected only solvers that do, or *")
+        raise SolverError(
+            f"{key}: {idle} takes no initial guess; expected only solvers that do, or *"
+        )
     return warm
 
 
@@ -158,7 +162,7 @@ def _check_size(experiment: Experiment, specs: list[dict[str, bool]]) -> None:
         if total > MOST_CELLS:
             raise ExperimentError(
                 f"scenarios.{number}: {scenarios} scenarios and {cells} cells (a cell for every "
-                f"solver, branch, start and repeat), {total} cells up to here; expected at most "
+                f"solver, branch, initial guess and repeat), {total} cells up to here; expected at most "
                 f"{MOST_CELLS} in all"
             )
         if rows > MOST_ROWS:
@@ -175,9 +179,11 @@ def _check_size(experiment: Experiment, specs: list[dict[str, bool]]) -> None:
 
 def _starts(block: Block, experiment: Experiment, warm: bool) -> int:
     """From how many starting points a solver is asked each of a block's questions."""
-    if block.begin is None:
-        return sum(warm or start == "cold" for start in experiment.starts)
-    return warm * math.prod(map(axis_size, (block.begin.z1, block.begin.z2, block.begin.z3)))
+    if block.guess_lengths is None:
+        return sum(warm or guess == "cold" for guess in experiment.initial_guesses)
+    return warm * math.prod(
+        map(axis_size, (block.guess_lengths.z1, block.guess_lengths.z2, block.guess_lengths.z3))
+    )
 
 
 def _claim(swept: dict[Key, int], keys: tuple[Key, ...], block: int) -> None:
@@ -192,7 +198,7 @@ def _claim(swept: dict[Key, int], keys: tuple[Key, ...], block: int) -> None:
     swept.update(dict.fromkeys(keys, block))
 
 
-def _begins(begin: Begin) -> Iterator[str]:
+def _guesses(begin: GuessLengths) -> Iterator[str]:
     """Starting points as the column `start` has them: z1, z2 and z3 to the last bit."""
     for point in itertools.product(*map(_values, (begin.z1, begin.z2, begin.z3))):
         if not all(0 <= length <= _LONGEST for length in point):
@@ -202,12 +208,12 @@ def _begins(begin: Begin) -> Iterator[str]:
         yield " ".join(repr(length) for length in point)
 
 
-def given_start(cell: Cell) -> Path | None:
+def given_guess(cell: Cell) -> Path | None:
     """The path that a cell names as its starting point, or None if it names none."""
-    if cell.start in ("cold", "warm"):
+    if cell.initial_guess in ("cold", "warm"):
         return None
     R = cell.scenario.radius
-    lengths = [R * float(length) for length in cell.start.split()]
+    lengths = [R * float(length) for length in cell.initial_guess.split()]
     return Path(cell.scenario.start, [1 / R, -1 / R, 0.0], lengths)
 
 

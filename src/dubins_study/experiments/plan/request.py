@@ -26,8 +26,8 @@ class Request(NamedTuple):
     experiment: str | FilePath
     solvers: list[str] | None
     jobs: int
-    limit: float | None
-    memory: float | None
+    time_limit_s: float | None
+    memory_limit_gib: float | None
     repeats: int | None
     trust: bool = False
     engine: str = "local"
@@ -42,13 +42,13 @@ class Request(NamedTuple):
         words += [word for spec in self.solvers or () for word in ("--solver", spec)]
         options = {
             "--jobs": self.jobs,
-            "--limit": self.limit,
-            "--memory": self.memory,
+            "--time-limit": self.time_limit_s,
+            "--memory-limit": self.memory_limit_gib,
             "--repeats": self.repeats,
             "--engine": self.engine if self.engine != "local" else None,
         }
         words += [word for key, value in options.items() if value for word in (key, str(value))]
-        words += ["--trust"] * self.trust
+        words += ["--trust-plugins"] * self.trust
         return shlex.join(words)
 
 
@@ -87,7 +87,7 @@ def _refuse_foreign(found: Source) -> None:
         if name is not None:
             raise ExperimentError(
                 f"{key}: {name} runs a program or file that is not this package's; expected "
-                "--trust, if you know what it is, or your own choice of --solver"
+                "--trust-plugins, if you know what it is, or your own choice of --solver"
             )
 
 
@@ -128,7 +128,7 @@ def _check_engine(request: Request) -> None:
 def _changed(found: Source, request: Request) -> Source:
     """The experiment with the caller's own solvers, limit and repeats, checked like the file's."""
     solvers = request.solvers
-    named = ("limit", "memory", "repeats")
+    named = ("time_limit_s", "memory_limit_gib", "repeats")
     given = {"solvers": solvers} | {name: getattr(request, name) for name in named}
     changes = {key: value for key, value in given.items() if value is not None}
     if not changes:

@@ -39,7 +39,7 @@ class Description(NamedTuple):
     """
 
     spec: str
-    code: str
+    code_digest: str
     settings: dict[str, Any]
     packages: tuple[str, ...]
     warm: bool

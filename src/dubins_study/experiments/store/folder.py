@@ -138,8 +138,8 @@ def read_rows(folder: FilePath, columns: list[str] | None = None) -> pa.Table:
 
 def counted(rows: pa.Table) -> Counter[tuple[str, str]]:
     """How many rows there are by solver and code."""
-    found = rows.group_by(["solver", "code"]).aggregate([([], "count_all")]).to_pylist()
-    return Counter({(row["solver"], row["code"]): row["count_all"] for row in found})
+    found = rows.group_by(["solver", "code_digest"]).aggregate([([], "count_all")]).to_pylist()
+    return Counter({(row["solver"], row["code_digest"]): row["count_all"] for row in found})
 
 
 def unique(table: pa.Table) -> pa.Table:

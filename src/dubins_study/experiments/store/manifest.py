@@ -67,7 +67,7 @@ def _check(file: FilePath, manifest: Any) -> None:
     if schema != VERSION or isinstance(schema, bool):
         raise StoreError(
             f"{file} has schema {schema!r:.60}; expected {VERSION}: run it again, into a new "
-            "folder or with --fresh"
+            "folder or with --restart"
         )
     experiment = manifest.get("experiment")
     if not (isinstance(experiment, dict) and {"name", "text"} <= experiment.keys()):
@@ -78,7 +78,7 @@ def _check(file: FilePath, manifest: Any) -> None:
         if not fits(manifest.get(key)):
             raise StoreError(f"{file}: {key} is {manifest.get(key)!r:.60}; expected {expected}")
     for spec, known in manifest.get("solvers", {}).items():
-        if not (isinstance(known, dict) and isinstance(known.get("code"), str)):
+        if not (isinstance(known, dict) and isinstance(known.get("code_digest"), str)):
             raise StoreError(
                 f"{file}: solvers.{spec:.60} is {known!r:.60}; expected an object with a code"
             )
@@ -144,7 +144,7 @@ def check_same(folder: FilePath, old: Mapping[str, Any], new: Mapping[str, Any])
         if new[key] != old.get(key):
             raise StoreError(
                 f"{folder} holds results of another {what} ({old.get(key)!r:.60}), not of "
-                f"{new['name']!r:.60} as it is now; choose another --out, or --fresh to throw them "
+                f"{new['name']!r:.60} as it is now; choose another --out, or --restart to throw them "
                 "away"
             )
 
@@ -174,7 +174,7 @@ def count_cells(
     """
     completes = True
     for spec, known in manifest["solvers"].items():
-        held = cells.get((spec, known["code"]), 0)
+        held = cells.get((spec, known["code_digest"]), 0)
         known["cells"] = held if spec in asked else max(held, known.get("cells", 0))
         completes = completes and known["cells"] <= held
     manifest["cells"] = sum(known["cells"] for known in manifest["solvers"].values())

@@ -162,7 +162,7 @@ def _united(
         ends = [str(other["finished"]) for other in manifests if other.get("finished")]
         manifest["finished"] = max(ends, default=None) or now()
     write_manifest(fresh, manifest)
-    current = {(spec, known["code"]) for spec, known in manifest["solvers"].items()}
+    current = {(spec, known["code_digest"]) for spec, known in manifest["solvers"].items()}
     stale = sum(number for made, number in counts.items() if made not in current)
     return Union(fresh, counts.total(), found.again, stale)
 
@@ -198,7 +198,7 @@ def _manifest(manifests: Sequence[dict[str, Any]]) -> dict[str, Any]:
     for manifest in manifests:
         for spec, known in (manifest.get("solvers") or {}).items():
             first = solvers.setdefault(spec, dict(known))
-            if first["code"] == known["code"]:
+            if first["code_digest"] == known["code_digest"]:
                 first["cells"] = max(first.get("cells", 0), known.get("cells", 0))
         for run in manifest.get("runs") or ():
             runs.setdefault(str(run.get("run_id")), run)

@@ -81,7 +81,7 @@ def _status(
     folder: FilePath, manifest: Mapping[str, Any], tallies: list[Tally], damaged: int, live: bool
 ) -> Status:
     solvers = manifest.get("solvers") or {}
-    current = [t for t in tallies if solvers.get(t.solver, {}).get("code") == t.code]
+    current = [t for t in tallies if solvers.get(t.solver, {}).get("code_digest") == t.code_digest]
     done: Counter[str] = Counter()
     failing: Counter[str] = Counter()
     verdicts: dict[str, dict[str, int]] = {}

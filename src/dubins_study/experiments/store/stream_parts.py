@@ -49,7 +49,7 @@ class Part(NamedTuple):
     stream: str
     window: Window
     solver: str
-    code: str
+    code_digest: str
     run_id: str
     kinds: tuple[Kind, ...]
 
@@ -111,7 +111,7 @@ def streamed_part(file: FilePath) -> Part | None:
 def _part(file: FilePath, held: Mapping[str, Any], run_id: str) -> Part:
     kinds = tuple(_kind(*given) for given in held["kinds"])
     window = int(held["first"]), int(held["count"])
-    solver, code = str(held["solver"]), str(held["code"])
+    solver, code = str(held["solver"]), str(held["code_digest"])
     return Part(file, str(held["stream"]), window, solver, code, run_id, kinds)
 
 
@@ -126,5 +126,5 @@ def streamed_counts(folder: FilePath) -> Counter[tuple[str, str]]:
     """Streamed rows of a folder by solver and code."""
     counts = Counter[tuple[str, str]]()
     for part in streamed_parts(folder):
-        counts[part.solver, part.code] += part.window[1]
+        counts[part.solver, part.code_digest] += part.window[1]
     return counts

@@ -14,14 +14,14 @@ from dubins_study.experiments.store.parts import DamagedPartError, is_stream, pa
 from dubins_study.experiments.store.stream_parts import streamed_part
 from dubins_study.study.rows.schema import KEY, names
 
-_TOLD = ("solver", "code", "outcome", "verdict", "run_id")
+_TOLD = ("solver", "code_digest", "outcome", "verdict", "run_id")
 
 
 class Tally(NamedTuple):
     """So many rows of one kind, and the seconds that their solves took in all."""
 
     solver: str
-    code: str
+    code_digest: str
     outcome: str
     verdict: str
     run_id: str
@@ -55,13 +55,13 @@ def _streamed(part: FilePath) -> list[Tally]:
     held = streamed_part(part)
     if held is None:
         return []
-    made = (held.solver, held.code)
+    made = (held.solver, held.code_digest)
     return [Tally(*made, k.outcome, k.verdict, held.run_id, k.rows, k.wall) for k in held.kinds]
 
 
 def _counted(table: pa.Table) -> Iterator[Tally]:
     grouped = table.group_by(list(_TOLD)).aggregate([([], "count_all"), ("wall_s", "sum")])
     for row in grouped.to_pylist():
-        solver, code, outcome, verdict, run_id = (str(row[name]) for name in _TOLD)
+        solver, code_digest, outcome, verdict, run_id = (str(row[name]) for name in _TOLD)
         rows, wall = int(row["count_all"]), float(row["wall_s_sum"] or 0.0)
-        yield Tally(solver, code, outcome, verdict, run_id, rows, wall)
+        yield Tally(solver, code_digest, outcome, verdict, run_id, rows, wall)

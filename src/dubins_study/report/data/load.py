@@ -152,7 +152,7 @@ def load(folders: Iterable[str | FilePath]) -> Results:
 
 def _current(manifest: Manifest, table: pa.Table) -> pa.Table:
     """The rows of the code that the manifest names; of a solver that it does not name, all."""
-    solver, code = (table[name].to_pandas().astype(object) for name in ("solver", "code"))
+    solver, code = (table[name].to_pandas().astype(object) for name in ("solver", "code_digest"))
     named = solver.map(manifest.codes)
     stale = named.notna() & (named != code)
     return table.filter(pa.array(~stale)) if stale.any() else table
@@ -209,7 +209,7 @@ def _manifest(experiment: dict[str, Any], data: dict[str, Any]) -> Manifest:
         machine=mapping(data.get("machine")),
         git=mapping(data.get("git")),
         solvers={spec: mapping(mapping(own).get("settings")) for spec, own in solvers.items()},
-        codes={spec: text(mapping(own).get("code")) for spec, own in solvers.items()},
+        codes={spec: text(mapping(own).get("code_digest")) for spec, own in solvers.items()},
         runs=tuple(run for run in runs if isinstance(run, dict)) if isinstance(runs, list) else (),
         gap_tolerance=tolerance if isinstance(tolerance, float) and tolerance > 0 else None,
         created=text(data.get("created")),

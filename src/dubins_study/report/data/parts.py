@@ -27,7 +27,7 @@ from dubins_study.study.rows.schema import (
 
 CONTROLS = ["curvatures", "lengths"]
 # what a run writes beside its rows; the page shows it from the manifest, so the rows need not
-_UNREAD = {"versions", "host", "run_id"}
+_UNREAD = {"versions", "machine", "run_id"}
 LIGHT = [name for name in names(ROW) if name not in _UNREAD and name not in CONTROLS]
 # what two attempts at a cell, made by the same code, contradict each other in
 _FINDING = ["outcome", "claim", "verdict", "word"]
@@ -205,11 +205,11 @@ class Seen:
             table: rows of one of its folders.
             tolerance: gaps that differ by more contradict each other.
         """
-        frame = table.select([*names(CELL), "code", *_FINDING, "gap"]).to_pandas()
+        frame = table.select([*names(CELL), "code_digest", *_FINDING, "gap"]).to_pandas()
         frame["experiment"] = experiment
         cell = ["experiment", *names(CELL)]
-        cells, keys = _hashes(frame, cell), _hashes(frame, [*cell, "code"])
-        found = _hashes(frame, [*cell, "code", *_FINDING])
+        cells, keys = _hashes(frame, cell), _hashes(frame, [*cell, "code_digest"])
+        found = _hashes(frame, [*cell, "code_digest", *_FINDING])
         first = ~(np.isin(cells, self._cells) | pd.Series(cells).duplicated().to_numpy())
         other = ~first & ~np.isin(keys, self._keys) & ~np.isin(keys, keys[first])
         gaps = frame["gap"].to_numpy(np.float64)
@@ -236,7 +236,7 @@ class Seen:
         try:
             told = json.loads((pq.read_metadata(part).metadata or {})[CHUNK.encode()])
             chunk = (experiment, *(str(told[key]) for key in ("question", "first", "count")))
-            solver, code = str(told["solver"]), str(told["code"])
+            solver, code = str(told["solver"]), str(told["code_digest"])
         except (KeyError, ValueError, TypeError, RecursionError):
             return None, False
         if codes.get(solver, code) != code:

@@ -79,7 +79,16 @@ def merged(reductions: Iterable[Reduction]) -> Reduction:
 
 # the columns that are read; a missing one is taken for one without values
 NEEDED = (
-    *("experiment", "solver", "branch", "start", "region", "word", "word_ref", *COLUMNS),
+    *(
+        "experiment",
+        "solver",
+        "branch",
+        "initial_guess",
+        "region",
+        "word",
+        "reference_word",
+        *COLUMNS,
+    ),
     *("outcome", "claim", "verdict", "false_claim", "wrong_basin", "native_status", "message"),
     *("length", "gap", "proof", "lower_bound", "reference_low", "reference_high", "false_bound"),
     *("pmp_residual", "cut_margin", "costate_error", *TIMES, "jobs", "threads"),

@@ -86,7 +86,7 @@ def tally(rows: pd.DataFrame) -> Tally:
         counts[column,] = int(rows[column].sum())
     _count_failures(counts, rows[~success(rows)])
     spreads = {"wall_s": Spread.of(rows["wall_s"])}
-    cold = rows[rows["start"] == "cold"]
+    cold = rows[rows["initial_guess"] == "cold"]
     spreads |= {f"cold {name}": Spread.of(cold[name]) for name in TIMES}
     for column in ("jobs", "threads"):
         counts.update(_counted(rows[column].dropna().astype(int), column))
@@ -130,7 +130,7 @@ def _answerable(rows: pd.DataFrame) -> pd.Series[bool]:
     A row names the shortest word unless there is none; of one that was never judged, the closed
     form tells.
     """
-    known = rows["word_ref"].notna()
+    known = rows["reference_word"].notna()
     for index in rows.index[~known & rows["region"].isna()]:
         row = rows.loc[index]
         scenario = Scenario(**{str(name): row[name] for name in COLUMNS})

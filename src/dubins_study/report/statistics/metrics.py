@@ -26,7 +26,7 @@ VERDICTS = ("optimal", "none exists", "longer", "misses", "none")
 # experiments that set variants against each other or ask extreme questions on purpose: each has a
 # section of its own, and its rows enter no number pooled over experiments
 STUDIES = ("discretisation", "basins", "bias", "convergence", "ladder", "scale", "proofs")
-QUESTION = ["experiment", "scenario_id", "branch", "start"]
+QUESTION = ["experiment", "scenario_id", "branch", "initial_guess"]
 _FIRST = ("analytic", "slsqp", "ipopt", "turn-rate-qp")
 
 

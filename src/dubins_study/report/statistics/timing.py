@@ -97,13 +97,13 @@ def warm_starts(rows: pd.DataFrame) -> pd.DataFrame:
     the solver's own iterations, NaN if it counts none), cold_success, warm_success (shares of all
     attempts).
     """
-    key = [name for name in QUESTION if name != "start"]
+    key = [name for name in QUESTION if name != "initial_guess"]
     right = rows.assign(right=success(rows).astype(float))
-    wide = right.groupby(["solver", *key, "start"]).agg(
+    wide = right.groupby(["solver", *key, "initial_guess"]).agg(
         s=("wall_s", "median"), ok=("right", "mean"), work=("iterations", "median")
     )
-    table = pd.DataFrame(wide.unstack("start"))
-    if not {"cold", "warm"} <= set(rows["start"]):
+    table = pd.DataFrame(wide.unstack("initial_guess"))
+    if not {"cold", "warm"} <= set(rows["initial_guess"]):
         return pd.DataFrame()
     both = table.dropna(subset=[("ok", "cold"), ("ok", "warm")])
     records = []

@@ -79,7 +79,7 @@ class Shooting:
         max_evaluations: most evaluations of the conditions from one start.
     """
 
-    start: str = "bearing"
+    initial_guess: str = "bearing"
     seed: int = 0
     count: int = 10
     root: str = "hybr"
@@ -99,7 +99,7 @@ class Shooting:
     }
 
     def __post_init__(self) -> None:
-        one_of(start=(self.start, STARTS), root=(self.root, ROOTS))
+        one_of(initial_guess=(self.initial_guess, STARTS), root=(self.root, ROOTS))
         positive(count=self.count, tol=self.tol, max_evaluations=self.max_evaluations)
         if self.seed < 0:
             raise ValueError(f"seed is {self.seed}; expected a whole number from 0 up")
@@ -129,7 +129,7 @@ class Shooting:
             Attempts(
                 partial(self._from, case, question.branch in ("LR", "RL")),
                 self._starts(question, case),
-                every_start(case.subproblem, self.start),
+                every_start(case.subproblem, self.initial_guess),
             )
             for case in model.cases
         ]
@@ -141,7 +141,7 @@ class Shooting:
 
     def _starts(self, question: Question, case: Case) -> Iterator[FloatArray]:
         """Starting points: durations (3,) as `solvers.paper_nlp.model` orders them, then costates (4,)."""
-        kind, subproblem, structure = self.start, case.subproblem, case.structure
+        kind, subproblem, structure = self.initial_guess, case.subproblem, case.structure
         free = list(subproblem.free)
         points = starting_points(question, subproblem, kind, self.seed, self.count)
         for i, z in enumerate(points):

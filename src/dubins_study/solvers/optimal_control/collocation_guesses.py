@@ -53,7 +53,7 @@ def guesses(question: Question, target: Local, n: int, equal: bool) -> Iterator[
 
 def _given(question: Question) -> Iterator[Path]:
     """The question's path in the vehicle's frame at unit radius, if it can be driven."""
-    path, radius = question.start, question.scenario.radius
+    path, radius = question.initial_guess, question.scenario.radius
     if path is not None and drivable(path) and path.total_length > 0:
         yield Path(_HERE, path.curvature * radius, path.length / radius)
 

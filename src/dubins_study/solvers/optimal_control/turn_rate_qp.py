@@ -136,7 +136,10 @@ def _starts(model: TurnRateModel, runs: list[Run]) -> Iterator[Controls]:
     """
     question, ends = model.question, np.cumsum(model.shares)
     X, Y = model.target
-    if question.start is not None and (warm := _resampled(question.start, model)) is not None:
+    if (
+        question.initial_guess is not None
+        and (warm := _resampled(question.initial_guess, model)) is not None
+    ):
         yield warm
     if question.branch != "best":
         if not (runs and runs[-1].claim is Claim.LOCAL):

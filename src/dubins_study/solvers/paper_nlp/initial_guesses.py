@@ -59,8 +59,8 @@ def starting_points(
     See `every_start` for which of them must all be solved from.
     """
     X, Y = target(question.scenario, subproblem.mirrored)
-    if question.start is not None:
-        warm = _from_path(question.start, question.scenario.radius, subproblem)
+    if question.initial_guess is not None:
+        warm = _from_path(question.initial_guess, question.scenario.radius, subproblem)
         if not np.delete(warm, subproblem.free).any():  # a path of another word is no help
             yield warm
         if kind == "given":

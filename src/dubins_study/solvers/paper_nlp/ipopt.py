@@ -95,7 +95,7 @@ class Ipopt:
 
     model: str = "words"
     order: str = "both"
-    start: str = "bearing"
+    initial_guess: str = "bearing"
     seed: int = 0
     count: int = 10
     capped: bool = True
@@ -119,7 +119,11 @@ class Ipopt:
     }
 
     def __post_init__(self) -> None:
-        one_of(model=(self.model, MODELS), order=(self.order, ORDERS), start=(self.start, STARTS))
+        one_of(
+            model=(self.model, MODELS),
+            order=(self.order, ORDERS),
+            initial_guess=(self.initial_guess, STARTS),
+        )
         one_of(via=(self.via, VIAS), units=(self.units, UNITS))
         positive(count=self.count, max_iter=self.max_iter)
         within(tol=(self.tol, 1e-14, 1e-2), bound_relax=(self.bound_relax, 0, 1e-2))
@@ -149,7 +153,12 @@ class Ipopt:
     def solve(self, model: Model, limit: float) -> Solution:
         question = model.question
         tried = attempts(
-            question, model.cases, partial(_attempt, model.run), self.start, self.seed, self.count
+            question,
+            model.cases,
+            partial(_attempt, model.run),
+            self.initial_guess,
+            self.seed,
+            self.count,
         )
         return answer(question, tried, limit)
 

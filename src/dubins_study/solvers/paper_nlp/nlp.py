@@ -55,7 +55,7 @@ class Nlp:
     solver: str = "trust-constr"
     model: str = "words"
     order: str = "both"
-    start: str = "bearing"
+    initial_guess: str = "bearing"
     seed: int = 0
     count: int = 10
     capped: bool = True
@@ -76,7 +76,11 @@ class Nlp:
     }
 
     def __post_init__(self) -> None:
-        one_of(model=(self.model, MODELS), order=(self.order, ORDERS), start=(self.start, STARTS))
+        one_of(
+            model=(self.model, MODELS),
+            order=(self.order, ORDERS),
+            initial_guess=(self.initial_guess, STARTS),
+        )
         positive(count=self.count, max_iter=self.max_iter)
         within(tol=(self.tol, 1e-14, 1e-2))
         if not _NAME.fullmatch(self.solver):
@@ -114,5 +118,5 @@ class Nlp:
         def run(case: Case, start: FloatArray) -> Point:
             return model.route(case, start, deadline - perf_counter())
 
-        tried = attempts(question, model.cases, run, self.start, self.seed, self.count)
+        tried = attempts(question, model.cases, run, self.initial_guess, self.seed, self.count)
         return answer(question, tried, limit)

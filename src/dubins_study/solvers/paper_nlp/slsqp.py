@@ -67,7 +67,7 @@ class Slsqp:
 
     model: str = "words"
     order: str = "both"
-    start: str = "bearing"
+    initial_guess: str = "bearing"
     seed: int = 0
     count: int = 10
     capped: bool = True
@@ -88,7 +88,11 @@ class Slsqp:
     }
 
     def __post_init__(self) -> None:
-        one_of(model=(self.model, MODELS), order=(self.order, ORDERS), start=(self.start, STARTS))
+        one_of(
+            model=(self.model, MODELS),
+            order=(self.order, ORDERS),
+            initial_guess=(self.initial_guess, STARTS),
+        )
         one_of(units=(self.units, UNITS))
         positive(count=self.count, maxiter=self.maxiter)
         within(ftol=(self.ftol, 1e-16, 1e-2))
@@ -121,7 +125,9 @@ class Slsqp:
 
     def solve(self, model: Model, limit: float) -> Solution:
         question = model.question
-        tried = attempts(question, model.cases, self._from, self.start, self.seed, self.count)
+        tried = attempts(
+            question, model.cases, self._from, self.initial_guess, self.seed, self.count
+        )
         return answer(question, tried, limit)
 
     def _from(self, case: Case, start: FloatArray) -> Point:

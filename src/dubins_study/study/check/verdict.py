@@ -83,9 +83,9 @@ class Judgement:
 
     verdict: Verdict
     word: str | None
-    word_ref: str | None
+    reference_word: str | None
     length: float | None
-    time: float | None
+    travel_time: float | None
     reference: float | None
     gap: float | None
     miss: float | None
@@ -113,7 +113,7 @@ def judge(
     found: dict[str, Any] = dict.fromkeys(_ABSENT)
     found |= {
         "verdict": Verdict.MISSES,
-        "word_ref": None if optimum is None else optimum.word,
+        "reference_word": None if optimum is None else optimum.word,
         "reference": None if optimum is None else optimum.total * scenario.radius,
         "wrong_basin": False,
         "region": region_of(target.w, target.mirrored.w),
@@ -127,7 +127,7 @@ def judge(
     return Judgement(**found, false_claim=is_false(claim, found["verdict"]))
 
 
-_ABSENT = ("word", "length", "time", "gap", "miss", "curvature_excess")
+_ABSENT = ("word", "length", "travel_time", "gap", "miss", "curvature_excess")
 
 
 def _judge_path(
@@ -146,7 +146,7 @@ def _judge_path(
     driven: dict[str, Any] = {
         "word": path.word(WORD if len(lengths) <= 3 else DISCRETISED_WORD),
         "length": length,
-        "time": length / scenario.speed,
+        "travel_time": length / scenario.speed,
         "miss": miss,
         "curvature_excess": excess,
         "verdict": Verdict.MISSES,

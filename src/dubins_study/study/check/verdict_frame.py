@@ -89,14 +89,14 @@ class FrameJudgement:
     """`study.check.verdict.Judgement` of n rows: arrays of shape (n,); NaN where there is nothing to say.
 
     `verdict` indexes `VERDICTS`, `region` indexes `REGIONS`, `word` indexes `PATH_WORDS` and
-    `word_ref` indexes `WORDS`; `NO_WORD` where there is no word.
+    `reference_word` indexes `WORDS`; `NO_WORD` where there is no word.
     """
 
     verdict: CodeArray
     word: CodeArray
-    word_ref: CodeArray
+    reference_word: CodeArray
     length: FloatArray
-    time: FloatArray
+    travel_time: FloatArray
     reference: FloatArray
     gap: FloatArray
     miss: FloatArray
@@ -143,9 +143,9 @@ def judge_frame(
     result = FrameJudgement(
         verdict=found.verdict,
         word=found.word,
-        word_ref=best.word,
+        reference_word=best.word,
         length=found.length,
-        time=found.length / columns["speed"],
+        travel_time=found.length / columns["speed"],
         reference=best.length,
         gap=found.gap,
         miss=found.miss,
@@ -216,8 +216,10 @@ def _write(result: FrameJudgement, row: int, judged: Judgement) -> None:
     result.verdict[row] = VERDICTS.index(judged.verdict)
     result.region[row] = REGIONS.index(judged.region)
     result.word[row] = NO_WORD if judged.word is None else PATH_WORDS.index(judged.word)
-    result.word_ref[row] = NO_WORD if judged.word_ref is None else WORDS.index(judged.word_ref)
+    result.reference_word[row] = (
+        NO_WORD if judged.reference_word is None else WORDS.index(judged.reference_word)
+    )
     result.wrong_basin[row] = judged.wrong_basin
-    for name in ("length", "time", "reference", "gap", "miss", "curvature_excess", "margin"):
+    for name in ("length", "travel_time", "reference", "gap", "miss", "curvature_excess", "margin"):
         value = getattr(judged, name)
         getattr(result, name)[row] = np.nan if value is None else value

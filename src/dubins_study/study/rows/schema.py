@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 if TYPE_CHECKING:
     import pyarrow as pa
 
-VERSION = 3
+VERSION = 4
 # under which the metadata of a Parquet file of rows say the version
 VERSION_KEY = "dubins-study schema"
 # under which the Parquet metadata of a streamed part tell, as JSON, which chunk of what it is
@@ -28,10 +28,15 @@ KEY = (
     Column("solver", "string", "", "solver and its settings, e.g. turn-rate-qp[n=50]"),
     Column("profile", "string", "", "named settings and tolerances: default, fast, accurate"),
     Column("branch", "string", "", "best, LS, RS, LR or RL"),
-    Column("start", "string", "", "cold, warm from the neighbour in the sweep, or z1 z2 z3"),
+    Column(
+        "initial_guess", "string", "", "cold, warm from the neighbour in the sweep, or z1 z2 z3"
+    ),
     Column("repeat", "int64", "", "0, 1, ... of the same cell"),
     Column(
-        "code", "string", "", "digest of the solver's code, settings and libraries: 12 hex digits"
+        "code_digest",
+        "string",
+        "",
+        "digest of the solver's code, settings and libraries: 12 hex digits",
     ),
 )
 # the values of the key columns
@@ -53,7 +58,7 @@ ANSWER = (
     Column("region", "string", "", "outside, left disc, right disc or circle"),
     Column("margin", "float64", "radius", "distance from the target to the nearer turning circle"),
     Column("word", "string", "", "letters of the returned path"),
-    Column("word_ref", "string", "", "letters of the shortest path of the branch"),
+    Column("reference_word", "string", "", "letters of the shortest path of the branch"),
     Column("outcome", "string", "", "what happened to the process"),
     Column("claim", "string", "", "what the solver says"),
     Column("verdict", "string", "", "what the check finds"),
@@ -62,7 +67,7 @@ ANSWER = (
     Column("native_status", "string", "", "the backend's own status"),
     Column("message", "string", "", "the backend's own message, or the error"),
     Column("length", "float64", "length", "length of the path, from its controls"),
-    Column("time", "float64", "time", "length / speed"),
+    Column("travel_time", "float64", "time", "length / speed"),
     Column("reference", "float64", "length", "length compared with; near a circle, relaxed"),
     Column("gap", "float64", "1", "(length - reference) / max(reference, radius), if it arrives"),
     Column("miss", "float64", "length", "distance from the path's end to the target"),
@@ -94,7 +99,7 @@ ANSWER = (
 )
 RUN = (
     Column("versions", "string", "", "of the solver's libraries and ours, as JSON"),
-    Column("host", "string", "", "machine kind: system, processor, cores"),
+    Column("machine", "string", "", "machine kind: system, processor, cores"),
     Column("threads", "int64", "", "threads the numerical libraries may use"),
     Column("jobs", "int64", "", "processes that solved side by side"),
     Column("engine", "string", "", "local or dask"),

@@ -42,7 +42,7 @@ def answers(rows: pd.DataFrame) -> pd.DataFrame:
 
 def _first_cold(rows: pd.DataFrame) -> pd.DataFrame:
     """Of every question and solver the cold attempt of least `repeat`."""
-    cold = rows[rows["start"] == "cold"].sort_values("repeat", kind="stable")
+    cold = rows[rows["initial_guess"] == "cold"].sort_values("repeat", kind="stable")
     return cold.drop_duplicates([*_KEY, "solver"])
 
 

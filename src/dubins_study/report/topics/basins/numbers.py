@@ -60,7 +60,7 @@ def minimum(scenario: Scenario, length: float) -> tuple[str, int] | None:
 
 
 def end_of(row: pd.Series) -> End:
-    """How one attempt ended. Columns: the scenario, word_ref, claim, verdict, false_claim, length.
+    """How one attempt ended. Columns: the scenario, reference_word, claim, verdict, false_claim, length.
 
     A path that arrives and is shortest counts as found, whatever is claimed of it.
     """
@@ -75,7 +75,7 @@ def end_of(row: pd.Series) -> End:
     if found is None:
         return End(NOWHERE)
     word, turns = found
-    return End(TURNS if word == row["word_ref"] and turns else OTHER, turns)
+    return End(TURNS if word == row["reference_word"] and turns else OTHER, turns)
 
 
 def ends(rows: pd.DataFrame) -> pd.DataFrame:
@@ -84,10 +84,10 @@ def ends(rows: pd.DataFrame) -> pd.DataFrame:
     Adds the columns z1, z2, z3 (of the start, in radii; z1 and z2 are rad), end, turns (NaN where
     the end is no minimum).
     """
-    given = rows[~rows["start"].isin(["cold", "warm"]) & rows["solver"].notna()]
+    given = rows[~rows["initial_guess"].isin(["cold", "warm"]) & rows["solver"].notna()]
     if given.empty:
         return given.assign(z1=[], z2=[], z3=[], end=[], turns=[])
-    points = given["start"].str.split(expand=True).astype(float)
+    points = given["initial_guess"].str.split(expand=True).astype(float)
     found = [end_of(row) for _, row in given.iterrows()]
     return given.assign(
         z1=points[0],
@@ -124,7 +124,7 @@ def capping(found: pd.DataFrame) -> pd.DataFrame:
 def shares(table: pd.DataFrame) -> pd.DataFrame:
     """One row a scenario and solver, from `ends`.
 
-    Columns: label, word_ref, solver, name (without settings), capped (whether its turns are
+    Columns: label, reference_word, solver, name (without settings), capped (whether its turns are
     bounded by a full one), starts, one per end (counts), found (share of all starts),
     turns_1, turns_2, turns_more (minima with so many full turns too many, of any word),
     most_turns, lies (count).
@@ -136,7 +136,7 @@ def shares(table: pd.DataFrame) -> pd.DataFrame:
             counts = {end: int((own["end"] == end).sum()) for end in ENDS}
             minima = own[own["turns"].notna()]
             records.append(
-                {"label": label, "word_ref": own["word_ref"].iloc[0], "solver": solver}
+                {"label": label, "reference_word": own["reference_word"].iloc[0], "solver": solver}
                 | {"name": parse_spec(solver)[0], "capped": is_capped(solver)}
                 | {"starts": len(own), **counts, "found": counts[OPTIMUM] / len(own)}
                 | {

@@ -14,7 +14,7 @@ ENOUGH = 1e-4  # proven gap up to which the check would call an answer optimal
 # where the exact answer costs microseconds, "fastest" says nothing
 EXACT = "analytic"
 PAPER = "the paper's problems"
-_QUESTION = ["scenario_id", "branch", "start"]
+_QUESTION = ["scenario_id", "branch", "initial_guess"]
 
 
 def group(rows: pd.DataFrame) -> pd.Series[str]:

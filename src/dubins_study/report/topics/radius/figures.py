@@ -32,16 +32,16 @@ _WORD_SHADE = {"LS": 0.06, "RS": 0.12, "RL": 0.22, "LR": 0.3}
 def plot_length(ax: Axes, rows: pd.DataFrame, circle: float) -> None:
     """The shortest length over radius, its words, and every answer that is not the shortest.
 
-    Columns: solver, branch, radius, length, reference, word_ref, verdict. The line breaks where
+    Columns: solver, branch, radius, length, reference, reference_word, verdict. The line breaks where
     the word changes, since the length may jump there.
     """
     best = rows[rows["branch"] == "best"]
-    exact = best[best["word_ref"].notna()].sort_values("radius").drop_duplicates("radius")
+    exact = best[best["reference_word"].notna()].sort_values("radius").drop_duplicates("radius")
     radii, lengths = exact["radius"].to_numpy(), _bare(rows, exact)
     low, high = radii.min(), radii.max()
     ax.set(xscale="log", xlim=(low, high))
     plain_log_axis(ax.xaxis)
-    for first, past, word in runs_of(exact["word_ref"].tolist()):
+    for first, past, word in runs_of(exact["reference_word"].tolist()):
         left = low if first == 0 else math.sqrt(radii[first - 1] * radii[first])
         right = high if past == len(radii) else math.sqrt(radii[past - 1] * radii[past])
         shade = _WORD_SHADE.get(word, 0.02)
@@ -105,7 +105,7 @@ def plot_time(ax: Axes, rows: pd.DataFrame, circle: float) -> None:
     style = looks(rows["solver"].tolist())
     for place, solver in enumerate(solver_order(best["solver"].tolist())):
         for start, line in (("cold", LINES[0]), ("warm", LINES[2])):
-            own = best[(best["solver"] == solver) & (best["start"] == start)]
+            own = best[(best["solver"] == solver) & (best["initial_guess"] == start)]
             if own.empty:
                 continue
             median = own.groupby("radius")["wall_s"].median()

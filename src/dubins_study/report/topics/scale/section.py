@@ -17,7 +17,9 @@ _FOOT, _TOP = 1e-17, 1e1
 def scale_section(results: Results) -> Section | None:
     """Gap against radius, and a table of what changes with it."""
     rows = results.rows[results.rows["experiment"] == EXPERIMENT]
-    rows = rows[(rows["branch"] == "best") & (rows["start"] == "cold") & rows["radius"].notna()]
+    rows = rows[
+        (rows["branch"] == "best") & (rows["initial_guess"] == "cold") & rows["radius"].notna()
+    ]
     if rows.empty:
         return None
     table = by_solver(spreads(rows))

@@ -34,7 +34,7 @@ _ELSEWHERE = (*STUDIES, "plane")
 def time_section(results: Results) -> Section | None:
     """Medians and quartiles; build and solve apart; shifted geometric means."""
     rows = results.rows[~results.rows["experiment"].isin(_ELSEWHERE)]
-    cold = rows[rows["start"] == "cold"]
+    cold = rows[rows["initial_guess"] == "cold"]
     found = results.reduction.without(_ELSEWHERE)
     frame = times(found)
     if frame.empty:
