@@ -7,7 +7,7 @@ import json
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from tests.report.results_folder import attempt, write_folder
+from tests.unit.report.results_folder import attempt, write_folder
 
 import dubins_study.report.page.render  # noqa: F401  its libraries write to places of their own when loaded
 from dubins_study.study.scenario import Scenario

@@ -15,7 +15,7 @@ from tests.fuzz.hostile import MARK, cases
 from tests.fuzz.toml_text import experiments, mutilated, text_of
 from tests.fuzz.watched import raw_controls, watched
 
-FOLDER = Path(__file__).parents[2] / "experiments"
+FOLDER = Path(__file__).parents[2] / "src" / "dubins_study" / "experiments"
 PACKAGED = [(FOLDER / f"{name}.toml").read_bytes() for name in packaged()]
 pytestmark = pytest.mark.usefixtures("little_room")
 # longer, for a message that quotes what it is about

@@ -7,7 +7,7 @@ from pathlib import Path as FilePath
 from typing import Any
 
 import pytest
-from tests.report.results_folder import write_folder
+from tests.unit.report.results_folder import write_folder
 
 
 @pytest.fixture

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from tests.report.results_folder import attempt, paper_scenarios
+from tests.unit.report.results_folder import attempt, paper_scenarios
 
 from dubins_study import render, run
 from dubins_study.experiments.definition.experiment import read

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from tests.report.results_folder import attempt
+from tests.unit.report.results_folder import attempt
 
 from dubins_study import render, run
 from dubins_study.experiments.definition.experiment import read

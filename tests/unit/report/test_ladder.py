@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 import pytest
-from tests.report.results_folder import attempt
+from tests.unit.report.results_folder import attempt
 
 from dubins_study import render, run
 from dubins_study.report.data.load import load

@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 import pyarrow.parquet as pq
 import pytest
-from tests.report.test_reduction import alike
+from tests.unit.report.test_reduction import alike
 
 from dubins_study import render, run
 from dubins_study.experiments.engines import stream

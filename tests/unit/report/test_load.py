@@ -7,7 +7,7 @@ import json
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
-from tests.report.results_folder import SCHEMA, attempt, paper_scenarios, write_folder
+from tests.unit.report.results_folder import SCHEMA, attempt, paper_scenarios, write_folder
 
 from dubins_study.report.data.load import ReportError, load
 from dubins_study.study.closed_form.shortest import shortest_path

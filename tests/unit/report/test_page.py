@@ -6,7 +6,7 @@ import re
 from html.parser import HTMLParser
 
 import pytest
-from tests.report.results_folder import attempt, paper_scenarios
+from tests.unit.report.results_folder import attempt, paper_scenarios
 
 from dubins_study import render
 from dubins_study.report.data.load import ReportError
@@ -64,7 +64,7 @@ def discretisation_rows():
 @pytest.fixture(scope="module")
 def whole(tmp_path_factory):
     """A report with every section in it."""
-    from tests.report.results_folder import write_folder
+    from tests.unit.report.results_folder import write_folder
 
     base = tmp_path_factory.mktemp("whole")
     made = {

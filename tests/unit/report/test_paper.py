@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 import pytest
-from tests.report.results_folder import paper_scenarios
+from tests.unit.report.results_folder import paper_scenarios
 
 from dubins_study.report.paper.audit_file import misprints
 from dubins_study.report.paper.printed import PROBLEMS, compare, segments

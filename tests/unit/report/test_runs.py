@@ -7,7 +7,7 @@ import re
 
 import numpy as np
 import pytest
-from tests.report.results_folder import attempt, paper_scenarios
+from tests.unit.report.results_folder import attempt, paper_scenarios
 
 from dubins_study import render
 from dubins_study.report.data.load import load

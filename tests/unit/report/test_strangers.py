@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 import pytest
-from tests.report.results_folder import attempt, paper_scenarios
+from tests.unit.report.results_folder import attempt, paper_scenarios
 
 from dubins_study import render
 from dubins_study.report.data.load import ReportError, load
