@@ -71,7 +71,7 @@ def ours(cells: int, folder: FilePath) -> Spent:
 def in_process(cells: int, folder: FilePath) -> Spent:
     """The same cells without a worker process: check, certificate, rows and one part."""
     from dubins_study.experiments.engines.judging import Run, row_of
-    from dubins_study.experiments.engines.rows import rows_table
+    from dubins_study.study.rows.row_table import rows_table
     from dubins_study.experiments.plan.request import Request, accepted
     from dubins_study.experiments.store.folder import write_part
     from dubins_study.solvers.attempt import ask

@@ -15,7 +15,7 @@ from live_run import finished, manifest, parts, quick_experiment, slow_experimen
 
 from dubins_study import merge, run, status
 from dubins_study.experiments.engines import stream
-from dubins_study.experiments.engines.rows import ARROW_SCHEMA, rows_table
+from dubins_study.study.rows.row_table import ARROW_SCHEMA, rows_table
 from dubins_study.experiments.store import merge as union
 from dubins_study.experiments.store.attempts import merged_rows
 from dubins_study.experiments.store.folder import StoreError, read_rows

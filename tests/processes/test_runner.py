@@ -13,7 +13,7 @@ import pytest
 from dubins_study import run
 from dubins_study.experiments.definition.experiment import ExperimentError, read
 from dubins_study.experiments.engines.judging import Run
-from dubins_study.experiments.engines.rows import ARROW_SCHEMA
+from dubins_study.study.rows.row_table import ARROW_SCHEMA
 from dubins_study.experiments.interruption import Interruption
 from dubins_study.experiments.isolation.supervisor import Supervisor
 from dubins_study.experiments.isolation.watch import Bounds

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from dubins_study.experiments.engines.judging import Run, row_of
-from dubins_study.experiments.engines.rows import row_key
+from dubins_study.study.rows.row_table import row_key
 from dubins_study.experiments.engines.work_unit import (
     Chunk,
     decoded,

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 from dubins_study.experiments.engines.dask_call import LOST, everywhere, returned, there
 from dubins_study.experiments.engines.engine import Probed
 from dubins_study.experiments.engines.judging import Run
-from dubins_study.experiments.engines.rows import Row, row_key
+from dubins_study.study.rows.row_table import Row, row_key
 from dubins_study.experiments.engines.work_unit import Chunk, encoded, remainder, rows_received
 from dubins_study.experiments.interruption import Interruption
 from dubins_study.experiments.isolation.supervisor import RunError

@@ -12,7 +12,7 @@ from pathlib import Path as FilePath
 from time import monotonic
 
 from dubins_study.experiments.engines.judging import Run
-from dubins_study.experiments.engines.rows import Row
+from dubins_study.study.rows.row_table import Row
 from dubins_study.experiments.engines.work_unit import (
     Chunk,
     Returned,

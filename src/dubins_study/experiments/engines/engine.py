@@ -7,7 +7,7 @@ from contextlib import AbstractContextManager, nullcontext
 from typing import Any, NamedTuple, Protocol
 
 from dubins_study.experiments.engines.judging import Run
-from dubins_study.experiments.engines.rows import Row
+from dubins_study.study.rows.row_table import Row
 from dubins_study.experiments.interruption import Interruption
 from dubins_study.experiments.isolation.supervisor import Supervisor
 from dubins_study.experiments.isolation.watch import Bounds

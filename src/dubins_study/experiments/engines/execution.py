@@ -7,7 +7,7 @@ from pathlib import Path as FilePath
 
 from dubins_study.experiments.engines.engine import Engine, Probed
 from dubins_study.experiments.engines.judging import Run
-from dubins_study.experiments.engines.rows import row_key, row_path
+from dubins_study.study.rows.row_table import row_key, row_path
 from dubins_study.experiments.interruption import Interruption
 from dubins_study.experiments.isolation.sandbox import pinned_threads
 from dubins_study.experiments.isolation.watch import Bounds

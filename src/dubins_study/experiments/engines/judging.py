@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from dubins_study.experiments.engines.rows import Row, raised_row
+from dubins_study.study.rows.row_table import Row, raised_row
 from dubins_study.experiments.isolation.sandbox import THREADS
 from dubins_study.experiments.plan.cells import Cell
 from dubins_study.experiments.provenance import host, now

@@ -12,7 +12,7 @@ import pyarrow as pa
 import pyarrow.compute as pc
 
 from dubins_study.experiments.engines.judging import Run, shared
-from dubins_study.experiments.engines.rows import ARROW_SCHEMA
+from dubins_study.study.rows.row_table import ARROW_SCHEMA
 from dubins_study.experiments.plan.block_columns import Columns
 from dubins_study.experiments.plan.scenario_ids import scenario_ids
 from dubins_study.experiments.provenance import now, versions

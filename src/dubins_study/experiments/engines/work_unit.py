@@ -9,7 +9,7 @@ from typing import NamedTuple
 import pyarrow as pa
 
 from dubins_study.experiments.engines.judging import Run
-from dubins_study.experiments.engines.rows import Row, row_key, row_path, rows_table
+from dubins_study.study.rows.row_table import Row, row_key, row_path, rows_table
 from dubins_study.experiments.isolation.watch import Bounds
 from dubins_study.experiments.plan.cells import Cell, Chain
 from dubins_study.study.path import Path

@@ -13,7 +13,7 @@ from pebble import ProcessExpired
 
 from dubins_study.errors import DubinsStudyError
 from dubins_study.experiments.engines.judging import Run, row_of
-from dubins_study.experiments.engines.rows import Row
+from dubins_study.study.rows.row_table import Row
 from dubins_study.experiments.interruption import Interruption
 from dubins_study.experiments.isolation import processes
 from dubins_study.experiments.isolation.clock import Phase

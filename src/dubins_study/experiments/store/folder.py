@@ -9,7 +9,7 @@ from typing import Any
 
 import pyarrow as pa
 
-from dubins_study.experiments.engines.rows import ARROW_SCHEMA
+from dubins_study.study.rows.row_table import ARROW_SCHEMA
 from dubins_study.experiments.store.disk import StoreError, is_temporary, reason, refuse_link, tidy
 from dubins_study.experiments.store.lock import LOCK
 from dubins_study.experiments.store.manifest import (
