@@ -40,7 +40,7 @@ bench: $(READY)  ## measure speed beside peers and print a table of ratios
 	$(BIN)/python -m benchmarks
 
 lock: $(READY)  ## resolve the dependencies anew and pin them with hashes
-	$(BIN)/uv pip compile --quiet --universal --python-version 3.11 --generate-hashes --upgrade \
+	$(BIN)/uv pip compile --quiet --universal --python-version 3.11 --generate-hashes \
 	    --no-emit-index-url --no-emit-find-links --no-annotate --custom-compile-command 'make lock' \
 	    --all-extras pyproject.toml -o requirements.lock
 
