@@ -278,10 +278,10 @@ def test_scenario_ids_depend_on_every_bit():
     [
         ("arc = 1\nmargin = -1.5", "margin is -1.5; expected at least -1"),
         (
-            "target_x = 1\ntarget_y = 2\nbegin = {z1 = 0, z2 = 0, z3 = -1}",
+            "target_x = 1\ntarget_y = 2\nguess_lengths = {z1 = 0, z2 = 0, z3 = -1}",
             "guess_lengths is .*expected",
         ),
-        ("target_x = 1\ntarget_y = 2\nbegin = {z1 = 0, z2 = 0, z3 = 1e300}", "guess_lengths is .*expected"),
+        ("target_x = 1\ntarget_y = 2\nguess_lengths = {z1 = 0, z2 = 0, z3 = 1e300}", "guess_lengths is .*expected"),
     ],
 )
 def test_places_and_beginnings_that_cannot_be(block, message):
@@ -292,7 +292,7 @@ def test_places_and_beginnings_that_cannot_be(block, message):
 
 def test_a_solver_that_takes_no_start_is_not_dropped_in_silence():
     """Named beside a `guess_lengths` it is a mistake; `*` means those that take one."""
-    block = "[[scenarios]]\ntarget_x = 1\ntarget_y = 2\nbegin = {z1 = 1, z2 = 0, z3 = [1, 2]}\n"
+    block = "[[scenarios]]\ntarget_x = 1\ntarget_y = 2\nguess_lengths = {z1 = 1, z2 = 0, z3 = [1, 2]}\n"
 
     with pytest.raises(SolverError, match="analytic takes no initial guess"):
         expand(HEAD + block)
