@@ -98,7 +98,12 @@ def test_rows_are_those_of_single_cells(experiment, tmp_path, small_chunks):
         for name in ("outcome", "claim", "verdict", "region", "message", "native_status", "proof"):
             assert getattr(row, name) == str(getattr(answer, name)), name
         assert (answer.word or None) == (row.word if isinstance(row.word, str) else None)
-        assert (row.solver, row.initial_guess, row.repeat, row.threads) == ("analytic", "cold", 0, 1)
+        assert (row.solver, row.initial_guess, row.repeat, row.threads) == (
+            "analytic",
+            "cold",
+            0,
+            1,
+        )
         if answer.length is None:
             assert np.isnan([row.length, row.gap, row.travel_time]).all()
             continue

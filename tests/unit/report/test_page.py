@@ -6,7 +6,6 @@ import re
 from html.parser import HTMLParser
 
 import pytest
-from tests.unit.report.results_folder import attempt, paper_scenarios
 
 from dubins_study import render
 from dubins_study.report.data.load import ReportError
@@ -16,6 +15,7 @@ from dubins_study.report.page.sections import SECTIONS
 from dubins_study.study.check.verdict import Claim
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
+from tests.unit.report.results_folder import attempt, paper_scenarios
 
 HOSTILE = "<script>alert('x')</script> & |a_b| $x^2$ \\input{y} `c` [l](u) #%~{}"
 

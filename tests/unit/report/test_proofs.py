@@ -5,9 +5,8 @@ from __future__ import annotations
 import math
 
 import pytest
-from tests.unit.report.results_folder import attempt, paper_scenarios
 
-from dubins_study import render, run
+from dubins_study import render
 from dubins_study.report.data.load import load
 from dubins_study.report.topics.proofs.numbers import (
     PAPER,
@@ -20,6 +19,7 @@ from dubins_study.report.topics.proofs.numbers import (
 from dubins_study.study.check.verdict import Claim
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
+from tests.unit.report.results_folder import attempt, paper_scenarios
 
 DISC = [Scenario(0, 0, 0, x, 1, 1, label="in a disc") for x in (0.1, 0.2, 0.3)]
 
@@ -125,34 +125,3 @@ def test_lost_rows_make_a_section_too(results, tmp_path):
 
     assert "By its own bound" not in text
     assert "0 of the 3 answers" in text
-
-
-EXPERIMENT = """
-title = "proofs"
-question = "?"
-branches = ["best"]
-solvers = ["slsqp", "shooting", "disjunctive[gap={1e-2,1e-6}]"]
-time_limit_s = 20
-
-[[scenarios]]
-heading = 0.7
-arc = [0.5, -2.5, 4.0]
-margin = [-0.5, 0.5]
-"""
-
-
-@pytest.mark.slow
-def test_the_global_solver_proves_what_the_certificate_proves(tmp_path):
-    """The study's claim on six targets: at gap 1e-6 its bound proves every answer to that, no
-    answer differs from those that the certificate proves, and the proof is not for nothing."""
-    (tmp_path / "proofs.toml").write_text(EXPERIMENT, encoding="utf-8")
-    loaded = load([run(str(tmp_path / "proofs.toml"), tmp_path / "out")]).rows
-    table = proofs(loaded).set_index("solver")
-    price = prices(loaded).set_index("solver")["ratio"]
-
-    assert (table["proved"] == 6).all()
-    assert table.loc["disjunctive", "gap_most"] < 1e-6
-    assert table.loc["disjunctive[gap=0.01]", "gap_most"] < 1e-2
-    assert not loaded["false_bound"].any()
-    # about thirtyfold; a busy machine slows both alike
-    assert price["disjunctive"] > 3

@@ -11,6 +11,7 @@ from typing import Any
 
 from pebble import ProcessExpired
 
+from dubins_study.errors import DubinsStudyError
 from dubins_study.experiments.engines.judging import Run, row_of
 from dubins_study.experiments.engines.rows import Row
 from dubins_study.experiments.interruption import Interruption
@@ -45,7 +46,7 @@ _FALSE_STARTS = 3
 _ENDED = (ProcessExpired, BrokenProcessPool)
 
 
-class RunError(RuntimeError):
+class RunError(DubinsStudyError, RuntimeError):
     """A run that could not go on; what was done is kept."""
 
 
