@@ -14,11 +14,11 @@ import pytest
 from dubins_study import render, run
 from dubins_study.experiments.engines import stream
 from dubins_study.report.data import parts
-from dubins_study.report.data.load import ReportError
-from dubins_study.report.data.load import load as load_results
 from dubins_study.report.data.reduction import of
+from dubins_study.report.data.results import load as load_results
 from dubins_study.report.statistics.metrics import gap_quantiles, summary
 from dubins_study.report.topics.map.numbers import CELLS, REACH, WORDS, PlaneMap
+from dubins_study.study.rows.files import ResultsError
 from tests.unit.report.test_reduction import alike
 
 EXPERIMENT = """
@@ -64,7 +64,7 @@ def test_numbers_are_of_all_rows_and_rows_a_sample_of_scenarios(many, sampling):
     found = load_results([many])
     rows = every_row(many).assign(experiment="many")
 
-    assert len(rows) == ROWS == found.reduction.total.attempts
+    assert len(rows) == ROWS == found.attempts.count
     assert found.sampled
     alike(found.reduction, of(rows))
     assert 1500 < len(found.rows) < 2500
@@ -100,7 +100,7 @@ def test_what_two_folders_hold_counts_once(many, tmp_path, kept, monkeypatch):
     alike(once.reduction, twice.reduction)
     if kept > ROWS:
         assert len(twice.rows) == ROWS
-    assert [run.stale for run in twice.manifests] == [0, 0]
+    assert [folder.rows.stale for folder in twice.folders] == [0, 0]
 
 
 def test_rows_of_earlier_code_are_told_and_left_out(many, sampling):
@@ -109,7 +109,7 @@ def test_rows_of_earlier_code_are_told_and_left_out(many, sampling):
     manifest["solvers"]["analytic"]["code_digest"] = "changed"
     (many / "manifest.json").write_text(json.dumps(manifest))
 
-    with pytest.raises(ReportError, match="no rows but of earlier code"):
+    with pytest.raises(ResultsError, match="no rows but of earlier code"):
         load_results([many])
 
 

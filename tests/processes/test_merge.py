@@ -19,7 +19,7 @@ from dubins_study.experiments.store import merge as union
 from dubins_study.experiments.store.attempts import merged_rows
 from dubins_study.experiments.store.folder import StoreError, read_rows
 from dubins_study.experiments.store.parts import RUN_ID, about_part, read_part, write_part
-from dubins_study.report.data.load import load
+from dubins_study.report.data.results import load
 from dubins_study.study.rows.row_table import ARROW_SCHEMA, rows_table
 from dubins_study.study.rows.schema import KEY, ROW, names
 

@@ -15,7 +15,8 @@ from dubins_study import merge, run, status
 from dubins_study.experiments.store.disk import StoreError
 from dubins_study.experiments.store.lock import held, locked
 from dubins_study.experiments.store.stream_parts import streamed_part
-from dubins_study.report.data.load import ReportError, load
+from dubins_study.report.data.results import load
+from dubins_study.study.rows.files import ResultsError
 from dubins_study.study.rows.schema import CHUNK
 
 
@@ -49,7 +50,7 @@ def test_a_pipe_is_not_waited_for(folder, name):
     os.mkfifo(folder / name)
 
     for read in (status, lambda place: load([place])):
-        with pytest.raises((StoreError, ReportError), match=name.rpartition("/")[2]):
+        with pytest.raises((StoreError, ResultsError), match=name.rpartition("/")[2]):
             read(folder)
 
 
@@ -80,10 +81,10 @@ def test_a_manifest_that_could_not_be_written_again_is_refused(folder, tmp_path)
 
     with pytest.raises(StoreError, match="nested more than"):
         merge([folder, folder], tmp_path / "union")
-    with pytest.raises(ReportError, match="nested more than"):
+    with pytest.raises(ResultsError, match="nested more than"):
         load([folder])
     (folder / "manifest.json").write_text('{"schema": 3, "a": ' + "[" * 10**5 + "]" * 10**5 + "}")
-    with pytest.raises(ReportError, match="cannot be read"):
+    with pytest.raises(ResultsError, match="cannot be read"):
         load([folder])
 
 
@@ -127,7 +128,7 @@ def test_a_part_that_arrow_reads_and_python_does_not_is_damaged(folder, experime
     spoil(folder)
 
     assert status(folder).damaged == 1
-    with pytest.raises(ReportError, match="cannot be read"):
+    with pytest.raises(ResultsError, match="cannot be read"):
         load([folder])
     run(experiment, folder)
     assert (status(folder).done, status(folder).aside) == (3, 1)
@@ -165,5 +166,5 @@ def test_a_merge_clears_up_only_after_itself(original, folder, tmp_path):
 
 def test_a_name_too_long_is_no_folder():
     for read in (status, lambda place: load([place])):
-        with pytest.raises((StoreError, ReportError), match=r"n{300}"):
+        with pytest.raises((StoreError, ResultsError), match=r"n{300}"):
             read("n" * 300)

@@ -27,7 +27,7 @@ from dubins_study.experiments.plan.scenario_ids import scenario_id
 from dubins_study.experiments.store.folder import StoreError, done, read_rows, write_part
 from dubins_study.experiments.store.status import status
 from dubins_study.experiments.store.stream_parts import streamed_parts
-from dubins_study.report.data.load import load
+from dubins_study.report.data.results import load
 from dubins_study.solvers import frame
 from dubins_study.solvers.attempt import solve
 from dubins_study.solvers.frame import solve_frame

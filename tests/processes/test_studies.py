@@ -6,7 +6,7 @@ import pytest
 
 from dubins_study import run
 from dubins_study.experiments.definition.experiment import read
-from dubins_study.report.data.load import load
+from dubins_study.report.data.results import load
 from dubins_study.report.data.tally import widths
 from dubins_study.report.topics.basins.numbers import INFEASIBLE, NOWHERE, capping, ends, shares
 from dubins_study.report.topics.bias.numbers import by_barrier, left_over, without_barrier
@@ -150,7 +150,7 @@ def test_orders_are_those_of_the_theory(convergence_folder):
     Half an order is allowed: where the switches fall between two steps moves medians of eight.
     """
     loaded = load([convergence_folder])
-    found = orders(refined(loaded.rows, loaded.manifests[0].solvers)).set_index(
+    found = orders(refined(loaded.rows, loaded.settings)).set_index(
         ["series", "place"]
     )["order"]
     raw = "collocation[points={},mesh=equal,correct=False]"

@@ -109,6 +109,7 @@ def write_folder(
             for row in rows
         },
         "gap_tolerance": 1e-4,
+        "cells": len(rows),
         "git": {"commit": "abc"},
         "created": "2026-01-01T00:00:00Z",
         "finished": "2026-01-01T00:01:00Z",

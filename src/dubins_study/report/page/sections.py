@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
-from dubins_study.report.data.load import Results
+from dubins_study.report.data.results import Results
 from dubins_study.report.page.content import Section, count
 from dubins_study.report.topics.agreement.section import agreement_section
 from dubins_study.report.topics.audit.section import audit_section
@@ -54,7 +54,7 @@ def told_of_sample(section: Section, results: Results) -> Section:
     """The section with a sentence on what it leaves out, if it does."""
     if not results.sampled or section.key in _COUNTED:
         return section
-    kept, attempts = len(results.rows), results.reduction.total.attempts
+    kept, attempts = len(results.rows), results.attempts.count
     said = (
         f"Where single attempts are shown or compared, they are {count(kept)} of the "
         f"{count(attempts)}: all those at some of the scenarios, drawn by the hashes that name them"

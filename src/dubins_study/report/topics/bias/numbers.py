@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from dubins_study.report.data.load import Results
+from dubins_study.report.data.results import Results
 from dubins_study.report.statistics.metrics import FloatArray, parse_spec
 
 EXPERIMENT = "bias"
@@ -48,7 +48,7 @@ def left_over(results: Results) -> pd.DataFrame:
         ((mu R^2)^(1/3)), ratio (z2 / predicted), excess (length - reference), excess_ratio
         (excess / (mu / 3)).
     """
-    settings = {k: v for run in results.manifests for k, v in run.solvers.items()}
+    settings = results.settings
     rows = results.rows
     rows = rows[(rows["experiment"] == EXPERIMENT) & rows["length"].notna()]
     mu = rows["solver"].map(lambda spec: barrier(spec, settings)).astype(float)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 
-from dubins_study.report.data.load import Results
+from dubins_study.report.data.results import Results
 from dubins_study.report.page.content import Column, Picture, Section, Table, count, digits, seconds
 from dubins_study.report.page.style import HALF, new_figure
 from dubins_study.report.statistics.metrics import parse_spec
@@ -24,8 +24,7 @@ _WHERE = {"outside": "outside the discs", "in a disc": "in a disc"}
 def convergence_section(results: Results) -> Section | None:
     """Gap against size with the fitted order, gap against time, and the table of orders."""
     rows = results.rows[results.rows["experiment"] == EXPERIMENT]
-    runs = [run for run in results.manifests if run.name == EXPERIMENT]
-    attempts = refined(rows, {k: v for run in runs for k, v in run.solvers.items()})
+    attempts = refined(rows, results.settings)
     if attempts.empty:
         return None
     table, found = medians(attempts), orders(attempts)

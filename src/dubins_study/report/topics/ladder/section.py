@@ -7,7 +7,7 @@ from typing import Any
 
 import pandas as pd
 
-from dubins_study.report.data.load import Results
+from dubins_study.report.data.results import Results
 from dubins_study.report.page.content import ABSENT, Column, Picture, Section, Table, count, digits
 from dubins_study.report.page.style import HALF, new_figure, power
 from dubins_study.report.statistics.metrics import solver_order

@@ -7,8 +7,9 @@ from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import ListedColormap
 
+from dubins_study.report.data.attempts import REACH
 from dubins_study.report.page.style import MAP_PAPER, ON_MAP
-from dubins_study.report.topics.map.numbers import REACH, WORDS, PlaneMap
+from dubins_study.report.topics.map.numbers import WORDS, PlaneMap
 from dubins_study.report.topics.plane.figures import OTHER, WORD_COLOURS, deepest, frame
 
 _EXTENT = (-REACH, REACH, -REACH, REACH)

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dubins_study.report.data.load import Results
+from dubins_study.report.data.attempts import CELLS, REACH
+from dubins_study.report.data.results import Results
 from dubins_study.report.page.content import Picture, Section, count, slug
 from dubins_study.report.page.style import HALF, new_figure
 from dubins_study.report.topics.map.figures import plot_frequent_words, plot_ranges
-from dubins_study.report.topics.map.numbers import CELLS, REACH, PlaneMap
+from dubins_study.report.topics.map.numbers import PlaneMap
 
 _FEWEST = 10 * CELLS**2  # attempts; below that most cells say little
 
@@ -16,9 +17,10 @@ def map_section(results: Results) -> Section | None:
     if not results.sampled:
         return None  # every attempt can be drawn
     pictures: list[Picture] = []
-    for experiment, plane in results.reduction.planes.items():
+    for experiment, cells in results.attempts.plane().groupby("experiment"):
+        plane = PlaneMap.of(cells)
         if plane.counts.sum() >= _FEWEST:
-            pictures += [_words(experiment, plane), _ranges(experiment, plane)]
+            pictures += [_words(str(experiment), plane), _ranges(str(experiment), plane)]
     if not pictures:
         return None
     text = (

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pandas as pd
 
-from dubins_study.report.data.load import Results
+from dubins_study.report.data.results import Results
 from dubins_study.report.page.content import Column, Picture, Section, Table, count, digits
 from dubins_study.report.page.style import HALF, new_figure
 from dubins_study.report.paper import printed as paper

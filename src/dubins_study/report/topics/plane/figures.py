@@ -13,6 +13,7 @@ from matplotlib.colors import ListedColormap
 from matplotlib.patches import Arc, Circle
 from numpy.typing import NDArray
 
+from dubins_study.report.data.attempts import SUCCESSES
 from dubins_study.report.page.style import (
     BLUE,
     INK,
@@ -23,7 +24,6 @@ from dubins_study.report.page.style import (
     RULE,
     VERMILION,
 )
-from dubins_study.report.statistics.metrics import SUCCESSES
 
 # a light and a dark shade of two hues: apart in hue for the eye, apart in lightness for grey
 WORD_COLOURS = {"LS": "#cfe3f1", "RS": "#fbe6c8", "RL": "#5d9cc6", "LR": "#d69a3c"}

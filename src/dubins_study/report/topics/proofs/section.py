@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import pandas as pd
 
-from dubins_study.report.data.load import Results
+from dubins_study.report.data.attempts import PROOFS
+from dubins_study.report.data.results import Results
 from dubins_study.report.page.content import (
     Column,
     Picture,
@@ -17,7 +18,6 @@ from dubins_study.report.page.content import (
 )
 from dubins_study.report.page.style import HALF, new_figure
 from dubins_study.report.statistics.metrics import solver_order
-from dubins_study.report.topics.certificates.numbers import PROOFS
 from dubins_study.report.topics.proofs.figures import plot_prices, plot_wall
 from dubins_study.report.topics.proofs.numbers import (
     EXACT,

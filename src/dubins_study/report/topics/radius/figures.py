@@ -10,6 +10,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
+from dubins_study.report.data.attempts import SUCCESSES
 from dubins_study.report.page.content import digits
 from dubins_study.report.page.style import (
     INK,
@@ -21,7 +22,7 @@ from dubins_study.report.page.style import (
     name_of,
     plain_log_axis,
 )
-from dubins_study.report.statistics.metrics import SUCCESSES, runs_of, solver_order
+from dubins_study.report.statistics.metrics import runs_of, solver_order
 from dubins_study.study.closed_form.shortest import shortest
 from dubins_study.study.scenario import Scenario
 

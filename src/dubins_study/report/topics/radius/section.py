@@ -6,7 +6,7 @@ import pandas as pd
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 
-from dubins_study.report.data.load import Results
+from dubins_study.report.data.results import Results
 from dubins_study.report.page.content import Picture, Section, Table, digits
 from dubins_study.report.page.style import HALF, new_figure
 from dubins_study.report.statistics.metrics import circle_radius

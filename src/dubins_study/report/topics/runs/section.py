@@ -9,7 +9,7 @@ from typing import Any
 import pandas as pd
 from matplotlib.axes import Axes
 
-from dubins_study.report.data.load import Results
+from dubins_study.report.data.results import Results
 from dubins_study.report.page.content import Column, Picture, Section, Table, digits, seconds, share
 from dubins_study.report.page.style import WIDE, new_figure
 from dubins_study.report.topics.runs.numbers import runs
@@ -20,7 +20,7 @@ _MOST_DRAWN = 6
 
 def runs_section(results: Results) -> Section | None:
     """The runs' table; what the calibration probe took, where it varied; a sentence of each."""
-    frame = runs(results.manifests)
+    frame = runs(results.folders)
     if frame.empty:
         return None
     noisy = frame[frame["spread"] > NOISY]

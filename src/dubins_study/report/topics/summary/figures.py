@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
-from dubins_study.report.data.reduction import Reduction
+from dubins_study.report.data.attempts import VERDICTS
 from dubins_study.report.page.bars import plot_shares
 from dubins_study.report.page.content import count
 from dubins_study.report.page.style import (
@@ -19,7 +21,7 @@ from dubins_study.report.page.style import (
     looks,
     name_of,
 )
-from dubins_study.report.statistics.metrics import VERDICTS, gaps, solver_order
+from dubins_study.report.statistics.metrics import solver_order
 
 # dark to light, and hatched where something is wrong, so that the order survives grey printing
 VERDICT_LOOK = {
@@ -47,19 +49,20 @@ def _counts(row: object) -> str:
     )
 
 
-def plot_gap_profile(ax: Axes, found: Reduction, tolerance: float | None = None) -> None:
+def plot_gap_profile(
+    ax: Axes, shares: Mapping[str, pd.DataFrame], tolerance: float | None = None
+) -> None:
     """Share of attempts within each gap.
 
     Args:
         ax: where to draw.
-        found: attempts; those at questions without an answer are left out.
+        shares: of `metrics.gap_shares`.
         tolerance: the gap up to which the check says optimal, drawn as a line if given.
     """
-    spreads = {solver: gaps(own) for solver, own in found.solvers.items()}
-    solvers = solver_order([solver for solver, spread in spreads.items() if spread.size])
+    solvers = solver_order(list(shares))
     style = looks(solvers)
     for place, solver in enumerate(solvers):
-        within, share = spreads[solver].shares()
+        within, share = (shares[solver][name].to_numpy() for name in ("gap", "share"))
         x = np.concatenate(([SMALLEST_GAP], np.maximum(within, SMALLEST_GAP), [10.0]))
         y = np.concatenate(([0.0], share, share[-1:] if share.size else [0.0]))
         ax.step(

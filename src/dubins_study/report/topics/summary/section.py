@@ -6,8 +6,8 @@ from collections.abc import Mapping
 
 import pandas as pd
 
-from dubins_study.report.data.load import Results
-from dubins_study.report.data.reduction import Reduction
+from dubins_study.report.data.attempts import SUCCESSES, Attempts
+from dubins_study.report.data.results import Results
 from dubins_study.report.page.content import (
     Column,
     Picture,
@@ -20,16 +20,22 @@ from dubins_study.report.page.content import (
     slug,
 )
 from dubins_study.report.page.style import HALF, WIDE, legend_lines, name_of, new_figure
-from dubins_study.report.statistics.metrics import STUDIES, failures, gap_quantiles, gaps, summary
+from dubins_study.report.statistics.metrics import (
+    STUDIES,
+    failures,
+    gap_quantiles,
+    gap_shares,
+    summary,
+)
 from dubins_study.report.topics.summary.figures import plot_gap_profile, plot_verdicts
 
 _MOST_FAILURES = 25
 
 
-def attempts(results: Results) -> Reduction:
+def attempts(results: Results) -> Attempts:
     """The attempts that count here: all but those of the studies, if there are others."""
-    others = results.reduction.without(STUDIES)
-    return others if others.tallies else results.reduction
+    others = results.attempts.without(STUDIES)
+    return others if others.experiments else results.attempts
 
 
 def some(number: int, noun: str) -> str:
@@ -40,18 +46,19 @@ def some(number: int, noun: str) -> str:
 def summary_section(results: Results) -> Section | None:
     """Attempts, verdicts and times, solver by solver."""
     found = attempts(results)
-    frame = summary(found)
+    frame = summary(found.verdicts())
     caption = (
         "What the check found of every attempt. Success is optimal or none exists, as a share of "
         "all attempts, those that failed included. A false claim says more than the check finds; "
         "a wrong basin is a longer path that turns by another angle. "
         "Not returned: timed out, crashed, raised, unsupported or unavailable."
+        f"{found.precision}"
     )
-    asked = [run.name for run in results.manifests if run.name in found.experiments]
+    asked = [run.name for run in results.folders if run.name in found.experiments]
     asked = list(dict.fromkeys(asked))
-    right = found.total.success / found.total.attempts
+    right = frame[list(SUCCESSES)].to_numpy().sum() / found.count
     text = (
-        f"{some(found.total.attempts, 'attempt')} by {some(len(frame), 'solver')} in the "
+        f"{some(found.count, 'attempt')} by {some(len(frame), 'solver')} in the "
         f"{'experiment' if len(asked) == 1 else 'experiments'} {', '.join(asked)}; "
         f"success: {share(right)}. No number here rests on a solver's own word: each path "
         "is driven again from its controls and judged against the closed form."
@@ -82,15 +89,16 @@ def _bad_counts(frame: pd.DataFrame) -> dict[tuple[int, str], str]:
 def success_section(results: Results) -> Section | None:
     """Verdicts, gap profiles, gap quantiles per region, and what failed."""
     found = attempts(results)
-    each = {name: found.only(name) for name in found.experiments}
+    each = {name: found.only([name]) for name in found.experiments}
     blocks: list[Picture | Table] = [_verdict_picture(found)]
     if len(each) > 1:
         blocks.append(_experiment_table(each))
-    if gaps(found.total).size:
+    quantiles = gap_quantiles(found.gap_quantiles())
+    if len(quantiles):
         allowed = _tolerances(results)
         blocks += [_profile_picture(name, own, allowed.get(name)) for name, own in each.items()]
-        blocks.append(_quantile_table(found))
-    failed = failures(found)
+        blocks.append(_quantile_table(quantiles, found.precision))
+    failed = failures(found.failures())
     if len(failed):
         blocks.append(_failure_table(failed))
     text = (
@@ -101,8 +109,8 @@ def success_section(results: Results) -> Section | None:
     return Section("success", "Success and gaps", text, tuple(blocks))
 
 
-def _experiment_table(each: Mapping[str, Reduction]) -> Table:
-    parts = [summary(own).assign(experiment=name) for name, own in each.items()]
+def _experiment_table(each: Mapping[str, Attempts]) -> Table:
+    parts = [summary(own.verdicts()).assign(experiment=name) for name, own in each.items()]
     frame = pd.concat(parts, ignore_index=True)
     left_out = ("optimal", "none exists", "not_returned")  # the rest says it, and fits
     kept = [column for column in _summary_columns() if column.key not in left_out]
@@ -111,8 +119,8 @@ def _experiment_table(each: Mapping[str, Reduction]) -> Table:
     return Table("summary-by-experiment", caption, frame, columns, _bad_counts(frame))
 
 
-def _verdict_picture(found: Reduction) -> Picture:
-    frame = summary(found)
+def _verdict_picture(found: Attempts) -> Picture:
+    frame = summary(found.verdicts())
     lines = max(name_of(solver).count("\n") + 1 for solver in frame["solver"])
     figure = new_figure(WIDE, 0.9 + max(0.42, 0.14 * lines) * len(frame))
     plot_verdicts(figure.add_subplot(), frame)
@@ -126,15 +134,16 @@ def _verdict_picture(found: Reduction) -> Picture:
 def _tolerances(results: Results) -> dict[str, float]:
     """The gap that each experiment's runs call optimal; left out where two runs differ."""
     found: dict[str, set[float | None]] = {}
-    for run in results.manifests:
-        found.setdefault(run.name, set()).add(run.gap_tolerance)
+    for run in results.folders:
+        found.setdefault(run.name, set()).add(run.manifest.gap_tolerance)
     return {name: gap for name, (gap, *others) in found.items() if gap is not None and not others}
 
 
-def _profile_picture(experiment: str, found: Reduction, tolerance: float | None) -> Picture:
-    figure = new_figure(HALF, 3.0 + 0.17 * legend_lines(list(found.solvers), width=40))
+def _profile_picture(experiment: str, found: Attempts, tolerance: float | None) -> Picture:
+    shares = gap_shares(found.gap_profile())
+    figure = new_figure(HALF, 3.0 + 0.17 * legend_lines(list(shares), width=40))
     ax = figure.add_subplot()
-    plot_gap_profile(ax, found, tolerance)
+    plot_gap_profile(ax, shares, tolerance)
     figure.legend(loc="outside lower left", ncols=1, fontsize=7.5)
     caption = (
         f"Experiment {experiment}: share of attempts within each gap. Higher is more reliable, "
@@ -145,8 +154,7 @@ def _profile_picture(experiment: str, found: Reduction, tolerance: float | None)
     return Picture(f"gap-profile-{slug(experiment)}", caption, figure, alt, True)
 
 
-def _quantile_table(found: Reduction) -> Table:
-    frame = gap_quantiles(found)
+def _quantile_table(frame: pd.DataFrame, precision: str) -> Table:
     gap = digits(3)
     columns = (
         Column("solver", "solver", kind="code"),
@@ -161,6 +169,7 @@ def _quantile_table(found: Reduction) -> Table:
     caption = (
         "Gap quantiles (relative, no unit) by where the target lies. ∞ means that so large a share "
         "of the attempts did not arrive that the quantile is not reached."
+        f"{precision}"
     )
     return Table("gap-quantiles", caption, frame, columns)
 

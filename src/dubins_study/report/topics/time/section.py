@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 
-from dubins_study.report.data.load import Results
+from dubins_study.report.data.results import Results
 from dubins_study.report.page.content import (
     Column,
     Picture,
@@ -17,8 +17,8 @@ from dubins_study.report.page.content import (
     share,
 )
 from dubins_study.report.page.style import HALF, WIDE, legend_lines, new_figure
-from dubins_study.report.statistics.metrics import STUDIES
-from dubins_study.report.statistics.timing import mean_times, time_ratios, times
+from dubins_study.report.statistics.metrics import STUDIES, by_solver
+from dubins_study.report.statistics.timing import mean_times, time_ratios
 from dubins_study.report.topics.time.figures import (
     plot_gap_order,
     plot_performance,
@@ -35,8 +35,8 @@ def time_section(results: Results) -> Section | None:
     """Medians and quartiles; build and solve apart; shifted geometric means."""
     rows = results.rows[~results.rows["experiment"].isin(_ELSEWHERE)]
     cold = rows[rows["initial_guess"] == "cold"]
-    found = results.reduction.without(_ELSEWHERE)
-    frame = times(found)
+    found = results.attempts.without(_ELSEWHERE)
+    frame = by_solver(found.times())
     if frame.empty:
         return None
     figure = new_figure(WIDE, 0.7 + 0.46 * len(frame))
@@ -46,7 +46,7 @@ def time_section(results: Results) -> Section | None:
         "and of building the model (open, below)."
     )
     picture = Picture("times", caption, figure, "Median times and quartiles, one line a solver")
-    blocks: list[Picture | Table] = [picture, _time_table(frame)]
+    blocks: list[Picture | Table] = [picture, _time_table(frame, found.precision)]
     plain = _not_variants(cold)
     ratios = time_ratios(plain[plain["solver"] != EXACT])
     if ratios.shape[0] > 1 and ratios.shape[1] > 1:
@@ -54,10 +54,7 @@ def time_section(results: Results) -> Section | None:
     means, shift = mean_times(plain)
     if len(means) > 1:
         blocks.append(_mean_table(means, shift))
-    jobs, threads = (
-        ", ".join(map(str, sorted(int(n) for (n,) in found.total.kinds(kind) if n is not None)))
-        for kind in ("jobs", "threads")
-    )
+    jobs, threads = (", ".join(map(str, found.values(kind))) for kind in ("jobs", "threads"))
     text = (
         "Measured in the process that solves, after a warm-up that is not recorded; "
         f"threads: {threads}; jobs side by side: {jobs}. Judging is not timed. Compiled "
@@ -85,7 +82,7 @@ def _performance_picture(ratios: pd.DataFrame) -> Picture:
     return Picture("performance", caption, figure, "Performance profile of the solvers")
 
 
-def _time_table(frame: pd.DataFrame) -> Table:
+def _time_table(frame: pd.DataFrame, precision: str) -> Table:
     parts = (("build_s", "build"), ("solve_s", "solve"), ("wall_s", "whole"))
     columns = [Column("solver", "solver", kind="code"), Column("timed", "timed", count)]
     for key, title in parts:
@@ -94,7 +91,7 @@ def _time_table(frame: pd.DataFrame) -> Table:
             Column(key, f"{title} median", seconds),
             Column(f"{key}_q3", "75 %", seconds),
         ]
-    caption = "Times of cold attempts, failures included: quartiles and medians."
+    caption = f"Times of cold attempts, failures included: quartiles and medians.{precision}"
     return Table("times", caption, frame, tuple(columns))
 
 
@@ -118,8 +115,7 @@ def _mean_table(frame: pd.DataFrame, shift: float) -> Table:
 def discretisation_section(results: Results) -> Section | None:
     """Time against gap by n and engine, gap against n with the fitted order."""
     rows = results.rows[results.rows["experiment"] == "discretisation"]
-    runs = [run for run in results.manifests if run.name == "discretisation"]
-    table = work_precision(rows, {k: v for run in runs for k, v in run.solvers.items()})
+    table = work_precision(rows, results.settings)
     if table.empty:
         return None
     drawable = table[np.isfinite(table["gap"]) & (table["gap"] > 0)]  # the axes are logarithmic
