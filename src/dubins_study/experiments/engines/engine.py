@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import AbstractContextManager, nullcontext
-from typing import Any, NamedTuple, Protocol
+from collections.abc import Iterator, Mapping
+from typing import Any, Protocol, Self
 
 from dubins_study.experiments.engines.judging import Run
 from dubins_study.experiments.engines.rows import Row
 from dubins_study.experiments.interruption import Interruption
-from dubins_study.experiments.isolation.supervisor import Supervisor
-from dubins_study.experiments.isolation.watch import Bounds
+from dubins_study.experiments.isolation.monitor import Limits
 from dubins_study.experiments.plan.cells import Chain
 from dubins_study.study.path import Path
 from dubins_study.study.rows.schema import Key
+
+ENGINES = ("local", "dask")
 
 
 class Probed(Protocol):
@@ -22,60 +22,51 @@ class Probed(Protocol):
     def __call__(self, seconds: float, machine: int = 0) -> None: ...
 
 
-class Crew(Protocol):
-    """What solves the cells of one run; `experiments.isolation.supervisor.Supervisor` is one."""
+class Engine(Protocol):
+    """Where a run's cells are solved, for as long as it is entered.
+
+    Attributes:
+        jobs: how many cells are solved side by side.
+        run_entry: what the run's entry in the manifest holds of it.
+    """
+
+    jobs: int
+    run_entry: dict[str, Any]
+
+    def __enter__(self) -> Self: ...
+
+    def __exit__(self, *_: object) -> None: ...
 
     def solve(
-        self, chains: list[Chain], before: Mapping[Key, Path], stop: Interruption
+        self,
+        chains: list[Chain],
+        before: Mapping[Key, Path],
+        run: Run,
+        limits: Limits,
+        stop: Interruption,
+        probed: Probed | None,
     ) -> Iterator[list[Row]]:
-        """The rows of all cells as they come; see `Supervisor.solve`."""
-
-
-class Engine(Protocol):
-    """Where a run's cells are solved, for as long as it is entered."""
-
-    @property
-    def jobs(self) -> int:
-        """How many cells are solved side by side."""
-
-    @property
-    def said(self) -> dict[str, Any]:
-        """What the run's entry in the manifest tells of it beside."""
-
-    def crew(self, run: Run, bounds: Bounds, probed: Probed | None) -> AbstractContextManager[Crew]:
-        """Get ready to solve cells; until then nothing is started that takes long.
+        """The rows of all cells as they come; see `local.solve_chains`.
 
         Args:
-            run: what the rows share.
-            bounds: of every solve.
+            limits: of every solve.
             probed: called now and then.
-
-        Raises:
-            RunError: if nobody can be made ready.
         """
 
 
-class _Local(NamedTuple):
-    jobs: int
-    said: dict[str, Any]
+def make_engine(name: str, jobs: int, scheduler: str | None) -> Engine:
+    """An engine by its name; it is started when it is entered.
 
-    def crew(self, run: Run, bounds: Bounds, probed: Probed | None) -> AbstractContextManager[Crew]:
-        return Supervisor(run, bounds, self.jobs, probed)
+    Args:
+        name: one of `ENGINES`.
+        jobs: processes that solve side by side.
+        scheduler: the address of Dask's scheduler.
+    """
+    if name == "local":
+        from dubins_study.experiments.engines.local import LocalEngine
 
-
-def _local(jobs: int, scheduler: str | None) -> AbstractContextManager[Engine]:
-    return nullcontext(_Local(jobs, {}))
-
-
-def _dask(jobs: int, scheduler: str | None) -> AbstractContextManager[Engine]:
+        return LocalEngine(jobs)
     # only here: `distributed` is an extra, and takes half a second to import
     from dubins_study.experiments.engines.dask_engine import DaskEngine
 
     return DaskEngine(jobs, scheduler)
-
-
-# by name: made of the number of jobs and the address of a scheduler
-ENGINES: dict[str, Callable[[int, str | None], AbstractContextManager[Engine]]] = {
-    "local": _local,
-    "dask": _dask,
-}
