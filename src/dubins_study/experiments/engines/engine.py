@@ -2,24 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Generator, Mapping
 from typing import Any, Protocol, Self
 
-from dubins_study.experiments.engines.judging import Run
-from dubins_study.experiments.engines.rows import Row
 from dubins_study.experiments.interruption import Interruption
-from dubins_study.experiments.isolation.monitor import Limits
 from dubins_study.experiments.plan.cells import Chain
+from dubins_study.experiments.run_settings import RunSettings
 from dubins_study.study.path import Path
+from dubins_study.study.rows.row_table import Row
 from dubins_study.study.rows.schema import Key
 
 ENGINES = ("local", "dask")
-
-
-class Probed(Protocol):
-    """Told that a fixed piece of work took so many seconds, on which of several machines."""
-
-    def __call__(self, seconds: float, machine: int = 0) -> None: ...
 
 
 class Engine(Protocol):
@@ -41,16 +34,15 @@ class Engine(Protocol):
         self,
         chains: list[Chain],
         before: Mapping[Key, Path],
-        run: Run,
-        limits: Limits,
+        settings: RunSettings,
         stop: Interruption,
-        probed: Probed | None,
-    ) -> Iterator[list[Row]]:
+        probed: Callable[[float, int], None] | None,
+    ) -> Generator[list[Row], None, None]:
         """The rows of all cells as they come; see `local.solve_chains`.
 
         Args:
-            limits: of every solve.
-            probed: called now and then.
+            probed: called every few seconds with the seconds that a fixed piece of work took,
+                and the number of the machine that did it (0 for this one).
         """
 
 

@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Generator, Mapping
 from typing import Any
 
 from dubins_study.experiments.engines.chains import ChainState
-from dubins_study.experiments.engines.engine import Probed
-from dubins_study.experiments.engines.judging import Run, row_of
-from dubins_study.experiments.engines.rows import Row
+from dubins_study.experiments.engines.judging import row_of
 from dubins_study.experiments.interruption import Interruption
 from dubins_study.experiments.isolation.messages import WorkerReply
-from dubins_study.experiments.isolation.pool import Job, Limits, RunError, WorkerPool, worker_group
+from dubins_study.experiments.isolation.monitor import Limits
+from dubins_study.experiments.isolation.pool import Job, RunError, WorkerPool, worker_group
 from dubins_study.experiments.plan.cells import Cell, Chain
+from dubins_study.experiments.run_settings import RunSettings
 from dubins_study.solvers.protocol import Question
 from dubins_study.study.path import Path
+from dubins_study.study.rows.row_table import Row
 from dubins_study.study.rows.schema import Key
 
 
@@ -39,23 +40,28 @@ class LocalEngine:
         self,
         chains: list[Chain],
         before: Mapping[Key, Path],
-        run: Run,
-        limits: Limits,
+        settings: RunSettings,
         stop: Interruption,
-        probed: Probed | None,
-    ) -> Iterator[list[Row]]:
+        probed: Callable[[float, int], None] | None,
+    ) -> Generator[list[Row], None, None]:
         """See `Engine.solve`."""
-        with WorkerPool(self.jobs, limits, probed=probed) as pool:
-            yield from solve_chains(pool, chains, before, run, stop)
+        told = None if probed is None else lambda seconds: probed(seconds, 0)
+        with WorkerPool(self.jobs, limits(settings), probed=told) as pool:
+            yield from solve_chains(pool, chains, before, settings, stop)
+
+
+def limits(settings: RunSettings) -> Limits:
+    """What a run allows each solve, as a pool takes it."""
+    return Limits(settings.time_limit_s, settings.memory_limit_bytes)
 
 
 def solve_chains(
     pool: WorkerPool,
     chains: list[Chain],
     before: Mapping[Key, Path],
-    run: Run,
+    settings: RunSettings,
     stop: Interruption,
-) -> Iterator[list[Row]]:
+) -> Generator[list[Row], None, None]:
     """The judged rows of all cells as they come; an empty list now and then where none do.
 
     Once the run is interrupted, only what is being solved is finished.
@@ -64,7 +70,7 @@ def solve_chains(
         pool: solves the cells.
         chains: single cells, and sweeps whose warm cells each start from the path before.
         before: the path before the first cell of a chain whose beginning was solved earlier.
-        run: what the rows share.
+        settings: of the run.
         stop: asked after every row.
 
     Raises:
@@ -78,9 +84,14 @@ def solve_chains(
         rows = []
         for job, sent in results:
             state: ChainState = job.tag
-            check_code(state.cell, sent, run.engine)
+            check_code(state.cell, sent, settings.engine)
             row, path = row_of(
-                state.cell, job.question.initial_guess, run, sent.reply, sent.started, sent.versions
+                state.cell,
+                job.question.initial_guess,
+                settings,
+                sent.reply,
+                sent.started,
+                sent.versions,
             )
             rows.append(row)
             following = state.after(path)

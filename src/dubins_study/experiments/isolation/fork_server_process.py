@@ -45,11 +45,11 @@ def serve() -> None:
     signal.set_wakeup_fd(wake_end, warn_on_full_buffer=False)
     status_pipes: dict[int, int] = {}
     while True:
-        ready, _, _ = select.select([control, wake], [], [])
+        ready, _, _ = select.select([control.fileno(), wake], [], [])
         if wake in ready:
             os.read(wake, 4096)
             _reap(status_pipes)
-        if control in ready:
+        if control.fileno() in ready:
             request, descriptors, _, _ = socket.recv_fds(control, 1, _MAX_DESCRIPTORS)
             if not request:
                 break

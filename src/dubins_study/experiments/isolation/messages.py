@@ -159,7 +159,9 @@ def encode_path(path: Path | None) -> tuple[list[float] | None, list[bytes]]:
     return [*(float(value) for value in path.start), len(arrays[0]) // 8], arrays
 
 
-def decode_path(start: Sequence[float] | None, arrays: memoryview) -> tuple[Path | None, memoryview]:
+def decode_path(
+    start: Sequence[float] | None, arrays: memoryview
+) -> tuple[Path | None, memoryview]:
     """The path again, and the arrays that are left."""
     if start is None:
         return None, arrays

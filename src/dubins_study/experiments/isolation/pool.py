@@ -15,6 +15,7 @@ from itertools import count, islice
 from time import monotonic
 from typing import Any, NamedTuple, Self
 
+from dubins_study.errors import DubinsStudyError
 from dubins_study.experiments.interruption import Interruption
 from dubins_study.experiments.isolation.exit_status import crashed, exit_status
 from dubins_study.experiments.isolation.fork_server import ForkServerError
@@ -41,7 +42,7 @@ _MAX_RESULTS = 8
 _MAX_FALSE_STARTS = 3
 
 
-class RunError(RuntimeError):
+class RunError(DubinsStudyError, RuntimeError):
     """A run that could not go on; what was done is kept."""
 
 
@@ -184,9 +185,7 @@ class WorkerPool:
                     continue
                 number, warm_up = next(self._numbers), self._load_failures.warms_up(key)
                 self._given[number] = job
-                jobs.append(
-                    WorkerJob(number, *key, job.question, self.limits.time_s, warm_up)
-                )
+                jobs.append(WorkerJob(number, *key, job.question, self.limits.time_s, warm_up))
             for begin in range(0, len(jobs), self._batch_jobs):
                 self._put(place, jobs[begin : begin + self._batch_jobs])
         first = self._workers[0]
