@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 from dubins_study.errors import DubinsStudyError
 from dubins_study.solvers.profiles import PROFILES, tolerances
-from dubins_study.solvers.protocol import AnySolver, Outcome, Question, Solution
+from dubins_study.solvers.protocol import Outcome, Question, Solution, Solver
 from dubins_study.solvers.registry import load, unavailable
 from dubins_study.study.check.certificate import Certificate, Proof, certify
 from dubins_study.study.check.verdict import Claim, Judgement, Tolerances, Verdict, judge
@@ -160,7 +160,7 @@ def check_request(branch: str, limit: float) -> None:
 
 
 def attempt(
-    solver: AnySolver,
+    solver: Solver,
     question: Question,
     limit: float = DEFAULT_LIMIT,
     allowed: Tolerances = PROFILES["default"],
@@ -187,7 +187,7 @@ def nothing(outcome: Outcome, message: str, times: Times = _NEVER, status: str =
     return Reply(outcome, Solution(Claim.NONE, native_status=status, message=message), times)
 
 
-def ask(solver: AnySolver, question: Question, limit: float = DEFAULT_LIMIT) -> Reply:
+def ask(solver: Solver, question: Question, limit: float = DEFAULT_LIMIT) -> Reply:
     """Put a question to a solver and time it. What a solver raises is its reply."""
     reason = unavailable(solver)
     if reason is not None:

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from dubins_study.solvers.attempt import DEFAULT_LIMIT, attempt, check_request
 from dubins_study.solvers.profiles import tolerances
-from dubins_study.solvers.protocol import AnySolver, Outcome, Question
+from dubins_study.solvers.protocol import Outcome, Question, Solver
 from dubins_study.solvers.registry import load, unavailable
 from dubins_study.study.check.certificate import Proof
 from dubins_study.study.check.extremal import MEASURED
@@ -108,7 +108,7 @@ def solve_frame(
     allowed = tolerances(profile)
     backend = load(solver, profile)
     frame = check_frame(scenarios)
-    whole = getattr(backend, "solve_frame", None)
+    whole = backend.solve_frame
     if whole is None or unavailable(backend) is not None or branch not in backend.branches:
         return _one_by_one(frame, backend, branch, limit, allowed, solver)
     from dubins_study.study.check.certificate_frame import certify_frame
@@ -258,7 +258,7 @@ def _controls(paths: Paths) -> tuple[Any, Any]:
 
 def _one_by_one(
     frame: pd.DataFrame,
-    solver: AnySolver,
+    solver: Solver,
     branch: str,
     limit: float,
     allowed: Tolerances,

@@ -18,7 +18,6 @@ from dubins_study.solvers.optimal_control.turn_rate_dynamics import (
     Controls,
     Rates,
     corrected,
-    end_point,
     rollout,
 )
 from dubins_study.solvers.optimal_control.turn_rate_qp import RATES, TurnRateQp
@@ -316,6 +315,18 @@ def test_wrong_settings_are_refused_by_name(wrong: dict[str, object]) -> None:
 
     with pytest.raises(ValueError, match=rf"{name} is '?{value}'?; expected"):
         TurnRateQp(**wrong)  # type: ignore[arg-type]
+
+
+def end_point(heading, lengths):
+    """End point (2,) of arcs of given lengths (n,) that end at given headings (n,).
+
+    A chord is h sinc(a/2) long and points along the arc's mean heading. Complex headings pass
+    through.
+    """
+    turns = np.diff(heading, prepend=0.0)
+    chord = lengths * np.sinc(turns / (2 * np.pi))
+    middle = heading - turns / 2
+    return np.array([(chord * np.cos(middle)).sum(), (chord * np.sin(middle)).sum()])
 
 
 @given(st.integers(1, 40), st.floats(0.01, 60), st.integers(0, 10_000))

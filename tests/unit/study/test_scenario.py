@@ -8,7 +8,7 @@ import re
 import numpy as np
 import pandas as pd
 import pytest
-from cases import PAPER
+from cases import PAPER, scenario_frame
 
 from dubins_study.study.angle import AngleError, parse_angle
 from dubins_study.study.scenario import (
@@ -16,7 +16,6 @@ from dubins_study.study.scenario import (
     Scenario,
     ScenarioError,
     check_frame,
-    scenario_frame,
     scenarios,
 )
 
