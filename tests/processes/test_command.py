@@ -92,6 +92,7 @@ def test_solvers():
         (("solve", "1", "2", "--radius", "-1"), "radius is -1.0; expected a number above 0"),
         (("solve", "1", "2", "--speed", "0"), "speed is 0.0; expected a number above 0"),
         (("solve", "1", "2", "--from", "0", "0", "east"), "heading: 'east' is not an angle"),
+        (("solve", "1", "2", "--from", "0", "0", "120"), "write 120deg, or 120rad"),
         (("solve", "1", "2", "--solver", "nope"), "no solver named 'nope'; choose one of"),
         (("solve", "1", "2", "--branch", "SL"), "no branch named 'SL'; choose one of"),
         (("solve", "1", "2", "--profile", "x"), "no profile named 'x'"),

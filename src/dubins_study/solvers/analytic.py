@@ -13,7 +13,7 @@ from dubins_study.study.scenario import NUMBERS
 if TYPE_CHECKING:
     import pandas as pd
 
-    from dubins_study.solvers.frame import FrameSolution
+    from dubins_study.solvers.frame_solution import FrameSolution
 
 _NONE = "no {} path exists"
 
@@ -40,7 +40,7 @@ class Analytic(Solver):
     def solve_frame(self, frame: pd.DataFrame, branch: str) -> FrameSolution:
         import numpy as np  # these only here: a single question needs none of them
 
-        from dubins_study.solvers.frame import FrameSolution
+        from dubins_study.solvers.frame_solution import FrameSolution
         from dubins_study.study.check.verdict_frame import CLAIMS, Paths
         from dubins_study.study.closed_form.kernel import Rows, shortest_rows
         from dubins_study.study.closed_form.kernel_paths import curvatures

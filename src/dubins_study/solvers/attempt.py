@@ -16,20 +16,22 @@ from dubins_study.study.check.certificate import Certificate, Proof, certify
 from dubins_study.study.check.verdict import Claim, Judgement, Tolerances, Verdict, judge
 from dubins_study.study.closed_form.shortest import BRANCHES, shortest
 from dubins_study.study.path import Path
+from dubins_study.study.printable import plain
 from dubins_study.study.rows.schema import ANSWER, SCENARIO, names
 from dubins_study.study.scenario import Scenario
 
 # Long enough for every backend on every question; a solve here lasts microseconds to seconds.
 DEFAULT_LIMIT = 60.0
+_REPR_CHARS = 96  # of a line of an answer's repr
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class Answer:
-    """A judged and certified attempt. Units as in `study.rows.schema`; None where nothing can be said.
+    """A judged and certified attempt; units as in `study.rows.schema`, None where a value is missing.
 
-    `length`, `travel_time`, `word`, `gap` and `miss` are found from the path's controls by the check, and
-    so is the certificate (`study.check.certificate.Certificate`); `claimed_length` is what the solver
-    said.
+    The check computes `length`, `travel_time`, `word`, `gap`, `miss` and the certificate
+    (`study.check.certificate.Certificate`) from the path's controls; `claimed_length` is the
+    length that the solver reports.
     """
 
     scenario: Scenario
@@ -75,6 +77,22 @@ class Answer:
     wall_s: float | None
     iterations: int | None
     evaluations: int | None
+
+    def __repr__(self) -> str:
+        asked = self.scenario
+        pose = ", ".join(f"{value:g}" for value in asked.start)
+        target = f"{asked.target_x:g}, {asked.target_y:g}"
+        lines = (
+            f"solver {self.solver}, branch {self.branch}, outcome {self.outcome}",
+            f"from ({pose}) to ({target}), radius {asked.radius:g}, speed {asked.speed:g}",
+            f"verdict {self.verdict}, claim {self.claim}, proof {self.proof}",
+            f"word {self.word}, length {self.length}, travel time {self.travel_time}",
+            f"gap {self.gap}, miss {self.miss}",
+            f"region {self.region}, margin {self.margin:g}",
+            f"build {self.build_s} s, solve {self.solve_s} s",
+            f"message {plain(self.message)}",
+        )
+        return "\n".join(("Answer(", *(f"  {line:.{_REPR_CHARS}}" for line in lines))) + ")"
 
     @property
     def tied_words(self) -> tuple[str, ...]:

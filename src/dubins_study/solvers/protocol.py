@@ -17,7 +17,7 @@ from dubins_study.study.scenario import Scenario
 if TYPE_CHECKING:
     import pandas as pd
 
-    from dubins_study.solvers.frame import FrameSolution
+    from dubins_study.solvers.frame_solution import FrameSolution
 
 
 class Guarantee(StrEnum):
@@ -163,7 +163,7 @@ class Solver:
         profiles: by the name of a profile, the settings that it changes.
         variants: specs of this solver that `dubins-study solvers` lists beside it.
         solve_frame: a method `solve_frame(frame, branch) -> FrameSolution` that answers a whole
-            frame of scenarios at once (see `solvers.frame`), or None.
+            frame of scenarios at once (see `solvers.frame_solution`), or None.
     """
 
     name: ClassVar[str] = ""

@@ -9,7 +9,8 @@ import pytest
 from cases import scenario_frame
 
 from dubins_study.solvers.attempt import attempt
-from dubins_study.solvers.frame import FrameSolution, solve_frame
+from dubins_study.solvers.frame import solve_frame
+from dubins_study.solvers.frame_solution import FrameSolution
 from dubins_study.solvers.protocol import Guarantee, Outcome, Question, Solution, Solver
 from dubins_study.solvers.registry import SolverError, load
 from dubins_study.study.check.verdict import Claim, Verdict

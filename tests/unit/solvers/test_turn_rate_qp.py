@@ -57,10 +57,10 @@ def ask(
     scenario: Scenario,
     branch: str = "best",
     solver: TurnRateQp = DEFAULT,
-    start: Path | None = None,
+    initial_guess: Path | None = None,
     limit: float = 20.0,
 ) -> tuple[Solution, Judgement]:
-    solution = solver.solve(solver.build(Question(scenario, branch, start)), limit)
+    solution = solver.solve(solver.build(Question(scenario, branch, initial_guess)), limit)
     return solution, judge(scenario, solution.path, solution.claim, branch)
 
 
@@ -241,7 +241,7 @@ def test_useless_warm_start_does_no_harm(curvature: list[float], length: list[fl
     """An empty, broken or too tight path to start from is passed over or brought within bounds."""
     scenario = scenario_at(4.0, 3.0)
 
-    _, found = ask(scenario, start=Path(scenario.start, curvature, length))
+    _, found = ask(scenario, initial_guess=Path(scenario.start, curvature, length))
 
     assert found.verdict == Verdict.OPTIMAL
 
