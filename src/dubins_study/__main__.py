@@ -1,13 +1,13 @@
 """`python -m dubins_study`: the command line."""
 
-import os
 import sys
+from pathlib import Path
 
-# `-m` puts the working directory first: a user's `numpy.py` there would be ours, and our workers'
-if sys.path[:1] == [os.getcwd()]:
+# `-m` puts the working directory first: a user's `numpy.py` there would be taken for the library
+if sys.path[:1] == [str(Path.cwd())]:
     del sys.path[0]
 
-from dubins_study.cli.app import main  # noqa: E402
+from dubins_study.cli.app import main
 
 if __name__ == "__main__":
     main()

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import subprocess
 import sys
 import sysconfig
@@ -79,10 +78,10 @@ def user(built: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("user")
     venv.create(folder / "env", with_pip=True)
     site = next((folder / "env").glob("lib/python*/site-packages"))
-    before = set(os.listdir(site))
+    before = {entry.name for entry in site.iterdir()}
     pip = (folder / "env" / "bin" / "python", "-m", "pip", "--disable-pip-version-check")
     called(*pip, "install", "--quiet", "--no-index", "--no-deps", wheel_in(built))
-    new = set(os.listdir(site)) - before
+    new = {entry.name for entry in site.iterdir()} - before
     assert {name for name in new if not name.endswith(".dist-info")} == {"dubins_study"}
     # the libraries that the tests run with, without the editable installation among them
     (site / "libraries.pth").write_text(sysconfig.get_path("purelib") + "\n")
