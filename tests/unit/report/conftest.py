@@ -7,6 +7,7 @@ from pathlib import Path as FilePath
 from typing import Any
 
 import pytest
+
 from tests.unit.report.results_folder import write_folder
 
 

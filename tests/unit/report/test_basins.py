@@ -7,7 +7,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from tests.unit.report.results_folder import attempt, paper_scenarios
 
 from dubins_study import render, run
 from dubins_study.experiments.definition.experiment import read
@@ -29,6 +28,7 @@ from dubins_study.report.topics.basins.numbers import (
 from dubins_study.study.check.verdict import Claim
 from dubins_study.study.closed_form.shortest import shortest, shortest_path
 from dubins_study.study.path import Path
+from tests.unit.report.results_folder import attempt, paper_scenarios
 
 THREE, FOUR = paper_scenarios()[2:4]
 SPEC = "slsqp[model=joint,order=LRS,initial_guess=given,capped=false]"
@@ -112,7 +112,7 @@ def test_shares_by_hand(results):
     """Every start is in the denominator."""
     line = shares(ends(load([results("basins", every_end())]).rows)).iloc[0]
 
-    assert (line["starts"], line["found"], line["lies"]) == (9, 1 / 9, 3)
+    assert (line["starts"], line["found"], line["refuted"]) == (9, 1 / 9, 3)
     assert (line["turns_1"], line["turns_2"], line["turns_more"], line["most_turns"]) == (
         1,
         1,
@@ -138,7 +138,7 @@ def test_what_a_cap_changes_by_hand(results):
 
     assert change["found"].to_dict() == {False: 0.5, True: 0.5}
     assert change["turned"].to_dict() == {False: 0.5, True: 0.0}
-    assert change["lies"].to_dict() == {False: 0, True: 1}
+    assert change["refuted"].to_dict() == {False: 0, True: 1}
     assert is_capped(bounded)
     assert not is_capped(free)
 
@@ -148,10 +148,13 @@ def test_cold_starts_are_not_of_the_study(results):
 
 
 def test_the_section_tells_what_the_rows_hold(results, tmp_path):
-    """Numbers in the sentences are of these rows; without lies it does not speak of them."""
+    """Numbers in the sentences are of these rows; without refuted claims it does not speak of them."""
     page = render([results("basins", every_end())], tmp_path / "a").read_text(encoding="utf-8")
     honest = [given(FOUR, z1, z2, claim=Claim.LOCAL) for z1 in (0.0, 1.0) for z2 in (0.0, 1.0)]
-    plain = render([results("honest", honest, experiment={"name": "basins"})], tmp_path / "b")
+    plain = render(
+        [results("honest", honest, experiment={"name": "basins", "section": "basins"})],
+        tmp_path / "b",
+    )
 
     assert '<section id="basins"' in page
     assert "3 statements are refuted" in page
@@ -197,7 +200,7 @@ def test_where_a_local_solver_starts_decides_where_it_ends(reduced):
     assert (ipopt[INFEASIBLE] > 4).all()
     change = capping(found)
     assert change.loc[True, "turned"] < change.loc[False, "turned"] / 2
-    assert change.loc[True, "lies"] > 4  # no cap makes a local solver honest
+    assert change.loc[True, "refuted"] > 4  # no cap makes a local solver honest
     nowhere = table[table["end"] == NOWHERE]
     assert len(nowhere) > 0
     # what the lengths call no minimum is no extremal either; true minima miss by up to 6e-3 where

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 
 import pytest
-from tests.unit.report.results_folder import attempt, paper_scenarios
 
 from dubins_study import render, run
 from dubins_study.report.data.load import load
@@ -14,6 +13,7 @@ from dubins_study.report.topics.certificates.numbers import certificates
 from dubins_study.study.check.verdict import Claim
 from dubins_study.study.closed_form.shortest import shortest
 from dubins_study.study.scenario import Scenario
+from tests.unit.report.results_folder import attempt, paper_scenarios
 
 PROVED = {
     "proof": "proved",

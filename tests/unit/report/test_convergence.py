@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 
 import pytest
-from tests.unit.report.results_folder import attempt
 
 from dubins_study import render, run
 from dubins_study.experiments.definition.experiment import read
@@ -13,6 +12,7 @@ from dubins_study.report.data.load import load
 from dubins_study.report.topics.convergence.numbers import medians, orders, refined, series
 from dubins_study.study.check.verdict import Claim
 from dubins_study.study.scenario import Scenario
+from tests.unit.report.results_folder import attempt
 
 FAR = [Scenario(0, 0, 0, x, 3, 1) for x in (4.0, 5.0, 6.0)]
 NEAR = [Scenario(0, 0, 0, x, 1, 1) for x in (0.1, 0.2, 0.3)]

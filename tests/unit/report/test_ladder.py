@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 
 import pytest
-from tests.unit.report.results_folder import attempt
 
 from dubins_study import render, run
 from dubins_study.report.data.load import load
@@ -14,6 +13,7 @@ from dubins_study.study.check.verdict import Claim
 from dubins_study.study.closed_form.shortest import shortest, shortest_path
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
+from tests.unit.report.results_folder import attempt
 
 FRONT, REAR = 0.5, 4.0
 MARGINS = (1e-2, 1e-4, 1e-8)
@@ -97,7 +97,7 @@ def test_the_section_says_what_the_rows_say(results, tmp_path):
     """Who is tempted from where, who is not; with nobody tempted it blames nobody."""
     text = text_of(results("ladder", rows()), tmp_path / "a")
     good = [r for r in rows() if r["solver"] == "collocation"]
-    level = results("good", good, experiment={"name": "ladder"})
+    level = results("good", good, experiment={"name": "ladder", "section": "ladder"})
 
     assert "these take it: ipopt from 1e-8; the right path at every margin there: coll" in text
     assert "Of all 24 claims 0 are false." in text

@@ -10,7 +10,6 @@ import numpy as np
 import pandas as pd
 import pyarrow.parquet as pq
 import pytest
-from tests.unit.report.test_reduction import alike
 
 from dubins_study import render, run
 from dubins_study.experiments.engines import stream
@@ -20,6 +19,7 @@ from dubins_study.report.data.load import load as load_results
 from dubins_study.report.data.reduction import of
 from dubins_study.report.statistics.metrics import gap_quantiles, summary
 from dubins_study.report.topics.map.numbers import CELLS, REACH, WORDS, PlaneMap
+from tests.unit.report.test_reduction import alike
 
 EXPERIMENT = """
 title = "Many"

@@ -7,11 +7,11 @@ import json
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
-from tests.unit.report.results_folder import SCHEMA, attempt, paper_scenarios, write_folder
 
 from dubins_study.report.data.load import ReportError, load
 from dubins_study.study.closed_form.shortest import shortest_path
 from dubins_study.study.rows.schema import VERSION
+from tests.unit.report.results_folder import SCHEMA, attempt, paper_scenarios, write_folder
 
 
 def test_paths_come_back_as_they_were_written(results):

@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 
 import pytest
-from tests.unit.report.results_folder import paper_scenarios
 
 from dubins_study.report.paper.audit_file import misprints
 from dubins_study.report.paper.printed import PROBLEMS, compare, segments
 from dubins_study.study.closed_form.shortest import shortest_path
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Pose
+from tests.unit.report.results_folder import paper_scenarios
 
 
 @pytest.fixture

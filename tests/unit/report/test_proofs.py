@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 
 import pytest
-from tests.unit.report.results_folder import attempt, paper_scenarios
 
 from dubins_study import render, run
 from dubins_study.report.data.load import load
@@ -20,6 +19,7 @@ from dubins_study.report.topics.proofs.numbers import (
 from dubins_study.study.check.verdict import Claim
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
+from tests.unit.report.results_folder import attempt, paper_scenarios
 
 DISC = [Scenario(0, 0, 0, x, 1, 1, label="in a disc") for x in (0.1, 0.2, 0.3)]
 

@@ -7,11 +7,11 @@ import re
 
 import numpy as np
 import pytest
-from tests.unit.report.results_folder import attempt, paper_scenarios
 
 from dubins_study import render
 from dubins_study.report.data.load import load
 from dubins_study.report.topics.runs.numbers import runs
+from tests.unit.report.results_folder import attempt, paper_scenarios
 
 HOSTILE = "<script>alert('x')</script> & |a_b| $x^2$ \\input{y} `c` [l](u) #%~{}"
 

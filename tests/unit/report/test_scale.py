@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 
 import pytest
-from tests.unit.report.results_folder import attempt
 
 from dubins_study import render, run
 from dubins_study.experiments.definition.experiment import read
@@ -15,6 +14,7 @@ from dubins_study.study.check.verdict import Claim
 from dubins_study.study.closed_form.shortest import shortest_path
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
+from tests.unit.report.results_folder import attempt
 
 RADII = (1e-3, 1.0, 1e3)
 UNITS = "slsqp[units=scenario]"
@@ -83,7 +83,7 @@ def text_of(folder, out):
 def test_the_section_says_what_the_rows_say(results, tmp_path):
     """Who is level, who is not and why; with nobody to blame it blames nobody."""
     text = text_of(results("scale", rows()), tmp_path / "a")
-    level = results("level", rows()[:6], experiment={"name": "scale"})
+    level = results("level", rows()[:6], experiment={"name": "scale", "section": "scale"})
 
     assert "2 of 3 solvers and variants give the same path everywhere" in text
     assert f"Not so for {UNITS} (right in 66.7 %" in text

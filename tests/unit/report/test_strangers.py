@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 
 import pytest
-from tests.unit.report.results_folder import attempt, paper_scenarios
 
 from dubins_study import render
 from dubins_study.report.data.load import ReportError, load
 from dubins_study.report.data.visible import visible
+from tests.unit.report.results_folder import attempt, paper_scenarios
 
 ESCAPES = "\x1b[31m\x07\x9b\u202e\ud800"
 

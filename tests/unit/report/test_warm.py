@@ -5,14 +5,14 @@ from __future__ import annotations
 import math
 
 import pytest
-from tests.unit.report.results_folder import attempt
 
 from dubins_study import render
 from dubins_study.report.data.load import load
-from dubins_study.report.statistics.timing import warm_starts
+from dubins_study.report.topics.warm.numbers import warm_starts
 from dubins_study.report.topics.warm.section import warm_sentences
 from dubins_study.study.check.verdict import Claim
 from dubins_study.study.scenario import Scenario
+from tests.unit.report.results_folder import attempt
 
 RADII = (1.0, 1.1, 1.2, 1.3, 1.4)
 

@@ -8,7 +8,7 @@ from typing import Any
 import pandas as pd
 
 from dubins_study.report.data.load import Manifest
-from dubins_study.study.rows.machine_noise import is_number, probes_of, varied
+from dubins_study.study.rows.machine_noise import Probe, by_machine, is_number, probes_of, varied
 
 COLUMNS = (
     *("experiment", "run", "started", "seconds", "state", "engine", "jobs"),
@@ -26,6 +26,24 @@ def runs(manifests: Iterable[Manifest]) -> pd.DataFrame:
     """
     rows = [_row(manifest, entry) for manifest in manifests for entry in manifest.runs]
     return pd.DataFrame(rows, columns=list(COLUMNS))
+
+
+def probe_ratios(table: pd.DataFrame) -> pd.DataFrame:
+    """What the calibration probe took in each run of `runs`, relative to its median there.
+
+    Of a run on several machines, the one that varied most.
+
+    Returns:
+        Columns run (with the machine's name if there are several), when (s), ratio.
+    """
+    parts = []
+    for run, probes in zip(table["run"], table["probes"], strict=True):
+        machine, own = next(iter(by_machine(probes).items()))
+        frame = pd.DataFrame(own, columns=list(Probe._fields))
+        name = str(run)[:24] + (f", machine {machine}" if machine else "")
+        ratio = frame["took"] / frame["took"].median()
+        parts.append(pd.DataFrame({"run": name, "when": frame["when"], "ratio": ratio}))
+    return pd.concat(parts, ignore_index=True)
 
 
 def _row(manifest: Manifest, entry: Mapping[str, Any]) -> dict[str, Any]:
@@ -53,10 +71,10 @@ def _row(manifest: Manifest, entry: Mapping[str, Any]) -> dict[str, Any]:
 def _machine(machine: Any) -> str:
     if not isinstance(machine, Mapping):
         return ""
-    said = [str(machine[key]) for key in ("processor", "system", "memory") if key in machine]
+    parts = [str(machine[key]) for key in ("processor", "system", "memory") if key in machine]
     if "cores" in machine:
-        said.append(f"{machine.get('usable_cores', machine['cores'])} of {machine['cores']} cores")
-    return ", ".join(said)
+        parts.append(f"{machine.get('usable_cores', machine['cores'])} of {machine['cores']} cores")
+    return ", ".join(parts)
 
 
 def _load(averages: Any) -> str:
