@@ -7,13 +7,13 @@ import json
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from tests.unit.report.results_folder import attempt, write_folder
 
 import dubins_study.report.page.render  # noqa: F401  its libraries write to places of their own when loaded
 from dubins_study.study.scenario import Scenario
 from tests.fuzz.hostile import HOSTILE, MARK, cases, texts
 from tests.fuzz.page import check_json, check_report
 from tests.fuzz.watched import command, raw_controls
+from tests.unit.report.results_folder import attempt, write_folder
 
 # what a row may hold: a text without halves of pairs
 words = st.one_of(texts, st.text(st.characters(exclude_categories=["Cs"]), max_size=12))

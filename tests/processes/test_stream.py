@@ -98,7 +98,12 @@ def test_rows_are_those_of_single_cells(experiment, tmp_path, small_chunks):
         for name in ("outcome", "claim", "verdict", "region", "message", "native_status", "proof"):
             assert getattr(row, name) == str(getattr(answer, name)), name
         assert (answer.word or None) == (row.word if isinstance(row.word, str) else None)
-        assert (row.solver, row.initial_guess, row.repeat, row.threads) == ("analytic", "cold", 0, 1)
+        assert (row.solver, row.initial_guess, row.repeat, row.threads) == (
+            "analytic",
+            "cold",
+            0,
+            1,
+        )
         if answer.length is None:
             assert np.isnan([row.length, row.gap, row.travel_time]).all()
             continue
@@ -197,7 +202,7 @@ def test_names_of_streams_depend_on_what_is_asked(monkeypatch):
         streams(expanded('branches = ["LS"]\n' + text))[0],
         streams(expanded('profile = "fast"\n' + text))[0],
         streams(expanded("repeats = 2\n" + text))[1],
-        one._replace(code="other"),
+        one._replace(code_digest="other"),
     ]
     assert one.id == also.id == later.id
     assert len({one.id, *(other.id for other in others)}) == 1 + len(others)

@@ -8,8 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from dubins_study import render, run
-from dubins_study.experiments.definition.experiment import read
+from dubins_study import render
 from dubins_study.report.data.load import load
 from dubins_study.report.topics.basins.numbers import (
     GIVES_UP,
@@ -32,6 +31,8 @@ from tests.unit.report.results_folder import attempt, paper_scenarios
 
 THREE, FOUR = paper_scenarios()[2:4]
 SPEC = "slsqp[model=joint,order=LRS,initial_guess=given,capped=false]"
+
+BASINS = {"name": "basins", "section": "basins", "text": ""}
 
 
 def turned(scenario, word, turns):
@@ -152,7 +153,7 @@ def test_the_section_tells_what_the_rows_hold(results, tmp_path):
     page = render([results("basins", every_end())], tmp_path / "a").read_text(encoding="utf-8")
     honest = [given(FOUR, z1, z2, claim=Claim.LOCAL) for z1 in (0.0, 1.0) for z2 in (0.0, 1.0)]
     plain = render(
-        [results("honest", honest, experiment={"name": "basins", "section": "basins"})],
+        [results("honest", honest, experiment=BASINS)],
         tmp_path / "b",
     )
 
@@ -172,37 +173,3 @@ def test_lost_rows_are_drawn_as_given_up(results, tmp_path):
     page = render([results("basins", rows)], tmp_path / "out").read_text(encoding="utf-8")
 
     assert "gives up (1)" in page
-
-
-@pytest.fixture(scope="module")
-def reduced(tmp_path_factory):
-    """The study itself on a grid of 7 by 7."""
-    base = tmp_path_factory.mktemp("basins")
-    text = read("basins").text
-    assert text.count(", 25]") == 4
-    (base / "basins.toml").write_text(text.replace(", 25]", ", 7]"), encoding="utf-8")
-    return run(str(base / "basins.toml"), base / "out")
-
-
-@pytest.mark.slow
-def test_where_a_local_solver_starts_decides_where_it_ends(reduced):
-    """The study's claim: no solver finds the shortest path from everywhere, full turns are among
-    the ends, and some of what is said is false: that no path exists, or that a point is a minimum
-    which Pontryagin's conditions refute."""
-    table = ends(load([reduced]).rows)
-    found = shares(table)
-
-    assert len(found) == 10
-    assert found["starts"].tolist() == [49] * 10
-    assert found["found"].between(0.2, 0.85).all()
-    assert (found[~found["capped"]]["turns_1"] > 0).all()
-    ipopt = found[(found["name"] == "ipopt") & (found["label"] == "problem 4")]
-    assert (ipopt[INFEASIBLE] > 4).all()
-    change = capping(found)
-    assert change.loc[True, "turned"] < change.loc[False, "turned"] / 2
-    assert change.loc[True, "refuted"] > 4  # no cap makes a local solver honest
-    nowhere = table[table["end"] == NOWHERE]
-    assert len(nowhere) > 0
-    # what the lengths call no minimum is no extremal either; true minima miss by up to 6e-3 where
-    # a solver stops early on the degenerate one
-    assert (nowhere["pmp_residual"] > 9e-3).all()

@@ -7,8 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from dubins_study import render, run
-from dubins_study.experiments.definition.experiment import read
+from dubins_study import render
 from dubins_study.report.data.load import load
 from dubins_study.report.topics.bias.numbers import (
     barrier,
@@ -137,36 +136,3 @@ def test_a_part_of_the_rows_is_enough(results, tmp_path):
 
     assert "Over 3 attempts" in text_of(told, tmp_path / "a")
     assert '<section id="bias"' not in render([none], tmp_path / "b").read_text(encoding="utf-8")
-
-
-@pytest.fixture(scope="module")
-def reduced(tmp_path_factory):
-    """The study itself at three barriers and two radii."""
-    base = tmp_path_factory.mktemp("bias")
-    text = read("bias").text
-    barriers, radii = "{1e-11,1e-10,1e-9,1e-8,1e-7,1e-6,1e-5,1e-4}", "[0.1, 0.3, 1, 3, 10, 30, 100]"
-    assert barriers in text
-    assert radii in text
-    text = text.replace(barriers, "{1e-10,1e-7,1e-5}").replace(radii, "[0.1, 1, 30]")
-    (base / "bias.toml").write_text(text, encoding="utf-8")
-    return run(str(base / "bias.toml"), base / "out")
-
-
-def test_an_interior_point_stops_at_the_cube_root(reduced):
-    """The study's claim: z2 = (mu R^2)^(1/3) and the length mu / 3 too long, to first order in
-    z2 / R, at barriers told and at the one that Ipopt's defaults lead to; the split model leaves
-    none."""
-    table = left_over(load([reduced]))
-    known = table[table["mu"].notna()]
-    told, others = by_barrier(table), without_barrier(table)
-
-    assert len(known) == 12
-    first_order = known["predicted"] / known["radius"]
-    # the next terms are below a tenth and a half of z2 / R here; 2e-4 is Ipopt's own tolerance
-    assert ((known["ratio"] - 1).abs() < 0.1 * first_order + 2e-4).all()
-    # lengths are known to rounding, which is up to 1e-3 of the least excess
-    assert ((known["excess_ratio"] - 1).abs() < 0.5 * first_order + 2e-3).all()
-    assert told["slope"].tolist() == pytest.approx([1.0] * 4, abs=1e-3)
-    assert (others[~others["joint"]]["exact"] == 3).all()
-    # an active-set method is not exact on the unsplit model: that multiplier is zero
-    assert others[others["joint"]]["most"].max() > 1e-4

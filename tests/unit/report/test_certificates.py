@@ -6,13 +6,11 @@ import math
 
 import pytest
 
-from dubins_study import render, run
+from dubins_study import render
 from dubins_study.report.data.load import load
 from dubins_study.report.data.tally import compared, widths
 from dubins_study.report.topics.certificates.numbers import certificates
 from dubins_study.study.check.verdict import Claim
-from dubins_study.study.closed_form.shortest import shortest
-from dubins_study.study.scenario import Scenario
 from tests.unit.report.results_folder import attempt, paper_scenarios
 
 PROVED = {
@@ -115,43 +113,3 @@ def test_rows_without_certificates_have_no_section(results, tmp_path):
     page = render([results("tiny", [attempt(s) for s in paper_scenarios()])], tmp_path / "out")
 
     assert '<section id="certificates"' not in page.read_text(encoding="utf-8")
-
-
-EXPERIMENT = """
-title = "certified"
-question = "?"
-branches = ["best", "RS"]
-solvers = ["analytic", "shooting", "disjunctive"]
-time_limit_s = 20
-
-[[scenarios]]
-target_x = 4
-target_y = 1
-
-[[scenarios]]
-target_x = 0.3
-target_y = -1.2
-"""
-
-
-def test_real_answers_are_certified(tmp_path):
-    """Right answers to easy questions are all proved, RS to the right disc by its absence; the
-    enclosures hold the closed form's length and are narrower than 1e-12."""
-    (tmp_path / "certified.toml").write_text(EXPERIMENT, encoding="utf-8")
-    results = load([run(str(tmp_path / "certified.toml"), tmp_path / "out")])
-    loaded, table = results.rows, certificates(results.reduction).set_index("solver")
-    disc = loaded[loaded["region"] == "right disc"]
-
-    assert table["none"].sum() == 0
-    assert table.loc["analytic", "proved"] == 4
-    assert set(disc.loc[disc["branch"] == "RS", "verdict"]) == {"none exists"}
-    assert len(widths(loaded)) == 3 * 3
-    assert widths(loaded).max() < 1e-12
-    assert table["false_bounds"].sum() == 0
-    best = disc[disc["branch"] == "best"].iloc[0]
-    # a unit in the last place, which is what the closed form's own arithmetic loses
-    exact = shortest(Scenario(0, 0, 0, 0.3, -1.2, 1)).total
-    assert best["reference_low"] <= exact * (1 + 1e-15)
-    assert exact * (1 - 1e-15) <= best["reference_high"]
-    # shooting's multipliers are its costates
-    assert table.loc["shooting", "costate_error"] < 1e-9

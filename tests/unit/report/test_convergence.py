@@ -6,8 +6,7 @@ import math
 
 import pytest
 
-from dubins_study import render, run
-from dubins_study.experiments.definition.experiment import read
+from dubins_study import render
 from dubins_study.report.data.load import load
 from dubins_study.report.topics.convergence.numbers import medians, orders, refined, series
 from dubins_study.study.check.verdict import Claim
@@ -121,37 +120,3 @@ def test_lost_rows_make_a_section_too(results, tmp_path):
 
     assert "The median gap falls" not in text
     assert "outside the discs none of them does" in text
-
-
-@pytest.fixture(scope="module")
-def reduced(tmp_path_factory):
-    """The study itself with few sizes and no MILP of many headings."""
-    base = tmp_path_factory.mktemp("convergence")
-    text = read("convergence").text
-    for old, new in (
-        ("n={10,20,40,80,160,320,640},engine", "n={20,80,320},engine"),
-        ("headings={18,36,72,144,288}", "headings={18,36,72}"),
-        ("n={10,20,40,80,160}]", "n={20,40}]"),
-        ("points={1,2,3},n={10,20,40,80}", "points={1,2},n={20,40}"),
-    ):
-        assert old in text
-        text = text.replace(old, new)
-    (base / "convergence.toml").write_text(text, encoding="utf-8")
-    return run(str(base / "convergence.toml"), base / "out")
-
-
-@pytest.mark.slow
-def test_orders_are_those_of_the_theory(reduced):
-    """Held turn rates: 3 outside the discs, 2 inside; headings: 2; Radau's miss: 2p - 1.
-
-    Half an order is allowed: where the switches fall between two steps moves medians of eight.
-    """
-    found = orders(frames(reduced)).set_index(["series", "place"])["order"]
-    raw = "collocation[points={},mesh=equal,correct=False]"
-
-    assert found["turn-rate-qp", "outside"] == pytest.approx(3, abs=0.5)
-    assert found["turn-rate-qp", "in a disc"] == pytest.approx(2, abs=0.5)
-    for place in ("outside", "in a disc"):
-        assert found["heading-milp", place] == pytest.approx(2, abs=0.5)
-        assert found[raw.format(1), place] == pytest.approx(1, abs=0.2)
-        assert found[raw.format(2), place] == pytest.approx(3, abs=0.3)

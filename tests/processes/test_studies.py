@@ -1,0 +1,248 @@
+"""Claims of the studies: an experiment is run in a smaller size and its numbers are judged."""
+
+from __future__ import annotations
+
+import pytest
+
+from dubins_study import run
+from dubins_study.experiments.definition.experiment import read
+from dubins_study.report.data.load import load
+from dubins_study.report.data.tally import widths
+from dubins_study.report.topics.basins.numbers import INFEASIBLE, NOWHERE, capping, ends, shares
+from dubins_study.report.topics.bias.numbers import by_barrier, left_over, without_barrier
+from dubins_study.report.topics.certificates.numbers import certificates
+from dubins_study.report.topics.convergence.numbers import orders, refined
+from dubins_study.report.topics.ladder.numbers import rungs
+from dubins_study.report.topics.proofs.numbers import prices, proofs
+from dubins_study.report.topics.scale.numbers import by_solver, spreads
+from dubins_study.study.closed_form.shortest import shortest
+from dubins_study.study.scenario import Scenario
+
+
+@pytest.fixture(scope="module")
+def basins_folder(tmp_path_factory):
+    """The study itself on a grid of 7 by 7."""
+    base = tmp_path_factory.mktemp("basins")
+    text = read("basins").text
+    assert text.count(", 25]") == 4
+    (base / "basins.toml").write_text(text.replace(", 25]", ", 7]"), encoding="utf-8")
+    return run(str(base / "basins.toml"), base / "out")
+
+
+@pytest.mark.slow
+def test_where_a_local_solver_starts_decides_where_it_ends(basins_folder):
+    """The study's claim: no solver finds the shortest path from everywhere, full turns are among
+    the ends, and some of what is said is false: that no path exists, or that a point is a minimum
+    which Pontryagin's conditions refute."""
+    table = ends(load([basins_folder]).rows)
+    found = shares(table)
+
+    assert len(found) == 10
+    assert found["starts"].tolist() == [49] * 10
+    assert found["found"].between(0.2, 0.85).all()
+    assert (found[~found["capped"]]["turns_1"] > 0).all()
+    ipopt = found[(found["name"] == "ipopt") & (found["label"] == "problem 4")]
+    assert (ipopt[INFEASIBLE] > 4).all()
+    change = capping(found)
+    assert change.loc[True, "turned"] < change.loc[False, "turned"] / 2
+    assert change.loc[True, "refuted"] > 4  # no cap makes a local solver honest
+    nowhere = table[table["end"] == NOWHERE]
+    assert len(nowhere) > 0
+    # what the lengths call no minimum is no extremal either; true minima miss by up to 6e-3 where
+    # a solver stops early on the degenerate one
+    assert (nowhere["pmp_residual"] > 9e-3).all()
+
+
+@pytest.fixture(scope="module")
+def bias_folder(tmp_path_factory):
+    """The study itself at three barriers and two radii."""
+    base = tmp_path_factory.mktemp("bias")
+    text = read("bias").text
+    barriers, radii = "{1e-11,1e-10,1e-9,1e-8,1e-7,1e-6,1e-5,1e-4}", "[0.1, 0.3, 1, 3, 10, 30, 100]"
+    assert barriers in text
+    assert radii in text
+    text = text.replace(barriers, "{1e-10,1e-7,1e-5}").replace(radii, "[0.1, 1, 30]")
+    (base / "bias.toml").write_text(text, encoding="utf-8")
+    return run(str(base / "bias.toml"), base / "out")
+
+
+def test_an_interior_point_stops_at_the_cube_root(bias_folder):
+    """The study's claim: z2 = (mu R^2)^(1/3) and the length mu / 3 too long, to first order in
+    z2 / R, at barriers told and at the one that Ipopt's defaults lead to; the split model leaves
+    none."""
+    table = left_over(load([bias_folder]))
+    known = table[table["mu"].notna()]
+    told, others = by_barrier(table), without_barrier(table)
+
+    assert len(known) == 12
+    first_order = known["predicted"] / known["radius"]
+    # the next terms are below a tenth and a half of z2 / R here; 2e-4 is Ipopt's own tolerance
+    assert ((known["ratio"] - 1).abs() < 0.1 * first_order + 2e-4).all()
+    # lengths are known to rounding, which is up to 1e-3 of the least excess
+    assert ((known["excess_ratio"] - 1).abs() < 0.5 * first_order + 2e-3).all()
+    assert told["slope"].tolist() == pytest.approx([1.0] * 4, abs=1e-3)
+    assert (others[~others["joint"]]["exact"] == 3).all()
+    # an active-set method is not exact on the unsplit model: that multiplier is zero
+    assert others[others["joint"]]["most"].max() > 1e-4
+
+
+CERTIFICATES = """
+title = "certified"
+question = "?"
+branches = ["best", "RS"]
+solvers = ["analytic", "shooting", "disjunctive"]
+time_limit_s = 20
+
+[[scenarios]]
+target_x = 4
+target_y = 1
+
+[[scenarios]]
+target_x = 0.3
+target_y = -1.2
+"""
+
+
+def test_real_answers_are_certified(tmp_path):
+    """Right answers to easy questions are all proved, RS to the right disc by its absence; the
+    enclosures hold the closed form's length and are narrower than 1e-12."""
+    (tmp_path / "certified.toml").write_text(CERTIFICATES, encoding="utf-8")
+    results = load([run(str(tmp_path / "certified.toml"), tmp_path / "out")])
+    loaded, table = results.rows, certificates(results.reduction).set_index("solver")
+    disc = loaded[loaded["region"] == "right disc"]
+
+    assert table["none"].sum() == 0
+    assert table.loc["analytic", "proved"] == 4
+    assert set(disc.loc[disc["branch"] == "RS", "verdict"]) == {"none exists"}
+    assert len(widths(loaded)) == 3 * 3
+    assert widths(loaded).max() < 1e-12
+    assert table["false_bounds"].sum() == 0
+    best = disc[disc["branch"] == "best"].iloc[0]
+    # a unit in the last place, which is what the closed form's own arithmetic loses
+    exact = shortest(Scenario(0, 0, 0, 0.3, -1.2, 1)).total
+    assert best["reference_low"] <= exact * (1 + 1e-15)
+    assert exact * (1 - 1e-15) <= best["reference_high"]
+    # shooting's multipliers are its costates
+    assert table.loc["shooting", "costate_error"] < 1e-9
+
+
+@pytest.fixture(scope="module")
+def convergence_folder(tmp_path_factory):
+    """The study itself with few sizes and no MILP of many headings."""
+    base = tmp_path_factory.mktemp("convergence")
+    text = read("convergence").text
+    for old, new in (
+        ("n={10,20,40,80,160,320,640},engine", "n={20,80,320},engine"),
+        ("headings={18,36,72,144,288}", "headings={18,36,72}"),
+        ("n={10,20,40,80,160}]", "n={20,40}]"),
+        ("points={1,2,3},n={10,20,40,80}", "points={1,2},n={20,40}"),
+    ):
+        assert old in text
+        text = text.replace(old, new)
+    (base / "convergence.toml").write_text(text, encoding="utf-8")
+    return run(str(base / "convergence.toml"), base / "out")
+
+
+@pytest.mark.slow
+def test_orders_are_those_of_the_theory(convergence_folder):
+    """Held turn rates: 3 outside the discs, 2 inside; headings: 2; Radau's miss: 2p - 1.
+
+    Half an order is allowed: where the switches fall between two steps moves medians of eight.
+    """
+    loaded = load([convergence_folder])
+    found = orders(refined(loaded.rows, loaded.manifests[0].solvers)).set_index(
+        ["series", "place"]
+    )["order"]
+    raw = "collocation[points={},mesh=equal,correct=False]"
+
+    assert found["turn-rate-qp", "outside"] == pytest.approx(3, abs=0.5)
+    assert found["turn-rate-qp", "in a disc"] == pytest.approx(2, abs=0.5)
+    for place in ("outside", "in a disc"):
+        assert found["heading-milp", place] == pytest.approx(2, abs=0.5)
+        assert found[raw.format(1), place] == pytest.approx(1, abs=0.2)
+        assert found[raw.format(2), place] == pytest.approx(3, abs=0.3)
+
+
+LADDER = """
+title = "ladder"
+question = "?"
+branches = ["best"]
+solvers = ["analytic", "slsqp", "ipopt", "collocation", "shooting", "disjunctive"]
+time_limit_s = 20
+
+[[scenarios]]
+heading = 0.7
+arc = [0.5, 4.4]
+margin = [1e-3, 1e-11, -1e-3, -1e-11]
+"""
+
+
+@pytest.mark.slow
+def test_a_miss_buys_a_turn_only_inside_the_front_half(tmp_path):
+    """The study's claim on eight targets: 1e-11 R inside the front half every solver with a
+    tolerance on equations takes the short path, everywhere else all are right, and none lies."""
+    (tmp_path / "ladder.toml").write_text(LADDER, encoding="utf-8")
+    folder = run(str(tmp_path / "ladder.toml"), tmp_path / "out")
+    attempts = rungs(load([folder]).rows)
+    short = attempts[attempts["finding"] == "by its miss"]
+
+    assert set(short["solver"]) == {"slsqp", "ipopt", "shooting", "disjunctive"}
+    assert set(zip(short["side"], short["rung"], strict=True)) == {("front, inside", -11)}
+    assert attempts.drop(short.index)["finding"].eq("right").all()
+    assert not attempts["false_claim"].any()
+
+
+PROOFS = """
+title = "proofs"
+question = "?"
+branches = ["best"]
+solvers = ["slsqp", "shooting", "disjunctive[gap={1e-2,1e-6}]"]
+time_limit_s = 20
+
+[[scenarios]]
+heading = 0.7
+arc = [0.5, -2.5, 4.0]
+margin = [-0.5, 0.5]
+"""
+
+
+@pytest.mark.slow
+def test_the_global_solver_proves_what_the_certificate_proves(tmp_path):
+    """The study's claim on six targets: at gap 1e-6 its bound proves every answer to that, no
+    answer differs from those that the certificate proves, and the proof is not for nothing."""
+    (tmp_path / "proofs.toml").write_text(PROOFS, encoding="utf-8")
+    loaded = load([run(str(tmp_path / "proofs.toml"), tmp_path / "out")]).rows
+    table = proofs(loaded).set_index("solver")
+    price = prices(loaded).set_index("solver")["ratio"]
+
+    assert (table["proved"] == 6).all()
+    assert table.loc["disjunctive", "gap_most"] < 1e-6
+    assert table.loc["disjunctive[gap=0.01]", "gap_most"] < 1e-2
+    assert not loaded["false_bound"].any()
+    # about thirtyfold; a busy machine slows both alike
+    assert price["disjunctive"] > 3
+
+
+@pytest.fixture(scope="module")
+def scale_folder(tmp_path_factory):
+    """The study itself at four radii."""
+    base = tmp_path_factory.mktemp("scale")
+    text = read("scale").text
+    assert text.count("log = [1e-6, 1e6, 13]") == 3
+    text = text.replace("log = [1e-6, 1e6, 13]", "log = [1e-6, 1e6, 4]")
+    (base / "scale.toml").write_text(text, encoding="utf-8")
+    return run(str(base / "scale.toml"), base / "out")
+
+
+@pytest.mark.slow
+def test_solvers_have_no_scale_unless_they_are_given_one(scale_folder):
+    """The study's claim: by default every solver gives the same path in radii from 1e-6 to 1e6, and
+    what poses the model in the scenario's own unit does not."""
+    table = by_solver(spreads(load([scale_folder]).rows)).set_index("solver")
+    posed = table.index.str.contains("units=scenario")
+
+    assert posed.sum() == 2
+    assert (table[~posed]["invariant"] == 3).all()
+    assert (table[posed]["invariant"] < 3).all()
+    # rounding alone changes how many iterations are taken; twofold has been seen
+    assert (table[~posed]["iterations"].fillna(1) < 3).all()
