@@ -9,8 +9,8 @@ import numpy as np
 import pandas as pd
 
 from dubins_study.errors import DubinsStudyError
-from dubins_study.report.page.render import save_bytes, settle
-from dubins_study.report.page.style import drawing, new_figure
+from dubins_study.report.elements.figure_file import figure_bytes, fix_layout
+from dubins_study.report.elements.style import drawing, new_figure
 from dubins_study.report.topics.paper.figures import aspect_of, plot_paths
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
@@ -20,8 +20,6 @@ if TYPE_CHECKING:
 
 _WIDTH = 5.5  # inches
 _HEIGHT = (3.0, 8.0)
-
-
 _FORMATS = (".svg", ".pdf", ".png")
 
 
@@ -73,9 +71,9 @@ def plot_path(drawn: Answered | Path, file: str | FilePath | None = None) -> Fig
         height = min(max(_WIDTH * aspect_of(paths) + 0.6, _HEIGHT[0]), _HEIGHT[1])
         figure = new_figure(_WIDTH, height)
         plot_paths(figure.add_subplot(), paths, names=(name,))
-        settle(figure)
+        fix_layout(figure)
         if place is not None:
-            image = save_bytes(figure, place.suffix.removeprefix("."))
+            image = figure_bytes(figure, place.suffix.removeprefix("."))
             try:
                 place.write_bytes(image)
             except OSError as error:
