@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from dubins_study.study.check.two_arcs import PATH_WORDS
 from dubins_study.study.check.verdict import (
     COARSE,
     Claim,
@@ -22,7 +23,6 @@ from dubins_study.study.check.verdict import (
 )
 from dubins_study.study.check.verdict_kernel import (
     ODD,
-    PATH_WORDS,
     REGIONS,
     VERDICTS,
     Asked,
