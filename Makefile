@@ -5,7 +5,7 @@ READY := $(VENV)/ready
 STUDIES := paper radius-sweep random plane discretisation basins bias scale convergence ladder proofs
 
 .DEFAULT_GOAL := help
-.PHONY: help study studies reference test check bench lock clean
+.PHONY: help study studies reference test rooms check bench lock clean
 
 help:  ## list the targets
 	@grep -hE '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 12
@@ -31,6 +31,9 @@ reference: $(READY)  ## make the committed reference run anew
 test: $(READY)  ## run the tests
 	$(BIN)/python -m pytest $(ARGS)
 
+rooms: $(READY)  ## print each room with its promise, its size and what it imports
+	$(BIN)/python -m tests.unit.test_layers
+
 check: $(READY)  ## lint, format and type checks
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
@@ -41,7 +44,7 @@ bench: $(READY)  ## measure speed beside peers and print a table of ratios
 
 lock: $(READY)  ## resolve the dependencies anew and pin them with hashes
 	$(BIN)/uv pip compile --quiet --universal --python-version 3.11 --generate-hashes \
-	    --no-emit-index-url --no-emit-find-links --no-annotate --custom-compile-command 'make lock' \
+	    --no-annotate --custom-compile-command 'make lock' \
 	    --all-extras pyproject.toml -o requirements.lock
 
 clean:  ## remove the environment and caches

@@ -18,9 +18,9 @@ import pyarrow.parquet as pq
 
 from benchmarks.harness import Measurement, side_by_side
 from dubins_study.experiments.definition.experiment import parse
-from dubins_study.experiments.engines.judging import Run
 from dubins_study.experiments.engines.stream import Stream, solve_streams, streams
 from dubins_study.experiments.interruption import Interruption
+from dubins_study.experiments.run_settings import RunSettings
 from dubins_study.experiments.store.writer import Writer
 from dubins_study.study.rows.schema import arrow_schema
 
@@ -87,7 +87,7 @@ def _stored(place: Path) -> Callable[[], None]:
     def store() -> None:
         with _folder(place / f"ours-{next(numbers)}") as folder:
             writer = Writer(folder, "bench", CHUNK * PARTS, None)
-            solve_streams(folder, wanted, Run("bench", 60.0, 1), writer, Interruption())
+            solve_streams(folder, wanted, RunSettings("bench", 60.0), writer, Interruption())
 
     return store
 

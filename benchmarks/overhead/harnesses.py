@@ -70,18 +70,19 @@ def ours(cells: int, folder: FilePath) -> Spent:
 
 def in_process(cells: int, folder: FilePath) -> Spent:
     """The same cells without a worker process: check, certificate, rows and one part."""
-    from dubins_study.experiments.engines.judging import Run, row_of
-    from dubins_study.experiments.engines.rows import rows_table
+    from dubins_study.experiments.engines.judging import row_of
     from dubins_study.experiments.plan.request import Request, accepted
+    from dubins_study.experiments.run_settings import RunSettings
     from dubins_study.experiments.store.folder import write_part
     from dubins_study.solvers.attempt import ask
     from dubins_study.solvers.protocol import Question
     from dubins_study.solvers.registry import load
+    from dubins_study.study.rows.row_table import rows_table
 
     file = _experiment(cells, folder)
     began = perf_counter()
     _, groups, _ = accepted(Request(file, [_SOLVER], 1, None, None, None), folder / "results")
-    solver, shared = load(_SOLVER), Run("in-process", 60.0, 1)
+    solver, shared = load(_SOLVER), RunSettings("in-process", 60.0)
     replies = [ask(solver, Question(group[0].scenario)) for group in groups]
     rows = [row_of(group[0], None, shared, r)[0] for group, r in zip(groups, replies, strict=True)]
     (folder / "parts").mkdir()

@@ -17,7 +17,6 @@ import pytest
 from live_run import finished, manifest, parts, quick_experiment
 
 from dubins_study import run, status
-from dubins_study.experiments.engines.rows import ARROW_SCHEMA
 from dubins_study.experiments.store import disk
 from dubins_study.experiments.store.folder import StoreError, done, read_rows
 from dubins_study.experiments.store.parts import (
@@ -29,6 +28,7 @@ from dubins_study.experiments.store.parts import (
     write_part,
 )
 from dubins_study.report.data.load import ReportError, load
+from dubins_study.study.rows.row_table import ARROW_SCHEMA
 from dubins_study.study.rows.schema import VERSION, VERSION_KEY
 
 CELLS = 6

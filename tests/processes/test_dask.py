@@ -20,10 +20,8 @@ from dubins_study.experiments.definition.experiment import ExperimentError
 from dubins_study.experiments.engines import dask_worker
 from dubins_study.experiments.engines.dask_client import mismatch
 from dubins_study.experiments.engines.dask_host import local_cluster
-from dubins_study.experiments.engines.judging import Run
 from dubins_study.experiments.engines.work_unit import Chunk, encoded
 from dubins_study.experiments.isolation.supervisor import RunError
-from dubins_study.experiments.isolation.watch import Bounds
 from dubins_study.experiments.store.folder import read_rows
 
 EXPERIMENT = """
@@ -59,7 +57,8 @@ def plugin(folder: Path, solve: str) -> str:
     file = folder / "plugin.py"
     file.write_text(
         "import ctypes, os, signal, sys, time\nfrom pathlib import Path\nimport psutil\n"
-        "from dubins_study.solvers.paper_nlp.slsqp import Slsqp\n"
+        "from dubins_study.experiments.run_settings import RunSettings
+from dubins_study.solvers.paper_nlp.slsqp import Slsqp\n"
         "HERE = Path(__file__).parent\n"
         "def dask_worker():\n"
         "    parents = psutil.Process().parents()\n"
@@ -225,7 +224,7 @@ def test_loggers_are_left_as_they_were(experiment, tmp_path, address):
 def test_a_worker_whose_files_were_changed_is_to_be_restarted(monkeypatch):
     """What it has imported is not what is on disk, whose digest it would tell."""
     monkeypatch.setattr(dask_worker, "_IMPORTED", frozenset())
-    nothing = encoded(Chunk(Run("r", 1.0, 1), Bounds(1, 1), [], {}))
+    nothing = encoded(Chunk(RunSettings("r", 1.0, 1), [], {}))
     sent = dask_worker.solve_chunk(nothing)
 
     assert sent.rows == b""

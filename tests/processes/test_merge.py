@@ -15,12 +15,12 @@ from live_run import finished, manifest, parts, quick_experiment, slow_experimen
 
 from dubins_study import merge, run, status
 from dubins_study.experiments.engines import stream
-from dubins_study.experiments.engines.rows import ARROW_SCHEMA, rows_table
 from dubins_study.experiments.store import merge as union
 from dubins_study.experiments.store.attempts import merged_rows
 from dubins_study.experiments.store.folder import StoreError, read_rows
 from dubins_study.experiments.store.parts import RUN_ID, about_part, read_part, write_part
 from dubins_study.report.data.load import load
+from dubins_study.study.rows.row_table import ARROW_SCHEMA, rows_table
 from dubins_study.study.rows.schema import KEY, ROW, names
 
 KEYS = names(KEY)
@@ -158,7 +158,7 @@ def test_contradictions_are_counted_and_the_first_five_listed(original, tmp_path
 
 def test_other_code_is_another_cell(halves, tmp_path):
     """Both rows are kept; the first folder's code counts, the other's rows are stale."""
-    change(halves[1], 0, verdict="misses", code="ffffffffffff")
+    change(halves[1], 0, verdict="misses", code_digest="ffffffffffff")
     made = merge(halves, tmp_path / "all")
 
     assert (made.rows, made.again, made.stale) == (CELLS + 1, 0, 1)
@@ -175,7 +175,7 @@ def _other(folder):
 
 def _schema(folder):
     (folder / "manifest.json").write_text(json.dumps(manifest(folder) | {"schema": 2}))
-    return "has schema 2; expected 3"
+    return "has schema 2; expected 4"
 
 
 def _damage(folder):

@@ -20,7 +20,8 @@ from dubins_study.experiments.store.folder import read_rows
 from dubins_study.experiments.store.run_entry import recorded
 from dubins_study.solvers import library_versions
 from dubins_study.solvers.registry import load
-from dubins_study.study.rows.machine_noise import Probe, by_machine, probes_of, spread, varied
+from dubins_study.study.rows.machine_noise import Probe, by_machine, spread, varied
+from dubins_study.study.rows.manifest import RunEntry
 
 
 def test_the_governor_of_all_cores(tmp_path):
@@ -147,7 +148,7 @@ JSON = st.recursive(
 @given(JSON)
 def test_probes_of_any_entry_are_numbers(value):
     for listed in (value, [value, [1.0, value], [value, 1.0, 2], [0.0, 1.0, value]]):
-        found = probes_of({"probes": listed})
+        found = RunEntry.model_validate({"probes": listed}).probes
         assert all(np.isfinite(took) and took > 0 and when >= 0 for when, took, _ in found)
         share = varied(found)
         assert share is None or share >= 0
@@ -163,7 +164,7 @@ def test_machines_are_not_compared_with_each_other():
     assert next(iter(by_machine(steady + loud))) == 3
     assert varied([*steady, *loud[:4]]) == 0  # too few to tell
     listed = [[p.when, p.took, p.machine] for p in steady] + [[1.0, 2.0]]
-    assert probes_of({"probes": listed}) == [*steady, Probe(1.0, 2.0)]
+    assert RunEntry(probes=listed).probes == (*steady, Probe(1.0, 2.0))
 
 
 def test_a_long_run_keeps_a_thousand_probes_at_most(tmp_path):

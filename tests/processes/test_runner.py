@@ -12,16 +12,16 @@ import pytest
 
 from dubins_study import run
 from dubins_study.experiments.definition.experiment import ExperimentError, read
-from dubins_study.experiments.engines.judging import Run
-from dubins_study.experiments.engines.rows import ARROW_SCHEMA
 from dubins_study.experiments.interruption import Interruption
 from dubins_study.experiments.isolation.supervisor import Supervisor
 from dubins_study.experiments.isolation.watch import Bounds
 from dubins_study.experiments.plan.cells import chains
+from dubins_study.experiments.run_settings import RunSettings
 from dubins_study.experiments.store.folder import StoreError, done, read_rows, write_part
 from dubins_study.solvers.attempt import nothing
 from dubins_study.solvers.protocol import Outcome
 from dubins_study.solvers.registry import SolverError
+from dubins_study.study.rows.row_table import ARROW_SCHEMA
 from dubins_study.study.rows.schema import ROW, VERSION, documentation, names
 
 SMALL = """
@@ -121,7 +121,7 @@ def test_rows_without_a_solve_are_interrupted_too(small, monkeypatch):
     cells = chains(read(small).experiment) * 400
     reply = nothing(Outcome.CRASHED, "no more")
     stop, rows = Interruption(), 0
-    with Supervisor(Run("r", 60.0, 1), Bounds(60.0, 2**32), 1) as workers:
+    with Supervisor(RunSettings("r", 60.0), Bounds(60.0, 2**32), 1) as workers:
         monkeypatch.setattr(workers._loading, "reply", lambda cell: reply)
         for made in workers.solve(cells, {}, stop):
             rows += len(made)
@@ -129,7 +129,7 @@ def test_rows_without_a_solve_are_interrupted_too(small, monkeypatch):
     assert 300 <= rows < 310
 
     stop.asked, rows = False, 0
-    with Supervisor(Run("r", 60.0, 1), Bounds(60.0, 2**32), 1) as workers:
+    with Supervisor(RunSettings("r", 60.0), Bounds(60.0, 2**32), 1) as workers:
         monkeypatch.setattr(workers._loading, "reply", lambda cell: reply)
         rows = sum(map(len, workers.solve(cells, {}, stop)))
     assert rows == sum(map(len, cells))

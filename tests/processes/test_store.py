@@ -10,9 +10,9 @@ import pyarrow.parquet as pq
 import pytest
 
 from dubins_study import run
-from dubins_study.experiments.engines.rows import ARROW_SCHEMA
 from dubins_study.experiments.store import folder as store
 from dubins_study.experiments.store.folder import StoreError, done, read_manifest, read_rows
+from dubins_study.study.rows.row_table import ARROW_SCHEMA
 from dubins_study.study.rows.schema import VERSION
 
 EXPERIMENT = """

@@ -202,7 +202,7 @@ def test_names_of_streams_depend_on_what_is_asked(monkeypatch):
         streams(expanded('branches = ["LS"]\n' + text))[0],
         streams(expanded('profile = "fast"\n' + text))[0],
         streams(expanded("repeats = 2\n" + text))[1],
-        one._replace(code="other"),
+        one._replace(code_digest="other"),
     ]
     assert one.id == also.id == later.id
     assert len({one.id, *(other.id for other in others)}) == 1 + len(others)

@@ -1,66 +1,268 @@
-"""Imports run one way: study, solvers, experiments, report, dubins_study."""
+"""Rooms and the directions of their imports; `python -m tests.unit.test_layers` prints them.
+
+A room is a folder of the package, or one module where the table names it. Files that lie directly
+in a folder with subfolders are a room of their own, below those subfolders: `study/path.py` is in
+the room `study`, `study/check/verdict.py` in `study.check`. All imports count, those inside
+functions and those for the type checker too.
+"""
 
 from __future__ import annotations
 
 import ast
-import subprocess
-import sys
+import re
+import textwrap
+from collections import Counter
+from functools import cache
+from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
+from typing import NamedTuple
 
 import pytest
 
-ROOT = Path(__file__).parent.parent
-MAY_IMPORT = {
-    "study": {"study"},
-    "solvers": {"study", "solvers"},
-    "experiments": {"study", "solvers", "experiments"},
-    "report": {"study", "report"},
-    "dubins_study": {"study", "solvers", "experiments", "report", "dubins_study"},
+PACKAGE = Path(__file__).parents[2] / "src" / "dubins_study"
+MOST_MODULES = 14  # in one folder
+
+_LEAVES = ("experiments.interruption", "experiments.provenance", "experiments.run_settings")
+# room -> rooms that it may import; `x.*` is the room x and all rooms below it. `errors` is for all.
+MAY_IMPORT: dict[str, tuple[str, ...]] = {
+    "errors": (),
+    "study": (),
+    "study.closed_form": ("study",),
+    "study.check": ("study", "study.closed_form"),
+    "study.rows": ("study",),
+    "solvers": ("study.*",),
+    "solvers.ipopt_library": ("study.*",),
+    "solvers.paper_nlp": ("study.*", "solvers", "solvers.ipopt_library"),
+    "solvers.optimal_control": (
+        *("study.*", "solvers", "solvers.ipopt_library"),
+        "solvers.paper_nlp",  # its initial guesses
+    ),
+    "solvers.indirect": ("study.*", "solvers", "solvers.paper_nlp"),
+    "solvers.global_minlp": ("study.*", "solvers", "solvers.paper_nlp"),
+    "solvers.heading_milp": ("study.*", "solvers", "solvers.optimal_control"),
+    "solvers.export": ("study.*", "solvers", "solvers.paper_nlp", "solvers.global_minlp"),
+    **dict.fromkeys(_LEAVES, ("study.*", "solvers")),
+    "experiments.definition": ("study.*", "solvers"),
+    "experiments.isolation": ("study.*", "solvers", *_LEAVES),
+    "experiments.plan": (
+        *("study.*", "solvers", *_LEAVES),
+        *("experiments.definition", "experiments.isolation"),
+    ),
+    "experiments.store": ("study", "study.rows", *_LEAVES),
+    "experiments.engines": (
+        *("study.*", "solvers", *_LEAVES),
+        *("experiments.definition", "experiments.isolation", "experiments.plan"),
+        "experiments.store",  # the streamed frames write their own parts
+    ),
+    "experiments": ("study.*", "solvers", "experiments.*"),
+    "report.data": ("study.*",),
+    "report.statistics": ("study.*", "report.data"),
+    "report.paper": ("study.*",),
+    "report.topics": ("study.*", "report.data", "report.statistics", "report.paper"),
+    "report.page": ("study.*", "report.data", "report.statistics", "report.topics.*"),
+    "report": ("study.*", "report.*"),
+    "cli": ("", "study.*", "solvers.*", "experiments.*", "report.*"),
+    "": ("cli", "study.*", "solvers.*", "experiments.*", "report.*"),
 }
+# a topic may use another topic's numbers, as long as no circle comes of it
+_TOPIC = (*MAY_IMPORT["report.topics"], "report.topics.*")
+
+# pairs of rooms whose imports are still to go
+UNFINISHED = (
+    ("experiments.plan", "experiments.engines"),
+    ("experiments.isolation", "experiments.plan"),
+    ("experiments.isolation", "experiments.engines"),
+    ("experiments.store", "experiments.engines"),
+    ("experiments.store", "experiments.plan"),
+    ("experiments.store", "study.check"),
+    ("experiments.engines", "experiments.engines"),
+    ("report.data", "report.topics.*"),
+    ("report.page", "report.page"),
+    ("report.topics.*", "report.page"),
+)
 
 
-def imports(file: Path) -> set[str]:
-    """Top-level names of everything that a file imports, inside functions too."""
-    found = set()
+class Module(NamedTuple):
+    """A file of the package: its dotted name without the package's, and what it imports of it."""
+
+    name: str
+    file: Path
+    room: str
+    imports: frozenset[str]
+
+
+def _name(file: Path) -> str:
+    parts = file.relative_to(PACKAGE).with_suffix("").parts
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+
+def room_of(file: Path) -> str:
+    """The room that a file lies in: the module itself where the table names it, else its folder."""
+    name = _name(file)
+    return name if name in MAY_IMPORT else ".".join(file.relative_to(PACKAGE).parent.parts)
+
+
+def _imports(file: Path, names: set[str]) -> frozenset[str]:
+    """Names of the package's modules that a file imports anywhere."""
+    imported = set()
     for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
         if isinstance(node, ast.Import):
-            found |= {alias.name.split(".")[0] for alias in node.names}
+            imported |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom):
-            assert node.level == 0, f"{file}: relative imports hide which way they run"
-            found.add(str(node.module).split(".")[0])
-    return found
+            assert node.level == 0, f"{file}: a relative import hides which way it runs"
+            deeper = {f"{node.module}.{alias.name}" for alias in node.names}
+            submodules = {name for name in deeper if _within(name) in names}
+            imported |= submodules
+            if submodules != deeper:
+                imported.add(str(node.module))
+    ours = {name for name in imported if name.split(".")[0] == PACKAGE.name}
+    return frozenset(_within(name) for name in ours) - {_name(file)}
 
 
-@pytest.mark.parametrize("package", MAY_IMPORT)
-def test_imports_run_one_way(package):
-    """No package imports one that comes after it."""
-    files = sorted((ROOT / package).rglob("*.py"))
-    assert files
-
-    for file in files:
-        backwards = (imports(file) & MAY_IMPORT.keys()) - MAY_IMPORT[package]
-        assert not backwards, f"{file.relative_to(ROOT)} imports {backwards}"
+def _within(name: str) -> str:
+    """A dotted name without the package's."""
+    return name.partition(".")[2] if name.split(".")[0] == PACKAGE.name else f"? {name}"
 
 
-def loaded_by(statement: str) -> set[str]:
-    """Modules that a fresh interpreter holds after a statement."""
-    code = f"import sys; {statement}; print(*sys.modules)"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    return set(done.stdout.split())
-
-
-def test_the_registry_imports_no_backend():
-    """Names can be listed without loading one backend or its libraries."""
-    loaded = loaded_by("from dubins_study.solvers.registry import registered; assert registered()")
-
-    assert not loaded & {"casadi", "cvxpy", "pyomo", "scipy", "numba", "pandas"}
-    assert not {m for m in loaded if m.startswith("solvers.")} - {
-        "dubins_study.solvers.registry",
-        "dubins_study.solvers.protocol",
+@cache
+def modules() -> dict[str, Module]:
+    """All modules of the package by name."""
+    files = sorted(PACKAGE.rglob("*.py"))
+    names = {_name(file) for file in files}
+    return {
+        _name(file): Module(_name(file), file, room_of(file), _imports(file, names))
+        for file in files
     }
 
 
-def test_the_face_is_lazy():
-    """Importing the package imports nothing heavy; every public name is there when asked for."""
-    assert not loaded_by("import dubins_study.cli.app") & {"numpy", "pandas", "numba", "matplotlib"}
-    loaded_by("import dubins_study as d; [getattr(d, name) for name in d.__all__]")
+@cache
+def rooms() -> dict[str, list[Module]]:
+    """The modules of each room, in the table's order; rooms that the table does not know last."""
+    held: dict[str, list[Module]] = {room: [] for room in MAY_IMPORT}
+    for module in modules().values():
+        held.setdefault(module.room, []).append(module)
+    return {room: members for room, members in held.items() if members}
+
+
+def room_imports(room: str) -> set[str]:
+    """The other rooms that a room imports."""
+    imported = {modules()[name].room for module in rooms()[room] for name in module.imports}
+    return imported - {room}
+
+
+def allowed(room: str) -> tuple[str, ...]:
+    """Rooms, or patterns of rooms, that a room may import."""
+    if room.startswith("report.topics."):
+        return _TOPIC
+    return MAY_IMPORT[room]
+
+
+def _covers(pattern: str, room: str) -> bool:
+    return room == pattern.removesuffix(".*") or (
+        pattern.endswith(".*") and room.startswith(pattern[:-1])
+    )
+
+
+def unfinished(room: str, target: str) -> bool:
+    return any(_covers(one, room) and _covers(other, target) for one, other in UNFINISHED)
+
+
+def promise(room: str) -> str:
+    """What the first paragraph of a room's docstring says."""
+    file = PACKAGE.joinpath(*room.split(".")) if room else PACKAGE
+    file = file / "__init__.py" if file.is_dir() else file.with_suffix(".py")
+    text = ast.get_docstring(ast.parse(file.read_text(encoding="utf-8"))) or ""
+    return " ".join(text.split("\n\n")[0].split())
+
+
+def circle(graph: dict[str, set[str]]) -> list[str]:
+    """The names along one circle of a graph; none where there is none."""
+    try:
+        TopologicalSorter(graph).prepare()
+    except CycleError as error:
+        return list(error.args[1])
+    return []
+
+
+@pytest.mark.parametrize("room", rooms())
+def test_a_room_imports_only_what_the_table_lets_it(room):
+    """Each import of each module, inside functions too."""
+    for module in rooms()[room]:
+        for name in sorted(module.imports):
+            target = modules()[name].room
+            if target in (room, "errors") or unfinished(room, target):
+                continue
+            assert any(_covers(pattern, target) for pattern in allowed(room)), (
+                f"{module.name} imports {name}: the room {room!r} may not import {target!r}"
+            )
+
+
+def test_no_circles_of_modules():
+    graph = {
+        module.name: {n for n in module.imports if not unfinished(module.room, modules()[n].room)}
+        for module in modules().values()
+    }
+
+    assert circle(graph) == []
+
+
+def test_no_circles_of_rooms():
+    """In the imports, and in the table itself: it lets no room import one that may import it."""
+    graph: dict[str, set[str]] = {room: set() for room in rooms()}
+    for module in modules().values():
+        for name in module.imports:
+            if not unfinished(module.room, modules()[name].room):
+                graph[module.room] |= {modules()[name].room} - {module.room}
+    # the face is lazy: `cli` imports the public names, `__main__` imports `cli`
+    table = {
+        room: {r for r in MAY_IMPORT for p in patterns if _covers(p, r)} - {room, ""}
+        for room, patterns in MAY_IMPORT.items()
+    }
+
+    graph[""].discard("cli")
+    assert circle(graph) == []
+    assert circle(table) == []
+
+
+def test_every_room_has_a_line_in_the_table_and_a_promise():
+    """A sentence in its `__init__.py`."""
+    for room in rooms():
+        assert room in MAY_IMPORT or room.startswith("report.topics."), (
+            f"{room} is not in the table"
+        )
+        assert re.fullmatch(r".{10,}\.", promise(room)), f"{room} says no promise"
+
+
+def test_no_folder_has_too_many_modules():
+    """`__init__.py`, which says the promise, is not counted."""
+    files = [m.file for m in modules().values() if m.file.name != "__init__.py"]
+    counts = Counter(file.parent.relative_to(PACKAGE) for file in files)
+
+    full = {str(folder): n for folder, n in counts.items() if n > MOST_MODULES}
+    assert full.keys() <= {"experiments/engines", "experiments/isolation"}
+
+
+def test_the_folders_at_the_top_are_links_for_readers():
+    """Where a checkout has them: nothing is packaged or imported through them."""
+    root = PACKAGE.parents[1]
+    for name in ("study", "solvers", "experiments", "report"):
+        link = root / name
+        assert not link.exists() or link.resolve() == PACKAGE / name
+
+
+def table() -> str:
+    """Each room with its promise, modules, lines, and the rooms that it imports."""
+    lines = []
+    for room, members in rooms().items():
+        size = sum(len(m.file.read_text(encoding="utf-8").splitlines()) for m in members)
+        count = sum(1 for m in members if m.file.name != "__init__.py")
+        lines.append(f"{room or PACKAGE.name:28} {count:3} modules {size:6} lines")
+        lines.append(textwrap.indent(textwrap.fill(promise(room), 92), "    "))
+        imported = ", ".join(name or PACKAGE.name for name in sorted(room_imports(room)))
+        lines.append(textwrap.indent(textwrap.fill(f"imports {imported or 'nothing'}", 92), "    "))
+    total = sum(len(m.file.read_text(encoding="utf-8").splitlines()) for m in modules().values())
+    return "\n".join([*lines, f"{'all':28} {len(modules()):3} files   {total:6} lines"])
+
+
+if __name__ == "__main__":
+    print(table())

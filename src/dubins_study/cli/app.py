@@ -7,6 +7,8 @@ import sys
 from pathlib import Path as FilePath
 from typing import Annotated, Any
 
+from dubins_study.errors import DubinsStudyError
+
 try:
     import typer
 except KeyboardInterrupt:  # this is the first thing that takes long enough to be interrupted
@@ -220,32 +222,13 @@ def audit(
     raise typer.Exit(1 if lines else 0)
 
 
-# What a user can do wrong, by the module that says so. Anything else is a bug and shows itself.
-_REFUSALS = (
-    ("dubins_study.study.scenario", "ScenarioError"),
-    ("dubins_study.study.angle", "AngleError"),
-    ("dubins_study.solvers.registry", "SolverError"),
-    ("dubins_study.solvers.profiles", "ProfileError"),
-    ("dubins_study.solvers.attempt", "QuestionError"),
-    ("dubins_study.solvers.export", "ExportError"),
-    ("dubins_study.experiments.definition.experiment", "ExperimentError"),
-    ("dubins_study.experiments.store.disk", "StoreError"),
-    ("dubins_study.experiments.isolation.supervisor", "RunError"),
-    ("dubins_study.report.data.load", "ReportError"),
-    ("dubins_study.report.paper.audit_file", "AuditError"),
-    ("dubins_study.cli.show", "ShowError"),
-)
-
-
 def main() -> Any:
     """The command `dubins-study`. Exit code 2 and one message if the request is bad."""
     try:
         return app()
     except BrokenPipeError:
         sys.exit(0)
-    except Exception as error:
-        if not isinstance(error, _refusals()):
-            raise
+    except DubinsStudyError as error:  # anything else is a bug and shows itself
         print(f"dubins-study: {_visible(str(error))}", file=sys.stderr)
         sys.exit(2)
 
@@ -258,9 +241,3 @@ def _visible(message: str) -> str:
     from dubins_study.study.printable import plain
 
     return "\n".join(map(plain, re.split(r"\n(?=  )", message)))
-
-
-def _refusals() -> tuple[type[Exception], ...]:
-    """The classes of `_REFUSALS` whose modules were imported: no other can have been raised."""
-    modules = ((sys.modules.get(module), name) for module, name in _REFUSALS)
-    return tuple(getattr(module, name) for module, name in modules if hasattr(module, name))

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from io import StringIO
 from pathlib import Path as FilePath
 
+from dubins_study.errors import DubinsStudyError
 from dubins_study.solvers.attempt import Answer
 from dubins_study.solvers.protocol import Outcome
 from dubins_study.solvers.registry import Entry
@@ -15,7 +16,7 @@ from dubins_study.study.printable import plain
 from dubins_study.study.scenario import Scenario
 
 
-class ShowError(ValueError):
+class ShowError(DubinsStudyError, ValueError):
     """Something that the command line cannot read or draw."""
 
 

@@ -11,7 +11,6 @@ from uuid import uuid4
 from dubins_study.experiments.definition.experiment import Source
 from dubins_study.experiments.engines.engine import ENGINES, Engine
 from dubins_study.experiments.engines.execution import solve_left
-from dubins_study.experiments.engines.judging import Run
 from dubins_study.experiments.engines.stream import (
     Stream,
     solve_streams,
@@ -20,11 +19,11 @@ from dubins_study.experiments.engines.stream import (
 )
 from dubins_study.experiments.interruption import Interruption
 from dubins_study.experiments.isolation.sandbox import THREADS, pinned_threads
-from dubins_study.experiments.isolation.watch import Bounds
 from dubins_study.experiments.plan.cells import Chain
 from dubins_study.experiments.plan.request import Request, accepted
 from dubins_study.experiments.plan.solver_description import described
 from dubins_study.experiments.provenance import machine, now, source, versions
+from dubins_study.experiments.run_settings import BYTES_PER_GIB, RunSettings
 from dubins_study.experiments.store.folder import compact, done, open_folder, place
 from dubins_study.experiments.store.lock import locked
 from dubins_study.experiments.store.manifest import count_cells, taken_up
@@ -123,35 +122,40 @@ def _record(
         keys = {cell.key for group in groups for cell in group}
         cells = Counter((spec, digest) for _, spec, *_, digest in keys | finished)
         completes = count_cells(manifest, asked, cells + streamed_totals(folder, wanted))
-        shared = Run(uuid4().hex[:12], found.experiment.time_limit_s, engine.jobs, request.engine)
-        bounds = Bounds(
-            found.experiment.time_limit_s, round(found.experiment.memory_limit_gib * 2**30)
+        settings = RunSettings(
+            run_id=uuid4().hex[:12],
+            time_limit_s=found.experiment.time_limit_s,
+            memory_limit_bytes=round(found.experiment.memory_limit_gib * BYTES_PER_GIB),
+            jobs=engine.jobs,
+            engine=request.engine,
+            seed=found.experiment.seed,
         )
         total = len(keys) + sum(stream.rows for stream in wanted)
-        writer = Writer(folder, shared.run_id, total, progress)
+        writer = Writer(folder, settings.run_id, total, progress)
         all_done = keys <= finished and streams_done(folder, wanted)
         if all_done and (manifest["finished"] is not None or not completes):
             writer.skip(total)
             return
-        said = shared._asdict() | {
+        said = {
+            "run_id": settings.run_id,
+            "time_limit_s": settings.time_limit_s,
+            "jobs": settings.jobs,
+            "engine": settings.engine,
             "command": request.command(),
             "memory_limit_gib": found.experiment.memory_limit_gib,
             "threads": THREADS,
             **engine.said,
         }
-        seed = found.experiment.seed
         with recorded(folder, manifest, said, completes) as record:
             writer.beat = record.beat
             try:
                 with pinned_threads():
-                    solve_streams(folder, wanted, shared, writer, stop)
+                    solve_streams(folder, wanted, settings, writer, stop)
                 solve_left(
                     folder,
                     groups,
                     finished,
-                    seed,
-                    shared,
-                    bounds,
+                    settings,
                     writer,
                     stop,
                     engine,
@@ -159,7 +163,7 @@ def _record(
                 )
             finally:
                 writer.flush()
-            compact(folder, shared.run_id)
+            compact(folder, settings.run_id)
 
 
 def _manifest(

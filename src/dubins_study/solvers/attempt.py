@@ -8,6 +8,7 @@ from operator import attrgetter
 from time import perf_counter
 from typing import Any, NamedTuple
 
+from dubins_study.errors import DubinsStudyError
 from dubins_study.solvers.profiles import PROFILES, tolerances
 from dubins_study.solvers.protocol import AnySolver, Outcome, Question, Solution
 from dubins_study.solvers.registry import load, unavailable
@@ -139,7 +140,7 @@ def solve(
     return attempt(load(solver, profile), question, limit, tolerances(profile), spec=solver)
 
 
-class QuestionError(ValueError):
+class QuestionError(DubinsStudyError, ValueError):
     """A branch or time limit that no solver may be asked."""
 
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 from io import StringIO
 from typing import Any
 
+from dubins_study.errors import DubinsStudyError
 from dubins_study.solvers.paper_nlp.initial_guesses import starting_points
 from dubins_study.solvers.paper_nlp.model import SUBPROBLEMS
 from dubins_study.solvers.protocol import Question
@@ -20,7 +21,7 @@ FORMATS = ("nl", "mod", "gams")
 ORDERS = ("LRS", "RLS")
 
 
-class ExportError(ValueError):
+class ExportError(DubinsStudyError, ValueError):
     """A model, format or order that cannot be written."""
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dubins_study.errors import DubinsStudyError
 from dubins_study.study.check.verdict import Tolerances
 
 # `default` calls four digits of the length optimal: what a plotted path or a flight plan can use.
@@ -13,7 +14,7 @@ PROFILES = {
 }
 
 
-class ProfileError(ValueError):
+class ProfileError(DubinsStudyError, ValueError):
     """No profile of that name."""
 
 

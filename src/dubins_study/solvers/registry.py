@@ -12,6 +12,7 @@ from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path as FilePath
 from typing import Any, NamedTuple
 
+from dubins_study.errors import DubinsStudyError
 from dubins_study.solvers.protocol import AnySolver
 
 GROUP = "dubins_study.solvers"
@@ -19,7 +20,7 @@ _PROMISED = ("name", "method", "guarantee", "branches", "warm", "packages", "sum
 _SPEC = re.compile(r"(?P<name>[^\[\]]+?)(?:\[(?P<settings>[^\[\]]*)\])?")
 
 
-class SolverError(ValueError):
+class SolverError(DubinsStudyError, ValueError):
     """A solver that does not exist, does not keep the promise, or has no such setting."""
 
 

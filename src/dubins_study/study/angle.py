@@ -5,13 +5,15 @@ from __future__ import annotations
 import math
 import re
 
+from dubins_study.errors import DubinsStudyError
+
 _NUMBER = r"(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
 _DEGREES = re.compile(rf"([+-]?{_NUMBER})\s*(?:deg|°)")
 _PI = re.compile(rf"([+-]?)({_NUMBER})?\s*\*?\s*pi(?:\s*/\s*({_NUMBER}))?")
 _RADIANS = re.compile(rf"[+-]?{_NUMBER}")
 
 
-class AngleError(ValueError):
+class AngleError(DubinsStudyError, ValueError):
     """The text is not an angle."""
 
 

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Self
 
 import numpy as np
 
+from dubins_study.errors import DubinsStudyError
+
 if TYPE_CHECKING:
     import pandas as pd
 
@@ -21,7 +23,7 @@ class Pose(NamedTuple):
     heading: float
 
 
-class ScenarioError(ValueError):
+class ScenarioError(DubinsStudyError, ValueError):
     """A scenario, or a frame of them, that cannot be used; the message names field, value, row."""
 
 

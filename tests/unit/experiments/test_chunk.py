@@ -7,8 +7,7 @@ import math
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dubins_study.experiments.engines.judging import Run, row_of
-from dubins_study.experiments.engines.rows import row_key
+from dubins_study.experiments.engines.judging import row_of
 from dubins_study.experiments.engines.work_unit import (
     Chunk,
     decoded,
@@ -18,16 +17,17 @@ from dubins_study.experiments.engines.work_unit import (
     rows_received,
     rows_sent,
 )
-from dubins_study.experiments.isolation.watch import Bounds
 from dubins_study.experiments.plan.cells import Cell
+from dubins_study.experiments.run_settings import RunSettings
 from dubins_study.solvers.attempt import Reply, Times
 from dubins_study.solvers.protocol import Outcome, Solution
 from dubins_study.study.check.verdict import Claim
 from dubins_study.study.closed_form.shortest import shortest_path
 from dubins_study.study.path import Path
+from dubins_study.study.rows.row_table import row_key
 from dubins_study.study.scenario import Scenario
 
-RUN = Run("run", 60.0, 2, "dask")
+RUN = RunSettings("run", 60.0, 2**31, jobs=2, engine="dask")
 numbers = st.floats(-1e6, 1e6)
 scenarios = st.builds(
     Scenario, numbers, numbers, numbers, numbers, numbers, st.floats(1e-3, 1e3), label=st.text()
@@ -49,7 +49,7 @@ def chunks(draw):
         if draw(st.booleans()):
             held = draw(lengths)
             before[chain[0].key] = Path(chain[0].scenario.start, [0.1] * len(held), held)
-    return Chunk(RUN, Bounds(60.0, 2**31), cells, before)
+    return Chunk(RUN, cells, before)
 
 
 @given(chunks())

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from dubins_study.experiments.engines.rows import ARROW_SCHEMA, fitting, rows_table
+from dubins_study.study.rows.row_table import ARROW_SCHEMA, fitting, rows_table
 from dubins_study.study.rows.schema import ROW, names
 
 NONE = dict.fromkeys(names(ROW))

@@ -117,7 +117,10 @@ def test_the_radius_sweep_crosses_the_circle():
 
 
 def test_warm_sweeps_are_chains_and_only_for_solvers_that_use_a_start():
-    text = HEAD.replace('["analytic"]', '["analytic", "slsqp"]') + 'initial_guesses = ["cold", "warm"]\n'
+    text = (
+        HEAD.replace('["analytic"]', '["analytic", "slsqp"]')
+        + 'initial_guesses = ["cold", "warm"]\n'
+    )
     groups = chains(parse("n", "n", text + BLOCK + "radius = { log = [0.1, 1, 5] }\n").experiment)
 
     assert sorted(len(g) for g in groups) == [1] * 10 + [5]
@@ -169,7 +172,9 @@ def sample(count: int, seed: int) -> str:
 def test_sizes_are_counted_exactly():
     """What is compared with the limit is what would be expanded."""
     text = HEAD.replace('["analytic"]', '["analytic", "slsqp"]') + (
-        'initial_guesses = ["cold", "warm"]\nrepeats = 2\n' + BLOCK + "radius = { log = [1, 2, 5] }\n"
+        'initial_guesses = ["cold", "warm"]\nrepeats = 2\n'
+        + BLOCK
+        + "radius = { log = [1, 2, 5] }\n"
     )
     experiment = parse("n", "n", text + "speed = [1, 2]\n" + sample(4, 1)).experiment
     cells = [cell for group in chains(experiment) for cell in group]
@@ -206,7 +211,10 @@ def test_sizes_are_counted_exactly():
         ("scenarios = 3\n" + HEAD, "scenarios is 3: expected a list"),
         ("scenarios = []\n" + HEAD, "scenarios is []: expected at least one"),
         (HEAD + "initial_guesses = []\n" + BLOCK, "initial_guesses is []: expected at least one"),
-        (HEAD + 'initial_guesses = ["hot"]\n' + BLOCK, "initial_guesses.0 is 'hot': expected 'cold' or 'warm'"),
+        (
+            HEAD + 'initial_guesses = ["hot"]\n' + BLOCK,
+            "initial_guesses.0 is 'hot': expected 'cold' or 'warm'",
+        ),
         (HEAD + "repeats = true\n" + BLOCK, "repeats is True: expected a number"),
         (HEAD + "repeats = 1.5\n" + BLOCK, "repeats is 1.5: expected a whole number"),
         (HEAD + "time_limit_s = true\n" + BLOCK, "time_limit_s is True: expected a number"),
@@ -278,10 +286,13 @@ def test_scenario_ids_depend_on_every_bit():
     [
         ("arc = 1\nmargin = -1.5", "margin is -1.5; expected at least -1"),
         (
-            "target_x = 1\ntarget_y = 2\nbegin = {z1 = 0, z2 = 0, z3 = -1}",
+            "target_x = 1\ntarget_y = 2\nguess_lengths = {z1 = 0, z2 = 0, z3 = -1}",
             "guess_lengths is .*expected",
         ),
-        ("target_x = 1\ntarget_y = 2\nbegin = {z1 = 0, z2 = 0, z3 = 1e300}", "guess_lengths is .*expected"),
+        (
+            "target_x = 1\ntarget_y = 2\nguess_lengths = {z1 = 0, z2 = 0, z3 = 1e300}",
+            "guess_lengths is .*expected",
+        ),
     ],
 )
 def test_places_and_beginnings_that_cannot_be(block, message):
@@ -292,7 +303,9 @@ def test_places_and_beginnings_that_cannot_be(block, message):
 
 def test_a_solver_that_takes_no_start_is_not_dropped_in_silence():
     """Named beside a `guess_lengths` it is a mistake; `*` means those that take one."""
-    block = "[[scenarios]]\ntarget_x = 1\ntarget_y = 2\nbegin = {z1 = 1, z2 = 0, z3 = [1, 2]}\n"
+    block = (
+        "[[scenarios]]\ntarget_x = 1\ntarget_y = 2\nguess_lengths = {z1 = 1, z2 = 0, z3 = [1, 2]}\n"
+    )
 
     with pytest.raises(SolverError, match="analytic takes no initial guess"):
         expand(HEAD + block)

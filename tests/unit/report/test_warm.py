@@ -27,10 +27,10 @@ def rows():
     for place, radius in enumerate(RADII):
         where = scenario(radius)
         for start, time, work in (("cold", 0.01, 10), ("warm", 0.001 * (place + 1), 5)):
-            made.append(attempt(where, "ipopt", start=start, wall_s=time, iterations=work))
+            made.append(attempt(where, "ipopt", initial_guess=start, wall_s=time, iterations=work))
         for start, time, work in (("cold", 0.01, 10), ("warm", 0.02, 30)):
-            made.append(attempt(where, "slsqp", start=start, wall_s=time, iterations=work))
-        made += [attempt(where, "shooting", start=s, iterations=None) for s in ("cold", "warm")]
+            made.append(attempt(where, "slsqp", initial_guess=start, wall_s=time, iterations=work))
+        made += [attempt(where, "shooting", initial_guess=s, iterations=None) for s in ("cold", "warm")]
     return made
 
 
@@ -47,7 +47,7 @@ def test_quartiles_by_hand(results):
 def test_no_iterations_at_all_are_no_ratio(results):
     """Cold in none and warm in some would be infinitely more."""
     made = [
-        attempt(scenario(r), "ipopt", start=start, iterations=n)
+        attempt(scenario(r), "ipopt", initial_guess=start, iterations=n)
         for r in RADII
         for start, n in (("cold", 0), ("warm", 3))
     ]
@@ -66,7 +66,7 @@ def test_sentences_say_what_the_rows_say(results):
     assert "No solver is right more or less often for it." in text
 
     worse = rows()
-    worse[1] = attempt(scenario(1.0), "ipopt", path=None, claim=Claim.FAILED, start="warm")
+    worse[1] = attempt(scenario(1.0), "ipopt", path=None, claim=Claim.FAILED, initial_guess="warm")
     text = warm_sentences(warm_starts(load([results("worse", worse)]).rows))
     assert "ipopt is right less often (100 % cold, 80.0 % warm)" in text
 

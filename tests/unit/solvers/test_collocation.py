@@ -192,7 +192,7 @@ def test_a_useless_warm_start_does_no_harm(curvature, length):
     """More arcs than elements, a broken path, one of no length, one that turns too hard."""
     behind = EDGES["behind"]
 
-    answer = solve(behind, "collocation", start=Path(behind.start, curvature, length))
+    answer = solve(behind, "collocation", initial_guess=Path(behind.start, curvature, length))
 
     assert answer.verdict is Verdict.OPTIMAL
 

@@ -111,7 +111,7 @@ def test_a_warm_start_does_no_harm(name):
     start = solve(near, "analytic").path
     assert start is not None
 
-    answer = solve(EASY, name, start=start)
+    answer = solve(EASY, name, initial_guess=start)
 
     assert answer.verdict is Verdict.OPTIMAL
 

@@ -158,7 +158,7 @@ def test_a_warm_start_saves_iterations(name):
     problem = PAPER["problem 4"]
     start = solve(problem, "analytic", "LS").path
 
-    cold, warm = solve(problem, name, "LS"), solve(problem, name, "LS", start=start)
+    cold, warm = solve(problem, name, "LS"), solve(problem, name, "LS", initial_guess=start)
 
     assert warm.length == pytest.approx(cold.length, rel=1e-8)
     assert warm.iterations < cold.iterations
@@ -226,7 +226,7 @@ def test_a_given_start_is_the_only_one():
     def points(question, kind):
         return [z.tolist() for z in starting_points(question, joint, kind, 0, 3)]
 
-    assert points(Question(scenario, start=path), "given") == [[0.6, 1e-3, 6.0]]
+    assert points(Question(scenario, initial_guess=path), "given") == [[0.6, 1e-3, 6.0]]
     assert points(Question(scenario), "given") == points(Question(scenario), "bearing")
-    answer = solve(scenario, "ipopt[model=joint,order=LRS,initial_guess=given]", start=path)
+    answer = solve(scenario, "ipopt[model=joint,order=LRS,initial_guess=given]", initial_guess=path)
     assert answer.verdict is Verdict.OPTIMAL

@@ -61,7 +61,7 @@ def test_canonical_specs():
     """Defaults are left out, and the order is that of the declaration."""
     assert canonical("slsqp[count=10]") == "slsqp"
     assert (
-        canonical(" slsqp[ start = zero , model=joint]") == "slsqp[model=joint,initial_guess=zero]"
+        canonical(" slsqp[ initial_guess = zero , model=joint]") == "slsqp[model=joint,initial_guess=zero]"
     )
     assert canonical(canonical("ipopt[tol=1e-06]")) == canonical("ipopt[tol=0.000001]")
 
@@ -80,7 +80,7 @@ def test_a_profile_changes_settings_and_the_spec_has_the_last_word():
         ("slsqp[foo=1]", "has no setting 'foo'; it has: model, order"),
         ("slsqp[count=two]", "count is 'two'; expected int, such as 10"),
         ("slsqp[capped=perhaps]", "capped is 'perhaps'; expected bool"),
-        ("slsqp[start=here]", "start is 'here'; expected one of: bearing"),
+        ("slsqp[initial_guess=here]", "initial_guess is 'here'; expected one of: bearing"),
         ("turn-rate-qp[engine=nope]", "engine"),
         ("turn-rate-qp[n=0]", "n"),
         ("missing.py:Class", "no file 'missing.py'; expected file.py:Class"),

@@ -259,7 +259,7 @@ def test_a_warm_start_saves_evaluations():
         neighbour = Scenario(0, 0, math.pi / 3, -2.02, -5, 1)
         start = solve(neighbour, "analytic", branch).path
 
-        cold, warm = (solve(problem, "shooting", branch, start=s) for s in (None, start))
+        cold, warm = (solve(problem, "shooting", branch, initial_guess=s) for s in (None, start))
 
         assert warm.length == pytest.approx(cold.length, rel=1e-9)
         assert warm.evaluations < cold.evaluations

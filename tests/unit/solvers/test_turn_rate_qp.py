@@ -227,7 +227,7 @@ def test_warm_start_is_used() -> None:
     """From its own answer a sequence has nothing left to do but see so."""
     scenario = scenario_at(4.0, 3.0)
     cold, _ = ask(scenario, "LS")
-    warm, found = ask(scenario, "LS", start=cold.path)
+    warm, found = ask(scenario, "LS", initial_guess=cold.path)
 
     assert cold.iterations is not None
     assert warm.iterations is not None

@@ -18,13 +18,14 @@ from pydantic import (
     model_validator,
 )
 
+from dubins_study.errors import DubinsStudyError
 from dubins_study.experiments.definition.complaint import complaint
 from dubins_study.solvers.profiles import PROFILES
 from dubins_study.study.angle import parse_angle
 from dubins_study.study.closed_form.shortest import BRANCHES
 
 
-class ExperimentError(ValueError):
+class ExperimentError(DubinsStudyError, ValueError):
     """An experiment that does not exist or is not valid; the message names file, key, value."""
 
 

@@ -14,14 +14,13 @@ from typing import Any, NamedTuple
 
 from dubins_study.experiments.engines.dask_call import LOST, everywhere, returned, there
 from dubins_study.experiments.engines.engine import Probed
-from dubins_study.experiments.engines.judging import Run
-from dubins_study.experiments.engines.rows import Row, row_key
 from dubins_study.experiments.engines.work_unit import Chunk, encoded, remainder, rows_received
 from dubins_study.experiments.interruption import Interruption
 from dubins_study.experiments.isolation.supervisor import RunError
-from dubins_study.experiments.isolation.watch import Bounds
 from dubins_study.experiments.plan.cells import Chain
+from dubins_study.experiments.run_settings import RunSettings
 from dubins_study.study.path import Path
+from dubins_study.study.rows.row_table import Row, row_key
 from dubins_study.study.rows.schema import Key
 
 _LOG = logging.getLogger(__name__)
@@ -54,8 +53,8 @@ class _Flight(NamedTuple):
 class DaskCrew:
     """The workers of a cluster, as far as one run is concerned."""
 
-    def __init__(self, client: Any, run: Run, bounds: Bounds, probed: Probed | None):
-        self._client, self._run, self._bounds, self._probed = client, run, bounds, probed
+    def __init__(self, client: Any, run: RunSettings, probed: Probed | None):
+        self._client, self._run, self._probed = client, run, probed
         # whose names are recorded nowhere: they are numbered as their first probes arrive
         self._machines: dict[str, int] = {}
         self._ended: SimpleQueue[Any] = SimpleQueue()
@@ -124,7 +123,7 @@ class DaskCrew:
             self._left -= len(chain)
             if chain[0].key in self._before:
                 paths[chain[0].key] = self._before.pop(chain[0].key)
-        return Chunk(self._run, self._bounds, taken, paths)
+        return Chunk(self._run, taken, paths)
 
     def _news(self, halting: bool) -> Iterator[list[Row]]:
         try:

@@ -11,8 +11,7 @@ from dubins_study.experiments.engines.dask_client import connected, installed, q
 from dubins_study.experiments.engines.dask_crew import DaskCrew
 from dubins_study.experiments.engines.dask_host import local_cluster
 from dubins_study.experiments.engines.engine import Probed
-from dubins_study.experiments.engines.judging import Run
-from dubins_study.experiments.isolation.watch import Bounds
+from dubins_study.experiments.run_settings import RunSettings
 
 _LOG = logging.getLogger(__name__)
 
@@ -51,7 +50,7 @@ class DaskEngine:
         self._leaving.close()
 
     @contextmanager
-    def crew(self, run: Run, bounds: Bounds, probed: Probed | None) -> Iterator[DaskCrew]:
+    def crew(self, run: RunSettings, probed: Probed | None) -> Iterator[DaskCrew]:
         """Workers that are there; those of this machine are started."""
         with ExitStack() as entered:
             client = self._client
@@ -59,7 +58,7 @@ class DaskEngine:
                 host = entered.enter_context(local_cluster(self.jobs))
                 client = entered.enter_context(connected(host.address))
                 _LOG.warning("dubins-study: Dask's dashboard is at %s", host.dashboard)
-            crew = DaskCrew(client, run, bounds, probed)
+            crew = DaskCrew(client, run, probed)
             try:
                 yield crew
             finally:

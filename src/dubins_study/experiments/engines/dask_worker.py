@@ -11,8 +11,6 @@ from multiprocessing.util import Finalize
 from pathlib import Path as FilePath
 from time import monotonic
 
-from dubins_study.experiments.engines.judging import Run
-from dubins_study.experiments.engines.rows import Row
 from dubins_study.experiments.engines.work_unit import (
     Chunk,
     Returned,
@@ -24,6 +22,8 @@ from dubins_study.experiments.engines.work_unit import (
 from dubins_study.experiments.interruption import Interruption
 from dubins_study.experiments.isolation.supervisor import RunError, Supervisor
 from dubins_study.experiments.isolation.watch import Bounds
+from dubins_study.experiments.run_settings import RunSettings
+from dubins_study.study.rows.row_table import Row
 
 # s after which a chunk is handed back, with what is left of it: rows are written every second, and
 # a chunk of solvers that take their time must not keep other workers waiting at the end
@@ -66,13 +66,14 @@ class _Bench:
             return self._stops.setdefault(run_id, Interruption())
 
     @contextmanager
-    def supervisor(self, run: Run, bounds: Bounds) -> Iterator[Supervisor]:
+    def supervisor(self, run: RunSettings) -> Iterator[Supervisor]:
         """One of this run; those of other runs that nobody uses are closed."""
         with self._lock:
-            others = [one for one in self._idle if (one.run, one.bounds) != (run, bounds)]
+            others = [one for one in self._idle if one.run != run]
             self._idle = [one for one in self._idle if one not in others]
             found = self._idle.pop() if self._idle else None
         _close(others)
+        bounds = Bounds(run.time_limit_s, run.memory_limit_bytes)
         found = found or Supervisor(run, bounds, 1, self._probed(run.run_id)).__enter__()
         with self._lock:
             self._busy.append(found)
@@ -132,7 +133,7 @@ def solve_chunk(sent: bytes) -> Returned:
         return Returned(b"", f"on the Dask worker on {machine}, {refusal}", machine, [])
     rows: list[Row] = []
     try:
-        with _bench.supervisor(chunk.run, chunk.bounds) as supervisor:
+        with _bench.supervisor(chunk.run) as supervisor:
             for some in _solved(chunk, supervisor, _bench.stop(chunk.run.run_id)):
                 rows += some
     except RunError as error:

@@ -6,13 +6,13 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import AbstractContextManager, nullcontext
 from typing import Any, NamedTuple, Protocol
 
-from dubins_study.experiments.engines.judging import Run
-from dubins_study.experiments.engines.rows import Row
 from dubins_study.experiments.interruption import Interruption
 from dubins_study.experiments.isolation.supervisor import Supervisor
 from dubins_study.experiments.isolation.watch import Bounds
 from dubins_study.experiments.plan.cells import Chain
+from dubins_study.experiments.run_settings import RunSettings
 from dubins_study.study.path import Path
+from dubins_study.study.rows.row_table import Row
 from dubins_study.study.rows.schema import Key
 
 
@@ -42,12 +42,11 @@ class Engine(Protocol):
     def said(self) -> dict[str, Any]:
         """What the run's entry in the manifest tells of it beside."""
 
-    def crew(self, run: Run, bounds: Bounds, probed: Probed | None) -> AbstractContextManager[Crew]:
+    def crew(self, run: RunSettings, probed: Probed | None) -> AbstractContextManager[Crew]:
         """Get ready to solve cells; until then nothing is started that takes long.
 
         Args:
-            run: what the rows share.
-            bounds: of every solve.
+            run: the settings of the run.
             probed: called now and then.
 
         Raises:
@@ -59,7 +58,8 @@ class _Local(NamedTuple):
     jobs: int
     said: dict[str, Any]
 
-    def crew(self, run: Run, bounds: Bounds, probed: Probed | None) -> AbstractContextManager[Crew]:
+    def crew(self, run: RunSettings, probed: Probed | None) -> AbstractContextManager[Crew]:
+        bounds = Bounds(run.time_limit_s, run.memory_limit_bytes)
         return Supervisor(run, bounds, self.jobs, probed)
 
 

@@ -6,15 +6,14 @@ from itertools import groupby
 from pathlib import Path as FilePath
 
 from dubins_study.experiments.engines.engine import Engine, Probed
-from dubins_study.experiments.engines.judging import Run
-from dubins_study.experiments.engines.rows import row_key, row_path
 from dubins_study.experiments.interruption import Interruption
 from dubins_study.experiments.isolation.sandbox import pinned_threads
-from dubins_study.experiments.isolation.watch import Bounds
 from dubins_study.experiments.plan.cells import Chain, shuffled
+from dubins_study.experiments.run_settings import RunSettings
 from dubins_study.experiments.store.folder import read_rows
 from dubins_study.experiments.store.writer import Writer
 from dubins_study.study.path import Path
+from dubins_study.study.rows.row_table import row_key, row_path
 from dubins_study.study.rows.schema import Key
 
 
@@ -22,9 +21,7 @@ def solve_left(
     folder: FilePath,
     groups: list[Chain],
     finished: set[Key],
-    seed: int,
-    shared: Run,
-    bounds: Bounds,
+    settings: RunSettings,
     writer: Writer,
     stop: Interruption,
     engine: Engine,
@@ -38,9 +35,9 @@ def solve_left(
     """
     single, before = _unfinished(folder, groups, finished)
     writer.skip(sum(map(len, groups)) - sum(map(len, single)))
-    ordered = shuffled(single, seed)
+    ordered = shuffled(single, settings.seed)
     if ordered:
-        with pinned_threads(), engine.crew(shared, bounds, probed) as crew:
+        with pinned_threads(), engine.crew(settings, probed) as crew:
             for rows in crew.solve(ordered, before, stop):
                 writer.add(rows)
     stop.check()

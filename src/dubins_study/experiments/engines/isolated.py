@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from typing import Any
 
-from dubins_study.experiments.engines.judging import Run
 from dubins_study.experiments.interruption import Interruption
 from dubins_study.experiments.isolation.sandbox import pinned_threads
 from dubins_study.experiments.isolation.supervisor import Supervisor
 from dubins_study.experiments.isolation.watch import Bounds
 from dubins_study.experiments.plan.cells import Cell
 from dubins_study.experiments.plan.solver_description import described
+from dubins_study.experiments.run_settings import BYTES_PER_GIB, RunSettings
 from dubins_study.solvers.attempt import (
     DEFAULT_LIMIT,
     Answer,
@@ -46,8 +46,9 @@ def solve_isolated(
     tolerances(profile)
     described(solver, profile)
     cell = Cell("", solver, profile, branch, "cold", 0, "", scenario)
-    bounds = Bounds(limit, round(memory * 2**30))
-    asked = Supervisor(Run("", limit, 1), bounds, 1, made=_answer, warm_up=False)
+    settings = RunSettings("", limit, round(memory * BYTES_PER_GIB))
+    bounds = Bounds(settings.time_limit_s, settings.memory_limit_bytes)
+    asked = Supervisor(settings, bounds, 1, made=_answer, warm_up=False)
     with Interruption() as stop, pinned_threads(), asked as workers:
         found: list[Any] = [one for made in workers.solve([(cell,)], {}, stop) for one in made]
         stop.check()
@@ -56,7 +57,12 @@ def solve_isolated(
 
 
 def _answer(
-    cell: Cell, initial_guess: Path | None, run: Run, reply: Reply, started: str, versions: str
+    cell: Cell,
+    initial_guess: Path | None,
+    run: RunSettings,
+    reply: Reply,
+    started: str,
+    versions: str,
 ) -> tuple[Answer, None]:
     question, profile = (
         Question(cell.scenario, cell.branch, initial_guess),

@@ -2,32 +2,22 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
-from dubins_study.experiments.engines.rows import Row, raised_row
 from dubins_study.experiments.isolation.sandbox import THREADS
 from dubins_study.experiments.plan.cells import Cell
 from dubins_study.experiments.provenance import host, now
+from dubins_study.experiments.run_settings import RunSettings
 from dubins_study.solvers.attempt import Reply, judged_row, told
 from dubins_study.solvers.profiles import tolerances
 from dubins_study.solvers.protocol import Question
 from dubins_study.study.path import Path
+from dubins_study.study.rows.row_table import Row, raised_row
 from dubins_study.study.rows.schema import KEY, SCENARIO, names
-
-
-class Run(NamedTuple):
-    """What every row of a run shares."""
-
-    run_id: str
-    limit: float
-    jobs: int
-    engine: str = "local"
 
 
 def row_of(
     cell: Cell,
     initial_guess: Path | None,
-    run: Run,
+    run: RunSettings,
     reply: Reply,
     started: str = "",
     versions: str = "",
@@ -47,7 +37,7 @@ def row_of(
 _KEY, _SCENARIO = names(KEY), names(SCENARIO)
 
 
-def shared(run: Run, started: str, versions: str) -> Row:
+def shared(run: RunSettings, started: str, versions: str) -> Row:
     """The columns that tell where a row came from."""
     return {
         "versions": versions,

@@ -18,7 +18,6 @@ from pathlib import Path as FilePath
 from typing import Any, NamedTuple
 
 from dubins_study.experiments.definition.experiment import Block, Experiment
-from dubins_study.experiments.engines.judging import Run
 from dubins_study.experiments.engines.stream_table import chunk_table, warm_up
 from dubins_study.experiments.interruption import Interruption
 from dubins_study.experiments.isolation.sandbox import THREADS
@@ -26,6 +25,7 @@ from dubins_study.experiments.plan.block_columns import Window, size, tiled, win
 from dubins_study.experiments.plan.cells import asked, streamed
 from dubins_study.experiments.plan.repeated_scenarios import refuse_repeats
 from dubins_study.experiments.plan.solver_description import described
+from dubins_study.experiments.run_settings import RunSettings
 from dubins_study.experiments.store.parts import write_part
 from dubins_study.experiments.store.stream_parts import metadata, part_name, streamed_parts
 from dubins_study.experiments.store.writer import Writer
@@ -157,7 +157,7 @@ def _held(folder: FilePath) -> set[tuple[str, Window]]:
 
 
 def solve_streams(
-    folder: FilePath, wanted: list[Stream], run: Run, writer: Writer, stop: Interruption
+    folder: FilePath, wanted: list[Stream], run: RunSettings, writer: Writer, stop: Interruption
 ) -> None:
     """Solve every chunk that the folder does not hold yet, and write each as a part of its own.
 
@@ -179,7 +179,7 @@ def _solve_chunks(
     folder: FilePath,
     stream: Stream,
     left: list[Window],
-    run: Run,
+    run: RunSettings,
     writer: Writer,
     stop: Interruption,
     pool: ThreadPoolExecutor,

@@ -11,17 +11,18 @@ import pandas as pd
 import pyarrow as pa
 import pyarrow.compute as pc
 
-from dubins_study.experiments.engines.judging import Run, shared
-from dubins_study.experiments.engines.rows import ARROW_SCHEMA
+from dubins_study.experiments.engines.judging import shared
 from dubins_study.experiments.plan.block_columns import Columns
 from dubins_study.experiments.plan.scenario_ids import scenario_ids
 from dubins_study.experiments.provenance import now, versions
+from dubins_study.experiments.run_settings import RunSettings
 from dubins_study.solvers.registry import load
+from dubins_study.study.rows.row_table import ARROW_SCHEMA
 from dubins_study.study.rows.schema import SCENARIO, names
 
 
 def chunk_table(
-    columns: Columns, label: str, key: Mapping[str, Any], run: Run, proved: bool
+    columns: Columns, label: str, key: Mapping[str, Any], run: RunSettings, proved: bool
 ) -> pa.Table:
     """The rows of a chunk; every row's times are the chunk's divided by its size.
 
@@ -47,12 +48,14 @@ def chunk_table(
     return pa.Table.from_arrays(arrays, names=ARROW_SCHEMA.names)
 
 
-def warm_up(columns: Columns, key: Mapping[str, Any], run: Run) -> None:
+def warm_up(columns: Columns, key: Mapping[str, Any], run: RunSettings) -> None:
     """Solve a chunk and record nothing: what is compiled meanwhile is not the solver's time."""
     _answers(columns, key, run, proved=False)
 
 
-def _answers(columns: Columns, key: Mapping[str, Any], run: Run, proved: bool) -> pd.DataFrame:
+def _answers(
+    columns: Columns, key: Mapping[str, Any], run: RunSettings, proved: bool
+) -> pd.DataFrame:
     from dubins_study.solvers.frame import solve_frame
 
     return solve_frame(
@@ -60,7 +63,7 @@ def _answers(columns: Columns, key: Mapping[str, Any], run: Run, proved: bool) -
         solver=key["solver"],
         branch=key["branch"],
         profile=key["profile"],
-        limit=run.limit,
+        limit=run.time_limit_s,
         certified=True,
         enclosed=proved,
     )

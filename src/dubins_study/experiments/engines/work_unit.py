@@ -8,11 +8,10 @@ from typing import NamedTuple
 
 import pyarrow as pa
 
-from dubins_study.experiments.engines.judging import Run
-from dubins_study.experiments.engines.rows import Row, row_key, row_path, rows_table
-from dubins_study.experiments.isolation.watch import Bounds
 from dubins_study.experiments.plan.cells import Cell, Chain
+from dubins_study.experiments.run_settings import RunSettings
 from dubins_study.study.path import Path
+from dubins_study.study.rows.row_table import Row, row_key, row_path, rows_table
 from dubins_study.study.rows.schema import SCENARIO, Key, names
 from dubins_study.study.scenario import Pose, Scenario
 
@@ -20,8 +19,7 @@ from dubins_study.study.scenario import Pose, Scenario
 class Chunk(NamedTuple):
     """What one task is asked: chains of cells, and the paths before them (see `Supervisor`)."""
 
-    run: Run
-    bounds: Bounds
+    run: RunSettings
     chains: list[Chain]
     before: Mapping[Key, Path]
 
@@ -51,19 +49,19 @@ def encoded(chunk: Chunk) -> bytes:
     chains = [[_cell(cell) for cell in chain] for chain in chunk.chains]
     firsts = [chunk.before.get(chain[0].key) for chain in chunk.chains]
     paths = [path and _path(path) for path in firsts]
-    return json.dumps([[*chunk.run], [*chunk.bounds], chains, paths]).encode()
+    return json.dumps([[*chunk.run], chains, paths]).encode()
 
 
 def decoded(sent: bytes) -> Chunk:
     """The chunk again."""
-    run, bounds, listed, paths = json.loads(sent)
+    run, listed, paths = json.loads(sent)
     chains = [tuple(_read_cell(*cell) for cell in chain) for chain in listed]
     before = {
         chain[0].key: Path(Pose(*path[0]), path[1], path[2])
         for chain, path in zip(chains, paths, strict=True)
         if path is not None
     }
-    return Chunk(Run(*run), Bounds(*bounds), chains, before)
+    return Chunk(RunSettings(*run), chains, before)
 
 
 def _cell(cell: Cell) -> list[object]:

@@ -11,8 +11,8 @@ from typing import Any
 
 from pebble import ProcessExpired
 
-from dubins_study.experiments.engines.judging import Run, row_of
-from dubins_study.experiments.engines.rows import Row
+from dubins_study.errors import DubinsStudyError
+from dubins_study.experiments.engines.judging import row_of
 from dubins_study.experiments.interruption import Interruption
 from dubins_study.experiments.isolation import processes
 from dubins_study.experiments.isolation.clock import Phase
@@ -24,9 +24,11 @@ from dubins_study.experiments.isolation.tasks import Task, Tasks
 from dubins_study.experiments.isolation.watch import Bounds, Watch
 from dubins_study.experiments.isolation.worker import Order
 from dubins_study.experiments.plan.cells import Cell, Chain
+from dubins_study.experiments.run_settings import RunSettings
 from dubins_study.solvers.attempt import Reply, nothing, told
 from dubins_study.solvers.protocol import Outcome
 from dubins_study.study.path import Path
+from dubins_study.study.rows.row_table import Row
 from dubins_study.study.rows.schema import Key
 
 # Orders put to a worker in advance, so that it never waits, and how many of them travel in one
@@ -45,7 +47,7 @@ _FALSE_STARTS = 3
 _ENDED = (ProcessExpired, BrokenProcessPool)
 
 
-class RunError(RuntimeError):
+class RunError(DubinsStudyError, RuntimeError):
     """A run that could not go on; what was done is kept."""
 
 
@@ -63,7 +65,7 @@ class Supervisor:
 
     def __init__(
         self,
-        run: Run,
+        run: RunSettings,
         bounds: Bounds,
         jobs: int,
         probed: Callable[[float], None] | None = None,

@@ -203,7 +203,7 @@ def _guesses(begin: GuessLengths) -> Iterator[str]:
     for point in itertools.product(*map(_values, (begin.z1, begin.z2, begin.z3))):
         if not all(0 <= length <= _LONGEST for length in point):
             raise ExperimentError(
-                f"begin is {point}; expected lengths from 0 to {_LONGEST:g} radii: z1, z2, z3"
+                f"guess_lengths is {point}; expected lengths from 0 to {_LONGEST:g} radii: z1, z2, z3"
             )
         yield " ".join(repr(length) for length in point)
 

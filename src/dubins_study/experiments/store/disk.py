@@ -7,11 +7,13 @@ import re
 from collections.abc import Callable
 from pathlib import Path as FilePath
 
+from dubins_study.errors import DubinsStudyError
+
 # what a killed run may leave behind: hidden, and named after a file of ours
 _TEMPORARY = re.compile(r"\.(?:manifest\.json|.+\.parquet)\.\d+\.tmp")
 
 
-class StoreError(ValueError):
+class StoreError(DubinsStudyError, ValueError):
     """A results folder that cannot be read or written; the message says which and why."""
 
 

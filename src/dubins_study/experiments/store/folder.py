@@ -9,7 +9,6 @@ from typing import Any
 
 import pyarrow as pa
 
-from dubins_study.experiments.engines.rows import ARROW_SCHEMA
 from dubins_study.experiments.store.disk import StoreError, is_temporary, reason, refuse_link, tidy
 from dubins_study.experiments.store.lock import LOCK
 from dubins_study.experiments.store.manifest import (
@@ -30,6 +29,7 @@ from dubins_study.experiments.store.parts import (
 )
 from dubins_study.experiments.store.stream_parts import streamed_part
 from dubins_study.study.printable import plain
+from dubins_study.study.rows.row_table import ARROW_SCHEMA
 from dubins_study.study.rows.schema import KEY, Key, names
 
 __all__ = [

@@ -9,8 +9,8 @@ from typing import NoReturn
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from dubins_study.experiments.engines.rows import ARROW_SCHEMA
 from dubins_study.experiments.store.disk import StoreError, put, reason, refuse_link
+from dubins_study.study.rows.row_table import ARROW_SCHEMA
 from dubins_study.study.rows.schema import CHUNK, VERSION, VERSION_KEY
 
 PARTS, DAMAGED = "parts", "damaged"

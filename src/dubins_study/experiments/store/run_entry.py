@@ -96,7 +96,7 @@ def recorded(
     Args:
         folder: locked by this process.
         manifest: with the list `runs`, which gets one entry more.
-        asked: what the run was asked: `run_id`, `command`, `engine`, `jobs`, `limit`, `memory`,
+        asked: what the run was asked: `run_id`, `command`, `engine`, `jobs`, `time_limit_s`,
             `threads`.
         completes: whether the folder is finished when the run is.
     """

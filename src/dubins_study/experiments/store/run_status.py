@@ -6,9 +6,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from dubins_study.experiments.store.manifest import is_count
 from dubins_study.experiments.store.run_entry import RUNNING
-from dubins_study.study.rows.machine_noise import is_number, probes_of, varied
+from dubins_study.study.rows.machine_noise import varied
+from dubins_study.study.rows.manifest import RunEntry
 
 
 @dataclass(frozen=True)
@@ -32,28 +32,21 @@ class RunStatus:
 
 
 def run_status(entry: Mapping[str, Any], live: bool) -> RunStatus:
-    """An entry of the manifest, whoever wrote it."""
-    seconds: Any = entry.get("seconds")
-    jobs: Any = entry.get("jobs")
-    ended = entry.get("ended")
-    return RunStatus(
-        run_id=str(entry.get("run_id")),
-        started=str(entry.get("started")),
-        ended=None if ended is None else str(ended),
-        seconds=float(seconds) if is_number(seconds) and seconds >= 0 else None,
-        state=_state(entry, live),
-        jobs=max(1, jobs) if is_count(jobs) else 1,
-        engine=str(entry.get("engine", "local")),
-        spread=varied(probes_of(entry)),
-    )
-
-
-def _state(entry: Mapping[str, Any], live: bool) -> str:
-    """Running, finished, interrupted or killed, which a run cannot say of itself.
+    """An entry of the manifest, whoever wrote it.
 
     Args:
-        entry: a run's in the manifest, whoever wrote it.
+        entry: a run's.
         live: whether a process holds the folder, and this is the last of its runs.
     """
-    state = str(entry.get("state"))
-    return "killed" if state == RUNNING and not live else state
+    run = RunEntry.model_validate(entry)
+    killed = run.state == RUNNING and not live
+    return RunStatus(
+        run_id=run.run_id,
+        started=run.started,
+        ended=run.ended,
+        seconds=run.seconds,
+        state="killed" if killed else run.state,
+        jobs=run.jobs,
+        engine=run.engine,
+        spread=varied(run.probes),
+    )

@@ -8,10 +8,10 @@ from typing import NamedTuple
 
 import pyarrow as pa
 
-from dubins_study.experiments.engines.rows import ARROW_SCHEMA
 from dubins_study.experiments.store.folder import unique
 from dubins_study.experiments.store.parts import DamagedPartError, is_stream, part_files, read_part
 from dubins_study.experiments.store.stream_parts import streamed_part
+from dubins_study.study.rows.row_table import ARROW_SCHEMA
 from dubins_study.study.rows.schema import KEY, names
 
 _TOLD = ("solver", "code_digest", "outcome", "verdict", "run_id")

@@ -7,8 +7,8 @@ from pathlib import Path as FilePath
 from time import monotonic
 from typing import Any
 
-from dubins_study.experiments.engines.rows import Row, rows_table
 from dubins_study.experiments.store.parts import RUN_ID, write_part
+from dubins_study.study.rows.row_table import Row, rows_table
 
 # rows are written when this many seconds have passed, so that a killed run loses little
 _FLUSH = 0.8

@@ -13,6 +13,7 @@ import pyarrow as pa
 import pyarrow.compute as pc
 import pyarrow.parquet as pq
 
+from dubins_study.errors import DubinsStudyError
 from dubins_study.report.data.row_check import impossible
 from dubins_study.report.data.visible import visible_column
 from dubins_study.study.rows.schema import (
@@ -37,7 +38,7 @@ _PIECE = 2**17  # rows
 _SCHEMA = arrow_schema()
 
 
-class ReportError(ValueError):
+class ReportError(DubinsStudyError, ValueError):
     """A results folder that cannot be read, or a place that cannot be written."""
 
 

@@ -11,11 +11,13 @@ from functools import lru_cache
 from importlib.resources import files
 from typing import Any
 
+from dubins_study.errors import DubinsStudyError
+
 NAME = "audit.json"
 CORRECT = "correct rounding"
 
 
-class AuditError(ValueError):
+class AuditError(DubinsStudyError, ValueError):
     """The committed audit cannot be read."""
 
 

@@ -8,9 +8,10 @@ if TYPE_CHECKING:
     import pyarrow as pa
 
 VERSION = 4
-# under which the metadata of a Parquet file of rows say the version
+# Keys of a part's Parquet metadata: the version of this schema, the run that wrote the part, and,
+# of a streamed part, its chunk as JSON (`study.rows.chunk.Chunk`).
 VERSION_KEY = "dubins-study schema"
-# under which the Parquet metadata of a streamed part tell, as JSON, which chunk of what it is
+RUN_ID = "dubins-study run"
 CHUNK = "dubins-study chunk"
 
 
@@ -39,9 +40,9 @@ KEY = (
         "digest of the solver's code, settings and libraries: 12 hex digits",
     ),
 )
-# the values of the key columns
+# The values of the key columns.
 Key = tuple[str, str, str, str, str, int, str]
-# which attempt it is, whatever code makes it
+# The columns that name a cell, whatever code answers it.
 CELL = KEY[:-1]
 
 SCENARIO = (
@@ -110,6 +111,7 @@ ROW = KEY + SCENARIO + ANSWER + RUN
 
 
 def names(columns: tuple[Column, ...]) -> list[str]:
+    """The names of columns."""
     return [column.name for column in columns]
 
 

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import pandas as pd
 
 from dubins_study.report.data.load import Manifest
-from dubins_study.study.rows.machine_noise import is_number, probes_of, varied
+from dubins_study.study.rows.machine_noise import varied
+from dubins_study.study.rows.manifest import RunEntry
 
 COLUMNS = (
     *("experiment", "run", "started", "seconds", "state", "engine", "jobs"),
@@ -22,44 +23,42 @@ def runs(manifests: Iterable[Manifest]) -> pd.DataFrame:
     Returns:
         Columns experiment, run, started, seconds (NaN if it does not say), state, engine, jobs,
         machine and governor (texts), load (of the last minute, at its start and its end), probes
-        (a list as `study.rows.machine_noise.probes_of` has it), spread (a share, NaN if unknown).
+        (a tuple of `study.rows.machine_noise.Probe`), spread (a share, NaN if unknown).
     """
-    rows = [_row(manifest, entry) for manifest in manifests for entry in manifest.runs]
+    rows = [
+        _row(manifest.name, RunEntry.model_validate(entry))
+        for manifest in manifests
+        for entry in manifest.runs
+    ]
     return pd.DataFrame(rows, columns=list(COLUMNS))
 
 
-def _row(manifest: Manifest, entry: Mapping[str, Any]) -> dict[str, Any]:
-    probes, jobs = probes_of(entry), entry.get("jobs")
-    seconds: Any = entry.get("seconds")
-    state = str(entry.get("state", "unknown"))
-    share = varied(probes)
+def _row(experiment: str, run: RunEntry) -> dict[str, Any]:
+    share = varied(run.probes)
     return {
-        "experiment": manifest.name,
-        "run": str(entry.get("run_id", "")),
-        "started": str(entry.get("started", "")),
-        "seconds": float(seconds) if is_number(seconds) else float("nan"),
+        "experiment": experiment,
+        "run": run.run_id,
+        "started": run.started,
+        "seconds": float("nan") if run.seconds is None else run.seconds,
         # a run that is killed cannot say so
-        "state": "running, or killed" if state == "running" else state,
-        "engine": str(entry.get("engine", "")),
-        "jobs": "" if jobs is None else str(jobs),
-        "machine": _machine(entry.get("machine")),
-        "governor": str(entry.get("governor", "unknown")),
-        "load": f"{_load(entry.get('load_start'))} to {_load(entry.get('load_end'))}",
-        "probes": probes,
+        "state": "running, or killed" if run.state == "running" else run.state,
+        "engine": run.engine,
+        "jobs": str(run.jobs),
+        "machine": _machine(run.machine),
+        "governor": run.governor,
+        "load": f"{_load(run.load_start)} to {_load(run.load_end)}",
+        "probes": run.probes,
         "spread": float("nan") if share is None else share,
     }
 
 
-def _machine(machine: Any) -> str:
-    if not isinstance(machine, Mapping):
-        return ""
-    said = [str(machine[key]) for key in ("processor", "system", "memory") if key in machine]
+def _machine(machine: Mapping[str, Any]) -> str:
+    texts = [str(machine[key]) for key in ("processor", "system", "memory") if key in machine]
     if "cores" in machine:
-        said.append(f"{machine.get('usable_cores', machine['cores'])} of {machine['cores']} cores")
-    return ", ".join(said)
+        texts.append(f"{machine.get('usable_cores', machine['cores'])} of {machine['cores']} cores")
+    return ", ".join(texts)
 
 
-def _load(averages: Any) -> str:
+def _load(averages: Sequence[float] | None) -> str:
     """The average over the last minute."""
-    known = isinstance(averages, list) and averages and is_number(averages[0])
-    return f"{averages[0]:.2f}" if known else "?"
+    return f"{averages[0]:.2f}" if averages else "?"

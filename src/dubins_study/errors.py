@@ -1,0 +1,9 @@
+"""The base class of every error that the package raises for a request it cannot meet."""
+
+
+class DubinsStudyError(Exception):
+    """A request that cannot be met.
+
+    The message names the file or field, its value, what was expected and what to do. Any other
+    exception that leaves the package is a bug.
+    """

@@ -1,0 +1,32 @@
+"""What holds for every cell of one run: its name, its limits, and how it is solved."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+BYTES_PER_GIB = 2**30
+
+
+class RunSettings(NamedTuple):
+    """The settings of one run, the same for all its cells and rows.
+
+    Args:
+        run_id: the name of the run in its rows, its parts and the manifest.
+        time_limit_s: seconds that one solve may take.
+        memory_limit_bytes: bytes that a worker process and its children may hold.
+        jobs: how many cells are solved side by side.
+        engine: `local` or `dask`.
+        seed: the order of the cells is drawn from it.
+    """
+
+    run_id: str
+    time_limit_s: float
+    memory_limit_bytes: int = 4 * BYTES_PER_GIB
+    jobs: int = 1
+    engine: str = "local"
+    seed: int = 0
+
+    @property
+    def memory_limit_gib(self) -> float:
+        """The memory limit in GiB."""
+        return self.memory_limit_bytes / BYTES_PER_GIB

@@ -1,0 +1,45 @@
+"""Errors of a results folder, and the refusal of links in it."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path as FilePath
+
+from dubins_study.errors import DubinsStudyError
+
+
+class ResultsError(DubinsStudyError, ValueError):
+    """A results folder that cannot be read or written; the message says which one and why."""
+
+
+class DamagedPartError(ResultsError):
+    """A part that was cut off or changed after it was written."""
+
+    def __init__(self, part: FilePath, message: str) -> None:
+        super().__init__(message)
+        self.part = part
+
+
+def reason(error: OSError) -> str:
+    """What went wrong, in the words of the system or of the library that raised the error."""
+    if error.errno is not None:
+        return os.strerror(error.errno)
+    return error.strerror or str(error).partition("\n")[0] or type(error).__name__
+
+
+def refuse_link(place: FilePath) -> None:
+    """Refuse a file or folder of a results folder that leads somewhere else.
+
+    Raises:
+        ResultsError: if it is a link. A stranger's folder may name any file of this machine, and
+            nothing outside a results folder is read or written.
+    """
+    try:
+        link = place.is_symlink()
+    except OSError as error:  # a name that is too long
+        raise ResultsError(f"{place} cannot be read: {reason(error)}") from None
+    if link:
+        raise ResultsError(
+            f"{place} is a link; expected a file or folder of its own, since nothing outside a "
+            "results folder is read or written: put a copy in its place"
+        )

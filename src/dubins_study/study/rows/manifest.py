@@ -1,0 +1,264 @@
+"""The manifest: what a results folder says about itself, checked when it is read."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path as FilePath
+from typing import Annotated, Any, Self
+
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    Field,
+    TypeAdapter,
+    ValidationError,
+    ValidationInfo,
+    ValidatorFunctionWrapHandler,
+    field_serializer,
+    field_validator,
+)
+
+from dubins_study.study.check.verdict import Tolerances
+from dubins_study.study.printable import plain, printable_values
+from dubins_study.study.rows.chunk import Count
+from dubins_study.study.rows.files import ResultsError, reason, refuse_link
+from dubins_study.study.rows.machine_noise import Probe
+from dubins_study.study.rows.schema import VERSION
+
+MANIFEST = "manifest.json"
+# Manifests that a run writes have fewer levels, and writing one calls itself level by level.
+_MAX_LEVELS = 20
+_PROBE = TypeAdapter(Probe)
+
+
+class _Record(BaseModel):
+    """Keys that no field names are kept as they are, so that rewriting a manifest loses nothing."""
+
+    model_config = ConfigDict(frozen=True, strict=True, extra="allow")
+
+
+class Definition(_Record):
+    """The experiment that a folder holds the rows of; `text` is its TOML file."""
+
+    name: str
+    text: str
+    title: str = ""
+    question: str = ""
+
+
+class SolverEntry(_Record):
+    """A solver: its settings, the digest of its code, its packages' versions, its cells in all."""
+
+    code_digest: str
+    settings: dict[str, Any] = {}
+    packages: dict[str, Any] = {}
+    cells: Count = 0
+
+
+class RunEntry(_Record):
+    """A run: what it was asked, where, and how it went.
+
+    A value that makes no sense counts as missing: an odd entry spoils no folder.
+
+    Args:
+        run_id: stands in every row of the run.
+        command, engine, jobs, threads, time_limit_s, memory_limit_gib: what was asked.
+        machine, governor, thread_limits, git: where it ran, and of what source.
+        load_start, load_end: processes that wanted a core in the last 1, 5 and 15 minutes.
+        started, ended: UTC, ISO 8601.
+        seconds: how long it took, or has taken so far.
+        state: `running`, `finished` or `interrupted`; a run that is killed stays `running`.
+        probes: how long the calibration probe took.
+    """
+
+    run_id: str = ""
+    command: str = ""
+    engine: str = "local"
+    jobs: Annotated[int, Field(ge=1, le=2**31)] = 1
+    threads: int | None = None
+    time_limit_s: float | None = None
+    memory_limit_gib: float | None = None
+    machine: dict[str, Any] = {}
+    governor: str = "unknown"
+    thread_limits: dict[str, Any] = {}
+    git: dict[str, Any] = {}
+    load_start: list[float] | None = None
+    load_end: list[float] | None = None
+    started: str = ""
+    ended: str | None = None
+    seconds: Annotated[float, Field(ge=0, le=1e15)] | None = None
+    state: str = "unknown"
+    probes: tuple[Probe, ...] = ()
+
+    @field_validator("probes", mode="before")
+    @classmethod
+    def _keep_valid_probes(cls, value: Any) -> tuple[Probe, ...]:
+        probes = (_probe(item) for item in value) if isinstance(value, list | tuple) else ()
+        return tuple(probe for probe in probes if probe is not None)
+
+    @field_validator("*", mode="wrap")
+    @classmethod
+    def _replace_by_default(
+        cls, value: Any, validate: ValidatorFunctionWrapHandler, info: ValidationInfo
+    ) -> Any:
+        try:
+            return validate(value)
+        except ValidationError:
+            return cls.model_fields[str(info.field_name)].get_default(call_default_factory=True)
+
+    @field_serializer("probes")
+    def _list_probes(self, probes: tuple[Probe, ...]) -> list[list[float]]:
+        return [[*probe] if probe.machine else [probe.when, probe.took] for probe in probes]
+
+
+def _probe(value: Any) -> Probe | None:
+    try:
+        return _PROBE.validate_python(value, strict=True)
+    except ValidationError:
+        return None
+
+
+class Manifest(_Record):
+    """What a results folder says about itself.
+
+    Args:
+        schema_version: of the rows; `schema` in the file.
+        cells: how many the folder is asked for.
+        gap_tolerance: gaps of two attempts that differ by more contradict each other.
+        solvers: by spec; rows of another code than an entry's `code_digest` are stale.
+        created, finished: UTC, ISO 8601; `finished` is None until every cell has its row.
+        runs: an entry a run, the earliest first.
+    """
+
+    schema_version: int = Field(VERSION, alias="schema")
+    experiment: Definition
+    command: str = ""
+    seed: int | None = None
+    time_limit_s: float | None = None
+    memory_limit_gib: float | None = None
+    profile: str | None = None
+    gap_tolerance: Annotated[float, Field(gt=0)] = Tolerances().gap
+    cells: Count
+    solvers: dict[str, SolverEntry] = {}
+    versions: dict[str, Any] = {}
+    machine: dict[str, Any] = {}
+    git: dict[str, Any] = {}
+    created: str | None = None
+    finished: str | None = None
+    runs: tuple[RunEntry, ...] = ()
+
+    @field_validator("runs", mode="before")
+    @classmethod
+    def _as_tuple(cls, value: Any) -> Any:
+        return tuple(value) if isinstance(value, list) else value
+
+    @property
+    def code_digests(self) -> dict[str, str]:
+        """The digest of the code whose rows count, by solver."""
+        return {spec: entry.code_digest for spec, entry in self.solvers.items()}
+
+    def with_changes(self, **changes: Any) -> Self:
+        """A copy in which some fields have other values."""
+        return self.model_copy(update=changes)
+
+    def as_json(self) -> str:
+        """The text of the file; line by line, but two numbers of a list stand on one line."""
+        return json.dumps(
+            self.model_dump(by_alias=True), indent=2, ensure_ascii=False, allow_nan=False
+        )
+
+
+def read_manifest(folder: FilePath, *, printable: bool = False) -> Manifest:
+    """The manifest of a results folder.
+
+    Args:
+        folder: the results folder.
+        printable: whether to write out what cannot be printed in its texts.
+
+    Raises:
+        ResultsError: if there is none, or it is of another schema, or holds something else than
+            a run writes: the message names the key, its value and what was expected.
+    """
+    file = folder / MANIFEST
+    try:
+        if not folder.is_dir():
+            raise ResultsError(f"{folder} is no results folder: it is not a folder")
+        refuse_link(file)
+        if file.exists() and not file.is_file():  # reading a pipe would block
+            raise ResultsError(f"{file} cannot be read: it is no file")
+        text = file.read_text(encoding="utf-8")
+    except FileNotFoundError:
+        raise ResultsError(f"{folder} is no results folder: it has no {MANIFEST}") from None
+    except OSError as error:
+        raise ResultsError(f"{file} cannot be read: {reason(error)}") from None
+    except UnicodeDecodeError as error:
+        raise ResultsError(f"{file} cannot be read as JSON: {error}") from None
+    return _parse(file, text, printable)
+
+
+def _parse(file: FilePath, text: str, printable: bool) -> Manifest:
+    try:
+        content = json.loads(text, parse_constant=_finite, parse_float=_finite)
+    except (ValueError, RecursionError) as error:
+        raise ResultsError(f"{file} cannot be read as JSON: {error}") from None
+    if not isinstance(content, dict):
+        raise ResultsError(f"{file} holds {content!r:.60}; expected an object")
+    version = content.get("schema")
+    if version != VERSION or isinstance(version, bool):
+        raise ResultsError(
+            f"{file} has schema {version!r:.60}; expected {VERSION}: run it again, into a new "
+            "folder or with --restart"
+        )
+    if _is_deeper(content, _MAX_LEVELS):
+        raise ResultsError(
+            f"{file} is nested more than {_MAX_LEVELS} levels deep; expected a manifest"
+        )
+    try:
+        return Manifest.model_validate(printable_values(content) if printable else content)
+    except ValidationError as error:
+        raise ResultsError(f"{file}: {_problem(error)}") from None
+
+
+def _finite(text: str) -> float:
+    value = float(text)
+    if not math.isfinite(value):
+        raise ValueError(f"{text:.20} is no finite number")
+    return value
+
+
+def _is_deeper(value: Any, levels: int) -> bool:
+    """Whether a value of JSON is nested more than so many levels deep."""
+    inner = value.values() if isinstance(value, dict) else value if isinstance(value, list) else ()
+    return levels < 0 or any(_is_deeper(item, levels - 1) for item in inner)
+
+
+# What a manifest should hold, by key; for all other keys, by pydantic's kind of error.
+_EXPECTED_AT = {
+    "experiment": "an object with name and text",
+    "created": "a time or null",
+    "finished": "a time or null",
+    "runs": "a list of objects",
+}
+_EXPECTED = {
+    "string_type": "a text",
+    "string_unicode": "a text",
+    "dict_type": "an object",
+    "model_type": "an object",
+    "float_type": "a number",
+    "greater_than": "a number above 0",
+}
+_WHOLE_NUMBER = "a whole number of at least 0"
+
+
+def _problem(error: ValidationError) -> str:
+    """The first thing wrong: its key, its value and what was expected."""
+    first = error.errors()[0]
+    place, value, kind = first["loc"], first["input"], first["type"]
+    expected = _EXPECTED.get(kind, "a whole number of at least 0")
+    if kind == "missing":  # pydantic then gives the object that lacks the key
+        place, expected = place[:-1], f"an object with {place[-1]}"
+    if place and place[-1] in _EXPECTED_AT:
+        expected = _EXPECTED_AT[str(place[-1])]
+    key = ".".join(plain(str(step))[:60] for step in place) or "the manifest"
+    return f"{key} is {value!r:.60}; expected {expected}"

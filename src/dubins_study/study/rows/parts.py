@@ -1,0 +1,222 @@
+"""The one reader of a results folder's parts: immutable Parquet files of rows.
+
+The metadata at a part's end name its schema, its run and, where the part is a chunk of a stream,
+which chunk. `read_footer` reads and checks only them; `read_batches` and `read_part` read rows.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path as FilePath
+from typing import NamedTuple, NoReturn
+
+import pyarrow as pa
+import pyarrow.parquet as pq
+from pydantic import ValidationError
+
+from dubins_study.study.rows.chunk import STREAM, Chunk
+from dubins_study.study.rows.files import DamagedPartError, ResultsError, reason, refuse_link
+from dubins_study.study.rows.row_table import ARROW_SCHEMA
+from dubins_study.study.rows.schema import CHUNK, RUN_ID, VERSION, VERSION_KEY
+
+PARTS = "parts"
+BATCH_ROWS = 2**17
+
+# What reading a file may raise: Arrow hands columns of foreign types to the code of their makers.
+_ANY = Exception
+_MOVE = "it is none of this folder's parts, move it elsewhere"
+
+
+class Part(NamedTuple):
+    """A part as its metadata describe it.
+
+    Args:
+        file: its place.
+        rows: how many it holds.
+        run_id: the run that wrote it; empty if the part does not say.
+        chunk: which chunk of a stream it is; None of a part of single cells.
+    """
+
+    file: FilePath
+    rows: int
+    run_id: str
+    chunk: Chunk | None
+
+
+def part_files(folder: FilePath, *, streams: bool = True) -> list[FilePath]:
+    """The files of a folder's parts in the order of their names; none of them is opened.
+
+    Args:
+        folder: a results folder.
+        streams: whether to list the chunks of streams too.
+
+    Raises:
+        ResultsError: if the folder of parts, or one of them, is a link.
+    """
+    refuse_link(folder / PARTS)
+    files = sorted((folder / PARTS).glob("*.parquet"))
+    for file in files:
+        refuse_link(file)
+    return [file for file in files if streams or not is_stream(file)]
+
+
+def is_stream(file: FilePath) -> bool:
+    """Whether a part is a chunk of a stream, by its name."""
+    return file.name.startswith(STREAM)
+
+
+def read_footer(file: FilePath) -> Part:
+    """What a part says about itself; no row is read.
+
+    A chunk of a stream whose metadata can be read and agree with its name is whole, since it was
+    put in its place in one step and Parquet writes metadata last.
+
+    Raises:
+        DamagedPartError: if the file was cut off or changed, or is not the chunk of its name.
+        ResultsError: if it is a link, of another schema, or cannot be read at all.
+    """
+    with _open(file) as content:
+        return _footer(file, content)
+
+
+def read_batches(
+    file: FilePath, columns: Sequence[str] | None = None, *, dictionaries: bool = False
+) -> Iterator[pa.Table]:
+    """A part's rows in tables of at most `BATCH_ROWS` rows, as the schema has them.
+
+    Args:
+        file: the part.
+        columns: names of the schema, in the order wanted; all by default.
+        dictionaries: whether to leave texts (`scenario_id` excepted) as dictionaries, which takes
+            far less memory where a column repeats few texts.
+
+    Raises:
+        DamagedPartError: if the file was cut off or changed.
+        ResultsError: if it is a link, of another schema, or cannot be read at all.
+    """
+    wanted = list(columns or ARROW_SCHEMA.names)
+    fields = [ARROW_SCHEMA.field(name) for name in wanted]
+    texts = [f.name for f in fields if f.type == pa.string() and f.name != "scenario_id"]
+    with _open(file) as content:
+        _footer(file, content)
+        metadata = content.metadata
+    # opened again, since Arrow refuses to open a file that lacks a column to read as a dictionary
+    with _open(file, metadata, texts if dictionaries else None) as content:
+        batches = content.iter_batches(BATCH_ROWS, columns=wanted)
+        while (batch := _next(file, batches)) is not None:
+            arrays = [_cast(file, batch.column(f.name), f, dictionaries) for f in fields]
+            yield pa.Table.from_arrays(arrays, names=wanted)
+
+
+def read_part(file: FilePath, columns: Sequence[str] | None = None) -> pa.Table:
+    """A part's columns as one table, all by default; errors as `read_batches`."""
+    wanted = list(columns or ARROW_SCHEMA.names)
+    schema = pa.schema([ARROW_SCHEMA.field(name) for name in wanted])
+    return pa.concat_tables([schema.empty_table(), *read_batches(file, wanted)])
+
+
+def check_part(file: FilePath) -> None:
+    """Read a part whole, one batch at a time, and keep nothing; errors as `read_batches`."""
+    for _ in read_batches(file):
+        pass
+
+
+def _open(
+    file: FilePath, metadata: pq.FileMetaData | None = None, dictionaries: list[str] | None = None
+) -> pq.ParquetFile:
+    refuse_link(file)
+    if not file.is_file():  # opening a pipe would block
+        raise ResultsError(f"{file} cannot be read: it is no file")
+    try:
+        return pq.ParquetFile(
+            file,
+            metadata=metadata,
+            read_dictionary=dictionaries,
+            page_checksum_verification=True,
+        )
+    except _ANY as error:
+        _unreadable(file, error)
+
+
+def _next(file: FilePath, batches: Iterator[pa.RecordBatch]) -> pa.RecordBatch | None:
+    """The next batch, or None after the last."""
+    try:
+        batch = next(batches, None)
+        if batch is not None:
+            batch.validate(full=True)  # nothing else notices texts that are not UTF-8
+    except _ANY as error:
+        _unreadable(file, error)
+    return batch
+
+
+def _unreadable(file: FilePath, error: Exception) -> NoReturn:
+    if isinstance(error, OSError) and error.errno is not None:
+        raise ResultsError(f"{file} cannot be read: {reason(error)}") from None
+    raise _damaged(file, "it is no Parquet file, or damaged") from None
+
+
+def _damaged(file: FilePath, problem: str) -> DamagedPartError:
+    remedy = "delete it, and run again" if is_stream(file) else "run again"
+    return DamagedPartError(
+        file, f"{file} cannot be read: {problem}; {remedy} into this folder for its rows"
+    )
+
+
+def _footer(file: FilePath, content: pq.ParquetFile) -> Part:
+    try:
+        columns, rows = content.schema_arrow.names, int(content.metadata.num_rows)
+        texts = {
+            key.decode("utf-8", "replace"): value.decode("utf-8", "replace")
+            for key, value in (content.metadata.metadata or {}).items()
+        }
+    except _ANY as error:
+        _unreadable(file, error)
+    if CHUNK in texts and not is_stream(file):  # its rows would count twice, beside the original
+        raise ResultsError(
+            f"{file} holds a chunk of a stream under a name that is not its own: name it as it "
+            f"was ({STREAM}...), or move it elsewhere"
+        )
+    version = texts.get(VERSION_KEY, str(VERSION))
+    if version != str(VERSION):
+        raise ResultsError(f"{file} is of schema {version!r:.60}; expected {VERSION}: {_MOVE}")
+    if problem := _column_problem(columns):
+        raise ResultsError(
+            f"{file} cannot be read: {problem}; expected the columns of schema {VERSION}: {_MOVE}"
+        )
+    chunk = _chunk(file, texts.get(CHUNK, ""), rows) if is_stream(file) else None
+    return Part(file, rows, texts.get(RUN_ID, ""), chunk)
+
+
+def _column_problem(columns: Sequence[str]) -> str | None:
+    """How a file's columns differ from the schema's, if they do."""
+    names = ARROW_SCHEMA.names
+    if missing := [name for name in names if name not in columns]:
+        return f"it has no column {missing[0]!r}"
+    if unknown := [name for name in columns if name not in names]:
+        return f"it has a column {unknown[0]!r:.60}"
+    return None if len(columns) == len(names) else "it has a column twice"
+
+
+def _chunk(file: FilePath, text: str, rows: int) -> Chunk:
+    try:
+        chunk = Chunk.model_validate_json(text)
+    except ValidationError:
+        raise _damaged(file, "its metadata name no chunk of a stream") from None
+    counted = sum(kind.rows for kind in chunk.kinds)
+    if not (chunk.part_name == file.stem and chunk.count == rows == counted):
+        raise _damaged(file, "its name, its metadata and its rows do not agree")
+    return chunk
+
+
+def _cast(file: FilePath, column: pa.Array, field: pa.Field, dictionaries: bool) -> pa.Array:
+    kind = column.type
+    if kind == field.type or (
+        dictionaries and pa.types.is_dictionary(kind) and kind.value_type == field.type
+    ):
+        return column
+    try:
+        return column.cast(field.type)
+    except pa.ArrowException:
+        raise ResultsError(
+            f"{file} cannot be read: column {field.name!r} holds {kind}; expected {field.type}"
+        ) from None
