@@ -12,8 +12,8 @@ from dubins_study.errors import DubinsStudyError
 from dubins_study.solvers.profiles import PROFILES, tolerances
 from dubins_study.solvers.protocol import AnySolver, Outcome, Question, Solution
 from dubins_study.solvers.registry import load, unavailable
-from dubins_study.study.check.certificate import Proof, certify
-from dubins_study.study.check.verdict import Claim, Tolerances, Verdict, judge
+from dubins_study.study.check.certificate import Certificate, Proof, certify
+from dubins_study.study.check.verdict import Claim, Judgement, Tolerances, Verdict, judge
 from dubins_study.study.closed_form.shortest import BRANCHES, shortest
 from dubins_study.study.path import Path
 from dubins_study.study.rows.schema import ANSWER, SCENARIO, names
@@ -25,11 +25,11 @@ DEFAULT_LIMIT = 60.0
 
 @dataclass(frozen=True, slots=True)
 class Answer:
-    """A judged and certified attempt. Units as in `study.rows.schema`; None where nothing can be said.
+    """A judged and certified attempt. Units as in `study.rows.schema`; None if there is no value.
 
-    `length`, `travel_time`, `word`, `gap` and `miss` are found from the path's controls by the check, and
-    so is the certificate (`study.check.certificate.Certificate`); `claimed_length` is what the solver
-    said.
+    The check computes `length`, `travel_time`, `word`, `gap`, `miss` and the certificate
+    (`study.check.certificate.Certificate`) from the path's controls. The solver reports
+    `claimed_length`.
     """
 
     scenario: Scenario
@@ -91,7 +91,7 @@ class Answer:
         return None if self.path is None else self.path.length.tolist()
 
     def row(self) -> dict[str, Any]:
-        """The scenario's and the answer's columns of `study.rows.schema`, non-finite numbers as None."""
+        """The scenario's and the answer's columns of `study.rows.schema`; None where not finite."""
         scenario = dict(zip(_SCENARIO, _scenario_numbers(self.scenario), strict=True))
         return scenario | {name: getattr(self, name) for name in _ANSWER}
 
@@ -265,7 +265,7 @@ def _judged(spec: str, question: Question, reply: Reply, allowed: Tolerances) ->
         tolerances=allowed,
     )
     dual_x, dual_y = multipliers or (None, None)
-    return {
+    answer = {
         "solver": spec,
         "branch": branch,
         "outcome": outcome,
@@ -281,9 +281,13 @@ def _judged(spec: str, question: Question, reply: Reply, allowed: Tolerances) ->
         "wall_s": times.wall,
         "iterations": solution.iterations,
         "evaluations": solution.evaluations,
-        **judgement._asdict(),
-        **certificate._asdict(),
     }
+    answer.update(zip(_JUDGED, judgement, strict=True))
+    answer.update(zip(_CERTIFIED, certificate, strict=True))
+    return answer
+
+
+_JUDGED, _CERTIFIED = Judgement._fields, Certificate._fields
 
 
 def _finite(value: float | None) -> float | None:

@@ -66,16 +66,16 @@ class Certificate(NamedTuple):
     proof: Proof
     reference_low: float | None
     reference_high: float | None
-    costate_x: float | None
-    costate_y: float | None
-    abnormal: bool
-    hamiltonian: float | None
-    sign_margin: float | None
-    transversality: float | None
-    pmp_residual: float | None
-    cut_margin: float | None
-    costate_error: float | None
-    false_bound: bool
+    costate_x: float | None = None
+    costate_y: float | None = None
+    abnormal: bool = False
+    hamiltonian: float | None = None
+    sign_margin: float | None = None
+    transversality: float | None = None
+    pmp_residual: float | None = None
+    cut_margin: float | None = None
+    costate_error: float | None = None
+    false_bound: bool = False
 
 
 def certify(
@@ -109,11 +109,20 @@ def certify(
     # a path of no length has no costates, and needs none
     residual = None if costates is None else costates.residual
     evidence = _Evidence(interval, 0.0 if judged.length == 0 else residual, cut)
+    proof = _proof(judged, branch, evidence, None if false_bound else bound, tolerances.gap, radius)
+    low, high = _finite(interval.low), _finite(interval.high)
+    if costates is None:
+        return Certificate(proof, low, high, cut_margin=cut, false_bound=false_bound)
     return Certificate(
-        _proof(judged, branch, evidence, None if false_bound else bound, tolerances.gap, radius),
-        _finite(interval.low),
-        _finite(interval.high),
-        *(_NOT_MEASURED if costates is None else _numbers(costates)),
+        proof,
+        low,
+        high,
+        *costates.nu,
+        costates.abnormal,
+        costates.hamiltonian,
+        costates.sign_margin,
+        costates.transversality,
+        costates.residual,
         cut,
         _costate_error(costates, multipliers),
         false_bound,
@@ -136,7 +145,7 @@ def _proof(
     gap: float,
     radius: float,
 ) -> Proof:
-    """The furthest proof. An optimal path may be longer by `gap` of the larger of `low` and radius."""
+    """The furthest proof; an optimal path may be longer by `gap` times the interval's low end."""
     interval, residual, cut = evidence
     if judged.verdict is Verdict.NONE_EXISTS:
         return Proof.PROVED if interval.low == math.inf else Proof.NONE
@@ -156,20 +165,8 @@ def _proof(
     return Proof.EXTREMAL if is_extremal else Proof.NONE
 
 
-_NOT_MEASURED = (None, None, False, None, None, None, None)
-
-
-def _numbers(found: Extremal) -> tuple[float, float, bool, float, float, float, float]:
-    """The fields of `Certificate` from `costate_x` to `pmp_residual`."""
-    (x, y), abnormal, *residuals = found
-    hamiltonian, sign_margin, transversality, residual = residuals
-    return x, y, abnormal, hamiltonian, sign_margin, transversality, residual
-
-
-def _costate_error(
-    costates: Extremal | None, multipliers: tuple[float, float] | None
-) -> float | None:
-    if costates is None or costates.abnormal or multipliers is None:
+def _costate_error(costates: Extremal, multipliers: tuple[float, float] | None) -> float | None:
+    if costates.abnormal or multipliers is None:
         return None
     x, y = costates.nu
     return _finite(math.hypot(multipliers[0] + x, multipliers[1] + y))

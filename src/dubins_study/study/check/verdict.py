@@ -75,7 +75,7 @@ _ANOTHER_TURN = 1.0
 
 
 class Judgement(NamedTuple):
-    """The verdict on an answer and what it rests on. Lengths in the scenario's unit; None if absent.
+    """The verdict on an answer and its evidence. Lengths in the scenario's unit; None if absent.
 
     `gap` is (length - reference) / max(reference, radius) and only stands for a path that
     arrives. `wrong_basin` is a longer path that turns by another angle than the shortest one
@@ -110,29 +110,28 @@ def judge(
     Nothing that the solver reports enters but its controls and, for `false_claim` and the
     verdict `none exists`, its claim.
     """
-    optimum, reference_word, reference, region, margin = _closed_form(scenario, branch)
+    best = _closed_form(scenario, branch)
     if path is None:
-        agrees = claim is Claim.INFEASIBLE and optimum is None
+        agrees = claim is Claim.INFEASIBLE and best.optimum is None
         verdict = Verdict.NONE_EXISTS if agrees else Verdict.NONE
     elif drivable(path):
-        return _judge_path(scenario, path, claim, branch, tolerances)
+        return _judge_path(scenario, path, claim, branch, tolerances, best)
     else:
         verdict = Verdict.MISSES
-    false_claim = is_false(claim, verdict)
-    return Judgement(verdict, false_claim, reference_word, reference, region, margin)
+    return Judgement(verdict, is_false(claim, verdict), *best[1:])
 
 
 class _ClosedForm(NamedTuple):
     """A question's shortest path, and where its target lies; None where the branch has no path."""
 
     optimum: Shortest | None
-    word: str | None
-    length: float | None
+    reference_word: str | None
+    reference: float | None
     region: str
     margin: float
 
 
-@lru_cache(maxsize=4096)
+@lru_cache(maxsize=16384)
 def _closed_form(scenario: Scenario, branch: str) -> _ClosedForm:
     """What the closed form says of a question; many cells of a run ask the same one."""
     target = local(scenario)
@@ -145,10 +144,15 @@ def _closed_form(scenario: Scenario, branch: str) -> _ClosedForm:
 
 
 def _judge_path(
-    scenario: Scenario, path: Path, claim: Claim, branch: str, tolerances: Tolerances
+    scenario: Scenario,
+    path: Path,
+    claim: Claim,
+    branch: str,
+    tolerances: Tolerances,
+    best: _ClosedForm,
 ) -> Judgement:
     """Judge a path that can be driven."""
-    optimum, reference_word, reference, region, margin = _closed_form(scenario, branch)
+    optimum, reference_word, reference, region, margin = best
     radius = scenario.radius
     end = path.end
     miss = math.hypot(end.x - scenario.target_x, end.y - scenario.target_y)

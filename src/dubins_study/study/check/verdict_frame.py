@@ -1,6 +1,6 @@
-"""The check over frames: what `study.check.verdict.judge` says, for paths of at most two arcs as arrays.
+"""The check over frames: what `verdict.judge` finds, for paths of at most two arcs as arrays.
 
-Ordinary rows are judged by `study.check.verdict_kernel`, the others, which are few, by `judge` itself.
+`verdict_kernel` judges ordinary rows; `judge` itself judges the others, which are few.
 """
 
 from __future__ import annotations
@@ -86,7 +86,7 @@ class Paths:
 
 @dataclass(frozen=True, eq=False)
 class FrameJudgement:
-    """`study.check.verdict.Judgement` of n rows: arrays of shape (n,); NaN where there is nothing to say.
+    """The judgements of n rows: arrays of shape (n,); NaN where `verdict.Judgement` has None.
 
     `verdict` indexes `VERDICTS`, `region` indexes `REGIONS`, `word` indexes `PATH_WORDS` and
     `reference_word` indexes `WORDS`; `NO_WORD` where there is no word.
