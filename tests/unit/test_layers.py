@@ -29,7 +29,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     "study": (),
     "study.closed_form": ("study",),
     "study.check": ("study", "study.closed_form"),
-    "study.rows": ("study",),
+    "study.rows": ("study", "study.check"),  # the tolerances that a verdict was found by
     "solvers": ("study.*",),
     "solvers.ipopt_library": ("study.*",),
     "solvers.paper_nlp": ("study.*", "solvers", "solvers.ipopt_library"),
