@@ -7,8 +7,7 @@ from collections.abc import Mapping
 
 from dubins_study.cli.show import table
 from dubins_study.experiments.store.merge import Union
-from dubins_study.experiments.store.run_status import RunStatus
-from dubins_study.experiments.store.status import Status
+from dubins_study.experiments.store.status import RunStatus, Status
 from dubins_study.study.printable import plain
 from dubins_study.study.rows.machine_noise import NOISY
 
