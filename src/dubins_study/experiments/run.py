@@ -176,6 +176,7 @@ def _manifest(found: Source, groups: list[Chain], wanted: list[Stream], command:
             name=found.name,
             title=experiment.title,
             question=experiment.question,
+            section=experiment.section,
             text=found.text,
         ),
         command=command,

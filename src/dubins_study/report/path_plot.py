@@ -6,8 +6,8 @@ from pathlib import Path as FilePath
 
 import pandas as pd
 
-from dubins_study.report.page.render import save_bytes, settle
-from dubins_study.report.page.style import drawing, new_figure
+from dubins_study.report.elements.figure_file import figure_bytes, fix_layout
+from dubins_study.report.elements.style import drawing, new_figure
 from dubins_study.report.topics.paper.figures import aspect_of, plot_paths
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
@@ -45,5 +45,5 @@ def save_path(scenario: Scenario, path: Path, name: str, file: FilePath) -> None
         height = min(max(_WIDTH * aspect_of(paths) + 0.6, _HEIGHT[0]), _HEIGHT[1])
         figure = new_figure(_WIDTH, height)
         plot_paths(figure.add_subplot(), paths, names=(name,))
-        settle(figure)
-        file.write_bytes(save_bytes(figure, file.suffix.removeprefix(".")))
+        fix_layout(figure)
+        file.write_bytes(figure_bytes(figure, file.suffix.removeprefix(".")))

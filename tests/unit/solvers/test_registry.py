@@ -61,7 +61,8 @@ def test_canonical_specs():
     """Defaults are left out, and the order is that of the declaration."""
     assert canonical("slsqp[count=10]") == "slsqp"
     assert (
-        canonical(" slsqp[ initial_guess = zero , model=joint]") == "slsqp[model=joint,initial_guess=zero]"
+        canonical(" slsqp[ initial_guess = zero , model=joint]")
+        == "slsqp[model=joint,initial_guess=zero]"
     )
     assert canonical(canonical("ipopt[tol=1e-06]")) == canonical("ipopt[tol=0.000001]")
 

@@ -1,4 +1,4 @@
-"""Pontryagin's conditions and the cut, against an ODE integrator, the closed form and THEORY."""
+"""Pontryagin's conditions and the cut, against an ODE integrator, and the closed form."""
 
 from __future__ import annotations
 
@@ -82,7 +82,7 @@ def test_costates_against_an_ode_integrator(name):
 
 @given(ARCS, st.floats(0.1, 20), st.sampled_from([1, -1]), st.floats(-4, 4))
 def test_ending_straight_costates_are_against_the_final_heading(arc, straight, side, heading):
-    """THEORY section 6, CS: (nu1, nu2) = -(cos, sin) of the final heading; always an extremal."""
+    """CS: (nu1, nu2) = -(cos, sin) of the final heading; always an extremal."""
     path = Path(Pose(1, 2, heading), [side, 0], [arc, straight])
     found = certified(path)
 
@@ -94,7 +94,7 @@ def test_ending_straight_costates_are_against_the_final_heading(arc, straight, s
 
 @given(ARCS, ARCS, st.sampled_from([1, -1]), st.floats(-4, 4))
 def test_two_arcs_are_extremal_iff_theory_says_so(first, second, side, heading):
-    """THEORY section 6, CC: extremal iff pi < a2 < 2 pi and a1 <= a2."""
+    """docs/derivation.md, section 9, CC: extremal iff pi < a2 < 2 pi and a1 <= a2."""
     assume(min(abs(second - math.pi), abs(first - second)) > 1e-4)
     path = Path(Pose(0, 0, heading), [side, -side], [first, second])
     found = certified(path)

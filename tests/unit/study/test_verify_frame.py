@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 from hard_cases import hard_frame
 
+from dubins_study.study.check.two_arcs import PATH_WORDS
 from dubins_study.study.check.verdict import Claim, Verdict, judge
 from dubins_study.study.check.verdict_frame import CLAIMS, NO_WORD, Paths, judge_frame
-from dubins_study.study.check.verdict_kernel import PATH_WORDS, REGIONS, VERDICTS
+from dubins_study.study.check.verdict_kernel import REGIONS, VERDICTS
 from dubins_study.study.closed_form.kernel import WORDS, shortest_rows
 from dubins_study.study.closed_form.kernel_math import LARGEST_ANGLE
 from dubins_study.study.closed_form.kernel_paths import curvatures
