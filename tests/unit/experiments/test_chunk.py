@@ -95,9 +95,7 @@ def test_after_a_failure_the_last_path_serves_on():
     failed = [solved(SWEEP[0], arrives=False)]
 
     assert remaining_chains([SWEEP], {}, by_key(failed)) == ([SWEEP[1:]], {})
-    left, before = remaining_chains(
-        [SWEEP], {SWEEP[0].key: given_before}, by_key(failed)
-    )
+    left, before = remaining_chains([SWEEP], {SWEEP[0].key: given_before}, by_key(failed))
     assert (left, before) == ([SWEEP[1:]], {SWEEP[1].key: given_before})
 
 

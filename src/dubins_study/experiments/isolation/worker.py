@@ -21,7 +21,7 @@ from dubins_study.experiments.isolation.worker_state import WorkerState, seed
 from dubins_study.experiments.plan.code_digest import code
 from dubins_study.experiments.provenance import now, solver_versions
 from dubins_study.solvers.attempt import ask, nothing, told
-from dubins_study.solvers.protocol import AnySolver, Outcome, Question
+from dubins_study.solvers.protocol import Outcome, Question, Solver
 from dubins_study.solvers.registry import load
 from dubins_study.study.scenario import Scenario
 
@@ -44,7 +44,7 @@ class WorkerJob(NamedTuple):
 
 
 class _LoadedSolver(NamedTuple):
-    solver: AnySolver
+    solver: Solver
     versions: str
     code_digest: str
 

@@ -88,7 +88,6 @@ def _described_apart(spec: str, profile: str) -> dict[str, Any]:
 
 def _describe(spec: str, profile: str) -> Description:
     solver = load(spec, profile)
-    runs = getattr(solver, "runs", None)
     return Description(
         canonical(spec, profile),
         code(spec, profile),
@@ -96,7 +95,7 @@ def _describe(spec: str, profile: str) -> Description:
         tuple(str(package) for package in solver.packages),
         bool(solver.warm),
         type(solver) is Analytic,
-        None if runs is None else str(runs),
+        None if solver.runs is None else str(solver.runs),
     )
 
 
