@@ -7,10 +7,8 @@ import pytest
 from dubins_study import run
 from dubins_study.experiments.definition.experiment import read
 from dubins_study.report.data.results import load
-from dubins_study.report.data.tally import widths
 from dubins_study.report.topics.basins.numbers import INFEASIBLE, NOWHERE, capping, ends, shares
 from dubins_study.report.topics.bias.numbers import by_barrier, left_over, without_barrier
-from dubins_study.report.topics.certificates.numbers import certificates
 from dubins_study.report.topics.convergence.numbers import orders, refined
 from dubins_study.report.topics.ladder.numbers import rungs
 from dubins_study.report.topics.proofs.numbers import prices, proofs
@@ -45,7 +43,7 @@ def test_where_a_local_solver_starts_decides_where_it_ends(basins_folder):
     assert (ipopt[INFEASIBLE] > 4).all()
     change = capping(found)
     assert change.loc[True, "turned"] < change.loc[False, "turned"] / 2
-    assert change.loc[True, "lies"] > 4  # no cap makes a local solver honest
+    assert change.loc[True, "refuted"] > 4  # no cap makes a local solver honest
     nowhere = table[table["end"] == NOWHERE]
     assert len(nowhere) > 0
     # what the lengths call no minimum is no extremal either; true minima miss by up to 6e-3 where
@@ -108,14 +106,14 @@ def test_real_answers_are_certified(tmp_path):
     enclosures hold the closed form's length and are narrower than 1e-12."""
     (tmp_path / "certified.toml").write_text(CERTIFICATES, encoding="utf-8")
     results = load([run(str(tmp_path / "certified.toml"), tmp_path / "out")])
-    loaded, table = results.rows, certificates(results.reduction).set_index("solver")
+    loaded, table = results.rows, results.attempts.proofs().set_index("solver")
     disc = loaded[loaded["region"] == "right disc"]
 
     assert table["none"].sum() == 0
     assert table.loc["analytic", "proved"] == 4
     assert set(disc.loc[disc["branch"] == "RS", "verdict"]) == {"none exists"}
-    assert len(widths(loaded)) == 3 * 3
-    assert widths(loaded).max() < 1e-12
+    assert table["enclosed"].sum() == 3 * 3
+    assert table["width"].max() < 1e-12
     assert table["false_bounds"].sum() == 0
     best = disc[disc["branch"] == "best"].iloc[0]
     # a unit in the last place, which is what the closed form's own arithmetic loses

@@ -9,6 +9,7 @@ import numpy as np
 import pandas as pd
 
 from dubins_study.report.data.database import Database
+from dubins_study.report.data.plane_map import CELLS, REACH, PlaneMap
 from dubins_study.study.check.certificate import PMP_TOLERANCE
 
 # the closed form, and the solver whose rows fill the plane
@@ -24,8 +25,6 @@ EXACT_ROWS = 10_000_000
 # Gaps are counted in this many bins a decade from the least gap on, which a figure cannot tell
 # from single gaps.
 _BINS, _LEAST_GAP = 200, 1e-16
-# The plane is shown so many radii around the start, seen from the vehicle, in square cells.
-REACH, CELLS = 4.0, 160
 
 
 class Attempts:
@@ -196,16 +195,9 @@ class Attempts:
         query = f'SELECT DISTINCT "{column}" AS v FROM chosen WHERE v IS NOT NULL ORDER BY v'
         return self._frame(query)["v"].tolist()
 
-    def plane(self) -> pd.DataFrame:
-        """The closed form's answers to the branch best by where their targets lie.
-
-        Targets are seen from the vehicle, in radii, and counted in `CELLS` by `CELLS` cells up to
-        `REACH` from the start.
-
-        Columns: experiment, word, ahead and left (the cell's numbers from 0, ahead of the vehicle
-        and to its left), attempts, least and largest (length over radius).
-        """
-        return self._frame(
+    def planes(self) -> dict[str, PlaneMap]:
+        """Where the targets of the closed form's answers to the branch best lie, by experiment."""
+        cells = self._frame(
             f"""SELECT experiment, word, {_cell("dx * c + dy * s")} AS ahead,
                 {_cell("dy * c - dx * s")} AS "left",
                 count(*) AS attempts, min(size) AS least, max(size) AS largest
@@ -217,6 +209,7 @@ class Attempts:
             WHERE ahead BETWEEN 0 AND {CELLS - 1} AND "left" BETWEEN 0 AND {CELLS - 1}
             GROUP BY ALL ORDER BY ALL"""
         )
+        return {str(name): PlaneMap.of(own) for name, own in cells.groupby("experiment")}
 
     def _frame(self, query: str) -> pd.DataFrame:
         """The answer to a query in which `chosen` stands for these attempts."""

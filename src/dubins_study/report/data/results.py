@@ -50,6 +50,11 @@ class Folder:
         return self.manifest.experiment.name
 
     @property
+    def section(self) -> str | None:
+        """The key of the report's section that is about the experiment, if it names one."""
+        return self.manifest.experiment.section
+
+    @property
     def title(self) -> str:
         """The experiment's title, or its name where it has none."""
         return self.manifest.experiment.title or self.name
@@ -107,10 +112,34 @@ class Results:
         return Path(Pose(x, y, heading), curvature, length)
 
 
-def load(folders: Iterable[str | FilePath]) -> Results:
+def load_results(folders: str | FilePath | Iterable[str | FilePath]) -> pd.DataFrame:
+    """The judged rows of one or more results folders, read as the report reads them.
+
+    Args:
+        folders: a results folder, or several; of a cell that two of them hold, the first is kept.
+
+    Returns:
+        One row an attempt, index 0, 1, ...: `experiment`, the columns of `study.rows.schema` but
+        `versions`, `machine` and `run_id`, with `curvatures` and `lengths` as Arrow lists. Rows of
+        earlier code are left out. Missing numbers are null.
+
+    Raises:
+        ResultsError: naming the folder and what is wrong with it.
+    """
+    several = [folders] if isinstance(folders, str | FilePath) else folders
+    results = load(several, every_row=True)
+    controls = {name: pd.arrays.ArrowExtensionArray(results.controls[name]) for name in _CONTROLS}
+    return results.rows.drop(columns="answerable").assign(**controls)
+
+
+def load(folders: Iterable[str | FilePath], *, every_row: bool = False) -> Results:
     """Read results folders and join them; of a cell that two folders hold, the first is kept.
 
-    Memory does not grow with the number of streamed rows.
+    Memory does not grow with the number of streamed rows, if only a sample of them is kept.
+
+    Args:
+        folders: at least one.
+        every_row: whether to keep every row, instead of a sample where there are many.
 
     Raises:
         ResultsError: naming the folder and what is wrong with it.
@@ -124,7 +153,8 @@ def load(folders: Iterable[str | FilePath]) -> Results:
     stored = sum(part.rows for source in sources for part in source.parts)
     # The sample consists of all attempts at the scenarios whose name, a hash, is below a bound: it
     # is the same whatever the order of the parts, and has of a scenario all attempts or none.
-    bound = f"{round(2**32 * SAMPLE_ROWS / stored):08x}" if stored > MOST_ROWS else None
+    sampled = stored > MOST_ROWS and not every_row
+    bound = f"{round(2**32 * SAMPLE_ROWS / stored):08x}" if sampled else None
     stored_rows = _checked_rows(files, bound)
     database = Database(files)
     counts = select_attempts(database, sources)

@@ -14,15 +14,11 @@ import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike, NDArray
 
-from dubins_study.report.data.attempts import PROOFS, SUCCESSES
+from dubins_study.report.data.attempts import EXACT, PROOFS, SUCCESSES
 
 FloatArray = NDArray[np.float64]
 
-# experiments that set variants against each other or ask extreme questions on purpose: each has a
-# section of its own, and its rows enter no number pooled over experiments
-STUDIES = ("discretisation", "basins", "bias", "convergence", "ladder", "scale", "proofs")
 QUESTION = ["experiment", "scenario_id", "branch", "initial_guess"]
-_FIRST = ("analytic", "slsqp", "ipopt", "turn-rate-qp")
 
 
 def parse_spec(spec: str) -> tuple[str, dict[str, str]]:
@@ -35,12 +31,11 @@ def parse_spec(spec: str) -> tuple[str, dict[str, str]]:
 
 
 def solver_order(solvers: Sequence[str]) -> list[str]:
-    """Distinct solvers: the closed form first, variants after their plain solver."""
+    """Distinct solvers: the closed form first, then by name, variants after their plain solver."""
 
-    def rank(spec: str) -> tuple[int, str, int, str]:
+    def rank(spec: str) -> tuple[bool, str, int, str]:
         name, settings = parse_spec(spec)
-        place = _FIRST.index(name) if name in _FIRST else len(_FIRST)
-        return place, name, len(settings), spec
+        return name != EXACT, name, len(settings), spec
 
     return sorted(set(solvers), key=rank)
 

@@ -6,9 +6,9 @@ import pandas as pd
 from matplotlib.axes import Axes
 
 from dubins_study.report.data.attempts import PROOFS
-from dubins_study.report.page.bars import plot_shares
-from dubins_study.report.page.content import count
-from dubins_study.report.page.style import BLUE, ORANGE, RULE, SKY
+from dubins_study.report.elements.content import count
+from dubins_study.report.elements.stacked_bars import plot_shares
+from dubins_study.report.elements.style import BLUE, ORANGE, RULE, SKY
 
 # dark to light, the weaker ones hatched, so that the order survives grey printing
 _LOOK = {

@@ -6,11 +6,19 @@ import pandas as pd
 
 from dubins_study.report.data.attempts import PROOFS
 from dubins_study.report.data.results import Results
-from dubins_study.report.page.content import Column, Picture, Section, Table, count, digits, share
-from dubins_study.report.page.style import WIDE, name_of, new_figure
+from dubins_study.report.elements.content import (
+    Column,
+    Picture,
+    Section,
+    Table,
+    count,
+    digits,
+    share,
+)
+from dubins_study.report.elements.looks import name_of
+from dubins_study.report.elements.style import WIDE, new_figure
 from dubins_study.report.statistics.metrics import by_solver
 from dubins_study.report.topics.certificates.figures import plot_proofs
-from dubins_study.report.topics.summary.section import attempts
 
 _NOT_ENCLOSED = (
     "No reference length was enclosed, so that no answer can be proved or bounded: where a block "
@@ -22,8 +30,7 @@ _RIGOROUS = 1e-12  # relative; an interval narrower than this is called proven
 
 def certificates_section(results: Results) -> Section | None:
     """Proofs as bars and counts, the worst residuals, and the width of the enclosures."""
-    found = attempts(results)
-    frame = by_solver(found.proofs())
+    frame = by_solver(results.attempts.proofs())
     if not frame["certified"].sum():
         return None
     text = (
@@ -34,21 +41,21 @@ def certificates_section(results: Results) -> Section | None:
         "bound is within the tolerance. Extremal: Pontryagin's conditions alone, which are "
         f"necessary and not sufficient. {sentences(frame)}"
     )
-    blocks = (_picture(frame), _proofs_table(frame), _table(frame, found.precision))
+    blocks = (_picture(frame), _proofs_table(frame), _table(frame, results.attempts.precision))
     return Section("certificates", "Certificates", text, blocks)
 
 
 def sentences(frame: pd.DataFrame) -> str:
     """What the certificates say; `frame` is of `report.data.attempts.Attempts.proofs`."""
-    said = [_proved(frame), _enclosed(frame), _reported(frame)]
-    return " ".join(sentence for sentence in said if sentence)
+    each = (_proved(frame), _enclosed(frame), _reported(frame))
+    return " ".join(sentence for sentence in each if sentence)
 
 
 def _proved(frame: pd.DataFrame) -> str:
-    asked, proved = int(frame["attempts"].sum()), int(frame["proved"].sum())
+    attempts, proved = int(frame["attempts"].sum()), int(frame["proved"].sum())
     others = ", ".join(f"{count(frame[name].sum())} {name}" for name in PROOFS[1:])
     return (
-        f"Of {count(asked)} attempts {count(proved)} are proved ({share(proved / asked)}; "
+        f"Of {count(attempts)} attempts {count(proved)} are proved ({share(proved / attempts)}; "
         f"{others})."
     )
 
@@ -58,9 +65,9 @@ def _enclosed(frame: pd.DataFrame) -> str:
         without = frame["extremal"].sum() > 0
         return _NOT_ENCLOSED if without else ""
     widest = frame["width"].max()
-    said = "below" if widest < _RIGOROUS else "not below"
+    place = "below" if widest < _RIGOROUS else "not below"
     return (
-        f"The widest interval around a shortest length is {digits(2)(widest)} of it, {said} 1e-12."
+        f"The widest interval around a shortest length is {digits(2)(widest)} of it, {place} 1e-12."
     )
 
 
@@ -83,8 +90,7 @@ def _reported(frame: pd.DataFrame) -> str:
         parts.append(
             f"of {count(bounds)} lower bounds {count(false)} lie above the shortest length"
         )
-    said = "; ".join(parts)
-    return f"What solvers report beside a path: {said}." if said else ""
+    return f"What solvers report beside a path: {'; '.join(parts)}." if parts else ""
 
 
 def _picture(frame: pd.DataFrame) -> Picture:

@@ -1,49 +1,19 @@
-"""The target plane in cells, from counts."""
+"""What a counted target plane shows in each of its cells."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Self
-
 import numpy as np
-import pandas as pd
-from numpy.typing import NDArray
 
-from dubins_study.report.data.attempts import CELLS, REACH
-
-FloatArray = NDArray[np.float64]
-WORDS = ("LS", "RS", "RL", "LR", "others")
+from dubins_study.report.data.plane_map import FloatArray, PlaneMap
 
 
-@dataclass(frozen=True, eq=False)
-class PlaneMap:
-    """Shortest paths by their target in the vehicle's frame, in radii.
+def frequent_words(plane: PlaneMap) -> FloatArray:
+    """Position in `WORDS` of each cell's most frequent word, shape (cells, cells); NaN if empty."""
+    return np.where(plane.counts.sum(axis=0) > 0, plane.counts.argmax(axis=0), np.nan)
 
-    Args:
-        counts: shape (words, cells, cells): attempts by word, by Y, by X.
-        least, largest: shape (cells, cells): of the lengths over R; infinite, or minus infinite,
-            where there are none.
-    """
 
-    counts: NDArray[np.int64]
-    least: FloatArray
-    largest: FloatArray
-
-    @classmethod
-    def of(cls, cells: pd.DataFrame) -> Self:
-        """One experiment's cells, of `report.data.attempts.Attempts.plane`."""
-        known = {word: place for place, word in enumerate(WORDS)}
-        word = cells["word"].map(known).fillna(len(WORDS) - 1).to_numpy(np.int64)
-        place = cells["left"].to_numpy(), cells["ahead"].to_numpy()
-        counts = np.zeros((len(WORDS), CELLS, CELLS), np.int64)
-        least, largest = (np.full((CELLS, CELLS), end) for end in (np.inf, -np.inf))
-        np.add.at(counts, (word, *place), cells["attempts"].to_numpy())
-        np.minimum.at(least, place, cells["least"].to_numpy())
-        np.maximum.at(largest, place, cells["largest"].to_numpy())
-        return cls(counts, least, largest)
-
-    @property
-    def centres(self) -> FloatArray:
-        """Of the cells along either axis, shape (cells,)."""
-        width = 2 * REACH / CELLS
-        return np.linspace(-REACH + width / 2, REACH - width / 2, CELLS)
+def length_ranges(plane: PlaneMap) -> FloatArray:
+    """Largest less least length over R in each cell, shape (cells, cells); NaN below two."""
+    known = plane.counts.sum(axis=0) > 1
+    empty = np.full(known.shape, np.nan)
+    return np.subtract(plane.largest, plane.least, where=known, out=empty)

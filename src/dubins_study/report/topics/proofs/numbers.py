@@ -1,4 +1,4 @@
-"""What the solvers that prove their answers pay for it, from rows."""
+"""What the solvers that prove their answers pay for it."""
 
 from __future__ import annotations
 
@@ -9,10 +9,7 @@ from dubins_study.report.data.attempts import PROOFS
 from dubins_study.report.paper.printed import PROBLEMS
 from dubins_study.report.statistics.metrics import proof, solver_order, success
 
-EXPERIMENT = "proofs"
 ENOUGH = 1e-4  # proven gap up to which the check would call an answer optimal
-# where the exact answer costs microseconds, "fastest" says nothing
-EXACT = "analytic"
 PAPER = "the paper's problems"
 _QUESTION = ["scenario_id", "branch", "initial_guess"]
 
