@@ -54,7 +54,7 @@ def attempt(
     found = judge(scenario, given, claim, branch)
     row: dict[str, Any] = {column.name: None for column in ROW}
     row |= {name: getattr(scenario, name) for name in Scenario.__dataclass_fields__}
-    row |= {name: getattr(found, name) for name in type(found).__dataclass_fields__}
+    row |= found._asdict()
     row |= {
         "scenario_id": f"{hash((scenario.target_x, scenario.target_y, scenario.radius)):x}",
         "solver": solver,
