@@ -10,7 +10,7 @@ import pytest
 from dubins_study.experiments.definition.experiment import read
 from dubins_study.experiments.plan.cells import chains
 from dubins_study.experiments.store.folder import done, read_manifest, read_rows
-from dubins_study.solvers.registry import available
+from dubins_study.solvers.registry import available_solvers
 from dubins_study.study.check.certificate import certify
 from dubins_study.study.check.verdict import Claim, judge
 from dubins_study.study.path import Path
@@ -35,7 +35,7 @@ def test_it_is_the_experiment_of_today():
 
 
 def test_all_solvers_are_in_it(rows):
-    assert {row["solver"] for row in rows} == set(available())
+    assert {row["solver"] for row in rows} == set(available_solvers())
     assert {row["outcome"] for row in rows} == {"returned"}
 
 

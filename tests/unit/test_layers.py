@@ -58,8 +58,15 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     "report.data": ("study.*",),
     "report.statistics": ("study.*", "report.data"),
     "report.paper": ("study.*",),
-    "report.topics": ("study.*", "report.data", "report.statistics", "report.paper"),
-    "report.page": ("study.*", "report.data", "report.statistics", "report.topics.*"),
+    "report.elements": ("study.*", "report.data", "report.statistics"),
+    "report.topics": (
+        *("study.*", "report.data", "report.statistics"),
+        *("report.elements", "report.paper"),
+    ),
+    "report.page": (
+        *("study.*", "report.data", "report.statistics"),
+        *("report.elements", "report.topics.*"),
+    ),
     "report": ("study.*", "report.*"),
     "cli": ("", "study.*", "solvers.*", "experiments.*", "report.*"),
     "": ("cli", "study.*", "solvers.*", "experiments.*", "report.*"),
@@ -76,9 +83,6 @@ UNFINISHED = (
     ("experiments.store", "experiments.plan"),
     ("experiments.store", "study.check"),
     ("experiments.engines", "experiments.engines"),
-    ("report.data", "report.topics.*"),
-    ("report.page", "report.page"),
-    ("report.topics.*", "report.page"),
 )
 
 

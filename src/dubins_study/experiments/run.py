@@ -179,6 +179,7 @@ def _manifest(
             "name": found.name,
             "title": found.experiment.title,
             "question": found.experiment.question,
+            "section": found.experiment.section,
             "text": found.text,
         },
         "command": command,

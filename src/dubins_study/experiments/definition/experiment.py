@@ -45,6 +45,8 @@ Number = Annotated[float, BeforeValidator(_number), Field(allow_inf_nan=False)]
 Count = Annotated[int, BeforeValidator(_no_boolean), Field(ge=1, le=10**9)]
 Seed = Annotated[int, BeforeValidator(_no_boolean), Field(ge=0, lt=2**63)]
 Gibibytes = Annotated[float, BeforeValidator(_no_boolean), Field(ge=0.25, le=2**20)]
+# the report's sections are the report's to know; here a name only has to be one
+SectionKey = Annotated[str, Field(pattern=r"^[a-z][a-z0-9-]*$", max_length=40)]
 Seconds = Annotated[float, BeforeValidator(_no_boolean), Field(gt=0, allow_inf_nan=False)]
 
 
@@ -181,10 +183,12 @@ class Experiment(_Strict):
     a and b. `initial_guesses` may hold `warm`: then each block is also solved in its order, every scenario
     from the path found for the one before. A solve that takes longer than `time_limit_s`, or whose
     process and children hold more than `memory_limit_gib`, is ended.
+    `section` names the section of the report that is about this experiment, if one is.
     """
 
     title: str = Field(min_length=1)
     question: str = Field(min_length=1)
+    section: SectionKey | None = None
     scenarios: list[Block] = Field(min_length=1)
     solvers: list[str] = Field(min_length=1)
     branches: list[str] = Field(default=["best"], min_length=1)

@@ -39,12 +39,16 @@ class _Record(BaseModel):
 
 
 class Definition(_Record):
-    """The experiment that a folder holds the rows of; `text` is its TOML file."""
+    """The experiment that a folder holds the rows of.
+
+    `text` is its TOML file; `section` is the section of the report that is about it.
+    """
 
     name: str
     text: str
     title: str = ""
     question: str = ""
+    section: str | None = None
 
 
 class SolverEntry(_Record):
