@@ -53,7 +53,7 @@ def test_every_refusal_has_one_base_class():
         }
 
     assert {kind.__name__ for kind in errors if not issubclass(kind, DubinsStudyError)} == internal
-    assert {"ScenarioError", "SolverError", "StoreError", "RunError", "ReportError"} <= {
+    assert {"ScenarioError", "SolverError", "ResultsError", "RunError", "ReportError"} <= {
         kind.__name__ for kind in errors
     }
 

@@ -13,8 +13,7 @@ from dubins_study.cli.table import table
 from dubins_study.study.printable import plain
 
 if TYPE_CHECKING:
-    from dubins_study.experiments.store.run_status import RunStatus
-    from dubins_study.experiments.store.status import Status
+    from dubins_study.experiments.store.status import RunStatus, Status
 
 _MOST_RUNS = 10  # the last ones are listed
 

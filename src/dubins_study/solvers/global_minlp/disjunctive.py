@@ -234,8 +234,8 @@ def _without_a_path(question: Question, known: Solution) -> Solution:
 def _lean() -> tuple[tuple[str, Any], ...]:
     """SCIP's parameters for branch and bound without heuristics, cutting planes, presolving and
     propagation."""
-    from pyscipopt import SCIP_PARAMSETTING
     from pyscipopt import Model as Scip
+    from pyscipopt.scip import PY_SCIP_PARAMSETTING as SCIP_PARAMSETTING
 
     scip = Scip()
     before = scip.getParams()
