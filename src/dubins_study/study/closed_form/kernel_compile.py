@@ -19,7 +19,7 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 Loop = Callable[..., Any]  # over arrays that callers unpack: no checker could count them
 
 
-class _Announcement(event.Listener):  # type: ignore[misc]
+class _Announcement(event.Listener):
     """Logs a warning before the first loop of this package that no cache holds is compiled."""
 
     def on_start(self, event: event.Event) -> None:
@@ -36,11 +36,11 @@ class _Announcement(event.Listener):  # type: ignore[misc]
 
 
 _announcement = _Announcement()
-event.register("numba:compile", _announcement)
+event.register("numba:compile", _announcement)  # type: ignore[no-untyped-call]
 
 
 def _end_announcement() -> None:
-    event.unregister("numba:compile", _announcement)
+    event.unregister("numba:compile", _announcement)  # type: ignore[no-untyped-call]
 
 
 def _digest() -> str:
