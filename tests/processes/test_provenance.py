@@ -164,7 +164,7 @@ def test_machines_are_not_compared_with_each_other():
     assert next(iter(by_machine(steady + loud))) == 3
     assert varied([*steady, *loud[:4]]) == 0  # too few to tell
     listed = [[p.when, p.took, p.machine] for p in steady] + [[1.0, 2.0]]
-    assert RunEntry(probes=listed).probes == (*steady, Probe(1.0, 2.0))
+    assert RunEntry(probes=listed).probes == [*steady, Probe(1.0, 2.0)]
 
 
 def test_a_long_run_keeps_a_thousand_probes_at_most(tmp_path):
