@@ -21,7 +21,7 @@ from dubins_study.experiments.engines import dask_worker
 from dubins_study.experiments.engines.dask_client import mismatch
 from dubins_study.experiments.engines.dask_host import local_cluster
 from dubins_study.experiments.engines.work_unit import Chunk, encoded
-from dubins_study.experiments.isolation.supervisor import RunError
+from dubins_study.experiments.isolation.pool import RunError
 from dubins_study.experiments.store.folder import read_rows
 
 EXPERIMENT = """
