@@ -13,8 +13,6 @@ from pathlib import Path as FilePath
 
 import psutil
 
-from dubins_study.solvers.protocol import Solver
-
 THREAD_VARIABLES = tuple(f"{name}_NUM_THREADS" for name in ("OMP", "OPENBLAS", "MKL", "NUMBA"))
 # packages that every row depends on, whatever its solver
 _BASE_PACKAGES = ("dubins-study", "numpy", "pandas", "pyarrow", "numba")
@@ -42,22 +40,6 @@ def _version(package: str) -> str:
         return version(package)
     except (PackageNotFoundError, ValueError):
         return "not installed"
-
-
-def solver_versions(solver: Solver) -> dict[str, str]:
-    """Versions that a row of this solver rests on, asked where it is solved.
-
-    Of Python, of what every row rests on, of the solver's packages, and of the libraries inside
-    them whose own versions the solver knows at run time.
-    """
-    return versions(tuple(solver.packages)) | _library_versions(solver)
-
-
-def _library_versions(solver: Solver) -> dict[str, str]:
-    try:
-        return {str(name): str(found) for name, found in dict(solver.library_versions()).items()}
-    except Exception as error:  # a plug-in may fail in any way
-        return {"library_versions": f"raised {type(error).__name__}"}
 
 
 @cache
