@@ -8,6 +8,19 @@ import subprocess
 from functools import cache
 from pathlib import Path as FilePath
 
+from dubins_study.solvers.protocol import Solver
+
+
+def reported_versions(solver: Solver) -> dict[str, str]:
+    """Versions of the libraries inside a solver's packages, as the solver reports them.
+
+    Asked in the process that solves, since loading a library may take long or fail.
+    """
+    try:
+        return {str(name): str(text) for name, text in dict(solver.library_versions()).items()}
+    except Exception as error:  # a plug-in may fail in any way
+        return {"library_versions": f"raised {type(error).__name__}"}
+
 
 @cache
 def ipopt_in_casadi() -> dict[str, str]:
