@@ -9,7 +9,7 @@ from dubins_study.experiments.isolation.sandbox import pinned_threads
 from dubins_study.experiments.isolation.supervisor import Supervisor
 from dubins_study.experiments.isolation.watch import Bounds
 from dubins_study.experiments.plan.cells import Cell
-from dubins_study.experiments.plan.solver_description import described
+from dubins_study.experiments.plan.solver_description import describe_solver
 from dubins_study.experiments.run_settings import BYTES_PER_GIB, RunSettings
 from dubins_study.solvers.attempt import (
     DEFAULT_LIMIT,
@@ -44,7 +44,7 @@ def solve_isolated(
     """
     check_request(branch, limit)
     tolerances(profile)
-    described(solver, profile)
+    describe_solver(solver, profile)
     cell = Cell("", solver, profile, branch, "cold", 0, "", scenario)
     settings = RunSettings("", limit, round(memory * BYTES_PER_GIB))
     bounds = Bounds(settings.time_limit_s, settings.memory_limit_bytes)

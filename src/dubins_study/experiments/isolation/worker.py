@@ -14,7 +14,7 @@ from dubins_study.experiments.isolation.clock import Clock, Phase
 from dubins_study.experiments.isolation.containment import bound, contained
 from dubins_study.experiments.isolation.messages import Packed, packed
 from dubins_study.experiments.isolation.sandbox import depend, isolate
-from dubins_study.experiments.plan.code_digest import code
+from dubins_study.experiments.plan.code_digest import code_digest
 from dubins_study.experiments.provenance import now, solver_versions
 from dubins_study.solvers.attempt import Reply, ask, nothing, told
 from dubins_study.solvers.protocol import AnySolver, Outcome, Question
@@ -126,7 +126,7 @@ def _ready(order: Order) -> AnySolver:
     if key not in _solvers:
         _tell(order.number, Phase.PREPARING)
         solver = load(*key)
-        _codes[key] = code(*key)
+        _codes[key] = code_digest(*key)
         _versions(order.solver)  # which may have to load the libraries
         if order.warm_up:
             _tell(order.number, Phase.WARMING_UP)

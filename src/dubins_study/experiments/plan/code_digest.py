@@ -1,14 +1,18 @@
-"""What makes a row: a digest of a solver's code, its settings and its libraries' versions."""
+"""The code digest: changes whenever a solver would have to be run again.
+
+A solver lies in a room: a folder of `solvers`, or a module directly in `solvers`. Its digest covers
+the source of the whole room, of every room that the room's text names, of the code that judges an
+answer, and of `study`. Rooms are found by their dotted names in the text, so that an import inside
+a function counts as well as one at the top of a file.
+"""
 
 from __future__ import annotations
 
-import ast
 import hashlib
 import json
 import math
 import re
 import sys
-from collections.abc import Iterator
 from functools import cache
 from pathlib import Path as FilePath
 from typing import Any
@@ -17,54 +21,42 @@ from dubins_study.experiments.provenance import versions_of
 from dubins_study.solvers.protocol import AnySolver
 from dubins_study.solvers.registry import canonical, load, settings
 
-# the folder that holds our package
-_ROOT = FilePath(__file__).parents[3]
-_PACKAGE = "dubins_study"
-_OURS = (f"{_PACKAGE}.study", f"{_PACKAGE}.solvers")
-# a row holds what the check says, whatever the solver imports
-_CHECK = (
-    "dubins_study.study.check.verdict",
-    "dubins_study.study.check.certificate",
-    "dubins_study.solvers.profiles",
-    "dubins_study.solvers.attempt",
-)
-_DIGITS = 12
-
-# statements that import; ours stand on lines of their own (ruff's E70), and to parse only them
-# takes a tenth of the time that whole modules take
-_IMPORTS = re.compile(
-    r"^[ \t]*(?:from[ \t]+\S+[ \t]+import[ \t]*(?:\([^)]*\)|[^(\n]*)|import[ \t][^\n]*)$", re.M
-)
+_DIGEST_DIGITS = 12
+_PACKAGE = FilePath(__file__).parents[2]
+_ROOM_NAME = re.compile(rb"dubins_study\.solvers(?:\.| import )(\w+)")
+_WORD = re.compile(rb"\w+")
+# the rooms that judge the answer of every solver
+_JUDGES = ("attempt", "profiles")
 _ADDRESS = re.compile(r" at 0x[0-9a-fA-F]+")
+
+# the path of a file as it is hashed -> its bytes
+Sources = dict[str, bytes]
 
 
 @cache
-def code(spec: str, profile: str = "default") -> str:
-    """The digest that the column `code` holds for a solver: 12 hex digits.
+def code_digest(spec: str, profile: str = "default") -> str:
+    """The digest in the column `code_digest`: 12 hexadecimal digits.
 
-    Over the canonical spec with the values of all settings, the source of the solver's module, of
-    the check and of every module of `study`, `solvers` and the plug-in's own package that these
-    import (found by reading, so that what is imported lazily counts), and the versions of the
-    solver's packages. Read once a process.
+    It covers the canonical spec, the values of all settings, the versions of the solver's packages,
+    and the sources that `solver_sources` lists. Files are read once in a process.
 
     Raises:
         SolverError: as `solvers.registry.load`.
     """
     solver = load(spec, profile)
-    digest = hashlib.sha256()
-    said = {
+    description = {
         "spec": canonical(spec, profile),
         "settings": plain_settings(solver),
         "packages": versions_of(tuple(solver.packages)),
     }
-    digest.update(json.dumps(said, sort_keys=True).encode("utf-8", "replace"))
-    for name, source in sorted(_sources(spec, type(solver)).items()):
+    digest = hashlib.sha256(json.dumps(description, sort_keys=True).encode("utf-8", "replace"))
+    for name, source in sorted(solver_sources(spec, type(solver)).items()):
         digest.update(f"\0{name}\0".encode("utf-8", "replace") + source)
-    return digest.hexdigest()[:_DIGITS]
+    return digest.hexdigest()[:_DIGEST_DIGITS]
 
 
 def plain_settings(solver: AnySolver) -> dict[str, Any]:
-    """A solver's settings as JSON has them; what it cannot hold (a plug-in's) as text."""
+    """A solver's settings as values that JSON can hold; other values (a plug-in's) as text."""
     return {
         name: value if _is_plain(value) else _ADDRESS.sub("", str(value))
         for name, value in settings(solver).items()
@@ -74,81 +66,92 @@ def plain_settings(solver: AnySolver) -> dict[str, Any]:
 def _is_plain(value: object) -> bool:
     if type(value) is float:
         return math.isfinite(value)
-    return value is None or type(value) in (str, int, bool)  # an enum's member may be a str
+    return value is None or type(value) in (str, int, bool)  # a member of an enum may be a str too
 
 
-def _sources(spec: str, kind: type[Any]) -> dict[str, bytes]:
-    """The source of every module that a solver's answers rest on, by the module's name."""
-    roots = {_PACKAGE: _ROOT} | _own_root(kind.__module__)
-    left = [*_CHECK, kind.__module__]
-    found: dict[str, bytes] = {}
+def solver_sources(spec: str, solver_class: type[Any]) -> Sources:
+    """The source files on which a solver's rows depend.
+
+    Of a plug-in they are its file with the modules beside it that it names, or its whole package,
+    and the rooms of `solvers` that these name.
+    """
+    module = solver_class.__module__
     file, colon, _ = spec.partition("[")[0].strip().rpartition(":")
     if colon and file.endswith(".py"):
-        found["plug-in"] = _read(FilePath(file))
-        # the modules and packages that lie beside it
-        folder = FilePath(file).resolve().parent
-        beside = [*folder.glob("*.py"), *(init.parent for init in folder.glob("*/__init__.py"))]
-        roots |= {place.stem: folder for place in beside if place.stem not in roots}
-        left += _imported(found["plug-in"], "", whole=True)
-    while left:
-        name = left.pop()
-        top = name.partition(".")[0]
-        elsewhere = top == _PACKAGE and not name.startswith(_OURS)
-        skipped = elsewhere or top not in roots or name in found
-        file_of = None if skipped else _file(roots[top], name)
-        if file_of is None:
-            continue
-        found[name] = _read(file_of)
-        package = name if file_of.name == "__init__.py" else name.rpartition(".")[0]
-        left.append(name.rpartition(".")[0])
-        left += _imported(found[name], package, whole=top != _PACKAGE)
-    return found
+        sources = _plugin_file(FilePath(file))
+    elif module.startswith("dubins_study.solvers."):
+        sources = dict(_room(module.split(".")[2]))
+    else:
+        sources = _installed_plugin(module.partition(".")[0])
+    for room in _JUDGES:
+        sources |= _room(room)
+    return _with_named_rooms(sources) | _study()
 
 
-def _own_root(module: str) -> dict[str, FilePath]:
-    """Where an installed plug-in's package lies, by the package's name."""
-    top = module.partition(".")[0]
-    package = sys.modules.get(top)
-    folders = list(getattr(package, "__path__", None) or ())
-    file = getattr(package, "__file__", None)
-    if top == _PACKAGE or not (folders or file):
-        return {}
-    return {top: FilePath(folders[0] if folders else str(file)).parent}
+def _with_named_rooms(sources: Sources) -> Sources:
+    """The sources, the rooms that they name, the rooms that those name, and so on."""
+    complete = dict(sources)
+    unread = list(sources.values())
+    while unread:
+        for room in set(_ROOM_NAME.findall(unread.pop())):
+            added = {k: v for k, v in _room(room.decode()).items() if k not in complete}
+            complete |= added
+            unread += added.values()
+    return complete
 
 
-def _file(root: FilePath, module: str) -> FilePath | None:
-    place = root.joinpath(*module.split("."))
-    files = (place.with_name(f"{place.name}.py"), place / "__init__.py")
-    return next((file for file in files if file.is_file()), None)
+@cache
+def _room(name: str) -> Sources:
+    """All modules of a room of `solvers`; none if there is no room of that name."""
+    place = _PACKAGE / "solvers" / name
+    files = [place.with_suffix(".py")] if not place.is_dir() else [*place.rglob("*.py")]
+    return _read_all(_PACKAGE, [file for file in files if file.is_file()])
+
+
+@cache
+def _study() -> Sources:
+    """All modules of `study`, which judges every answer, but for those that read results."""
+    folder = _PACKAGE / "study"
+    return _read_all(
+        _PACKAGE, [f for f in folder.rglob("*.py") if folder / "rows" not in f.parents]
+    )
+
+
+def _plugin_file(file: FilePath) -> Sources:
+    """A plug-in's file, and the modules and packages beside it that it names, directly or not."""
+    sources = {"plug-in": _read(file)}
+    folder = file.resolve().parent
+    beside = {module.stem: module for module in folder.glob("*.py") if module.stem != file.stem}
+    beside |= {init.parent.name: init.parent for init in folder.glob("*/__init__.py")}
+    unread = [*sources.values()]
+    while unread:
+        words = {word.decode("utf-8", "replace") for word in _WORD.findall(unread.pop())}
+        for name in words & beside.keys():
+            place = beside.pop(name)
+            added = _read_all(folder, [place] if place.is_file() else [*place.rglob("*.py")])
+            sources |= added
+            unread += added.values()
+    return sources
+
+
+def _installed_plugin(package_name: str) -> Sources:
+    """All modules of the top-level package, or the one module, that an entry point names."""
+    package = sys.modules[package_name]
+    folders = list(getattr(package, "__path__", ()))
+    if folders:
+        return {
+            name: source
+            for folder in map(FilePath, folders)
+            for name, source in _read_all(folder.parent, list(folder.rglob("*.py"))).items()
+        }
+    return {package_name: _read(FilePath(str(package.__file__)))}
+
+
+def _read_all(root: FilePath, files: list[FilePath]) -> Sources:
+    return {file.relative_to(root).as_posix(): _read(file) for file in files}
 
 
 @cache
 def _read(file: FilePath) -> bytes:
-    # as git hands it out on any system
+    # git may check text files out with other line ends on another system
     return file.read_bytes().replace(b"\r\n", b"\n")
-
-
-@cache
-def _imported(source: bytes, package: str, whole: bool) -> tuple[str, ...]:
-    """What a module's text imports, as dotted names, those that may be mere attributes included."""
-    text = source.decode("utf-8", "replace")
-    try:
-        tree = ast.parse(text if whole else _only_imports(text))
-    except (SyntaxError, ValueError):
-        tree = ast.parse(source)
-    return tuple(_names(tree, package))
-
-
-def _only_imports(text: str) -> str:
-    return "\n".join(match.strip() for match in _IMPORTS.findall(text))
-
-
-def _names(tree: ast.Module, package: str) -> Iterator[str]:
-    for node in ast.walk(tree):
-        if isinstance(node, ast.Import):
-            yield from (alias.name for alias in node.names)
-        elif isinstance(node, ast.ImportFrom):
-            above = package.split(".")[: len(package.split(".")) - node.level + 1]
-            base = ".".join([*(above if node.level else ()), *filter(None, [node.module])])
-            yield base
-            yield from (f"{base}.{alias.name}" for alias in node.names)

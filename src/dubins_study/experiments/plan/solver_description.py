@@ -1,7 +1,7 @@
-"""What a run must know of a solver, found without letting other people's code into the run.
+"""What a run must know about a solver, without running other people's code in the run's process.
 
-Our own backends are loaded here. A plug-in, a file named on the command line or another package's
-entry point, is loaded by a process of its own, which may hang, crash or change what it likes.
+Our own solvers are loaded in this process. A plug-in, which is a file or another package's entry
+point, is loaded in a process of its own: it may hang, crash, or change its process.
 """
 
 from __future__ import annotations
@@ -16,26 +16,27 @@ from pebble.concurrent import process
 
 from dubins_study.experiments.isolation.endings import ending
 from dubins_study.experiments.isolation.spawning import Context
-from dubins_study.experiments.plan.code_digest import code, plain_settings
+from dubins_study.experiments.plan.code_digest import code_digest, plain_settings
 from dubins_study.experiments.provenance import versions_of
 from dubins_study.solvers.analytic import Analytic
 from dubins_study.solvers.attempt import told
 from dubins_study.solvers.registry import SolverError, canonical, load, ours
 
-_PATIENCE = 60.0  # s for a plug-in to be imported
+_LOAD_LIMIT_S = 60.0
 
 
-class Description(NamedTuple):
+class SolverDescription(NamedTuple):
     """A solver under a profile.
 
     Args:
-        spec: its canonical form, as rows write it.
-        code: digest of its code, settings and libraries.
-        settings: their values as JSON has them.
-        packages: distributions that it rests on.
-        warm: whether it has a use for a starting point.
-        closed_form: whether it is our own closed form, which may answer whole frames in the run.
-        runs: the program on PATH that it starts, if any.
+        spec: its canonical spec, as rows hold it.
+        code_digest: see `code_digest.code_digest`.
+        settings: its settings as values that JSON can hold.
+        packages: the distributions that it uses.
+        warm: whether it uses an initial guess.
+        closed_form: whether it is our own closed form, which may answer whole frames of scenarios
+            in the process of the run.
+        runs: the name of the program on PATH that it starts, if any.
     """
 
     spec: str
@@ -48,12 +49,12 @@ class Description(NamedTuple):
 
     @property
     def versions(self) -> dict[str, str]:
-        """Of its packages."""
+        """The versions of `packages`."""
         return versions_of(self.packages)
 
 
 @cache
-def described(spec: str, profile: str = "default") -> Description:
+def describe_solver(spec: str, profile: str = "default") -> SolverDescription:
     """Describe the solver of a spec.
 
     Raises:
@@ -62,23 +63,25 @@ def described(spec: str, profile: str = "default") -> Description:
     """
     if ours(spec):
         return _describe(spec, profile)
-    elsewhere = process(timeout=_PATIENCE, context=Context())(_describe_apart)
+    describe_elsewhere = process(timeout=_LOAD_LIMIT_S, context=Context())(_describe_as_json)
     try:
-        found = json.loads(elsewhere(spec, profile).result())
+        fields = json.loads(describe_elsewhere(spec, profile).result())
     except TimeoutError:
-        raise SolverError(f"solver {spec!r} takes longer than {_PATIENCE:g} s to load") from None
+        raise SolverError(
+            f"solver {spec!r} takes longer than {_LOAD_LIMIT_S:g} s to load"
+        ) from None
     except ProcessExpired as error:
         how = ending(error.exitcode)[0]
         raise SolverError(f"solver {spec!r} ends the process that loads it: {how}") from None
-    return Description(**(found | {"packages": tuple(found["packages"])}))
+    return SolverDescription(**(fields | {"packages": tuple(fields["packages"])}))
 
 
-def _describe(spec: str, profile: str) -> Description:
+def _describe(spec: str, profile: str) -> SolverDescription:
     solver = load(spec, profile)
     runs = getattr(solver, "runs", None)
-    return Description(
+    return SolverDescription(
         canonical(spec, profile),
-        code(spec, profile),
+        code_digest(spec, profile),
         plain_settings(solver),
         tuple(str(package) for package in solver.packages),
         bool(solver.warm),
@@ -87,9 +90,11 @@ def _describe(spec: str, profile: str) -> Description:
     )
 
 
-def _describe_apart(spec: str, profile: str) -> str:
-    """The same as JSON, where a plug-in may hold and raise what it likes: nothing of its own
-    classes is to be unpickled in the run."""
+def _describe_as_json(spec: str, profile: str) -> str:
+    """Describe a plug-in in the process that loads it.
+
+    The description returns as JSON, so that the run unpickles no object of the plug-in's classes.
+    """
     try:
         return json.dumps(_describe(spec, profile)._asdict())
     except SolverError as error:

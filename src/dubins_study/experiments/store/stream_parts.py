@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 
 import pyarrow as pa
 
-from dubins_study.experiments.plan.block_columns import Window
+from dubins_study.experiments.plan.scenario_columns import Window
 from dubins_study.experiments.store.disk import StoreError
 from dubins_study.experiments.store.manifest import is_count
 from dubins_study.experiments.store.parts import RUN_ID, STREAM, footer, is_stream, part_files
