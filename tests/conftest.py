@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import os
+import sys
+
 import pytest
 from hypothesis import HealthCheck, settings
 
@@ -10,10 +13,15 @@ settings.register_profile(
     "repeatable",
     derandomize=True,
     deadline=None,
+    database=None,
     max_examples=100,
     suppress_health_check=[HealthCheck.too_slow],
 )
 settings.load_profile("repeatable")
+
+# the tests start hundreds of interpreters, which read the byte code that the first ones keep
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+sys.dont_write_bytecode = False
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:

@@ -22,6 +22,7 @@ from dubins_study.solvers.registry import SolverError, registered
 from dubins_study.solvers.registry import load as load_solver
 
 PACKAGE = Path(__file__).parents[2] / "src" / "dubins_study"
+ROOMS = {PACKAGE / "solvers", PACKAGE / "study"}
 DIGEST = "dubins_study.experiments.plan.code_digest"
 PLUGIN = """
 from dataclasses import dataclass
@@ -46,7 +47,7 @@ def imported_files(file: Path) -> set[Path]:
     for name in names:
         place = PACKAGE.parent.joinpath(*name.split("."))
         files |= {place.with_suffix(".py"), place / "__init__.py", place.parent / "__init__.py"}
-    return {file for file in files if file.is_file() and PACKAGE in file.parents}
+    return {file for file in files if file.is_file() and ROOMS & {*file.parents}}
 
 
 @pytest.mark.parametrize("name", registered())
@@ -61,8 +62,9 @@ def test_all_modules_that_a_solver_imports_are_read(name):
     while left:
         wanted |= left
         left = set().union(*map(imported_files, left)) - wanted
-    rooms = (PACKAGE / "solvers", PACKAGE / "study")
-    files = {f.relative_to(PACKAGE).as_posix() for f in wanted if set(rooms) & {*f.parents}}
+    files = {file.relative_to(PACKAGE).as_posix() for file in wanted}
+    # the columns of the results format decide no value; a change of theirs has a new schema version
+    files = {name for name in files if not name.startswith("study/rows/")}
 
     assert len(files) > 10
     assert files - {"solvers/__init__.py"} <= solver_sources(name, solver_class).keys()

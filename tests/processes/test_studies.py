@@ -45,7 +45,7 @@ def test_where_a_local_solver_starts_decides_where_it_ends(basins_folder):
     assert (ipopt[INFEASIBLE] > 4).all()
     change = capping(found)
     assert change.loc[True, "turned"] < change.loc[False, "turned"] / 2
-    assert change.loc[True, "lies"] > 4  # no cap makes a local solver honest
+    assert change.loc[True, "refuted"] > 4  # no cap makes a local solver honest
     nowhere = table[table["end"] == NOWHERE]
     assert len(nowhere) > 0
     # what the lengths call no minimum is no extremal either; true minima miss by up to 6e-3 where

@@ -29,7 +29,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     "study": (),
     "study.closed_form": ("study",),
     "study.check": ("study", "study.closed_form"),
-    "study.rows": ("study",),
+    "study.rows": ("study", "study.check"),  # the tolerances that a verdict was found by
     "solvers": ("study.*",),
     "solvers.ipopt_library": ("study.*",),
     "solvers.paper_nlp": ("study.*", "solvers", "solvers.ipopt_library"),
@@ -58,8 +58,15 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     "report.data": ("study.*",),
     "report.statistics": ("study.*", "report.data"),
     "report.paper": ("study.*",),
-    "report.topics": ("study.*", "report.data", "report.statistics", "report.paper"),
-    "report.page": ("study.*", "report.data", "report.statistics", "report.topics.*"),
+    "report.elements": ("study.*", "report.data", "report.statistics"),
+    "report.topics": (
+        *("study.*", "report.data", "report.statistics"),
+        *("report.elements", "report.paper"),
+    ),
+    "report.page": (
+        *("study.*", "report.data", "report.statistics"),
+        *("report.elements", "report.topics.*"),
+    ),
     "report": ("study.*", "report.*"),
     "cli": ("", "study.*", "solvers.*", "experiments.*", "report.*"),
     "": ("cli", "study.*", "solvers.*", "experiments.*", "report.*"),
@@ -72,13 +79,7 @@ UNFINISHED = (
     ("experiments.plan", "experiments.engines"),
     ("experiments.isolation", "experiments.plan"),
     ("experiments.isolation", "experiments.engines"),
-    ("experiments.store", "experiments.engines"),
-    ("experiments.store", "experiments.plan"),
-    ("experiments.store", "study.check"),
     ("experiments.engines", "experiments.engines"),
-    ("report.data", "report.topics.*"),
-    ("report.page", "report.page"),
-    ("report.topics.*", "report.page"),
 )
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 from pathlib import Path as FilePath
-from typing import Any, NamedTuple
+from typing import NamedTuple
 from uuid import uuid4
 
 from dubins_study.experiments.engines.engine import ENGINES, Engine
@@ -17,13 +17,14 @@ from dubins_study.experiments.plan.run_plan import RunPlan, cell_counts, plan_ru
 from dubins_study.experiments.plan.solver_description import describe_solver
 from dubins_study.experiments.provenance import machine, now, source, versions
 from dubins_study.experiments.run_settings import BYTES_PER_GIB, RunSettings
-from dubins_study.experiments.store.folder import compact, done, open_folder, place
+from dubins_study.experiments.store.folder import compact, done, open_folder, prepare_folder
 from dubins_study.experiments.store.lock import locked
-from dubins_study.experiments.store.manifest import count_cells, taken_up
+from dubins_study.experiments.store.manifest import count_cells
+from dubins_study.experiments.store.part_writer import PartWriter, Progress
 from dubins_study.experiments.store.run_entry import recorded
-from dubins_study.experiments.store.writer import Progress, Writer
 from dubins_study.solvers.profiles import tolerances
-from dubins_study.study.rows.schema import VERSION, Key
+from dubins_study.study.rows.manifest import Definition, Manifest, RunEntry, SolverEntry
+from dubins_study.study.rows.schema import Key
 
 _LOG = logging.getLogger(__name__)
 
@@ -66,7 +67,7 @@ def run(
         progress: called with the number of cells done and the number of all cells.
 
     Raises:
-        ExperimentError, SolverError, StoreError: if the request or the folder is not valid.
+        ExperimentError, SolverError, ResultsError: if the request or the folder is not valid.
         RunError: if worker processes end before they have done anything, or Dask fails.
         KeyboardInterrupt: after SIGINT (Ctrl-C) or SIGTERM, once the cell that is being solved is
             finished and all rows are written; a second signal abandons that cell. The caller's
@@ -89,7 +90,7 @@ def run(
         plan = plan_run(request)
         stop.check()
         with ENGINES[engine](jobs, scheduler) as entered_engine:
-            place(plan.folder)
+            prepare_folder(plan.folder)
             with locked(plan.folder):
                 folder_state = _open_folder(plan, request)
                 _solve(plan, request, folder_state, entered_engine, progress, stop)
@@ -106,7 +107,7 @@ class _FolderState(NamedTuple):
         finished: whether there is nothing left to do.
     """
 
-    manifest: dict[str, Any]
+    manifest: Manifest
     done: set[Key]
     completes: bool
     finished: bool
@@ -114,16 +115,16 @@ class _FolderState(NamedTuple):
 
 def _open_folder(plan: RunPlan, request: Request) -> _FolderState:
     """Mend the results folder, and find out what it holds already."""
-    manifest = _new_manifest(plan, request.command())
-    earlier, mended = open_folder(plan.folder, manifest["experiment"], request.restart)
-    for line in mended:
-        _LOG.warning("dubins-study: %s", line)
-    manifest = taken_up(manifest, earlier)
+    manifest, repairs = open_folder(
+        plan.folder, _new_manifest(plan, request.command()), request.restart
+    )
+    for repair in repairs:
+        _LOG.warning("dubins-study: %s", repair)
     done_keys = done(plan.folder)
     totals = cell_counts(plan.keys | done_keys) + streamed_totals(plan.folder, plan.streams)
-    completes = count_cells(manifest, set(plan.solver_specs), totals)
+    manifest, completes = count_cells(manifest, set(plan.solver_specs), totals)
     all_done = plan.keys <= done_keys and streams_done(plan.folder, plan.streams)
-    recorded_as_finished = manifest["finished"] is not None or not completes
+    recorded_as_finished = manifest.finished is not None or not completes
     return _FolderState(manifest, done_keys, completes, all_done and recorded_as_finished)
 
 
@@ -137,13 +138,13 @@ def _solve(
 ) -> None:
     """Solve streams, then cells; write the rows as they come, at last into one part."""
     settings = _run_settings(plan, request, engine)
-    writer = Writer(plan.folder, settings.run_id, plan.rows, progress)
+    writer = PartWriter(plan.folder, settings.run_id, plan.rows, progress)
     if folder_state.finished:
         writer.skip(plan.rows)
         return
     entry = _run_entry(settings, request, engine)
     with recorded(plan.folder, folder_state.manifest, entry, folder_state.completes) as record:
-        writer.beat = record.beat
+        writer.after_step = record.write_now_and_then
         try:
             with pinned_threads():
                 solve_streams(plan.folder, plan.streams, settings, writer, stop)
@@ -174,50 +175,50 @@ def _run_settings(plan: RunPlan, request: Request, engine: Engine) -> RunSetting
     )
 
 
-def _run_entry(settings: RunSettings, request: Request, engine: Engine) -> dict[str, Any]:
+def _run_entry(settings: RunSettings, request: Request, engine: Engine) -> RunEntry:
     """What the manifest's entry of the run says about the request."""
-    return {
-        "run_id": settings.run_id,
-        "command": request.command(),
-        "engine": settings.engine,
-        "jobs": settings.jobs,
-        "time_limit_s": settings.time_limit_s,
-        "memory_limit_gib": settings.memory_limit_gib,
-        "threads": THREADS,
+    return RunEntry(
+        run_id=settings.run_id,
+        command=request.command(),
+        engine=settings.engine,
+        jobs=settings.jobs,
+        time_limit_s=settings.time_limit_s,
+        memory_limit_gib=settings.memory_limit_gib,
+        threads=THREADS,
         **engine.said,
-    }
+    )
 
 
-def _new_manifest(plan: RunPlan, command: str) -> dict[str, Any]:
-    """The manifest of a folder that holds this experiment alone; nothing is counted yet."""
+def _new_manifest(plan: RunPlan, command: str) -> Manifest:
+    """The manifest of a folder that holds this experiment alone; its cells are not counted yet."""
     file, experiment = plan.experiment_file, plan.experiment_file.experiment
     solvers = {spec: describe_solver(spec, experiment.profile) for spec in plan.solver_specs}
     packages = sorted({package for solver in solvers.values() for package in solver.packages})
-    return {
-        "schema": VERSION,
-        "experiment": {
-            "name": file.name,
-            "title": experiment.title,
-            "question": experiment.question,
-            "text": file.text,
-        },
-        "command": command,
-        "seed": experiment.seed,
-        "time_limit_s": experiment.time_limit_s,
-        "memory_limit_gib": experiment.memory_limit_gib,
-        "profile": experiment.profile,
-        "gap_tolerance": tolerances(experiment.profile).gap,
-        "solvers": {
-            spec: {
-                "settings": solver.settings,
-                "code_digest": solver.code_digest,
-                "packages": solver.versions,
-            }
+    return Manifest(
+        experiment=Definition(
+            name=file.name,
+            title=experiment.title,
+            question=experiment.question,
+            section=experiment.section,
+            text=file.text,
+        ),
+        command=command,
+        seed=experiment.seed,
+        time_limit_s=experiment.time_limit_s,
+        memory_limit_gib=experiment.memory_limit_gib,
+        profile=experiment.profile,
+        gap_tolerance=tolerances(experiment.profile).gap,
+        cells=0,
+        solvers={
+            spec: SolverEntry(
+                settings=solver.settings,
+                code_digest=solver.code_digest,
+                packages=solver.versions,
+            )
             for spec, solver in solvers.items()
         },
-        "versions": versions(tuple(packages)),
-        "machine": machine(),
-        "git": source(),
-        "created": now(),
-        "finished": None,
-    }
+        versions=versions(tuple(packages)),
+        machine=machine(),
+        git=source(),
+        created=now(),
+    )

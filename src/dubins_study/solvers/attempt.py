@@ -3,33 +3,35 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from operator import attrgetter
 from time import perf_counter
 from typing import Any, NamedTuple
 
 from dubins_study.errors import DubinsStudyError
 from dubins_study.solvers.profiles import PROFILES, tolerances
-from dubins_study.solvers.protocol import AnySolver, Outcome, Question, Solution
+from dubins_study.solvers.protocol import Outcome, Question, Solution, Solver
 from dubins_study.solvers.registry import load, unavailable
 from dubins_study.study.check.certificate import Certificate, Proof, certify
 from dubins_study.study.check.verdict import Claim, Judgement, Tolerances, Verdict, judge
 from dubins_study.study.closed_form.shortest import BRANCHES, shortest
 from dubins_study.study.path import Path
+from dubins_study.study.printable import plain
 from dubins_study.study.rows.schema import ANSWER, SCENARIO, names
 from dubins_study.study.scenario import Scenario
 
 # Long enough for every backend on every question; a solve here lasts microseconds to seconds.
 DEFAULT_LIMIT = 60.0
+_REPR_CHARS = 96  # of a line of an answer's repr
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class Answer:
-    """A judged and certified attempt. Units as in `study.rows.schema`; None where nothing can be said.
+    """A judged and certified attempt. Units as in `study.rows.schema`; None if there is no value.
 
-    `length`, `travel_time`, `word`, `gap` and `miss` are found from the path's controls by the check, and
-    so is the certificate (`study.check.certificate.Certificate`); `claimed_length` is what the solver
-    said.
+    The check computes `length`, `travel_time`, `word`, `gap`, `miss` and the certificate
+    (`study.check.certificate.Certificate`) from the path's controls. The solver reports
+    `claimed_length`.
     """
 
     scenario: Scenario
@@ -76,6 +78,22 @@ class Answer:
     iterations: int | None
     evaluations: int | None
 
+    def __repr__(self) -> str:
+        asked = self.scenario
+        pose = ", ".join(f"{value:g}" for value in asked.start)
+        target = f"{asked.target_x:g}, {asked.target_y:g}"
+        lines = (
+            f"solver {self.solver}, branch {self.branch}, outcome {self.outcome}",
+            f"from ({pose}) to ({target}), radius {asked.radius:g}, speed {asked.speed:g}",
+            f"verdict {self.verdict}, claim {self.claim}, proof {self.proof}",
+            f"word {self.word}, length {self.length}, travel time {self.travel_time}",
+            f"gap {self.gap}, miss {self.miss}",
+            f"region {self.region}, margin {self.margin:g}",
+            f"build {self.build_s} s, solve {self.solve_s} s",
+            f"message {plain(self.message)}",
+        )
+        return "\n".join(("Answer(", *(f"  {line:.{_REPR_CHARS}}" for line in lines))) + ")"
+
     @property
     def tied_words(self) -> tuple[str, ...]:
         """The words that share the shortest length; two straight behind the vehicle, else one."""
@@ -91,11 +109,9 @@ class Answer:
         return None if self.path is None else self.path.length.tolist()
 
     def row(self) -> dict[str, Any]:
-        """The scenario's and the answer's columns of `study.rows.schema`, non-finite numbers as None."""
-        return _row({field.name: getattr(self, field.name) for field in fields(self)})
-
-
-_SCENARIO, _ANSWER = names(SCENARIO), names(ANSWER)
+        """The scenario's and the answer's columns of `study.rows.schema`; None where not finite."""
+        scenario = dict(zip(_SCENARIO, _scenario_numbers(self.scenario), strict=True))
+        return scenario | {name: getattr(self, name) for name in _ANSWER}
 
 
 @dataclass(frozen=True, slots=True)
@@ -160,7 +176,7 @@ def check_request(branch: str, limit: float) -> None:
 
 
 def attempt(
-    solver: AnySolver,
+    solver: Solver,
     question: Question,
     limit: float = DEFAULT_LIMIT,
     allowed: Tolerances = PROFILES["default"],
@@ -187,7 +203,7 @@ def nothing(outcome: Outcome, message: str, times: Times = _NEVER, status: str =
     return Reply(outcome, Solution(Claim.NONE, native_status=status, message=message), times)
 
 
-def ask(solver: AnySolver, question: Question, limit: float = DEFAULT_LIMIT) -> Reply:
+def ask(solver: Solver, question: Question, limit: float = DEFAULT_LIMIT) -> Reply:
     """Put a question to a solver and time it. What a solver raises is its reply."""
     reason = unavailable(solver)
     if reason is not None:
@@ -231,64 +247,65 @@ def judged(
     spec: str, question: Question, reply: Reply, allowed: Tolerances = PROFILES["default"]
 ) -> Answer:
     """A reply judged by the check and certified."""
-    return Answer(**_judged(spec, question, reply, allowed))
+    path, scenario = reply.solution.path, question.scenario
+    return Answer(scenario=scenario, path=path, **_judged(spec, question, reply, allowed))
 
 
 def judged_row(
     spec: str, question: Question, reply: Reply, allowed: Tolerances = PROFILES["default"]
 ) -> dict[str, Any]:
-    """The row of the answer that `judged` makes, without making the answer."""
-    return _row(_judged(spec, question, reply, allowed))
+    """The row of the answer that `judged` returns, quicker than by way of the answer."""
+    path, scenario = reply.solution.path, question.scenario
+    row = _judged(spec, question, reply, allowed)
+    row.update(zip(_SCENARIO, _scenario_numbers(scenario), strict=True))
+    row["curvatures"] = None if path is None else path.curvature.tolist()
+    row["lengths"] = None if path is None else path.length.tolist()
+    return row
 
 
-def _row(held: dict[str, Any]) -> dict[str, Any]:
-    scenario, path = held["scenario"], held["path"]
-    held["curvatures"] = None if path is None else path.curvature.tolist()
-    held["lengths"] = None if path is None else path.length.tolist()
-    row = {name: getattr(scenario, name) for name in _SCENARIO}
-    return row | {name: held[name] for name in _ANSWER}
+_SCENARIO, _ANSWER = names(SCENARIO), names(ANSWER)
+_scenario_numbers = attrgetter(*_SCENARIO)
 
 
 def _judged(spec: str, question: Question, reply: Reply, allowed: Tolerances) -> dict[str, Any]:
-    """The fields of an answer."""
-    solution = reply.solution
-    found = judge(question.scenario, solution.path, solution.claim, question.branch, allowed)
+    """The fields of an answer that are columns of a row under the same name."""
+    outcome, solution, times = reply
+    scenario, branch, path = question.scenario, question.branch, solution.path
+    judgement = judge(scenario, path, solution.claim, branch, allowed)
+    bound, multipliers = solution.lower_bound, solution.multipliers
     certificate = certify(
-        question.scenario,
-        solution.path,
-        found,
-        question.branch,
-        lower_bound=solution.lower_bound,
-        multipliers=solution.multipliers,
+        scenario,
+        path,
+        judgement,
+        branch,
+        lower_bound=bound,
+        multipliers=multipliers,
         tolerances=allowed,
     )
-    dual, times = solution.multipliers or (None, None), reply.times
+    dual_x, dual_y = multipliers or (None, None)
     answer = {
-        "scenario": question.scenario,
         "solver": spec,
-        "branch": question.branch,
-        "path": solution.path,
-        "outcome": reply.outcome,
+        "branch": branch,
+        "outcome": outcome,
         "claim": solution.claim,
         "native_status": solution.native_status,
         "message": solution.message,
         "claimed_length": _finite(solution.claimed_length),
-        "lower_bound": _finite(solution.lower_bound),
-        "multiplier_x": _finite(dual[0]),
-        "multiplier_y": _finite(dual[1]),
+        "lower_bound": _finite(bound),
+        "multiplier_x": _finite(dual_x),
+        "multiplier_y": _finite(dual_y),
         "build_s": times.build,
         "solve_s": times.solve,
         "wall_s": times.wall,
         "iterations": solution.iterations,
         "evaluations": solution.evaluations,
     }
-    answer |= zip(_FOUND, _read_found(found), strict=True)
-    answer |= zip(_CERTIFIED, _read_certified(certificate), strict=True)
+    answer.update(zip(_JUDGED, judgement, strict=True))
+    answer.update(zip(_CERTIFIED, certificate, strict=True))
     return answer
 
 
-_FOUND, _CERTIFIED = ([field.name for field in fields(kind)] for kind in (Judgement, Certificate))
-_read_found, _read_certified = attrgetter(*_FOUND), attrgetter(*_CERTIFIED)
+_JUDGED, _CERTIFIED = Judgement._fields, Certificate._fields
 
 
 def _finite(value: float | None) -> float | None:

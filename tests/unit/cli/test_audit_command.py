@@ -26,7 +26,11 @@ def test_json_is_the_committed_file(asked):
     right = [cell for cell in found["cells"] if cell["verdict"] == "correct rounding"]
     assert len(right) == 26
     assert all(len(c["exact"].replace(".", "").lstrip("0")) == 40 for c in found["cells"])
-    committed = audit_file.files("dubins_study.report.paper").joinpath("audit.json").read_text(encoding="utf-8")
+    committed = (
+        audit_file.files("dubins_study.report.paper")
+        .joinpath("audit.json")
+        .read_text(encoding="utf-8")
+    )
     assert done.stdout == committed
 
 

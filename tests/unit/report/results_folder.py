@@ -10,6 +10,7 @@ from typing import Any
 import pyarrow as pa
 import pyarrow.parquet as pq
 
+from dubins_study.experiments.definition.experiment import packaged, read
 from dubins_study.solvers.registry import SolverError, load, settings
 from dubins_study.study.check.verdict import Claim, judge
 from dubins_study.study.closed_form.shortest import shortest_path
@@ -53,7 +54,7 @@ def attempt(
     found = judge(scenario, given, claim, branch)
     row: dict[str, Any] = {column.name: None for column in ROW}
     row |= {name: getattr(scenario, name) for name in Scenario.__dataclass_fields__}
-    row |= {name: getattr(found, name) for name in type(found).__dataclass_fields__}
+    row |= found._asdict()
     row |= {
         "scenario_id": f"{hash((scenario.target_x, scenario.target_y, scenario.radius)):x}",
         "solver": solver,
@@ -94,13 +95,15 @@ def _settings(spec: str) -> dict[str, Any]:
 def write_folder(
     folder: FilePath, name: str, rows: Iterable[dict[str, Any]], **manifest: Any
 ) -> FilePath:
-    """A results folder with one part."""
+    """A results folder with one part, of the section that a packaged experiment of its name has."""
     rows = list(rows)
+    section = read(name).experiment.section if name in packaged() else None
+    experiment = {"name": name, "title": f"About {name}", "question": "?", "text": "a = 1"}
     (folder / "parts").mkdir(parents=True)
     pq.write_table(pa.Table.from_pylist(rows, schema=SCHEMA), folder / "parts" / "1.parquet")
     text = {
         "schema": VERSION,
-        "experiment": {"name": name, "title": f"About {name}", "question": "?", "text": "a = 1"},
+        "experiment": experiment | {"section": section},
         "command": f"dubins-study run {name}",
         "versions": {"numpy": "2.3"},
         "machine": {"system": "Linux"},

@@ -32,6 +32,8 @@ from tests.unit.report.results_folder import attempt, paper_scenarios
 THREE, FOUR = paper_scenarios()[2:4]
 SPEC = "slsqp[model=joint,order=LRS,initial_guess=given,capped=false]"
 
+BASINS = {"name": "basins", "section": "basins", "text": ""}
+
 
 def turned(scenario, word, turns):
     """The word's path with full turns to the left before it."""
@@ -111,7 +113,7 @@ def test_shares_by_hand(results):
     """Every start is in the denominator."""
     line = shares(ends(load([results("basins", every_end())]).rows)).iloc[0]
 
-    assert (line["starts"], line["found"], line["lies"]) == (9, 1 / 9, 3)
+    assert (line["starts"], line["found"], line["refuted"]) == (9, 1 / 9, 3)
     assert (line["turns_1"], line["turns_2"], line["turns_more"], line["most_turns"]) == (
         1,
         1,
@@ -137,7 +139,7 @@ def test_what_a_cap_changes_by_hand(results):
 
     assert change["found"].to_dict() == {False: 0.5, True: 0.5}
     assert change["turned"].to_dict() == {False: 0.5, True: 0.0}
-    assert change["lies"].to_dict() == {False: 0, True: 1}
+    assert change["refuted"].to_dict() == {False: 0, True: 1}
     assert is_capped(bounded)
     assert not is_capped(free)
 
@@ -147,10 +149,13 @@ def test_cold_starts_are_not_of_the_study(results):
 
 
 def test_the_section_tells_what_the_rows_hold(results, tmp_path):
-    """Numbers in the sentences are of these rows; without lies it does not speak of them."""
+    """Numbers in the sentences are of these rows; without refuted claims it does not speak of them."""
     page = render([results("basins", every_end())], tmp_path / "a").read_text(encoding="utf-8")
     honest = [given(FOUR, z1, z2, claim=Claim.LOCAL) for z1 in (0.0, 1.0) for z2 in (0.0, 1.0)]
-    plain = render([results("honest", honest, experiment={"name": "basins"})], tmp_path / "b")
+    plain = render(
+        [results("honest", honest, experiment=BASINS)],
+        tmp_path / "b",
+    )
 
     assert '<section id="basins"' in page
     assert "3 statements are refuted" in page

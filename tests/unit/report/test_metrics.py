@@ -11,7 +11,8 @@ import pytest
 from dubins_study.report.data.reduction import of
 from dubins_study.report.statistics import metrics, timing
 from dubins_study.report.topics.agreement.numbers import agreement
-from dubins_study.report.topics.time.numbers import work_precision
+from dubins_study.report.topics.discretisation.numbers import work_precision
+from dubins_study.report.topics.warm.numbers import warm_starts
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import COLUMNS, Pose
 
@@ -215,7 +216,7 @@ def test_warm_starts_are_compared_question_by_question():
         wall_s=[2.0, 4.0, 1.0, 2.0, 1.0],
         verdict=["optimal", "longer", "optimal", "optimal", "optimal"],
     )
-    table = timing.warm_starts(rows)
+    table = warm_starts(rows)
 
     assert table["solver"].tolist() == ["a"]
     assert table[["questions", "ratio"]].iloc[0].tolist() == [2, 0.5]

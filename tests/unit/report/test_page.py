@@ -9,9 +9,9 @@ import pytest
 
 from dubins_study import render
 from dubins_study.report.data.load import ReportError
-from dubins_study.report.page.content import Column, Table, count, digits, seconds, share
+from dubins_study.report.elements.content import Column, Table, count, digits, seconds, share
 from dubins_study.report.page.markup import markdown, tex, to_csv, to_markdown, to_tex
-from dubins_study.report.page.sections import SECTIONS
+from dubins_study.report.page.sections import TOPICS
 from dubins_study.study.check.verdict import Claim
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
@@ -292,7 +292,7 @@ def test_progress_is_told(results, tmp_path):
     told: list[str] = []
     render([results("tiny", [attempt(paper_scenarios()[0])])], tmp_path / "out", told.append)
 
-    assert told == list(SECTIONS)
+    assert told == [topic.title for topic in TOPICS]
 
 
 def test_a_place_that_cannot_be_written_is_refused(results, tmp_path):

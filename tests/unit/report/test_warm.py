@@ -8,7 +8,7 @@ import pytest
 
 from dubins_study import render
 from dubins_study.report.data.load import load
-from dubins_study.report.statistics.timing import warm_starts
+from dubins_study.report.topics.warm.numbers import warm_starts
 from dubins_study.report.topics.warm.section import warm_sentences
 from dubins_study.study.check.verdict import Claim
 from dubins_study.study.scenario import Scenario
@@ -30,7 +30,9 @@ def rows():
             made.append(attempt(where, "ipopt", initial_guess=start, wall_s=time, iterations=work))
         for start, time, work in (("cold", 0.01, 10), ("warm", 0.02, 30)):
             made.append(attempt(where, "slsqp", initial_guess=start, wall_s=time, iterations=work))
-        made += [attempt(where, "shooting", initial_guess=s, iterations=None) for s in ("cold", "warm")]
+        made += [
+            attempt(where, "shooting", initial_guess=s, iterations=None) for s in ("cold", "warm")
+        ]
     return made
 
 

@@ -41,7 +41,7 @@ def test_the_closed_form_is_proved_everywhere(name, branch):
 
 @pytest.mark.parametrize("problem", PAPER)
 def test_the_papers_feasible_row_is_an_extremal_and_no_more(problem):
-    """THEORY section 6: LS where RS is best satisfies every condition, and the cut rejects it."""
+    """LS where RS is best satisfies every condition, and the cut rejects it (derivation.md, 9)."""
     scenario = PAPER[problem]
     both = [shortest_path(scenario, word) for word in ("LS", "RS")]
     longer = max(both, key=lambda path: path.total_length)
@@ -127,7 +127,7 @@ def test_an_infeasible_claim_is_proved_only_if_the_interval_says_so():
 
 @pytest.mark.parametrize("branch", ["best", "LS", "RS"])
 def test_multipliers_are_compared_with_the_costates(branch):
-    """THEORY section 6: those of (4.12) are -(nu1, nu2)/nu0; a sign error is 2, a turn shows."""
+    """Those of (4.12) are -(nu1, nu2)/nu0 (derivation.md, 9); a sign error is 2, a turn shows."""
     path = shortest_path(PROBLEM, branch)
     heading = path.end.heading
     right = (math.cos(heading), math.sin(heading))

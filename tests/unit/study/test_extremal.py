@@ -1,4 +1,4 @@
-"""Pontryagin's conditions and the cut, against an ODE integrator, the closed form and THEORY."""
+"""Pontryagin's conditions and the cut, against an ODE integrator, and the closed form."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from cases import EDGES, PAPER
+from cases import EDGES, PAPER, rotated
 from hard_cases import hard_frame
 from hypothesis import assume, given
 from hypothesis import strategies as st
@@ -82,7 +82,7 @@ def test_costates_against_an_ode_integrator(name):
 
 @given(ARCS, st.floats(0.1, 20), st.sampled_from([1, -1]), st.floats(-4, 4))
 def test_ending_straight_costates_are_against_the_final_heading(arc, straight, side, heading):
-    """THEORY section 6, CS: (nu1, nu2) = -(cos, sin) of the final heading; always an extremal."""
+    """CS: (nu1, nu2) = -(cos, sin) of the final heading; always an extremal."""
     path = Path(Pose(1, 2, heading), [side, 0], [arc, straight])
     found = certified(path)
 
@@ -94,7 +94,7 @@ def test_ending_straight_costates_are_against_the_final_heading(arc, straight, s
 
 @given(ARCS, ARCS, st.sampled_from([1, -1]), st.floats(-4, 4))
 def test_two_arcs_are_extremal_iff_theory_says_so(first, second, side, heading):
-    """THEORY section 6, CC: extremal iff pi < a2 < 2 pi and a1 <= a2."""
+    """docs/derivation.md, section 9, CC: extremal iff pi < a2 < 2 pi and a1 <= a2."""
     assume(min(abs(second - math.pi), abs(first - second)) > 1e-4)
     path = Path(Pose(0, 0, heading), [side, -side], [first, second])
     found = certified(path)
@@ -150,7 +150,7 @@ def test_a_path_of_no_length_has_no_costates():
 @given(st.floats(-3, 3), st.floats(0.1, 50), st.floats(-3, 3), st.floats(0.2, 5))
 def test_the_certificate_is_the_same_at_any_scale_and_heading(turn, scale, X, Y):
     scenario = Scenario(0, 0, 0, X, Y, 1)
-    other = Scenario(0, 0, 0, X, Y, 1).rotated(turn)
+    other = rotated(Scenario(0, 0, 0, X, Y, 1), turn)
     other = Scenario(0, 0, other.heading, other.target_x * scale, other.target_y * scale, scale)
     one, two = (shortest_path(s) for s in (scenario, other))
     a, b = certified(one, 1.0), certified(two, scale)

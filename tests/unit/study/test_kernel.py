@@ -53,7 +53,7 @@ def tolerance(target: Local, found) -> float:
 
     8 eps of the length: three functions good to an ulp, half a dozen roundings. Besides, the data
     leave X and Y open by `rounding`, and the length follows them at the rate |grad V|: 1 for words
-    that end straight, 1 / |cos(a2 / 2)| for those that end in an arc a2 (THEORY section 6: rho),
+    that end straight, 1 / |cos(a2 / 2)| for those that end in an arc a2 (derivation.md, 9),
     and for one arc, whose target is held on the circle, 2 / chord.
     """
     rate = 1.0

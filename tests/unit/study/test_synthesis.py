@@ -7,7 +7,7 @@ import math
 import mpmath as mp
 import numpy as np
 import pytest
-from cases import EDGES, PAPER, scenarios
+from cases import EDGES, PAPER, rotated, scenarios
 from hard_cases import hard_frame
 from hypothesis import assume, given
 from hypothesis import strategies as st
@@ -76,7 +76,7 @@ def _turn(angle: mp.mpf) -> mp.mpf:
 def test_every_branch_against_geometry_in_40_digits(n):
     """To 8 eps relative, a dozen roundings of which few add up, times the rate |grad V|.
 
-    The rate is 1 / |cos(a2 / 2)| for words that end in an arc a2 (THEORY section 6), else 1.
+    The rate is 1 / |cos(a2 / 2)| for words that end in an arc a2 (derivation.md, 9), else 1.
     Asked of the target as the closed form sees it, in the vehicle's frame. Snapped targets are left
     to the tests below, since 40 digits see a circle where the data do not.
     """
@@ -185,7 +185,7 @@ def test_turning_and_scaling_the_plane_changes_nothing(scenario, angle, decades)
     """To 1e-13 plus what the rounding of turned coordinates leaves open (see test_kernel)."""
     assume(margin(scenario) > 1e-9)  # the length jumps across the circles
     factor = 10.0**decades
-    moved = scenario.rotated(angle).scaled(factor)
+    moved = rotated(scenario, angle).scaled(factor)
     found, image = shortest(scenario), shortest(moved)
     assume(len(found.word) == 2)
     rate = 1 / abs(math.cos(found.segments.second / 2)) if found.word[1] != "S" else 1.0
@@ -195,7 +195,7 @@ def test_turning_and_scaling_the_plane_changes_nothing(scenario, angle, decades)
     assert abs(image.total - found.total) <= slack
 
 
-# ---- the discontinuity, and the numbers of THEORY ----
+# ---- the discontinuity, and numbers known in advance ----
 
 
 def test_the_length_jumps_across_the_front_of_a_circle():
@@ -224,7 +224,7 @@ def test_the_length_is_continuous_across_the_rear_of_a_circle(angle):
 
 
 def test_centre_of_a_disc_and_straight_behind():
-    """THEORY section 3, printed to six digits; the minimum behind is at D = 1 exactly."""
+    """Lengths known to six digits; straight behind, the least is at D = 1 exactly."""
     centre = shortest(unit(0, 1))
     assert centre.total == pytest.approx(5.470430, abs=5e-7)
     assert centre.segments == pytest.approx((0.505361, 4.965069), abs=5e-7)
@@ -266,7 +266,7 @@ def test_targets_that_rounding_hides_are_met(X, Y):
 
 @given(st.floats(0.01, 6.27), st.floats(0.01, 20))
 def test_left_straight_is_optimal_exactly_within_its_cut(a, s):
-    """THEORY section 3: iff a <= pi or s <= -tan(a/2)."""
+    """docs/derivation.md, section 6: iff a <= pi or s <= -tan(a/2)."""
     cut = math.inf if a <= math.pi else -math.tan(a / 2)
     assume(abs(s - cut) > 1e-6)
     end = as_path(unit(0, 0), "LS", Segments(a, s)).end
@@ -278,7 +278,7 @@ def test_left_straight_is_optimal_exactly_within_its_cut(a, s):
 
 @given(st.floats(0.001, 2), st.floats(0.01, 6.27))
 def test_right_left_is_optimal_exactly_within_its_cut(a1, a2):
-    """THEORY section 3: iff a2 in [pi, 2 pi) and a1 <= 2 atan2(-sin a2, 2 - cos a2)."""
+    """Section 6: iff a2 in [pi, 2 pi) and a1 <= 2 atan2(-sin a2, 2 - cos a2)."""
     cut = 2 * math.atan2(-math.sin(a2), 2 - math.cos(a2)) if a2 >= math.pi else -1.0
     assume(abs(a1 - cut) > 1e-6)
     assume(abs(a2 - math.pi) > 1e-3)  # both RL paths meet there, and digits with them

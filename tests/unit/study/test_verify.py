@@ -128,7 +128,7 @@ def test_curvature_that_a_branch_allows(branch, curvature, length, excess):
 
 
 def test_the_reference_is_relaxed_over_the_miss_near_a_circle():
-    """THEORY section 4: just inside, the optimum is 6.535; a miss of 2e-7 makes 0.300 honest."""
+    """Just inside a circle, the optimum is 6.535; a miss of 2e-7 makes 0.300 honest."""
     inside = on_left_circle(0.3, inside=1e-7)
     arc = Path(inside.start, [1.0], [0.3])
 

@@ -25,6 +25,8 @@ Number = Annotated[float, BeforeValidator(_number_or_angle), Field(allow_inf_nan
 Count = Annotated[int, BeforeValidator(_refuse_boolean), Field(ge=1, le=10**9)]
 Seed = Annotated[int, BeforeValidator(_refuse_boolean), Field(ge=0, lt=2**63)]
 Gibibytes = Annotated[float, BeforeValidator(_refuse_boolean), Field(ge=0.25, le=2**20)]
+# The name of a section of the report; the report knows which sections exist.
+SectionName = Annotated[str, Field(pattern=r"^[a-z][a-z0-9-]*$", max_length=40)]
 Seconds = Annotated[float, BeforeValidator(_refuse_boolean), Field(gt=0, allow_inf_nan=False)]
 
 

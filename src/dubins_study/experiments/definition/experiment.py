@@ -10,7 +10,14 @@ from typing import Any, Literal, NamedTuple
 from pydantic import Field, ValidationError, field_validator
 
 from dubins_study.errors import DubinsStudyError
-from dubins_study.experiments.definition.axes import Count, Gibibytes, Seconds, Seed, StrictModel
+from dubins_study.experiments.definition.axes import (
+    Count,
+    Gibibytes,
+    Seconds,
+    SectionName,
+    Seed,
+    StrictModel,
+)
 from dubins_study.experiments.definition.messages import first_error
 from dubins_study.experiments.definition.scenario_block import Block, known_branches
 from dubins_study.solvers.profiles import PROFILES
@@ -27,11 +34,12 @@ class Experiment(StrictModel):
     solver with a and one with b. Where `initial_guesses` holds `warm`, the scenarios of each block
     are solved one after another, each from the path of the scenario before it. A solve is stopped
     when it takes longer than `time_limit_s`, or when its process and the children of that process
-    hold more than `memory_limit_gib`.
+    hold more than `memory_limit_gib`. `section` names the report's section about this experiment.
     """
 
     title: str = Field(min_length=1)
     question: str = Field(min_length=1)
+    section: SectionName | None = None
     scenarios: list[Block] = Field(min_length=1)
     solvers: list[str] = Field(min_length=1)
     branches: list[str] = Field(default=["best"], min_length=1)

@@ -20,9 +20,9 @@ from dubins_study.experiments.isolation.sandbox import THREADS
 from dubins_study.experiments.plan.scenario_columns import Window, windows
 from dubins_study.experiments.plan.streams import Stream
 from dubins_study.experiments.run_settings import RunSettings
-from dubins_study.experiments.store.parts import write_part
-from dubins_study.experiments.store.stream_parts import metadata, part_name, streamed_parts
-from dubins_study.experiments.store.writer import Writer
+from dubins_study.experiments.store.part_writer import PartWriter, write_chunk
+from dubins_study.study.rows.chunk import Chunk, row_kinds
+from dubins_study.study.rows.parts import read_chunks
 
 
 def streamed_totals(folder: FilePath, streams: list[Stream]) -> Counter[tuple[str, str]]:
@@ -32,9 +32,9 @@ def streamed_totals(folder: FilePath, streams: list[Stream]) -> Counter[tuple[st
     """
     ids = {stream.id for stream in streams}
     totals = Counter[tuple[str, str]]()
-    for part in streamed_parts(folder):
-        if part.stream not in ids:
-            totals[part.solver, part.code_digest] += part.window[1]
+    for chunk in read_chunks(folder).values():
+        if chunk.stream not in ids:
+            totals[chunk.solver, chunk.code_digest] += chunk.count
     for stream in streams:
         totals[stream.solver, stream.code_digest] += stream.rows
     return totals
@@ -48,14 +48,14 @@ def streams_done(folder: FilePath, streams: list[Stream]) -> bool:
 
 def _done_chunks(folder: FilePath) -> set[tuple[str, Window]]:
     """Stream id and window of every chunk that a folder holds."""
-    return {(part.stream, part.window) for part in streamed_parts(folder)}
+    return {(chunk.stream, chunk.window) for chunk in read_chunks(folder).values()}
 
 
 def solve_streams(
     folder: FilePath,
     streams: list[Stream],
     settings: RunSettings,
-    writer: Writer,
+    writer: PartWriter,
     stop: Interruption,
 ) -> None:
     """Solve every chunk that the folder does not hold, and write each chunk as one part.
@@ -69,7 +69,7 @@ def solve_streams(
 
     Raises:
         ExperimentError: if a chunk holds a scenario that is not valid; earlier chunks are kept.
-        StoreError: if the folder cannot be written.
+        ResultsError: if the folder cannot be written.
         KeyboardInterrupt: if the run is interrupted, once the chunk that is being solved is
             written.
     """
@@ -107,7 +107,7 @@ def _solved_chunks(
         yield window, table
 
 
-def _wait(writing: Future[int] | None, writer: Writer) -> None:
+def _wait(writing: Future[int] | None, writer: PartWriter) -> None:
     """Wait until a chunk is written, and count its rows."""
     if writing is not None:
         writer.skip(writing.result())
@@ -115,15 +115,18 @@ def _wait(writing: Future[int] | None, writer: Writer) -> None:
 
 def _write(folder: FilePath, stream: Stream, window: Window, table: pa.Table, run_id: str) -> int:
     """Write a chunk as a part; returns how many rows it has."""
-    stream_id = stream.id
-    about = {
-        "question": stream.question,
-        "solver": stream.solver,
-        "code_digest": stream.code_digest,
-    }
-    part_metadata = metadata(table, stream_id, window, about, run_id)
-    write_part(folder, part_name(stream_id, window), table, part_metadata)
-    return window[1]
+    first, count = window
+    chunk = Chunk(
+        stream=stream.id,
+        question=stream.question,
+        solver=stream.solver,
+        code_digest=stream.code_digest,
+        first=first,
+        count=count,
+        kinds=row_kinds(table),
+    )
+    write_chunk(folder, chunk, table, run_id)
+    return count
 
 
 @contextmanager

@@ -78,7 +78,6 @@ def describe_solver(spec: str, profile: str = "default") -> SolverDescription:
 
 def _describe(spec: str, profile: str) -> SolverDescription:
     solver = load(spec, profile)
-    runs = getattr(solver, "runs", None)
     return SolverDescription(
         canonical(spec, profile),
         code_digest(spec, profile),
@@ -86,7 +85,7 @@ def _describe(spec: str, profile: str) -> SolverDescription:
         tuple(str(package) for package in solver.packages),
         bool(solver.warm),
         type(solver) is Analytic,
-        None if runs is None else str(runs),
+        None if solver.runs is None else str(solver.runs),
     )
 
 

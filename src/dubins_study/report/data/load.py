@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from dataclasses import dataclass, field, replace
 from pathlib import Path as FilePath
 from typing import Any
@@ -34,7 +34,7 @@ from dubins_study.study.scenario import Pose
 
 _GAP = Tolerances().gap  # of a manifest that tells none
 
-__all__ = ["Manifest", "ReportError", "Results", "load", "read_manifest"]
+__all__ = ["Manifest", "ReportError", "Results", "load", "load_results", "read_manifest"]
 
 
 @dataclass(frozen=True)
@@ -42,6 +42,7 @@ class Manifest:
     """What a run says of itself, and what of its rows was left out.
 
     Args:
+        section: the report's section that is about this experiment, if it names one.
         solvers: every spec's settings.
         codes: every spec's code; rows of another were made by something else.
         runs: an entry a run, as the run wrote it.
@@ -55,6 +56,7 @@ class Manifest:
     question: str
     text: str
     command: str
+    section: str | None = None
     versions: dict[str, Any] = field(default_factory=dict)
     machine: dict[str, Any] = field(default_factory=dict)
     git: dict[str, Any] = field(default_factory=dict)
@@ -80,19 +82,36 @@ class Results:
         rows: one row an attempt, index 0, 1, ...: the scalar columns of `study.rows.schema` that a
             report needs, and `experiment`, the manifest's name. Of more attempts than
             `parts.MOST_ROWS` only those at some scenarios, chosen by their names.
-        controls: the columns `curvatures` and `lengths` of the same rows, left in Arrow because
-            most sections draw no path.
+        controls: the columns `curvatures` and `lengths`, left in Arrow because most sections draw
+            no path; a row's index is its position here, also where `rows` is a selection.
+        solvers: every spec in the folders, also where `rows` is a selection.
     """
 
     manifests: tuple[Manifest, ...]
     reduction: Reduction
     rows: pd.DataFrame
     controls: pa.Table
+    solvers: tuple[str, ...] = ()
 
     @property
     def sampled(self) -> bool:
         """Whether `rows` leaves attempts out."""
         return len(self.rows) < self.reduction.total.attempts
+
+    @property
+    def settings(self) -> dict[str, dict[str, Any]]:
+        """Every spec's settings, as the manifests hold them."""
+        return {spec: own for run in self.manifests for spec, own in run.solvers.items()}
+
+    def only(self, experiments: Collection[str]) -> Results:
+        """The attempts of some experiments, and their manifests."""
+        names = set(experiments)
+        return replace(
+            self,
+            manifests=tuple(run for run in self.manifests if run.name in names),
+            reduction=self.reduction.only(names),
+            rows=self.rows[self.rows["experiment"].isin(names)],
+        )
 
     def path(self, index: int) -> Path | None:
         """The path of the row with this index, or None if no path came back."""
@@ -100,14 +119,38 @@ class Results:
         length = self.controls.column("lengths")[index].as_py()
         if curvature is None or length is None:
             return None
-        at = [self.rows[key].to_numpy(dtype=np.float64)[index] for key in Pose._fields]
-        return Path(Pose(*at), curvature, length)
+        start = self.rows.loc[index, list(Pose._fields)].to_numpy(dtype=np.float64)
+        return Path(Pose(*start), curvature, length)
 
 
-def load(folders: Iterable[str | FilePath]) -> Results:
+def load_results(folders: str | FilePath | Iterable[str | FilePath]) -> pd.DataFrame:
+    """The judged rows of one or more results folders, read as the report reads them.
+
+    Args:
+        folders: a results folder, or several; of a cell that two of them hold, the first is kept.
+
+    Returns:
+        One row an attempt, index 0, 1, ...: `experiment`, the columns of `study.rows.schema` but
+        `versions`, `machine` and `run_id`, with `curvatures` and `lengths` as Arrow lists. Rows of
+        earlier code are left out. Missing numbers are null.
+
+    Raises:
+        ReportError: naming the folder and what is wrong with it.
+    """
+    several = [folders] if isinstance(folders, str | FilePath) else folders
+    results = load(several, most_rows=None)
+    controls = {name: pd.arrays.ArrowExtensionArray(results.controls[name]) for name in CONTROLS}
+    return results.rows.assign(**controls)
+
+
+def load(folders: Iterable[str | FilePath], most_rows: int | None = MOST_ROWS) -> Results:
     """Read results folders and join them; of a cell that two folders hold, the first is kept.
 
     Read piece by piece: memory does not grow with the number of streamed rows.
+
+    Args:
+        folders: at least one.
+        most_rows: of more attempts a sample of the rows is kept; None keeps all rows.
 
     Raises:
         ReportError: naming the folder and what is wrong with it.
@@ -138,7 +181,8 @@ def load(folders: Iterable[str | FilePath]) -> Results:
                 name = pa.repeat(pa.scalar(manifest.name), len(table)).dictionary_encode()
                 table = table.append_column("experiment", name)
                 reduced.append(of(table.select(list(NEEDED)).to_pandas()))
-                kept.append(table if attempts <= MOST_ROWS else drawn(table, attempts))
+                whole = most_rows is None or attempts <= most_rows
+                kept.append(table if whole else drawn(table, attempts))
             reduced = [merged(reduced)]
         if not current:
             raise ReportError(f"{path} has no rows but of earlier code: run it again")
@@ -147,7 +191,8 @@ def load(folders: Iterable[str | FilePath]) -> Results:
         )
     table = pa.concat_tables([plain(table) for table in kept])
     rows = table.select(["experiment", *LIGHT]).to_pandas()
-    return Results(tuple(manifests), reduced[0], rows, table.select(CONTROLS).combine_chunks())
+    controls = table.select(CONTROLS).combine_chunks()
+    return Results(tuple(manifests), reduced[0], rows, controls, tuple(reduced[0].solvers))
 
 
 def _current(manifest: Manifest, table: pa.Table) -> pa.Table:
@@ -205,6 +250,7 @@ def _manifest(experiment: dict[str, Any], data: dict[str, Any]) -> Manifest:
         question=text(experiment.get("question")),
         text=text(experiment.get("text")),
         command=" ".join(map(str, command)) if isinstance(command, list) else text(command),
+        section=text(experiment.get("section")) or None,
         versions=mapping(data.get("versions")),
         machine=mapping(data.get("machine")),
         git=mapping(data.get("git")),

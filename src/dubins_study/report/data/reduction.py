@@ -13,8 +13,8 @@ from functools import cached_property
 
 import pandas as pd
 
+from dubins_study.report.data.plane_map import PlaneMap
 from dubins_study.report.data.tally import TIMES, Tally, tally, united
-from dubins_study.report.topics.map.numbers import PlaneMap
 from dubins_study.study.scenario import COLUMNS
 
 EXACT = "analytic"
@@ -36,14 +36,11 @@ class Reduction:
         """Both together."""
         return merged([self, other])
 
-    def only(self, experiment: str) -> Reduction:
-        """One experiment."""
-        return Reduction({key: own for key, own in self.tallies.items() if key[0] == experiment})
-
-    def without(self, experiments: Collection[str]) -> Reduction:
-        """All other experiments."""
-        others = {key: own for key, own in self.tallies.items() if key[0] not in experiments}
-        return Reduction(others)
+    def only(self, experiments: Collection[str]) -> Reduction:
+        """Some experiments."""
+        names = set(experiments)
+        tallies = {key: own for key, own in self.tallies.items() if key[0] in names}
+        return Reduction(tallies, {name: p for name, p in self.planes.items() if name in names})
 
     @cached_property
     def experiments(self) -> list[str]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from dubins_study.report.page.content import Table
+from dubins_study.report.elements.content import Table
 
 _TEX = {
     "\\": r"\textbackslash{}",

@@ -6,21 +6,26 @@ import re
 import shutil
 import tempfile
 from collections.abc import Callable, Iterable, Sequence
-from io import BytesIO
 from pathlib import Path as FilePath
-from typing import Any
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
 
 from dubins_study.report.data.load import Manifest, ReportError, Results, load
-from dubins_study.report.page.content import Picture, Section, Table
+from dubins_study.report.elements.content import Picture, Section, Table, some
+from dubins_study.report.elements.figure_file import figure_bytes, fix_layout
+from dubins_study.report.elements.style import (
+    BLUE,
+    GREEN,
+    INK,
+    MUTED,
+    PAPER,
+    RULE,
+    VERMILION,
+    drawing,
+)
 from dubins_study.report.page.markup import markdown, to_csv, to_markdown, to_tex
-from dubins_study.report.page.sections import SECTIONS, told_of_sample
-from dubins_study.report.page.style import BLUE, GREEN, INK, MUTED, PAPER, RULE, VERMILION, drawing
-from dubins_study.report.topics.summary.section import some
+from dubins_study.report.page.sections import KEYS, TOPICS, sections_of
 
 Progress = Callable[[str], None]
 
@@ -77,14 +82,12 @@ def _check_target(target: FilePath) -> None:
 
 
 def _sections(results: Results, progress: Progress | None) -> list[Section]:
-    found = []
-    for title, section in SECTIONS.items():
+    sections: list[Section] = []
+    for topic in TOPICS:
         if progress is not None:
-            progress(title)
-        made = section(results)
-        if made is not None:
-            found.append(told_of_sample(made, results))
-    return found
+            progress(topic.title)
+        sections += sections_of(topic, results)
+    return sections
 
 
 def _write_whole(target: FilePath, sections: Sequence[Section], runs: Sequence[Manifest]) -> None:
@@ -114,32 +117,17 @@ def _write(folder: FilePath, sections: Sequence[Section], runs: Sequence[Manifes
                 file = folder / "tables" / f"{block.name}.{suffix}"
                 file.write_text(text(block), encoding="utf-8", newline="\n")
         else:
-            settle(block.figure)
-            svg = save_bytes(block.figure, "svg")
+            fix_layout(block.figure)
+            svg = figure_bytes(block.figure, "svg")
             (folder / "figures" / f"{block.name}.svg").write_bytes(svg)
-            (folder / "figures" / f"{block.name}.pdf").write_bytes(save_bytes(block.figure, "pdf"))
+            (folder / "figures" / f"{block.name}.pdf").write_bytes(
+                figure_bytes(block.figure, "pdf")
+            )
             drawn[block.name] = inline(svg.decode("utf-8"), block.alt)
     for file_name, template in (("index.html", "index.html.j2"), ("report.md", "report.md.j2")):
         text_of = _environment().get_template(template)
         page = text_of.render(sections=sections, runs=runs, drawn=drawn)
         (folder / file_name).write_text(page, encoding="utf-8", newline="\n")
-
-
-def settle(figure: Figure) -> None:
-    """Lay the figure out once, not again for every file; it takes most of the time."""
-    engine = figure.get_layout_engine()
-    if engine is not None:
-        FigureCanvasAgg(figure)
-        engine.execute(figure)
-        figure.set_layout_engine("none")
-
-
-def save_bytes(figure: Figure, kind: str) -> bytes:
-    """The figure as a file's bytes, the same for the same figure: no dates, fixed ids."""
-    dates: dict[str, Any] = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}
-    buffer = BytesIO()
-    figure.savefig(buffer, format=kind, metadata=dates.get(kind), dpi=200)
-    return buffer.getvalue()
 
 
 # The page is light or dark as its reader likes; figures follow through these variables.
@@ -174,15 +162,20 @@ def breakable(text: str) -> Markup:
 
 def warnings(run: Manifest) -> list[str]:
     """What a reader of a folder's numbers must know first; nothing if all is well."""
-    said = []
+    lines = []
     if not run.finished:
-        said.append("Not finished: numbers below are of the cells done so far.")
+        lines.append("Not finished: numbers below are of the cells done so far.")
     if run.contradicting:
-        said.append(
+        lines.append(
             f"It contradicts a folder before it in {some(run.contradicting, 'cell')}, by the same "
             "code: the earlier folder's attempts are shown; dubins-study merge names both."
         )
-    return said
+    if run.section is not None and run.section not in KEYS:
+        lines.append(
+            f"No section of the report is called {run.section!r}, which its TOML file asks for; "
+            f"expected one of: {', '.join(KEYS)}."
+        )
+    return lines
 
 
 def left_out(run: Manifest) -> list[str]:

@@ -1,18 +1,21 @@
-"""The report's sections in the order of the page; each is left out if it has no rows."""
+"""The report's sections in the order of the page, and which attempts each one is about."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import replace
+from enum import Enum, auto
+from typing import NamedTuple
 
 from dubins_study.report.data.load import Results
-from dubins_study.report.page.content import Section, count
+from dubins_study.report.elements.content import Section, count, slug
 from dubins_study.report.topics.agreement.section import agreement_section
 from dubins_study.report.topics.audit.section import audit_section
 from dubins_study.report.topics.basins.section import basins_section
 from dubins_study.report.topics.bias.section import bias_section
 from dubins_study.report.topics.certificates.section import certificates_section
 from dubins_study.report.topics.convergence.section import convergence_section
+from dubins_study.report.topics.discretisation.section import discretisation_section
 from dubins_study.report.topics.ladder.section import ladder_section
 from dubins_study.report.topics.map.section import map_section
 from dubins_study.report.topics.paper.section import figures_section, paper_section
@@ -21,44 +24,115 @@ from dubins_study.report.topics.proofs.section import proofs_section
 from dubins_study.report.topics.radius.section import radius_section
 from dubins_study.report.topics.runs.section import runs_section
 from dubins_study.report.topics.scale.section import scale_section
-from dubins_study.report.topics.summary.section import success_section, summary_section
-from dubins_study.report.topics.time.section import discretisation_section, time_section
-
-SECTIONS: dict[str, Callable[[Results], Section | None]] = {
-    "summary": summary_section,
-    "the paper's tables": paper_section,
-    "the audit of the paper": audit_section,
-    "the paper's figures": figures_section,
-    "length, time and word against radius": radius_section,
-    "agreement": agreement_section,
-    "success and gaps": success_section,
-    "certificates": certificates_section,
-    "time": time_section,
-    "work and precision": discretisation_section,
-    "the target plane": plane_section,
-    "the plane, counted": map_section,
-    "where starting points lead": basins_section,
-    "the interior-point bias": bias_section,
-    "scale invariance": scale_section,
-    "the order of convergence": convergence_section,
-    "the ladder toward a circle": ladder_section,
-    "what a proof costs": proofs_section,
-    "the runs and their machines": runs_section,
-}
-
-# their numbers count every attempt, however many there are; those of others need single rows
-_COUNTED = ("summary", "success", "certificates", "map", "audit", "runs")
+from dubins_study.report.topics.success.section import success_section
+from dubins_study.report.topics.summary.section import summary_section
+from dubins_study.report.topics.time.section import time_section
 
 
-def told_of_sample(section: Section, results: Results) -> Section:
-    """The section with a sentence on what it leaves out, if it does."""
-    if not results.sampled or section.key in _COUNTED:
+class General(Enum):
+    """The attempts of a section that is about no single experiment."""
+
+    EVERY = auto()  # all of them
+    POOLED = auto()  # counted together: without studies of variants and of extreme questions
+    COMPARED = auto()  # solver against solver on the same questions
+
+
+class Topic(NamedTuple):
+    """One section of the page.
+
+    Args:
+        title: what progress reports call it.
+        write: attempts -> the section, None where they give it nothing to show.
+        about: its attempts: a general kind, or the key that experiments give as `section = "..."`
+            in their TOML file.
+        enters: the general kinds that include those experiments too.
+        counted: whether its numbers count every attempt; the numbers of other sections need single
+            rows, and are of a sample where there are too many of them.
+    """
+
+    title: str
+    write: Callable[[Results], Section | None]
+    about: General | str
+    enters: tuple[General, ...] = ()
+    counted: bool = False
+
+
+EVERY, POOLED, COMPARED = General.EVERY, General.POOLED, General.COMPARED
+TOPICS = (
+    Topic("summary", summary_section, POOLED, counted=True),
+    Topic("the paper's tables", paper_section, "paper", (POOLED, COMPARED)),
+    Topic("the audit of the paper", audit_section, "paper", counted=True),
+    Topic("the paper's figures", figures_section, "paper"),
+    Topic("length, time and word against radius", radius_section, EVERY),
+    Topic("agreement", agreement_section, COMPARED),
+    Topic("success and gaps", success_section, POOLED, counted=True),
+    Topic("certificates", certificates_section, POOLED, counted=True),
+    Topic("time", time_section, COMPARED),
+    Topic("work and precision", discretisation_section, "discretisation"),
+    # the closed form alone answers a hundred thousand questions of a plane
+    Topic("the target plane", plane_section, "plane", (POOLED,)),
+    Topic("the plane, counted", map_section, EVERY, counted=True),
+    Topic("where starting points lead", basins_section, "basins"),
+    Topic("the interior-point bias", bias_section, "bias"),
+    Topic("scale invariance", scale_section, "scale"),
+    Topic("the order of convergence", convergence_section, "convergence"),
+    Topic("the ladder toward a circle", ladder_section, "ladder"),
+    Topic("what a proof costs", proofs_section, "proofs"),
+    Topic("the runs and their machines", runs_section, EVERY, counted=True),
+)
+KEYS = tuple(dict.fromkeys(topic.about for topic in TOPICS if isinstance(topic.about, str)))
+
+
+def sections_of(topic: Topic, results: Results) -> Iterator[Section]:
+    """The topic's sections: one, or one an experiment where several name it; none without rows."""
+    selections = _selections(topic, results)
+    for name, selection in selections.items():
+        section = topic.write(selection)
+        if section is None:
+            continue
+        if len(selections) > 1:
+            section = _named_after(section, name)
+        yield section if topic.counted else _with_sample(section, results)
+
+
+def _selections(topic: Topic, results: Results) -> dict[str, Results]:
+    """Name -> attempts, for each section that the topic may have."""
+    keys: dict[str, str | None] = {}
+    for run in results.manifests:
+        if run.name in results.reduction.experiments:  # others have no rows of their own
+            keys.setdefault(run.name, run.section)
+    if isinstance(topic.about, str):
+        about = [name for name, key in keys.items() if key == topic.about]
+        return {name: results.only({name}) for name in about}
+    if topic.about is EVERY:
+        return {"": results}
+    apart = {other.about for other in TOPICS} - {
+        other.about for other in TOPICS if topic.about in other.enters
+    }
+    names = {name for name, key in keys.items() if key not in apart}
+    if names:
+        return {"": results.only(names)}
+    # a report of nothing but studies sums these up
+    return {"": results} if topic.about is POOLED else {}
+
+
+def _named_after(section: Section, experiment: str) -> Section:
+    """The section with the experiment's name in its title, its anchor and its files' names."""
+    end = slug(experiment)
+    blocks = tuple(replace(block, name=f"{block.name}-{end}") for block in section.blocks)
+    title, key = f"{section.title}: {experiment}", f"{section.key}-{end}"
+    return replace(section, key=key, title=title, blocks=blocks)
+
+
+def _with_sample(section: Section, results: Results) -> Section:
+    """The section with a sentence on the attempts that it leaves out, if it leaves some out."""
+    if not results.sampled:
         return section
     kept, attempts = len(results.rows), results.reduction.total.attempts
-    said = (
+    sentence = (
         f"Where single attempts are shown or compared, they are {count(kept)} of the "
         f"{count(attempts)}: all those at some of the scenarios, drawn by the hashes that name them"
     )
     if section.key == "time":
-        said += "; quartiles and medians are of all"
-    return replace(section, text=f"{section.text} {said}.")
+        sentence += "; quartiles and medians are of all"
+    return replace(section, text=f"{section.text} {sentence}.")

@@ -1,7 +1,8 @@
 """The audit of the paper: every printed number recomputed, and what follows from it.
 
 `audit` gives one object of plain values, the same on every machine, since every number is proven
-to its last digit before it is rounded; `report.paper.audit_check` holds it against the committed one.
+to its last digit before it is rounded; `report.paper.audit_check` compares it with the committed
+one.
 """
 
 from __future__ import annotations

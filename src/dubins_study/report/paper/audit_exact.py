@@ -1,8 +1,8 @@
 """The paper's paths in interval arithmetic (Arb, through python-flint).
 
-Everything is computed in the vehicle's frame at unit radius, as in `study.closed_form.shortest`, but from the
-headings as the paper states them (2 pi/3, no double) and with proven bounds. An answer is not
-trusted for its formula: `report.paper.audit` drives each one and sees that it arrives.
+Everything is computed in the vehicle's frame at unit radius, as in `study.closed_form.shortest`,
+but from the headings as the paper states them (2 pi/3, no double) and with proven bounds. An answer
+is not trusted for its formula: `report.paper.audit` drives each path and checks that it arrives.
 """
 
 from __future__ import annotations

@@ -1,7 +1,10 @@
 """The committed audit: `report/paper/audit.json`, in the repository and in the wheel.
 
-Where a change is meant, `dubins-study audit --json > src/dubins_study/report/paper/audit.json` writes it anew; everywhere
-else the command tells whether the code still agrees with it.
+Where a change is meant, this command writes the file anew:
+
+    dubins-study audit --json > src/dubins_study/report/paper/audit.json
+
+Otherwise `dubins-study audit` tells whether the code still agrees with the file.
 """
 
 from __future__ import annotations

@@ -14,7 +14,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike, NDArray
 
-from dubins_study.report.data.reduction import Reduction
+from dubins_study.report.data.reduction import EXACT, Reduction
 from dubins_study.report.data.spread import Spread
 from dubins_study.report.data.tally import SUCCESSES, Tally, success
 
@@ -27,7 +27,6 @@ VERDICTS = ("optimal", "none exists", "longer", "misses", "none")
 # section of its own, and its rows enter no number pooled over experiments
 STUDIES = ("discretisation", "basins", "bias", "convergence", "ladder", "scale", "proofs")
 QUESTION = ["experiment", "scenario_id", "branch", "initial_guess"]
-_FIRST = ("analytic", "slsqp", "ipopt", "turn-rate-qp")
 
 
 def parse_spec(spec: str) -> tuple[str, dict[str, str]]:
@@ -40,12 +39,11 @@ def parse_spec(spec: str) -> tuple[str, dict[str, str]]:
 
 
 def solver_order(solvers: Sequence[str]) -> list[str]:
-    """Distinct solvers: the closed form first, variants after their plain solver."""
+    """Distinct solvers: the closed form first, then by name, variants after their plain solver."""
 
-    def rank(spec: str) -> tuple[int, str, int, str]:
+    def rank(spec: str) -> tuple[bool, str, int, str]:
         name, settings = parse_spec(spec)
-        place = _FIRST.index(name) if name in _FIRST else len(_FIRST)
-        return place, name, len(settings), spec
+        return name != EXACT, name, len(settings), spec
 
     return sorted(set(solvers), key=rank)
 

@@ -1,15 +1,15 @@
 """How far the proof of an answer goes, from its controls, the scenario and a bound if there is one.
 
-Three things are laid side by side: Pontryagin's conditions and the cut margin (`study.check.extremal`),
-which prove that a path is the shortest to its own end point, and an interval around the reference
-length (`study.check.enclosure`), which proves that this is the length looked for.
+Pontryagin's conditions and the cut margin (`extremal`) prove that a path is the shortest to its own
+end point. An interval around the reference length (`enclosure`) proves that no shorter path answers
+the question.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from enum import StrEnum
+from typing import NamedTuple
 
 from dubins_study.study.check.enclosure import Enclosure, enclose
 from dubins_study.study.check.extremal import Extremal, measured
@@ -20,9 +20,9 @@ from dubins_study.study.scenario import Scenario
 
 _DEFAULT = Tolerances()
 # A solver's 1e-8 on lengths leaves angles off by about as much; the turn of 1e-3 that an
-# interior-point method adds to a segment (THEORY section 5) leaves its square, 1e-6.
+# interior-point method adds to a segment leaves its square, 1e-6 (docs/derivation.md, section 9).
 PMP_TOLERANCE = 1e-7
-# nu3 sums products of the costates with positions: this is lost of them for every radius of length
+# nu3 sums products of the costates with positions, which loses this much for every radius of length
 PMP_ROUNDING = 16 * EPS
 # rad: at the tie straight behind the margin is zero up to rounding
 CUT_TOLERANCE = 1e-9
@@ -48,9 +48,8 @@ class Proof(StrEnum):
     NONE = "none"
 
 
-@dataclass(frozen=True, slots=True)
-class Certificate:
-    """What can be said for an answer. Lengths in the scenario's unit; None where nothing can.
+class Certificate(NamedTuple):
+    """The proof of an answer and its evidence. Lengths in the scenario's unit; None where absent.
 
     Args:
         proof: how far the proof goes.
@@ -67,16 +66,16 @@ class Certificate:
     proof: Proof
     reference_low: float | None
     reference_high: float | None
-    costate_x: float | None
-    costate_y: float | None
-    abnormal: bool
-    hamiltonian: float | None
-    sign_margin: float | None
-    transversality: float | None
-    pmp_residual: float | None
-    cut_margin: float | None
-    costate_error: float | None
-    false_bound: bool
+    costate_x: float | None = None
+    costate_y: float | None = None
+    abnormal: bool = False
+    hamiltonian: float | None = None
+    sign_margin: float | None = None
+    transversality: float | None = None
+    pmp_residual: float | None = None
+    cut_margin: float | None = None
+    costate_error: float | None = None
+    false_bound: bool = False
 
 
 def certify(
@@ -99,59 +98,63 @@ def certify(
         multipliers: duals of the end point's equations that the solver gives.
         tolerances: those of the judgement.
     """
+    radius = scenario.radius
     interval = enclose(scenario, branch)
-    found, cut = None, None
+    costates, cut = None, None
     if path is not None and judged.length is not None:
-        found, cut = measured(path, scenario.radius)
-    bound = lower_bound if lower_bound is not None and not math.isnan(lower_bound) else None
-    allowed = tolerances.gap * max(interval.low, scenario.radius)
-    slack = BOUND_TOLERANCE * max(interval.low, scenario.radius)
-    false_bound = bound is not None and bound > interval.high + slack
+        costates, cut = measured(path, radius)
+    scale = max(interval.low, radius)
+    bound = None if lower_bound is None or math.isnan(lower_bound) else lower_bound
+    false_bound = bound is not None and bound > interval.high + BOUND_TOLERANCE * scale
+    # a path of no length has no costates, and needs none
+    residual = None if costates is None else costates.residual
+    evidence = _Evidence(interval, 0.0 if judged.length == 0 else residual, cut)
+    proof = _proof(judged, branch, evidence, None if false_bound else bound, tolerances.gap, radius)
+    low, high = _finite(interval.low), _finite(interval.high)
+    if costates is None:
+        return Certificate(proof, low, high, cut_margin=cut, false_bound=false_bound)
     return Certificate(
-        proof=_proof(
-            judged,
-            branch,
-            interval,
-            found,
-            cut,
-            None if false_bound else bound,
-            allowed,
-            scenario.radius,
-        ),
-        reference_low=_finite(interval.low),
-        reference_high=_finite(interval.high),
-        costate_x=None if found is None else found.nu[0],
-        costate_y=None if found is None else found.nu[1],
-        abnormal=found is not None and found.abnormal,
-        hamiltonian=None if found is None else found.hamiltonian,
-        sign_margin=None if found is None else found.sign_margin,
-        transversality=None if found is None else found.transversality,
-        pmp_residual=None if found is None else found.residual,
-        cut_margin=cut,
-        costate_error=_costate_error(found, multipliers),
-        false_bound=false_bound,
+        proof,
+        low,
+        high,
+        *costates.nu,
+        costates.abnormal,
+        costates.hamiltonian,
+        costates.sign_margin,
+        costates.transversality,
+        costates.residual,
+        cut,
+        _costate_error(costates, multipliers),
+        false_bound,
     )
+
+
+class _Evidence(NamedTuple):
+    """The interval around the reference length, and how nearly a path is an extremal."""
+
+    interval: Enclosure
+    residual: float | None
+    cut_margin: float | None
 
 
 def _proof(
     judged: Judgement,
     branch: str,
-    interval: Enclosure,
-    found: Extremal | None,
-    cut: float | None,
+    evidence: _Evidence,
     bound: float | None,
-    allowed: float,
+    gap: float,
     radius: float,
 ) -> Proof:
-    """The furthest proof; `allowed` is by how much an optimal path may be longer."""
+    """The furthest proof; an optimal path may be longer by `gap` times the interval's low end."""
+    interval, residual, cut = evidence
     if judged.verdict is Verdict.NONE_EXISTS:
         return Proof.PROVED if interval.low == math.inf else Proof.NONE
     if judged.gap is None or judged.length is None:
         return Proof.NONE
-    # a path of no length has no costates, and needs none
-    residual = 0.0 if judged.length == 0 else math.inf if found is None else found.residual
-    is_extremal = residual <= PMP_TOLERANCE + PMP_ROUNDING * judged.length / radius
+    tolerance = PMP_TOLERANCE + PMP_ROUNDING * judged.length / radius
+    is_extremal = residual is not None and residual <= tolerance
     if judged.verdict is Verdict.OPTIMAL and interval.exists:
+        allowed = gap * max(interval.low, radius)
         # an answer far below the interval owes that to its miss, and proves nothing
         near = abs(judged.length - interval.low) <= allowed
         clear = branch != "best" or (cut is not None and cut >= -CUT_TOLERANCE)
@@ -162,10 +165,11 @@ def _proof(
     return Proof.EXTREMAL if is_extremal else Proof.NONE
 
 
-def _costate_error(found: Extremal | None, multipliers: tuple[float, float] | None) -> float | None:
-    if found is None or found.abnormal or multipliers is None:
+def _costate_error(costates: Extremal, multipliers: tuple[float, float] | None) -> float | None:
+    if costates.abnormal or multipliers is None:
         return None
-    return _finite(math.hypot(multipliers[0] + found.nu[0], multipliers[1] + found.nu[1]))
+    x, y = costates.nu
+    return _finite(math.hypot(multipliers[0] + x, multipliers[1] + y))
 
 
 def _finite(value: float) -> float | None:

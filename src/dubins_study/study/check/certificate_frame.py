@@ -1,7 +1,7 @@
-"""Certificates over frames: what `study.check.certificate.certify` says, for paths of at most two arcs.
+"""Certificates over frames: what `certificate.certify` computes, for paths of at most two arcs.
 
-Rows of the words S, C, CS and CC at full rate are certified by `study.check.extremal_kernel`; the others,
-which no closed-form answer is, by the scalar code.
+`extremal_kernel` measures rows of the words S, C, CS and CC at full rate. `extremal.measured`
+measures the others, of which the closed form returns none.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ _OPTIMAL, _NONE_EXISTS = map(VERDICTS.index, (Verdict.OPTIMAL, Verdict.NONE_EXIS
 
 @dataclass(frozen=True, eq=False)
 class FrameCertificate:
-    """`study.check.certificate.Certificate` of n rows: arrays of shape (n,), NaN where nothing is said.
+    """The certificates of n rows: arrays of shape (n,), NaN where `certify` returns None.
 
     `proof` indexes `PROOFS`. There are no multipliers to compare the costates with.
     """
@@ -53,7 +53,7 @@ class FrameCertificate:
 
     @classmethod
     def empty(cls, n: int) -> FrameCertificate:
-        """Nothing said of n rows."""
+        """n rows without evidence and without proof."""
         low, high, *measured = np.full((2 + len(MEASURED), n), np.nan)
         flags = np.zeros((2, n), np.bool_)
         return cls(np.full(n, _NONE, np.uint8), low, high, np.array(measured), *flags)
@@ -105,7 +105,7 @@ def certify_frame(
 
 
 def _one(found: FrameCertificate, row: int, path: Path | None, radius: float) -> None:
-    """A row that the kernel leaves: of more or other pieces than S, C, CS and CC."""
+    """Measure a row that the kernel leaves: of other pieces than S, C, CS and CC."""
     found.measured[:, row] = np.nan
     if path is None or not drivable(path):
         return
@@ -125,7 +125,7 @@ def _prove(
     tolerances: Tolerances,
     radius: FloatArray,
 ) -> None:
-    """`study.check.certificate._proof` over arrays."""
+    """The proof of every row, as `certificate._proof` decides it."""
     low, high, numbers = found.reference_low, found.reference_high, found.columns()
     with np.errstate(invalid="ignore"):
         scale = np.maximum(low, radius)

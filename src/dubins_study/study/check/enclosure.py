@@ -1,10 +1,10 @@
 """Proven intervals around the shortest length, in interval arithmetic.
 
 Every candidate word is evaluated in ball arithmetic (Arb, through python-flint) on the scenario's
-own doubles, by formulas other than those of `study.closed_form.shortest`, and the least is taken. That one of
-the four words is shortest is a theorem (docs/derivation.md, section 6); nothing is assumed about
-which. The snapping of `study.closed_form.shortest.local` is the statement of the problem, so it is kept: a
-target that rounding puts next to a turning circle is on it.
+own doubles, by formulas other than those of `closed_form.shortest`, and the least is taken. That
+one of the four words is shortest is a theorem (docs/derivation.md, section 11); nothing is assumed
+about which. The snapping of `closed_form.shortest.local` is the statement of the problem, so it is
+kept: a target that rounding puts next to a turning circle is on it.
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ class _UndecidedError(Exception):
     """More bits are needed to tell on which side of zero a number lies."""
 
 
-@lru_cache(maxsize=4096)
+@lru_cache(maxsize=16384)  # the cells of a run ask each question often, in shuffled order
 def enclose(scenario: Scenario, branch: str = "best") -> Enclosure:
     """Enclose the shortest length of a branch.
 
@@ -134,7 +134,7 @@ def _right_left(target: _Target) -> list[arb]:
     """RL, both solutions: triangles over C_R, T and the second circle's centre, sides 2, 1, d."""
     X, Y, on_left, _, slack = target
     square = X * X + (Y + 1) ** 2
-    edge = next((e for e in (1, 9) if abs(float((square - e).mid())) <= slack), None)
+    edge = _edge(square, slack)
     if edge is not None and square != edge:
         square = arb(edge, slack)  # rounding does not tell on which side: both are enclosed
     elif _negative(square - 1) or _negative(9 - square):
@@ -143,7 +143,7 @@ def _right_left(target: _Target) -> list[arb]:
     d = square.sqrt()
     at_first = _acos((square + 3) / (4 * d))
     bearing = arb.atan2(X, 1 + Y)  # of T from C_R, from straight up, clockwise as R turns
-    seconds = 2 * arb.pi() - at_second, at_second
+    seconds = _full_turn(ctx.prec) - at_second, at_second
     firsts = bearing + at_first, bearing - at_first
     if not on_left:
         return [_wrapped(a) + b for a, b in zip(firsts, seconds, strict=True)]
@@ -153,6 +153,12 @@ def _right_left(target: _Target) -> list[arb]:
     if edge is not None:
         arc = arc.union(seconds[1 - other])
     return [arc, _wrapped(firsts[other]) + seconds[other]]
+
+
+def _edge(square: arb, slack: float) -> int | None:
+    """1 or 9 if rounding does not tell a squared distance from it, which bound a word's reach."""
+    nearest = 1 if square < 5 else 9
+    return nearest if abs(float((square - nearest).mid())) <= slack else None
 
 
 _WORDS = {
@@ -170,12 +176,17 @@ def _acos(value: arb) -> arb:
     return arb.pi() - arb.atan2(root, -value) if value < 0 else arb.atan2(root, value)
 
 
+@lru_cache(maxsize=len(PRECISIONS))
+def _full_turn(bits: int) -> arb:
+    """2 pi to a number of bits, which is the precision that is being worked with."""
+    return 2 * arb.pi()
+
+
 def _wrapped(angle: arb) -> arb:
     """An angle in (-2 pi, 2 pi) brought to [0, 2 pi); both if its ball is wide and holds 0."""
-    turned = angle + 2 * arb.pi()
     if float(angle.rad()) > _WIDE and angle.contains(0):
-        return angle.union(turned)
-    return turned if _negative(angle) else angle
+        return angle.union(angle + _full_turn(ctx.prec))
+    return angle + _full_turn(ctx.prec) if _negative(angle) else angle
 
 
 def _negative(value: arb) -> bool:

@@ -1,7 +1,7 @@
 """Pontryagin's conditions and the cut over arrays: `study.check.extremal` for paths of two arcs.
 
-The words S, C, CS and CC at full rate have their costates in closed form (THEORY section 6); that
-they satisfy the conditions is still measured, from positions and headings. Other rows are left.
+The words S, C, CS and CC at full rate have their costates in closed form (docs/derivation.md,
+section 9), by `two_arcs.costates`, compiled. Other rows are left to `extremal`.
 """
 
 from __future__ import annotations
@@ -9,15 +9,14 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from numba.extending import register_jitable
 from numpy.typing import NDArray
 
+from dubins_study.study.check import two_arcs
 from dubins_study.study.check.extremal import ABNORMAL
-from dubins_study.study.check.pieces import FULL_RATE
-from dubins_study.study.check.verdict import WORD
+from dubins_study.study.check.two_arcs import WORD
 from dubins_study.study.closed_form.kernel_compile import compiled, inlined
 from dubins_study.study.path import FloatArray
-
-_TURN = 2 * math.pi
 
 
 @inlined
@@ -26,57 +25,11 @@ def _counts(u: float, length: float, total: float) -> bool:
     return abs(u) * length > WORD or length > WORD * total
 
 
-@inlined
-def _least(nu0: float, rho: float, a: float, b: float) -> float:
-    """Least nu0 + rho cos(theta) for theta between a and b, as in `extremal._sign_margin`."""
-    low, high = min(a, b), max(a, b)
-    if rho < 0.0:  # seen from where the cosine is least
-        passed = math.floor(high / _TURN) > math.floor(low / _TURN)
-        return nu0 + rho * (1.0 if passed else max(math.cos(a), math.cos(b)))
-    passed = math.floor((high - math.pi) / _TURN) > math.floor((low - math.pi) / _TURN)
-    return nu0 + rho * (-1.0 if passed else min(math.cos(a), math.cos(b)))
-
-
-@inlined
-def _moved(turn: float, length: float, heading: float) -> tuple[float, float]:
-    """Displacement of a piece driven from a heading, in radii."""
-    half = turn * length / 2
-    chord = length * (math.sin(half) / half if half != 0.0 else 1.0)
-    return chord * math.cos(heading + half), chord * math.sin(heading + half)
-
-
-@inlined
-def _row(
-    turn1: float, first: float, turn2: float, second: float
-) -> tuple[float, float, float, float, float, float]:
-    """nu0, rho, phi, max |H|, sign margin and cut margin of a path, in the frame of its start.
-
-    The first piece turns unless there is but one; the costates are (nu1, nu2) =
-    rho (cos phi, sin phi), scaled to max(nu0, |rho|) = 1.
-    """
-    middle = turn1 * first
-    end = middle + turn2 * second
-    if turn2 != 0.0:  # CC: along or against the chord of the second arc
-        half = math.cos(second / 2)
-        nu0, rho, phi = abs(half), -math.copysign(1.0, half), middle + turn2 * second / 2
-        longest = 2 * math.atan2(-math.sin(second), 2 - math.cos(second))
-        cut = min(second - math.pi, _TURN - second, longest - first)
-    else:  # CS: against the final heading
-        nu0, rho, phi = 1.0, -1.0, end
-        cut = math.pi if turn1 == 0.0 else _TURN - 2 * math.atan(second) - first
-    x1, y1 = _moved(turn1, first, 0.0)
-    x2, y2 = _moved(turn2, second, middle)
-    nu1, nu2 = rho * math.cos(phi), rho * math.sin(phi)
-    nu3 = nu2 * (x1 + x2) - nu1 * (y1 + y2)  # at the start, with nu3 = 0 at the end
-    middle_nu3 = nu2 * x2 - nu1 * y2
-    H1 = nu0 + nu1 + turn1 * nu3
-    H2 = nu0 + rho * math.cos(middle - phi) + turn2 * middle_nu3
-    margin1 = _least(nu0, rho, -phi, middle - phi) if turn1 != 0.0 else math.inf
-    margin2 = _least(nu0, rho, middle - phi, end - phi) if turn2 != 0.0 else math.inf
-    margin = min(margin1, margin2)
-    on_straight = abs(middle_nu3) if turn2 == 0.0 else 0.0
-    worst = max(max(abs(H1), abs(H2)), on_straight / max(1.0, first + second))
-    return nu0, rho, phi, worst, 0.0 if margin == math.inf else margin, cut
+_costates = inlined(two_arcs.costates)
+_full_rate = inlined(two_arcs.full_rate)
+_nearest_rate = inlined(two_arcs.nearest_rate)
+for _called in two_arcs.CALLED:
+    register_jitable(_called)
 
 
 @compiled
@@ -110,15 +63,10 @@ def extremal_rows(
             u1, l1 = u2, l2
         if not (kept1 and kept2):
             u2, l2 = 0.0, 0.0
-        t1, t2 = np.rint(u1), np.rint(u2)
-        full = abs(u1 - t1) <= FULL_RATE and abs(u2 - t2) <= FULL_RATE
-        full = full and abs(t1) <= 1.0 and abs(t2) <= 1.0
-        # S alone, C alone, CS, or CC with a change of side
-        word = (t2 == 0.0 and (t1 != 0.0 or l2 == 0.0)) or t1 * t2 == -1.0
-        if not (full and word and (kept1 or kept2)):
+        if not (_full_rate(u1, u2, l2) and (kept1 or kept2)):
             left[i] = True
             continue
-        nu0, rho, phi, H, margin, cut = _row(t1, l1, t2, l2)
+        nu0, rho, phi, H, margin, cut = _costates(_nearest_rate(u1), l1, _nearest_rate(u2), l2)
         abnormal[i] = nu0 < ABNORMAL
         scale = rho if abnormal[i] else rho / nu0
         # turned by the heading on its own: added to one of many turns, phi loses its digits

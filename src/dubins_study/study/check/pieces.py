@@ -7,11 +7,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dubins_study.study.check.verdict import WORD
+from dubins_study.study.check.two_arcs import FULL_RATE, WORD
 from dubins_study.study.path import FEW, FloatArray, Path
 
-FULL_RATE = 1e-9  # how far from +1, -1 or 0 a rate may be and still name a letter
-_LOST = 1e-4  # of a path's length; what passes over more describes another path
+_LOST = 1e-4  # share of a path's length; leaving out more would describe another path
 
 
 class Pieces(NamedTuple):
@@ -26,7 +25,7 @@ def pieces(path: Path, radius: float) -> Pieces:
     """The pieces of a path that matter, neighbours of one rate joined.
 
     As in `Path.word`, what turns by less than 1e-6 rad is straight, and a straight shorter than
-    1e-6 of the path is passed over: a solver leaves such where it means none.
+    1e-6 of the path is left out: solvers return such arcs where they mean none.
     """
     rate, scaled = path.curvature * radius, path.length / radius
     if rate.size <= FEW and _apart(rate.tolist(), scaled.tolist()):
@@ -44,7 +43,7 @@ def pieces(path: Path, radius: float) -> Pieces:
 def _apart(u: list[float], length: list[float]) -> bool:
     """Whether every piece turns or is a straight that matters, and no neighbours are of one rate.
 
-    So are the pieces of the closed form and of most solvers; all that is done to others is spared.
+    True of the closed form's pieces and most solvers', which then need no further work.
     """
     least = WORD * sum(length)
     return all(

@@ -24,11 +24,11 @@ def relaxed_reference(
 ) -> float | None:
     """The length that an answer is compared with.
 
-    The shortest length of the scenario; but an answer shorter than that, which only a miss makes
-    possible, is compared with the least length over the ball of the miss that it made. The length
-    jumps only across the front half of a turning circle (THEORY section 4), so the ball's least
-    value is met, up to the miss itself, at the end point or at the nearest point of the circle.
-    An answer that is shorter by no more than its miss explains has not made use of the jump.
+    That is the scenario's shortest length. Only a miss makes a shorter answer possible: such an
+    answer is compared with the least shortest length over the targets within its miss. The length
+    jumps only across the front half of a turning circle (docs/derivation.md, section 6), so that
+    least length is met, up to the miss itself, at the path's end or at the nearest point of the
+    circle. An answer that is shorter by no more than its miss explains has not used the jump.
     """
     bare = None if optimum is None else optimum.total * scenario.radius
     if bare is not None and length >= bare * (1.0 - ROUNDED):

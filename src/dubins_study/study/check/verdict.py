@@ -6,11 +6,13 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
+from functools import lru_cache
 from itertools import accumulate
 from operator import mul
-from typing import Any
+from typing import NamedTuple
 
 from dubins_study.study.check.relaxation import relaxed_reference
+from dubins_study.study.check.two_arcs import PATH_WORDS, WORD, path_word
 from dubins_study.study.closed_form.shortest import (
     EPS,
     TURN,
@@ -64,16 +66,16 @@ class Tolerances:
 # A longer path of another word is coarse up to here; near a circle's rear, words turn by nearly the
 # same angle and differ by more than any discretisation of use.
 COARSE = 0.05
-# A path of up to three arcs is named as it is. One cut into many steps has a step that straddles
-# the switch and a ripple after it, which fades within a few steps; runs that turn by less than
-# this (rad) name nothing.
-WORD = 1e-6
+# A path cut into many steps has a step that straddles the switch and a ripple after it, which fades
+# within a few steps; runs that turn by less than this (rad) name nothing. A path of up to three
+# arcs is named as it is.
 DISCRETISED_WORD = 0.05
+# radians that a turn of another basin differs by, at least
+_ANOTHER_TURN = 1.0
 
 
-@dataclass(frozen=True, slots=True)
-class Judgement:
-    """What the check found. Lengths in the scenario's unit; None where there is nothing to say.
+class Judgement(NamedTuple):
+    """The verdict on an answer and its evidence. Lengths in the scenario's unit; None if absent.
 
     `gap` is (length - reference) / max(reference, radius) and only stands for a path that
     arrives. `wrong_basin` is a longer path that turns by another angle than the shortest one
@@ -82,18 +84,18 @@ class Judgement:
     """
 
     verdict: Verdict
-    word: str | None
-    reference_word: str | None
-    length: float | None
-    travel_time: float | None
-    reference: float | None
-    gap: float | None
-    miss: float | None
-    curvature_excess: float | None
     false_claim: bool
-    wrong_basin: bool
+    reference_word: str | None
+    reference: float | None
     region: str
     margin: float
+    word: str | None = None
+    length: float | None = None
+    travel_time: float | None = None
+    gap: float | None = None
+    miss: float | None = None
+    curvature_excess: float | None = None
+    wrong_basin: bool = False
 
 
 def judge(
@@ -108,68 +110,107 @@ def judge(
     Nothing that the solver reports enters but its controls and, for `false_claim` and the
     verdict `none exists`, its claim.
     """
-    target = local(scenario)
-    optimum = shortest_local(target, branch)
-    found: dict[str, Any] = dict.fromkeys(_ABSENT)
-    found |= {
-        "verdict": Verdict.MISSES,
-        "reference_word": None if optimum is None else optimum.word,
-        "reference": None if optimum is None else optimum.total * scenario.radius,
-        "wrong_basin": False,
-        "region": region_of(target.w, target.mirrored.w),
-        "margin": margin_local(target.X, abs(target.Y)),
-    }
+    best = _closed_form(scenario, branch)
     if path is None:
-        agrees = claim is Claim.INFEASIBLE and optimum is None
-        found["verdict"] = Verdict.NONE_EXISTS if agrees else Verdict.NONE
+        agrees = claim is Claim.INFEASIBLE and best.optimum is None
+        verdict = Verdict.NONE_EXISTS if agrees else Verdict.NONE
     elif drivable(path):
-        found |= _judge_path(scenario, path, branch, optimum, tolerances)
-    return Judgement(**found, false_claim=is_false(claim, found["verdict"]))
+        return _judge_path(scenario, path, claim, branch, tolerances, best)
+    else:
+        verdict = Verdict.MISSES
+    return Judgement(verdict, is_false(claim, verdict), *best[1:])
 
 
-_ABSENT = ("word", "length", "travel_time", "gap", "miss", "curvature_excess")
+class _ClosedForm(NamedTuple):
+    """A question's shortest path, and where its target lies; None where the branch has no path."""
+
+    optimum: Shortest | None
+    reference_word: str | None
+    reference: float | None
+    region: str
+    margin: float
+
+
+@lru_cache(maxsize=16384)
+def _closed_form(scenario: Scenario, branch: str) -> _ClosedForm:
+    """What the closed form says of a question; many cells of a run ask the same one."""
+    target = local(scenario)
+    region = region_of(target.w, target.mirrored.w)
+    margin = margin_local(target.X, abs(target.Y))
+    optimum = shortest_local(target, branch)
+    if optimum is None:
+        return _ClosedForm(None, None, None, region, margin)
+    return _ClosedForm(optimum, optimum.word, optimum.total * scenario.radius, region, margin)
 
 
 def _judge_path(
-    scenario: Scenario, path: Path, branch: str, optimum: Shortest | None, tolerances: Tolerances
-) -> dict[str, Any]:
-    """The fields of `Judgement` that a path decides."""
+    scenario: Scenario,
+    path: Path,
+    claim: Claim,
+    branch: str,
+    tolerances: Tolerances,
+    best: _ClosedForm,
+) -> Judgement:
+    """Judge a path that can be driven."""
+    optimum, reference_word, reference, region, margin = best
     radius = scenario.radius
     end = path.end
     miss = math.hypot(end.x - scenario.target_x, end.y - scenario.target_y)
-    lengths = path.length.tolist()
-    rates = [k * radius for k, s in zip(path.curvature.tolist(), lengths, strict=True) if s > 0]
+    curvatures, lengths = path.curvature.tolist(), path.length.tolist()
+    rates = [k * radius for k, s in zip(curvatures, lengths, strict=True) if s > 0]
     excess = curvature_excess(rates, branch)
     length = path.total_length
     # driven in floating point, a path of this size cannot be checked any closer
     rounding = 32 * EPS * (scenario.extent + length)
-    driven: dict[str, Any] = {
-        "word": path.word(WORD if len(lengths) <= 3 else DISCRETISED_WORD),
-        "length": length,
-        "travel_time": length / scenario.speed,
-        "miss": miss,
-        "curvature_excess": excess,
-        "verdict": Verdict.MISSES,
-    }
     arrives = miss <= tolerances.miss * radius + rounding and rounding <= radius
-    if path.start != scenario.start or not arrives or not excess <= tolerances.curvature:
-        return driven
-    reference = relaxed_reference(scenario, branch, length, miss, (end.x, end.y), optimum)
-    if reference is None:
-        return driven  # the branch has no path, here or at the path's end
-    gap = (length - reference) / max(reference, radius)
-    longer = gap > tolerances.gap
-    turns = () if optimum is None else _turns(optimum)
-    return driven | {
-        "verdict": Verdict.LONGER if longer else Verdict.OPTIMAL,
-        "gap": gap,
-        "reference": reference,
-        "wrong_basin": longer
-        and (
-            all(abs(path.turn - turn) > 1.0 for turn in turns)
-            or (gap > COARSE and optimum is not None and driven["word"] not in optimum.words)
-        ),
-    }
+    relaxed = None
+    if arrives and excess <= tolerances.curvature and path.start == scenario.start:
+        # none where the branch has no path, neither to the target nor to the path's end
+        relaxed = relaxed_reference(scenario, branch, length, miss, (end.x, end.y), optimum)
+    word = path_word_of(path)
+    gap, verdict, wrong_basin = None, Verdict.MISSES, False
+    if relaxed is not None:
+        reference = relaxed
+        gap = (length - reference) / max(reference, radius)
+        verdict = Verdict.OPTIMAL
+        if gap > tolerances.gap:
+            verdict = Verdict.LONGER
+            wrong_basin = _is_wrong_basin(path.turn, word, gap, optimum)
+    return Judgement(
+        verdict=verdict,
+        false_claim=is_false(claim, verdict),
+        reference_word=reference_word,
+        reference=reference,
+        region=region,
+        margin=margin,
+        word=word,
+        length=length,
+        travel_time=length / scenario.speed,
+        gap=gap,
+        miss=miss,
+        curvature_excess=excess,
+        wrong_basin=wrong_basin,
+    )
+
+
+def path_word_of(path: Path) -> str:
+    """The word of a path that can be driven, however many arcs it is cut into."""
+    arcs = list(zip(path.curvature.tolist(), path.length.tolist(), strict=True))
+    if len(arcs) > 2:
+        return path.word(WORD if len(arcs) == 3 else DISCRETISED_WORD)
+    first, second, *_ = (*arcs, _NO_ARC, _NO_ARC)
+    return PATH_WORDS[path_word(*first, *second)]
+
+
+_NO_ARC = (0.0, 0.0)
+
+
+def _is_wrong_basin(turn: float, word: str, gap: float, optimum: Shortest | None) -> bool:
+    """Whether a longer path is another local optimum; `turn` is its net turn (rad)."""
+    if optimum is None:
+        return True
+    another_word = gap > COARSE and word not in optimum.words
+    return another_word or all(abs(turn - best) > _ANOTHER_TURN for best in _turns(optimum))
 
 
 def _turns(optimum: Shortest) -> tuple[float, ...]:

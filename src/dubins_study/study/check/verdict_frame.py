@@ -1,6 +1,6 @@
-"""The check over frames: what `study.check.verdict.judge` says, for paths of at most two arcs as arrays.
+"""The check over frames: what `verdict.judge` finds, for paths of at most two arcs as arrays.
 
-Ordinary rows are judged by `study.check.verdict_kernel`, the others, which are few, by `judge` itself.
+`verdict_kernel` judges ordinary rows; `judge` itself judges the others, which are few.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from dubins_study.study.check.two_arcs import PATH_WORDS
 from dubins_study.study.check.verdict import (
     COARSE,
     Claim,
@@ -22,7 +23,6 @@ from dubins_study.study.check.verdict import (
 )
 from dubins_study.study.check.verdict_kernel import (
     ODD,
-    PATH_WORDS,
     REGIONS,
     VERDICTS,
     Asked,
@@ -86,7 +86,7 @@ class Paths:
 
 @dataclass(frozen=True, eq=False)
 class FrameJudgement:
-    """`study.check.verdict.Judgement` of n rows: arrays of shape (n,); NaN where there is nothing to say.
+    """The judgements of n rows: arrays of shape (n,); NaN where `verdict.Judgement` has None.
 
     `verdict` indexes `VERDICTS`, `region` indexes `REGIONS`, `word` indexes `PATH_WORDS` and
     `reference_word` indexes `WORDS`; `NO_WORD` where there is no word.

@@ -14,9 +14,10 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
+from dubins_study.study.check import two_arcs
 from dubins_study.study.check.relaxation import ROUNDED
-from dubins_study.study.check.verdict import WORD, Verdict
-from dubins_study.study.closed_form.kernel import CHUNK, WORDS, chunks, to_local
+from dubins_study.study.check.verdict import Verdict
+from dubins_study.study.closed_form.kernel import CHUNK, chunks, to_local
 from dubins_study.study.closed_form.kernel_compile import compiled, inlined, threaded
 from dubins_study.study.closed_form.kernel_math import LARGEST_ANGLE, sine_cosine
 from dubins_study.study.closed_form.kernel_words import CodeArray
@@ -25,7 +26,6 @@ from dubins_study.study.path import FloatArray
 
 VERDICTS = tuple(Verdict)
 REGIONS = ("outside", "left disc", "right disc", "circle")
-PATH_WORDS = (*WORDS, "SL", "SR")
 ODD = 254  # verdict of a row that is left to the scalar check
 _OPTIMAL, _LONGER, _MISSES = (
     VERDICTS.index(v) for v in (Verdict.OPTIMAL, Verdict.LONGER, Verdict.MISSES)
@@ -105,9 +105,9 @@ def _chord(half: float, sine: float, length: float) -> float:
 
 @inlined
 def _excess(k1: float, k2: float, l1: float, l2: float, branch: int) -> float:
-    """`verify.curvature_excess` of two arcs, in units of 1 / radius.
+    """`verdict.curvature_excess` of two arcs, in units of 1 / radius.
 
-    `branch` indexes `synthesis.BRANCHES`: 0 best, 1 LS, 2 RS, 3 LR, 4 RL.
+    `branch` indexes `shortest.BRANCHES`: 0 best, 1 LS, 2 RS, 3 LR, 4 RL.
     """
     if branch == 0:
         a = abs(k1) - 1.0 if l1 > 0.0 else 0.0
@@ -125,29 +125,12 @@ def _excess(k1: float, k2: float, l1: float, l2: float, branch: int) -> float:
     return min(min(max(minus1, minus2), max(plus1, minus2)), max(plus1, plus2))
 
 
-@inlined
-def _path_word(turn1: float, turn2: float, l1: float, l2: float) -> int:
-    """`Path.word` of two arcs, as an index into `PATH_WORDS`."""
-    one_side = (turn1 > 0.0) == (turn2 > 0.0) and (turn1 < 0.0) == (turn2 < 0.0)
-    both = abs(turn1) + abs(turn2)
-    bends1 = (both if one_side else abs(turn1)) > WORD
-    bends2 = (both if one_side else abs(turn2)) > WORD
-    # 0 straight, 1 left, 2 right
-    a = (1 if turn1 > 0.0 else 2) if bends1 else 0
-    b = (1 if turn2 > 0.0 else 2) if bends2 else 0
-    total = l1 + l2
-    alike = a == b
-    seen1 = (a > 0) | ((total if alike else l1) > WORD * total)
-    seen2 = (b > 0) | ((total if alike else l2) > WORD * total)
-    single = a if seen1 else b
-    one = single + 1 if seen1 | seen2 else 0  # "", S, L, R
-    left_or_right = (3 + a if b == 0 else 5 + a) if a > 0 else 7 + b  # LS RS, LR RL, SL SR
-    return left_or_right if seen1 & seen2 & (not alike) else one
+_path_word = inlined(two_arcs.path_word)
 
 
 @inlined
 def _region_and_margin(X: float, Y: float, rounding: float) -> tuple[int, float]:
-    """`synthesis.region_of` as an index into `REGIONS`, and `synthesis.margin_local`."""
+    """`shortest.region_of` as an index into `REGIONS`, and `shortest.margin_local`."""
     y = abs(Y)
     snap = 8.0 * rounding * (1.0 + abs(X) + y)
     near, far = y * (2.0 - y) - X * X, y * (2.0 + y) + X * X
@@ -181,7 +164,7 @@ def _judge_chunk(chunk: int, asked: Asked, driven: Driven, limits: Limits, found
         off_y = y[i] + (u * sine + v * cosine) - ty[i]
         miss[i] = math.sqrt(off_x * off_x + off_y * off_y)
         length[i] = l1 + l2
-        word[i] = _path_word(k1 * l1, k2 * l2, l1, l2)
+        word[i] = _path_word(k1, l1, k2, l2)
         odd += not (miss[i] <= _LARGEST)
     for i in range(low, high):
         k1, k2, l1, l2 = curvature1[i], curvature2[i], length1[i], length2[i]

@@ -39,12 +39,16 @@ class _Record(BaseModel):
 
 
 class Definition(_Record):
-    """The experiment that a folder holds the rows of; `text` is its TOML file."""
+    """The experiment that a folder holds the rows of.
+
+    `text` is its TOML file; `section` is the section of the report that is about it.
+    """
 
     name: str
     text: str
     title: str = ""
     question: str = ""
+    section: str | None = None
 
 
 class SolverEntry(_Record):
@@ -131,7 +135,7 @@ class Manifest(_Record):
         runs: an entry a run, the earliest first.
     """
 
-    schema_version: int = Field(VERSION, alias="schema")
+    schema_version: int = Field(default=VERSION, alias="schema")
     experiment: Definition
     command: str = ""
     seed: int | None = None

@@ -7,8 +7,9 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.colors import LinearSegmentedColormap, LogNorm
 
-from dubins_study.report.page.content import digits, share
-from dubins_study.report.page.style import BLUE, INK, MAP_PAPER, MUTED, ON_MAP, name_of
+from dubins_study.report.elements.content import digits, share
+from dubins_study.report.elements.looks import name_of
+from dubins_study.report.elements.style import BLUE, INK, MAP_PAPER, MUTED, ON_MAP
 from dubins_study.report.statistics.metrics import solver_order
 
 # one hue from paper to ink: its order is its lightness, so grey printing keeps it

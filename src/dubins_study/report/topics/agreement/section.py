@@ -5,19 +5,23 @@ from __future__ import annotations
 import pandas as pd
 
 from dubins_study.report.data.load import Results
-from dubins_study.report.page.content import Column, Picture, Section, Table, count, digits, share
-from dubins_study.report.page.style import WIDE, new_figure
-from dubins_study.report.statistics.metrics import STUDIES
+from dubins_study.report.elements.content import (
+    Column,
+    Picture,
+    Section,
+    Table,
+    count,
+    digits,
+    share,
+)
+from dubins_study.report.elements.style import WIDE, new_figure
 from dubins_study.report.topics.agreement.figures import plot_agreement
 from dubins_study.report.topics.agreement.numbers import agreement
-
-# the plane's closed form has a hundred thousand answers that no other solver is asked for
-_ELSEWHERE = (*STUDIES, "plane")
 
 
 def agreement_section(results: Results) -> Section | None:
     """Matrix and table of all pairs of solvers."""
-    rows = results.rows[~results.rows["experiment"].isin(_ELSEWHERE)]
+    rows = results.rows
     if rows["solver"].nunique() < 2:
         return None
     pairs = agreement(rows, results.path)

@@ -7,21 +7,28 @@ from typing import Any
 import pandas as pd
 
 from dubins_study.report.data.load import Results
-from dubins_study.report.page.content import Column, Section, Table, count, digits, share
+from dubins_study.report.elements.content import Column, Section, Table, count, digits, share
 from dubins_study.report.paper.audit_file import committed, misprints
+from dubins_study.report.topics.audit.numbers import (
+    Record,
+    circle_crossings,
+    distinct_times,
+    excused_sums,
+    printed_paths,
+    wrong_verdicts,
+)
 
-Record = dict[str, Any]
 _SYMBOLS = {"z1": "ζ₁", "z2": "ζ₂", "z3": "ζ₃", "f": "f"}
 
 
 def audit_section(results: Results) -> Section | None:
-    """What the committed audit finds, where the paper's own experiment is reported."""
-    if "paper" not in set(results.rows["experiment"]):
+    """What the committed audit finds; beside the paper's own experiment only."""
+    if results.rows.empty:
         return None
     audit = committed()
     summary = audit["summary"]
-    others = [f"{n} {verdict}" for verdict, n in list(summary["verdicts"].items())[1:] if n]
-    ticks = sorted({time["printed"] for time in audit["times"]})
+    others = [f"{n} {verdict}" for verdict, n in wrong_verdicts(summary).items()]
+    ticks = distinct_times(audit["times"])
     text = (
         "Every printed number recomputed from the exact headings in interval arithmetic; "
         "dubins-study audit does it again and shows 40 digits of each. Of the cells that are not "
@@ -44,6 +51,14 @@ def audit_section(results: Results) -> Section | None:
 
 def _signed(value: float) -> str:
     return f"{value:+.6f}".replace("-", "−")
+
+
+def _cross(wrong: bool) -> str:
+    return "✗" if wrong else ""
+
+
+def _judgement(holds: bool) -> str:
+    return "right" if holds else "wrong or incomplete"
 
 
 def _six(value: Any) -> str:
@@ -73,10 +88,10 @@ def _cells() -> Table:
 
 
 def _paths(paths: list[Record]) -> Table:
-    frame = pd.DataFrame(paths)
-    frame["sums"] = frame["adds_up"].map({True: "", False: "✗"})
-    beyond = [path["miss"] > path["rounding_allows"] for path in paths]
-    frame["beyond"] = ["✗" if found else "" for found in beyond]
+    frame = printed_paths(paths)
+    wrong = frame.to_dict("records")
+    marks = {(i, "beyond"): "bad" for i, row in enumerate(wrong) if row["beyond"]}
+    marks |= {(i, "wrong_sum"): "bad" for i, row in enumerate(wrong) if row["wrong_sum"]}
     columns = (
         Column("table", "table", kind="text"),
         Column("label", "scenario", kind="text"),
@@ -84,26 +99,22 @@ def _paths(paths: list[Record]) -> Table:
         Column("word", "word", kind="text"),
         Column("miss", "miss", digits(3)),
         Column("rounding_allows", "rounding allows", digits(3)),
-        Column("beyond", "", kind="text"),
+        Column("beyond", "", _cross, kind="text"),
         Column("sum_of_parts", "sum of parts"),
         Column("total", "total"),
-        Column("sums", "", kind="text"),
+        Column("wrong_sum", "", _cross, kind="text"),
     )
-    marks = {(i, "beyond"): "bad" for i, found in enumerate(beyond) if found}
-    marks |= {(i, "sums"): "bad" for i, path in enumerate(paths) if not path["adds_up"]}
-    innocent = [p for p in paths if not p["adds_up"] and not p["correct_parts_add_up"]]
     caption = (
         "The printed segments driven from the start: how far from the target they end, and how far "
         "correct roundings may. ✗ marks a miss beyond that, and parts that do not add up to the "
-        f"total; in {len(innocent)} of the {int((~frame['adds_up']).sum())} rows that do not, "
+        f"total; in {excused_sums(paths)} of the {int(frame['wrong_sum'].sum())} rows that do not, "
         "correct roundings would not either. Lengths."
     )
     return Table("audit-paths", caption, frame, columns, marks)
 
 
 def _algorithm(crossings: list[Record]) -> Table:
-    frame = pd.DataFrame(crossings)
-    frame["where"] = frame["circle"] + ", " + frame["half"]
+    frame = circle_crossings(crossings)
     columns = (
         Column("label", "scenario", kind="text"),
         Column("where", "circle, half", kind="text"),
@@ -142,11 +153,10 @@ def _omitted(paths: list[Record]) -> Table:
 
 def _statements(statements: list[Record]) -> Table:
     frame = pd.DataFrame(statements)
-    frame["judged"] = frame["holds"].map({True: "right", False: "wrong or incomplete"})
     columns = (
         Column("where", "where", kind="text"),
         Column("says", "says", kind="prose"),
-        Column("judged", "is", kind="text"),
+        Column("holds", "is", _judgement, kind="text"),
         Column("finding", "found", kind="prose"),
     )
     caption = "Statements of the paper that its own scenarios decide."

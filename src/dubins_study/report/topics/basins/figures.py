@@ -13,7 +13,7 @@ from matplotlib.colors import ListedColormap
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from dubins_study.report.page.style import MAP_PAPER, ON_MAP
+from dubins_study.report.elements.style import MAP_PAPER, ON_MAP
 from dubins_study.report.topics.basins.numbers import (
     ENDS,
     GIVES_UP,

@@ -1,7 +1,7 @@
-"""Where starting points lead local solvers on the joint model: numbers from rows of `basins`.
+"""Where initial guesses lead local solvers on the joint model.
 
 The local minima of the paper's model (4.12) are known: RS, LS and LR, each with any number of full
-turns added (THEORY section 5). An end is therefore named by its length alone.
+turns added (docs/derivation.md, section 7). The length alone therefore names the end.
 """
 
 from __future__ import annotations
@@ -17,8 +17,6 @@ from dubins_study.study.closed_form.shortest import shortest
 from dubins_study.study.rows.schema import SCENARIO, names
 from dubins_study.study.scenario import Scenario
 
-EXPERIMENT = "basins"
-
 OPTIMUM = "shortest path"
 TURNS = "shortest path and full turns"
 OTHER = "another local minimum"
@@ -27,7 +25,7 @@ INFEASIBLE = "says that no path exists"
 MISSES = "calls a path what misses"
 GIVES_UP = "gives up"
 ENDS = (OPTIMUM, TURNS, OTHER, NOWHERE, INFEASIBLE, MISSES, GIVES_UP)
-LIES = (NOWHERE, INFEASIBLE, MISSES)  # statements that the check refutes
+REFUTED = (NOWHERE, INFEASIBLE, MISSES)  # claims that the check refutes
 
 _WORDS = ("LS", "RS", "LR")  # the joint model in the order LRS has no RL
 
@@ -49,10 +47,10 @@ def minimum(scenario: Scenario, length: float) -> tuple[str, int] | None:
         return None
     tolerance = Tolerances().gap * max(best.total, 1.0)
     for word in _WORDS:
-        found = shortest(scenario, word)
-        if found is None:
+        path = shortest(scenario, word)
+        if path is None:
             continue
-        above = length / scenario.radius - found.total
+        above = length / scenario.radius - path.total
         turns = max(0, round(above / math.tau))
         if abs(above - turns * math.tau) <= tolerance:
             return word, turns
@@ -60,9 +58,10 @@ def minimum(scenario: Scenario, length: float) -> tuple[str, int] | None:
 
 
 def end_of(row: pd.Series) -> End:
-    """How one attempt ended. Columns: the scenario, reference_word, claim, verdict, false_claim, length.
+    """How one attempt ended.
 
-    A path that arrives and is shortest counts as found, whatever is claimed of it.
+    A path that arrives and is shortest ends at the optimum, whatever is claimed of it. Columns: the
+    scenario, reference_word, claim, verdict, false_claim, length.
     """
     if row["verdict"] == "optimal":
         return End(OPTIMUM, 0)
@@ -71,30 +70,30 @@ def end_of(row: pd.Series) -> End:
     if row["verdict"] != "longer" or row["claim"] not in ("optimal", "local"):
         return End(GIVES_UP)
     scenario = Scenario(**{name: row[name] for name in names(SCENARIO)})
-    found = minimum(scenario, float(row["length"]))
-    if found is None:
+    local_minimum = minimum(scenario, float(row["length"]))
+    if local_minimum is None:
         return End(NOWHERE)
-    word, turns = found
+    word, turns = local_minimum
     return End(TURNS if word == row["reference_word"] and turns else OTHER, turns)
 
 
 def ends(rows: pd.DataFrame) -> pd.DataFrame:
-    """Attempts that began at a given point, with where they began and ended.
+    """Attempts from a given initial guess, with that guess and their end.
 
-    Adds the columns z1, z2, z3 (of the start, in radii; z1 and z2 are rad), end, turns (NaN where
+    Adds the columns z1, z2, z3 (of the guess, in radii; z1 and z2 are rad), end, turns (NaN where
     the end is no minimum).
     """
     given = rows[~rows["initial_guess"].isin(["cold", "warm"]) & rows["solver"].notna()]
     if given.empty:
         return given.assign(z1=[], z2=[], z3=[], end=[], turns=[])
     points = given["initial_guess"].str.split(expand=True).astype(float)
-    found = [end_of(row) for _, row in given.iterrows()]
+    all_ends = [end_of(row) for _, row in given.iterrows()]
     return given.assign(
         z1=points[0],
         z2=points[1],
         z3=points[2],
-        end=[one.end for one in found],
-        turns=[math.nan if one.turns is None else float(one.turns) for one in found],
+        end=[one.end for one in all_ends],
+        turns=[math.nan if one.turns is None else float(one.turns) for one in all_ends],
     )
 
 
@@ -103,20 +102,20 @@ def is_capped(solver: str) -> bool:
     return parse_spec(solver)[1].get("capped", "True").lower() == "true"
 
 
-def capping(found: pd.DataFrame) -> pd.DataFrame:
+def capping(table: pd.DataFrame) -> pd.DataFrame:
     """What a cap on the turns changes, from `shares`, over the solvers that were tried both ways.
 
     Index capped (False, True; empty if no solver was); columns found and turned (shares of the
-    attempts that end in the shortest path, and in a minimum with full turns), lies (count).
+    attempts that end in the shortest path, and in a minimum with full turns), refuted (claims).
     """
-    both = found.groupby("name")["capped"].transform("nunique") == 2
-    total = found[both].groupby("capped").sum(numeric_only=True)
+    both = table.groupby("name")["capped"].transform("nunique") == 2
+    total = table[both].groupby("capped").sum(numeric_only=True)
     turned = total["turns_1"] + total["turns_2"] + total["turns_more"]
     return pd.DataFrame(
         {
             "found": total[OPTIMUM] / total["starts"],
             "turned": turned / total["starts"],
-            "lies": total["lies"],
+            "refuted": total["refuted"],
         }
     )
 
@@ -127,7 +126,7 @@ def shares(table: pd.DataFrame) -> pd.DataFrame:
     Columns: label, reference_word, solver, name (without settings), capped (whether its turns are
     bounded by a full one), starts, one per end (counts), found (share of all starts),
     turns_1, turns_2, turns_more (minima with so many full turns too many, of any word),
-    most_turns, lies (count).
+    most_turns, refuted (claims).
     """
     records = []
     for label, group in table.groupby("label", sort=True):
@@ -144,7 +143,7 @@ def shares(table: pd.DataFrame) -> pd.DataFrame:
                     "turns_2": int((own["turns"] == 2).sum()),
                     "turns_more": int((own["turns"] > 2).sum()),
                     "most_turns": int(minima["turns"].max()) if len(minima) else 0,
-                    "lies": sum(counts[end] for end in LIES),
+                    "refuted": sum(counts[end] for end in REFUTED),
                 }
             )
     return pd.DataFrame.from_records(records)

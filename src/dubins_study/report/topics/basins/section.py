@@ -5,18 +5,18 @@ from __future__ import annotations
 import pandas as pd
 
 from dubins_study.report.data.load import Results
-from dubins_study.report.page.content import Column, Picture, Section, Table, count, share, slug
-from dubins_study.report.page.style import HALF, new_figure
+from dubins_study.report.elements.content import Column, Picture, Section, Table, count, share, slug
+from dubins_study.report.elements.style import HALF, new_figure
 from dubins_study.report.statistics.metrics import parse_spec, solver_order
 from dubins_study.report.topics.basins.figures import plot_ends
 from dubins_study.report.topics.basins.numbers import (
     ENDS,
-    EXPERIMENT,
     GIVES_UP,
     INFEASIBLE,
     MISSES,
     NOWHERE,
     OTHER,
+    REFUTED,
     TURNS,
     capping,
     ends,
@@ -31,8 +31,7 @@ def basins_section(results: Results) -> Section | None:
     Maps and sentences are of the solvers with unbounded turns, if there are any, since that is the
     paper's model; the table has them all.
     """
-    own = results.rows[results.rows["experiment"] == EXPERIMENT]
-    table = ends(own[own["branch"] == "best"])
+    table = ends(results.rows[results.rows["branch"] == "best"])
     if table.empty:
         return None
     capped = table["solver"].map(is_capped)
@@ -59,39 +58,39 @@ def _method(table: pd.DataFrame) -> str:
     )
 
 
-def _findings(found: pd.DataFrame) -> list[str]:
-    """Three sentences: how often the optimum is found, what else is, and what is claimed."""
-    rates = found["found"].to_numpy()
-    least, most = found.iloc[rates.argmin()], found.iloc[rates.argmax()]
+def _findings(table: pd.DataFrame) -> list[str]:
+    """Three sentences: how often the optimum is reached, what other minima are, false claims."""
+    rates = table["found"].to_numpy()
+    least, most = table.iloc[rates.argmin()], table.iloc[rates.argmax()]
     first = (
         f"The shortest path is found from {share(least['found'])} of the starts at worst "
         f"({_who(least)}) and from {share(most['found'])} at best ({_who(most)})."
     )
-    starts = int(found["starts"].sum())
-    turned = int(found[["turns_1", "turns_2", "turns_more"]].to_numpy().sum())
-    far = found.iloc[found["most_turns"].to_numpy().argmax()]
+    starts = int(table["starts"].sum())
+    turned = int(table[["turns_1", "turns_2", "turns_more"]].to_numpy().sum())
+    far = table.iloc[table["most_turns"].to_numpy().argmax()]
     second = f"{share(turned / starts)} of all attempts end in a minimum with full turns in it"
     if turned:
         second += (
             f", with up to {count(far['most_turns'])} of them ({_who(far)}); nothing in the model "
             "says that these are useless"
         )
-    lies = int(found["lies"].sum())
-    if not lies:
+    refuted = int(table["refuted"].sum())
+    if not refuted:
         return [first, f"{second}.", "No solver said anything that the check refutes."]
     parts = [
-        f"{count(found[end].sum())} times {said}"
-        for end, said in (
+        f"{count(table[end].sum())} times {claim}"
+        for end, claim in (
             (INFEASIBLE, "that no path exists where one does"),
             (NOWHERE, "that a point is a minimum whose length is that of none"),
             (MISSES, "that a path arrives which misses"),
         )
-        if found[end].sum()
+        if table[end].sum()
     ]
-    worst = found.iloc[(found["lies"] / found["starts"]).to_numpy().argmax()]
+    worst = table.iloc[(table["refuted"] / table["starts"]).to_numpy().argmax()]
     third = (
-        f"{count(lies)} statements are refuted: {'; '.join(parts)}. The worst is {_who(worst)}, "
-        f"with {share(worst['lies'] / worst['starts'])} of its starts."
+        f"{count(refuted)} statements are refuted: {'; '.join(parts)}. The worst is {_who(worst)}, "
+        f"with {share(worst['refuted'] / worst['starts'])} of its starts."
     )
     return [first, f"{second}.", third]
 
@@ -104,7 +103,8 @@ def _cap(change: pd.DataFrame) -> str:
         "From the same starts, but with every turn bounded by a full one, the share that ends with "
         f"full turns is {share(bounded['turned'])} instead of {share(free['turned'])}, that of the "
         f"shortest path {share(bounded['found'])} instead of {share(free['found'])}, and the "
-        f"refuted statements number {count(bounded['lies'])} instead of {count(free['lies'])}."
+        f"refuted statements number {count(bounded['refuted'])} instead of "
+        f"{count(free['refuted'])}."
     )
 
 
@@ -127,7 +127,7 @@ def _picture(label: object, solver: str, table: pd.DataFrame, listed: list[str])
     return Picture(stem, caption, figure, f"Map of starting points by end, {title}", True)
 
 
-def _table(found: pd.DataFrame) -> Table:
+def _table(table: pd.DataFrame) -> Table:
     columns = (
         Column("label", "scenario", kind="text"),
         Column("name", "solver", kind="code"),
@@ -150,8 +150,6 @@ def _table(found: pd.DataFrame) -> Table:
         "point is a minimum, that a path arrives. A point that its solver does not call a solution "
         "counts as giving up, unless it is the shortest path."
     )
-    lies = (INFEASIBLE, NOWHERE, MISSES)
-    marks = {
-        (i, end): "bad" for i, (_, row) in enumerate(found.iterrows()) for end in lies if row[end]
-    }
-    return Table("basins", caption, found, columns, marks)
+    rows = table.to_dict("records")
+    marks = {(i, end): "bad" for i, row in enumerate(rows) for end in REFUTED if row[end]}
+    return Table("basins", caption, table, columns, marks)

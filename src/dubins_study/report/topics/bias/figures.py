@@ -8,17 +8,9 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
-from dubins_study.report.page.style import (
-    BLUE,
-    INK,
-    LINES,
-    MUTED,
-    VERMILION,
-    log_axis,
-    looks,
-    name_of,
-    power,
-)
+from dubins_study.report.elements.axes import log_axis, power
+from dubins_study.report.elements.looks import LINES, Palette, name_of
+from dubins_study.report.elements.style import BLUE, INK, MUTED, VERMILION
 from dubins_study.report.statistics.metrics import solver_order
 
 
@@ -50,12 +42,12 @@ def plot_bias(ax: Axes, table: pd.DataFrame) -> None:
     log_axis(ax.yaxis)
 
 
-def plot_left_over(ax: Axes, table: pd.DataFrame) -> None:
+def plot_left_over(ax: Axes, table: pd.DataFrame, palette: Palette) -> None:
     """The turn left over in radii, against the radius; none at all is a mark at the foot.
 
     Columns: solver, radius, z2 (length unit).
     """
-    style = looks(table["solver"].tolist())
+    looks = palette.looks(table["solver"])
     share = table["z2"] / table["radius"]
     foot = 10.0 ** np.floor(np.log10(share[share > 0].min()) - 1) if (share > 0).any() else 1e-8
     for place, solver in enumerate(solver_order(table["solver"].tolist())):
@@ -63,7 +55,7 @@ def plot_left_over(ax: Axes, table: pd.DataFrame) -> None:
         left = (own["z2"] / own["radius"]).clip(lower=foot)
         # solvers that leave nothing share the foot: each a little aside
         at = own["radius"] * 1.06 ** (place - 2)
-        look = style[solver]
+        look = looks[solver]
         ax.plot(at, left, marker=look.marker, markersize=4, **look.lines, label=name_of(solver, 24))
     ax.set(xscale="log", yscale="log", ylim=(foot / 2, None))
     ax.set(xlabel="turning radius R (length unit)", ylabel="right turn left over, z₂ / R")

@@ -1,9 +1,9 @@
-"""The turn that a solver leaves where the shortest path has none: numbers from rows of `bias`.
+"""The turn that a solver leaves where the shortest path has none: numbers.
 
 In the paper's model (4.12) LS is a degenerate minimum: along the feasible curve the length grows
 like z2^3 / (3 R^2). A barrier of weight mu adds -mu ln z2, so an interior point that stops at mu
-stops at z2 = (mu R^2)^(1/3), where the length is mu / 3 too long (THEORY section 5). Both hold to
-first order in z2 / R.
+stops at z2 = (mu R^2)^(1/3), where the length is mu / 3 too long (docs/derivation.md, section 7).
+Both hold to first order in z2 / R.
 """
 
 from __future__ import annotations
@@ -17,8 +17,6 @@ import pandas as pd
 
 from dubins_study.report.data.load import Results
 from dubins_study.report.statistics.metrics import FloatArray, parse_spec
-
-EXPERIMENT = "bias"
 
 # Ipopt's own constants (Waechter and Biegler 2006, sec. 2 and 3): the first barrier, how it falls
 # (min of a share of it and a power of it) and its floor, a share of the tolerance
@@ -48,9 +46,8 @@ def left_over(results: Results) -> pd.DataFrame:
         ((mu R^2)^(1/3)), ratio (z2 / predicted), excess (length - reference), excess_ratio
         (excess / (mu / 3)).
     """
-    settings = {k: v for run in results.manifests for k, v in run.solvers.items()}
-    rows = results.rows
-    rows = rows[(rows["experiment"] == EXPERIMENT) & rows["length"].notna()]
+    settings = results.settings
+    rows = results.rows[results.rows["length"].notna()]
     mu = rows["solver"].map(lambda spec: barrier(spec, settings)).astype(float)
     predicted = np.cbrt(mu * rows["radius"] ** 2)
     z2 = np.array([_right_turn(results, index) for index in rows.index], dtype=np.float64)

@@ -5,12 +5,12 @@ from __future__ import annotations
 import pandas as pd
 
 from dubins_study.report.data.load import Results
-from dubins_study.report.page.content import Column, Picture, Section, Table, count, digits
-from dubins_study.report.page.style import HALF, legend_lines, new_figure
+from dubins_study.report.elements.content import Column, Picture, Section, Table, count, digits
+from dubins_study.report.elements.looks import Palette, legend_lines
+from dubins_study.report.elements.style import HALF, new_figure
 from dubins_study.report.statistics.metrics import parse_spec
 from dubins_study.report.topics.bias.figures import plot_bias, plot_left_over
 from dubins_study.report.topics.bias.numbers import (
-    EXPERIMENT,
     by_barrier,
     left_over,
     slope,
@@ -22,8 +22,6 @@ _FOLLOWS = 0.1  # a ratio further than this from 1 does not bear the prediction 
 
 def bias_section(results: Results) -> Section | None:
     """The turn left over against its prediction, and what other methods leave."""
-    if EXPERIMENT not in set(results.rows["experiment"]):
-        return None
     table = left_over(results)
     table = table[(table["branch"] == "best") & table["z2"].notna()]
     known = table[table["mu"].notna()]
@@ -40,7 +38,7 @@ def bias_section(results: Results) -> Section | None:
     compared = table[~table["asked"]]
     blocks: list[Picture | Table] = [_bias_picture(known)]
     if len(compared):
-        blocks.append(_left_over_picture(compared))
+        blocks.append(_left_over_picture(compared, Palette.of(results.solvers)))
     blocks.append(_barrier_table(barriers))
     if len(others):
         blocks.append(_other_table(others))
@@ -50,14 +48,16 @@ def bias_section(results: Results) -> Section | None:
 def _prediction(known: pd.DataFrame, barriers: pd.DataFrame) -> str:
     off = float((known["ratio"] - 1).abs().max())
     fit = slope(known["predicted"].to_numpy(), known["z2"].to_numpy())
-    found = f"is within a relative {digits(2)(off)} of this"
+    comparison = f"is within a relative {digits(2)(off)} of this"
     if off > _FOLLOWS:
-        found = f"does not follow this everywhere: it is up to a relative {digits(2)(off)} away"
+        comparison = (
+            f"does not follow this everywhere: it is up to a relative {digits(2)(off)} away"
+        )
     failed = int(barriers["failed"].sum())
-    said = f", though the solver calls {failed} of them failures" if failed else ""
+    failures = f", though the solver calls {failed} of them failures" if failed else ""
     return (
-        f"Over {count(len(known))} attempts z₂ {found}; the slope in logarithms is "
-        f"{digits(5)(fit)}{said}."
+        f"Over {count(len(known))} attempts z₂ {comparison}; the slope in logarithms is "
+        f"{digits(5)(fit)}{failures}."
     )
 
 
@@ -79,21 +79,21 @@ def _others(others: pd.DataFrame) -> list[str]:
     if others.empty:
         return []
     joint, split = others[others["joint"]], others[~others["joint"]]
-    said = []
+    clauses = []
     if len(joint):
         name = " and ".join(sorted({parse_spec(spec)[0] for spec in joint["solver"]}))
         exact, tried = int(joint["exact"].sum()), int(joint["attempts"].sum())
-        said.append(
+        clauses.append(
             f"on this model {name} leaves no turn in {exact} of {tried} attempts"
             + (f" and up to {digits(2)(joint['most'].max())} R in the others" * (exact < tried))
         )
     if len(split):
         exact, tried = int(split["exact"].sum()), int(split["attempts"].sum())
-        said.append(
+        clauses.append(
             "with one turn fixed at zero, as the paper's Algorithm 1 does, the other turn is left "
             f"out exactly in {exact} of {tried}"
         )
-    text = "; ".join(said)
+    text = "; ".join(clauses)
     return [f"{text[:1].upper()}{text[1:]}."]
 
 
@@ -108,9 +108,9 @@ def _bias_picture(known: pd.DataFrame) -> Picture:
     return Picture("bias", caption, figure, "Turn left over against its prediction", True)
 
 
-def _left_over_picture(compared: pd.DataFrame) -> Picture:
+def _left_over_picture(compared: pd.DataFrame, palette: Palette) -> Picture:
     figure = new_figure(HALF, 2.9 + 0.15 * legend_lines(compared["solver"].unique(), 24))
-    plot_left_over(figure.add_subplot(), compared)
+    plot_left_over(figure.add_subplot(), compared, palette)
     figure.legend(loc="outside lower left", ncols=1, fontsize=7.5)
     caption = (
         "What methods leave that are told no barrier, in radii; at the foot those that leave no "

@@ -5,10 +5,10 @@ from __future__ import annotations
 import pandas as pd
 from matplotlib.axes import Axes
 
-from dubins_study.report.page.bars import plot_shares
-from dubins_study.report.page.content import count
-from dubins_study.report.page.style import BLUE, ORANGE, RULE, SKY
-from dubins_study.report.topics.certificates.numbers import PROOFS
+from dubins_study.report.data.tally import PROOFS
+from dubins_study.report.elements.content import count
+from dubins_study.report.elements.stacked_bars import plot_shares
+from dubins_study.report.elements.style import BLUE, ORANGE, RULE, SKY
 
 # dark to light, the weaker ones hatched, so that the order survives grey printing
 _LOOK = {

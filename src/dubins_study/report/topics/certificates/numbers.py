@@ -5,13 +5,11 @@ from __future__ import annotations
 import pandas as pd
 
 from dubins_study.report.data.reduction import Reduction
-from dubins_study.report.data.tally import PROOFS, proof
+from dubins_study.report.data.tally import PROOFS
 from dubins_study.report.statistics.metrics import solver_order
 
-__all__ = ["PROOFS", "certificates", "proof"]
 
-
-def certificates(found: Reduction) -> pd.DataFrame:
+def certificates(attempts: Reduction) -> pd.DataFrame:
     """One row a solver; what is not measured for any of its rows is NaN.
 
     Columns: solver, attempts, one count per proof, pmp_residual (worst of the optimal answers),
@@ -20,8 +18,8 @@ def certificates(found: Reduction) -> pd.DataFrame:
     those), bounds (attempts with a lower bound), false_bounds.
     """
     records = []
-    for solver in solver_order(list(found.solvers)):
-        own = found.solvers[solver]
+    for solver in solver_order(list(attempts.solvers)):
+        own = attempts.solvers[solver]
         errors = own.spread("costate_error")
         record: dict[str, object] = {"solver": solver, "attempts": own.attempts}
         record |= {name: own.count("proof", name) for name in PROOFS}

@@ -6,11 +6,20 @@ import pandas as pd
 
 from dubins_study.report.data.load import Results
 from dubins_study.report.data.spread import Spread
-from dubins_study.report.page.content import Column, Picture, Section, Table, count, digits, share
-from dubins_study.report.page.style import WIDE, name_of, new_figure
+from dubins_study.report.data.tally import PROOFS
+from dubins_study.report.elements.content import (
+    Column,
+    Picture,
+    Section,
+    Table,
+    count,
+    digits,
+    share,
+)
+from dubins_study.report.elements.looks import name_of
+from dubins_study.report.elements.style import WIDE, new_figure
 from dubins_study.report.topics.certificates.figures import plot_proofs
-from dubins_study.report.topics.certificates.numbers import PROOFS, certificates
-from dubins_study.report.topics.summary.section import attempts
+from dubins_study.report.topics.certificates.numbers import certificates
 
 _NOT_ENCLOSED = (
     "No reference length was enclosed, so that no answer can be proved or bounded: where a block "
@@ -22,17 +31,17 @@ _RIGOROUS = 1e-12  # relative; an interval narrower than this is called proven
 
 def certificates_section(results: Results) -> Section | None:
     """Proofs as bars and counts, the worst residuals, and the width of the enclosures."""
-    found = attempts(results)
-    if not found.total.count("certified"):
+    attempts = results.reduction
+    if not attempts.total.count("certified"):
         return None
-    frame = certificates(found)
+    frame = certificates(attempts)
     text = (
         "Every answer is certified from its controls alone. Proved: the length agrees with a "
         "rigorous interval around the shortest one, and Pontryagin's conditions hold, for the "
         "branch best the cut margin too; or there is provably no path, and none was returned. "
         "Bounded: the solver's own "
         "bound is within the tolerance. Extremal: Pontryagin's conditions alone, which are "
-        f"necessary and not sufficient. {sentences(frame, found.total.spread('width'))}"
+        f"necessary and not sufficient. {sentences(frame, attempts.total.spread('width'))}"
     )
     blocks = (_picture(frame), _proofs_table(frame), _table(frame))
     return Section("certificates", "Certificates", text, blocks)
@@ -45,15 +54,15 @@ def sentences(frame: pd.DataFrame, width: Spread) -> str:
         frame: of `certificates.certificates`.
         width: of the intervals around the shortest lengths, relative.
     """
-    said = [_proved(frame), _enclosed(frame, width), _reported(frame)]
-    return " ".join(sentence for sentence in said if sentence)
+    each = (_proved(frame), _enclosed(frame, width), _reported(frame))
+    return " ".join(sentence for sentence in each if sentence)
 
 
 def _proved(frame: pd.DataFrame) -> str:
-    asked, proved = int(frame["attempts"].sum()), int(frame["proved"].sum())
+    attempts, proved = int(frame["attempts"].sum()), int(frame["proved"].sum())
     others = ", ".join(f"{count(frame[name].sum())} {name}" for name in PROOFS[1:])
     return (
-        f"Of {count(asked)} attempts {count(proved)} are proved ({share(proved / asked)}; "
+        f"Of {count(attempts)} attempts {count(proved)} are proved ({share(proved / attempts)}; "
         f"{others})."
     )
 
@@ -63,9 +72,9 @@ def _enclosed(frame: pd.DataFrame, width: Spread) -> str:
         without = frame["extremal"].sum() > 0
         return _NOT_ENCLOSED if without else ""
     widest = width.largest
-    said = "below" if widest < _RIGOROUS else "not below"
+    place = "below" if widest < _RIGOROUS else "not below"
     return (
-        f"The widest interval around a shortest length is {digits(2)(widest)} of it, {said} 1e-12."
+        f"The widest interval around a shortest length is {digits(2)(widest)} of it, {place} 1e-12."
     )
 
 
@@ -88,8 +97,7 @@ def _reported(frame: pd.DataFrame) -> str:
         parts.append(
             f"of {count(bounds)} lower bounds {count(false)} lie above the shortest length"
         )
-    said = "; ".join(parts)
-    return f"What solvers report beside a path: {said}." if said else ""
+    return f"What solvers report beside a path: {'; '.join(parts)}." if parts else ""
 
 
 def _picture(frame: pd.DataFrame) -> Picture:

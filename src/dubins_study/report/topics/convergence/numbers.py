@@ -1,4 +1,4 @@
-"""How fast the discretised methods close in on the optimum as they are refined, from rows."""
+"""How fast the discretised methods close in on the optimum as they are refined."""
 
 from __future__ import annotations
 
@@ -16,7 +16,6 @@ from dubins_study.report.statistics.metrics import (
     upper_quantile,
 )
 
-EXPERIMENT = "convergence"
 # the setting that says how fine each method is
 SIZES = {"turn-rate-qp": "n", "heading-milp": "headings", "collocation": "n"}
 PLACES = ("outside", "in a disc")
@@ -75,13 +74,13 @@ def medians(attempts: pd.DataFrame) -> pd.DataFrame:
     keys = ["measure", "series", "place", "size"]
     records = [
         {
-            **dict(zip(keys, found, strict=True)),
+            **dict(zip(keys, group, strict=True)),
             "attempts": len(own),
             "arrived": float(np.isfinite(own["value"]).mean()),
             "value": upper_quantile(own["value"], 0.5),
             "wall_s": own["wall_s"].median(),
         }
-        for found, own in attempts.groupby(keys)
+        for group, own in attempts.groupby(keys)
     ]
     return pd.DataFrame.from_records(records)
 

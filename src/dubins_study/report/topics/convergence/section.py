@@ -4,14 +4,24 @@ from __future__ import annotations
 
 import numpy as np
 import pandas as pd
+from matplotlib.figure import Figure
 
 from dubins_study.report.data.load import Results
-from dubins_study.report.page.content import Column, Picture, Section, Table, count, digits, seconds
-from dubins_study.report.page.style import HALF, new_figure
+from dubins_study.report.elements.content import (
+    Column,
+    Picture,
+    Section,
+    Table,
+    count,
+    digits,
+    seconds,
+    slug,
+)
+from dubins_study.report.elements.looks import Palette
+from dubins_study.report.elements.style import HALF, new_figure
 from dubins_study.report.statistics.metrics import parse_spec
 from dubins_study.report.topics.convergence.figures import plot_cost, plot_orders
 from dubins_study.report.topics.convergence.numbers import (
-    EXPERIMENT,
     PLACES,
     medians,
     orders,
@@ -23,34 +33,31 @@ _WHERE = {"outside": "outside the discs", "in a disc": "in a disc"}
 
 def convergence_section(results: Results) -> Section | None:
     """Gap against size with the fitted order, gap against time, and the table of orders."""
-    rows = results.rows[results.rows["experiment"] == EXPERIMENT]
-    runs = [run for run in results.manifests if run.name == EXPERIMENT]
-    attempts = refined(rows, {k: v for run in runs for k, v in run.solvers.items()})
+    attempts = refined(results.rows, results.settings)
     if attempts.empty:
         return None
-    table, found = medians(attempts), orders(attempts)
-    blocks: tuple[Picture | Table, ...] = (*_pictures(table, found), _table(found))
+    table, fits = medians(attempts), orders(attempts)
+    palette = Palette.of(results.solvers)
+    blocks: tuple[Picture | Table, ...] = (*_pictures(table, fits, palette), _table(fits))
     text = (
         "A held turn rate costs the integral of |ν₃ Δu| over the steps in which it should have "
         "switched. ν₃ leaves zero quadratically where an arc meets a straight and linearly where "
         "two arcs meet, so steps of 1/N should cost 1/N³ outside the discs and 1/N² inside; a "
-        f"grid of headings should cost 1/N² in both. {sentences(found)}"
+        f"grid of headings should cost 1/N² in both. {sentences(fits)}"
     )
     return Section("convergence", "Order of convergence", text, blocks)
 
 
-def sentences(found: pd.DataFrame) -> str:
-    """What the orders say; `found` is `orders`' frame."""
-    said = [_falling(found), _cheapest(found), _collocated(found)]
-    return " ".join(sentence for sentence in said if sentence)
+def sentences(fits: pd.DataFrame) -> str:
+    """What the orders say; `fits` is the frame of `orders`."""
+    each = (_falling(fits), _cheapest(fits), _collocated(fits))
+    return " ".join(sentence for sentence in each if sentence)
 
 
-def _falling(found: pd.DataFrame) -> str:
+def _falling(fits: pd.DataFrame) -> str:
     parts = []
     for place in PLACES:
-        own = found[
-            (found["measure"] == "gap") & (found["place"] == place) & found["order"].notna()
-        ]
+        own = fits[(fits["measure"] == "gap") & (fits["place"] == place) & fits["order"].notna()]
         if len(own):
             items = ", ".join(
                 f"{row['series']} {digits(3)(row['order'])}" for row in own.to_dict("records")
@@ -59,10 +66,10 @@ def _falling(found: pd.DataFrame) -> str:
     return f"The median gap falls with the orders: {'; '.join(parts)}." if parts else ""
 
 
-def _cheapest(found: pd.DataFrame) -> str:
+def _cheapest(fits: pd.DataFrame) -> str:
     parts = []
     for place in PLACES:
-        own = found[(found["measure"] == "gap") & (found["place"] == place)]
+        own = fits[(fits["measure"] == "gap") & (fits["place"] == place)]
         there = own.dropna(subset=["goal_s"]).sort_values("goal_s")
         if own.empty:
             continue
@@ -77,8 +84,8 @@ def _cheapest(found: pd.DataFrame) -> str:
     return f"At a median gap of 1e-4 {'; '.join(parts)}." if parts else ""
 
 
-def _collocated(found: pd.DataFrame) -> str:
-    raw = found[(found["measure"] == "miss") & found["order"].notna()]
+def _collocated(fits: pd.DataFrame) -> str:
+    raw = fits[(fits["measure"] == "miss") & fits["order"].notna()]
     parts = []
     for place in PLACES:
         own = raw[raw["place"] == place]
@@ -102,70 +109,70 @@ def _points(series: str) -> str:
     return series if points is None else f"p = {points}"
 
 
-def _pictures(table: pd.DataFrame, found: pd.DataFrame) -> list[Picture]:
-    pictures = []
-    gaps = table[(table["measure"] == "gap") & np.isfinite(table["value"]) & (table["value"] > 0)]
+def _pictures(table: pd.DataFrame, fits: pd.DataFrame, palette: Palette) -> list[Picture]:
+    drawable = table[np.isfinite(table["value"]) & (table["value"] > 0)]
+    gaps, misses = (drawable[drawable["measure"] == measure] for measure in ("gap", "miss"))
+    pictures: list[Picture] = []
     for place in PLACES:
         own = gaps[gaps["place"] == place]
-        if own.empty:
-            continue
-        key, where = place.replace(" ", "-"), _WHERE[place]
-        pictures += [
-            _picture(
-                f"convergence-{key}",
-                own,
-                _orders_of(found, "gap", place),
-                "median gap",
-                f"Targets {where}: median gap against the number of steps, headings or elements, "
-                "and the order p fitted as far as it falls. Steeper is better; marks inside each "
-                "other are lines that coincide.",
-            ),
-            _cost_picture(
-                f"convergence-time-{key}",
-                own,
-                f"Targets {where}: the same gaps against what they cost. Lower left is better; "
-                "along each line N doubles from mark to mark.",
-            ),
-        ]
-    for place in PLACES:
-        own = table[(table["measure"] == "miss") & (table["place"] == place)]
-        own = own[np.isfinite(own["value"]) & (own["value"] > 0)]
         if len(own):
-            pictures.append(
-                _picture(
-                    f"convergence-miss-{place.replace(' ', '-')}",
-                    own,
-                    _orders_of(found, "miss", place),
-                    "median miss / R",
-                    f"Targets {_WHERE[place]}: by how much collocation misses if nothing corrects "
-                    "it. Nothing is fitted below 1e-9, Ipopt's own tolerance.",
-                )
-            )
+            orders = _order_picture(own, _orders_of(fits, "gap", place), place, palette)
+            pictures += [orders, _cost_picture(own, place, palette)]
+    for place in PLACES:
+        own = misses[misses["place"] == place]
+        if len(own):
+            fitted = _orders_of(fits, "miss", place)
+            pictures.append(_miss_picture(own, fitted, place, palette))
     return pictures
 
 
-def _orders_of(found: pd.DataFrame, measure: str, place: str) -> dict[str, float]:
-    own = found[(found["measure"] == measure) & (found["place"] == place)]
+def _orders_of(fits: pd.DataFrame, measure: str, place: str) -> dict[str, float]:
+    own = fits[(fits["measure"] == measure) & (fits["place"] == place)]
     return dict(zip(own["series"], own["order"].astype(float), strict=True))
 
 
-def _picture(
-    name: str, table: pd.DataFrame, fitted: dict[str, float], ylabel: str, caption: str
+def _order_picture(
+    table: pd.DataFrame, fitted: dict[str, float], place: str, palette: Palette
 ) -> Picture:
     figure = new_figure(HALF, 3.7)
-    plot_orders(figure.add_subplot(), table, fitted, ylabel)
-    figure.legend(loc="outside lower left", ncols=1, fontsize=7.5)
-    return Picture(name, caption, figure, caption.partition(":")[2].strip(), True)
+    plot_orders(figure.add_subplot(), table, palette, fitted, "median gap")
+    caption = (
+        f"Targets {_WHERE[place]}: median gap against the number of steps, headings or elements, "
+        "and the order p fitted as far as it falls. Steeper is better; marks inside each other are "
+        "lines that coincide."
+    )
+    return _picture(f"convergence-{slug(place)}", figure, caption)
 
 
-def _cost_picture(name: str, table: pd.DataFrame, caption: str) -> Picture:
+def _cost_picture(table: pd.DataFrame, place: str, palette: Palette) -> Picture:
     figure = new_figure(HALF, 3.7)
-    plot_cost(figure.add_subplot(), table)
+    plot_cost(figure.add_subplot(), table, palette)
+    caption = (
+        f"Targets {_WHERE[place]}: the same gaps against what they cost. Lower left is better; "
+        "along each line N doubles from mark to mark."
+    )
+    name, alt = f"convergence-time-{slug(place)}", "Median gap against median time"
+    return _picture(name, figure, caption, alt)
+
+
+def _miss_picture(
+    table: pd.DataFrame, fitted: dict[str, float], place: str, palette: Palette
+) -> Picture:
+    figure = new_figure(HALF, 3.7)
+    plot_orders(figure.add_subplot(), table, palette, fitted, "median miss / R")
+    caption = (
+        f"Targets {_WHERE[place]}: by how much collocation misses if nothing corrects it. Nothing "
+        "is fitted below 1e-9, Ipopt's own tolerance."
+    )
+    return _picture(f"convergence-miss-{slug(place)}", figure, caption)
+
+
+def _picture(name: str, figure: Figure, caption: str, alt: str = "") -> Picture:
     figure.legend(loc="outside lower left", ncols=1, fontsize=7.5)
-    return Picture(name, caption, figure, "Median gap against median time", True)
+    return Picture(name, caption, figure, alt or caption.partition(":")[2].strip(), True)
 
 
-def _table(found: pd.DataFrame) -> Table:
+def _table(fits: pd.DataFrame) -> Table:
     columns = (
         Column("series", "method", kind="code"),
         Column("place", "where", kind="text"),
@@ -185,4 +192,4 @@ def _table(found: pd.DataFrame) -> Table:
         "same N: where a switch falls between two steps moves every single gap. Answers in a "
         "wrong basin, counted for all N, measure no order and only enter the medians."
     )
-    return Table("convergence", caption, found, columns)
+    return Table("convergence", caption, fits, columns)

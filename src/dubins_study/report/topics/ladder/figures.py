@@ -6,7 +6,9 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
-from dubins_study.report.page.style import BLUE, INK, MUTED, ORANGE, RULE, VERMILION, name_of, power
+from dubins_study.report.elements.axes import power
+from dubins_study.report.elements.looks import name_of
+from dubins_study.report.elements.style import BLUE, INK, MUTED, ORANGE, RULE, VERMILION
 from dubins_study.report.statistics.metrics import solver_order
 from dubins_study.report.topics.ladder.numbers import FINDINGS
 

@@ -7,7 +7,6 @@ import pandas as pd
 
 from dubins_study.report.statistics.metrics import FloatArray, solver_order
 
-EXPERIMENT = "ladder"
 SIDES = ("front, inside", "front, outside", "rear, inside", "rear, outside")
 JUMP = "front, inside"  # where the shortest length is by up to 2 pi R above that across the circle
 # what became of an attempt, best first

@@ -8,13 +8,21 @@ from typing import Any
 import pandas as pd
 
 from dubins_study.report.data.load import Results
-from dubins_study.report.page.content import ABSENT, Column, Picture, Section, Table, count, digits
-from dubins_study.report.page.style import HALF, new_figure, power
+from dubins_study.report.elements.axes import power
+from dubins_study.report.elements.content import (
+    ABSENT,
+    Column,
+    Picture,
+    Section,
+    Table,
+    count,
+    digits,
+)
+from dubins_study.report.elements.style import HALF, new_figure
 from dubins_study.report.statistics.metrics import solver_order
 from dubins_study.report.topics.ladder.figures import legend_entries, plot_ladder
 from dubins_study.report.topics.ladder.numbers import (
     ANSWERED,
-    EXPERIMENT,
     JUMP,
     SIDES,
     down_to,
@@ -27,7 +35,7 @@ _ARRIVES = -6  # the check's default tolerance of misses: 1e-6 R
 
 def ladder_section(results: Results) -> Section | None:
     """Matrix of solvers and margins, the margins down to which each is right, and why."""
-    attempts = rungs(results.rows[results.rows["experiment"] == EXPERIMENT])
+    attempts = rungs(results.rows)
     if attempts.empty:
         return None
     table = ladder(attempts)
@@ -46,11 +54,11 @@ def ladder_section(results: Results) -> Section | None:
 
 def sentences(attempts: pd.DataFrame) -> str:
     """What the ladder says; `attempts` is the frame of `ladder.rungs`."""
-    said = (_tempted(attempts), _judged(attempts), _elsewhere(attempts))
-    return " ".join(sentence for sentence in said if sentence)
+    each = (_short_by_miss(attempts), _verdicts(attempts), _other_sides(attempts))
+    return " ".join(sentence for sentence in each if sentence)
 
 
-def _tempted(attempts: pd.DataFrame) -> str:
+def _short_by_miss(attempts: pd.DataFrame) -> str:
     inner = attempts[attempts["side"] == JUMP]
     if inner.empty:
         return ""
@@ -62,18 +70,18 @@ def _tempted(attempts: pd.DataFrame) -> str:
         if inner.loc[inner["solver"] == solver, "finding"].isin(ANSWERED).all()
     ]
     if first.empty:
-        said = "Just inside the front half no solver trades a miss for the short path"
+        sentence = "Just inside the front half no solver trades a miss for the short path"
     else:
         ranked = first.sort_values(ascending=False)
         items = ", ".join(f"{solver} from {_margin(10.0**rung)}" for solver, rung in ranked.items())
-        said = (
+        sentence = (
             "Just inside the front half a small miss buys a path shorter by up to a full turn, "
             f"and these take it: {items}"
         )
-    return f"{said}; the right path at every margin there: {', '.join(others) or 'none'}."
+    return f"{sentence}; the right path at every margin there: {', '.join(others) or 'none'}."
 
 
-def _judged(attempts: pd.DataFrame) -> str:
+def _verdicts(attempts: pd.DataFrame) -> str:
     short = attempts[attempts["finding"] == "by its miss"]
     false = int(attempts["false_claim"].sum())
     claims = f"Of all {count(len(attempts))} claims {count(false)} are false"
@@ -86,17 +94,17 @@ def _judged(attempts: pd.DataFrame) -> str:
     )
 
 
-def _elsewhere(attempts: pd.DataFrame) -> str:
+def _other_sides(attempts: pd.DataFrame) -> str:
     others = attempts[attempts["side"] != JUMP]
     if others.empty:
         return ""
     right = others["finding"].isin(ANSWERED).groupby(others["solver"]).all()
     wrong = solver_order([str(solver) for solver in right.index[~right]])
-    said = (
+    sentence = (
         f"On the other sides {count(right.sum())} of {count(len(right))} solvers find the "
         "shortest path, coarse or not, at every margin"
     )
-    return f"{said}, not {', '.join(wrong)}." if wrong else f"{said}."
+    return f"{sentence}, not {', '.join(wrong)}." if wrong else f"{sentence}."
 
 
 def _margin(value: float) -> str:
@@ -134,7 +142,7 @@ def _pictures(table: pd.DataFrame) -> list[Picture]:
     return pictures
 
 
-def _table(found: pd.DataFrame) -> Table:
+def _table(reach: pd.DataFrame) -> Table:
     columns = (
         Column("solver", "solver", kind="code"),
         Column("attempts", "attempts", count),
@@ -147,7 +155,7 @@ def _table(found: pd.DataFrame) -> Table:
         "The least margin (R) down to which every answer is the shortest path, coarse or not; "
         "all: at every margin asked for; –: not at the widest."
     )
-    return Table("ladder", caption, found, columns)
+    return Table("ladder", caption, reach, columns)
 
 
 def _reach(value: Any) -> str:

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from dubins_study.report.data.load import Results
-from dubins_study.report.page.content import Picture, Section, count, slug
-from dubins_study.report.page.style import HALF, new_figure
+from dubins_study.report.data.plane_map import CELLS, REACH, PlaneMap
+from dubins_study.report.elements.content import Picture, Section, count, slug
+from dubins_study.report.elements.style import HALF, new_figure
 from dubins_study.report.topics.map.figures import plot_frequent_words, plot_ranges
-from dubins_study.report.topics.map.numbers import CELLS, REACH, PlaneMap
+from dubins_study.report.topics.map.numbers import frequent_words, length_ranges
 
 _FEWEST = 10 * CELLS**2  # attempts; below that most cells say little
 
@@ -31,7 +32,7 @@ def map_section(results: Results) -> Section | None:
 
 def _words(experiment: str, plane: PlaneMap) -> Picture:
     figure = new_figure(HALF, 3.5)
-    plot_frequent_words(figure.add_subplot(), plane)
+    plot_frequent_words(figure.add_subplot(), frequent_words(plane), plane.centres)
     caption = (
         f"Experiment {experiment}: the most frequent shortest word of each cell, of "
         f"{count(plane.counts.sum())} attempts. Lengths in R."
@@ -43,7 +44,7 @@ def _words(experiment: str, plane: PlaneMap) -> Picture:
 def _ranges(experiment: str, plane: PlaneMap) -> Picture:
     figure = new_figure(HALF, 4.1)
     ax = figure.add_subplot()
-    image = plot_ranges(ax, plane)
+    image = plot_ranges(ax, length_ranges(plane))
     bar = figure.colorbar(image, ax=ax, location="bottom", shrink=0.7, pad=0.02, aspect=28)
     bar.outline.set_visible(False)
     bar.set_label("largest less least length in a cell / R")

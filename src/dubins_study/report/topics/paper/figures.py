@@ -11,8 +11,9 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.patches import Circle
 
-from dubins_study.report.page.content import digits
-from dubins_study.report.page.style import BLUE, GREEN, INK, LINES, MUTED, PAPER, RULE, VERMILION
+from dubins_study.report.elements.content import digits
+from dubins_study.report.elements.looks import LINES
+from dubins_study.report.elements.style import BLUE, GREEN, INK, MUTED, PAPER, RULE, VERMILION
 from dubins_study.study.path import Path
 
 _BY_RANK = ((BLUE, "-"), (VERMILION, LINES[1]))

@@ -10,33 +10,26 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import ListedColormap
-from matplotlib.patches import Arc, Circle
 from numpy.typing import NDArray
 
-from dubins_study.report.page.style import (
+from dubins_study.report.elements.plane_axes import (
+    OTHER_COLOUR,
+    WORD_COLOURS,
+    draw_circles,
+    label_region,
+)
+from dubins_study.report.elements.style import (
     BLUE,
     INK,
-    MAP_PAPER,
     MUTED,
-    ON_MAP,
     ORANGE,
     RULE,
     VERMILION,
 )
 from dubins_study.report.statistics.metrics import SUCCESSES
+from dubins_study.report.topics.plane.numbers import grid_of
 
-# a light and a dark shade of two hues: apart in hue for the eye, apart in lightness for grey
-WORD_COLOURS = {"LS": "#cfe3f1", "RS": "#fbe6c8", "RL": "#5d9cc6", "LR": "#d69a3c"}
 _HATCHES = {"LS": "", "RS": "", "RL": "////", "LR": "\\\\\\\\"}
-OTHER = "#8a8f96"
-
-
-def grid_of(rows: pd.DataFrame, column: str) -> tuple[NDArray[np.float64], ...]:
-    """x of shape (n,), y of shape (m,) and the column's values of shape (m, n); NaN where none."""
-    table = rows.pivot_table(index="target_y", columns="target_x", values=column, aggfunc="first")
-    x = table.columns.to_numpy(dtype=np.float64)
-    y = table.index.to_numpy(dtype=np.float64)
-    return x, y, table.to_numpy(dtype=np.float64)
 
 
 def _extent(x: NDArray[np.float64], y: NDArray[np.float64]) -> tuple[float, float, float, float]:
@@ -50,7 +43,7 @@ def plot_words(ax: Axes, rows: pd.DataFrame) -> None:
     other = float(len(WORD_COLOURS))
     known = rows.assign(code=rows["word"].map(lambda word: codes.get(word, other)))
     x, y, code = grid_of(known, "code")
-    colours = ListedColormap([*WORD_COLOURS.values(), OTHER])
+    colours = ListedColormap([*WORD_COLOURS.values(), OTHER_COLOUR])
     ax.imshow(
         code,
         origin="lower",
@@ -62,9 +55,7 @@ def plot_words(ax: Axes, rows: pd.DataFrame) -> None:
     )
     for word, value in codes.items():
         inside = code == value
-        if not inside.any():
-            continue
-        if _HATCHES[word]:
+        if inside.any() and _HATCHES[word]:
             hatch = ax.contourf(
                 x,
                 y,
@@ -75,23 +66,8 @@ def plot_words(ax: Axes, rows: pd.DataFrame) -> None:
             )
             hatch.set_edgecolor("#ffffff80")
             hatch.set_linewidth(0)
-        row, column = deepest(inside)
-        box = {"facecolor": MAP_PAPER, "edgecolor": "none", "pad": 1.5, "alpha": 0.85}
-        ax.text(
-            x[column], y[row], word, ha="center", va="center", fontsize=10, bbox=box, color=ON_MAP
-        )
-    frame(ax, x, y)
-
-
-def deepest(inside: NDArray[np.bool_]) -> tuple[int, int]:
-    """The cell farthest from the edge of its region: where a label has most room."""
-    depth = np.zeros(inside.shape, dtype=int)
-    left = np.pad(inside, 1)
-    while left.any():
-        depth += left[1:-1, 1:-1]
-        left[1:-1, 1:-1] &= left[:-2, 1:-1] & left[2:, 1:-1] & left[1:-1, :-2] & left[1:-1, 2:]
-    row, column = np.unravel_index(int(depth.argmax()), depth.shape)
-    return int(row), int(column)
+        label_region(ax, x, y, inside, word)
+    draw_circles(ax, x, y)
 
 
 def plot_lengths(ax: Axes, rows: pd.DataFrame) -> ScalarMappable:
@@ -111,45 +87,14 @@ def plot_lengths(ax: Axes, rows: pd.DataFrame) -> ScalarMappable:
         if np.isfinite(values).sum() > 4:
             lines = ax.contour(x, y, values, levels=levels, colors="white", linewidths=0.6)
             ax.clabel(lines, levels[::2], fmt=lambda v: f"{v:g}", fontsize=7, inline_spacing=2)
-    frame(ax, x, y)
+    draw_circles(ax, x, y)
     return image
-
-
-def frame(ax: Axes, x: NDArray[np.float64], y: NDArray[np.float64], ink: str = ON_MAP) -> None:
-    """Turning circles, the half that jumps drawn heavily, and the start."""
-    for side in (1, -1):
-        ax.add_patch(Circle((0, side), 1, fill=False, edgecolor=ink, linewidth=0.6))
-        ax.add_patch(Arc((0, side), 2, 2, theta1=-90, theta2=90, color=ink, linewidth=1.8))
-    head = {"arrowstyle": "-|>", "color": ink, "linewidth": 1.0, "shrinkA": 0, "shrinkB": 0}
-    ax.annotate("", xy=(0.75, 0), xytext=(0, 0), arrowprops=head)
-    ax.plot(0, 0, marker="o", color=ink, markersize=3)
-    ax.set(xlim=(x[0], x[-1]), ylim=(y[0], y[-1]), xlabel="target x / R", ylabel="target y / R")
-    ax.set_aspect("equal")
-    ax.grid(False)
-
-
-def along_circle(rows: pd.DataFrame) -> pd.DataFrame:
-    """Targets within one grid step of a turning circle, by where on it they lie.
-
-    Columns: angle (arc angle from the start to there, deg), side (`inside`, `outside`), length.
-    """
-    xs = np.sort(rows["target_x"].unique())
-    near = rows[rows["margin"] <= np.diff(xs).min()]
-    angle = np.arctan2(near["target_x"], 1 - near["target_y"].abs())
-    disc = near["region"].isin(["left disc", "right disc"])
-    return pd.DataFrame(
-        {
-            "angle": np.degrees(angle) % 360,
-            "side": np.where(disc, "inside", "outside"),
-            "length": near["length"],
-        }
-    ).sort_values("angle")
 
 
 def plot_jump(ax: Axes, table: pd.DataFrame) -> None:
     """Length on both sides of a turning circle. Columns of `along_circle`."""
-    looks_of = {"inside": (VERMILION, "x", 6), "outside": (BLUE, ".", -12)}
-    for side, (colour, marker, lift) in looks_of.items():
+    sides = {"inside": (VERMILION, "x", 6), "outside": (BLUE, ".", -12)}
+    for side, (colour, marker, lift) in sides.items():
         own = table[table["side"] == side]
         ax.plot(own["angle"], own["length"], marker, color=colour, markersize=2.5)
         at = own.iloc[(own["angle"] - 110).abs().argmin()] if len(own) else None
@@ -190,4 +135,4 @@ def plot_failures(ax: Axes, rows: pd.DataFrame) -> None:
             text = f"{verdict} ({len(own)})"
             ax.plot(own["target_x"], own["target_y"], markerfacecolor="none", label=text, **mark)
     x, y = np.sort(rows["target_x"].unique()), np.sort(rows["target_y"].unique())
-    frame(ax, x.astype(np.float64), y.astype(np.float64), INK)
+    draw_circles(ax, x.astype(np.float64), y.astype(np.float64), INK)

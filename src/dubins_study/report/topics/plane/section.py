@@ -5,32 +5,25 @@ from __future__ import annotations
 import pandas as pd
 
 from dubins_study.report.data.load import Results
-from dubins_study.report.page.content import Picture, Section, count
-from dubins_study.report.page.style import HALF, new_figure
+from dubins_study.report.data.reduction import EXACT
+from dubins_study.report.elements.content import Picture, Section, count
+from dubins_study.report.elements.style import HALF, new_figure
 from dubins_study.report.statistics.metrics import solver_order, success
 from dubins_study.report.topics.plane.figures import (
-    along_circle,
     plot_failures,
     plot_jump,
     plot_lengths,
     plot_words,
 )
-
-EXPERIMENT, EXACT = "plane", "analytic"
-# of a grid; scattered targets have one for every pair of them
-_MOST_CELLS = 4_000_000
+from dubins_study.report.topics.plane.numbers import along_circle, exact_answers
 
 
 def plane_section(results: Results) -> Section | None:
     """Maps of words and lengths, and where the solvers on a coarse grid go wrong."""
-    rows = results.rows[
-        (results.rows["experiment"] == EXPERIMENT) & (results.rows["branch"] == "best")
-    ]
-    exact = rows[(rows["solver"] == EXACT) & rows["length"].notna()]
-    exact = exact.drop_duplicates(["target_x", "target_y"])
+    rows = results.rows[results.rows["branch"] == "best"]
+    exact = exact_answers(rows)
     pictures: list[Picture] = []
-    columns, lines = exact["target_x"].nunique(), exact["target_y"].nunique()
-    if min(columns, lines) > 4 and columns * lines <= _MOST_CELLS:
+    if len(exact):
         pictures += [_words(exact), _lengths(exact), _jump(exact)]
     coarse = rows[rows["solver"] != EXACT]
     for number, solver in enumerate(solver_order(coarse["solver"].tolist()), start=1):

@@ -6,36 +6,27 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
-from dubins_study.report.page.style import (
-    BLUE,
-    GREEN,
-    INK,
-    MUTED,
-    VERMILION,
-    duration,
-    log_axis,
-    looks,
-    name_of,
-    only_grid,
-)
+from dubins_study.report.elements.axes import duration, log_axis, only_grid
+from dubins_study.report.elements.looks import Palette, name_of
+from dubins_study.report.elements.style import BLUE, GREEN, INK, MUTED, VERMILION
 from dubins_study.report.statistics.metrics import solver_order
 
 _GROUPS = ((BLUE, "o"), (VERMILION, "s"), (GREEN, "^"))
 
 
-def plot_wall(ax: Axes, table: pd.DataFrame) -> None:
+def plot_wall(ax: Axes, table: pd.DataFrame, palette: Palette) -> None:
     """Median and quartiles of the whole time, and beside them how much is proven.
 
     Columns solver, wall_s, wall_s_q1, wall_s_q3 (s), own (share), proved and attempts (counts).
     """
     places = np.arange(len(table))[::-1]
-    style = looks(table["solver"].tolist())
+    looks = palette.looks(table["solver"])
     for place, row in zip(places, table.to_dict("records"), strict=True):
-        said = f"{_percent(row['own'])}\n{_percent(row['proved'] / row['attempts'])}"
+        shares = f"{_percent(row['own'])}\n{_percent(row['proved'] / row['attempts'])}"
         ax.text(
             1.02,
             place,
-            said,
+            shares,
             transform=ax.get_yaxis_transform(),
             va="center",
             fontsize=7.5,
@@ -43,7 +34,7 @@ def plot_wall(ax: Axes, table: pd.DataFrame) -> None:
         )
         if not row["wall_s"] > 0:
             continue
-        look = style[row["solver"]]
+        look = looks[row["solver"]]
         ax.plot(
             [row["wall_s_q1"], row["wall_s_q3"]],
             [place] * 2,

@@ -1,18 +1,15 @@
-"""What the solvers that prove their answers pay for it, from rows."""
+"""What the solvers that prove their answers pay for it."""
 
 from __future__ import annotations
 
 import numpy as np
 import pandas as pd
 
+from dubins_study.report.data.tally import PROOFS, proof
 from dubins_study.report.paper.printed import PROBLEMS
 from dubins_study.report.statistics.metrics import solver_order, success
-from dubins_study.report.topics.certificates.numbers import PROOFS, proof
 
-EXPERIMENT = "proofs"
 ENOUGH = 1e-4  # proven gap up to which the check would call an answer optimal
-# where the exact answer costs microseconds, "fastest" says nothing
-EXACT = "analytic"
 PAPER = "the paper's problems"
 _QUESTION = ["scenario_id", "branch", "initial_guess"]
 

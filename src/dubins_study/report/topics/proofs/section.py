@@ -5,7 +5,9 @@ from __future__ import annotations
 import pandas as pd
 
 from dubins_study.report.data.load import Results
-from dubins_study.report.page.content import (
+from dubins_study.report.data.reduction import EXACT
+from dubins_study.report.data.tally import PROOFS
+from dubins_study.report.elements.content import (
     Column,
     Picture,
     Section,
@@ -15,13 +17,11 @@ from dubins_study.report.page.content import (
     seconds,
     share,
 )
-from dubins_study.report.page.style import HALF, new_figure
+from dubins_study.report.elements.looks import Palette
+from dubins_study.report.elements.style import HALF, new_figure
 from dubins_study.report.statistics.metrics import solver_order
-from dubins_study.report.topics.certificates.numbers import PROOFS
 from dubins_study.report.topics.proofs.figures import plot_prices, plot_wall
 from dubins_study.report.topics.proofs.numbers import (
-    EXACT,
-    EXPERIMENT,
     fastest,
     prices,
     proofs,
@@ -31,11 +31,11 @@ from dubins_study.report.topics.proofs.numbers import (
 
 def proofs_section(results: Results) -> Section | None:
     """Times, proofs and the price of the solvers' own bounds."""
-    rows = results.rows[results.rows["experiment"] == EXPERIMENT]
+    rows = results.rows
     if rows.empty:
         return None
     table, price = proofs(rows), prices(rows)
-    blocks: list[Picture | Table] = [_time_picture(table)]
+    blocks: list[Picture | Table] = [_time_picture(table, Palette.of(results.solvers))]
     if len(price):
         blocks.append(_price_picture(price))
     blocks.append(_table(table))
@@ -55,8 +55,8 @@ def sentences(rows: pd.DataFrame, table: pd.DataFrame, price: pd.DataFrame) -> s
         rows: attempts.
         table, price: of `proofs.proofs` and `proofs.prices`.
     """
-    said = [_own(rows, table), _price(rows, price), _certified(rows, table)]
-    return " ".join(sentence for sentence in said if sentence)
+    each = [_own(rows, table), _price(rows, price), _certified(rows, table)]
+    return " ".join(sentence for sentence in each if sentence)
 
 
 def _paid(rows: pd.DataFrame) -> list[str]:
@@ -98,24 +98,24 @@ def _certified(rows: pd.DataFrame, table: pd.DataFrame) -> str:
         return ""
     full = plain[plain["proved"] == plain["attempts"]]
     rest = solver_order([solver for solver in plain["solver"] if solver not in set(full["solver"])])
-    said = (
+    text = (
         f"The certificate proves {count(plain['proved'].sum())} of the "
         f"{count(plain['attempts'].sum())} answers of solvers that prove nothing themselves"
     )
     if len(full):
-        said += f": all of {', '.join(full['solver'])}"
+        text += f": all of {', '.join(full['solver'])}"
     if rest:
         items = ", ".join(
             f"{count(row['proved'])} of {count(row['attempts'])} of {row['solver']}"
             for row in plain[plain["solver"].isin(rest)].to_dict("records")
         )
-        said += f"{', and' if len(full) else ':'} {items}"
-    return f"{said}."
+        text += f"{', and' if len(full) else ':'} {items}"
+    return f"{text}."
 
 
-def _time_picture(table: pd.DataFrame) -> Picture:
+def _time_picture(table: pd.DataFrame, palette: Palette) -> Picture:
     figure = new_figure(HALF, 1.3 + 0.42 * len(table))
-    plot_wall(figure.add_subplot(), table)
+    plot_wall(figure.add_subplot(), table, palette)
     caption = (
         "Time of one cold attempt, building included: median (mark) and quartiles (bar). At the "
         "right: the share of answers that the solver's own bound proves to 1e-4, and that the "

@@ -2,59 +2,47 @@
 
 from __future__ import annotations
 
-import math
-from typing import Any
-
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
-from dubins_study.report.page.content import digits
-from dubins_study.report.page.style import (
-    INK,
-    LINES,
-    MUTED,
-    duration,
-    log_axis,
-    looks,
-    name_of,
-    plain_log_axis,
-)
-from dubins_study.report.statistics.metrics import SUCCESSES, runs_of, solver_order
-from dubins_study.study.closed_form.shortest import shortest
-from dubins_study.study.scenario import Scenario
+from dubins_study.report.elements.axes import duration, log_axis, plain_log_axis
+from dubins_study.report.elements.content import digits
+from dubins_study.report.elements.looks import LINES, Palette, name_of
+from dubins_study.report.elements.style import INK, MUTED
+from dubins_study.report.statistics.metrics import solver_order
+from dubins_study.report.topics.radius.numbers import Sweep
 
 WARM = ", warm"
 _WORD_SHADE = {"LS": 0.06, "RS": 0.12, "RL": 0.22, "LR": 0.3}
+_WORD_LINE = {"LS": LINES[1], "RS": LINES[2]}
 
 
-def plot_length(ax: Axes, rows: pd.DataFrame, circle: float) -> None:
+def plot_length(ax: Axes, sweep: Sweep, palette: Palette) -> None:
     """The shortest length over radius, its words, and every answer that is not the shortest.
 
-    Columns: solver, branch, radius, length, reference, reference_word, verdict. The line breaks where
-    the word changes, since the length may jump there.
+    The line breaks where the word changes, since the length may jump there.
     """
-    best = rows[rows["branch"] == "best"]
-    exact = best[best["reference_word"].notna()].sort_values("radius").drop_duplicates("radius")
-    radii, lengths = exact["radius"].to_numpy(), _bare(rows, exact)
-    low, high = radii.min(), radii.max()
-    ax.set(xscale="log", xlim=(low, high))
+    radii, lengths = sweep.shortest["radius"].to_numpy(), sweep.shortest["length"].to_numpy()
+    ax.set(xscale="log", xlim=(radii.min(), radii.max()))
     plain_log_axis(ax.xaxis)
-    for first, past, word in runs_of(exact["reference_word"].tolist()):
-        left = low if first == 0 else math.sqrt(radii[first - 1] * radii[first])
-        right = high if past == len(radii) else math.sqrt(radii[past - 1] * radii[past])
-        shade = _WORD_SHADE.get(word, 0.02)
-        ax.axvspan(left, right, color=MUTED, alpha=shade, linewidth=0, zorder=0)
-        middle = math.sqrt(left * right)
-        ax.text(middle, 0.97, word, transform=ax.get_xaxis_transform(), va="top", ha="center")
-        ax.plot(radii[first:past], lengths[first:past], color=INK, zorder=3)
-    for branch, line in (("LS", LINES[1]), ("RS", LINES[2])):
-        r, only = one_word(rows.iloc[0], branch, low, high)
-        ax.plot(r, only, color=MUTED, linestyle=line, linewidth=0.9, zorder=2)
-    _wrong_answers(ax, best)
-    _circle_mark(ax, circle)
-    top, foot = np.nanmax([lengths.max(), best["length"].max()]), lengths.min()
+    for span in sweep.spans:
+        shade = _WORD_SHADE.get(span.word, 0.02)
+        ax.axvspan(span.left, span.right, color=MUTED, alpha=shade, linewidth=0, zorder=0)
+        middle, across = np.sqrt(span.left * span.right), ax.get_xaxis_transform()
+        ax.text(middle, 0.97, span.word, transform=across, va="top", ha="center")
+        ax.plot(radii[span.first : span.past], lengths[span.first : span.past], color=INK, zorder=3)
+    for word, own in sweep.single_words.groupby("word"):
+        line = _WORD_LINE[str(word)]
+        ax.plot(own["radius"], own["length"], color=MUTED, linestyle=line, linewidth=0.9, zorder=2)
+    _wrong_answers(ax, sweep.wrong, palette)
+    _circle_mark(ax, sweep.circle, f"R* = {digits(4)(sweep.circle)}")
+    longest = float(np.nanmax([lengths.max(), *sweep.wrong["length"]]))
+    _length_scale(ax, lengths.min(), longest)
+
+
+def _length_scale(ax: Axes, foot: float, top: float) -> None:
     ax.set_ylabel("length")
     if foot > 0:  # a logarithmic scale shows the jump beside lengths that grow with the radius
         ax.set(yscale="log", ylim=(0.75 * foot, top * (top / foot) ** 0.15 * 1.2))
@@ -64,79 +52,42 @@ def plot_length(ax: Axes, rows: pd.DataFrame, circle: float) -> None:
         ax.yaxis.set_major_locator(MaxNLocator(5))
 
 
-def one_word(row: pd.Series, branch: str, low: float, high: float) -> tuple[np.ndarray, np.ndarray]:
-    """Radii from `low` to `high` and the length of one word there, NaN where it does not exist."""
-    radii = np.geomspace(low, high, 300)
-    where: dict[str, Any] = {
-        key: float(row[key]) for key in ("x", "y", "heading", "target_x", "target_y")
-    }
-    found = [shortest(Scenario(**where, radius=radius), branch) for radius in radii]
-    lengths = [np.nan if word is None else word.total for word in found]
-    return radii, np.array(lengths) * radii
-
-
-def _bare(rows: pd.DataFrame, exact: pd.DataFrame) -> np.ndarray:
-    """The shortest length at each radius; the closed form's own where there is one."""
-    own = rows[(rows["solver"] == "analytic") & (rows["branch"] == "best")]
-    known = own.drop_duplicates("radius").set_index("radius")["length"]
-    return exact["radius"].map(known).fillna(exact["reference"]).to_numpy(dtype=np.float64)
-
-
-def _wrong_answers(ax: Axes, best: pd.DataFrame) -> None:
-    wrong = best[~best["verdict"].isin(SUCCESSES)]
-    style = looks(best["solver"].tolist())
-    for solver in solver_order(wrong["solver"].tolist()):
+def _wrong_answers(ax: Axes, wrong: pd.DataFrame, palette: Palette) -> None:
+    looks = palette.looks(wrong["solver"])
+    for solver, look in looks.items():
         own = wrong[wrong["solver"] == solver]
-        drawn, lost = own[own["gap"].notna()], own[own["gap"].isna()]
-        dots = style[solver].dots | {"markersize": 3.5, "markerfacecolor": "none", "zorder": 4}
-        ax.plot(drawn["radius"], drawn["length"], **dots)
+        arrived, lost = own[own["arrives"]], own[~own["arrives"]]
+        dots = look.dots | {"markersize": 3.5, "markerfacecolor": "none", "zorder": 4}
+        ax.plot(arrived["radius"], arrived["length"], **dots)
         if len(lost):  # an empty line off the data's axes would upset the layout
             foot = np.full(len(lost), 0.03)
             dots |= {"marker": "x"}
             ax.plot(lost["radius"], foot, transform=ax.get_xaxis_transform(), **dots)
 
 
-def plot_time(ax: Axes, rows: pd.DataFrame, circle: float) -> None:
-    """Whole time of each solver over radius, cold solid and warm dotted.
-
-    Columns: solver, branch, start, radius, wall_s (s).
-    """
-    best = rows[(rows["branch"] == "best") & rows["wall_s"].notna()]
-    style = looks(rows["solver"].tolist())
-    for place, solver in enumerate(solver_order(best["solver"].tolist())):
-        for start, line in (("cold", LINES[0]), ("warm", LINES[2])):
-            own = best[(best["solver"] == solver) & (best["initial_guess"] == start)]
+def plot_time(ax: Axes, sweep: Sweep, palette: Palette) -> None:
+    """Median time of each solver over radius, cold solid and warm dotted."""
+    times = sweep.times
+    looks = palette.looks(times["solver"])
+    for place, solver in enumerate(solver_order(times["solver"].tolist())):
+        for guess, line in (("cold", LINES[0]), ("warm", LINES[2])):
+            own = times[(times["solver"] == solver) & (times["initial_guess"] == guess)]
             if own.empty:
                 continue
-            median = own.groupby("radius")["wall_s"].median()
-            ax.plot(
-                median.index,
-                median,
-                **style[solver].curve(place) | {"linestyle": line, "linewidth": 1.1},
-                label=name_of(solver) + (WARM if start == "warm" else ""),
-            )
+            curve = looks[solver].curve(place) | {"linestyle": line, "linewidth": 1.1}
+            label = name_of(solver) + (WARM if guess == "warm" else "")
+            ax.plot(own["radius"], own["wall_s"], **curve, label=label)
     ax.set(yscale="log", ylabel="time", xlabel="turning radius R")
     log_axis(ax.yaxis, duration)
     plain_log_axis(ax.xaxis)
-    if _on_axis(ax, circle):
-        ax.axvline(circle, color=MUTED, linewidth=0.8, linestyle=(0, (1, 2)))
+    _circle_mark(ax, sweep.circle)
 
 
-def _on_axis(ax: Axes, radius: float) -> bool:
+def _circle_mark(ax: Axes, circle: float, text: str = "") -> None:
+    """A dotted line at R*, which a target straight ahead does not have."""
     low, high = ax.get_xlim()
-    return low < radius < high  # a target straight ahead has no such radius
-
-
-def _circle_mark(ax: Axes, circle: float) -> None:
-    if not _on_axis(ax, circle):
+    if not low < circle < high:
         return
     ax.axvline(circle, color=MUTED, linewidth=0.8, linestyle=(0, (1, 2)))
-    ax.text(
-        circle,
-        1.02,
-        f"R* = {digits(4)(circle)}",
-        transform=ax.get_xaxis_transform(),
-        ha="center",
-        fontsize=8,
-        color=MUTED,
-    )
+    above = ax.get_xaxis_transform()
+    ax.text(circle, 1.02, text, transform=above, ha="center", fontsize=8, color=MUTED)

@@ -7,38 +7,26 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 
 from dubins_study.report.data.load import Results
-from dubins_study.report.page.content import Picture, Section, Table, digits
-from dubins_study.report.page.style import HALF, new_figure
-from dubins_study.report.statistics.metrics import circle_radius
-from dubins_study.report.statistics.timing import warm_starts
+from dubins_study.report.elements.content import Picture, Section, Table, digits
+from dubins_study.report.elements.looks import Palette
+from dubins_study.report.elements.style import HALF, new_figure
 from dubins_study.report.topics.radius.figures import WARM, plot_length, plot_time
+from dubins_study.report.topics.radius.numbers import Sweep, sweep, sweep_rows
+from dubins_study.report.topics.warm.numbers import warm_starts
 from dubins_study.report.topics.warm.section import warm_blocks, warm_sentences
-
-_FEWEST_RADII = 4  # below that there is no curve to see
-_PLACE = ["x", "y", "heading", "target_x", "target_y"]
-
-
-def sweeps(rows: pd.DataFrame) -> dict[tuple[str, str], pd.DataFrame]:
-    """(experiment, label) -> its rows, where one start and target are asked at many radii."""
-    best = rows[rows["branch"] == "best"]
-    found = {}
-    for (experiment, label), own in best.groupby(["experiment", "label"], sort=True):
-        if own["radius"].nunique() >= _FEWEST_RADII and len(own[_PLACE].drop_duplicates()) == 1:
-            found[str(experiment), str(label)] = own
-    return found
 
 
 def radius_section(results: Results) -> Section | None:
     """One figure a sweep, and cold against warm starts."""
-    found = sweeps(results.rows)
-    if not found:
+    rows_of_sweeps = sweep_rows(results.rows)
+    if not rows_of_sweeps:
         return None
+    palette = Palette.of(results.solvers)
     blocks: list[Picture | Table] = [
-        _picture(number, label, own)
-        for number, ((_, label), own) in enumerate(found.items(), start=1)
+        _picture(number, sweep(label, own), palette)
+        for number, ((_, label), own) in enumerate(rows_of_sweeps.items(), start=1)
     ]
-    rows = pd.concat(list(found.values()))
-    warm = warm_starts(rows)
+    warm = warm_starts(pd.concat(list(rows_of_sweeps.values())))
     if len(warm):
         blocks += warm_blocks(warm)
     text = (
@@ -55,19 +43,17 @@ def radius_section(results: Results) -> Section | None:
     return Section("radius", "Length, time and word against radius", text, tuple(blocks))
 
 
-def _picture(number: int, label: str, rows: pd.DataFrame) -> Picture:
-    first = rows.iloc[0]
-    circle = circle_radius(*(first[key] for key in _PLACE))
+def _picture(number: int, sweep: Sweep, palette: Palette) -> Picture:
     figure = new_figure(HALF, 4.1)
     upper, lower = figure.subplots(2, sharex=True, height_ratios=(3, 2))
-    plot_length(upper, rows, circle)
-    plot_time(lower, rows, circle)
+    plot_length(upper, sweep, palette)
+    plot_time(lower, sweep, palette)
     handles, texts = _solvers_only(lower)
     figure.legend(handles, texts, loc="outside lower left", ncols=2, fontsize=7.5)
-    caption = f"{label[:1].upper()}{label[1:]}. Length units; R* = {digits(5)(circle)}."
-    return Picture(
-        f"radius-{number}", caption, figure, f"Length and time over radius, {label}", True
-    )
+    label = sweep.label
+    caption = f"{label[:1].upper()}{label[1:]}. Length units; R* = {digits(5)(sweep.circle)}."
+    alt = f"Length and time over radius, {label}"
+    return Picture(f"radius-{number}", caption, figure, alt, True)
 
 
 def _solvers_only(ax: Axes) -> tuple[list[Artist], list[str]]:

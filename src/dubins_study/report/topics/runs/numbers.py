@@ -8,7 +8,7 @@ from typing import Any
 import pandas as pd
 
 from dubins_study.report.data.load import Manifest
-from dubins_study.study.rows.machine_noise import varied
+from dubins_study.study.rows.machine_noise import Probe, by_machine, varied
 from dubins_study.study.rows.manifest import RunEntry
 
 COLUMNS = (
@@ -31,6 +31,24 @@ def runs(manifests: Iterable[Manifest]) -> pd.DataFrame:
         for entry in manifest.runs
     ]
     return pd.DataFrame(rows, columns=list(COLUMNS))
+
+
+def probe_ratios(table: pd.DataFrame) -> pd.DataFrame:
+    """What the calibration probe took in each run of `runs`, relative to its median there.
+
+    Of a run on several machines, the one that varied most.
+
+    Returns:
+        Columns run (with the machine's name if there are several), when (s), ratio.
+    """
+    parts = []
+    for run, probes in zip(table["run"], table["probes"], strict=True):
+        machine, own = next(iter(by_machine(probes).items()))
+        frame = pd.DataFrame(own, columns=list(Probe._fields))
+        name = str(run)[:24] + (f", machine {machine}" if machine else "")
+        ratio = frame["took"] / frame["took"].median()
+        parts.append(pd.DataFrame({"run": name, "when": frame["when"], "ratio": ratio}))
+    return pd.concat(parts, ignore_index=True)
 
 
 def _row(experiment: str, run: RunEntry) -> dict[str, Any]:

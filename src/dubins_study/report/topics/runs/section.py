@@ -7,13 +7,21 @@ from collections.abc import Hashable, Mapping
 from typing import Any
 
 import pandas as pd
-from matplotlib.axes import Axes
 
 from dubins_study.report.data.load import Results
-from dubins_study.report.page.content import Column, Picture, Section, Table, digits, seconds, share
-from dubins_study.report.page.style import WIDE, new_figure
-from dubins_study.report.topics.runs.numbers import runs
-from dubins_study.study.rows.machine_noise import NOISY, Probe, by_machine
+from dubins_study.report.elements.content import (
+    Column,
+    Picture,
+    Section,
+    Table,
+    digits,
+    seconds,
+    share,
+)
+from dubins_study.report.elements.style import WIDE, new_figure
+from dubins_study.report.topics.runs.figures import plot_probes
+from dubins_study.report.topics.runs.numbers import probe_ratios, runs
+from dubins_study.study.rows.machine_noise import NOISY
 
 _MOST_DRAWN = 6
 
@@ -73,27 +81,13 @@ def _table(frame: pd.DataFrame) -> Table:
 
 def _minute(started: Any) -> str:
     """2026-01-31 12:34 of a time as ISO 8601 has it; any other text as it is."""
-    found = re.fullmatch(r"(\d{4}-\d\d-\d\d)T(\d\d:\d\d)[\d:.+Z]*", str(started))
-    return f"{found[1]} {found[2]}" if found else str(started)
-
-
-def plot_probes(ax: Axes, frame: pd.DataFrame) -> None:
-    """What the probe took, relative to its median, against time (columns as `report.topics.runs.numbers`).
-
-    Of a run on several machines, the one that varied most.
-    """
-    for run, probes in zip(frame["run"], frame["probes"], strict=True):
-        machine, own = next(iter(by_machine(probes).items()))
-        found = pd.DataFrame(own, columns=list(Probe._fields))
-        name = str(run)[:24] + (f", machine {machine}" if machine else "")
-        ax.plot(found["when"], found["took"] / found["took"].median(), lw=0.8, label=name)
-    ax.axhspan(1 - NOISY / 2, 1 + NOISY / 2, alpha=0.15, lw=0)
-    ax.set(xlabel="time since the run began (s)", ylabel="probe / its median")
+    match = re.fullmatch(r"(\d{4}-\d\d-\d\d)T(\d\d:\d\d)[\d:.+Z]*", str(started))
+    return f"{match[1]} {match[2]}" if match else str(started)
 
 
 def _picture(noisy: pd.DataFrame) -> Picture:
     figure = new_figure(WIDE, 2.4)
-    plot_probes(figure.add_subplot(), noisy)
+    plot_probes(figure.add_subplot(), probe_ratios(noisy))
     figure.legend(loc="outside right upper", fontsize=7.5)
     caption = (
         "The calibration probe in the runs that varied most, relative to its median: 1 is the "

@@ -6,24 +6,26 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
-from dubins_study.report.page.style import MUTED, log_axis, looks, name_of, power
+from dubins_study.report.elements.axes import log_axis, power
+from dubins_study.report.elements.looks import Palette, name_of
+from dubins_study.report.elements.style import MUTED
 from dubins_study.report.statistics.metrics import solver_order
 from dubins_study.report.topics.scale.numbers import ROUNDING
 
 
-def plot_scale(ax: Axes, rows: pd.DataFrame, foot: float, top: float) -> None:
+def plot_scale(ax: Axes, rows: pd.DataFrame, palette: Palette, foot: float, top: float) -> None:
     """One scenario's gap over the radius, by solver; what does not arrive stands at the top.
 
     Columns: solver, radius, gap (relative; NaN if not at the target). Gaps within rounding are
     drawn at `foot`, answers that do not arrive at `top`.
     """
-    style = looks(rows["solver"].tolist())
+    looks = palette.looks(rows["solver"])
     for place, solver in enumerate(solver_order(rows["solver"].tolist())):
         own = rows[rows["solver"] == solver].sort_values("radius")
         gap = own["gap"].where(own["gap"] > ROUNDING, foot).where(own["gap"].notna(), top)
         # many are exact: each a little higher than the one before, so that all are seen
         gap = gap.where(gap > foot, foot * 10 ** (0.28 * place))
-        look = style[solver]
+        look = looks[solver]
         ax.plot(
             own["radius"],
             gap,

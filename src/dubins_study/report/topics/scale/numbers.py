@@ -1,4 +1,4 @@
-"""The same scenario at many radii, lengths in radii kept: numbers from rows of `scale`.
+"""The same scenario at many radii, lengths in radii kept.
 
 The problem has no scale: (x, y, R) -> k (x, y, R) multiplies every length by k. A solver that keeps
 this gives the same path in radii, and its iterations do not change.
@@ -12,8 +12,6 @@ import numpy as np
 import pandas as pd
 
 from dubins_study.report.statistics.metrics import solver_order, success
-
-EXPERIMENT = "scale"
 
 # spreads of length / R up to this are rounding: of the scenario's own numbers, of the sum of up to
 # a hundred pieces, and of the division; and gaps up to it are none

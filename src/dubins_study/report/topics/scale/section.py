@@ -5,18 +5,28 @@ from __future__ import annotations
 import pandas as pd
 
 from dubins_study.report.data.load import Results
-from dubins_study.report.page.content import Column, Picture, Section, Table, count, digits, share
-from dubins_study.report.page.style import WIDE, legend_lines, new_figure, power
+from dubins_study.report.elements.axes import power
+from dubins_study.report.elements.content import (
+    Column,
+    Picture,
+    Section,
+    Table,
+    count,
+    digits,
+    share,
+)
+from dubins_study.report.elements.looks import Palette, legend_lines
+from dubins_study.report.elements.style import WIDE, new_figure
 from dubins_study.report.statistics.metrics import parse_spec, solver_order
 from dubins_study.report.topics.scale.figures import plot_scale
-from dubins_study.report.topics.scale.numbers import EXPERIMENT, ROUNDING, by_solver, spreads
+from dubins_study.report.topics.scale.numbers import ROUNDING, by_solver, spreads
 
 _FOOT, _TOP = 1e-17, 1e1
 
 
 def scale_section(results: Results) -> Section | None:
     """Gap against radius, and a table of what changes with it."""
-    rows = results.rows[results.rows["experiment"] == EXPERIMENT]
+    rows = results.rows
     rows = rows[
         (rows["branch"] == "best") & (rows["initial_guess"] == "cold") & rows["radius"].notna()
     ]
@@ -24,7 +34,12 @@ def scale_section(results: Results) -> Section | None:
         return None
     table = by_solver(spreads(rows))
     text = f"{_method(rows)} {' '.join(_findings(table))}"
-    return Section("scale", "From micrometres to megametres", text, (_picture(rows), _table(table)))
+    return Section(
+        "scale",
+        "From micrometres to megametres",
+        text,
+        (_picture(rows, Palette.of(results.solvers)), _table(table)),
+    )
 
 
 def _method(rows: pd.DataFrame) -> str:
@@ -71,13 +86,13 @@ def _findings(table: pd.DataFrame) -> list[str]:
     return [f"{first}.", second, f"{third}."]
 
 
-def _picture(rows: pd.DataFrame) -> Picture:
+def _picture(rows: pd.DataFrame, palette: Palette) -> Picture:
     labels = sorted(rows["label"].unique())
     solvers = solver_order(rows["solver"].tolist())
     figure = new_figure(WIDE, 3.3 + 0.13 * legend_lines(solvers, columns=4))
     panels = figure.subplots(1, len(labels), sharey=True, squeeze=False)[0]
     for ax, label in zip(panels, labels, strict=True):
-        plot_scale(ax, rows[rows["label"] == label], _FOOT, _TOP)
+        plot_scale(ax, rows[rows["label"] == label], palette, _FOOT, _TOP)
         ax.set_title(label)
     panels[0].set_ylabel("gap to the shortest length (relative)")
     handles, texts = panels[0].get_legend_handles_labels()

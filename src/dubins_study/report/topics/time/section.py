@@ -1,46 +1,34 @@
-"""The sections on time and on the discretisation."""
+"""The section on time."""
 
 from __future__ import annotations
 
-import numpy as np
 import pandas as pd
 
 from dubins_study.report.data.load import Results
-from dubins_study.report.page.content import (
+from dubins_study.report.data.reduction import EXACT
+from dubins_study.report.elements.content import (
     Column,
     Picture,
     Section,
     Table,
     count,
-    digits,
     seconds,
-    share,
 )
-from dubins_study.report.page.style import HALF, WIDE, legend_lines, new_figure
-from dubins_study.report.statistics.metrics import STUDIES
+from dubins_study.report.elements.looks import Palette, legend_lines
+from dubins_study.report.elements.style import WIDE, new_figure
 from dubins_study.report.statistics.timing import mean_times, time_ratios, times
-from dubins_study.report.topics.time.figures import (
-    plot_gap_order,
-    plot_performance,
-    plot_times,
-    plot_work_precision,
-)
-from dubins_study.report.topics.time.numbers import work_precision
-
-EXACT = "analytic"
-_ELSEWHERE = (*STUDIES, "plane")
+from dubins_study.report.topics.time.figures import plot_performance, plot_times
 
 
 def time_section(results: Results) -> Section | None:
     """Medians and quartiles; build and solve apart; shifted geometric means."""
-    rows = results.rows[~results.rows["experiment"].isin(_ELSEWHERE)]
-    cold = rows[rows["initial_guess"] == "cold"]
-    found = results.reduction.without(_ELSEWHERE)
-    frame = times(found)
+    cold = results.rows[results.rows["initial_guess"] == "cold"]
+    frame = times(results.reduction)
     if frame.empty:
         return None
     figure = new_figure(WIDE, 0.7 + 0.46 * len(frame))
-    plot_times(figure.add_subplot(), frame)
+    palette = Palette.of(results.solvers)
+    plot_times(figure.add_subplot(), frame, palette)
     caption = (
         "Time of one cold attempt: median (mark) and quartiles (bar) of solving (filled, above) "
         "and of building the model (open, below)."
@@ -50,12 +38,16 @@ def time_section(results: Results) -> Section | None:
     plain = _not_variants(cold)
     ratios = time_ratios(plain[plain["solver"] != EXACT])
     if ratios.shape[0] > 1 and ratios.shape[1] > 1:
-        blocks.append(_performance_picture(ratios))
+        blocks.append(_performance_picture(ratios, palette))
     means, shift = mean_times(plain)
     if len(means) > 1:
         blocks.append(_mean_table(means, shift))
     jobs, threads = (
-        ", ".join(map(str, sorted(int(n) for (n,) in found.total.kinds(kind) if n is not None)))
+        ", ".join(
+            map(
+                str, sorted(int(n) for (n,) in results.reduction.total.kinds(kind) if n is not None)
+            )
+        )
         for kind in ("jobs", "threads")
     )
     text = (
@@ -72,9 +64,9 @@ def _not_variants(rows: pd.DataFrame) -> pd.DataFrame:
     return rows[plain] if plain.any() else rows
 
 
-def _performance_picture(ratios: pd.DataFrame) -> Picture:
+def _performance_picture(ratios: pd.DataFrame, palette: Palette) -> Picture:
     figure = new_figure(WIDE, 2.9 + 0.17 * legend_lines(ratios.columns, columns=3))
-    plot_performance(figure.add_subplot(), ratios)
+    plot_performance(figure.add_subplot(), ratios, palette)
     figure.legend(loc="outside lower left", ncols=3, fontsize=7.5)
     caption = (
         "Performance profile: the share of questions that a solver answers rightly within a "
@@ -113,64 +105,3 @@ def _mean_table(frame: pd.DataFrame, shift: float) -> Table:
         "the shift is no finding."
     )
     return Table("mean-times", caption, frame, columns)
-
-
-def discretisation_section(results: Results) -> Section | None:
-    """Time against gap by n and engine, gap against n with the fitted order."""
-    rows = results.rows[results.rows["experiment"] == "discretisation"]
-    runs = [run for run in results.manifests if run.name == "discretisation"]
-    table = work_precision(rows, {k: v for run in runs for k, v in run.solvers.items()})
-    if table.empty:
-        return None
-    drawable = table[np.isfinite(table["gap"]) & (table["gap"] > 0)]  # the axes are logarithmic
-    pictures = _precision_pictures(drawable) if len(drawable) else ()
-    blocks = (*pictures, _precision_table(table))
-    text = (
-        "turn-rate-qp holds each of n turn rates over a step, so its best path is longer than the "
-        "best of all. How fast that cost falls with n, what it takes, and which engine to use."
-    )
-    return Section("discretisation", "Work and precision", text, blocks)
-
-
-def _precision_pictures(table: pd.DataFrame) -> tuple[Picture, Picture]:
-    left, right = new_figure(HALF, 3.7), new_figure(HALF, 3.7)
-    plot_work_precision(left.add_subplot(), table)
-    plot_gap_order(right.add_subplot(), table)
-    for figure in (left, right):
-        figure.legend(loc="outside lower left", ncols=2, fontsize=7.5)
-    return (
-        Picture(
-            "work-precision",
-            "Median time against median gap; the numbers are n. Lower left is better.",
-            left,
-            "Time against gap for each engine",
-            True,
-        ),
-        Picture(
-            "gap-order",
-            "Median gap against the number of steps, and the order p fitted to it as far as it "
-            "falls: beyond its least value the engine's own accuracy decides.",
-            right,
-            "Gap against number of steps for each engine",
-            True,
-        ),
-    )
-
-
-def _precision_table(frame: pd.DataFrame) -> Table:
-    columns = (
-        Column("engine", "engine", kind="code"),
-        Column("n", "n", count),
-        Column("attempts", "attempts", count),
-        Column("arrived", "arrive", share),
-        Column("success", "success", share),
-        Column("gap", "median gap", digits(3)),
-        Column("gap_q90", "90 %", digits(3)),
-        Column("wall_s", "median time", seconds),
-        Column("iterations", "QPs", digits(3)),
-    )
-    caption = (
-        "Every engine at every n. Gap quantiles count an attempt that does not arrive as ∞. QPs: "
-        "median number of QPs solved in one attempt."
-    )
-    return Table("discretisation", caption, frame, columns)

@@ -6,15 +6,9 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
-from dubins_study.report.page.style import (
-    BLUE,
-    INK,
-    MUTED,
-    VERMILION,
-    name_of,
-    only_grid,
-    plain_log_axis,
-)
+from dubins_study.report.elements.axes import only_grid, plain_log_axis
+from dubins_study.report.elements.looks import name_of
+from dubins_study.report.elements.style import BLUE, INK, MUTED, VERMILION
 
 _PARTS = (("ratio", "time", BLUE, "o", 0.14), ("work", "iterations", VERMILION, "s", -0.14))
 

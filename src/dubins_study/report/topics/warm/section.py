@@ -4,15 +4,24 @@ from __future__ import annotations
 
 import pandas as pd
 
-from dubins_study.report.page.content import Column, Picture, Table, count, digits, seconds, share
-from dubins_study.report.page.style import HALF, name_of, new_figure
+from dubins_study.report.elements.content import (
+    Column,
+    Picture,
+    Table,
+    count,
+    digits,
+    seconds,
+    share,
+)
+from dubins_study.report.elements.looks import name_of
+from dubins_study.report.elements.style import HALF, new_figure
 from dubins_study.report.topics.warm.figures import plot_warm
 
 _SAME = 0.02  # ratios this near to 1 are called equal
 
 
 def warm_blocks(table: pd.DataFrame) -> tuple[Picture, Table]:
-    """Figure and table; `table` is of `timing.warm_starts`, and not empty."""
+    """Figure and table; `table` is of `warm.numbers.warm_starts`, with rows."""
     lines = max(name_of(solver).count("\n") + 1 for solver in table["solver"])
     figure = new_figure(HALF, 1.2 + max(0.42, 0.16 * lines) * len(table))
     plot_warm(figure.add_subplot(), table)
@@ -45,7 +54,7 @@ def _table(table: pd.DataFrame) -> Table:
 
 
 def warm_sentences(table: pd.DataFrame) -> str:
-    """What warm starts do; `table` is of `timing.warm_starts`, and not empty."""
+    """What warm starts do; `table` is of `warm.numbers.warm_starts`, with rows."""
     return " ".join(
         sentence for sentence in (_time(table), _work(table), _success(table)) if sentence
     )
@@ -67,17 +76,16 @@ def _changes(table: pd.DataFrame, key: str) -> str:
 
 
 def _time(table: pd.DataFrame) -> str:
-    said = _changes(table, "ratio")
-    return (
-        f"In time a start from the neighbouring radius costs, as a median multiple: {said}."
-        if said
-        else ""
+    changes = _changes(table, "ratio")
+    sentence = (
+        f"In time a start from the neighbouring radius costs, as a median multiple: {changes}."
     )
+    return sentence if changes else ""
 
 
 def _work(table: pd.DataFrame) -> str:
-    said = _changes(table, "work")
-    return f"In iterations it costs: {said}." if said else ""
+    changes = _changes(table, "work")
+    return f"In iterations it costs: {changes}." if changes else ""
 
 
 def _success(table: pd.DataFrame) -> str:

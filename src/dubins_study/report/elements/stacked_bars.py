@@ -8,7 +8,9 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
-from dubins_study.report.page.style import INK, MUTED, name_of, only_grid
+from dubins_study.report.elements.axes import only_grid
+from dubins_study.report.elements.looks import name_of
+from dubins_study.report.elements.style import INK, MUTED
 
 
 def plot_shares(

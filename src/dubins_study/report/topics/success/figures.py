@@ -2,23 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Hashable, Mapping
+from typing import Any
+
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
 from dubins_study.report.data.reduction import Reduction
-from dubins_study.report.page.bars import plot_shares
-from dubins_study.report.page.content import count
-from dubins_study.report.page.style import (
-    BLUE,
-    MUTED,
-    ORANGE,
-    RULE,
-    VERMILION,
-    log_axis,
-    looks,
-    name_of,
-)
+from dubins_study.report.elements.axes import log_axis
+from dubins_study.report.elements.content import count
+from dubins_study.report.elements.looks import Palette, name_of
+from dubins_study.report.elements.stacked_bars import plot_shares
+from dubins_study.report.elements.style import BLUE, MUTED, ORANGE, RULE, VERMILION
 from dubins_study.report.statistics.metrics import VERDICTS, gaps, solver_order
 
 # dark to light, and hatched where something is wrong, so that the order survives grey printing
@@ -35,29 +31,31 @@ SMALLEST_GAP = 1e-16
 def plot_verdicts(ax: Axes, table: pd.DataFrame) -> None:
     """Share of each verdict, one bar a solver. Columns of `metrics.summary`."""
     look = {verdict: VERDICT_LOOK[verdict] for verdict in VERDICTS}
-    plot_shares(ax, table, look, [_counts(row) for row in table.itertuples()])
+    plot_shares(ax, table, look, [_counts(row) for row in table.to_dict("records")])
     ax.legend(loc="lower left", bbox_to_anchor=(0, 1.0), ncols=5, borderaxespad=0.2)
 
 
-def _counts(row: object) -> str:
-    values = {key: int(getattr(row, key)) for key in ("attempts", "false_claims", "wrong_basins")}
+def _counts(row: Mapping[Hashable, Any]) -> str:
     return (
-        f"of {count(values['attempts'])}: {count(values['false_claims'])} false claims,\n"
-        f"{count(values['wrong_basins'])} wrong basins"
+        f"of {count(row['attempts'])}: {count(row['false_claims'])} false claims,\n"
+        f"{count(row['wrong_basins'])} wrong basins"
     )
 
 
-def plot_gap_profile(ax: Axes, found: Reduction, tolerance: float | None = None) -> None:
+def plot_gap_profile(
+    ax: Axes, attempts: Reduction, palette: Palette, tolerance: float | None = None
+) -> None:
     """Share of attempts within each gap.
 
     Args:
         ax: where to draw.
-        found: attempts; those at questions without an answer are left out.
+        attempts: attempts; those at questions without an answer are left out.
+        palette: of the page's solvers.
         tolerance: the gap up to which the check says optimal, drawn as a line if given.
     """
-    spreads = {solver: gaps(own) for solver, own in found.solvers.items()}
+    spreads = {solver: gaps(own) for solver, own in attempts.solvers.items()}
     solvers = solver_order([solver for solver, spread in spreads.items() if spread.size])
-    style = looks(solvers)
+    looks = palette.looks(solvers)
     for place, solver in enumerate(solvers):
         within, share = spreads[solver].shares()
         x = np.concatenate(([SMALLEST_GAP], np.maximum(within, SMALLEST_GAP), [10.0]))
@@ -67,7 +65,7 @@ def plot_gap_profile(ax: Axes, found: Reduction, tolerance: float | None = None)
             y,
             where="post",
             label=name_of(solver, 40),
-            **style[solver].curve(place),
+            **looks[solver].curve(place),
         )
     if tolerance is not None:
         ax.axvline(tolerance, color=MUTED, linewidth=0.8, linestyle=(0, (1, 2)))

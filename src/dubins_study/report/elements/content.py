@@ -139,6 +139,11 @@ def count(value: Any) -> str:
     return f"{int(value):,}".replace(",", "\u202f")
 
 
+def some(number: int, noun: str) -> str:
+    """A number and what is counted, in the singular or the plural."""
+    return f"{count(number)} {noun}{'' if number == 1 else 's'}"
+
+
 def seconds(value: Any) -> str:
     """A duration with three digits and its own unit."""
     number = float(value)

@@ -1,0 +1,1 @@
+"""What sections are built of: content blocks, figure style, solver colours, shared drawings."""

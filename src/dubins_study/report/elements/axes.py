@@ -1,0 +1,50 @@
+"""Axes of figures: logarithmic ones with plain labels, durations, fewer rules."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from matplotlib.axes import Axes
+from matplotlib.axis import Axis
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
+_RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
+def power(value: float, _: object = None) -> str:
+    """A power of ten as a tick label, without mathtext; plain from 0.01 to 1000."""
+    if value <= 0:
+        return "0"
+    exponent = round(math.log10(value))
+    if abs(value / 10.0**exponent - 1) > 1e-6:
+        return ""
+    return f"{value:g}" if -2 <= exponent <= 3 else "10" + str(exponent).translate(_RAISED)
+
+
+def duration(value: float, _: object = None) -> str:
+    """A power of ten of seconds as a tick label with its own unit."""
+    for factor, unit in ((1.0, "s"), (1e-3, "ms"), (1e-6, "µs")):
+        if value >= 0.999 * factor:
+            return f"{value / factor:.3g} {unit}"
+    return f"{value / 1e-9:.3g} ns"
+
+
+def log_axis(axis: Axis, label: Any = power) -> None:
+    """A logarithmic axis with decades labelled; few labels where there are many decades."""
+    axis.set_major_locator(LogLocator(numticks=8))
+    axis.set_major_formatter(FuncFormatter(label))
+    axis.set_minor_formatter(NullFormatter())
+
+
+def plain_log_axis(axis: Axis) -> None:
+    """A logarithmic axis over a few decades: 1, 2, 5, 10, ... labelled as plain numbers."""
+    axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0), numticks=12))
+    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axis.set_minor_formatter(NullFormatter())
+
+
+def only_grid(ax: Axes, which: str) -> None:
+    """Keep the rules of one axis: `x` or `y`."""
+    ax.grid(False)
+    ax.grid(True, axis="x" if which == "x" else "y")

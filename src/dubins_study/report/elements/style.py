@@ -1,0 +1,80 @@
+"""How figures look: colours, sizes and matplotlib's settings.
+
+Hues are Okabe and Ito's, which the colour-blind tell apart.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import matplotlib as mpl
+from matplotlib.figure import Figure
+
+INK, MUTED, RULE, PAPER = "#1a1c1f", "#6a7079", "#d5d9de", "#ffffff"
+BLUE, VERMILION, GREEN, ORANGE = "#0072b2", "#d55e00", "#009e73", "#e69f00"
+SKY, PURPLE = "#56b4e9", "#cc79a7"
+BROWN, OLIVE = "#7a3b12", "#8a8000"  # not Okabe and Ito's, whose yellow is lost on paper
+
+# For coloured maps, which do not change when the page is dark. They differ from INK and PAPER by
+# one digit, since the page replaces the colours above.
+ON_MAP, MAP_PAPER = "#1a1c20", "#fffffe"
+
+WIDE, HALF = 7.2, 3.55  # inches: the page's column, and half of it
+
+_SETTINGS = {
+    "font.family": ["DejaVu Sans"],
+    "font.size": 8.5,
+    "axes.titlesize": 9,
+    "axes.titlelocation": "left",
+    "axes.titleweight": "bold",
+    "axes.titlepad": 8,
+    "axes.labelsize": 8.5,
+    "axes.labelcolor": MUTED,
+    "axes.edgecolor": MUTED,
+    "axes.linewidth": 0.6,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "grid.color": RULE,
+    "grid.linewidth": 0.5,
+    "xtick.color": MUTED,
+    "ytick.color": MUTED,
+    "xtick.labelsize": 8,
+    "ytick.labelsize": 8,
+    "xtick.major.size": 2.5,
+    "ytick.major.size": 2.5,
+    "xtick.minor.size": 0,
+    "ytick.minor.size": 0,
+    "xtick.major.width": 0.6,
+    "ytick.major.width": 0.6,
+    "legend.fontsize": 8,
+    "legend.frameon": False,
+    "legend.handlelength": 2.2,
+    "lines.linewidth": 1.4,
+    "lines.markersize": 4,
+    "text.color": INK,
+    "text.parse_math": False,  # names come from outside, and "$" in them is a "$"
+    "svg.fonttype": "none",  # text stays text
+    "svg.hashsalt": "dubins-study",
+    "hatch.linewidth": 0.5,
+    "figure.facecolor": PAPER,
+    "axes.facecolor": "none",
+    "figure.constrained_layout.h_pad": 0.06,
+    "figure.constrained_layout.w_pad": 0.06,
+}
+
+
+@contextmanager
+def drawing() -> Iterator[None]:
+    """Use the study's matplotlib settings inside the `with` block, for drawing and for saving."""
+    with mpl.rc_context():
+        mpl.rcdefaults()
+        mpl.rcParams.update(_SETTINGS)  # type: ignore[arg-type]  # a plain dict of settings
+        yield
+
+
+def new_figure(width: float, height: float) -> Figure:
+    """An empty figure (inches) that makes room for its labels."""
+    return Figure(figsize=(width, height), layout="constrained")

@@ -1,0 +1,122 @@
+"""One start and target asked at many turning radii: lengths, words and times."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+import pandas as pd
+
+from dubins_study.report.data.reduction import EXACT
+from dubins_study.report.statistics.metrics import SUCCESSES, circle_radius, runs_of
+from dubins_study.study.closed_form.shortest import shortest
+from dubins_study.study.scenario import Scenario
+
+_FEWEST_RADII = 4  # below that there is no curve to see
+_PLACE = ["x", "y", "heading", "target_x", "target_y"]
+_SINGLE_WORDS = ("LS", "RS")
+
+
+class Span(NamedTuple):
+    """A range of radii with one shortest word.
+
+    Args:
+        word: of the shortest paths.
+        left, right: the radii between which it is the shortest.
+        first, past: its rows of `Sweep.shortest`, the first and the one after the last.
+    """
+
+    word: str
+    left: float
+    right: float
+    first: int
+    past: int
+
+
+@dataclass(frozen=True, eq=False)
+class Sweep:
+    """What the figure of one sweep draws; lengths and radii in the scenario's unit.
+
+    Args:
+        label: of its scenarios.
+        circle: the radius at which a turning circle passes through the target, R*.
+        shortest: columns radius, length, word; one row a radius, by rising radius.
+        spans: of the words, by rising radius.
+        single_words: columns word, radius, length (NaN where the word does not exist).
+        wrong: columns solver, radius, length, arrives; the answers that are not right.
+        times: columns solver, initial_guess, radius, wall_s (median, s).
+    """
+
+    label: str
+    circle: float
+    shortest: pd.DataFrame
+    spans: tuple[Span, ...]
+    single_words: pd.DataFrame
+    wrong: pd.DataFrame
+    times: pd.DataFrame
+
+
+def sweep_rows(rows: pd.DataFrame) -> dict[tuple[str, str], pd.DataFrame]:
+    """(experiment, label) -> its rows, where one start and target are asked at many radii."""
+    best = rows[rows["branch"] == "best"]
+    groups = best.groupby(["experiment", "label"], sort=True)
+    return {
+        (str(experiment), str(label)): own
+        for (experiment, label), own in groups
+        if own.loc[own["reference_word"].notna(), "radius"].nunique() >= _FEWEST_RADII
+        and len(own[_PLACE].drop_duplicates()) == 1
+    }
+
+
+def sweep(label: str, rows: pd.DataFrame) -> Sweep:
+    """The sweep of some rows of `sweep_rows`."""
+    first = rows.iloc[0]
+    line = _shortest(rows)
+    wrong = rows[~rows["verdict"].isin(SUCCESSES)]
+    timed = rows[rows["wall_s"].notna()]
+    medians = timed.groupby(["solver", "initial_guess", "radius"])["wall_s"].median()
+    return Sweep(
+        label,
+        circle_radius(*(first[key] for key in _PLACE)),
+        line,
+        _spans(line),
+        single_words(first, line["radius"].min(), line["radius"].max()),
+        wrong[["solver", "radius", "length"]].assign(arrives=wrong["gap"].notna()),
+        medians.reset_index(),
+    )
+
+
+def _shortest(rows: pd.DataFrame) -> pd.DataFrame:
+    """Word and length at each radius; the length is the closed form's answer where there is one."""
+    known = rows[rows["reference_word"].notna()].sort_values("radius").drop_duplicates("radius")
+    exact = rows[rows["solver"] == EXACT].drop_duplicates("radius").set_index("radius")["length"]
+    length = known["radius"].map(exact).fillna(known["reference"]).astype(float)
+    frame = pd.DataFrame(
+        {"radius": known["radius"], "length": length, "word": known["reference_word"]}
+    )
+    return frame.reset_index(drop=True)
+
+
+def _spans(line: pd.DataFrame) -> tuple[Span, ...]:
+    """Where each word is the shortest: it changes at the geometric mean of two radii."""
+    radii = line["radius"].tolist()
+    spans = []
+    for first, past, word in runs_of(line["word"].tolist()):
+        left = radii[0] if first == 0 else math.sqrt(radii[first - 1] * radii[first])
+        right = radii[-1] if past == len(radii) else math.sqrt(radii[past - 1] * radii[past])
+        spans.append(Span(word, left, right, first, past))
+    return tuple(spans)
+
+
+def single_words(row: pd.Series, low: float, high: float) -> pd.DataFrame:
+    """The lengths of LS and RS at radii from `low` to `high`, for the start and target of a row."""
+    radii = np.geomspace(low, high, 300)
+    where: dict[str, Any] = {key: float(row[key]) for key in _PLACE}
+    records = []
+    for word in _SINGLE_WORDS:
+        for radius in radii:
+            path = shortest(Scenario(**where, radius=radius), word)
+            records.append((word, radius, math.nan if path is None else path.total * radius))
+    return pd.DataFrame.from_records(records, columns=["word", "radius", "length"])

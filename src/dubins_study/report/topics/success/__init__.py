@@ -1,0 +1,1 @@
+"""The topic `success` of the report."""

@@ -1,0 +1,135 @@
+"""The word and the costates of a path of at most two arcs, in plain scalar arithmetic.
+
+Python runs these functions for one path; `verdict_kernel` and `extremal_kernel` compile the same
+functions for millions. They are written for both: no objects, no allocation, and selects instead
+of branches where a loop over rows is to be vectorised.
+"""
+
+from __future__ import annotations
+
+import math
+
+PATH_WORDS = ("", "S", "L", "R", "LS", "RS", "LR", "RL", "SL", "SR")
+# A run of arcs that turns by less than this (rad) is straight; a straight shorter than this share
+# of the path is left out.
+WORD = 1e-6
+# An arc that bends less than this share of the path's hardest bend is straight, with a ripple.
+RIPPLE = 1e-3
+# how far from +1, -1 or 0 a rate may be and still name a letter
+FULL_RATE = 1e-9
+_TURN = 2 * math.pi
+
+
+def path_word(k1: float, l1: float, k2: float, l2: float) -> int:
+    """`Path.word` of two arcs as an index into `PATH_WORDS`.
+
+    Args:
+        k1, k2: curvatures (1 / length unit); that of an arc of no length is not looked at.
+        l1, l2: lengths (length unit), none negative.
+    """
+    k1, k2 = (k1 if l1 > 0.0 else 0.0), (k2 if l2 > 0.0 else 0.0)
+    ripple = RIPPLE * max(abs(k1), abs(k2))
+    # 0 straight, 1 left, 2 right
+    side1 = (1 if k1 > 0.0 else 2) if abs(k1) > ripple else 0
+    side2 = (1 if k2 > 0.0 else 2) if abs(k2) > ripple else 0
+    turn1, turn2 = abs(k1) * l1, abs(k2) * l2
+    both = turn1 + turn2
+    one_side = side1 == side2
+    a = side1 if (both if one_side else turn1) > WORD else 0
+    b = side2 if (both if one_side else turn2) > WORD else 0
+    total = l1 + l2
+    alike = a == b
+    seen1 = (a > 0) | ((total if alike else l1) > WORD * total)
+    seen2 = (b > 0) | ((total if alike else l2) > WORD * total)
+    one = (a if seen1 else b) + 1 if seen1 | seen2 else 0  # "", S, L, R
+    two = (3 + a if b == 0 else 5 + a) if a > 0 else 7 + b  # LS RS, LR RL, SL SR
+    return two if seen1 & seen2 & (not alike) else one
+
+
+def nearest_rate(u: float) -> float:
+    """The rate +1, 0 or -1 that a rate is nearest to."""
+    return (1.0 if u > 0.5 else 0.0) - (1.0 if u < -0.5 else 0.0)
+
+
+def full_rate(u1: float, u2: float, l2: float) -> bool:
+    """Whether two pieces at rates u1 and u2 are a word S, C, CS or CC at full rate.
+
+    Args:
+        u1, u2: rates (curvature times radius) of two pieces; u2 is 0 if there is but one.
+        l2: length of the second piece in radii.
+    """
+    t1, t2 = nearest_rate(u1), nearest_rate(u2)
+    near = abs(u1 - t1) <= FULL_RATE and abs(u2 - t2) <= FULL_RATE
+    return near and ((t2 == 0.0 and (t1 != 0.0 or l2 == 0.0)) or t1 * t2 == -1.0)
+
+
+def costates(
+    turn1: float, first: float, turn2: float, second: float
+) -> tuple[float, float, float, float, float, float]:
+    """The costates of a word S, C, CS or CC in closed form, and how well they satisfy Pontryagin.
+
+    What is measured comes from positions and headings, not from the word (docs/derivation.md,
+    sections 9 and 10).
+
+    Args:
+        turn1, turn2: rates +1, 0 or -1 of the pieces; turn1 is 0 only if there is but one.
+        first, second: their lengths in radii.
+
+    Returns:
+        nu0, rho, phi, max |H|, sign margin and cut margin, in the frame of the start:
+        (nu1, nu2) = rho (cos phi, sin phi), scaled to max(nu0, |rho|) = 1; nu3 = 0 at the end.
+    """
+    middle = turn1 * first
+    end = middle + turn2 * second
+    if turn2 != 0.0:  # CC: along or against the chord of the second arc
+        half = math.cos(second / 2)
+        nu0, rho, phi = abs(half), -math.copysign(1.0, half), middle + turn2 * second / 2
+        cut = cut_margin_cc(first, second)
+    else:  # CS: against the final heading
+        nu0, rho, phi = 1.0, -1.0, end
+        cut = math.pi if turn1 == 0.0 else cut_margin_cs(first, second)
+    x1, y1 = _displacement(turn1, first, 0.0)
+    x2, y2 = _displacement(turn2, second, middle)
+    nu1, nu2 = rho * math.cos(phi), rho * math.sin(phi)
+    nu3 = nu2 * (x1 + x2) - nu1 * (y1 + y2)  # at the start
+    middle_nu3 = nu2 * x2 - nu1 * y2
+    H1 = nu0 + nu1 + turn1 * nu3
+    H2 = nu0 + rho * math.cos(middle - phi) + turn2 * middle_nu3
+    margin1 = _least(nu0, rho, -phi, middle - phi) if turn1 != 0.0 else math.inf
+    margin2 = _least(nu0, rho, middle - phi, end - phi) if turn2 != 0.0 else math.inf
+    margin = min(margin1, margin2)
+    on_straight = abs(middle_nu3) if turn2 == 0.0 else 0.0
+    worst = max(max(abs(H1), abs(H2)), on_straight / max(1.0, first + second))
+    return nu0, rho, phi, worst, 0.0 if margin == math.inf else margin, cut
+
+
+def cut_margin_cs(arc: float, straight: float) -> float:
+    """Margin (rad) of an arc (rad) and a straight (radii): arc <= 2 (pi - atan(straight))."""
+    return 2 * (math.pi - math.atan(straight)) - arc
+
+
+def cut_margin_cc(first: float, second: float) -> float:
+    """Margin (rad) of two arcs (rad): the second in (pi, 2 pi), the first short enough."""
+    longest = 2 * math.atan2(-math.sin(second), 2 - math.cos(second))
+    return min(min(second - math.pi, _TURN - second), longest - first)
+
+
+def _displacement(turn: float, length: float, heading: float) -> tuple[float, float]:
+    """Displacement (radii) of a piece driven from a heading."""
+    half = turn * length / 2
+    chord = length * (math.sin(half) / half if half != 0.0 else 1.0)
+    return chord * math.cos(heading + half), chord * math.sin(heading + half)
+
+
+def _least(nu0: float, rho: float, a: float, b: float) -> float:
+    """Least nu0 + rho cos(theta) for theta between a and b, as in `extremal._sign_margin`."""
+    low, high = min(a, b), max(a, b)
+    if rho < 0.0:  # least where the cosine is greatest
+        passed = math.floor(high / _TURN) > math.floor(low / _TURN)
+        return nu0 + rho * (1.0 if passed else max(math.cos(a), math.cos(b)))
+    passed = math.floor((high - math.pi) / _TURN) > math.floor((low - math.pi) / _TURN)
+    return nu0 + rho * (-1.0 if passed else min(math.cos(a), math.cos(b)))
+
+
+# what a compiled caller has to know of, since the functions above call it by name
+CALLED = (nearest_rate, cut_margin_cs, cut_margin_cc, _displacement, _least)
