@@ -12,10 +12,10 @@ from pathlib import Path
 
 import pytest
 
+from dubins_study.experiments import code_digest as digest_module
+from dubins_study.experiments.code_digest import code_digest, solver_sources
 from dubins_study.experiments.definition.experiment import read
-from dubins_study.experiments.plan import code_digest as digest_module
 from dubins_study.experiments.plan.cells import chains
-from dubins_study.experiments.plan.code_digest import code_digest, solver_sources
 from dubins_study.experiments.store.folder import read_rows
 from dubins_study.report.data.load import load
 from dubins_study.solvers.registry import SolverError, registered
@@ -23,7 +23,7 @@ from dubins_study.solvers.registry import load as load_solver
 
 PACKAGE = Path(__file__).parents[2] / "src" / "dubins_study"
 ROOMS = {PACKAGE / "solvers", PACKAGE / "study"}
-DIGEST = "dubins_study.experiments.plan.code_digest"
+DIGEST = "dubins_study.experiments.code_digest"
 PLUGIN = """
 from dataclasses import dataclass
 from dubins_study.solvers.paper_nlp.slsqp import Slsqp

@@ -21,8 +21,7 @@ from dubins_study.experiments.engines import dask_worker
 from dubins_study.experiments.engines.dask_client import mismatch
 from dubins_study.experiments.engines.dask_host import local_cluster
 from dubins_study.experiments.engines.work_unit import Chunk, encoded
-from dubins_study.experiments.isolation.supervisor import RunError
-from dubins_study.experiments.run_settings import RunSettings
+from dubins_study.experiments.isolation.pool import RunError
 from dubins_study.experiments.store.folder import read_rows
 
 EXPERIMENT = """
@@ -58,7 +57,8 @@ def plugin(folder: Path, solve: str) -> str:
     file = folder / "plugin.py"
     file.write_text(
         "import ctypes, os, signal, sys, time\nfrom pathlib import Path\nimport psutil\n"
-        "from dubins_study.solvers.paper_nlp.slsqp import Slsqp\n"
+        "from dubins_study.experiments.run_settings import RunSettings
+from dubins_study.solvers.paper_nlp.slsqp import Slsqp\n"
         "HERE = Path(__file__).parent\n"
         "def dask_worker():\n"
         "    parents = psutil.Process().parents()\n"

@@ -19,7 +19,7 @@ import dask_here as here
 
 from dubins_study import run
 from dubins_study.experiments.engines.dask_host import local_cluster
-from dubins_study.experiments.isolation.supervisor import RunError
+from dubins_study.experiments.isolation.pool import RunError
 from dubins_study.experiments.store.folder import done, read_rows
 
 ROOT = Path(__file__).parents[2]

@@ -7,7 +7,7 @@ from pathlib import Path as FilePath
 from typing import NamedTuple
 from uuid import uuid4
 
-from dubins_study.experiments.engines.engine import ENGINES, Engine
+from dubins_study.experiments.engines.engine import Engine, make_engine
 from dubins_study.experiments.engines.execution import solve_left
 from dubins_study.experiments.engines.stream import solve_streams, streamed_totals, streams_done
 from dubins_study.experiments.interruption import Interruption
@@ -89,7 +89,7 @@ def run(
     with Interruption() as stop:
         plan = plan_run(request)
         stop.check()
-        with ENGINES[engine](jobs, scheduler) as entered_engine:
+        with make_engine(engine, jobs, scheduler) as entered_engine:
             prepare_folder(plan.folder)
             with locked(plan.folder):
                 folder_state = _open_folder(plan, request)
@@ -185,7 +185,7 @@ def _run_entry(settings: RunSettings, request: Request, engine: Engine) -> RunEn
         time_limit_s=settings.time_limit_s,
         memory_limit_gib=settings.memory_limit_gib,
         threads=THREADS,
-        **engine.said,
+        **engine.run_entry,
     )
 
 

@@ -7,13 +7,13 @@ import math
 from hypothesis import given
 from hypothesis import strategies as st
 
+from dubins_study.experiments.engines.chains import remaining_chains
 from dubins_study.experiments.engines.judging import row_of
 from dubins_study.experiments.engines.work_unit import (
     Chunk,
     decoded,
     encoded,
     first_cells,
-    remainder,
     rows_received,
     rows_sent,
 )
@@ -24,7 +24,7 @@ from dubins_study.solvers.protocol import Outcome, Solution
 from dubins_study.study.check.verdict import Claim
 from dubins_study.study.closed_form.shortest import shortest_path
 from dubins_study.study.path import Path
-from dubins_study.study.rows.row_table import row_key
+from dubins_study.study.rows.row_table import row_key, row_path
 from dubins_study.study.scenario import Scenario
 
 RUN = RunSettings("run", 60.0, 2**31, jobs=2, engine="dask")
@@ -57,6 +57,10 @@ def test_a_chunk_arrives_as_it_was_sent(chunk):
     assert decoded(encoded(chunk)) == chunk
 
 
+def by_key(rows):
+    return {row_key(row): row_path(row) for row in rows}
+
+
 def solved(one: Cell, arrives: bool = True):
     path = shortest_path(one.scenario)
     solution = Solution(Claim.LOCAL, path) if arrives else Solution(Claim.FAILED)
@@ -79,19 +83,19 @@ ALONE = (cell(9, Scenario(0, 0, 0, 5, 5, 1), "cold"),)
 
 def test_what_is_left_begins_after_the_last_row_with_its_path():
     rows = [solved(SWEEP[0]), solved(SWEEP[1]), solved(ALONE[0])]
-    left, before = remainder([SWEEP, ALONE], {}, rows)
+    left, before = remaining_chains([SWEEP, ALONE], {}, by_key(rows))
 
     assert left == [SWEEP[2:]]
     assert before == {SWEEP[2].key: shortest_path(SWEEP[1].scenario)}
 
 
 def test_after_a_failure_the_last_path_serves_on():
-    """As it does where one supervisor solves the whole chain."""
+    """As it does where one pool solves the whole chain."""
     given_before = shortest_path(SWEEP[3].scenario)
     failed = [solved(SWEEP[0], arrives=False)]
 
-    assert remainder([SWEEP], {}, failed) == ([SWEEP[1:]], {})
-    left, before = remainder([SWEEP], {SWEEP[0].key: given_before}, failed)
+    assert remaining_chains([SWEEP], {}, by_key(failed)) == ([SWEEP[1:]], {})
+    left, before = remaining_chains([SWEEP], {SWEEP[0].key: given_before}, by_key(failed))
     assert (left, before) == ([SWEEP[1:]], {SWEEP[1].key: given_before})
 
 
@@ -106,6 +110,6 @@ def test_pieces_make_up_the_whole(sizes, most):
         assert 0 < sum(map(len, piece)) <= most
         rows = [solved(one) for chain in piece for one in chain]
         seen += [row_key(row) for row in rows]
-        left, _ = remainder(left, {}, rows)
+        left, _ = remaining_chains(left, {}, by_key(rows))
 
     assert seen == [one.key for chain in chains for one in chain]

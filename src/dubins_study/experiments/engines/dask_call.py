@@ -7,7 +7,7 @@ from contextlib import suppress
 from typing import Any
 
 from dubins_study.experiments.engines.work_unit import Chunk, Returned
-from dubins_study.experiments.isolation.supervisor import RunError
+from dubins_study.experiments.isolation.pool import RunError
 from dubins_study.solvers.attempt import told
 
 # s for rows to arrive from where they were solved

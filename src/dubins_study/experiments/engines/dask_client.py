@@ -9,7 +9,7 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager, suppress
 from typing import Any
 
-from dubins_study.experiments.isolation.supervisor import RunError
+from dubins_study.experiments.isolation.pool import RunError
 from dubins_study.solvers.attempt import told
 
 _ANSWER = 10.0  # s for a scheduler to answer

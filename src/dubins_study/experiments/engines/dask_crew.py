@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections import deque
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from itertools import count
 from queue import Empty, SimpleQueue
@@ -12,15 +12,15 @@ from threading import Thread
 from time import monotonic
 from typing import Any, NamedTuple
 
+from dubins_study.experiments.engines.chains import remaining_chains
 from dubins_study.experiments.engines.dask_call import LOST, everywhere, returned, there
-from dubins_study.experiments.engines.engine import Probed
-from dubins_study.experiments.engines.work_unit import Chunk, encoded, remainder, rows_received
+from dubins_study.experiments.engines.work_unit import Chunk, encoded, rows_received
 from dubins_study.experiments.interruption import Interruption
-from dubins_study.experiments.isolation.supervisor import RunError
+from dubins_study.experiments.isolation.pool import RunError
 from dubins_study.experiments.plan.cells import Chain
 from dubins_study.experiments.run_settings import RunSettings
 from dubins_study.study.path import Path
-from dubins_study.study.rows.row_table import Row, row_key
+from dubins_study.study.rows.row_table import Row, row_key, row_path
 from dubins_study.study.rows.schema import Key
 
 _LOG = logging.getLogger(__name__)
@@ -53,7 +53,7 @@ class _Flight(NamedTuple):
 class DaskCrew:
     """The workers of a cluster, as far as one run is concerned."""
 
-    def __init__(self, client: Any, run: RunSettings, probed: Probed | None):
+    def __init__(self, client: Any, run: RunSettings, probed: Callable[[float, int], None] | None):
         self._client, self._run, self._probed = client, run, probed
         # whose names are recorded nowhere: they are numbered as their first probes arrive
         self._machines: dict[str, int] = {}
@@ -168,7 +168,9 @@ class DaskCrew:
 
     def _take_back(self, chunk: Chunk, rows: list[Row]) -> None:
         """What a worker has handed back is the next to be solved."""
-        left, before = remainder(chunk.chains, chunk.before, rows)
+        left, before = remaining_chains(
+            chunk.chains, chunk.before, {row_key(row): row_path(row) for row in rows}
+        )
         if left and not rows:
             raise RunError("a Dask worker solved nothing of what it was asked")
         self._waiting.extendleft(reversed(left))

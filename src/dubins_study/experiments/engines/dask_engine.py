@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager
+from collections.abc import Callable, Generator, Mapping
+from contextlib import ExitStack
 from typing import Any, Self
 
 from dubins_study.experiments.engines.dask_client import connected, installed, quiet
 from dubins_study.experiments.engines.dask_crew import DaskCrew
 from dubins_study.experiments.engines.dask_host import local_cluster
-from dubins_study.experiments.engines.engine import Probed
+from dubins_study.experiments.interruption import Interruption
+from dubins_study.experiments.plan.cells import Chain
 from dubins_study.experiments.run_settings import RunSettings
+from dubins_study.study.path import Path
+from dubins_study.study.rows.row_table import Row
+from dubins_study.study.rows.schema import Key
 
 _LOG = logging.getLogger(__name__)
 
@@ -29,7 +33,7 @@ class DaskEngine:
 
     def __init__(self, jobs: int, scheduler: str | None):
         self.jobs, self._scheduler = jobs, scheduler
-        self.said: dict[str, Any] = {}
+        self.run_entry: dict[str, Any] = {}
         self._client: Any = None
         self._leaving = ExitStack()
 
@@ -42,24 +46,28 @@ class DaskEngine:
                 self._client = entered.enter_context(connected(self._scheduler))
                 threads = self._client.nthreads()
                 workers, self.jobs = len(threads), max(1, sum(threads.values()))
-            self.said = {"workers": workers, "distributed": version}
+            self.run_entry = {"workers": workers, "distributed": version}
             self._leaving = entered.pop_all()
         return self
 
     def __exit__(self, *_: object) -> None:
         self._leaving.close()
 
-    @contextmanager
-    def crew(self, run: RunSettings, probed: Probed | None) -> Iterator[DaskCrew]:
-        """Workers that are there; those of this machine are started."""
+    def solve(
+        self,
+        chains: list[Chain],
+        before: Mapping[Key, Path],
+        settings: RunSettings,
+        stop: Interruption,
+        probed: Callable[[float, int], None] | None,
+    ) -> Generator[list[Row], None, None]:
+        """See `Engine.solve`; workers of this machine are started first."""
         with ExitStack() as entered:
             client = self._client
             if client is None:
                 host = entered.enter_context(local_cluster(self.jobs))
                 client = entered.enter_context(connected(host.address))
                 _LOG.warning("dubins-study: Dask's dashboard is at %s", host.dashboard)
-            crew = DaskCrew(client, run, probed)
-            try:
-                yield crew
-            finally:
-                crew.close()
+            crew = DaskCrew(client, settings, probed)
+            entered.callback(crew.close)
+            yield from crew.solve(chains, before, stop)

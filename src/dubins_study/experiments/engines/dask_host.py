@@ -8,21 +8,22 @@ has a process for itself, in a session of its own, which ends when whoever start
 from __future__ import annotations
 
 import json
+import os
 import subprocess
 import sys
 import tempfile
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
-from typing import NamedTuple
+from typing import IO, NamedTuple
 
-from dubins_study.experiments.isolation import processes
-from dubins_study.experiments.isolation.last_words import LastWords
-from dubins_study.experiments.isolation.supervisor import RunError
+from dubins_study.experiments.isolation import process_tree
+from dubins_study.experiments.isolation.pool import RunError
 
 # s that a cluster is given to start (its workers load this project, on a busy machine too), and to
 # end by itself
 _START_UP, _PARTING = 120.0, 5.0
+_OUTPUT_BYTES = 200
 # the caller's search path, so that whatever is imported there is found; -P: nothing else is
 _PROGRAM = (
     "import sys, json; sys.path[:] = json.loads(sys.stdin.readline()); "
@@ -44,28 +45,27 @@ def local_cluster(workers: int) -> Iterator[Host]:
     Raises:
         RunError: if they do not start.
     """
-    words = LastWords()
-    with tempfile.TemporaryDirectory(prefix="dubins-study-", ignore_cleanup_errors=True) as scratch:
+    scratch_folder = tempfile.TemporaryDirectory(prefix="dubins-study-", ignore_cleanup_errors=True)
+    with scratch_folder as scratch, tempfile.TemporaryFile() as errors:
         process = subprocess.Popen(
             [sys.executable, "-P", "-c", _PROGRAM],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
-            stderr=words.writer.fileno(),
+            stderr=errors,
             text=True,
             start_new_session=True,
         )
-        words.close()
         try:
-            yield _told(process, workers, scratch, words)
+            yield _told(process, workers, scratch, errors)
         finally:
             _end(process)
 
 
-def _told(process: subprocess.Popen[str], workers: int, scratch: str, words: LastWords) -> Host:
+def _told(process: subprocess.Popen[str], workers: int, scratch: str, errors: IO[bytes]) -> Host:
     assert process.stdin is not None
     assert process.stdout is not None
     asked = json.dumps(sys.path) + "\n" + json.dumps([workers, scratch]) + "\n"
-    with suppress(BrokenPipeError):  # it has ended; its last words say why
+    with suppress(BrokenPipeError):  # it has ended; its last output says why
         process.stdin.write(asked)
         process.stdin.flush()
     patience = threading.Timer(_START_UP, process.kill)
@@ -74,8 +74,14 @@ def _told(process: subprocess.Popen[str], workers: int, scratch: str, words: Las
     patience.cancel()
     if not said:
         process.wait(_PARTING)
-        raise RunError(f"Dask's cluster on this machine did not start: {words.take()}")
+        raise RunError(f"Dask's cluster on this machine did not start: {_end_of(errors)}")
     return Host(*json.loads(said))
+
+
+def _end_of(errors: IO[bytes]) -> str:
+    """The last that was printed, on one line."""
+    errors.seek(max(0, errors.seek(0, os.SEEK_END) - _OUTPUT_BYTES))
+    return " ".join(errors.read().decode("utf-8", "replace").split())
 
 
 def _end(process: subprocess.Popen[str]) -> None:
@@ -87,7 +93,7 @@ def _end(process: subprocess.Popen[str]) -> None:
         with suppress(subprocess.TimeoutExpired):
             process.wait(_PARTING)
     finally:
-        ending = processes.end if process.poll() is None else processes.end_session
+        ending = process_tree.end if process.poll() is None else process_tree.end_session
         ending(process.pid)
         process.wait()
         assert process.stdout is not None

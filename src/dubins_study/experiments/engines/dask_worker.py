@@ -1,8 +1,7 @@
-"""What a Dask worker does: solve chunks by supervised processes of its own, kept between chunks."""
+"""What a Dask worker does: solve chunks by worker processes of its own, kept between chunks."""
 
 from __future__ import annotations
 
-import multiprocessing
 import socket
 import threading
 from collections.abc import Callable, Iterator
@@ -11,19 +10,19 @@ from multiprocessing.util import Finalize
 from pathlib import Path as FilePath
 from time import monotonic
 
+from dubins_study.experiments.engines.chains import remaining_chains
+from dubins_study.experiments.engines.local import limits, solve_chains
 from dubins_study.experiments.engines.work_unit import (
     Chunk,
     Returned,
     decoded,
     first_cells,
-    remainder,
     rows_sent,
 )
 from dubins_study.experiments.interruption import Interruption
-from dubins_study.experiments.isolation.supervisor import RunError, Supervisor
-from dubins_study.experiments.isolation.watch import Bounds
+from dubins_study.experiments.isolation.pool import RunError, WorkerPool
 from dubins_study.experiments.run_settings import RunSettings
-from dubins_study.study.rows.row_table import Row
+from dubins_study.study.rows.row_table import Row, row_key, row_path
 
 # s after which a chunk is handed back, with what is left of it: rows are written every second, and
 # a chunk of solvers that take their time must not keep other workers waiting at the end
@@ -49,12 +48,12 @@ _IMPORTED = _sources()
 
 
 class _Bench:
-    """The supervisors of this process: one for every chunk that is solved at the same time."""
+    """The worker pools of this process: one for every chunk that is solved at the same time."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
-        self._idle: list[Supervisor] = []
-        self._busy: list[Supervisor] = []
+        self._idle: list[tuple[RunSettings, WorkerPool]] = []
+        self._busy: list[tuple[RunSettings, WorkerPool]] = []
         self._stops: dict[str, Interruption] = {}
         self._probes: dict[str, list[float]] = {}  # by run, those that were not sent yet
         # a Dask worker that is told to close; one that is killed takes its processes with it
@@ -66,26 +65,27 @@ class _Bench:
             return self._stops.setdefault(run_id, Interruption())
 
     @contextmanager
-    def supervisor(self, run: RunSettings) -> Iterator[Supervisor]:
-        """One of this run; those of other runs that nobody uses are closed."""
+    def pool(self, settings: RunSettings) -> Iterator[WorkerPool]:
+        """A pool of this run; those of other runs that nobody uses are closed."""
         with self._lock:
-            others = [one for one in self._idle if one.run != run]
-            self._idle = [one for one in self._idle if one not in others]
-            found = self._idle.pop() if self._idle else None
+            others = [one for one in self._idle if one[0] != settings]
+            self._idle = [one for one in self._idle if one[0] == settings]
+            entry = self._idle.pop() if self._idle else None
         _close(others)
-        bounds = Bounds(run.time_limit_s, run.memory_limit_bytes)
-        found = found or Supervisor(run, bounds, 1, self._probed(run.run_id)).__enter__()
+        if entry is None:
+            pool = WorkerPool(1, limits(settings), probed=self._probed(settings.run_id))
+            entry = settings, pool
         with self._lock:
-            self._busy.append(found)
+            self._busy.append(entry)
         sound = False
         try:
-            yield found
-            sound = not self.stop(run.run_id).asked
+            yield entry[1]
+            sound = not self.stop(settings.run_id).asked
         finally:
             with self._lock:
-                self._busy.remove(found)
-                self._idle += [found] if sound else []
-            _close([] if sound else [found])
+                self._busy.remove(entry)
+                self._idle += [entry] if sound else []
+            _close([] if sound else [entry])
 
     def _probed(self, run_id: str) -> Callable[[float], None]:
         def note(seconds: float) -> None:
@@ -100,16 +100,16 @@ class _Bench:
             return self._probes.pop(run_id, [])
 
     def end(self, run_id: str) -> None:
-        """What is being solved for a run is ended; its supervisors are closed."""
+        """What is being solved for a run is ended; its pools are closed."""
         self.stop(run_id).asked = True
         with self._lock:
-            mine = [one for one in self._idle if one.run.run_id == run_id]
+            mine = [one for one in self._idle if one[0].run_id == run_id]
             self._idle = [one for one in self._idle if one not in mine]
             self._probes.pop(run_id, None)
-            busy = [one for one in self._busy if one.run.run_id == run_id]
+            busy = [one for one in self._busy if one[0].run_id == run_id]
         _close(mine)
-        for one in busy:
-            one.end_solves()
+        for _, pool in busy:
+            pool.kill_workers()
 
     def clear(self) -> None:
         with self._lock:
@@ -117,9 +117,9 @@ class _Bench:
         _close(mine)
 
 
-def _close(supervisors: list[Supervisor]) -> None:
-    for one in supervisors:
-        one.__exit__()
+def _close(entries: list[tuple[RunSettings, WorkerPool]]) -> None:
+    for _, pool in entries:
+        pool.__exit__()
 
 
 _bench = _Bench()
@@ -133,24 +133,25 @@ def solve_chunk(sent: bytes) -> Returned:
         return Returned(b"", f"on the Dask worker on {machine}, {refusal}", machine, [])
     rows: list[Row] = []
     try:
-        with _bench.supervisor(chunk.run) as supervisor:
-            for some in _solved(chunk, supervisor, _bench.stop(chunk.run.run_id)):
+        with _bench.pool(chunk.run) as pool:
+            for some in _solved(chunk, pool, _bench.stop(chunk.run.run_id)):
                 rows += some
     except RunError as error:
         refusal = f"on the Dask worker on {machine}, {error}"
     return Returned(rows_sent(rows), refusal, machine, _bench.probes(chunk.run.run_id))
 
 
-def _solved(chunk: Chunk, supervisor: Supervisor, stop: Interruption) -> Iterator[list[Row]]:
+def _solved(chunk: Chunk, pool: WorkerPool, stop: Interruption) -> Iterator[list[Row]]:
     began = monotonic()
     left, before, most = chunk.chains, dict(chunk.before), _PIECE
     while left and not stop.asked and monotonic() - began < _TURN:
         piece = monotonic()
         found: list[Row] = []
-        for rows in supervisor.solve(first_cells(left, most), before, stop):
+        for rows in solve_chains(pool, first_cells(left, most), before, chunk.run, stop):
             found += rows
         yield found
-        left, before = remainder(left, before, found)
+        done = {row_key(row): row_path(row) for row in found}
+        left, before = remaining_chains(left, before, done)
         most *= 2 if monotonic() - piece < _QUICK else 1
 
 
@@ -164,20 +165,6 @@ def _refusal(chunk: Chunk) -> str:
             return (
                 f"there is no file {file!r} for the solver {spec!r}; expected it at the same path "
                 "on every machine (see docs/scaling.md)"
-            )
-    return _allow_children()
-
-
-def _allow_children() -> str:
-    """Dask's nannies start workers as daemons, which may start no processes of their own."""
-    process = multiprocessing.current_process()
-    if process.daemon:
-        try:
-            process.daemon = False
-        except AssertionError:
-            return (
-                "solvers cannot be given processes of their own; start the workers with "
-                "DASK_DISTRIBUTED__WORKER__DAEMON=False in their environment"
             )
     return ""
 

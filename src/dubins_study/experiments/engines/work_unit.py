@@ -11,13 +11,13 @@ import pyarrow as pa
 from dubins_study.experiments.plan.cells import Cell, Chain
 from dubins_study.experiments.run_settings import RunSettings
 from dubins_study.study.path import Path
-from dubins_study.study.rows.row_table import Row, row_key, row_path, rows_table
+from dubins_study.study.rows.row_table import Row, rows_table
 from dubins_study.study.rows.schema import SCENARIO, Key, names
 from dubins_study.study.scenario import Pose, Scenario
 
 
 class Chunk(NamedTuple):
-    """What one task is asked: chains of cells, and the paths before them (see `Supervisor`)."""
+    """What one task is asked: chains of cells, and the paths before them (see `solve_chains`)."""
 
     run: RunSettings
     chains: list[Chain]
@@ -113,26 +113,3 @@ def first_cells(chains: Iterable[Chain], most: int) -> list[Chain]:
         taken.append(chain[:most])
         most -= len(chain)
     return taken
-
-
-def remainder(
-    chains: Iterable[Chain], before: Mapping[Key, Path], rows: Iterable[Row]
-) -> tuple[list[Chain], dict[Key, Path]]:
-    """What is left of chains once there are rows of their first cells.
-
-    Returns:
-        The chains, and the paths before them. After a failure the last path found serves on.
-    """
-    done = {row_key(row): row for row in rows}
-    left: list[Chain] = []
-    paths: dict[Key, Path] = {}
-    for chain in chains:
-        path, place = before.get(chain[0].key), 0
-        while place < len(chain) and chain[place].key in done:
-            path = row_path(done[chain[place].key]) or path
-            place += 1
-        if place < len(chain):
-            left.append(chain[place:])
-            if path is not None:
-                paths[chain[place].key] = path
-    return left, paths

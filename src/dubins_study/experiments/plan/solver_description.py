@@ -6,23 +6,20 @@ point, is loaded in a process of its own: it may hang, crash, or change its proc
 
 from __future__ import annotations
 
-import json
-from concurrent.futures import TimeoutError
 from functools import cache
 from typing import Any, NamedTuple
 
-from pebble import ProcessExpired
-from pebble.concurrent import process
-
-from dubins_study.experiments.isolation.endings import ending
-from dubins_study.experiments.isolation.spawning import Context
-from dubins_study.experiments.plan.code_digest import code_digest, plain_settings
+from dubins_study.experiments.code_digest import code_digest, plain_settings
+from dubins_study.experiments.isolation.exit_status import exit_status
+from dubins_study.experiments.isolation.fork_server import fork
+from dubins_study.experiments.isolation.messages import Channel, MessageError
 from dubins_study.experiments.provenance import versions_of
 from dubins_study.solvers.analytic import Analytic
 from dubins_study.solvers.attempt import told
 from dubins_study.solvers.registry import SolverError, canonical, load, ours
 
-_LOAD_LIMIT_S = 60.0
+_LOAD_LIMIT_S = 60.0  # for a plug-in to be imported
+_EXIT_WAIT_S = 2.0  # for the kernel to end a killed process
 
 
 class SolverDescription(NamedTuple):
@@ -63,17 +60,31 @@ def describe_solver(spec: str, profile: str = "default") -> SolverDescription:
     """
     if ours(spec):
         return _describe(spec, profile)
-    describe_elsewhere = process(timeout=_LOAD_LIMIT_S, context=Context())(_describe_as_json)
-    try:
-        fields = json.loads(describe_elsewhere(spec, profile).result())
-    except TimeoutError:
-        raise SolverError(
-            f"solver {spec!r} takes longer than {_LOAD_LIMIT_S:g} s to load"
-        ) from None
-    except ProcessExpired as error:
-        how = ending(error.exitcode)[0]
-        raise SolverError(f"solver {spec!r} ends the process that loads it: {how}") from None
+    fields = _fields_from_elsewhere(spec, profile)
     return SolverDescription(**(fields | {"packages": tuple(fields["packages"])}))
+
+
+def _fields_from_elsewhere(spec: str, profile: str) -> dict[str, Any]:
+    """The fields of a plug-in's description, found by a process of its own."""
+    process = fork(f"{__name__}:send_description", [spec, profile])
+    try:
+        if not process.wait(_LOAD_LIMIT_S):
+            raise SolverError(f"solver {spec!r} takes longer than {_LOAD_LIMIT_S:g} s to load")
+        answer = next(process.channel.received(), None)
+    except (EOFError, OSError, MessageError):
+        answer = None
+    finally:
+        process.kill()
+        process.wait(_EXIT_WAIT_S)
+        exit_code = process.exit_code()
+        process.close()
+    if answer is None:
+        status = exit_status(exit_code)[0]
+        raise SolverError(f"solver {spec!r} ends the process that loads it: {status}")
+    fields, message = answer[0]
+    if message is not None:
+        raise SolverError(str(message))
+    return dict(fields)
 
 
 def _describe(spec: str, profile: str) -> SolverDescription:
@@ -89,14 +100,15 @@ def _describe(spec: str, profile: str) -> SolverDescription:
     )
 
 
-def _describe_as_json(spec: str, profile: str) -> str:
+def send_description(channel: Channel, spec: str, profile: str) -> None:
     """Describe a plug-in in the process that loads it.
 
-    The description returns as JSON, so that the run unpickles no object of the plug-in's classes.
+    What is sent is the description's fields and None, or None and what is wrong with the solver:
+    plain values, so that no object of the plug-in's classes reaches the run.
     """
     try:
-        return json.dumps(_describe(spec, profile)._asdict())
+        channel.send([_describe(spec, profile)._asdict(), None])
     except SolverError as error:
-        raise SolverError(str(error)) from None
-    except BaseException as error:
-        raise SolverError(f"solver {spec!r} cannot be described: {told(error)}") from None
+        channel.send([None, str(error)])
+    except BaseException as error:  # a plug-in may raise anything
+        channel.send([None, f"solver {spec!r} cannot be described: {told(error)}"])

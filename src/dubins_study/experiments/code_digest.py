@@ -22,7 +22,7 @@ from dubins_study.solvers.protocol import Solver
 from dubins_study.solvers.registry import canonical, load, settings
 
 _DIGEST_DIGITS = 12
-_PACKAGE = FilePath(__file__).parents[2]
+_PACKAGE = FilePath(__file__).parents[1]
 _ROOM_NAME = re.compile(rb"dubins_study\.solvers(?:\.| import )(\w+)")
 _WORD = re.compile(rb"\w+")
 # the rooms that judge the answer of every solver
