@@ -144,7 +144,7 @@ def _installed_plugin(package_name: str) -> Sources:
 
 
 def _read_all(root: FilePath, files: Iterable[FilePath]) -> Sources:
-    return {os.path.relpath(file, root): _read(file) for file in files}
+    return {FilePath(os.path.relpath(file, root)).as_posix(): _read(file) for file in files}
 
 
 @cache
