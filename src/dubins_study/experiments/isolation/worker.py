@@ -7,6 +7,7 @@ import os
 import signal
 from typing import Any, NamedTuple
 
+from dubins_study.experiments.code_digest import code_digest
 from dubins_study.experiments.isolation.calibration import probe
 from dubins_study.experiments.isolation.job_clock import JobClock, Phase
 from dubins_study.experiments.isolation.messages import (
@@ -17,9 +18,9 @@ from dubins_study.experiments.isolation.messages import (
 )
 from dubins_study.experiments.isolation.sandbox import bound_memory, pin_threads
 from dubins_study.experiments.isolation.worker_state import WorkerState, seed
-from dubins_study.experiments.plan.code_digest import code
-from dubins_study.experiments.provenance import now, solver_versions
+from dubins_study.experiments.provenance import now, versions
 from dubins_study.solvers.attempt import ask, nothing, told
+from dubins_study.solvers.library_versions import reported_versions
 from dubins_study.solvers.protocol import Outcome, Question, Solver
 from dubins_study.solvers.registry import load
 from dubins_study.study.scenario import Scenario
@@ -105,14 +106,14 @@ class Worker:
         key = job.solver, job.profile
         self._note(job.number, Phase.LOADING)
         solver = load(*key)
-        digest = self._digests[key] = code(*key)
-        versions = json.dumps(solver_versions(solver))
+        digest = self._digests[key] = code_digest(*key)
+        row_versions = json.dumps(versions(tuple(solver.packages)) | reported_versions(solver))
         if job.warm_up:
             self._note(job.number, Phase.WARMING_UP)
             seed()
             ask(solver, Question(_WARM_UP, solver.branches[0]), job.time_limit)
             self._end_copy()
-        loaded = self._solvers[key] = _LoadedSolver(solver, versions, digest)
+        loaded = self._solvers[key] = _LoadedSolver(solver, row_versions, digest)
         self.state.accept()
         return loaded
 

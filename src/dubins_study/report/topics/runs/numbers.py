@@ -8,7 +8,7 @@ from typing import Any
 import pandas as pd
 
 from dubins_study.report.data.load import Manifest
-from dubins_study.study.rows.machine_noise import Probe, by_machine, varied
+from dubins_study.study.rows.machine_noise import Probe, by_machine
 from dubins_study.study.rows.manifest import RunEntry
 
 COLUMNS = (
@@ -23,7 +23,7 @@ def runs(manifests: Iterable[Manifest]) -> pd.DataFrame:
     Returns:
         Columns experiment, run, started, seconds (NaN if it does not say), state, engine, jobs,
         machine and governor (texts), load (of the last minute, at its start and its end), probes
-        (a tuple of `study.rows.machine_noise.Probe`), spread (a share, NaN if unknown).
+        (a list of `study.rows.machine_noise.Probe`), spread (a share, NaN if unknown).
     """
     rows = [
         _row(manifest.name, RunEntry.model_validate(entry))
@@ -52,7 +52,7 @@ def probe_ratios(table: pd.DataFrame) -> pd.DataFrame:
 
 
 def _row(experiment: str, run: RunEntry) -> dict[str, Any]:
-    share = varied(run.probes)
+    share = run.spread
     return {
         "experiment": experiment,
         "run": run.run_id,
