@@ -99,10 +99,10 @@ def _cap(change: pd.DataFrame) -> str:
     free, bounded = change.loc[False], change.loc[True]
     return (
         "From the same initial guesses, but with every turn bounded by a full one, the share that "
-        f"ends with full turns is {share(bounded['turned'])} instead of {share(free['turned'])}, that of the "
-        f"shortest path {share(bounded['optimal'])} instead of {share(free['optimal'])}, and the "
-        f"refuted statements number {count(bounded['refuted'])} instead of "
-        f"{count(free['refuted'])}."
+        f"ends with full turns is {share(bounded['turned'])} instead of {share(free['turned'])}, "
+        f"that of the shortest path {share(bounded['optimal'])} instead of "
+        f"{share(free['optimal'])}, and the refuted statements number "
+        f"{count(bounded['refuted'])} instead of {count(free['refuted'])}."
     )
 
 
