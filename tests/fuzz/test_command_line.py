@@ -10,7 +10,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-import dubins_study.report.page.render  # noqa: F401  its libraries write to places of their own when loaded
+# loaded here, since a module that is loaded for the first time may write a cache file
+import dubins_study.cli.app
+import dubins_study.cli.streams
+import dubins_study.report.page.render  # noqa: F401
 from tests.fuzz.hostile import HOSTILE, cases
 from tests.fuzz.page import check_json
 from tests.fuzz.watched import command, raw_controls, watched
@@ -58,6 +61,7 @@ _COMMANDS: dict[str, tuple[st.SearchStrategy[list[str]], list[st.SearchStrategy[
             ),
             _option("--branch", st.sampled_from(["best", "LS", "RL", "SL"])),
             _option("--profile", st.sampled_from(["default", "accurate", "no"])),
+            st.just(["--strict"]),
         ],
     ),
     "export": (
@@ -69,6 +73,7 @@ _COMMANDS: dict[str, tuple[st.SearchStrategy[list[str]], list[st.SearchStrategy[
             _option("--order", st.sampled_from(["LRS", "RLS"])),
         ],
     ),
+    "experiments": (st.just([]), [st.just(["--json"])]),
     "status": (_PLACES.map(lambda p: [p]), [st.just(["--json"])]),
     "merge": (st.lists(_PLACES, max_size=3), [_option("--out", _PLACES)]),
     "report": (st.lists(_PLACES, max_size=2), [_option("--out", _PLACES)]),

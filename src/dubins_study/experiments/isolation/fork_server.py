@@ -19,6 +19,7 @@ from contextlib import suppress
 from pathlib import Path as FilePath
 from typing import Any, NamedTuple
 
+from dubins_study.errors import DubinsStudyError
 from dubins_study.experiments.isolation.messages import Channel
 
 # the folder from which this package was imported: a forked process must find it as well
@@ -35,7 +36,7 @@ _OUTPUT_PIPE_BYTES = 2**20
 _F_SETPIPE_SZ = 1031
 
 
-class ForkServerError(RuntimeError):
+class ForkServerError(DubinsStudyError, RuntimeError):
     """No process can be forked."""
 
 
@@ -103,7 +104,8 @@ class _ForkServer:
                 os.close(status_end)
         os.set_blocking(output, False)
         channel = Channel(ours)
-        channel.send([function, arguments, search_path(), dict(os.environ), _directory()])
+        with suppress(OSError):  # the process was killed at once; its end is seen by its status
+            channel.send([function, arguments, search_path(), dict(os.environ), _directory()])
         ours.setblocking(False)
         return ForkedProcess(pid, channel, output, status)
 

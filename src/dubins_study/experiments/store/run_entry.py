@@ -16,12 +16,13 @@ from dubins_study.experiments.provenance import (
     source,
     thread_limits,
 )
-from dubins_study.experiments.store.manifest import write_manifest
+from dubins_study.experiments.store.manifest_changes import write_manifest
 from dubins_study.study.rows.files import ResultsError
 from dubins_study.study.rows.machine_noise import Probe
 from dubins_study.study.rows.manifest import Manifest, RunEntry
 
-RUNNING, FINISHED, INTERRUPTED = "running", "finished", "interrupted"
+# `killed` stands in no manifest: a run that is killed leaves `running`.
+RUNNING, FINISHED, INTERRUPTED, KILLED = "running", "finished", "interrupted", "killed"
 
 _WRITE_INTERVAL_S = 2.0
 # A manifest is read and written as a whole, so that it must stay small.
@@ -42,16 +43,15 @@ class RunRecord:
         self._began = self._written = monotonic()
         self._probes: list[Probe] = []
         self._probes_taken, self._probe_stride = 0, 1
-        self._entry = request.model_copy(
-            update={
-                "machine": machine(),
-                "governor": governor(),
-                "thread_limits": thread_limits(),
-                "git": source(),
-                "load_start": load_average(),
-                "started": now(),
-                "state": RUNNING,
-            }
+        self._entry = request.with_changes(
+            machine=machine(),
+            governor=governor(),
+            thread_limits=thread_limits(),
+            git=source(),
+            load_start=load_average(),
+            started=now(),
+            state=RUNNING,
+            probes=self._probes,
         )
 
     def probe(self, seconds: float, machine: int = 0) -> None:
@@ -85,9 +85,8 @@ class RunRecord:
         """
         self._written = monotonic()
         seconds = round(self._written - self._began, 3)
-        update = {"seconds": seconds, "probes": tuple(self._probes), **changes}
-        self._entry = self._entry.model_copy(update=update)
-        runs = (*self._manifest.runs, self._entry)
+        self._entry = self._entry.with_changes(seconds=seconds, **changes)
+        runs = [*self._manifest.runs, self._entry]
         write_manifest(self._folder, self._manifest.with_changes(runs=runs))
 
     def close(self, state: str, finished: str | None = None) -> None:

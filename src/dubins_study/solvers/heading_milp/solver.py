@@ -15,15 +15,13 @@ from dubins_study.solvers.heading_milp.legs import ROUNDED, Legs, controls, leas
 from dubins_study.solvers.heading_milp.template import Template, template
 from dubins_study.solvers.protocol import Guarantee, Question, Solution, Solver
 from dubins_study.solvers.reach import unreachable
+from dubins_study.solvers.setting_checks import whole
 from dubins_study.study.check.verdict import Claim
 from dubins_study.study.closed_form.shortest import EPS, local
 from dubins_study.study.path import FloatArray, Path
 from dubins_study.study.scenario import Scenario
 
 BRANCHES = ("best", "LS", "RS")
-# Steps of more than 30 degrees leave no first arc worth the name; cvxpy's memory grows with the
-# square of the number of headings, to up to two gigabytes at the upper ends.
-_RANGES = {"headings": (12, 1000), "legs": (1, 12)}
 
 
 class Case(NamedTuple):
@@ -33,8 +31,8 @@ class Case(NamedTuple):
     milp: Template
 
 
-class Found(NamedTuple):
-    """What one MILP said.
+class MilpResult(NamedTuple):
+    """The result of one MILP.
 
     `length` and `bound` in radii, the bound for paths on this grid alone; without a path that
     arrives `legs` is None and `length` infinite.
@@ -92,13 +90,9 @@ class HeadingMilp(Solver):
     }
 
     def __post_init__(self) -> None:
-        for name, (least, most) in _RANGES.items():
-            value = getattr(self, name)
-            whole = isinstance(value, int) and not isinstance(value, bool)
-            if not (whole and least <= value <= most):
-                raise ValueError(
-                    f"{name} is {value!r}; expected a whole number from {least} to {most}"
-                )
+        # Steps of more than 30 degrees leave no first arc worth the name; cvxpy's memory grows with
+        # the square of the number of headings, to up to two gigabytes at the upper ends.
+        whole(headings=(self.headings, 12, 1000), legs=(self.legs, 1, 12))
         if not 0 < self.gap < 1:
             raise ValueError(f"gap is {self.gap!r}; expected a number from 0 to 1")
 
@@ -139,15 +133,15 @@ class HeadingMilp(Solver):
         if math.hypot(X, Y) <= 2 * EPS * scenario.extent / scenario.radius:
             path = Path(scenario.start, [], [])
             return Solution(Claim.LOCAL, path, 0.0, message="the target is at the start")
-        found: list[Found] = []
+        results: list[MilpResult] = []
         cutoff = self._longest(math.hypot(X, Y))
         for case in model.cases:
             seconds = deadline - time.perf_counter()
             if seconds <= 0:
                 break
-            found.append(_solved(case, model.target, cutoff, self.gap, seconds))
-            cutoff = min(cutoff, found[-1].length)
-        return _solution(model, found, self.headings)
+            results.append(_solved(case, model.target, cutoff, self.gap, seconds))
+            cutoff = min(cutoff, results[-1].length)
+        return _solution(model, results, self.headings)
 
     def _longest(self, distance: float) -> float:
         """Length (radii) above which no path needs to be looked for.
@@ -159,7 +153,9 @@ class HeadingMilp(Solver):
         return (distance + 3 * math.pi) / math.cos(between / 2)
 
 
-def _solved(case: Case, target: FloatArray, cutoff: float, gap: float, seconds: float) -> Found:
+def _solved(
+    case: Case, target: FloatArray, cutoff: float, gap: float, seconds: float
+) -> MilpResult:
     """The answer of one MILP to a target (2,) in radii; lengths above `cutoff` are not looked for.
 
     The objective is what a path is longer than the bee-line: the end point's equations turn
@@ -191,24 +187,26 @@ def _solved(case: Case, target: FloatArray, cutoff: float, gap: float, seconds: 
     if legs is not None:
         length = float(family.length[choice] + legs.length.sum())
     bound = distance + answer.bound
-    return Found(
+    return MilpResult(
         family, answer.status, choice, legs, length, bound, answer.nodes, answer.iterations
     )
 
 
-def _solution(model: Model, found: list[Found], headings: int) -> Solution:
+def _solution(model: Model, results: list[MilpResult], headings: int) -> Solution:
     """The shortest path found, with the claim that all MILPs together deserve."""
     scenario, R = model.question.scenario, model.question.scenario.radius
     counts: dict[str, Any] = {
-        "iterations": sum(one.iterations for one in found),
-        "evaluations": sum(one.nodes for one in found),
+        "iterations": sum(result.iterations for result in results),
+        "evaluations": sum(result.nodes for result in results),
         "native_status": "; ".join(
-            dict.fromkeys(f"{one.family.name} {one.status}" for one in found)
+            dict.fromkeys(f"{result.family.name} {result.status}" for result in results)
         ),
     }
-    done = {one.status for one in found} <= {"optimal", "infeasible"}
-    stopped = len(found) < len(model.cases) or any(one.status == "user_limit" for one in found)
-    best = min(found, key=lambda one: one.length, default=None)
+    done = {result.status for result in results} <= {"optimal", "infeasible"}
+    stopped = len(results) < len(model.cases) or any(
+        result.status == "user_limit" for result in results
+    )
+    best = min(results, key=lambda result: result.length, default=None)
     if best is None or best.legs is None:
         if inside := unreachable(local(scenario), model.question.branch):
             return Solution(Claim.INFEASIBLE, message=inside, **counts)
@@ -217,7 +215,9 @@ def _solution(model: Model, found: list[Found], headings: int) -> Solution:
     claim = Claim.LIMIT if stopped else Claim.LOCAL if done else Claim.FEASIBLE
     curvature, length = controls(best.family, best.choice, best.legs.length)
     # a shape without a path shorter than the best one has been cut off at its length
-    bound = min(one.bound if one.status != "infeasible" else best.length for one in found)
+    bound = min(
+        result.bound if result.status != "infeasible" else best.length for result in results
+    )
     return Solution(
         claim,
         path=Path(scenario.start, np.array(curvature) / R, np.array(length) * R),

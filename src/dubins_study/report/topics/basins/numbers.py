@@ -7,7 +7,7 @@ turns added (docs/derivation.md, section 7). The length alone therefore names th
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import pandas as pd
 
@@ -83,12 +83,12 @@ def ends(rows: pd.DataFrame) -> pd.DataFrame:
     Adds the columns z1, z2, z3 (of the guess, in radii; z1 and z2 are rad), end, turns (NaN where
     the end is no minimum).
     """
-    given = rows[~rows["initial_guess"].isin(["cold", "warm"]) & rows["solver"].notna()]
-    if given.empty:
-        return given.assign(z1=[], z2=[], z3=[], end=[], turns=[])
-    points = given["initial_guess"].str.split(expand=True).astype(float)
-    all_ends = [end_of(row) for _, row in given.iterrows()]
-    return given.assign(
+    guessed = rows[~rows["initial_guess"].isin(["cold", "warm"]) & rows["solver"].notna()]
+    if guessed.empty:
+        return guessed.assign(z1=[], z2=[], z3=[], end=[], turns=[])
+    points = guessed["initial_guess"].str.split(expand=True).astype(float)
+    all_ends = [end_of(row) for _, row in guessed.iterrows()]
+    return guessed.assign(
         z1=points[0],
         z2=points[1],
         z3=points[2],
@@ -105,7 +105,7 @@ def is_capped(solver: str) -> bool:
 def capping(table: pd.DataFrame) -> pd.DataFrame:
     """What a cap on the turns changes, from `shares`, over the solvers that were tried both ways.
 
-    Index capped (False, True; empty if no solver was); columns found and turned (shares of the
+    Index capped (False, True; empty if no solver was); columns optimal and turned (shares of the
     attempts that end in the shortest path, and in a minimum with full turns), refuted (claims).
     """
     both = table.groupby("name")["capped"].transform("nunique") == 2
@@ -113,8 +113,8 @@ def capping(table: pd.DataFrame) -> pd.DataFrame:
     turned = total["turns_1"] + total["turns_2"] + total["turns_more"]
     return pd.DataFrame(
         {
-            "found": total[OPTIMUM] / total["starts"],
-            "turned": turned / total["starts"],
+            "optimal": total[OPTIMUM] / total["guesses"],
+            "turned": turned / total["guesses"],
             "refuted": total["refuted"],
         }
     )
@@ -124,26 +124,60 @@ def shares(table: pd.DataFrame) -> pd.DataFrame:
     """One row a scenario and solver, from `ends`.
 
     Columns: label, reference_word, solver, name (without settings), capped (whether its turns are
-    bounded by a full one), starts, one per end (counts), found (share of all starts),
+    bounded by a full one), guesses (attempts), one per end (counts), optimal (share of guesses),
     turns_1, turns_2, turns_more (minima with so many full turns too many, of any word),
     most_turns, refuted (claims).
     """
     records = []
     for label, group in table.groupby("label", sort=True):
         for solver in solver_order(group["solver"].tolist()):
-            own = group[group["solver"] == solver]
-            counts = {end: int((own["end"] == end).sum()) for end in ENDS}
-            minima = own[own["turns"].notna()]
+            attempts = group[group["solver"] == solver]
+            counts = {end: int((attempts["end"] == end).sum()) for end in ENDS}
+            minima = attempts[attempts["turns"].notna()]
             records.append(
-                {"label": label, "reference_word": own["reference_word"].iloc[0], "solver": solver}
+                {
+                    "label": label,
+                    "reference_word": attempts["reference_word"].iloc[0],
+                    "solver": solver,
+                }
                 | {"name": parse_spec(solver)[0], "capped": is_capped(solver)}
-                | {"starts": len(own), **counts, "found": counts[OPTIMUM] / len(own)}
+                | {"guesses": len(attempts), **counts, "optimal": counts[OPTIMUM] / len(attempts)}
                 | {
-                    "turns_1": int((own["turns"] == 1).sum()),
-                    "turns_2": int((own["turns"] == 2).sum()),
-                    "turns_more": int((own["turns"] > 2).sum()),
+                    "turns_1": int((attempts["turns"] == 1).sum()),
+                    "turns_2": int((attempts["turns"] == 2).sum()),
+                    "turns_more": int((attempts["turns"] > 2).sum()),
                     "most_turns": int(minima["turns"].max()) if len(minima) else 0,
                     "refuted": sum(counts[end] for end in REFUTED),
                 }
             )
     return pd.DataFrame.from_records(records)
+
+
+class Extremes(NamedTuple):
+    """What stands out among the rows of `shares`.
+
+    Args:
+        least, most: the rows with the least and the largest share of shortest paths.
+        farthest: the row with the most full turns in one path.
+        worst: the row with the largest share of refuted claims.
+        turned: share of all attempts that end in a minimum with full turns.
+    """
+
+    least: pd.Series[Any]
+    most: pd.Series[Any]
+    farthest: pd.Series[Any]
+    worst: pd.Series[Any]
+    turned: float
+
+
+def extremes(table: pd.DataFrame) -> Extremes:
+    """The extremes of `shares`."""
+    optimal, refuted = table["optimal"].to_numpy(), table["refuted"] / table["guesses"]
+    turned = table[["turns_1", "turns_2", "turns_more"]].to_numpy().sum()
+    return Extremes(
+        least=table.iloc[int(optimal.argmin())],
+        most=table.iloc[int(optimal.argmax())],
+        farthest=table.iloc[int(table["most_turns"].to_numpy().argmax())],
+        worst=table.iloc[int(refuted.to_numpy().argmax())],
+        turned=float(turned / table["guesses"].sum()),
+    )

@@ -12,8 +12,9 @@ from dubins_study.report.statistics.metrics import parse_spec
 from dubins_study.report.topics.bias.figures import plot_bias, plot_left_over
 from dubins_study.report.topics.bias.numbers import (
     by_barrier,
+    default_attempt,
     left_over,
-    slope,
+    prediction_fit,
     without_barrier,
 )
 
@@ -24,19 +25,19 @@ def bias_section(results: Results) -> Section | None:
     """The turn left over against its prediction, and what other methods leave."""
     table = left_over(results)
     table = table[(table["branch"] == "best") & table["z2"].notna()]
-    known = table[table["mu"].notna()]
-    if known.empty:
+    with_barrier = table[table["mu"].notna()]
+    if with_barrier.empty:
         return None
     barriers, others = by_barrier(table), without_barrier(table)
-    sentences = [_prediction(known, barriers), *_default(known), *_others(others)]
+    sentences = [_prediction(with_barrier, barriers), *_default(with_barrier), *_others(others)]
     text = (
         "The shortest path to this target is LS, and the paper's model L(z₁) R(z₂) S(z₃) should "
         "answer with z₂ = 0. There its reduced cost is zero: the length grows only like "
         "z₂³ / (3 R²), so a barrier −μ ln z₂ stops the turn at z₂ = (μ R²)^(1/3), where the "
         f"length is μ / 3 too long. {' '.join(sentences)}"
     )
-    compared = table[~table["asked"]]
-    blocks: list[Picture | Table] = [_bias_picture(known)]
+    compared = table[~table["barrier_set"]]
+    blocks: list[Picture | Table] = [_bias_picture(with_barrier)]
     if len(compared):
         blocks.append(_left_over_picture(compared, Palette.of(results.solvers)))
     blocks.append(_barrier_table(barriers))
@@ -45,28 +46,25 @@ def bias_section(results: Results) -> Section | None:
     return Section("bias", "The interior-point bias in the segments", text, tuple(blocks))
 
 
-def _prediction(known: pd.DataFrame, barriers: pd.DataFrame) -> str:
-    off = float((known["ratio"] - 1).abs().max())
-    fit = slope(known["predicted"].to_numpy(), known["z2"].to_numpy())
-    comparison = f"is within a relative {digits(2)(off)} of this"
-    if off > _FOLLOWS:
-        comparison = (
-            f"does not follow this everywhere: it is up to a relative {digits(2)(off)} away"
-        )
+def _prediction(with_barrier: pd.DataFrame, barriers: pd.DataFrame) -> str:
+    fit = prediction_fit(with_barrier)
+    deviation = digits(2)(fit.deviation)
+    comparison = f"is within a relative {deviation} of this"
+    if fit.deviation > _FOLLOWS:
+        comparison = f"does not follow this everywhere: it is up to a relative {deviation} away"
     failed = int(barriers["failed"].sum())
     failures = f", though the solver calls {failed} of them failures" if failed else ""
     return (
-        f"Over {count(len(known))} attempts z₂ {comparison}; the slope in logarithms is "
-        f"{digits(5)(fit)}{failures}."
+        f"Over {count(len(with_barrier))} attempts z₂ {comparison}; the slope in logarithms is "
+        f"{digits(5)(fit.slope)}{failures}."
     )
 
 
-def _default(known: pd.DataFrame) -> list[str]:
+def _default(with_barrier: pd.DataFrame) -> list[str]:
     """One sentence on the radius nearest to 1, if the defaults were tried."""
-    own = known[~known["asked"]]
-    if own.empty:
+    row = default_attempt(with_barrier)
+    if row is None:
         return []
-    row = own.iloc[(own["radius"] - 1).abs().to_numpy().argmin()]
     return [
         f"By its defaults {parse_spec(row['solver'])[0]} stops at μ = {digits(3)(row['mu'])}: at "
         f"R = {row['radius']:g} it leaves z₂ = {digits(4)(row['z2'])} where "
@@ -97,9 +95,9 @@ def _others(others: pd.DataFrame) -> list[str]:
     return [f"{text[:1].upper()}{text[1:]}."]
 
 
-def _bias_picture(known: pd.DataFrame) -> Picture:
+def _bias_picture(with_barrier: pd.DataFrame) -> Picture:
     figure = new_figure(HALF, 3.9)
-    plot_bias(figure.add_subplot(), known)
+    plot_bias(figure.add_subplot(), with_barrier)
     figure.legend(loc="outside lower left", ncols=1, fontsize=7.5)
     caption = (
         "The turn that Ipopt leaves, against the cube root of barrier times radius squared; one "
@@ -120,7 +118,7 @@ def _left_over_picture(compared: pd.DataFrame, palette: Palette) -> Picture:
 
 
 def _barrier_table(barriers: pd.DataFrame) -> Table:
-    shown = barriers.assign(by=barriers["asked"].map({True: "told", False: "its defaults"}))
+    table = barriers.assign(by=barriers["barrier_set"].map({True: "told", False: "its defaults"}))
     columns = (
         Column("mu", "μ", digits(3)),
         Column("by", "chosen by", kind="text"),
@@ -137,7 +135,7 @@ def _barrier_table(barriers: pd.DataFrame) -> Table:
         "prediction's logarithm, ratio of z₂ to it, and by how much the path is longer than the "
         "shortest, over μ / 3. In quotation marks: attempts that the solver calls failed."
     )
-    return Table("bias", caption, shown, columns)
+    return Table("bias", caption, table, columns)
 
 
 def _other_table(others: pd.DataFrame) -> Table:

@@ -8,7 +8,7 @@ from typing import Any
 import pandas as pd
 
 from dubins_study.report.data.results import Folder
-from dubins_study.study.rows.machine_noise import Probe, by_machine, varied
+from dubins_study.study.rows.machine_noise import Probe, by_machine
 from dubins_study.study.rows.manifest import RunEntry
 
 COLUMNS = (
@@ -23,7 +23,7 @@ def runs(folders: Iterable[Folder]) -> pd.DataFrame:
     Returns:
         Columns experiment, run, started, seconds (NaN if it does not say), state, engine, jobs,
         machine and governor (texts), load (of the last minute, at its start and its end), probes
-        (a tuple of `study.rows.machine_noise.Probe`), spread (a share, NaN if unknown).
+        (a list of `study.rows.machine_noise.Probe`), spread (a share, NaN if unknown).
     """
     rows = [_row(folder.name, run) for folder in folders for run in folder.manifest.runs]
     return pd.DataFrame(rows, columns=list(COLUMNS))
@@ -39,8 +39,8 @@ def probe_ratios(table: pd.DataFrame) -> pd.DataFrame:
     """
     parts = []
     for run, probes in zip(table["run"], table["probes"], strict=True):
-        machine, own = next(iter(by_machine(probes).items()))
-        frame = pd.DataFrame(own, columns=list(Probe._fields))
+        machine, group = next(iter(by_machine(probes).items()))
+        frame = pd.DataFrame(group, columns=list(Probe._fields))
         name = str(run)[:24] + (f", machine {machine}" if machine else "")
         ratio = frame["took"] / frame["took"].median()
         parts.append(pd.DataFrame({"run": name, "when": frame["when"], "ratio": ratio}))
@@ -48,7 +48,7 @@ def probe_ratios(table: pd.DataFrame) -> pd.DataFrame:
 
 
 def _row(experiment: str, run: RunEntry) -> dict[str, Any]:
-    share = varied(run.probes)
+    share = run.spread
     return {
         "experiment": experiment,
         "run": run.run_id,
