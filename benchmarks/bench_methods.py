@@ -8,7 +8,7 @@ from statistics import median
 from time import perf_counter
 
 from benchmarks.harness import Measurement
-from dubins_study.solvers.protocol import AnySolver, Question, Solution
+from dubins_study.solvers.protocol import Question, Solution, Solver
 from dubins_study.solvers.registry import load, settings
 from dubins_study.study.check.verdict import Claim
 from dubins_study.study.scenario import Scenario
@@ -69,7 +69,7 @@ def _proofs(what: str, scenarios: Iterable[Scenario], target: float | None) -> M
 
 
 def _alternating(
-    solvers: dict[str, AnySolver], scenarios: Iterable[Scenario], repeats: int = 5
+    solvers: dict[str, Solver], scenarios: Iterable[Scenario], repeats: int = 5
 ) -> dict[str, float]:
     """Median over scenarios of each solver's least time (s), the solvers taking turns."""
     times: dict[str, list[float]] = {name: [] for name in solvers}
@@ -85,11 +85,11 @@ def _alternating(
     return {name: median(values) for name, values in times.items()}
 
 
-def _ask(solver: AnySolver, scenario: Scenario) -> Solution:
+def _ask(solver: Solver, scenario: Scenario) -> Solution:
     return solver.solve(solver.build(Question(scenario)), 60.0)
 
 
-def _least(solver: AnySolver, scenario: Scenario, repeats: int) -> tuple[float, Solution]:
+def _least(solver: Solver, scenario: Scenario, repeats: int) -> tuple[float, Solution]:
     """The least time (s) of several solves, and the answer, which is the same every time."""
     seconds = []
     for _ in range(repeats):

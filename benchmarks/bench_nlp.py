@@ -21,7 +21,7 @@ from dubins_study.solvers.paper_nlp.model import (
     subproblems,
 )
 from dubins_study.solvers.paper_nlp.slsqp import Slsqp
-from dubins_study.solvers.protocol import AnySolver, Question
+from dubins_study.solvers.protocol import Question, Solver
 from dubins_study.study.path import FloatArray
 from dubins_study.study.scenario import Scenario
 
@@ -58,7 +58,7 @@ def jobs(asked: list[Question]) -> list[Job]:
     return [job(q, sub) for q in asked for sub in subproblems(q, "words", "both")]
 
 
-def ours(solver: AnySolver, asked: list[Question]) -> None:
+def ours(solver: Solver, asked: list[Question]) -> None:
     for question in asked:
         solver.solve(solver.build(question), 60.0)
 

@@ -21,7 +21,7 @@ from dubins_study.experiments.definition.experiment import parse
 from dubins_study.experiments.engines.stream import Stream, solve_streams, streams
 from dubins_study.experiments.interruption import Interruption
 from dubins_study.experiments.run_settings import RunSettings
-from dubins_study.experiments.store.writer import Writer
+from dubins_study.experiments.store.part_writer import PartWriter
 from dubins_study.study.rows.schema import arrow_schema
 
 CHUNK, PARTS = 2**17, 10
@@ -86,7 +86,7 @@ def _stored(place: Path) -> Callable[[], None]:
 
     def store() -> None:
         with _folder(place / f"ours-{next(numbers)}") as folder:
-            writer = Writer(folder, "bench", CHUNK * PARTS, None)
+            writer = PartWriter(folder, "bench", CHUNK * PARTS, None)
             solve_streams(folder, wanted, RunSettings("bench", 60.0), writer, Interruption())
 
     return store

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
+from dataclasses import replace
 
+import pandas as pd
 from hypothesis import strategies as st
 
-from dubins_study.study.scenario import Scenario
+from dubins_study.study.scenario import COLUMNS, NUMBERS, Scenario
 
 PAPER = {
     "problem 1": Scenario(0, 0, 2 * math.pi / 3, 10, 5, 1),
@@ -51,4 +54,24 @@ def scenarios(draw: st.DrawFn, far: float = 30.0) -> Scenario:
         x * radius + distance * math.cos(heading + bearing),
         y * radius + distance * math.sin(heading + bearing),
         radius,
+    )
+
+
+def scenario_frame(scenarios: Iterable[Scenario]) -> pd.DataFrame:
+    """One row a scenario, the columns of `COLUMNS` in that order."""
+    rows = list(scenarios)
+    columns = {name: [getattr(row, name) for row in rows] for name in COLUMNS}
+    return pd.DataFrame(columns).astype(dict.fromkeys(NUMBERS, float))
+
+
+def rotated(scenario: Scenario, angle: float) -> Scenario:
+    """The start and the target turned by `angle` (rad) about the origin."""
+    cos, sin = math.cos(angle), math.sin(angle)
+    return replace(
+        scenario,
+        x=scenario.x * cos - scenario.y * sin,
+        y=scenario.x * sin + scenario.y * cos,
+        heading=scenario.heading + angle,
+        target_x=scenario.target_x * cos - scenario.target_y * sin,
+        target_y=scenario.target_x * sin + scenario.target_y * cos,
     )

@@ -6,8 +6,9 @@ import math
 
 import numpy as np
 import pandas as pd
+from cases import scenario_frame
 
-from dubins_study.study.scenario import Scenario, scenario_frame
+from dubins_study.study.scenario import Scenario
 
 
 def hard_frame(n: int, seed: int = 0) -> pd.DataFrame:

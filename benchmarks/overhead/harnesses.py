@@ -73,7 +73,7 @@ def in_process(cells: int, folder: FilePath) -> Spent:
     from dubins_study.experiments.engines.judging import row_of
     from dubins_study.experiments.plan.request import Request, accepted
     from dubins_study.experiments.run_settings import RunSettings
-    from dubins_study.experiments.store.folder import write_part
+    from dubins_study.experiments.store.part_writer import write_part
     from dubins_study.solvers.attempt import ask
     from dubins_study.solvers.protocol import Question
     from dubins_study.solvers.registry import load

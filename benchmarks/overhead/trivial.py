@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dubins_study.solvers.protocol import Guarantee, Question, Solution
+from dubins_study.solvers.protocol import Guarantee, Question, Solution, Solver
 from dubins_study.study.check.verdict import Claim
 from dubins_study.study.closed_form.shortest import BRANCHES, shortest_path
 from dubins_study.study.path import Path
@@ -28,19 +28,14 @@ def solved(scenario: Scenario) -> Path:
     return path
 
 
-class Trivial:
+class Trivial(Solver):
     """The closed form as a plug-in."""
 
     name = "trivial"
     method = "closed form"
     guarantee = Guarantee.EXACT
     branches = BRANCHES[:1]
-    warm = False
-    packages = ()
     summary = "the closed form, for measuring what a harness costs"
-
-    def unavailable(self) -> str | None:
-        return None
 
     def build(self, question: Question) -> Scenario:
         return question.scenario

@@ -1,6 +1,6 @@
 """Optimisation solvers judged on a problem with an exact answer: the shortest Dubins path.
 
-The whole public surface that a newcomer needs; everything is imported when it is first used.
+All public names are here. Each is imported when it is first used.
 """
 
 from __future__ import annotations
@@ -9,31 +9,52 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from dubins_study.errors import DubinsStudyError as DubinsStudyError
     from dubins_study.experiments.run import run as run
+    from dubins_study.experiments.store.merge import merge as merge
+    from dubins_study.experiments.store.status import status as status
+    from dubins_study.report.data.load import load_results as load_results
     from dubins_study.report.page.render import render as render
+    from dubins_study.report.path_plot import plot_path as plot_path
     from dubins_study.solvers.attempt import solve as solve
     from dubins_study.solvers.frame import solve_frame as solve_frame
-    from dubins_study.solvers.registry import available as available
+    from dubins_study.solvers.protocol import Guarantee as Guarantee
+    from dubins_study.solvers.protocol import Question as Question
+    from dubins_study.solvers.protocol import Solution as Solution
+    from dubins_study.solvers.protocol import Solver as Solver
+    from dubins_study.solvers.registry import available_solvers as available_solvers
+    from dubins_study.study.check.verdict import Claim as Claim
+    from dubins_study.study.check.verdict import Verdict as Verdict
     from dubins_study.study.path import Path as Path
     from dubins_study.study.scenario import Scenario as Scenario
 
-_PUBLIC = {
+# the module that each public name is imported from
+_MODULES = {
+    "Claim": "study.check.verdict",
+    "DubinsStudyError": "errors",
+    "Guarantee": "solvers.protocol",
     "Path": "study.path",
+    "Question": "solvers.protocol",
     "Scenario": "study.scenario",
-    "available": "solvers.registry",
+    "Solution": "solvers.protocol",
+    "Solver": "solvers.protocol",
+    "Verdict": "study.check.verdict",
+    "available_solvers": "solvers.registry",
+    "load_results": "report.data.load",
     "merge": "experiments.store.merge",
+    "plot_path": "report.path_plot",
     "render": "report.page.render",
     "run": "experiments.run",
     "solve": "solvers.attempt",
     "solve_frame": "solvers.frame",
     "status": "experiments.store.status",
 }
-__all__ = list(_PUBLIC)
+__all__ = list(_MODULES)
 
 
 def __getattr__(name: str) -> Any:
-    if name in _PUBLIC:
-        return getattr(import_module(f"dubins_study.{_PUBLIC[name]}"), name)
+    if name in _MODULES:
+        return getattr(import_module(f"dubins_study.{_MODULES[name]}"), name)
     if name == "__version__":
         from importlib.metadata import version
 
@@ -42,4 +63,4 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    return sorted([*globals(), *_PUBLIC])
+    return sorted([*globals(), *_MODULES])

@@ -92,6 +92,7 @@ def test_solvers():
         (("solve", "1", "2", "--radius", "-1"), "radius is -1.0; expected a number above 0"),
         (("solve", "1", "2", "--speed", "0"), "speed is 0.0; expected a number above 0"),
         (("solve", "1", "2", "--from", "0", "0", "east"), "heading: 'east' is not an angle"),
+        (("solve", "1", "2", "--from", "0", "0", "120"), "write 120deg, or 120rad"),
         (("solve", "1", "2", "--solver", "nope"), "no solver named 'nope'; choose one of"),
         (("solve", "1", "2", "--branch", "SL"), "no branch named 'SL'; choose one of"),
         (("solve", "1", "2", "--profile", "x"), "no profile named 'x'"),
@@ -271,7 +272,7 @@ def test_the_public_surface_from_python():
     """DESIGN section 3, as a newcomer would type it."""
     import pandas as pd
 
-    from dubins_study import Path, Scenario, available, solve, solve_frame
+    from dubins_study import Path, Scenario, available_solvers, solve, solve_frame
 
     scenario = Scenario(x=0, y=0, heading=2.0944, target_x=10, target_y=5, radius=1)
     answer = solve(scenario, solver="ipopt", branch="best")
@@ -279,7 +280,7 @@ def test_the_public_surface_from_python():
     assert answer.length == answer.travel_time == pytest.approx(11.8681, abs=1e-4)
     assert answer.miss < 1e-6
     assert isinstance(answer.path, Path)
-    assert "analytic" in available()
+    assert "analytic" in available_solvers()
     frame = pd.DataFrame(
         [(0, 0, 2.0944, 10, 5, 1, 1.0, "a")] * 2, columns=list(COLUMNS), index=["p", "q"]
     )
@@ -320,7 +321,7 @@ def test_brackets_in_names_are_no_markup(tmp_path):
 
 def test_tables_hold_text():
     """Names come from folders: brackets in a head or a cell are no markup."""
-    from dubins_study.cli.show import table
+    from dubins_study.cli.table import table
 
     head, _, row, *_ = filter(str.strip, table(("[/red]", "n"), [("[bold]x", "1")]).splitlines())
     assert head.split() == ["[/red]", "n"]

@@ -17,19 +17,14 @@ import pytest
 from live_run import finished, manifest, parts, quick_experiment
 
 from dubins_study import run, status
-from dubins_study.experiments.store import disk
-from dubins_study.experiments.store.folder import StoreError, done, read_rows
-from dubins_study.experiments.store.parts import (
-    RUN_ID,
-    DamagedPartError,
-    about_part,
-    check_part,
-    read_part,
-    write_part,
-)
+from dubins_study.experiments.store import files as store_files
+from dubins_study.experiments.store.folder import done, read_rows
+from dubins_study.experiments.store.part_writer import write_part
 from dubins_study.report.data.load import ReportError, load
+from dubins_study.study.rows.files import DamagedPartError, ResultsError
+from dubins_study.study.rows.parts import check_part, read_footer, read_part
 from dubins_study.study.rows.row_table import ARROW_SCHEMA
-from dubins_study.study.rows.schema import VERSION, VERSION_KEY
+from dubins_study.study.rows.schema import RUN_ID, VERSION, VERSION_KEY
 
 CELLS = 6
 
@@ -74,8 +69,8 @@ def test_parts_say_what_they_are(folder, experiment):
     (part,) = parts(folder)
     (entry,) = manifest(folder)["runs"]
 
-    assert about_part(part)[VERSION_KEY] == str(VERSION)
-    assert about_part(part)[RUN_ID] == entry["run_id"]
+    assert pq.read_metadata(part).metadata[VERSION_KEY.encode()] == str(VERSION).encode()
+    assert read_footer(part).run_id == entry["run_id"]
     assert set(read_part(part)["run_id"].to_pylist()) == {entry["run_id"]}
 
 
@@ -202,7 +197,7 @@ def test_what_is_no_part_of_ours_is_refused_and_nothing_changes(folder, experime
     before = files(folder)
 
     for act in (lambda: run(experiment, folder), lambda: status(folder)):
-        with pytest.raises(StoreError) as error:
+        with pytest.raises(ResultsError) as error:
             act()
         assert message in str(error.value)
         assert "zz.parquet" in str(error.value)
@@ -223,7 +218,7 @@ def test_links_to_other_places_are_not_followed(folder, experiment, tmp_path, na
     (folder / name).symlink_to(mine)
     before = files(mine) if mine.is_dir() else mine.read_bytes()
 
-    with pytest.raises(StoreError, match=rf"{name} is a link; expected a file or folder of its"):
+    with pytest.raises(ResultsError, match=rf"{name} is a link; expected a file or folder of its"):
         run(experiment, folder)
     assert (files(mine) if mine.is_dir() else mine.read_bytes()) == before
     if name != "damaged":
@@ -267,7 +262,7 @@ def test_a_file_that_cannot_be_finished_leaves_nothing(tmp_path):
         raise OSError(errno.ENOSPC, "full")
 
     with pytest.raises(OSError, match="full"):
-        disk.put(final, write)
+        store_files.write_whole(final, write)
     assert [f.name for f in tmp_path.iterdir()] == ["manifest.json"]
     assert final.read_text() == "old"
 
@@ -284,7 +279,7 @@ def test_names_are_synced_after_contents(tmp_path, monkeypatch):
     if not Path("/proc/self/fd").is_dir():
         pytest.skip("no /proc here to see what is synced")
     monkeypatch.setattr(os, "fsync", fsync)
-    disk.put(tmp_path / "a.parquet", lambda file: file.write_text("x"))
+    store_files.write_whole(tmp_path / "a.parquet", lambda file: file.write_text("x"))
 
     temporary, folder = synced
     assert temporary.startswith(str(tmp_path / ".a.parquet."))
@@ -304,7 +299,7 @@ def test_any_flipped_bit_is_found_or_harmless(folder, tmp_path):
         try:
             check_part(part)
             assert read_part(part).equals(table)
-        except StoreError as error:
+        except ResultsError as error:
             told += isinstance(error, DamagedPartError)
     assert told > 100  # others hit what nobody reads: statistics, reserved bits
 

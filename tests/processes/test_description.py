@@ -59,7 +59,7 @@ def test_a_plugin_is_loaded_by_another_process(tmp_path):
         ("import os; os.abort()", "ends the process that loads it: SIGABRT"),
         ("raise KeyboardInterrupt", "cannot be described: KeyboardInterrupt"),
         ("class Own(BaseException): pass\nraise Own('x')", "cannot be described: Own: x"),
-        ("X = 1", "has no 'name'; expected the promise"),
+        ("X = 1", "does not extend dubins_study.Solver; expected"),
     ],
 )
 def test_a_plugin_that_breaks_where_it_is_loaded_is_a_message(tmp_path, text, message):

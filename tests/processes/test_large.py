@@ -16,9 +16,9 @@ from dubins_study.experiments.engines import stream
 from dubins_study.report.data import parts
 from dubins_study.report.data.load import ReportError
 from dubins_study.report.data.load import load as load_results
+from dubins_study.report.data.plane_map import CELLS, REACH, WORDS, PlaneMap
 from dubins_study.report.data.reduction import of
 from dubins_study.report.statistics.metrics import gap_quantiles, summary
-from dubins_study.report.data.plane_map import CELLS, REACH, WORDS, PlaneMap
 from tests.unit.report.test_reduction import alike
 
 EXPERIMENT = """

@@ -13,9 +13,9 @@ import pytest
 from live_run import finished, manifest, parts, slow_experiment, started, wait_for
 
 from dubins_study import status
-from dubins_study.experiments.store.disk import StoreError
 from dubins_study.experiments.store.folder import done, read_rows
-from dubins_study.experiments.store.lock import LOCK, held, holder, locked
+from dubins_study.experiments.store.lock import LOCK, is_locked, lock_holder, locked
+from dubins_study.study.rows.files import ResultsError
 
 
 def contents(folder):
@@ -31,7 +31,7 @@ def test_a_second_run_is_told_who_is_at_work_and_touches_nothing(tmp_path):
     experiment, out = slow_experiment(tmp_path, nap=30), tmp_path / "out"
     with started("run", experiment, "--trust-plugins", "--out", out) as first:
         wait_for(lambda: (out / "manifest.json").exists())
-        since = holder(out)["started"]
+        since = lock_holder(out)["started"]
         before = contents(out)
         for extra in ((), ("--restart",)):
             second = finished("run", experiment, "--trust-plugins", "--out", out, *extra)
@@ -58,7 +58,7 @@ def test_a_killed_run_holds_nothing_even_while_its_workers_live(tmp_path):
         os.kill(first.pid, signal.SIGKILL)
         first.wait()
         assert any(alive(child) for child in children)
-        assert not held(out)
+        assert not is_locked(out)
         kept = done(out)
         assert status(out).runs[-1].state == "killed"
 
@@ -110,14 +110,14 @@ if __name__ == "__main__":
     process = subprocess.Popen([sys.executable, str(file)], stdout=subprocess.PIPE, text=True)
     child = int(process.stdout.readline())
     try:
-        assert held(tmp_path)
+        assert is_locked(tmp_path)
         os.kill(process.pid, signal.SIGKILL)
         process.wait()
 
         assert alive(child)
-        assert not held(tmp_path)
+        assert not is_locked(tmp_path)
         with locked(tmp_path):
-            assert held(tmp_path)
+            assert is_locked(tmp_path)
     finally:
         os.kill(child, signal.SIGKILL)
         process.stdout.close()
@@ -159,7 +159,7 @@ def test_a_lock_that_is_a_link_is_refused(tmp_path):
     folder.mkdir()
     (folder / LOCK).symlink_to(tmp_path / "mine")
 
-    with pytest.raises(StoreError, match=r"cannot lock .*\.lock"), locked(folder):
+    with pytest.raises(ResultsError, match=r"cannot lock .*\.lock"), locked(folder):
         pass
     assert (tmp_path / "mine").read_text() == "mine"
 

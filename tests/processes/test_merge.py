@@ -8,6 +8,7 @@ import shutil
 import signal
 
 import pyarrow as pa
+import pyarrow.parquet as pq
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -16,12 +17,14 @@ from live_run import finished, manifest, parts, quick_experiment, slow_experimen
 from dubins_study import merge, run, status
 from dubins_study.experiments.engines import stream
 from dubins_study.experiments.store import merge as union
-from dubins_study.experiments.store.attempts import merged_rows
-from dubins_study.experiments.store.folder import StoreError, read_rows
-from dubins_study.experiments.store.parts import RUN_ID, about_part, read_part, write_part
+from dubins_study.experiments.store.folder import read_rows
+from dubins_study.experiments.store.merged_rows import merged_rows
+from dubins_study.experiments.store.part_writer import write_part
 from dubins_study.report.data.load import load
+from dubins_study.study.rows.files import ResultsError
+from dubins_study.study.rows.parts import read_part
 from dubins_study.study.rows.row_table import ARROW_SCHEMA, rows_table
-from dubins_study.study.rows.schema import KEY, ROW, names
+from dubins_study.study.rows.schema import KEY, ROW, RUN_ID, names
 
 KEYS = names(KEY)
 CELLS = 8
@@ -126,7 +129,7 @@ def test_a_contradiction_is_refused(halves, tmp_path, column, value):
     """The cell, the column and both values are named, and nothing is written."""
     before = read_rows(halves[1])[column][0].as_py()
     row = change(halves[1], 0, **{column: value})
-    with pytest.raises(StoreError) as error:
+    with pytest.raises(ResultsError) as error:
         merge(halves, tmp_path / "all")
 
     said = str(error.value)
@@ -215,10 +218,10 @@ def test_places_that_are_taken(halves, tmp_path):
     (tmp_path / "link").symlink_to(full)
     (tmp_path / "file").write_text("")
     for out, message in ((full, "not empty"), ("link", "no folder"), ("file", "no folder")):
-        with pytest.raises(StoreError, match=message):
+        with pytest.raises(ResultsError, match=message):
             merge(halves, tmp_path / out)
     assert [f.name for f in full.iterdir()] == ["thesis.txt"]
-    with pytest.raises(StoreError, match="at least two"):
+    with pytest.raises(ResultsError, match="at least two"):
         merge(halves[:1], tmp_path / "new")
     (tmp_path / "empty").mkdir()
     assert merge(halves, tmp_path / "empty").rows == CELLS
@@ -228,7 +231,7 @@ def test_a_folder_in_use_is_left_alone(tmp_path):
     experiment, out = slow_experiment(tmp_path, nap=0.3, count=1000), tmp_path / "out"
     with started("run", experiment, "--trust-plugins", "--out", out):
         wait_for(lambda: parts(out))
-        with pytest.raises(StoreError, match="is in use by a run; merge it when that has ended"):
+        with pytest.raises(ResultsError, match="is in use by a run; merge it when that has ended"):
             merge([out, out], tmp_path / "all")
 
 
@@ -294,15 +297,18 @@ def test_streams_are_united_as_files(streamed, tmp_path, monkeypatch):
 def test_chunks_that_differ_are_a_contradiction(streamed, tmp_path):
     _, folders = streamed
     part = parts(folders[1])[0]
-    table, about = read_part(part), about_part(part)
+    table, about = (
+        read_part(part),
+        {k.decode(): v.decode() for k, v in pq.read_metadata(part).metadata.items()},
+    )
     place = table.column_names.index("verdict")
     changed = table.set_column(place, "verdict", pa.array(["misses"] * len(table)))
     write_part(folders[1], part.stem, changed, about)
 
-    with pytest.raises(StoreError, match="contradict each other in 500 cells"):
+    with pytest.raises(ResultsError, match="contradict each other in 500 cells"):
         merge(folders, tmp_path / "all")
     part.write_bytes(part.read_bytes()[:-9])
-    with pytest.raises(StoreError, match="is damaged; run that folder again before it is merged"):
+    with pytest.raises(ResultsError, match="is damaged; run that folder again before it is merged"):
         merge(folders, tmp_path / "all")
     assert not (tmp_path / "all").exists()
 
@@ -342,7 +348,7 @@ def test_any_folders(one, two, three):
         clash |= (first["verdict"], first["gap"]) != (row["verdict"], row["gap"])
     folders = [f"folder {i}" for i in range(3)]
     if clash:
-        with pytest.raises(StoreError, match="contradict"):
+        with pytest.raises(ResultsError, match="contradict"):
             merged_rows(tables, folders, TOLERANCE)
         return
     found = merged_rows(tables, folders, TOLERANCE)

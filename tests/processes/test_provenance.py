@@ -21,7 +21,7 @@ from dubins_study.experiments.store.run_entry import recorded
 from dubins_study.solvers import library_versions
 from dubins_study.solvers.registry import load
 from dubins_study.study.rows.machine_noise import Probe, by_machine, spread, varied
-from dubins_study.study.rows.manifest import RunEntry
+from dubins_study.study.rows.manifest import Definition, Manifest, RunEntry
 
 
 def test_the_governor_of_all_cores(tmp_path):
@@ -169,9 +169,8 @@ def test_machines_are_not_compared_with_each_other():
 
 def test_a_long_run_keeps_a_thousand_probes_at_most(tmp_path):
     """Evenly over the whole run, each pair on a line of its own."""
-    held = {"schema": 3, "runs": [], "finished": None}
-    asked = {"run_id": "r"}
-    with recorded(tmp_path, held, asked) as record:
+    empty = Manifest(experiment=Definition(name="n", text="t"), cells=0)
+    with recorded(tmp_path, empty, RunEntry(run_id="r")) as record:
         for i in range(10_000):
             record.probe(1.0 + i)
     (entry,) = manifest(tmp_path)["runs"]

@@ -9,11 +9,12 @@ import pytest
 
 from dubins_study.experiments.definition.experiment import read
 from dubins_study.experiments.plan.cells import chains
-from dubins_study.experiments.store.folder import done, read_manifest, read_rows
-from dubins_study.solvers.registry import available
+from dubins_study.experiments.store.folder import done, read_rows
+from dubins_study.solvers.registry import available_solvers
 from dubins_study.study.check.certificate import certify
 from dubins_study.study.check.verdict import Claim, judge
 from dubins_study.study.path import Path
+from dubins_study.study.rows.manifest import read_manifest
 from dubins_study.study.rows.schema import ANSWER, KEY, SCENARIO, names
 from dubins_study.study.scenario import Scenario
 
@@ -30,12 +31,12 @@ def test_it_is_the_experiment_of_today():
     """Its text and its cells are those that `dubins-study run reference` would ask for now."""
     found = read("reference")
 
-    assert read_manifest(FOLDER)["experiment"]["text"] == found.text
+    assert read_manifest(FOLDER).experiment.text == found.text
     assert {cell.key for chain in chains(found.experiment) for cell in chain} == done(FOLDER)
 
 
 def test_all_solvers_are_in_it(rows):
-    assert {row["solver"] for row in rows} == set(available())
+    assert {row["solver"] for row in rows} == set(available_solvers())
     assert {row["outcome"] for row in rows} == {"returned"}
 
 

@@ -17,10 +17,12 @@ from dubins_study.experiments.isolation.supervisor import Supervisor
 from dubins_study.experiments.isolation.watch import Bounds
 from dubins_study.experiments.plan.cells import chains
 from dubins_study.experiments.run_settings import RunSettings
-from dubins_study.experiments.store.folder import StoreError, done, read_rows, write_part
+from dubins_study.experiments.store.folder import done, read_rows
+from dubins_study.experiments.store.part_writer import write_part
 from dubins_study.solvers.attempt import nothing
 from dubins_study.solvers.protocol import Outcome
 from dubins_study.solvers.registry import SolverError
+from dubins_study.study.rows.files import ResultsError
 from dubins_study.study.rows.row_table import ARROW_SCHEMA
 from dubins_study.study.rows.schema import ROW, VERSION, documentation, names
 
@@ -210,18 +212,18 @@ def test_folders_that_cannot_be_used(small, tmp_path):
     other = tmp_path / "other"
     other.mkdir()
     (other / "thesis.txt").write_text("mine")
-    with pytest.raises(StoreError, match=r"holds something else and no manifest\.json"):
+    with pytest.raises(ResultsError, match=r"holds something else and no manifest\.json"):
         run(small, other)
     assert [f.name for f in other.iterdir()] == ["thesis.txt"]
 
     file = tmp_path / "file"
     file.write_text("")
-    with pytest.raises(StoreError, match="cannot write to"):
+    with pytest.raises(ResultsError, match="cannot write to"):
         run(small, file / "out")
 
     folder = run(small, tmp_path / "out")
     Path(small).write_text(SMALL.replace("small", "changed"))
-    with pytest.raises(StoreError, match="holds results of another text of experiment"):
+    with pytest.raises(ResultsError, match="holds results of another text of experiment"):
         run(small, folder)
 
 

@@ -9,8 +9,10 @@ import pytest
 from live_run import finished, manifest, parts, quick_experiment, slow_experiment, started, wait_for
 
 from dubins_study import run, status
-from dubins_study.experiments.store.parts import RUN_ID, read_part, write_part
+from dubins_study.experiments.store.part_writer import write_part
+from dubins_study.study.rows.parts import read_part
 from dubins_study.study.rows.row_table import rows_table
+from dubins_study.study.rows.schema import RUN_ID
 
 CELLS = 10
 

@@ -11,7 +11,9 @@ import pytest
 
 from dubins_study import run
 from dubins_study.experiments.store import folder as store
-from dubins_study.experiments.store.folder import StoreError, done, read_manifest, read_rows
+from dubins_study.experiments.store.folder import done, read_rows
+from dubins_study.study.rows.files import ResultsError
+from dubins_study.study.rows.manifest import read_manifest
 from dubins_study.study.rows.row_table import ARROW_SCHEMA
 from dubins_study.study.rows.schema import VERSION
 
@@ -56,7 +58,7 @@ def test_a_manifest_that_is_not_one(experiment, folder, change, message):
     file.write_text(json.dumps(json.loads(file.read_text()) | change))
     before = done(folder)
     for read in (read_manifest, lambda f: run(experiment, f)):
-        with pytest.raises(StoreError) as error:
+        with pytest.raises(ResultsError) as error:
             read(folder)
         assert "manifest.json" in str(error.value)
         assert message in str(error.value)
@@ -67,7 +69,7 @@ def test_a_manifest_that_is_not_one(experiment, folder, change, message):
 @pytest.mark.parametrize("text", ["{", "[]", "[" * 100_000, ""])
 def test_a_manifest_of_any_text_gets_one_message(folder, text):
     (folder / "manifest.json").write_text(text)
-    with pytest.raises(StoreError, match=r"manifest\.json"):
+    with pytest.raises(ResultsError, match=r"manifest\.json"):
         read_manifest(folder)
 
 
@@ -81,13 +83,13 @@ def _broken(folder, column, values):
 def test_a_column_of_another_type_is_named(experiment, folder):
     _broken(folder, "length", ["a", "b"])
     with pytest.raises(
-        StoreError, match=r"\.parquet cannot be read: column 'length' holds string;"
+        ResultsError, match=r"\.parquet cannot be read: column 'length' holds string;"
     ):
         read_rows(folder)
-    with pytest.raises(StoreError, match="expected double"):
+    with pytest.raises(ResultsError, match="expected double"):
         read_rows(folder, ["length"])
     _broken(folder, "repeat", ["a", "b"])
-    with pytest.raises(StoreError, match="column 'repeat' holds string; expected int64"):
+    with pytest.raises(ResultsError, match="column 'repeat' holds string; expected int64"):
         run(experiment, folder)
 
 
@@ -105,12 +107,12 @@ def test_a_part_that_is_none_is_named(folder):
     part = folder / "parts" / "zz.parquet"
     part.write_bytes(b"PAR1 not really")
     with pytest.raises(
-        StoreError, match=r"zz\.parquet cannot be read: it is no Parquet file, or d"
+        ResultsError, match=r"zz\.parquet cannot be read: it is no Parquet file, or d"
     ):
         read_rows(folder)
     pq.write_table(pa.table({"a": [1]}), part)
     with pytest.raises(
-        StoreError, match=r"zz\.parquet cannot be read: it has no column 'scenario_id'"
+        ResultsError, match=r"zz\.parquet cannot be read: it has no column 'scenario_id'"
     ):
         read_rows(folder)
 
@@ -135,7 +137,7 @@ def test_no_room_for_one_part_leaves_the_many(experiment, folder, monkeypatch):
     real = store.write_part
 
     def full(*arguments):
-        raise StoreError("No space left on device")
+        raise ResultsError("No space left on device")
 
     monkeypatch.setattr(store, "write_part", full)
     store.compact(folder, "run")

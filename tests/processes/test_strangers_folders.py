@@ -12,10 +12,10 @@ import pytest
 from live_run import finished, manifest, parts, quick_experiment
 
 from dubins_study import merge, run, status
-from dubins_study.experiments.store.disk import StoreError
-from dubins_study.experiments.store.lock import held, locked
-from dubins_study.experiments.store.stream_parts import streamed_part
+from dubins_study.experiments.store.lock import is_locked, locked
 from dubins_study.report.data.load import ReportError, load
+from dubins_study.study.rows.files import DamagedPartError, ResultsError
+from dubins_study.study.rows.parts import read_footer
 from dubins_study.study.rows.schema import CHUNK
 
 
@@ -49,21 +49,21 @@ def test_a_pipe_is_not_waited_for(folder, name):
     os.mkfifo(folder / name)
 
     for read in (status, lambda place: load([place])):
-        with pytest.raises((StoreError, ReportError), match=name.rpartition("/")[2]):
+        with pytest.raises((ResultsError, ReportError), match=name.rpartition("/")[2]):
             read(folder)
 
 
 def test_a_lock_that_is_no_file_is_refused(folder, tmp_path):
     (folder / ".lock").unlink(missing_ok=True)
     os.mkfifo(folder / ".lock")
-    assert not held(folder)
-    with pytest.raises(StoreError, match="no file"), locked(folder):
+    assert not is_locked(folder)
+    with pytest.raises(ResultsError, match="no file"), locked(folder):
         pass
 
     (folder / ".lock").unlink()
     (tmp_path / "elsewhere").write_text("kept")
     (folder / ".lock").symlink_to(tmp_path / "elsewhere")
-    with pytest.raises(StoreError, match="cannot lock"), locked(folder):
+    with pytest.raises(ResultsError, match="cannot lock"), locked(folder):
         pass
     assert (tmp_path / "elsewhere").read_text() == "kept"
 
@@ -71,14 +71,14 @@ def test_a_lock_that_is_no_file_is_refused(folder, tmp_path):
 def test_counts_that_no_float_holds_are_refused(folder):
     for cells in (10**400, -1, True):
         amended(folder, cells=cells)
-        with pytest.raises(StoreError, match="cells is"):
+        with pytest.raises(ResultsError, match="cells is"):
             status(folder)
 
 
 def test_a_manifest_that_could_not_be_written_again_is_refused(folder, tmp_path):
     amended(folder, machine=nested(200))
 
-    with pytest.raises(StoreError, match="nested more than"):
+    with pytest.raises(ResultsError, match="nested more than"):
         merge([folder, folder], tmp_path / "union")
     with pytest.raises(ReportError, match="nested more than"):
         load([folder])
@@ -92,12 +92,16 @@ def test_a_manifest_that_could_not_be_written_again_is_refused(folder, tmp_path)
 )
 def test_a_chunk_of_numbers_beyond_all_floats_is_damaged(folder, change):
     (part,) = parts(folder)
-    told = {"stream": "s", "solver": "a", "code_digest": "b", "first": 0, "count": 3, "kinds": []}
-    table = pq.read_table(part).replace_schema_metadata({CHUNK: json.dumps(told | change)})
+    told = {"stream": "s", "question": "q", "solver": "a", "code_digest": "b"}
+    told |= {"first": 0, "count": 3, "kinds": [["returned", "optimal", 3, 0.5]]}
+    table = pq.read_table(part)
     file = part.with_name("stream-s-00000000000-000003.parquet")
-    pq.write_table(table, file)
+    pq.write_table(table.replace_schema_metadata({CHUNK: json.dumps(told)}), file)
+    assert read_footer(file).chunk.count == 3
 
-    assert streamed_part(file) is None
+    pq.write_table(table.replace_schema_metadata({CHUNK: json.dumps(told | change)}), file)
+    with pytest.raises(DamagedPartError, match="delete it, and run again"):
+        read_footer(file)
 
 
 def spoilt_text(folder):
@@ -146,7 +150,7 @@ def test_names_of_parts_do_not_reach_the_terminal(folder, experiment):
 @pytest.mark.parametrize("name", ["**", "[a]", "n" * 300])
 def test_any_name_may_be_merged_into_or_is_refused(original, folder, tmp_path, name):
     if len(name) > 255:
-        with pytest.raises(StoreError, match="cannot"):
+        with pytest.raises(ResultsError, match="cannot"):
             merge([original, folder], tmp_path / name)
     else:
         assert status(merge([original, folder], tmp_path / name).folder).done == 3
@@ -165,5 +169,5 @@ def test_a_merge_clears_up_only_after_itself(original, folder, tmp_path):
 
 def test_a_name_too_long_is_no_folder():
     for read in (status, lambda place: load([place])):
-        with pytest.raises((StoreError, ReportError), match=r"n{300}"):
+        with pytest.raises((ResultsError, ReportError), match=r"n{300}"):
             read("n" * 300)

@@ -24,13 +24,15 @@ from dubins_study.experiments.engines import stream
 from dubins_study.experiments.engines.stream import streamed_totals, streams
 from dubins_study.experiments.plan.cells import chains
 from dubins_study.experiments.plan.scenario_ids import scenario_id
-from dubins_study.experiments.store.folder import StoreError, done, read_rows, write_part
+from dubins_study.experiments.store.folder import done, read_rows
+from dubins_study.experiments.store.part_writer import write_part
 from dubins_study.experiments.store.status import status
-from dubins_study.experiments.store.stream_parts import streamed_parts
 from dubins_study.report.data.load import load
 from dubins_study.solvers import frame
 from dubins_study.solvers.attempt import solve
 from dubins_study.solvers.frame import solve_frame
+from dubins_study.study.rows.files import ResultsError
+from dubins_study.study.rows.parts import read_chunks, read_footer
 from dubins_study.study.rows.schema import CHUNK, KEY, ROW, arrow_schema, names
 from dubins_study.study.scenario import COLUMNS, Scenario
 
@@ -77,7 +79,7 @@ def small_chunks(monkeypatch):
 
 def held(folder):
     """All streamed rows, in the order of the chunks, as text readers would see them."""
-    parts = [part.file for part in streamed_parts(folder)]
+    parts = list(read_chunks(folder))
     return pa.concat_tables([pq.read_table(file) for file in parts]).to_pandas()
 
 
@@ -134,7 +136,7 @@ def test_the_first_solve_is_not_recorded(experiment, tmp_path, small_chunks, mon
 def test_a_part_reads_like_any_other(experiment, tmp_path, small_chunks):
     """By its columns, their types, and nulls where a number is missing."""
     folder = run(experiment(HEAD + 'branches = ["RS"]\n' + GRID), tmp_path / "out")
-    part = next(streamed_parts(folder)).file
+    part = next(iter(read_chunks(folder)))
     table = pq.read_table(part)
 
     assert table.column_names == names(ROW)
@@ -155,7 +157,9 @@ def test_many_are_certified_and_few_are_proved(experiment, tmp_path, small_chunk
     assert set(found["proof"]) == {"extremal"}
     assert found["reference_low"].isna().all()
     assert found["pmp_residual"].max() < 1e-12
-    assert [part.window for part in streamed_parts(folder)] == [(i * 1000, 1000) for i in range(6)]
+    assert [chunk.window for chunk in read_chunks(folder).values()] == [
+        (i * 1000, 1000) for i in range(6)
+    ]
     whole = solve_frame(found[list(COLUMNS)], certified=True, enclosed=False)
     for name in ("length", "gap", "miss", "costate_x", "cut_margin"):
         assert np.array_equal(found[name], whole[name], equal_nan=True), name
@@ -271,9 +275,10 @@ def test_counts_come_from_metadata(experiment, tmp_path, small_chunks, monkeypat
     assert (found.cells, found.done, found.left, found.finished) == (3009, 3009, {}, True)
     verdicts = [*held(folder)["verdict"], *read_rows(folder, ["verdict"])["verdict"].to_pylist()]
     assert found.verdicts == {"analytic": dict(Counter(verdicts))}
-    [part] = [p for p in streamed_parts(folder) if p.window[0] == 700]
+    [part] = [f for f, chunk in read_chunks(folder).items() if chunk.first == 700]
+    part = read_footer(part)
     rows = pq.read_table(part.file).to_pandas()
-    assert sum(kind.wall for kind in part.kinds) == pytest.approx(rows["wall_s"].sum())
+    assert sum(kind.wall_s for kind in part.chunk.kinds) == pytest.approx(rows["wall_s"].sum())
     assert {part.run_id} == set(rows["run_id"])
 
 
@@ -288,14 +293,14 @@ def _only_cells(read):
 def test_a_finished_run_solves_nothing_again(experiment, tmp_path, small_chunks, monkeypatch):
     file = experiment()
     folder = run(file, tmp_path / "out")
-    before = {part.file.name: part.file.stat().st_mtime_ns for part in streamed_parts(folder)}
+    before = {file.name: file.stat().st_mtime_ns for file in read_chunks(folder)}
     with monkeypatch.context() as patched:
         patched.setattr(stream, "chunk_table", lambda *a, **k: pytest.fail("solved again"))
         run(file, folder)
 
-    assert {p.file.name: p.file.stat().st_mtime_ns for p in streamed_parts(folder)} == before
+    assert {file.name: file.stat().st_mtime_ns for file in read_chunks(folder)} == before
     run(file, folder, restart=True)
-    assert all(p.file.stat().st_mtime_ns > before[p.file.name] for p in streamed_parts(folder))
+    assert all(file.stat().st_mtime_ns > before[file.name] for file in read_chunks(folder))
 
 
 def _truncate(part):
@@ -344,7 +349,7 @@ def test_a_chunk_under_another_name_is_refused(experiment, tmp_path, small_chunk
     shutil.copyfile(first, copy)
 
     for use in (status, done, read_rows, lambda folder: run(file, folder)):
-        with pytest.raises(StoreError, match="a chunk of a stream under a name that is not its"):
+        with pytest.raises(ResultsError, match="a chunk of a stream under a name that is not its"):
             use(folder)
     copy.unlink()
     assert status(folder).done == 3000
@@ -385,7 +390,7 @@ def test_an_interruption_finishes_the_chunk(experiment, tmp_path, small_chunks, 
     monkeypatch.setattr(stream, "chunk_table", interrupted)
     with pytest.raises(KeyboardInterrupt):
         run(file, out)
-    assert [part.window for part in streamed_parts(out)] == [(0, 700), (700, 700)]
+    assert [chunk.window for chunk in read_chunks(out).values()] == [(0, 700), (700, 700)]
     assert not json.loads((out / "manifest.json").read_text())["finished"]
 
     run(file, out)
@@ -404,9 +409,9 @@ def test_a_full_disk_is_a_message(experiment, tmp_path, small_chunks, monkeypatc
             super().write_table(table)
 
     monkeypatch.setattr(pq, "ParquetWriter", Full)
-    with pytest.raises(StoreError, match="No space left on device"):
+    with pytest.raises(ResultsError, match="No space left on device"):
         run(experiment(), tmp_path / "out")
-    assert len([*streamed_parts(tmp_path / "out")]) == 2
+    assert len(read_chunks(tmp_path / "out")) == 2
 
 
 MAIN = "from dubins_study.cli.app import main; main()"
@@ -436,17 +441,18 @@ def test_a_run_that_is_killed_goes_on_where_it_was(experiment, tmp_path, number)
     os.killpg(process.pid, number)
     process.communicate(timeout=60)
     assert process.returncode == (130 if number == signal.SIGINT else -signal.SIGKILL)
-    before = {part.file.name: part.file.stat().st_mtime_ns for part in streamed_parts(out)}
+    before = {file.name: file.stat().st_mtime_ns for file in read_chunks(out)}
     assert 2 <= len(before) < 20
 
     run(file, out)
 
-    parts = [*streamed_parts(out)]
-    assert [part.window[0] for part in parts] == list(range(0, 2500000, 2**17))
-    assert sum(part.window[1] for part in parts) == 2500000
-    assert all(parts[i].file.stat().st_mtime_ns == t for i, t in enumerate(before.values()))
+    chunks = read_chunks(out)
+    files = list(chunks)
+    assert [chunk.first for chunk in chunks.values()] == list(range(0, 2500000, 2**17))
+    assert sum(chunk.count for chunk in chunks.values()) == 2500000
+    assert all(files[i].stat().st_mtime_ns == t for i, t in enumerate(before.values()))
     assert not [*out.glob("parts/.*")] or number == signal.SIGKILL
-    ids = pd.concat([pq.read_table(p.file, columns=["scenario_id"]).to_pandas() for p in parts])
+    ids = pd.concat([pq.read_table(file, columns=["scenario_id"]).to_pandas() for file in files])
     assert ids["scenario_id"].nunique() == 2500000
 
 

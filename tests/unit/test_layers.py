@@ -79,9 +79,6 @@ UNFINISHED = (
     ("experiments.plan", "experiments.engines"),
     ("experiments.isolation", "experiments.plan"),
     ("experiments.isolation", "experiments.engines"),
-    ("experiments.store", "experiments.engines"),
-    ("experiments.store", "experiments.plan"),
-    ("experiments.store", "study.check"),
     ("experiments.engines", "experiments.engines"),
 )
 

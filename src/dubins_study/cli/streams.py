@@ -1,4 +1,4 @@
-"""What goes to stderr: signs of life, and whatever a solver prints."""
+"""What goes to stderr: progress, and whatever a solver prints."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from contextlib import contextmanager, redirect_stdout
 
 @contextmanager
 def solvers_to_stderr() -> Iterator[None]:
-    """Keep stdout for results: what solvers and their processes print meanwhile goes to stderr."""
+    """Keep stdout for results: what solvers and their processes print goes to stderr."""
     if sys.stdout is None or sys.stderr is None:  # one was closed by whoever started us
         yield
         return
@@ -26,8 +26,8 @@ def solvers_to_stderr() -> Iterator[None]:
 
 
 @contextmanager
-def progress(what: str, told: list[int]) -> Iterator[Callable[[int, int], None]]:
-    """A bar on stderr, told with (done, total); `told` holds what it was told last."""
+def progress(what: str, counts: list[int]) -> Iterator[Callable[[int, int], None]]:
+    """A bar on stderr; gives the function (done, total) that moves it, and keeps both in `counts`."""
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
     from rich.progress import TimeRemainingColumn as Remaining
@@ -40,21 +40,21 @@ def progress(what: str, told: list[int]) -> Iterator[Callable[[int, int], None]]
     bar = Progress(*columns, console=Console(stderr=True))
     task = bar.add_task(plain(what), total=None)
 
-    def tell(done: int, total: int) -> None:
-        told[:] = done, total
+    def move(done: int, total: int) -> None:
+        counts[:] = done, total
         bar.start()  # only now is the request known to be a good one
         bar.update(task, completed=done, total=total)
 
     try:
-        yield tell
+        yield move
     finally:
-        if told:  # a bar that never was would leave an empty line before the error
+        if counts:  # a bar that was never started would leave an empty line before the error
             bar.stop()
 
 
 @contextmanager
 def spinner(what: str) -> Iterator[None]:
-    """A sign of life on stderr."""
+    """A spinner on stderr while the block runs."""
     from rich.console import Console
 
     with Console(stderr=True).status(what):

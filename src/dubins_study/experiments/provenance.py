@@ -12,7 +12,7 @@ from pathlib import Path as FilePath
 
 import psutil
 
-from dubins_study.solvers.protocol import AnySolver
+from dubins_study.solvers.protocol import Solver
 
 THREAD_VARIABLES = tuple(f"{name}_NUM_THREADS" for name in ("OMP", "OPENBLAS", "MKL", "NUMBA"))
 # what every row rests on, whatever its solver
@@ -42,7 +42,7 @@ def versions_of(packages: tuple[str, ...]) -> dict[str, str]:
     return found
 
 
-def solver_versions(solver: AnySolver) -> dict[str, str]:
+def solver_versions(solver: Solver) -> dict[str, str]:
     """Versions that a row of this solver rests on, asked where it is solved.
 
     Of Python, of what every row rests on, of the solver's packages, and of the libraries inside
@@ -51,12 +51,9 @@ def solver_versions(solver: AnySolver) -> dict[str, str]:
     return versions(tuple(solver.packages)) | _library_versions(solver)
 
 
-def _library_versions(solver: AnySolver) -> dict[str, str]:
-    ask = getattr(solver, "library_versions", None)
-    if ask is None:
-        return {}
+def _library_versions(solver: Solver) -> dict[str, str]:
     try:
-        return {str(name): str(found) for name, found in dict(ask()).items()}
+        return {str(name): str(found) for name, found in dict(solver.library_versions()).items()}
     except Exception as error:  # a plug-in may fail in any way
         return {"library_versions": f"raised {type(error).__name__}"}
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import logging
 from collections import Counter
 from pathlib import Path as FilePath
-from typing import Any
 from uuid import uuid4
 
 from dubins_study.experiments.definition.experiment import Source
@@ -24,13 +23,13 @@ from dubins_study.experiments.plan.request import Request, accepted
 from dubins_study.experiments.plan.solver_description import described
 from dubins_study.experiments.provenance import machine, now, source, versions
 from dubins_study.experiments.run_settings import BYTES_PER_GIB, RunSettings
-from dubins_study.experiments.store.folder import compact, done, open_folder, place
+from dubins_study.experiments.store.folder import compact, done, open_folder, prepare_folder
 from dubins_study.experiments.store.lock import locked
-from dubins_study.experiments.store.manifest import count_cells, taken_up
+from dubins_study.experiments.store.manifest import count_cells
+from dubins_study.experiments.store.part_writer import PartWriter, Progress
 from dubins_study.experiments.store.run_entry import recorded
-from dubins_study.experiments.store.writer import Progress, Writer
 from dubins_study.solvers.profiles import tolerances
-from dubins_study.study.rows.schema import VERSION
+from dubins_study.study.rows.manifest import Definition, Manifest, RunEntry, SolverEntry
 
 _LOG = logging.getLogger(__name__)
 
@@ -71,7 +70,7 @@ def run(
         progress: called with (cells done, cells in all).
 
     Raises:
-        ExperimentError, SolverError, StoreError: if the request or the folder is not valid.
+        ExperimentError, SolverError, ResultsError: if the request or the folder is not valid.
         RunError: if worker processes end before they have done anything, or Dask cannot go on.
         KeyboardInterrupt: after a SIGINT (Ctrl-C), once the cell being solved is finished and all
             rows are written; a second SIGINT leaves the cell. Only in the main thread, where
@@ -110,18 +109,18 @@ def _record(
     engine: Engine,
 ) -> None:
     """Solve the cells that the folder does not hold, and put them there."""
-    place(folder)
+    prepare_folder(folder)
     with locked(folder):
         manifest = _manifest(found, groups, wanted, request.command())
-        asked = set(manifest["solvers"])
-        earlier, mended = open_folder(folder, manifest["experiment"], restart)
-        for line in mended:
-            _LOG.warning("dubins-study: %s", line)
-        manifest = taken_up(manifest, earlier)
+        requested = set(manifest.solvers)
+        manifest, repairs = open_folder(folder, manifest, restart)
+        for repair in repairs:
+            _LOG.warning("dubins-study: %s", repair)
         finished = done(folder)
         keys = {cell.key for group in groups for cell in group}
         cells = Counter((spec, digest) for _, spec, *_, digest in keys | finished)
-        completes = count_cells(manifest, asked, cells + streamed_totals(folder, wanted))
+        rows = cells + streamed_totals(folder, wanted)
+        manifest, completes = count_cells(manifest, requested, rows)
         settings = RunSettings(
             run_id=uuid4().hex[:12],
             time_limit_s=found.experiment.time_limit_s,
@@ -131,23 +130,23 @@ def _record(
             seed=found.experiment.seed,
         )
         total = len(keys) + sum(stream.rows for stream in wanted)
-        writer = Writer(folder, settings.run_id, total, progress)
+        writer = PartWriter(folder, settings.run_id, total, progress)
         all_done = keys <= finished and streams_done(folder, wanted)
-        if all_done and (manifest["finished"] is not None or not completes):
+        if all_done and (manifest.finished is not None or not completes):
             writer.skip(total)
             return
-        said = {
-            "run_id": settings.run_id,
-            "time_limit_s": settings.time_limit_s,
-            "jobs": settings.jobs,
-            "engine": settings.engine,
-            "command": request.command(),
-            "memory_limit_gib": found.experiment.memory_limit_gib,
-            "threads": THREADS,
+        entry = RunEntry(
+            run_id=settings.run_id,
+            time_limit_s=settings.time_limit_s,
+            jobs=settings.jobs,
+            engine=settings.engine,
+            command=request.command(),
+            memory_limit_gib=found.experiment.memory_limit_gib,
+            threads=THREADS,
             **engine.said,
-        }
-        with recorded(folder, manifest, said, completes) as record:
-            writer.beat = record.beat
+        )
+        with recorded(folder, manifest, entry, completes) as record:
+            writer.after_step = record.write_now_and_then
             try:
                 with pinned_threads():
                     solve_streams(folder, wanted, settings, writer, stop)
@@ -166,39 +165,37 @@ def _record(
             compact(folder, settings.run_id)
 
 
-def _manifest(
-    found: Source, groups: list[Chain], wanted: list[Stream], command: str
-) -> dict[str, Any]:
+def _manifest(found: Source, groups: list[Chain], wanted: list[Stream], command: str) -> Manifest:
     specs = dict.fromkeys(stream.solver for stream in wanted)
     specs |= dict.fromkeys(cell.solver for group in groups for cell in group)
-    solvers = {spec: described(spec, found.experiment.profile) for spec in specs}
+    experiment = found.experiment
+    solvers = {spec: described(spec, experiment.profile) for spec in specs}
     packages = sorted({package for solver in solvers.values() for package in solver.packages})
-    return {
-        "schema": VERSION,
-        "experiment": {
-            "name": found.name,
-            "title": found.experiment.title,
-            "question": found.experiment.question,
-            "section": found.experiment.section,
-            "text": found.text,
-        },
-        "command": command,
-        "seed": found.experiment.seed,
-        "time_limit_s": found.experiment.time_limit_s,
-        "memory_limit_gib": found.experiment.memory_limit_gib,
-        "profile": found.experiment.profile,
-        "gap_tolerance": tolerances(found.experiment.profile).gap,
-        "solvers": {
-            spec: {
-                "settings": solver.settings,
-                "code_digest": solver.code_digest,
-                "packages": solver.versions,
-            }
+    return Manifest(
+        experiment=Definition(
+            name=found.name,
+            title=experiment.title,
+            question=experiment.question,
+            section=experiment.section,
+            text=found.text,
+        ),
+        command=command,
+        seed=experiment.seed,
+        time_limit_s=experiment.time_limit_s,
+        memory_limit_gib=experiment.memory_limit_gib,
+        profile=experiment.profile,
+        gap_tolerance=tolerances(experiment.profile).gap,
+        cells=0,
+        solvers={
+            spec: SolverEntry(
+                settings=solver.settings,
+                code_digest=solver.code_digest,
+                packages=solver.versions,
+            )
             for spec, solver in solvers.items()
         },
-        "versions": versions(tuple(packages)),
-        "machine": machine(),
-        "git": source(),
-        "created": now(),
-        "finished": None,
-    }
+        versions=versions(tuple(packages)),
+        machine=machine(),
+        git=source(),
+        created=now(),
+    )

@@ -1,33 +1,59 @@
-"""One path on its own, for `dubins-study solve --plot`."""
+"""A drawing of one path."""
 
 from __future__ import annotations
 
 from pathlib import Path as FilePath
+from typing import TYPE_CHECKING, Protocol
 
+import numpy as np
 import pandas as pd
 
+from dubins_study.errors import DubinsStudyError
 from dubins_study.report.elements.figure_file import figure_bytes, fix_layout
 from dubins_study.report.elements.style import drawing, new_figure
 from dubins_study.report.topics.paper.figures import aspect_of, plot_paths
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
 
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
 _WIDTH = 5.5  # inches
 _HEIGHT = (3.0, 8.0)
+_FORMATS = (".svg", ".pdf", ".png")
 
 
-def save_path(scenario: Scenario, path: Path, name: str, file: FilePath) -> None:
-    """Draw a path with its turning circles, start and target into an SVG, PDF or PNG file.
+class PlotError(DubinsStudyError, ValueError):
+    """A path that cannot be drawn, or a file that it cannot be drawn into."""
+
+
+class Answered(Protocol):
+    """What is drawn of an answer, such as one of `dubins_study.solve`."""
+
+    @property
+    def scenario(self) -> Scenario: ...
+    @property
+    def path(self) -> Path | None: ...
+    @property
+    def solver(self) -> str: ...
+
+
+def plot_path(drawn: Answered | Path, file: str | FilePath | None = None) -> Figure:
+    """Draw a path with its turning circles, start and target.
 
     Args:
-        scenario: where the target is, and how tight the vehicle turns.
-        path: what to draw.
-        name: what to call it in the legend.
-        file: its suffix decides the format.
+        drawn: an answer of `dubins_study.solve`, or a path; the target of a path is its end, and
+            its turning radius that of its sharpest arc.
+        file: where to save the figure, if anywhere; its suffix is .svg, .pdf or .png.
+
+    Returns:
+        The figure.
 
     Raises:
-        OSError: if the file cannot be written.
+        PlotError: if there is no path, the format is unknown or the file cannot be written.
     """
+    place = None if file is None else check_format(file)
+    name, path, scenario = _subject(drawn)
     paths = pd.DataFrame(
         [
             {
@@ -46,4 +72,34 @@ def save_path(scenario: Scenario, path: Path, name: str, file: FilePath) -> None
         figure = new_figure(_WIDTH, height)
         plot_paths(figure.add_subplot(), paths, names=(name,))
         fix_layout(figure)
-        file.write_bytes(figure_bytes(figure, file.suffix.removeprefix(".")))
+        if place is not None:
+            image = figure_bytes(figure, place.suffix.removeprefix("."))
+            try:
+                place.write_bytes(image)
+            except OSError as error:
+                raise PlotError(f"cannot write {place}: {error.strerror}") from None
+    return figure
+
+
+def check_format(file: str | FilePath) -> FilePath:
+    """The file as a path.
+
+    Raises:
+        PlotError: if its suffix is not .svg, .pdf or .png.
+    """
+    place = FilePath(file)
+    if place.suffix not in _FORMATS:
+        raise PlotError(f"file is {str(file)!r}; expected a name ending in .svg, .pdf or .png")
+    return place
+
+
+def _subject(drawn: Answered | Path) -> tuple[str, Path, Scenario]:
+    """The legend's name, the path, and the scenario that it is drawn with."""
+    if isinstance(drawn, Path):
+        sharpest = float(np.abs(drawn.curvature).max(initial=0.0))
+        radius = 1 / sharpest if sharpest > 0 else 1.0
+        x, y = drawn.end.x, drawn.end.y
+        return "path", drawn, Scenario(*drawn.start, target_x=x, target_y=y, radius=radius)
+    if drawn.path is None:
+        raise PlotError(f"there is no path to draw: {drawn.solver} returned none")
+    return drawn.solver, drawn.path, drawn.scenario

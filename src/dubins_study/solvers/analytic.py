@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
-from dubins_study.solvers.protocol import Guarantee, Question, Solution
+from dubins_study.solvers.protocol import Guarantee, Question, Solution, Solver
 from dubins_study.study.check.verdict import Claim
 from dubins_study.study.closed_form.shortest import BRANCHES, as_path, shortest
 from dubins_study.study.scenario import NUMBERS
@@ -13,28 +13,20 @@ from dubins_study.study.scenario import NUMBERS
 if TYPE_CHECKING:
     import pandas as pd
 
-    from dubins_study.solvers.frame import FrameSolution
+    from dubins_study.solvers.frame_solution import FrameSolution
 
 _NONE = "no {} path exists"
 
 
 @dataclass(frozen=True)
-class Analytic:
+class Analytic(Solver):
     """The closed form of `study.closed_form.shortest`, and of `study.closed_form.kernel` for whole frames."""
 
     name: ClassVar[str] = "analytic"
     method: ClassVar[str] = "closed form"
     guarantee: ClassVar[Guarantee] = Guarantee.EXACT
     branches: ClassVar[tuple[str, ...]] = BRANCHES
-    warm: ClassVar[bool] = False
-    packages: ClassVar[tuple[str, ...]] = ()
     summary: ClassVar[str] = "the closed form: exact, every branch, no iteration"
-
-    def unavailable(self) -> str | None:
-        return None
-
-    def build(self, question: Question) -> Question:
-        return question  # there is nothing to translate
 
     def solve(self, model: Question, limit: float) -> Solution:
         scenario = model.scenario
@@ -48,7 +40,7 @@ class Analytic:
     def solve_frame(self, frame: pd.DataFrame, branch: str) -> FrameSolution:
         import numpy as np  # these only here: a single question needs none of them
 
-        from dubins_study.solvers.frame import FrameSolution
+        from dubins_study.solvers.frame_solution import FrameSolution
         from dubins_study.study.check.verdict_frame import CLAIMS, Paths
         from dubins_study.study.closed_form.kernel import Rows, shortest_rows
         from dubins_study.study.closed_form.kernel_paths import curvatures

@@ -10,20 +10,22 @@ from typing import Any, NamedTuple
 
 from dubins_study.errors import DubinsStudyError
 from dubins_study.solvers.profiles import PROFILES, tolerances
-from dubins_study.solvers.protocol import AnySolver, Outcome, Question, Solution
+from dubins_study.solvers.protocol import Outcome, Question, Solution, Solver
 from dubins_study.solvers.registry import load, unavailable
 from dubins_study.study.check.certificate import Certificate, Proof, certify
 from dubins_study.study.check.verdict import Claim, Judgement, Tolerances, Verdict, judge
 from dubins_study.study.closed_form.shortest import BRANCHES, shortest
 from dubins_study.study.path import Path
+from dubins_study.study.printable import plain
 from dubins_study.study.rows.schema import ANSWER, SCENARIO, names
 from dubins_study.study.scenario import Scenario
 
 # Long enough for every backend on every question; a solve here lasts microseconds to seconds.
 DEFAULT_LIMIT = 60.0
+_REPR_CHARS = 96  # of a line of an answer's repr
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class Answer:
     """A judged and certified attempt. Units as in `study.rows.schema`; None if there is no value.
 
@@ -75,6 +77,22 @@ class Answer:
     wall_s: float | None
     iterations: int | None
     evaluations: int | None
+
+    def __repr__(self) -> str:
+        asked = self.scenario
+        pose = ", ".join(f"{value:g}" for value in asked.start)
+        target = f"{asked.target_x:g}, {asked.target_y:g}"
+        lines = (
+            f"solver {self.solver}, branch {self.branch}, outcome {self.outcome}",
+            f"from ({pose}) to ({target}), radius {asked.radius:g}, speed {asked.speed:g}",
+            f"verdict {self.verdict}, claim {self.claim}, proof {self.proof}",
+            f"word {self.word}, length {self.length}, travel time {self.travel_time}",
+            f"gap {self.gap}, miss {self.miss}",
+            f"region {self.region}, margin {self.margin:g}",
+            f"build {self.build_s} s, solve {self.solve_s} s",
+            f"message {plain(self.message)}",
+        )
+        return "\n".join(("Answer(", *(f"  {line:.{_REPR_CHARS}}" for line in lines))) + ")"
 
     @property
     def tied_words(self) -> tuple[str, ...]:
@@ -158,7 +176,7 @@ def check_request(branch: str, limit: float) -> None:
 
 
 def attempt(
-    solver: AnySolver,
+    solver: Solver,
     question: Question,
     limit: float = DEFAULT_LIMIT,
     allowed: Tolerances = PROFILES["default"],
@@ -185,7 +203,7 @@ def nothing(outcome: Outcome, message: str, times: Times = _NEVER, status: str =
     return Reply(outcome, Solution(Claim.NONE, native_status=status, message=message), times)
 
 
-def ask(solver: AnySolver, question: Question, limit: float = DEFAULT_LIMIT) -> Reply:
+def ask(solver: Solver, question: Question, limit: float = DEFAULT_LIMIT) -> Reply:
     """Put a question to a solver and time it. What a solver raises is its reply."""
     reason = unavailable(solver)
     if reason is not None:

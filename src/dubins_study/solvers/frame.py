@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from dubins_study.solvers.attempt import DEFAULT_LIMIT, attempt, check_request
+from dubins_study.solvers.frame_solution import FrameSolution
 from dubins_study.solvers.profiles import tolerances
-from dubins_study.solvers.protocol import AnySolver, Outcome, Question
+from dubins_study.solvers.protocol import Outcome, Question, Solver
 from dubins_study.solvers.registry import load, unavailable
 from dubins_study.study.check.certificate import Proof
 from dubins_study.study.check.extremal import MEASURED
@@ -29,45 +28,6 @@ if TYPE_CHECKING:
     from dubins_study.study.check.verdict_frame import FrameJudgement, Paths
 
 COLUMNS = [*names(SCENARIO), *names(ANSWER)]
-
-
-@dataclass(frozen=True, eq=False)
-class FrameSolution:
-    """What a solver's `solve_frame(frame, branch)` returns: its answers to n scenarios as arrays.
-
-    The frame that it is given has passed `study.scenario.check_frame`; `branch` is one of the
-    solver's own. The caller times the call and judges the paths, as for `Solver.solve`.
-
-    Args:
-        claim: one for all rows, or indices into `study.check.verdict_frame.CLAIMS`, shape (n,).
-        paths: controls of n paths of at most two arcs, and which rows have one.
-        claimed_length: as the solver reports it (length unit), shape (n,); NaN where there is
-            none. None if there is none in any row.
-        lower_bound: proven bounds (length unit), shape (n,), or None.
-        native_status, message: the solver's own words, one for all rows; messages may be n.
-    """
-
-    claim: Claim | ArrayLike
-    paths: Paths
-    claimed_length: FloatArray | None = None
-    lower_bound: FloatArray | None = None
-    native_status: str = ""
-    message: str | Sequence[str] = ""
-
-    def __post_init__(self) -> None:
-        from dubins_study.study.check.verdict_frame import CLAIMS
-
-        n = len(self.paths)
-        per_row = {"claimed_length": self.claimed_length, "lower_bound": self.lower_bound}
-        if not isinstance(self.claim, Claim):
-            per_row["claim"] = codes = np.asarray(self.claim)
-            if codes.dtype.kind not in "iu" or not np.isin(codes, range(len(CLAIMS))).all():
-                raise TypeError("claim is neither a Claim nor indices into CLAIMS")
-        for name, values in per_row.items():
-            if values is not None and np.shape(values) != (n,):
-                raise TypeError(f"{name} has shape {np.shape(values)}; expected {(n,)}")
-        if not isinstance(self.message, str) and len(self.message) != n:
-            raise TypeError(f"there are {len(self.message)} messages; expected 1 or {n}")
 
 
 def solve_frame(
@@ -108,7 +68,7 @@ def solve_frame(
     allowed = tolerances(profile)
     backend = load(solver, profile)
     frame = check_frame(scenarios)
-    whole = getattr(backend, "solve_frame", None)
+    whole = backend.solve_frame
     if whole is None or unavailable(backend) is not None or branch not in backend.branches:
         return _one_by_one(frame, backend, branch, limit, allowed, solver)
     from dubins_study.study.check.certificate_frame import certify_frame
@@ -152,8 +112,8 @@ def _columns(
     solution: FrameSolution, outcome: Outcome, judged: FrameJudgement, seconds: float
 ) -> dict[str, Any]:
     """The answer's columns: codes and flat buffers are taken over as they are."""
-    from dubins_study.study.check.verdict_frame import CLAIMS
     from dubins_study.study.check.two_arcs import PATH_WORDS
+    from dubins_study.study.check.verdict_frame import CLAIMS
     from dubins_study.study.check.verdict_kernel import REGIONS, VERDICTS
     from dubins_study.study.closed_form.kernel import WORDS
 
@@ -259,7 +219,7 @@ def _controls(paths: Paths) -> tuple[Any, Any]:
 
 def _one_by_one(
     frame: pd.DataFrame,
-    solver: AnySolver,
+    solver: Solver,
     branch: str,
     limit: float,
     allowed: Tolerances,

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from enum import StrEnum
 from operator import index
-from typing import Any, ClassVar, Protocol, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -13,7 +14,10 @@ from dubins_study.study.check.verdict import Claim
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
 
-Model = TypeVar("Model")
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from dubins_study.solvers.frame_solution import FrameSolution
 
 
 class Guarantee(StrEnum):
@@ -26,7 +30,7 @@ class Guarantee(StrEnum):
 
 
 class Outcome(StrEnum):
-    """What happened to the process that was asked."""
+    """What happened to the process that solved."""
 
     RETURNED = "returned"
     TIMEOUT = "timeout"
@@ -39,7 +43,10 @@ class Outcome(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Question:
-    """A scenario, the branch asked of it, and an initial guess (None when cold, a path when warm)."""
+    """A scenario, the branch that is asked for, and an initial guess.
+
+    The guess is a path when warm, and None when cold.
+    """
 
     scenario: Scenario
     branch: str = "best"
@@ -48,7 +55,7 @@ class Question:
 
 @dataclass(frozen=True, slots=True)
 class Solution:
-    """What a solver answers. The point is kept whatever the claim, unless that is `infeasible`.
+    """The answer of a solver. The path is kept whatever the claim, unless that is `infeasible`.
 
     Args:
         claim: what the solver says of its answer.
@@ -57,11 +64,11 @@ class Solution:
         lower_bound: a bound on the scenario's shortest length, if the method proves one.
         multipliers: duals of the end point's two equations, in the world frame (dimensionless).
         iterations, evaluations: the solver's own counts, summed over its subproblems.
-        native_status, message: the backend's own words.
+        native_status, message: the status and message of the library that solved.
 
     Raises:
-        TypeError: naming the field, its value and what was expected; raised where a plug-in makes
-            its solution, so that it is the plug-in's failure.
+        TypeError: naming the field, its value and what was expected. It is raised inside the
+            solver that makes the solution, and so counts as that solver's failure.
     """
 
     claim: Claim
@@ -79,7 +86,7 @@ class Solution:
         if path is not None and type(path) is not Path:
             if not isinstance(path, Path):
                 raise TypeError(f"path is {_short(path)}; expected a Path or None")
-            # its controls are believed, not what a subclass makes of them
+            # a subclass may report another end or length than its controls have
             path = Path(path.start, path.curvature, path.length)
         object.__setattr__(self, "path", path)
         object.__setattr__(self, "claim", _claim(self.claim))
@@ -108,7 +115,7 @@ def _number(name: str, value: Any) -> float | None:
     if value is None:
         return None
     try:
-        # what `float` takes for a number and is none
+        # `float` accepts these, but they are no numbers
         if isinstance(value, str | bytes | bytearray | bool | np.bool_):
             raise TypeError
         return float(value)
@@ -118,12 +125,12 @@ def _number(name: str, value: Any) -> float | None:
 
 def _count(name: str, value: Any) -> int | None:
     try:
-        found = None if value is None else index(value)
+        count = None if value is None else index(value)
     except TypeError:
-        found = -1
-    if found is not None and not 0 <= found < 2**63:
+        count = -1
+    if count is not None and not 0 <= count < 2**63:
         raise TypeError(f"{name} is {_short(value)}; expected a count or None")
-    return found
+    return count
 
 
 def _pair(value: Any) -> tuple[float, float] | None:
@@ -138,45 +145,63 @@ def _pair(value: Any) -> tuple[float, float] | None:
     return x, y
 
 
-class Solver(Protocol[Model]):
-    """One method with its settings: a frozen dataclass whose fields are the settings.
+class Solver:
+    """The base class of every solver: one method with its settings.
+
+    A solver is a frozen dataclass that extends this class; its fields are its settings. It must
+    give `name` and either `solve(question, limit)`, or `build(question)` and `solve(model, limit)`,
+    which are then timed apart. Everything else has the default that stands here.
 
     Class attributes:
         name: the name in the registry, e.g. `turn-rate-qp`.
-        method: closed form, local NLP, transcription, sequential convex, MILP, global MINLP
-            or indirect.
+        method: the kind of method, e.g. `local NLP`.
         guarantee: what the method promises.
-        branches: the branches that it can be asked.
-        warm: whether `Question.initial_guess` is used.
-        packages: distributions whose versions belong to its rows.
+        branches: the branches that the solver can answer.
+        warm: whether the solver uses `Question.initial_guess`.
+        packages: distributions whose versions belong to the solver's rows.
         summary: one line for `dubins-study solvers`.
-
-    A backend may also have `solve_frame(frame, branch) -> FrameSolution` (see `solvers.frame`),
-    `profiles: dict[str, dict]`, settings that a named profile changes, `variants`, specs of its own
-    that `dubins-study solvers` lists beside it, and `library_versions() -> dict[str, str]`, of the
-    libraries inside its packages that have versions of their own. `runs` is the name of the
-    program on PATH that it starts, if any.
+        profiles: by the name of a profile, the settings that it changes.
+        variants: specs of this solver that `dubins-study solvers` lists beside it.
+        solve_frame: a method `solve_frame(frame, branch) -> FrameSolution` that answers a whole
+            frame of scenarios at once (see `solvers.frame_solution`), or None.
     """
 
-    name: ClassVar[str]
-    method: ClassVar[str]
-    guarantee: ClassVar[Guarantee]
-    branches: ClassVar[tuple[str, ...]]
-    warm: ClassVar[bool]
-    packages: ClassVar[tuple[str, ...]]
-    summary: ClassVar[str]
+    name: ClassVar[str] = ""
+    method: ClassVar[str] = "not stated"
+    guarantee: ClassVar[Guarantee] = Guarantee.LOCAL
+    branches: ClassVar[tuple[str, ...]] = ("best",)
+    warm: ClassVar[bool] = False
+    packages: ClassVar[tuple[str, ...]] = ()
+    summary: ClassVar[str] = ""
+    profiles: ClassVar[dict[str, dict[str, Any]]] = {}
+    variants: ClassVar[tuple[str, ...]] = ()
+    solve_frame: Callable[[pd.DataFrame, str], FrameSolution] | None = None
+
+    @property
+    def runs(self) -> str | None:
+        """The name of the program on PATH that the solver starts, or None."""
+        return None
 
     def unavailable(self) -> str | None:
         """Why the solver cannot run here (a missing package, binary or licence), or None."""
+        return None
 
-    def build(self, question: Question) -> Model:
-        """Translate the question; timed as build.
+    def library_versions(self) -> dict[str, str]:
+        """Versions of the libraries that lie inside the solver's packages, by library."""
+        return {}
+
+    def build(self, question: Question) -> Any:
+        """The model that `solve` takes; timed as build. By default it is the question itself.
 
         A template that all questions share is compiled once and kept between calls.
         """
+        return question
 
-    def solve(self, model: Model, limit: float) -> Solution:
-        """Optimise for about `limit` seconds; timed as solve. Failure is a claim, no exception."""
+    def solve(self, model: Any, limit: float) -> Solution:
+        """Optimise for about `limit` seconds; timed as solve. A failure is a claim, no exception.
 
-
-AnySolver = Solver[Any]
+        Args:
+            model: what `build` returned; the question, where `build` is the default.
+            limit: seconds.
+        """
+        raise NotImplementedError(f"solver {self.name!r} has no method solve(model, limit)")

@@ -13,15 +13,14 @@ from pathlib import Path as FilePath
 from typing import Any, NamedTuple
 
 from dubins_study.errors import DubinsStudyError
-from dubins_study.solvers.protocol import AnySolver
+from dubins_study.solvers.protocol import Solver
 
 GROUP = "dubins_study.solvers"
-_PROMISED = ("name", "method", "guarantee", "branches", "warm", "packages", "summary")
 _SPEC = re.compile(r"(?P<name>[^\[\]]+?)(?:\[(?P<settings>[^\[\]]*)\])?")
 
 
 class SolverError(DubinsStudyError, ValueError):
-    """A solver that does not exist, does not keep the promise, or has no such setting."""
+    """A solver that does not exist, does not extend `Solver`, or has no such setting."""
 
 
 class Entry(NamedTuple):
@@ -42,7 +41,7 @@ def _registered() -> dict[str, EntryPoint]:
 
 
 def ours(spec: str) -> bool:
-    """Whether a spec, sound or not, could name no other code than this package's own."""
+    """Whether a spec, valid or not, can only name code of this package."""
     name = spec.partition("[")[0].strip() if isinstance(spec, str) else ""
     point = _registered().get(name)
     if point is None:
@@ -55,7 +54,7 @@ def registered() -> list[str]:
     return list(_registered())
 
 
-def available() -> list[str]:
+def available_solvers() -> list[str]:
     """The names of the solvers that can run here."""
     return [name for name in registered() if _entry(name).reason is None]
 
@@ -63,15 +62,14 @@ def available() -> list[str]:
 def entries() -> list[Entry]:
     """Every registered solver: what it is and, if it cannot run here, why.
 
-    A backend that reaches other people's solvers by a setting names such specs as its `variants`;
-    each is a line of its own.
+    A solver's `variants` follow it, one entry each.
     """
-    found = []
+    listed = []
     for name in registered():
-        found.append(_entry(name))
-        if found[-1].method:
-            found += [_entry(spec) for spec in getattr(_kind(name), "variants", ())]
-    return found
+        listed.append(_entry(name))
+        if listed[-1].method:
+            listed += [_entry(spec) for spec in _kind(name).variants]
+    return listed
 
 
 def _entry(name: str) -> Entry:
@@ -91,15 +89,15 @@ def _entry(name: str) -> Entry:
     )
 
 
-def unavailable(solver: AnySolver) -> str | None:
-    """Why a solver cannot run here, or None; one that cannot even say so is unavailable."""
+def unavailable(solver: Solver) -> str | None:
+    """Why a solver cannot run here, or None; one whose `unavailable` raises cannot."""
     try:
         return solver.unavailable()
     except (Exception, SystemExit) as error:  # a plug-in may fail in any way; it is a reason
         return f"asking whether it is available raised {type(error).__name__}: {error}"
 
 
-def settings(solver: AnySolver) -> dict[str, Any]:
+def settings(solver: Solver) -> dict[str, Any]:
     """A solver's settings and their values."""
     if not is_dataclass(solver):
         return {}
@@ -109,7 +107,7 @@ def settings(solver: AnySolver) -> dict[str, Any]:
 def canonical(spec: str, profile: str = "default") -> str:
     """The spec as rows write it: settings in the order of their declaration.
 
-    Those are left out that the solver has under the profile anyway.
+    A setting that has the profile's value is left out.
 
     Raises:
         SolverError: as `load`.
@@ -122,28 +120,27 @@ def canonical(spec: str, profile: str = "default") -> str:
     return f"{name}[{','.join(changed)}]" if changed else name
 
 
-def load(spec: str, profile: str = "default") -> AnySolver:
+def load(spec: str, profile: str = "default") -> Solver:
     """The solver of a spec.
 
     Args:
         spec: `ipopt`, `turn-rate-qp[n=50,engine=piqp]`, or `file.py:Class` with or without
             settings.
-        profile: settings that the solver keeps under this name come first, those of the spec on
-            top of them.
+        profile: name of the solver's own settings to begin with (its `profiles`); those of the
+            spec come on top of them.
 
     Raises:
         SolverError: naming the solver, setting or value, and what was expected.
     """
     name, given = _parse(spec)
     kind = _kind(name)
-    values = {**getattr(kind, "profiles", {}).get(profile, {}), **_convert(name, kind, given)}
+    values = {**kind.profiles.get(profile, {}), **_convert(name, kind, given)}
     try:
-        solver: AnySolver = kind(**values)
+        return kind(**values)
     except ValueError as error:
         raise SolverError(f"solver {spec!r}: {error}") from None
     except (Exception, SystemExit) as error:  # a plug-in may fail in any way
         raise SolverError(f"solver {spec!r} cannot be made: {error!r}") from error
-    return solver
 
 
 def _parse(spec: str) -> tuple[str, dict[str, str]]:
@@ -163,7 +160,7 @@ def _parse(spec: str) -> tuple[str, dict[str, str]]:
     return match["name"].strip(), given
 
 
-def _kind(name: str) -> type[Any]:
+def _kind(name: str) -> type[Solver]:
     point = _registered().get(name)
     if point is None:
         if ".py:" in name:
@@ -173,11 +170,11 @@ def _kind(name: str) -> type[Any]:
         kind = point.load()
     except (Exception, SystemExit) as error:  # a plug-in may fail in any way; it is a reason
         raise SolverError(f"solver {name!r} cannot be imported: {error}") from error
-    return _kept_promise(name, kind)
+    return _checked(name, kind)
 
 
 @cache
-def _from_file(name: str) -> type[Any]:
+def _from_file(name: str) -> type[Solver]:
     file, _, class_name = name.rpartition(":")
     path = FilePath(file)
     if not path.is_file():
@@ -196,28 +193,35 @@ def _from_file(name: str) -> type[Any]:
         raise SolverError(f"solver {name!r}: {file} fails: {error!r}") from error
     if not hasattr(module, class_name):
         raise SolverError(f"solver {name!r}: {file} has no class {class_name!r}")
-    return _kept_promise(name, getattr(module, class_name))
+    return _checked(name, getattr(module, class_name))
 
 
-def _kept_promise(name: str, kind: Any) -> type[Any]:
-    wanted = (*_PROMISED, "unavailable", "build", "solve")
-    missing = [attribute for attribute in wanted if not hasattr(kind, attribute)]
-    if not isinstance(kind, type) or missing:
-        lack = f"has no {missing[0]!r}" if missing else "is not a class"
+def _checked(name: str, kind: Any) -> type[Solver]:
+    """The class, if it extends `Solver` as its docstring says.
+
+    Raises:
+        SolverError: naming what is missing, or the attribute and its value.
+    """
+    if not (isinstance(kind, type) and issubclass(kind, Solver)):
         raise SolverError(
-            f"solver {name!r} {lack}; expected the promise of dubins_study.solvers.protocol"
+            f"solver {name!r} does not extend dubins_study.Solver; expected a frozen dataclass "
+            "class Name(Solver) with a name and solve(question, limit)"
         )
-    for attribute in ("branches", "packages"):
-        texts = getattr(kind, attribute)
+    for attribute, given in (("name", kind.name), ("solve", kind.solve is not Solver.solve)):
+        if not given:
+            raise SolverError(
+                f"solver {name!r} has no {attribute!r}; expected a name and solve(question, limit)"
+            )
+    for attribute, texts in (("branches", kind.branches), ("packages", kind.packages)):
         if not isinstance(texts, tuple) or not all(isinstance(text, str) for text in texts):
             raise SolverError(f"solver {name!r}: {attribute} is {texts!r}; expected texts, a tuple")
-    profiles = getattr(kind, "profiles", {})
+    profiles = kind.profiles
     if not isinstance(profiles, dict) or not all(isinstance(p, dict) for p in profiles.values()):
         raise SolverError(f"solver {name!r}: profiles is {profiles!r}; expected a dict of dicts")
     return kind
 
 
-def _convert(name: str, kind: type[Any], given: dict[str, str]) -> dict[str, Any]:
+def _convert(name: str, kind: type[Solver], given: dict[str, str]) -> dict[str, Any]:
     """The settings' texts as values of the types that the defaults have."""
     if not given:
         return {}

@@ -8,9 +8,11 @@ import re
 from dubins_study.errors import DubinsStudyError
 
 _NUMBER = r"(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
-_DEGREES = re.compile(rf"([+-]?{_NUMBER})\s*(?:deg|°)")
+_WITH_UNIT = re.compile(rf"([+-]?{_NUMBER})\s*(deg|°|rad)")
 _PI = re.compile(rf"([+-]?)({_NUMBER})?\s*\*?\s*pi(?:\s*/\s*({_NUMBER}))?")
-_RADIANS = re.compile(rf"[+-]?{_NUMBER}")
+_NO_UNIT = re.compile(rf"[+-]?{_NUMBER}")
+# rad; a full turn written with few digits, such as 6.2832, is still one
+_FULL_TURN = 2 * math.pi * (1 + 1e-4)
 
 
 class AngleError(DubinsStudyError, ValueError):
@@ -21,23 +23,35 @@ def parse_angle(text: str | float) -> float:
     """Angle in radians, counter-clockwise.
 
     Args:
-        text: a number (radians) or a text such as `120deg`, `2.0944`, `-pi/2`, `2pi/3`, `0.5*pi`.
+        text: a number (radians), or a text such as `120deg`, `2.0944`, `7rad`, `-pi/2`, `2pi/3`,
+            `0.5*pi`. A text without a unit is in radians, up to a full turn.
 
     Raises:
-        AngleError: if the text is none of these, or not finite.
+        AngleError: if the text is none of these, is not finite, or has no unit and is more than
+            a full turn.
     """
-    value = _evaluate(text.strip()) if isinstance(text, str) else float(text)
+    if not isinstance(text, str):
+        value: float | None = float(text)
+    else:
+        value = _evaluate(text.strip())
     if value is None or not math.isfinite(value):
         raise AngleError(f"{text!r} is not an angle; expected e.g. 120deg, 2.0944 or 2pi/3")
     return value
 
 
 def _evaluate(text: str) -> float | None:
-    if match := _DEGREES.fullmatch(text):
-        return math.radians(float(match[1]))
+    """Radians, or None if the text is not an angle."""
+    if match := _WITH_UNIT.fullmatch(text):
+        number = float(match[1])
+        return number if match[2] == "rad" else math.radians(number)
     if match := _PI.fullmatch(text):
         sign, factor, divisor = match[1], float(match[2] or 1), float(match[3] or 1)
         if divisor == 0:
             return None
         return (-1 if sign == "-" else 1) * factor * math.pi / divisor
-    return float(text) if _RADIANS.fullmatch(text) else None
+    if not _NO_UNIT.fullmatch(text):
+        return None
+    value = float(text)
+    if _FULL_TURN < abs(value) < math.inf:
+        raise AngleError(f"{text} is more than a full turn; write {text}deg, or {text}rad")
+    return value

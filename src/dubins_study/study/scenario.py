@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, fields, replace
 from typing import TYPE_CHECKING, Any, NamedTuple, Self
 
 import numpy as np
 
 from dubins_study.errors import DubinsStudyError
+from dubins_study.study.angle import AngleError, parse_angle
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -24,18 +25,24 @@ class Pose(NamedTuple):
 
 
 class ScenarioError(DubinsStudyError, ValueError):
-    """A scenario, or a frame of them, that cannot be used; the message names field, value, row."""
+    """A scenario or a frame of scenarios that cannot be used; names the field, value and row."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, init=False)
 class Scenario:
     """One vehicle and one target.
 
-    Any consistent length unit; `heading` in rad, counter-clockwise from +x; `speed` in length
-    units per time unit, so that time = length / speed.
+    Args:
+        x, y: start position; any length unit, the same for all lengths.
+        heading: start heading, counter-clockwise from +x: rad, or a text such as `120deg`.
+        target_x, target_y: target position.
+        radius: minimum turning radius.
+        speed: length units per time unit; travel time = length / speed.
+        label: a name of the caller's choice.
 
     Raises:
-        ScenarioError: if a number is not finite, or `radius` or `speed` is not positive.
+        ScenarioError: if the target is missing, a number is not finite, or `radius` or `speed` is
+            not positive.
     """
 
     x: float
@@ -44,19 +51,26 @@ class Scenario:
     target_x: float
     target_y: float
     radius: float
-    speed: float = 1.0
-    label: str = ""
+    speed: float
+    label: str
 
-    def __post_init__(self) -> None:
-        for name in NUMBERS:
-            value = getattr(self, name)
-            try:
-                number = float(value)
-            except (TypeError, ValueError, OverflowError):
-                raise ScenarioError(f"{name} is {value!r}; expected a number") from None
-            if problem := _problem(name, number):
-                raise ScenarioError(problem)
-            object.__setattr__(self, name, number)  # so that 1 and 1.0 make equal scenarios
+    def __init__(
+        self,
+        x: float = 0.0,
+        y: float = 0.0,
+        heading: float | str = 0.0,
+        target_x: float | None = None,
+        target_y: float | None = None,
+        radius: float = 1.0,
+        speed: float = 1.0,
+        label: str = "",
+    ) -> None:
+        if isinstance(heading, str):
+            heading = _heading(heading)
+        given = (x, y, heading, target_x, target_y, radius, speed)
+        for name, value in zip(NUMBERS, given, strict=True):
+            object.__setattr__(self, name, _number(name, value))  # floats: 1 and 1.0 are one value
+        object.__setattr__(self, "label", label)
         if self.extent > LARGEST_EXTENT * self.radius:
             raise ScenarioError(_lost_in_rounding(self.extent, self.radius))
 
@@ -72,7 +86,7 @@ class Scenario:
     def local(self) -> tuple[float, float]:
         """Target in the vehicle's frame in units of the radius: X forward, Y to the left.
 
-        THEORY section 1; docs/derivation.md, eq. 1.
+        docs/derivation.md, eq. 1.
         """
         dx, dy = self.target_x - self.x, self.target_y - self.y
         cos, sin = math.cos(self.heading), math.sin(self.heading)
@@ -93,18 +107,6 @@ class Scenario:
             radius=self.radius * factor,
         )
 
-    def rotated(self, angle: float) -> Self:
-        """Everything turned by `angle` (rad) about the origin."""
-        cos, sin = math.cos(angle), math.sin(angle)
-        return replace(
-            self,
-            x=self.x * cos - self.y * sin,
-            y=self.x * sin + self.y * cos,
-            heading=self.heading + angle,
-            target_x=self.target_x * cos - self.target_y * sin,
-            target_y=self.target_x * sin + self.target_y * cos,
-        )
-
 
 COLUMNS = tuple(field.name for field in fields(Scenario))
 NUMBERS = COLUMNS[:-1]
@@ -112,6 +114,26 @@ _DEFAULTS: dict[str, Any] = {"speed": 1.0, "label": ""}
 _POSITIVE = ("radius", "speed")
 LARGEST, SMALLEST = 1e150, 1e-150  # beyond them squares overflow or vanish
 LARGEST_EXTENT = 1e14  # radii; beyond it a coordinate's last digit is a hundredth of the radius
+
+
+def _heading(text: str) -> float:
+    try:
+        return parse_angle(text)
+    except AngleError as error:
+        expected = "expected a number, in radians, or an angle such as 120deg"
+        raise ScenarioError(f"heading is {text!r}; {expected} ({error})") from None
+
+
+def _number(name: str, value: float | None) -> float:
+    if value is None:
+        raise ScenarioError(f"{name} is missing; expected a number")
+    try:
+        number = float(value)
+    except (TypeError, ValueError, OverflowError):
+        raise ScenarioError(f"{name} is {value!r}; expected a number") from None
+    if problem := _problem(name, number):
+        raise ScenarioError(problem)
+    return number
 
 
 def _lost_in_rounding(extent: float, radius: float) -> str:
@@ -130,15 +152,6 @@ def _problem(name: str, value: float) -> str | None:
         least = f"from {SMALLEST:g} to" if name in _POSITIVE else "of size up to"
         return f"{name} is {value}; expected a number {least} {LARGEST:g}"
     return None
-
-
-def scenario_frame(scenarios: Iterable[Scenario]) -> pd.DataFrame:
-    """One row a scenario, the columns of `COLUMNS` in that order."""
-    import pandas as pd
-
-    rows = list(scenarios)
-    columns = {name: [getattr(row, name) for row in rows] for name in COLUMNS}
-    return pd.DataFrame(columns).astype(dict.fromkeys(NUMBERS, float))
 
 
 def check_frame(frame: pd.DataFrame) -> pd.DataFrame:
@@ -165,14 +178,14 @@ def check_frame(frame: pd.DataFrame) -> pd.DataFrame:
     checked: dict[str, Any] = {}
     for name in NUMBERS:
         checked[name] = (
-            _numbers(frame, name) if name in names else np.full(len(frame), _DEFAULTS[name])
+            _column(frame, name) if name in names else np.full(len(frame), _DEFAULTS[name])
         )
     _check_extent(frame, checked)
     checked["label"] = frame["label"] if "label" in names else ""
     return pd.DataFrame(checked, index=frame.index, copy=False)
 
 
-def _numbers(frame: pd.DataFrame, name: str) -> np.ndarray[Any, np.dtype[np.float64]]:
+def _column(frame: pd.DataFrame, name: str) -> np.ndarray[Any, np.dtype[np.float64]]:
     try:
         values = frame[name].to_numpy(dtype=np.float64, na_value=np.nan)
     except (TypeError, ValueError):

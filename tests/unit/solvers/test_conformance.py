@@ -8,8 +8,8 @@ import pytest
 from cases import EDGES, PAPER
 
 from dubins_study.solvers.attempt import solve
-from dubins_study.solvers.protocol import Guarantee, Outcome, Question, Solution
-from dubins_study.solvers.registry import available, entries, load, registered
+from dubins_study.solvers.protocol import Guarantee, Outcome, Question, Solution, Solver
+from dubins_study.solvers.registry import available_solvers, entries, load, registered
 from dubins_study.study.check.verdict import Claim, Verdict
 from dubins_study.study.closed_form.shortest import BRANCHES, shortest
 from dubins_study.study.scenario import Scenario
@@ -36,7 +36,7 @@ def test_every_entry_says_what_it_is():
         assert entry.reason is None or entry.reason.strip()
 
 
-@pytest.mark.parametrize("name", available())
+@pytest.mark.parametrize("name", available_solvers())
 @pytest.mark.parametrize("branch", ["best", "LS", "RS"])
 @pytest.mark.parametrize("problem", PAPER)
 def test_paper_problems(name, branch, problem):
@@ -50,7 +50,7 @@ def test_paper_problems(name, branch, problem):
     assert -1e-12 <= answer.gap <= LARGEST_GAP[load(name).guarantee]
 
 
-@pytest.mark.parametrize("name", available())
+@pytest.mark.parametrize("name", available_solvers())
 @pytest.mark.parametrize("edge", EDGES)
 def test_edges(name, edge):
     """Every solver is right at every kind of target; on long ones a coarse answer may be longer."""
@@ -68,7 +68,7 @@ def test_edges(name, edge):
     assert answer.verdict in expected
 
 
-@pytest.mark.parametrize("name", available())
+@pytest.mark.parametrize("name", available_solvers())
 @pytest.mark.parametrize(("branch", "target_y"), [("LS", 1.0), ("RS", -1.0)])
 def test_a_branch_without_a_path_is_not_answered_with_one(name, branch, target_y):
     """No LS path reaches the left disc: no solver may claim to have found one."""
@@ -79,7 +79,7 @@ def test_a_branch_without_a_path_is_not_answered_with_one(name, branch, target_y
     assert not answer.false_claim
 
 
-@pytest.mark.parametrize("name", available())
+@pytest.mark.parametrize("name", available_solvers())
 def test_a_branch_it_cannot_answer_is_a_row(name):
     """An unsupported branch is an outcome with a reason, not an exception."""
     for branch in set(BRANCHES) - set(load(name).branches):
@@ -89,7 +89,7 @@ def test_a_branch_it_cannot_answer_is_a_row(name):
         assert answer.verdict is Verdict.NONE
 
 
-@pytest.mark.parametrize("name", available())
+@pytest.mark.parametrize("name", available_solvers())
 def test_answers_repeat(name):
     """The same question gets the same answer, also after another one: no state leaks."""
     solver = load(name)
@@ -102,21 +102,21 @@ def test_answers_repeat(name):
     assert ask(EASY) == first
 
 
-@pytest.mark.parametrize("name", available())
-def test_a_warm_start_does_no_harm(name):
-    """Started from the shortest path, a solver that takes starts stays at its length."""
+@pytest.mark.parametrize("name", available_solvers())
+def test_a_warm_guess_does_no_harm(name):
+    """From the shortest path of a near scenario a solver still finds the shortest path."""
     if not load(name).warm:
-        pytest.skip("takes no start")
+        pytest.skip("takes no initial guess")
     near = Scenario(0, 0, 0.3, 3.05, 2, 1)
-    start = solve(near, "analytic").path
-    assert start is not None
+    guess = solve(near, "analytic").path
+    assert guess is not None
 
-    answer = solve(EASY, name, initial_guess=start)
+    answer = solve(EASY, name, initial_guess=guess)
 
     assert answer.verdict is Verdict.OPTIMAL
 
 
-@pytest.mark.parametrize("name", available())
+@pytest.mark.parametrize("name", available_solvers())
 def test_profiles_are_accepted(name):
     """Every solver runs under every profile, and `accurate` is no worse than `fast`."""
     gaps = {p: solve(EASY, name, profile=p).gap for p in ("fast", "default", "accurate")}
@@ -125,7 +125,7 @@ def test_profiles_are_accepted(name):
     assert gaps["accurate"] <= gaps["fast"] + 1e-9
 
 
-@pytest.mark.parametrize("name", available())
+@pytest.mark.parametrize("name", available_solvers())
 def test_multipliers_are_the_costates(name):
     """Duals, where a solver has them, are the unit vector along the final heading.
 
@@ -151,7 +151,7 @@ def test_whatever_a_solver_does_becomes_a_row():
     """Raising, returning another type, a path to elsewhere and a claim without a path."""
     from dubins_study.solvers.attempt import attempt
 
-    class Hostile:
+    class Hostile(Solver):
         name, method, guarantee, branches = "hostile", "local NLP", Guarantee.LOCAL, ("best",)
         warm, packages, summary = False, (), "does what it is told"
 

@@ -6,16 +6,18 @@ import ast
 
 import numpy as np
 import pytest
+from cases import scenario_frame
 
 from dubins_study.solvers.attempt import attempt
-from dubins_study.solvers.frame import FrameSolution, solve_frame
-from dubins_study.solvers.protocol import Guarantee, Outcome, Question, Solution
+from dubins_study.solvers.frame import solve_frame
+from dubins_study.solvers.frame_solution import FrameSolution
+from dubins_study.solvers.protocol import Guarantee, Outcome, Question, Solution, Solver
 from dubins_study.solvers.registry import SolverError, load
 from dubins_study.study.check.verdict import Claim, Verdict
 from dubins_study.study.check.verdict_frame import Paths
 from dubins_study.study.closed_form.shortest import shortest_path
 from dubins_study.study.path import Path
-from dubins_study.study.scenario import Pose, Scenario, scenario_frame
+from dubins_study.study.scenario import Pose, Scenario
 
 EASY = Scenario(0, 0, 0.3, 3, 2, 1)
 BAD_FIELDS = {
@@ -41,7 +43,7 @@ def test_a_solution_of_wrong_types_is_its_makers_failure(field):
         Solution(**given)
 
 
-class Sneaky:
+class Sneaky(Solver):
     """A solver that changes what it was asked, or hands in a path that lies about its end."""
 
     name, method, guarantee, branches = "sneaky", "none", Guarantee.LOCAL, ("best",)
@@ -124,7 +126,8 @@ def test_frames_are_guarded_likewise(monkeypatch, trick):
 def test_classes_that_only_look_like_solvers_are_refused(tmp_path, line, message):
     file = tmp_path / "bad.py"
     lines = [
-        "class Bad:",
+        "from dubins_study import Solver",
+        "class Bad(Solver):",
         "    name = method = guarantee = summary = 'bad'",
         "    branches, warm, packages = ('best',), False, ()",
         "    unavailable = build = solve = None",

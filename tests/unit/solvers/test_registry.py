@@ -2,24 +2,26 @@
 
 from __future__ import annotations
 
+import pandas as pd
 import pytest
 
+from dubins_study.experiments.plan.code_digest import code
 from dubins_study.solvers.attempt import QuestionError, solve
+from dubins_study.solvers.frame import solve_frame
 from dubins_study.solvers.profiles import ProfileError
 from dubins_study.solvers.protocol import Outcome
 from dubins_study.solvers.registry import SolverError, canonical, load, settings
 from dubins_study.study.scenario import Scenario
 
 EASY = Scenario(0, 0, 0.3, 3, 2, 1)
+FRAME_ROW = dict.fromkeys(["x", "y", "heading", "target_y"], 0.0) | {"radius": 1.0}
 PLUGIN = '''
 from dataclasses import dataclass
 from typing import ClassVar
-from dubins_study.solvers.protocol import Guarantee, Solution
-from dubins_study.study.path import Path
-from dubins_study.study.check.verdict import Claim
+from dubins_study import Claim, Guarantee, Path, Solution, Solver
 
 @dataclass(frozen=True)
-class Straight:
+class Straight(Solver):
     """Drives straight on, whatever the target."""
     far: float = 1.0
     name: ClassVar[str] = "straight"
@@ -34,9 +36,25 @@ class Straight:
     def solve(self, model, limit):
         return Solution(Claim.LOCAL, Path(model.scenario.start, [0.0], [self.far]))
 
-class Lacking:
-    name = "lacking"
+class Stranger:
+    name, solve = "stranger", None
+
+class Nameless(Solver):
+    def solve(self, question, limit): return Solution(Claim.NONE)
+
+class Idle(Solver):
+    name = "idle"
 '''
+SHORTEST_PLUGIN = """\
+from dataclasses import dataclass
+from dubins_study import Claim, Path, Solution, Solver
+@dataclass(frozen=True)
+class Ahead(Solver):
+    name = "ahead"
+    far: float = 1.0
+    def solve(self, question, limit):
+        return Solution(Claim.FEASIBLE, Path(question.scenario.start, [0.0], [self.far]))
+"""
 
 
 @pytest.fixture
@@ -104,14 +122,36 @@ def test_a_plug_in_from_a_file(plugin):
 
 
 def test_plug_ins_that_do_not_keep_the_promise(plugin, tmp_path):
-    with pytest.raises(SolverError, match="has no 'method'"):
-        load(f"{plugin}:Lacking")
+    with pytest.raises(SolverError, match="does not extend dubins_study.Solver; expected a frozen"):
+        load(f"{plugin}:Stranger")
+    with pytest.raises(SolverError, match="has no 'name'; expected a name and solve"):
+        load(f"{plugin}:Nameless")
+    with pytest.raises(SolverError, match="has no 'solve'; expected a name and solve"):
+        load(f"{plugin}:Idle")
     with pytest.raises(SolverError, match="has no class 'Nothing'"):
         load(f"{plugin}:Nothing")
     broken = tmp_path / "broken.py"
     broken.write_text("1/0")
     with pytest.raises(SolverError, match="ZeroDivisionError"):
         load(f"{broken}:Any")
+
+
+def test_a_plug_in_in_eight_lines(tmp_path):
+    """A name and `solve` are enough; what is left out has the defaults of the base class."""
+    assert len(SHORTEST_PLUGIN.splitlines()) == 8
+    (tmp_path / "ahead.py").write_text(SHORTEST_PLUGIN)
+    spec = f"{tmp_path / 'ahead.py'}:Ahead[far=3]"
+    answer = solve(Scenario(target_x=3, target_y=0), spec)
+
+    assert (answer.verdict, answer.claim, answer.length) == ("optimal", "feasible", 3.0)
+    assert solve(EASY, spec, "LS").outcome is Outcome.UNSUPPORTED
+    assert solve_frame(pd.DataFrame([{**FRAME_ROW, "target_x": 3.0}]), spec)["miss"].tolist() == [0]
+    solver = load(spec)
+    assert (solver.method, solver.guarantee, solver.warm) == ("not stated", "local", False)
+    assert (solver.packages, solver.variants, solver.profiles, solver.runs) == ((), (), {}, None)
+    assert solver.unavailable() is None
+    assert solver.library_versions() == {}
+    assert code(spec) != code(spec.replace("far=3", "far=4"))
 
 
 def test_a_plug_in_may_look_like_our_own(tmp_path):
@@ -123,10 +163,10 @@ def test_a_plug_in_may_look_like_our_own(tmp_path):
             "from __future__ import annotations\n"
             "from dataclasses import dataclass\n"
             "from typing import ClassVar\n"
-            "from dubins_study.solvers.protocol import Guarantee, Solution\n"
+            "from dubins_study.solvers.protocol import Guarantee, Solution, Solver\n"
             "from dubins_study.study.check.verdict import Claim\n"
             "@dataclass(frozen=True)\n"
-            "class Plug:\n"
+            "class Plug(Solver):\n"
             f"    n: int = {answer}\n"
             "    name: ClassVar[str] = 'plug'\n"
             "    method: ClassVar[str] = 'none'\n"

@@ -18,7 +18,6 @@ from dubins_study.solvers.optimal_control.turn_rate_dynamics import (
     Controls,
     Rates,
     corrected,
-    end_point,
     rollout,
 )
 from dubins_study.solvers.optimal_control.turn_rate_qp import RATES, TurnRateQp
@@ -58,10 +57,10 @@ def ask(
     scenario: Scenario,
     branch: str = "best",
     solver: TurnRateQp = DEFAULT,
-    start: Path | None = None,
+    initial_guess: Path | None = None,
     limit: float = 20.0,
 ) -> tuple[Solution, Judgement]:
-    solution = solver.solve(solver.build(Question(scenario, branch, start)), limit)
+    solution = solver.solve(solver.build(Question(scenario, branch, initial_guess)), limit)
     return solution, judge(scenario, solution.path, solution.claim, branch)
 
 
@@ -242,7 +241,7 @@ def test_useless_warm_start_does_no_harm(curvature: list[float], length: list[fl
     """An empty, broken or too tight path to start from is passed over or brought within bounds."""
     scenario = scenario_at(4.0, 3.0)
 
-    _, found = ask(scenario, start=Path(scenario.start, curvature, length))
+    _, found = ask(scenario, initial_guess=Path(scenario.start, curvature, length))
 
     assert found.verdict == Verdict.OPTIMAL
 
@@ -316,6 +315,18 @@ def test_wrong_settings_are_refused_by_name(wrong: dict[str, object]) -> None:
 
     with pytest.raises(ValueError, match=rf"{name} is '?{value}'?; expected"):
         TurnRateQp(**wrong)  # type: ignore[arg-type]
+
+
+def end_point(heading, lengths):
+    """End point (2,) of arcs of given lengths (n,) that end at given headings (n,).
+
+    A chord is h sinc(a/2) long and points along the arc's mean heading. Complex headings pass
+    through.
+    """
+    turns = np.diff(heading, prepend=0.0)
+    chord = lengths * np.sinc(turns / (2 * np.pi))
+    middle = heading - turns / 2
+    return np.array([(chord * np.cos(middle)).sum(), (chord * np.sin(middle)).sum()])
 
 
 @given(st.integers(1, 40), st.floats(0.01, 60), st.integers(0, 10_000))

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from cases import EDGES, PAPER
+from cases import EDGES, PAPER, rotated
 from hard_cases import hard_frame
 from hypothesis import assume, given
 from hypothesis import strategies as st
@@ -150,7 +150,7 @@ def test_a_path_of_no_length_has_no_costates():
 @given(st.floats(-3, 3), st.floats(0.1, 50), st.floats(-3, 3), st.floats(0.2, 5))
 def test_the_certificate_is_the_same_at_any_scale_and_heading(turn, scale, X, Y):
     scenario = Scenario(0, 0, 0, X, Y, 1)
-    other = Scenario(0, 0, 0, X, Y, 1).rotated(turn)
+    other = rotated(Scenario(0, 0, 0, X, Y, 1), turn)
     other = Scenario(0, 0, other.heading, other.target_x * scale, other.target_y * scale, scale)
     one, two = (shortest_path(s) for s in (scenario, other))
     a, b = certified(one, 1.0), certified(two, scale)

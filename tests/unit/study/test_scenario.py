@@ -8,7 +8,7 @@ import re
 import numpy as np
 import pandas as pd
 import pytest
-from cases import PAPER
+from cases import PAPER, scenario_frame
 
 from dubins_study.study.angle import AngleError, parse_angle
 from dubins_study.study.scenario import (
@@ -16,7 +16,6 @@ from dubins_study.study.scenario import (
     Scenario,
     ScenarioError,
     check_frame,
-    scenario_frame,
     scenarios,
 )
 
@@ -123,11 +122,35 @@ def test_local_coordinates():
         ("-pi/2", -math.pi / 2),
         ("2pi/3", 2 * math.pi / 3),
         ("0.5*pi", math.pi / 2),
+        ("7rad", 7.0),
+        ("-120 rad", -120.0),
+        ("720deg", 4 * math.pi),
+        ("6.2832", 6.2832),
         (1, 1.0),
+        (120, 120.0),
     ],
 )
 def test_angles(text, radians):
     assert parse_angle(text) == pytest.approx(radians, rel=1e-15)
+
+
+@pytest.mark.parametrize("text", ["120", "-90", "6.3", "1e3"])
+def test_a_text_beyond_a_full_turn_needs_a_unit(text):
+    with pytest.raises(AngleError, match=f"{text} is more than a full turn; write {text}deg, or"):
+        parse_angle(text)
+    with pytest.raises(ScenarioError, match=rf"heading is '{text}'; .* write {text}deg, or"):
+        Scenario(heading=text, target_x=1, target_y=0)
+
+
+def test_a_scenario_has_the_defaults_of_the_command():
+    """Only the target must be given; the heading may be a text, and is stored in radians."""
+    assert Scenario(target_x=3, target_y=2) == Scenario(0, 0, 0, 3, 2, 1, 1, "")
+    assert Scenario(0, 0, "120deg", 3, 2).heading == math.radians(120)
+    assert Scenario(heading="2pi/3", target_x=3, target_y=2).heading == 2 * math.pi / 3
+    for given in ({"target_y": 1}, {"target_x": 1}):
+        missing = "target_x" if "target_y" in given else "target_y"
+        with pytest.raises(ScenarioError, match=f"^{missing} is missing; expected a number$"):
+            Scenario(**given)
 
 
 @pytest.mark.parametrize("text", ["", "banana", "nan", "inf", "pi/0", "1e999", "2pi/", "deg", "__"])

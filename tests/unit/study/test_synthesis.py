@@ -7,7 +7,7 @@ import math
 import mpmath as mp
 import numpy as np
 import pytest
-from cases import EDGES, PAPER, scenarios
+from cases import EDGES, PAPER, rotated, scenarios
 from hard_cases import hard_frame
 from hypothesis import assume, given
 from hypothesis import strategies as st
@@ -185,7 +185,7 @@ def test_turning_and_scaling_the_plane_changes_nothing(scenario, angle, decades)
     """To 1e-13 plus what the rounding of turned coordinates leaves open (see test_kernel)."""
     assume(margin(scenario) > 1e-9)  # the length jumps across the circles
     factor = 10.0**decades
-    moved = scenario.rotated(angle).scaled(factor)
+    moved = rotated(scenario, angle).scaled(factor)
     found, image = shortest(scenario), shortest(moved)
     assume(len(found.word) == 2)
     rate = 1 / abs(math.cos(found.segments.second / 2)) if found.word[1] != "S" else 1.0

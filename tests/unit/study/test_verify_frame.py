@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from cases import scenario_frame
 from hard_cases import hard_frame
 
 from dubins_study.study.check.two_arcs import PATH_WORDS
@@ -18,7 +19,7 @@ from dubins_study.study.closed_form.kernel_math import LARGEST_ANGLE
 from dubins_study.study.closed_form.kernel_paths import curvatures
 from dubins_study.study.closed_form.shortest import BRANCHES, EPS, shortest_path
 from dubins_study.study.path import Path
-from dubins_study.study.scenario import NUMBERS, Scenario, check_frame, scenario_frame, scenarios
+from dubins_study.study.scenario import NUMBERS, Scenario, check_frame, scenarios
 
 N = 1200
 FRAME = hard_frame(N, seed=11)

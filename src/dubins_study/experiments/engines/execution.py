@@ -11,7 +11,7 @@ from dubins_study.experiments.isolation.sandbox import pinned_threads
 from dubins_study.experiments.plan.cells import Chain, shuffled
 from dubins_study.experiments.run_settings import RunSettings
 from dubins_study.experiments.store.folder import read_rows
-from dubins_study.experiments.store.writer import Writer
+from dubins_study.experiments.store.part_writer import PartWriter
 from dubins_study.study.path import Path
 from dubins_study.study.rows.row_table import row_key, row_path
 from dubins_study.study.rows.schema import Key
@@ -22,7 +22,7 @@ def solve_left(
     groups: list[Chain],
     finished: set[Key],
     settings: RunSettings,
-    writer: Writer,
+    writer: PartWriter,
     stop: Interruption,
     engine: Engine,
     probed: Probed | None = None,

@@ -26,9 +26,9 @@ from dubins_study.experiments.plan.cells import asked, streamed
 from dubins_study.experiments.plan.repeated_scenarios import refuse_repeats
 from dubins_study.experiments.plan.solver_description import described
 from dubins_study.experiments.run_settings import RunSettings
-from dubins_study.experiments.store.parts import write_part
-from dubins_study.experiments.store.stream_parts import metadata, part_name, streamed_parts
-from dubins_study.experiments.store.writer import Writer
+from dubins_study.experiments.store.part_writer import PartWriter, write_chunk
+from dubins_study.study.rows.chunk import Chunk, row_kinds
+from dubins_study.study.rows.parts import read_chunks
 
 # Enclosing every reference takes ten times as long as all the rest together: 40 microseconds a row
 # against 4. Streams of no more rows than these are proved, the others are certified without.
@@ -138,9 +138,9 @@ def streamed_totals(folder: FilePath, wanted: list[Stream]) -> Counter[tuple[str
     """
     ids = {stream.id for stream in wanted}
     totals = Counter[tuple[str, str]]()
-    for part in streamed_parts(folder):
-        if part.stream not in ids:
-            totals[part.solver, part.code_digest] += part.window[1]
+    for chunk in read_chunks(folder).values():
+        if chunk.stream not in ids:
+            totals[chunk.solver, chunk.code_digest] += chunk.count
     for stream in wanted:
         totals[stream.solver, stream.code_digest] += stream.rows
     return totals
@@ -153,17 +153,17 @@ def streams_done(folder: FilePath, wanted: list[Stream]) -> bool:
 
 
 def _held(folder: FilePath) -> set[tuple[str, Window]]:
-    return {(part.stream, part.window) for part in streamed_parts(folder)}
+    return {(chunk.stream, chunk.window) for chunk in read_chunks(folder).values()}
 
 
 def solve_streams(
-    folder: FilePath, wanted: list[Stream], run: RunSettings, writer: Writer, stop: Interruption
+    folder: FilePath, wanted: list[Stream], run: RunSettings, writer: PartWriter, stop: Interruption
 ) -> None:
     """Solve every chunk that the folder does not hold yet, and write each as a part of its own.
 
     Raises:
         ExperimentError: if a chunk holds a scenario that cannot be; the chunks before are kept.
-        StoreError: if the folder cannot be written.
+        ResultsError: if the folder cannot be written.
         KeyboardInterrupt: if the run is interrupted, once the chunk being solved is written.
     """
     held = _held(folder)
@@ -180,7 +180,7 @@ def _solve_chunks(
     stream: Stream,
     left: list[Window],
     run: RunSettings,
-    writer: Writer,
+    writer: PartWriter,
     stop: Interruption,
     pool: ThreadPoolExecutor,
 ) -> None:
@@ -203,21 +203,24 @@ def _solve_chunks(
     stop.check()
 
 
-def _written(writing: Future[int] | None, writer: Writer) -> None:
+def _written(writing: Future[int] | None, writer: PartWriter) -> None:
     if writing is not None:
         writer.skip(writing.result())
 
 
 def _write(folder: FilePath, stream: Stream, window: Window, table: Any, run_id: str) -> int:
-    name = stream.id
-    about = {
-        "question": stream.question,
-        "solver": stream.solver,
-        "code_digest": stream.code_digest,
-    }
-    said = metadata(table, name, window, about, run_id)
-    write_part(folder, part_name(name, window), table, said)
-    return window[1]
+    first, count = window
+    chunk = Chunk(
+        stream=stream.id,
+        question=stream.question,
+        solver=stream.solver,
+        code_digest=stream.code_digest,
+        first=first,
+        count=count,
+        kinds=row_kinds(table),
+    )
+    write_chunk(folder, chunk, table, run_id)
+    return count
 
 
 @contextmanager

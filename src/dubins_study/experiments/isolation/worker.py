@@ -17,7 +17,7 @@ from dubins_study.experiments.isolation.sandbox import depend, isolate
 from dubins_study.experiments.plan.code_digest import code
 from dubins_study.experiments.provenance import now, solver_versions
 from dubins_study.solvers.attempt import Reply, ask, nothing, told
-from dubins_study.solvers.protocol import AnySolver, Outcome, Question
+from dubins_study.solvers.protocol import Outcome, Question, Solver
 from dubins_study.solvers.registry import load
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
@@ -115,12 +115,12 @@ def _tell(number: int, phase: Phase) -> None:
     _clock.write(_pid, number, phase)
 
 
-_solvers: dict[tuple[str, str], AnySolver] = {}
+_solvers: dict[tuple[str, str], Solver] = {}
 # of those that were loaded: the digests of their code, read as they were
 _codes: dict[tuple[str, str], str] = {}
 
 
-def _ready(order: Order) -> AnySolver:
+def _ready(order: Order) -> Solver:
     """A solver that has its imports, templates and caches behind it."""
     key = order.solver, order.profile
     if key not in _solvers:

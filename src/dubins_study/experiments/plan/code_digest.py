@@ -14,7 +14,7 @@ from pathlib import Path as FilePath
 from typing import Any
 
 from dubins_study.experiments.provenance import versions_of
-from dubins_study.solvers.protocol import AnySolver
+from dubins_study.solvers.protocol import Solver
 from dubins_study.solvers.registry import canonical, load, settings
 
 # the folder that holds our package
@@ -63,7 +63,7 @@ def code(spec: str, profile: str = "default") -> str:
     return digest.hexdigest()[:_DIGITS]
 
 
-def plain_settings(solver: AnySolver) -> dict[str, Any]:
+def plain_settings(solver: Solver) -> dict[str, Any]:
     """A solver's settings as JSON has them; what it cannot hold (a plug-in's) as text."""
     return {
         name: value if _is_plain(value) else _ADDRESS.sub("", str(value))

@@ -75,7 +75,6 @@ def described(spec: str, profile: str = "default") -> Description:
 
 def _describe(spec: str, profile: str) -> Description:
     solver = load(spec, profile)
-    runs = getattr(solver, "runs", None)
     return Description(
         canonical(spec, profile),
         code(spec, profile),
@@ -83,7 +82,7 @@ def _describe(spec: str, profile: str) -> Description:
         tuple(str(package) for package in solver.packages),
         bool(solver.warm),
         type(solver) is Analytic,
-        None if runs is None else str(runs),
+        None if solver.runs is None else str(solver.runs),
     )
 
 

@@ -1,125 +1,137 @@
-"""The results folder: a manifest and immutable Parquet parts, written so that nothing is lost."""
+"""A results folder: opened for a run and mended, its single cells read, its parts united."""
 
 from __future__ import annotations
 
-from collections import Counter
-from collections.abc import Mapping
 from pathlib import Path as FilePath
-from typing import Any
 
 import pyarrow as pa
 
-from dubins_study.experiments.store.disk import StoreError, is_temporary, reason, refuse_link, tidy
+from dubins_study.experiments.store.files import is_temporary, remove_temporaries
 from dubins_study.experiments.store.lock import LOCK
-from dubins_study.experiments.store.manifest import (
-    MANIFEST,
-    check_same,
-    read_manifest,
-    write_manifest,
-)
-from dubins_study.experiments.store.parts import (
+from dubins_study.experiments.store.manifest import check_same_experiment, continued
+from dubins_study.experiments.store.part_writer import write_part
+from dubins_study.study.printable import plain
+from dubins_study.study.rows.files import DamagedPartError, ResultsError, reason, refuse_link
+from dubins_study.study.rows.manifest import MANIFEST, Manifest, read_manifest
+from dubins_study.study.rows.parts import (
     PARTS,
-    RUN_ID,
-    damaged_parts,
+    check_part,
     is_stream,
     part_files,
+    read_footer,
     read_part,
-    set_aside,
-    write_part,
 )
-from dubins_study.experiments.store.stream_parts import streamed_part
-from dubins_study.study.printable import plain
 from dubins_study.study.rows.row_table import ARROW_SCHEMA
-from dubins_study.study.rows.schema import KEY, Key, names
+from dubins_study.study.rows.schema import KEY, RUN_ID, Key, names
 
-__all__ = [
-    "StoreError",
-    "compact",
-    "counted",
-    "done",
-    "open_folder",
-    "place",
-    "read_manifest",
-    "read_rows",
-    "write_manifest",
-    "write_part",
-]
+# where damaged parts are moved
+DAMAGED = "damaged"
 
 
-def place(folder: FilePath) -> None:
-    """Make a folder that can be locked, or leave the one that there is as it is.
+def prepare_folder(folder: FilePath) -> None:
+    """Make a folder that can be locked; a folder that is there stays as it is.
 
     Raises:
-        StoreError: if it cannot be made, or holds something else than results.
+        ResultsError: if it cannot be made, or holds something else than results.
     """
     try:
         if folder.exists() and not (folder / MANIFEST).exists():
-            if any(not _begun(entry.name) for entry in folder.iterdir()):
-                raise StoreError(f"{folder} holds something else and no {MANIFEST}; choose another")
+            if any(not _precedes_manifest(entry.name) for entry in folder.iterdir()):
+                raise ResultsError(
+                    f"{folder} holds something else and no {MANIFEST}; choose another"
+                )
             if any(part_files(folder)):
-                raise StoreError(f"{folder} holds parts and no {MANIFEST}; choose another")
+                raise ResultsError(f"{folder} holds parts and no {MANIFEST}; choose another")
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise StoreError(f"cannot write to {folder}: {reason(error)}") from None
+        raise ResultsError(f"cannot write to {folder}: {reason(error)}") from None
 
 
-def _begun(name: str) -> bool:
-    """Whether a file is what a run leaves that is killed before its first manifest."""
+def _precedes_manifest(name: str) -> bool:
+    """Whether a run that is killed before its first manifest may leave a file of this name."""
     return name in (LOCK, PARTS) or is_temporary(name)
 
 
-def open_folder(
-    folder: FilePath, experiment: Mapping[str, str], fresh: bool
-) -> tuple[dict[str, Any] | None, list[str]]:
+def open_folder(folder: FilePath, manifest: Manifest, restart: bool) -> tuple[Manifest, list[str]]:
     """Make a folder ready for a run: mended, and of the same experiment.
 
     Args:
-        folder: there, and locked by this process.
-        experiment: name and text; what the folder holds already must be of the same.
-        fresh: throw away the rows that the folder holds.
+        folder: exists, and is locked by this process.
+        manifest: of the run; what the folder holds already must be of the same experiment.
+        restart: throw away the rows that the folder holds.
 
     Returns:
-        The manifest of the run that it takes up, if any, and what was mended: a sentence each.
+        The manifest with what earlier runs in the folder left in theirs, and what was mended: one
+        sentence each.
 
     Raises:
-        StoreError: if the folder cannot be written, is of another schema, or a part is not ours.
+        ResultsError: if the folder cannot be written, or holds another experiment, another schema
+            or a part that is none of its own. The folder is then as it was.
     """
     refuse_link(folder / PARTS)
     try:
-        if (folder / MANIFEST).exists() and not fresh:
+        if (folder / MANIFEST).exists() and not restart:
             earlier = read_manifest(folder)
-            check_same(folder, earlier["experiment"], experiment)
-            # someone may have deleted it to begin anew; without it no row could be written
+            check_same_experiment(folder, earlier.experiment, manifest.experiment)
+            # somebody may have deleted it to begin anew; no row could be written without it
             (folder / PARTS).mkdir(exist_ok=True)
-            return earlier, _mended(folder)
+            return continued(manifest, earlier), _mend(folder)
         (folder / PARTS).mkdir(parents=True, exist_ok=True)
         for part in part_files(folder):
             part.unlink()
     except OSError as error:
-        raise StoreError(f"cannot write to {folder}: {reason(error)}") from None
-    return None, []
+        raise ResultsError(f"cannot write to {folder}: {reason(error)}") from None
+    return manifest, []
 
 
-def _mended(folder: FilePath) -> list[str]:
-    """Put aside what is damaged and remove what a killed run left; all is read before."""
-    damaged = [error.part for error in damaged_parts(folder)]
-    # those that are under another's name, too: their rows are not known by it
-    damaged += [
-        part
-        for part in filter(is_stream, part_files(folder))
-        if part not in damaged and streamed_part(part) is None
-    ]
-    for place_of in (folder, folder / PARTS):
-        tidy(place_of)
+def _mend(folder: FilePath) -> list[str]:
+    """Move damaged parts away and remove what a killed run left, once every part was looked at."""
+    damaged = _damaged_parts(folder)
+    for place in (folder, folder / PARTS):
+        remove_temporaries(place)
     return [
-        f"{plain(str(part))} is damaged: moved to {plain(str(set_aside(folder, part)))}, its cells "
-        "are solved again"
+        f"{plain(str(part))} is damaged: moved to {plain(str(_move_away(folder, part)))}, its "
+        "cells are solved again"
         for part in damaged
     ]
 
 
+def _damaged_parts(folder: FilePath) -> list[FilePath]:
+    """The damaged parts. Of a chunk of a stream only the metadata are read, at its end."""
+    damaged = []
+    for part in part_files(folder):
+        try:
+            if is_stream(part):
+                read_footer(part)
+            else:
+                check_part(part)
+        except DamagedPartError:
+            damaged.append(part)
+    return damaged
+
+
+def _move_away(folder: FilePath, part: FilePath) -> FilePath:
+    """Move a damaged part to the folder of damaged parts; it is never deleted.
+
+    Raises:
+        ResultsError: if it cannot be moved.
+    """
+    place = folder / DAMAGED
+    refuse_link(place)
+    try:
+        place.mkdir(exist_ok=True)
+        target, number = place / part.name, 1
+        while target.exists() or target.is_symlink():
+            number += 1
+            target = place / f"{part.stem}-{number}{part.suffix}"
+        part.rename(target)
+    except OSError as error:
+        raise ResultsError(f"cannot move {part} to {place}: {reason(error)}") from None
+    return target
+
+
 def done(folder: FilePath) -> set[Key]:
-    """The keys of all single cells that a folder holds; those of streams are never read."""
+    """The keys of all single cells that a folder holds a row of; streams are not read."""
     keys: set[Key] = set()
     for part in part_files(folder, streams=False):
         table = read_part(part, names(KEY))
@@ -128,40 +140,37 @@ def done(folder: FilePath) -> set[Key]:
 
 
 def read_rows(folder: FilePath, columns: list[str] | None = None) -> pa.Table:
-    """The rows of all single cells of a folder, each key once."""
-    wanted = None if columns is None else list(dict.fromkeys((*names(KEY), *columns)))
+    """The rows of all single cells of a folder, each cell once.
+
+    Args:
+        folder: a results folder.
+        columns: names of the schema; those of the key come first, wanted or not. All by default.
+    """
+    wanted = list(dict.fromkeys((*names(KEY), *(columns or ARROW_SCHEMA.names))))
     tables = [read_part(part, wanted) for part in part_files(folder, streams=False)]
-    empty = ARROW_SCHEMA.empty_table()
-    tables.append(empty if wanted is None else empty.select(wanted))
-    return unique(pa.concat_tables(tables))
+    return unique_rows(pa.concat_tables([ARROW_SCHEMA.empty_table().select(wanted), *tables]))
 
 
-def counted(rows: pa.Table) -> Counter[tuple[str, str]]:
-    """How many rows there are by solver and code."""
-    found = rows.group_by(["solver", "code_digest"]).aggregate([([], "count_all")]).to_pylist()
-    return Counter({(row["solver"], row["code_digest"]): row["count_all"] for row in found})
-
-
-def unique(table: pa.Table) -> pa.Table:
-    """The first row of every key: a run cut off while compacting leaves rows in two parts."""
+def unique_rows(table: pa.Table) -> pa.Table:
+    """The first row of every key: a run that ends while it unites parts leaves rows twice."""
     numbered = table.select(names(KEY)).append_column("row", pa.array(range(len(table))))
     first = numbered.group_by(names(KEY)).aggregate([("row", "min")])["row_min"]
     return table if len(first) == len(table) else table.take(first.combine_chunks().sort())
 
 
 def compact(folder: FilePath, run_id: str) -> None:
-    """Make one part of all single cells' parts, if there is room for it.
+    """Unite the parts of all single cells into one, if there is room for it.
 
-    A crash in the middle leaves rows twice.
+    A crash in the middle leaves rows twice, which `unique_rows` takes once.
     """
     parts = part_files(folder, streams=False)
     if len(parts) < 2:
         return
     rows = read_rows(folder)
     try:
-        kept = write_part(folder, f"{run_id}-all", rows, {RUN_ID: run_id})
-    except StoreError:  # a full disk: the many parts hold all that the one would
+        united = write_part(folder, f"{run_id}-all", rows, {RUN_ID: run_id})
+    except ResultsError:  # the disk is full, and the many parts hold all that the one would
         return
     for part in parts:
-        if part != kept:
+        if part != united:
             part.unlink()

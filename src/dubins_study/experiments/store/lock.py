@@ -1,4 +1,4 @@
-"""One run at a time in a results folder."""
+"""The lock of a results folder: one run at a time."""
 
 from __future__ import annotations
 
@@ -11,84 +11,84 @@ from pathlib import Path as FilePath
 from filelock import FileLock, Timeout
 
 from dubins_study.experiments.provenance import now
-from dubins_study.experiments.store.disk import StoreError, reason
+from dubins_study.study.rows.files import ResultsError, reason
 
 LOCK = ".lock"
-# a link leads elsewhere, and a pipe would be waited for
-_LOOKING = os.O_RDONLY | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0)
-# another's look at whether it is held lasts microseconds; a run holds it much longer
-_PATIENCE, _POLL = 0.3, 0.02
+# A link would lead elsewhere, and opening a pipe would block.
+_READ_FLAGS = os.O_RDONLY | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0)
+# `is_locked` in another process holds the lock for microseconds, a run for much longer.
+_WAIT_S, _POLL_INTERVAL_S = 0.3, 0.02
 
 
 @contextmanager
 def locked(folder: FilePath) -> Iterator[None]:
-    """Hold a folder for this process alone; the system lets go of it whatever ends the process.
+    """Hold a folder for this process alone; the system frees it however the process ends.
 
     Processes that this one starts do not hold it.
 
     Raises:
-        StoreError: if another process holds it, naming that and since when, or if the folder
-            cannot be written.
+        ResultsError: if another process holds it (the message names the process and since when),
+            or if the folder cannot be written.
     """
     file = folder / LOCK
     if file.exists() and not file.is_file():
-        raise StoreError(f"cannot lock {file}: it is no file")
-    lock = FileLock(file, timeout=_PATIENCE, poll_interval=_POLL, fallback_to_soft=False)
+        raise ResultsError(f"cannot lock {file}: it is no file")
+    lock = FileLock(file, timeout=_WAIT_S, poll_interval=_POLL_INTERVAL_S, fallback_to_soft=False)
     try:
         lock.acquire()
     except Timeout:
-        raise StoreError(_refusal(folder)) from None
+        raise ResultsError(_in_use(folder)) from None
     except OSError as error:
-        raise StoreError(f"cannot lock {file}: {reason(error)}") from None
+        raise ResultsError(f"cannot lock {file}: {reason(error)}") from None
     try:
-        with suppress(OSError):  # a full disk: others are told less
+        with suppress(OSError):  # on a full disk, others are told that the process is unknown
             file.write_text(json.dumps({"pid": os.getpid(), "started": now()}), encoding="utf-8")
         yield
     finally:
         lock.release()
 
 
-def _refusal(folder: FilePath) -> str:
-    who = holder(folder)
-    pid, since = (str(who.get(key, "unknown")) for key in ("pid", "started"))
+def _in_use(folder: FilePath) -> str:
+    holder = lock_holder(folder)
+    pid, since = (str(holder.get(key, "unknown")) for key in ("pid", "started"))
     return (
         f"{folder} is in use: process {pid:.20} has been at work there since {since:.40}; wait for "
         "it or end it, or choose another --out"
     )
 
 
-def holder(folder: FilePath) -> dict[str, object]:
-    """What the process that holds a folder, or held it last, says of itself."""
+def lock_holder(folder: FilePath) -> dict[str, object]:
+    """`pid` and `started` of the process that holds a folder, or held it last, if it wrote them."""
     try:
-        found = json.loads((folder / LOCK).read_text(encoding="utf-8"))
+        content = json.loads((folder / LOCK).read_text(encoding="utf-8"))
     except (OSError, ValueError, RecursionError):
         return {}
-    return found if isinstance(found, dict) else {}
+    return content if isinstance(content, dict) else {}
 
 
-def held(folder: FilePath) -> bool:
+def is_locked(folder: FilePath) -> bool:
     """Whether a process is at work in a folder; nothing is written to find out."""
     try:
-        handle = os.open(folder / LOCK, _LOOKING)
+        handle = os.open(folder / LOCK, _READ_FLAGS)
     except OSError:
         return False
     try:
-        return _held(handle)
+        return _is_locked(handle)
     finally:
         os.close(handle)
 
 
-def _held(handle: int) -> bool:
+def _is_locked(handle: int) -> bool:
     try:
         import fcntl
-    except ImportError:  # Windows: reading a byte that another process has locked is refused
+    except ImportError:  # Windows refuses to read a byte that another process has locked
         try:
             os.read(handle, 1)
         except OSError:
             return True
         return False
     try:
-        # shared, so that two who look do not see each other
+        # a shared lock, so that two processes that look do not see each other
         fcntl.flock(handle, fcntl.LOCK_SH | fcntl.LOCK_NB)
     except OSError:
         return True

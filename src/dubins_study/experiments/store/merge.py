@@ -1,43 +1,37 @@
-"""Results folders of one experiment united into one; what contradicts itself is refused."""
+"""Results folders of one experiment united into one; folders that contradict each other are not."""
 
 from __future__ import annotations
 
 import glob
 import os
 import shutil
-import tempfile
-from collections.abc import Iterable, Sequence
+from collections import Counter
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path as FilePath
-from typing import Any, NamedTuple
+from typing import NamedTuple
+from uuid import uuid4
 
 from dubins_study.experiments.provenance import now
-from dubins_study.experiments.store.attempts import JUDGED, merged_rows
-from dubins_study.experiments.store.disk import StoreError, reason, sync_folder
-from dubins_study.experiments.store.folder import counted, read_rows
-from dubins_study.experiments.store.lock import LOCK, held, locked
+from dubins_study.experiments.store.files import sync_folder
+from dubins_study.experiments.store.folder import read_rows
+from dubins_study.experiments.store.lock import LOCK, is_locked, locked
 from dubins_study.experiments.store.manifest import (
-    check_same,
+    check_same_experiment,
     count_cells,
-    read_manifest,
     write_manifest,
 )
-from dubins_study.experiments.store.parts import (
-    PARTS,
-    RUN_ID,
-    is_stream,
-    part_files,
-    read_part,
-    write_part,
-)
-from dubins_study.experiments.store.stream_parts import streamed_counts, streamed_part
-from dubins_study.study.check.verdict import Tolerances
-from dubins_study.study.rows.schema import KEY, names
-
-_DEFAULT_GAP = Tolerances().gap  # of a manifest that tells none
+from dubins_study.experiments.store.merged_rows import COLUMNS, merged_rows
+from dubins_study.experiments.store.part_writer import write_part
+from dubins_study.experiments.store.row_counts import count_rows
+from dubins_study.study.rows.files import DamagedPartError, ResultsError, reason
+from dubins_study.study.rows.manifest import Manifest, RunEntry, SolverEntry, read_manifest
+from dubins_study.study.rows.parts import PARTS, is_stream, part_files, read_footer, read_part
+from dubins_study.study.rows.schema import RUN_ID
 
 
 class Union(NamedTuple):
-    """What a merge made.
+    """The result of a merge.
 
     Args:
         folder: the new results folder.
@@ -55,51 +49,44 @@ class Union(NamedTuple):
 def merge(folders: Iterable[str | FilePath], out: str | FilePath) -> Union:
     """Unite results folders of one experiment.
 
-    Every cell of any folder is in the union once. The same attempt in two folders is one; of two
-    attempts that agree (outcome, claim, verdict, word, and the gap to the profile's tolerance) the
-    earlier is kept. Of a solver with several codes the first folder's counts, rows of others are
-    kept as stale ones. Streamed parts are linked or copied as they are.
+    Every cell of any folder is in the union once. An attempt that two folders hold is one attempt;
+    of two attempts that agree (outcome, claim, verdict, word, and the gap to the profile's
+    tolerance) the earlier is kept. Of a solver with several codes, the first folder's code counts
+    and rows of the others are kept as stale ones. Parts of streams are linked or copied as they
+    are.
 
     Args:
         folders: at least two results folders; they are only read.
         out: the new folder; one that is there must be empty.
 
     Raises:
-        StoreError: if a folder cannot be read, is of another experiment or in use, if two attempts
-            contradict each other, or if `out` cannot be written. Nothing is left at `out` then.
+        ResultsError: if a folder cannot be read, is of another experiment or in use, if two
+            attempts contradict each other, or if `out` cannot be written. Nothing is left at `out`
+            then.
     """
-    given, target = [FilePath(folder) for folder in folders], FilePath(out)
-    manifests = _accepted(given)
+    sources, target = [FilePath(folder) for folder in folders], FilePath(out)
+    manifests = _read_manifests(sources)
     _check_target(target)
-    try:
-        target.parent.mkdir(parents=True, exist_ok=True)
-        _clear_abandoned(target)
-        fresh = FilePath(tempfile.mkdtemp(prefix=f".{target.name}.merging-", dir=target.parent))
-    except OSError as error:
-        raise StoreError(f"cannot write to {target}: {reason(error)}") from None
-    try:
-        with locked(fresh):
-            made = _united(given, manifests, fresh)
-            _put_in_place(fresh, target)
-            return made._replace(folder=target)
-    finally:
-        shutil.rmtree(fresh, ignore_errors=True)
+    with _new_folder(target) as fresh, locked(fresh):
+        union = _unite(sources, manifests, fresh)
+        _put_in_place(fresh, target)
+    return union._replace(folder=target)
 
 
-def _accepted(folders: Sequence[FilePath]) -> list[dict[str, Any]]:
+def _read_manifests(folders: Sequence[FilePath]) -> list[Manifest]:
     if len(folders) < 2:
-        raise StoreError(f"{len(folders)} results folder given; expected at least two to merge")
+        raise ResultsError(f"{len(folders)} results folder given; expected at least two to merge")
     manifests = [read_manifest(folder) for folder in folders]
+    first = manifests[0].experiment
     for folder, manifest in zip(folders, manifests, strict=True):
-        if held(folder):
-            raise StoreError(f"{folder} is in use by a run; merge it when that has ended")
+        if is_locked(folder):
+            raise ResultsError(f"{folder} is in use by a run; merge it when that has ended")
         try:
-            check_same(folder, manifest["experiment"], manifests[0]["experiment"])
-        except StoreError:
-            raise StoreError(
-                f"{folder} holds experiment {manifest['experiment']['name']!r:.60}, {folders[0]} "
-                f"holds {manifests[0]['experiment']['name']!r:.60}; expected folders of one "
-                "experiment, name and text"
+            check_same_experiment(folder, manifest.experiment, first)
+        except ResultsError:
+            raise ResultsError(
+                f"{folder} holds experiment {manifest.experiment.name!r:.60}, {folders[0]} "
+                f"holds {first.name!r:.60}; expected folders of one experiment, name and text"
             ) from None
     return manifests
 
@@ -109,80 +96,93 @@ def _check_target(target: FilePath) -> None:
         taken = target.is_symlink() or (target.exists() and not target.is_dir())
         filled = target.is_dir() and any(target.iterdir())
     except OSError as error:  # a name that is too long, a folder that nobody may look into
-        raise StoreError(f"cannot write to {target}: {reason(error)}") from None
+        raise ResultsError(f"cannot write to {target}: {reason(error)}") from None
     if taken:
-        raise StoreError(f"{target} is no folder; expected a new one or an empty one to merge into")
+        raise ResultsError(
+            f"{target} is no folder; expected a new one or an empty one to merge into"
+        )
     if filled:
-        raise StoreError(f"{target} is not empty; expected a new folder or an empty one")
+        raise ResultsError(f"{target} is not empty; expected a new folder or an empty one")
 
 
-def _clear_abandoned(target: FilePath) -> None:
-    """Remove what merges into the same folder left that were killed; live ones hold a lock."""
+@contextmanager
+def _new_folder(target: FilePath) -> Iterator[FilePath]:
+    """A folder beside the target, which is removed unless it was put in the target's place."""
+    fresh = target.with_name(f".{target.name}.merging-{uuid4().hex[:8]}")
+    try:
+        target.parent.mkdir(parents=True, exist_ok=True)
+        _remove_abandoned(target)
+        fresh.mkdir()
+    except OSError as error:
+        raise ResultsError(f"cannot write to {target}: {reason(error)}") from None
+    try:
+        yield fresh
+    finally:
+        shutil.rmtree(fresh, ignore_errors=True)
+
+
+def _remove_abandoned(target: FilePath) -> None:
+    """Remove what killed merges into the same folder left; a live merge holds its lock."""
     for folder in target.parent.glob(f".{glob.escape(target.name)}.merging-*"):
         ours = folder.is_dir() and not folder.is_symlink() and (folder / LOCK).exists()
-        if ours and not held(folder):
+        if ours and not is_locked(folder):
             shutil.rmtree(folder, ignore_errors=True)
 
 
 def _put_in_place(fresh: FilePath, target: FilePath) -> None:
-    """In one step; a folder that somebody began at the same place meanwhile is left alone."""
+    """Rename in one step; a folder that somebody else began at the target is left alone."""
     try:
-        fresh.chmod(0o777 & ~_umask())  # mkdtemp makes it private
         if target.is_dir():
             target.rmdir()
         fresh.rename(target)
         sync_folder(target.parent)
     except OSError as error:
-        raise StoreError(f"cannot write to {target}: {reason(error)}") from None
+        raise ResultsError(f"cannot write to {target}: {reason(error)}") from None
 
 
-def _umask() -> int:
-    mask = os.umask(0)
-    os.umask(mask)
-    return mask
-
-
-def _united(
-    folders: Sequence[FilePath], manifests: Sequence[dict[str, Any]], fresh: FilePath
-) -> Union:
+def _unite(folders: Sequence[FilePath], manifests: Sequence[Manifest], fresh: FilePath) -> Union:
     """Write the union to a folder that nobody sees yet."""
-    tolerance = manifests[0].get("gap_tolerance")
-    gap = tolerance if isinstance(tolerance, float) and tolerance > 0 else _DEFAULT_GAP
-    found = merged_rows([read_rows(folder) for folder in folders], folders, gap)
+    tolerance = manifests[0].gap_tolerance
+    rows = merged_rows([read_rows(folder) for folder in folders], folders, tolerance)
     try:
         (fresh / PARTS).mkdir()
-        _with_streams(folders, fresh, gap)
+        _unite_streams(folders, fresh, tolerance)
     except OSError as error:
-        raise StoreError(f"cannot write to {fresh}: {reason(error)}") from None
-    if len(found.table):
-        write_part(fresh, "merged-all", found.table, {RUN_ID: "merged"})
-    manifest = _manifest(manifests)
-    counts = counted(found.table) + streamed_counts(fresh)
-    if count_cells(manifest, (), counts):
-        ends = [str(other["finished"]) for other in manifests if other.get("finished")]
-        manifest["finished"] = max(ends, default=None) or now()
+        raise ResultsError(f"cannot write to {fresh}: {reason(error)}") from None
+    if len(rows.table):
+        write_part(fresh, "merged-all", rows.table, {RUN_ID: "merged"})
+    counts: Counter[tuple[str, str]] = Counter()
+    for count in count_rows(fresh)[0]:
+        counts[count.solver, count.code_digest] += count.rows
+    manifest, complete = count_cells(_unite_manifests(manifests), (), counts)
+    if complete:
+        ends = [other.finished for other in manifests if other.finished]
+        manifest = manifest.with_changes(finished=max(ends, default=None) or now())
     write_manifest(fresh, manifest)
-    current = {(spec, known["code_digest"]) for spec, known in manifest["solvers"].items()}
-    stale = sum(number for made, number in counts.items() if made not in current)
-    return Union(fresh, counts.total(), found.again, stale)
+    current = sum(counts[made_by] for made_by in manifest.code_digests.items())
+    return Union(fresh, counts.total(), rows.again, counts.total() - current)
 
 
-def _with_streams(folders: Sequence[FilePath], fresh: FilePath, gap: float) -> None:
-    """The streamed parts of all folders, each chunk once, as files; rows are read of doubles only.
+def _unite_streams(folders: Sequence[FilePath], fresh: FilePath, tolerance: float) -> None:
+    """Copy the chunks of streams as files, each once; rows are read of chunks in two folders only.
 
     Raises:
-        StoreError: if two folders hold different rows of one chunk, or one is damaged.
+        ResultsError: if two folders hold different rows of one chunk, or a chunk is damaged.
     """
-    found: dict[str, FilePath] = {}
+    chunks: dict[str, FilePath] = {}
     for folder in folders:
         for part in filter(is_stream, part_files(folder)):
-            if streamed_part(part) is None:
-                raise StoreError(f"{part} is damaged; run that folder again before it is merged")
-            first = found.setdefault(part.name, part)
+            try:
+                read_footer(part)
+            except DamagedPartError:
+                raise ResultsError(
+                    f"{part} is damaged; run that folder again before it is merged"
+                ) from None
+            first = chunks.setdefault(part.name, part)
             if first is not part:
-                both = [read_part(file, [*names(KEY), *JUDGED]) for file in (first, part)]
-                merged_rows(both, (first, part), gap)
-    for name, part in found.items():
+                both = [read_part(file, COLUMNS) for file in (first, part)]
+                merged_rows(both, (first, part), tolerance)
+    for name, part in chunks.items():
         copy = fresh / PARTS / name
         try:
             os.link(part, copy)
@@ -191,22 +191,21 @@ def _with_streams(folders: Sequence[FilePath], fresh: FilePath, gap: float) -> N
     sync_folder(fresh / PARTS)
 
 
-def _manifest(manifests: Sequence[dict[str, Any]]) -> dict[str, Any]:
+def _unite_manifests(manifests: Sequence[Manifest]) -> Manifest:
     """The first folder's manifest, with the solvers and runs of all."""
-    solvers: dict[str, dict[str, Any]] = {}
-    runs: dict[str, dict[str, Any]] = {}
+    solvers: dict[str, SolverEntry] = {}
+    runs: dict[str, RunEntry] = {}
     for manifest in manifests:
-        for spec, known in (manifest.get("solvers") or {}).items():
-            first = solvers.setdefault(spec, dict(known))
-            if first["code_digest"] == known["code_digest"]:
-                first["cells"] = max(first.get("cells", 0), known.get("cells", 0))
-        for run in manifest.get("runs") or ():
-            runs.setdefault(str(run.get("run_id")), run)
-    created = [str(manifest["created"]) for manifest in manifests if manifest.get("created")]
-    return {
-        **manifests[0],
-        "created": min(created, default=None),
-        "finished": None,
-        "solvers": solvers,
-        "runs": sorted(runs.values(), key=lambda run: str(run.get("started"))),
-    }
+        for spec, entry in manifest.solvers.items():
+            first = solvers.setdefault(spec, entry)
+            if first.code_digest == entry.code_digest and first.cells < entry.cells:
+                solvers[spec] = first.model_copy(update={"cells": entry.cells})
+        for run in manifest.runs:
+            runs.setdefault(run.run_id, run)
+    created = [manifest.created for manifest in manifests if manifest.created]
+    return manifests[0].with_changes(
+        created=min(created, default=None),
+        finished=None,
+        solvers=solvers,
+        runs=tuple(sorted(runs.values(), key=lambda run: run.started)),
+    )

@@ -1,8 +1,8 @@
-"""A run's own entry in the manifest: what it was asked, where, and how it went."""
+"""The entry of the run that is going on: written to the manifest as it begins, goes on and ends."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path as FilePath
 from time import monotonic
@@ -16,100 +16,107 @@ from dubins_study.experiments.provenance import (
     source,
     thread_limits,
 )
-from dubins_study.experiments.store.disk import StoreError
 from dubins_study.experiments.store.manifest import write_manifest
-
-# how often a run that goes on brings its entry up to date, in seconds
-_BEAT = 2.0
-# a manifest is read and written as a whole
-_MOST_PROBES = 1000
+from dubins_study.study.rows.files import ResultsError
+from dubins_study.study.rows.machine_noise import Probe
+from dubins_study.study.rows.manifest import Manifest, RunEntry
 
 RUNNING, FINISHED, INTERRUPTED = "running", "finished", "interrupted"
 
+_WRITE_INTERVAL_S = 2.0
+# A manifest is read and written as a whole, so that it must stay small.
+_MAX_PROBES = 1000
+
 
 class RunRecord:
-    """Keeps the entry of the run that is going on; durations by a clock that never jumps."""
+    """Keeps a run's entry up to date; durations are measured by a clock that never jumps.
 
-    def __init__(self, folder: FilePath, manifest: dict[str, Any], asked: Mapping[str, Any]):
-        self._folder, self._manifest, self._began = folder, manifest, monotonic()
-        self._written = self._began
-        self._made, self._stride = 0, 1
-        self._entry: dict[str, Any] = {
-            **asked,
-            "machine": machine(),
-            "governor": governor(),
-            "thread_limits": thread_limits(),
-            "git": source(),
-            "load_start": load_average(),
-            "load_end": None,
-            "started": now(),
-            "ended": None,
-            "seconds": 0.0,
-            "state": RUNNING,
-            "probes": [],
-        }
-        manifest["runs"] = [*manifest["runs"], self._entry]
+    Args:
+        folder: the results folder, locked by this process.
+        manifest: its manifest, which gets one entry more.
+        request: what was asked of the run; where it runs, and of what source, is added.
+    """
+
+    def __init__(self, folder: FilePath, manifest: Manifest, request: RunEntry) -> None:
+        self._folder, self._manifest = folder, manifest
+        self._began = self._written = monotonic()
+        self._probes: list[Probe] = []
+        self._probes_taken, self._probe_stride = 0, 1
+        self._entry = request.model_copy(
+            update={
+                "machine": machine(),
+                "governor": governor(),
+                "thread_limits": thread_limits(),
+                "git": source(),
+                "load_start": load_average(),
+                "started": now(),
+                "state": RUNNING,
+            }
+        )
 
     def probe(self, seconds: float, machine: int = 0) -> None:
         """Note how long the calibration probe just took, and on which of several machines.
 
-        Of more than `_MOST_PROBES` every other is forgotten, and of those to come.
+        Beyond `_MAX_PROBES`, every other probe is dropped, and so are every other of those to
+        come.
         """
-        self._made += 1
-        if self._made % self._stride == 0:
-            probes = self._entry["probes"]
+        self._probes_taken += 1
+        if self._probes_taken % self._probe_stride == 0:
             when = round(monotonic() - self._began, 3)
-            probes.append([when, round(seconds, 9), *([machine] if machine else [])])
-            if len(probes) > _MOST_PROBES:
-                self._stride *= 2
-                del probes[::2]
-        self.beat()
+            self._probes.append(Probe(when, round(seconds, 9), machine))
+            if len(self._probes) > _MAX_PROBES:
+                self._probe_stride *= 2
+                del self._probes[::2]
+        self.write_now_and_then()
 
-    def beat(self) -> None:
-        """The run goes on: how long it has taken is written once in a while."""
-        if monotonic() - self._written > _BEAT:
+    def write_now_and_then(self) -> None:
+        """Write how long the run has taken, if the last time is some seconds ago."""
+        if monotonic() - self._written > _WRITE_INTERVAL_S:
             self.write()
 
     def write(self, **changes: Any) -> None:
         """Bring the manifest up to date.
 
+        Args:
+            changes: new values of fields of `RunEntry`.
+
         Raises:
-            StoreError: if the folder cannot be written.
+            ResultsError: if the folder cannot be written.
         """
         self._written = monotonic()
-        self._entry |= {"seconds": round(self._written - self._began, 3), **changes}
-        write_manifest(self._folder, self._manifest)
+        seconds = round(self._written - self._began, 3)
+        update = {"seconds": seconds, "probes": tuple(self._probes), **changes}
+        self._entry = self._entry.model_copy(update=update)
+        runs = (*self._manifest.runs, self._entry)
+        write_manifest(self._folder, self._manifest.with_changes(runs=runs))
 
-    def close(self, state: str) -> None:
-        """The last word on the run."""
+    def close(self, state: str, finished: str | None = None) -> None:
+        """Write how the run ended, and when the folder was finished, if it is."""
+        self._manifest = self._manifest.with_changes(finished=finished)
         self.write(state=state, ended=now(), load_end=load_average())
 
 
 @contextmanager
 def recorded(
-    folder: FilePath, manifest: dict[str, Any], asked: Mapping[str, Any], completes: bool = True
+    folder: FilePath, manifest: Manifest, request: RunEntry, completes: bool = True
 ) -> Iterator[RunRecord]:
     """Write the manifest of a run as it begins, and again when it has ended, however it does.
 
-    A run that is killed has no last word: its entry stays `running` while nobody holds the lock.
+    A run that is killed cannot write how it ended: its entry stays `running` while nobody holds
+    the lock.
 
     Args:
         folder: locked by this process.
-        manifest: with the list `runs`, which gets one entry more.
-        asked: what the run was asked: `run_id`, `command`, `engine`, `jobs`, `time_limit_s`,
-            `threads`.
+        manifest: of the folder, without this run.
+        request: what was asked of the run.
         completes: whether the folder is finished when the run is.
     """
-    manifest["finished"] = None
-    record = RunRecord(folder, manifest, asked)
+    record = RunRecord(folder, manifest.with_changes(finished=None), request)
     record.write()
     try:
         yield record
     except BaseException:
-        # a full disk has been told of already
-        with suppress(StoreError):
+        with suppress(ResultsError):  # that the disk is full was reported already
             record.close(INTERRUPTED)
         raise
-    if completes:
-        manifest["finished"] = now()
-    record.close(FINISHED)
+    record.close(FINISHED, finished=now() if completes else None)

@@ -1,22 +1,43 @@
-"""How far a results folder is: done, left, failing, and what the rest will take."""
+"""How far a results folder is: done, left, failing, and how long the rest will take."""
 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path as FilePath
 from typing import Any
 
-from dubins_study.experiments.store.disk import StoreError
-from dubins_study.experiments.store.lock import held, holder
-from dubins_study.experiments.store.manifest import read_manifest
-from dubins_study.experiments.store.parts import DAMAGED
-from dubins_study.experiments.store.run_status import RunStatus, run_status
-from dubins_study.experiments.store.tally import Tally, counted
+from dubins_study.experiments.store.folder import DAMAGED
+from dubins_study.experiments.store.lock import is_locked, lock_holder
+from dubins_study.experiments.store.row_counts import RowCount, count_rows
+from dubins_study.experiments.store.run_entry import RUNNING
+from dubins_study.study.rows.files import ResultsError
+from dubins_study.study.rows.machine_noise import varied
+from dubins_study.study.rows.manifest import Manifest, RunEntry, read_manifest
 
 # a live run may replace its parts while they are read
-_TRIES = 3
+_MAX_TRIES = 3
+
+
+@dataclass(frozen=True)
+class RunStatus:
+    """A run as its entry in the manifest describes it; None where the entry does not say.
+
+    Args:
+        seconds: how long it took, or has taken so far.
+        state: running, finished, interrupted or killed.
+        spread: of the calibration probe (see `study.rows.machine_noise.varied`).
+    """
+
+    run_id: str
+    started: str
+    ended: str | None
+    seconds: float | None
+    state: str
+    jobs: int
+    engine: str
+    spread: float | None
 
 
 @dataclass(frozen=True)
@@ -26,15 +47,16 @@ class Status:
     Args:
         cells: how many it is asked for.
         left: how many of these are not done, by solver; solvers with nothing left are not named.
-        failing: rows by outcome, those that returned left out.
-        verdicts: rows by verdict (or by outcome, if nothing returned), solver by solver.
+        failing: rows by outcome, `returned` left out.
+        verdicts: by solver, rows by verdict, or by outcome where nothing returned.
         stale: rows of earlier code, which count for nothing.
         damaged: parts that cannot be read.
-        aside: damaged parts that runs have put aside.
-        process: what runs there now, if anything does: its pid.
-        seconds_left: an estimate of what is left, with `jobs` processes as in the last run, from
-            the mean time of each solver's rows and what the runs so far took beside; without the
-            solvers named in `unknown`, of which no row is there to judge by.
+        aside: damaged parts that runs have moved away.
+        process: the pid of the run that is going on, 0 if it is unknown; None if there is none.
+        jobs: of the last run.
+        seconds_left: an estimate of what is left, with `jobs` processes, from the mean time of
+            each solver's rows and the overhead of the runs so far; without the solvers named in
+            `unknown`, of which there is no row to judge by.
     """
 
     folder: str
@@ -54,7 +76,7 @@ class Status:
     runs: list[RunStatus]
 
     def as_json(self) -> dict[str, Any]:
-        """Plain values; `left` is the number, `left_by_solver` tells it solver by solver."""
+        """Plain values; `left` is the number, `left_by_solver` gives it solver by solver."""
         return {**asdict(self), "left": sum(self.left.values()), "left_by_solver": self.left}
 
 
@@ -62,57 +84,49 @@ def status(folder: str | FilePath) -> Status:
     """How far a results folder is; nothing is written, and a run may be going on in it.
 
     Raises:
-        StoreError: if it is none, or a part is of another schema.
+        ResultsError: if it is no results folder, or a part is of another schema.
     """
     place = FilePath(folder)
-    for attempt in range(_TRIES):
-        live, manifest = held(place), read_manifest(place)
+    for attempt in range(_MAX_TRIES):
+        live, manifest = is_locked(place), read_manifest(place)
         try:
-            tallies, damaged = counted(place)
-        except StoreError:
-            if not live or attempt == _TRIES - 1:
+            counts, damaged = count_rows(place)
+        except ResultsError:
+            if not live or attempt == _MAX_TRIES - 1:
                 raise
         else:
             break
-    return _status(place, manifest, tallies, damaged, live)
+    return _status(place, manifest, counts, damaged, live)
 
 
 def _status(
-    folder: FilePath, manifest: Mapping[str, Any], tallies: list[Tally], damaged: int, live: bool
+    folder: FilePath, manifest: Manifest, counts: list[RowCount], damaged: int, live: bool
 ) -> Status:
-    solvers = manifest.get("solvers") or {}
-    current = [t for t in tallies if solvers.get(t.solver, {}).get("code_digest") == t.code_digest]
-    done: Counter[str] = Counter()
-    failing: Counter[str] = Counter()
-    verdicts: dict[str, dict[str, int]] = {}
-    for tally in current:
-        done[tally.solver] += tally.rows
-        returned = tally.outcome == "returned"
-        if not returned:
-            failing[tally.outcome] += tally.rows
-        own = verdicts.setdefault(tally.solver, {})
-        said = tally.verdict if returned else tally.outcome
-        own[said] = own.get(said, 0) + tally.rows
-    asked = {spec: known.get("cells", 0) for spec, known in solvers.items()}
-    left = {spec: cells - done[spec] for spec, cells in asked.items() if cells > done[spec]}
-    entries = manifest.get("runs") or []
-    runs = [run_status(entry, live and entry is entries[-1]) for entry in entries]
+    digests = manifest.code_digests
+    current = [count for count in counts if digests.get(count.solver) == count.code_digest]
+    rows = _rows_by_solver(current)
+    left = {
+        spec: entry.cells - rows[spec]
+        for spec, entry in manifest.solvers.items()
+        if entry.cells > rows[spec]
+    }
+    runs = [_run_status(run, live and run is manifest.runs[-1]) for run in manifest.runs]
     jobs = runs[-1].jobs if runs else 1
-    seconds, unknown = _time_left(left, current, tallies, runs, jobs)
-    pid = holder(folder).get("pid") if live else None
+    seconds, unknown = _time_left(left, current, _overhead(counts, runs), jobs)
+    pid = lock_holder(folder).get("pid")
     aside = folder / DAMAGED
     return Status(
         folder=str(folder),
-        cells=manifest["cells"],
-        done=done.total(),
+        cells=manifest.cells,
+        done=rows.total(),
         left=left,
-        failing=dict(failing.most_common()),
-        verdicts=dict(sorted(verdicts.items())),
-        stale=sum(t.rows for t in tallies) - done.total(),
+        failing=_failing(current),
+        verdicts=_verdicts(current),
+        stale=sum(count.rows for count in counts) - rows.total(),
         damaged=damaged,
         aside=len(list(aside.glob("*.parquet"))) if aside.is_dir() else 0,
-        finished=bool(manifest.get("finished")) and not live,
-        process=pid if isinstance(pid, int) else 0 if live else None,
+        finished=bool(manifest.finished) and not live,
+        process=None if not live else pid if isinstance(pid, int) else 0,
         jobs=jobs,
         seconds_left=seconds,
         unknown=unknown,
@@ -120,33 +134,71 @@ def _status(
     )
 
 
-def _time_left(
-    left: Mapping[str, int],
-    current: list[Tally],
-    tallies: list[Tally],
-    runs: list[RunStatus],
-    jobs: int,
-) -> tuple[float | None, list[str]]:
-    """Seconds that the cells left will take, and the solvers that nothing is known of."""
+def _run_status(run: RunEntry, live: bool) -> RunStatus:
+    """A run's status.
+
+    Args:
+        run: its entry.
+        live: whether a process holds the folder, and this is the last of its runs.
+    """
+    killed = run.state == RUNNING and not live  # which a run cannot write itself
+    return RunStatus(
+        run_id=run.run_id,
+        started=run.started,
+        ended=run.ended,
+        seconds=run.seconds,
+        state="killed" if killed else run.state,
+        jobs=run.jobs,
+        engine=run.engine,
+        spread=varied(run.probes),
+    )
+
+
+def _rows_by_solver(counts: Sequence[RowCount]) -> Counter[str]:
     rows: Counter[str] = Counter()
-    wall: dict[str, float] = {}
-    for tally in current:
-        rows[tally.solver] += tally.rows
-        wall[tally.solver] = wall.get(tally.solver, 0.0) + tally.wall
+    for count in counts:
+        rows[count.solver] += count.rows
+    return rows
+
+
+def _failing(counts: Sequence[RowCount]) -> dict[str, int]:
+    rows: Counter[str] = Counter()
+    for count in counts:
+        if count.outcome != "returned":
+            rows[count.outcome] += count.rows
+    return dict(rows.most_common())
+
+
+def _verdicts(counts: Sequence[RowCount]) -> dict[str, dict[str, int]]:
+    verdicts: dict[str, dict[str, int]] = {}
+    for count in counts:
+        solver_rows = verdicts.setdefault(count.solver, {})
+        kind = count.verdict if count.outcome == "returned" else count.outcome
+        solver_rows[kind] = solver_rows.get(kind, 0) + count.rows
+    return dict(sorted(verdicts.items()))
+
+
+def _time_left(
+    left: Mapping[str, int], counts: Sequence[RowCount], overhead_s: float, jobs: int
+) -> tuple[float | None, list[str]]:
+    """Seconds that the cells left will take, and the solvers that have no row to judge by."""
+    rows, wall_s = _rows_by_solver(counts), dict.fromkeys(left, 0.0)
+    for count in counts:
+        wall_s[count.solver] = wall_s.get(count.solver, 0.0) + count.wall_s
     unknown = [spec for spec in left if not rows[spec]]
     known = {spec: cells for spec, cells in left.items() if rows[spec]}
     if unknown and not known:
         return None, unknown
-    solving = sum(cells * wall[spec] / rows[spec] for spec, cells in known.items())
-    beside = sum(known.values()) * _overhead(tallies, runs)
-    return (solving + beside) / jobs, unknown
+    seconds = sum(cells * (wall_s[spec] / rows[spec] + overhead_s) for spec, cells in known.items())
+    return seconds / jobs, unknown
 
 
-def _overhead(tallies: list[Tally], runs: list[RunStatus]) -> float:
-    """Seconds that a cell took beside its solve, over all runs that say how long they took."""
-    timed = {run.run_id: run for run in runs if run.seconds}
-    own = [tally for tally in tallies if tally.run_id in timed]
-    rows = sum(tally.rows for tally in own)
-    used = {tally.run_id for tally in own}
-    took = sum(run.seconds * run.jobs for key, run in timed.items() if key in used and run.seconds)
-    return max(0.0, (took - sum(tally.wall for tally in own)) / rows) if rows else 0.0
+def _overhead(counts: Sequence[RowCount], runs: Sequence[RunStatus]) -> float:
+    """Seconds of a cell beyond its solve, over all runs that say how long they took."""
+    run_s = {run.run_id: run.seconds * run.jobs for run in runs if run.seconds}
+    timed = [count for count in counts if count.run_id in run_s]
+    rows = sum(count.rows for count in timed)
+    if not rows:
+        return 0.0
+    total_s = sum(run_s[run_id] for run_id in {count.run_id for count in timed})
+    return max(0.0, (total_s - sum(count.wall_s for count in timed)) / rows)

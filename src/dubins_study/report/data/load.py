@@ -34,7 +34,7 @@ from dubins_study.study.scenario import Pose
 
 _GAP = Tolerances().gap  # of a manifest that tells none
 
-__all__ = ["Manifest", "ReportError", "Results", "load", "read_manifest"]
+__all__ = ["Manifest", "ReportError", "Results", "load", "load_results", "read_manifest"]
 
 
 @dataclass(frozen=True)
@@ -123,10 +123,34 @@ class Results:
         return Path(Pose(*start), curvature, length)
 
 
-def load(folders: Iterable[str | FilePath]) -> Results:
+def load_results(folders: str | FilePath | Iterable[str | FilePath]) -> pd.DataFrame:
+    """The judged rows of one or more results folders, read as the report reads them.
+
+    Args:
+        folders: a results folder, or several; of a cell that two of them hold, the first is kept.
+
+    Returns:
+        One row an attempt, index 0, 1, ...: `experiment`, the columns of `study.rows.schema` but
+        `versions`, `machine` and `run_id`, with `curvatures` and `lengths` as Arrow lists. Rows of
+        earlier code are left out. Missing numbers are null.
+
+    Raises:
+        ReportError: naming the folder and what is wrong with it.
+    """
+    several = [folders] if isinstance(folders, str | FilePath) else folders
+    results = load(several, most_rows=None)
+    controls = {name: pd.arrays.ArrowExtensionArray(results.controls[name]) for name in CONTROLS}
+    return results.rows.assign(**controls)
+
+
+def load(folders: Iterable[str | FilePath], most_rows: int | None = MOST_ROWS) -> Results:
     """Read results folders and join them; of a cell that two folders hold, the first is kept.
 
     Read piece by piece: memory does not grow with the number of streamed rows.
+
+    Args:
+        folders: at least one.
+        most_rows: of more attempts a sample of the rows is kept; None keeps all rows.
 
     Raises:
         ReportError: naming the folder and what is wrong with it.
@@ -157,7 +181,8 @@ def load(folders: Iterable[str | FilePath]) -> Results:
                 name = pa.repeat(pa.scalar(manifest.name), len(table)).dictionary_encode()
                 table = table.append_column("experiment", name)
                 reduced.append(of(table.select(list(NEEDED)).to_pandas()))
-                kept.append(table if attempts <= MOST_ROWS else drawn(table, attempts))
+                whole = most_rows is None or attempts <= most_rows
+                kept.append(table if whole else drawn(table, attempts))
             reduced = [merged(reduced)]
         if not current:
             raise ReportError(f"{path} has no rows but of earlier code: run it again")

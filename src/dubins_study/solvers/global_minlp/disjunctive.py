@@ -20,7 +20,7 @@ from dubins_study.solvers import library_versions
 from dubins_study.solvers.global_minlp.model import TRANSFORMATIONS, WORDS, gdp_model, transformed
 from dubins_study.solvers.global_minlp.polish import Polished, meet_target
 from dubins_study.solvers.paper_nlp.model import SUBPROBLEMS, already_there, as_path
-from dubins_study.solvers.protocol import Guarantee, Question, Solution
+from dubins_study.solvers.protocol import Guarantee, Question, Solution, Solver
 from dubins_study.solvers.setting_checks import one_of, within
 from dubins_study.study.check.verdict import Claim
 from dubins_study.study.path import FloatArray
@@ -77,7 +77,7 @@ class Native(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Disjunctive:
+class Disjunctive(Solver):
     """Settings.
 
     `transformation` turns the disjunctions into linear constraints: `bigm` or `hull`. `gap` is the
@@ -102,7 +102,6 @@ class Disjunctive:
     method: ClassVar[str] = "global MINLP"
     guarantee: ClassVar[Guarantee] = Guarantee.GLOBAL
     branches: ClassVar[tuple[str, ...]] = ("best", *WORDS)
-    warm: ClassVar[bool] = False
     packages: ClassVar[tuple[str, ...]] = ("pyomo", "pyscipopt")
     summary: ClassVar[str] = "one disjunct per word in Pyomo.GDP, proven by SCIP"
     profiles: ClassVar[dict[str, dict[str, Any]]] = {
@@ -235,8 +234,8 @@ def _without_a_path(question: Question, known: Solution) -> Solution:
 def _lean() -> tuple[tuple[str, Any], ...]:
     """SCIP's parameters for branch and bound without heuristics, cutting planes, presolving and
     propagation."""
-    from pyscipopt import SCIP_PARAMSETTING
     from pyscipopt import Model as Scip
+    from pyscipopt.scip import PY_SCIP_PARAMSETTING as SCIP_PARAMSETTING
 
     scip = Scip()
     before = scip.getParams()

@@ -13,7 +13,7 @@ import numpy as np
 from dubins_study.solvers.heading_milp.grid import FULL_TURN, Family, one_turn, two_turns
 from dubins_study.solvers.heading_milp.legs import ROUNDED, Legs, controls, least_legs, rounding
 from dubins_study.solvers.heading_milp.template import Template, template
-from dubins_study.solvers.protocol import Guarantee, Question, Solution
+from dubins_study.solvers.protocol import Guarantee, Question, Solution, Solver
 from dubins_study.solvers.reach import unreachable
 from dubins_study.study.check.verdict import Claim
 from dubins_study.study.closed_form.shortest import EPS, local
@@ -59,7 +59,7 @@ class Model(NamedTuple):
 
 
 @dataclass(frozen=True)
-class HeadingMilp:
+class HeadingMilp(Solver):
     """Full-rate turning steps between headings on a grid, and straight legs; optimal on that grid.
 
     One binary for every turning step, continuous legs, and a MILP for each shape of path: LS and
@@ -84,7 +84,6 @@ class HeadingMilp:
     method: ClassVar[str] = "MILP"
     guarantee: ClassVar[Guarantee] = Guarantee.DISCRETISED
     branches: ClassVar[tuple[str, ...]] = BRANCHES
-    warm: ClassVar[bool] = False
     packages: ClassVar[tuple[str, ...]] = ("cvxpy", "highspy")
     summary: ClassVar[str] = "turning steps between headings on a grid as binaries, HiGHS in cvxpy"
     profiles: ClassVar[dict[str, dict[str, Any]]] = {

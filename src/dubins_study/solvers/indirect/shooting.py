@@ -38,7 +38,7 @@ from dubins_study.solvers.paper_nlp.model import (
     subproblems,
     target,
 )
-from dubins_study.solvers.protocol import Guarantee, Question, Solution
+from dubins_study.solvers.protocol import Question, Solution, Solver
 from dubins_study.solvers.setting_checks import one_of, positive
 from dubins_study.study.check.verdict import Claim
 from dubins_study.study.path import FloatArray, Path
@@ -65,7 +65,7 @@ class Model(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Shooting:
+class Shooting(Solver):
     """Settings: see `solvers.paper_nlp.initial_guesses` (start, seed, count) for the durations one begins from.
 
     The costates begin as those of a path that ends straight with the guess's final heading or,
@@ -88,7 +88,6 @@ class Shooting:
 
     name: ClassVar[str] = "shooting"
     method: ClassVar[str] = "indirect"
-    guarantee: ClassVar[Guarantee] = Guarantee.LOCAL
     branches: ClassVar[tuple[str, ...]] = ("best", "LS", "RS", "LR", "RL")
     warm: ClassVar[bool] = True
     packages: ClassVar[tuple[str, ...]] = ("scipy",)
@@ -103,9 +102,6 @@ class Shooting:
         positive(count=self.count, tol=self.tol, max_evaluations=self.max_evaluations)
         if self.seed < 0:
             raise ValueError(f"seed is {self.seed}; expected a whole number from 0 up")
-
-    def unavailable(self) -> str | None:
-        return None
 
     def build(self, question: Question) -> Model:
         cases = []

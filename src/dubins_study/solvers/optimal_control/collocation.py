@@ -22,7 +22,7 @@ from dubins_study.solvers.optimal_control.collocation_guesses import guesses
 from dubins_study.solvers.optimal_control.collocation_model import Elements, Template, template
 from dubins_study.solvers.optimal_control.turn_rate_dynamics import Rates
 from dubins_study.solvers.paper_nlp.model import total
-from dubins_study.solvers.protocol import Guarantee, Question, Solution
+from dubins_study.solvers.protocol import Guarantee, Question, Solution, Solver
 from dubins_study.solvers.reach import unreachable
 from dubins_study.solvers.setting_checks import one_of, whole, within
 from dubins_study.study.check.verdict import Claim
@@ -62,7 +62,7 @@ class Run(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Collocation:
+class Collocation(Solver):
     """Problem (2.2) of the paper over n elements, each with a turn rate of its own, free in length.
 
     The states are collocated at Legendre-Gauss-Radau points, the controls that come back are

@@ -50,19 +50,6 @@ class Rollout(NamedTuple):
     chords: FloatArray
 
 
-def end_point(heading: FloatArray, lengths: FloatArray) -> FloatArray:
-    """End point (2,) of arcs of given lengths (n,) that end at given headings (n,).
-
-    A chord is h sinc(a/2) long and points along the arc's mean heading. Complex input passes
-    through, so that a complex step can test the gradient.
-    """
-    turns = np.diff(heading, prepend=0.0)
-    chord = lengths * _sinc(turns / 2)
-    middle = heading - turns / 2
-    end: FloatArray = np.array([(chord * np.cos(middle)).sum(), (chord * np.sin(middle)).sum()])
-    return end
-
-
 def rollout(controls: Controls, shares: FloatArray) -> Rollout:
     """End point of the path, its exact gradient by the headings, and the chords.
 

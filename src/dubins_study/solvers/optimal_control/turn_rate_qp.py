@@ -14,7 +14,7 @@ import numpy as np
 from dubins_study.solvers.optimal_control.turn_rate_dynamics import CLOSE, Controls, Rates
 from dubins_study.solvers.optimal_control.turn_rate_sequence import Limits, Run, Sequence
 from dubins_study.solvers.optimal_control.turn_rate_template import ENGINES, Template, template
-from dubins_study.solvers.protocol import Guarantee, Question, Solution
+from dubins_study.solvers.protocol import Guarantee, Question, Solution, Solver
 from dubins_study.solvers.reach import unreachable
 from dubins_study.solvers.setting_checks import one_of
 from dubins_study.study.check.verdict import Claim, drivable
@@ -39,7 +39,7 @@ class TurnRateModel:
 
 
 @dataclass(frozen=True)
-class TurnRateQp:
+class TurnRateQp(Solver):
     """Problem (2.2) of the paper with n turn rates, each held for an equal part of a free duration.
 
     Every step is an exact arc, so the path that comes back is one that can be driven; it is the

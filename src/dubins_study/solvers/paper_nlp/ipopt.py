@@ -38,7 +38,7 @@ from dubins_study.solvers.paper_nlp.model import (
     subproblems,
     target,
 )
-from dubins_study.solvers.protocol import Guarantee, Question, Solution
+from dubins_study.solvers.protocol import Question, Solution, Solver
 from dubins_study.solvers.setting_checks import one_of, positive, within
 from dubins_study.study.check.verdict import Claim
 from dubins_study.study.closed_form.shortest import BRANCHES
@@ -82,7 +82,7 @@ class Model(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Ipopt:
+class Ipopt(Solver):
     """Settings: see `solvers.paper_nlp.model` (model, order) and `solvers.paper_nlp.initial_guesses` (start, seed, count).
 
     `capped` bounds arcs by a full turn, which the paper does not. `tol`, `max_iter` and
@@ -108,7 +108,6 @@ class Ipopt:
 
     name: ClassVar[str] = "ipopt"
     method: ClassVar[str] = "local NLP"
-    guarantee: ClassVar[Guarantee] = Guarantee.LOCAL
     branches: ClassVar[tuple[str, ...]] = BRANCHES
     warm: ClassVar[bool] = True
     packages: ClassVar[tuple[str, ...]] = ("pyomo", "casadi")

@@ -22,7 +22,7 @@ from dubins_study.solvers.paper_nlp.model import (
     answer,
 )
 from dubins_study.solvers.paper_nlp.trust_constr import trust_constr
-from dubins_study.solvers.protocol import Guarantee, Question, Solution
+from dubins_study.solvers.protocol import Question, Solution, Solver
 from dubins_study.solvers.setting_checks import one_of, positive, within
 from dubins_study.study.closed_form.shortest import BRANCHES
 from dubins_study.study.path import FloatArray
@@ -43,7 +43,7 @@ class Model(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Nlp:
+class Nlp(Solver):
     """Settings: see `solvers.paper_nlp.model` (model, order) and `solvers.paper_nlp.initial_guesses` (start, seed, count).
 
     `solver` is `trust-constr`, `knitro` or the name of an executable on PATH that reads NL files.
@@ -64,7 +64,6 @@ class Nlp:
 
     name: ClassVar[str] = "nlp"
     method: ClassVar[str] = "local NLP"
-    guarantee: ClassVar[Guarantee] = Guarantee.LOCAL
     branches: ClassVar[tuple[str, ...]] = BRANCHES
     warm: ClassVar[bool] = True
     packages: ClassVar[tuple[str, ...]] = ("scipy", "pyomo", "knitro")

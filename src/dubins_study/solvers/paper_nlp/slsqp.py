@@ -23,7 +23,7 @@ from dubins_study.solvers.paper_nlp.model import (
     subproblems,
     target,
 )
-from dubins_study.solvers.protocol import Guarantee, Question, Solution
+from dubins_study.solvers.protocol import Question, Solution, Solver
 from dubins_study.solvers.setting_checks import one_of, positive, within
 from dubins_study.study.check.verdict import Claim
 from dubins_study.study.closed_form.shortest import BRANCHES, EPS
@@ -55,7 +55,7 @@ class Model(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Slsqp:
+class Slsqp(Solver):
     """Settings: see `solvers.paper_nlp.model` (model, order) and `solvers.paper_nlp.initial_guesses` (start, seed, count).
 
     `capped` bounds arcs by a full turn, which the paper does not. `ftol` is SLSQP's tolerance
@@ -77,7 +77,6 @@ class Slsqp:
 
     name: ClassVar[str] = "slsqp"
     method: ClassVar[str] = "local NLP"
-    guarantee: ClassVar[Guarantee] = Guarantee.LOCAL
     branches: ClassVar[tuple[str, ...]] = BRANCHES
     warm: ClassVar[bool] = True
     packages: ClassVar[tuple[str, ...]] = ("scipy",)
@@ -96,9 +95,6 @@ class Slsqp:
         one_of(units=(self.units, UNITS))
         positive(count=self.count, maxiter=self.maxiter)
         within(ftol=(self.ftol, 1e-16, 1e-2))
-
-    def unavailable(self) -> str | None:
-        return None
 
     def build(self, question: Question) -> Model:
         cases = [

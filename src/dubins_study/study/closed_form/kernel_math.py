@@ -96,9 +96,11 @@ def _negate(typing_context: Any, a: Any, k: Any) -> Any:
     return types.float64(types.float64, types.int64), generate
 
 
-fma: Callable[[float, float, float], float] = intrinsic(_fma)
-_bits: Callable[[float], int] = intrinsic(_as_bits)
-_negated_by_bit_1: Callable[[float, int], float] = intrinsic(_negate)
+# Any, since what compiled code calls has not the arguments of the function that generates it
+_intrinsic: Any = intrinsic
+fma: Callable[[float, float, float], float] = _intrinsic(_fma)
+_bits: Callable[[float], int] = _intrinsic(_as_bits)
+_negated_by_bit_1: Callable[[float, int], float] = _intrinsic(_negate)
 
 
 @inlined

@@ -47,6 +47,11 @@ class Chunk(BaseModel):
     kinds: tuple[Kind, ...]
 
     @property
+    def window(self) -> tuple[int, int]:
+        """The first row of the stream that the part holds, and how many it holds."""
+        return self.first, self.count
+
+    @property
     def part_name(self) -> str:
         """The stem of the part's file name; names sort as the rows do."""
         return f"{STREAM}{self.stream}-{self.first:011d}-{self.count:06d}"

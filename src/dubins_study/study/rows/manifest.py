@@ -135,7 +135,7 @@ class Manifest(_Record):
         runs: an entry a run, the earliest first.
     """
 
-    schema_version: int = Field(VERSION, alias="schema")
+    schema_version: int = Field(default=VERSION, alias="schema")
     experiment: Definition
     command: str = ""
     seed: int | None = None

@@ -79,6 +79,16 @@ def read_footer(file: FilePath) -> Part:
         return _footer(file, content)
 
 
+def read_chunks(folder: FilePath) -> dict[FilePath, Chunk]:
+    """The chunks of streams in a folder by file, in the order of the files' names.
+
+    Raises:
+        DamagedPartError, ResultsError: as `read_footer`.
+    """
+    parts = [read_footer(file) for file in part_files(folder) if is_stream(file)]
+    return {part.file: part.chunk for part in parts if part.chunk is not None}
+
+
 def read_batches(
     file: FilePath, columns: Sequence[str] | None = None, *, dictionaries: bool = False
 ) -> Iterator[pa.Table]:
@@ -98,14 +108,18 @@ def read_batches(
     fields = [ARROW_SCHEMA.field(name) for name in wanted]
     texts = [f.name for f in fields if f.type == pa.string() and f.name != "scenario_id"]
     with _open(file) as content:
-        _footer(file, content)
+        expected = _footer(file, content).rows
         metadata = content.metadata
     # opened again, since Arrow refuses to open a file that lacks a column to read as a dictionary
     with _open(file, metadata, texts if dictionaries else None) as content:
         batches = content.iter_batches(BATCH_ROWS, columns=wanted)
+        rows = 0
         while (batch := _next(file, batches)) is not None:
             arrays = [_cast(file, batch.column(f.name), f, dictionaries) for f in fields]
+            rows += len(batch)
             yield pa.Table.from_arrays(arrays, names=wanted)
+    if rows != expected:  # no checksum covers the number of rows
+        raise _damaged(file, f"it holds {rows} rows and says {expected}")
 
 
 def read_part(file: FilePath, columns: Sequence[str] | None = None) -> pa.Table:
@@ -157,9 +171,7 @@ def _unreadable(file: FilePath, error: Exception) -> NoReturn:
 
 def _damaged(file: FilePath, problem: str) -> DamagedPartError:
     remedy = "delete it, and run again" if is_stream(file) else "run again"
-    return DamagedPartError(
-        file, f"{file} cannot be read: {problem}; {remedy} into this folder for its rows"
-    )
+    return DamagedPartError(file, f"{file} cannot be read: {problem}; {remedy} for its rows")
 
 
 def _footer(file: FilePath, content: pq.ParquetFile) -> Part:

@@ -1,50 +1,72 @@
-"""The audit of the paper as the command line prints it."""
+"""`dubins-study audit`: the paper's tables, recomputed."""
 
 from __future__ import annotations
 
 import json
+import sys
 from collections.abc import Sequence
-from typing import Any
+from typing import Annotated, Any
 
-from dubins_study.cli.show import table
-from dubins_study.report.paper.audit_file import CORRECT
+import typer
+
+from dubins_study.cli.table import table
 
 Record = dict[str, Any]
 
 
-def audit_json(found: Record) -> str:
+def audit(
+    as_json: Annotated[bool, typer.Option("--json", help="print one JSON object")] = False,
+) -> None:
+    """Recompute the paper's tables; exit code 1 if the code contradicts the committed audit."""
+    from dubins_study.report.paper.audit import audit as recompute
+    from dubins_study.report.paper.audit_check import contradictions
+    from dubins_study.report.paper.audit_file import committed
+
+    record = recompute()
+    # flushed before the committed audit is read, which may be the file that this is written to
+    print(audit_json(record) if as_json else audit_text(record), flush=True)
+    lines = contradictions(record, committed())
+    for line in lines:
+        print(f"dubins-study: contradiction: {line}", file=sys.stderr)
+    raise typer.Exit(1 if lines else 0)
+
+
+def audit_json(record: Record) -> str:
     """One object, as it is committed."""
-    return json.dumps(found, indent=1, ensure_ascii=False, allow_nan=False)
+    return json.dumps(record, indent=1, ensure_ascii=False, allow_nan=False)
 
 
-def audit_text(found: Record) -> str:
-    """Every part as a table or a list, with what it says above it."""
-    summary = found["summary"]
+def audit_text(record: Record) -> str:
+    """Every part as a table or a list, below a line that sums it up."""
+    summary = record["summary"]
     counts = [f"{n} {verdict}" for verdict, n in summary["verdicts"].items() if n]
     parts = (
-        (f"{summary['cells']} printed lengths: {', '.join(counts)}", _cells(found["cells"])),
+        (f"{summary['cells']} printed lengths: {', '.join(counts)}", _cells(record["cells"])),
         (
             "The cells that are not correct roundings (the solver bias would print "
             f"{summary['correct_cells_that_the_bias_would_spoil']} of the correct ones otherwise)",
-            _reasons(found["cells"]),
+            _reasons(record["cells"]),
         ),
         (
             f"The printed paths, driven: {summary['paths_beyond_rounding']} miss by more than "
             f"rounding allows, {summary['totals_that_do_not_add_up']} do not add up",
-            _paths(found["paths"]),
+            _paths(record["paths"]),
         ),
         (
             "Algorithm 1 where a turning circle of radius R* has reached the target: just beyond, "
             "and at a round radius",
-            _algorithm(found["algorithm"]),
+            _algorithm(record["algorithm"]),
         ),
-        (f"{summary['omitted_paths']} paths that the tables leave out", _omitted(found["omitted"])),
         (
-            f"{summary['times_that_are_ticks']} of {len(found['times'])} printed solve times are "
-            "whole ticks of a clock of 64 a second",
-            _times(found["times"]),
+            f"{summary['omitted_paths']} paths that the tables leave out",
+            _omitted(record["omitted"]),
         ),
-        ("Statements", _statements(found["statements"])),
+        (
+            f"{summary['times_that_are_ticks']} of {len(record['times'])} printed solve times are "
+            "whole ticks of a clock of 64 a second",
+            _times(record["times"]),
+        ),
+        ("Statements", _statements(record["statements"])),
     )
     return "\n\n".join(f"{title}\n{body}" for title, body in parts)
 
@@ -60,6 +82,8 @@ def _cells(cells: Sequence[Record]) -> str:
 
 
 def _reasons(cells: Sequence[Record]) -> str:
+    from dubins_study.report.paper.audit_file import CORRECT
+
     return "\n".join(
         f"  {cell['table']} {cell['label']}, {cell['path']}, {cell['quantity']} = "
         f"{cell['printed']}: {cell['verdict']}; {cell['reason']}"

@@ -1,0 +1,83 @@
+"""Arguments that several commands share: a target, a start pose and a radius."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from dubins_study.errors import DubinsStudyError
+
+if TYPE_CHECKING:
+    from dubins_study.study.scenario import Scenario
+
+# A target such as -6 3 must not be read as options. `check_rest` refuses what is no option of ours.
+NEGATIVE_NUMBERS: dict[str, Any] = {"ignore_unknown_options": True, "allow_extra_args": True}
+
+TargetX = Annotated[str, typer.Argument(metavar="X", help="target position")]
+TargetY = Annotated[str, typer.Argument(metavar="Y", help="target position")]
+StartPose = Annotated[
+    tuple[str, str, str],
+    typer.Option("--from", metavar="X Y HEADING", help="start pose, e.g. 0 0 120deg"),
+]
+Radius = Annotated[str, typer.Option(help="minimum turning radius")]
+
+
+class CommandError(DubinsStudyError, ValueError):
+    """A command line that cannot be read, or whose result cannot be printed or saved."""
+
+
+def check_rest(target: list[str], rest: list[str], command: str) -> None:
+    """Refuse unknown options, and words after the target.
+
+    Raises:
+        CommandError: naming the first of them.
+    """
+    for word in (*target, *rest):
+        if word.startswith("-") and not _is_number(word):
+            raise CommandError(f"no such option: {word}; see dubins-study {command} --help")
+    if rest:
+        raise CommandError(
+            f"unexpected argument {rest[0]!r}; expected a target of two numbers, X Y"
+        )
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
+
+
+def scenario_of(
+    target: tuple[str, str], start: tuple[str, str, str], radius: str, speed: str = "1"
+) -> Scenario:
+    """A scenario from the texts of the command line.
+
+    Raises:
+        CommandError, AngleError, ScenarioError: naming the field, its value and what was expected.
+    """
+    from dubins_study.study.angle import AngleError, parse_angle
+    from dubins_study.study.scenario import Scenario
+
+    try:
+        heading = parse_angle(start[2])
+    except AngleError as error:
+        raise AngleError(f"heading: {error}") from None
+    return Scenario(
+        x=_number("x", start[0]),
+        y=_number("y", start[1]),
+        heading=heading,
+        target_x=_number("target_x", target[0]),
+        target_y=_number("target_y", target[1]),
+        radius=_number("radius", radius),
+        speed=_number("speed", speed),
+    )
+
+
+def _number(name: str, text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        raise CommandError(f"{name} is {text!r}; expected a number") from None

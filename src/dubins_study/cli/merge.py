@@ -1,0 +1,35 @@
+"""`dubins-study merge`: results folders of one experiment, united."""
+
+from __future__ import annotations
+
+from pathlib import Path as FilePath
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+if TYPE_CHECKING:
+    from dubins_study.experiments.store.merge import Union
+
+
+def merge(
+    folders: Annotated[list[FilePath], typer.Argument(metavar="DIR DIR...")],
+    out: Annotated[FilePath, typer.Option(metavar="DIR", help="new, or empty")],
+) -> None:
+    """Unite results folders of one experiment; refused if they contradict each other."""
+    from dubins_study.experiments.store.merge import merge as unite
+
+    print(merge_text(unite(folders, out)))
+
+
+def merge_text(union: Union) -> str:
+    """What a merge wrote, in one to three lines."""
+    from dubins_study.study.printable import plain
+
+    lines = [f"{plain(str(union.folder))}: {union.rows} rows"]
+    if union.again:
+        lines.append(
+            f"{union.again} cells were solved in several folders, alike: the earliest kept"
+        )
+    if union.stale:
+        lines.append(f"{union.stale} rows are of another code than the first folder's, thus stale")
+    return "\n".join(lines)

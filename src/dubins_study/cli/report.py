@@ -1,0 +1,59 @@
+"""`dubins-study report`: tables, figures and one page from results folders."""
+
+from __future__ import annotations
+
+from pathlib import Path as FilePath
+from typing import Annotated
+
+import typer
+
+# columns of the report's summary that fit a terminal, and their names there
+_SUMMARY = {
+    "solver": "solver",
+    "attempts": "asked",
+    "optimal": "optimal",
+    "none exists": "none exists",
+    "longer": "longer",
+    "misses": "misses",
+    "none": "none",
+    "false_claims": "false claims",
+    "wrong_basins": "wrong basins",
+    "wall_s": "median ms",
+}
+
+
+def report(
+    folders: Annotated[list[FilePath], typer.Argument(metavar="DIR...")],
+    out: Annotated[
+        FilePath | None, typer.Option(metavar="DIR", help="default: report in the first folder")
+    ] = None,
+) -> None:
+    """Write tables, figures and one page from results folders."""
+    from dubins_study.cli import streams
+    from dubins_study.report.page.render import render
+
+    with streams.spinner("report"):
+        page = render(folders, out=out)
+    print(report_text(page))
+
+
+def report_text(page: FilePath) -> str:
+    """The summary that the report wrote, and where its page is."""
+    import csv
+
+    from dubins_study.cli.table import table
+    from dubins_study.study.printable import plain
+
+    with (page.parent / "tables" / "summary.csv").open(encoding="utf-8", newline="") as stream:
+        rows = [
+            [
+                plain(row[name]) if name != "wall_s" else _milliseconds(row[name])
+                for name in _SUMMARY
+            ]
+            for row in csv.DictReader(stream)
+        ]
+    return f"{table(list(_SUMMARY.values()), rows)}\n\npage: {plain(str(page))}"
+
+
+def _milliseconds(seconds: str) -> str:
+    return f"{float(seconds) * 1e3:.3g}" if seconds else ""

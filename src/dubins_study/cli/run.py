@@ -1,0 +1,68 @@
+"""`dubins-study run`: an experiment, run or continued."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path as FilePath
+from typing import Annotated
+
+import typer
+
+
+def run(
+    experiment: Annotated[str, typer.Argument(help="a name, or the path of a .toml file")],
+    out: Annotated[
+        FilePath | None, typer.Option(metavar="DIR", help="default: results/<experiment>")
+    ] = None,
+    solver: Annotated[
+        list[str] | None, typer.Option(metavar="NAME", help="instead of the experiment's own")
+    ] = None,
+    jobs: Annotated[int, typer.Option(help="processes; 1 where times are quoted")] = 1,
+    time_limit: Annotated[
+        float | None, typer.Option(help="seconds after which a solve is ended")
+    ] = None,
+    memory_limit: Annotated[float | None, typer.Option(help="GiB that a solve may hold")] = None,
+    repeats: Annotated[int | None, typer.Option(help="attempts per cell")] = None,
+    restart: Annotated[bool, typer.Option("--restart", help="throw away earlier rows")] = False,
+    trust_plugins: Annotated[
+        bool, typer.Option("--trust-plugins", help="the experiment may name plug-ins and programs")
+    ] = False,
+    engine: Annotated[str, typer.Option(help="local, or dask")] = "local",
+    scheduler: Annotated[
+        str | None, typer.Option(metavar="ADDRESS", help="of Dask's; default: one on this machine")
+    ] = None,
+) -> None:
+    """Run an experiment; cells that are done are skipped."""
+    from dubins_study.experiments.interruption import Interruption
+
+    counts: list[int] = []  # cells done and in all, as last reported
+    try:
+        # entered before the other imports: an interrupted library import raises odd errors
+        with Interruption() as stop:
+            from dubins_study.cli import streams
+            from dubins_study.cli.status import status_text
+            from dubins_study.experiments.run import run as run_experiment
+            from dubins_study.experiments.store.status import status as status_of
+
+            stop.check()
+            with streams.solvers_to_stderr(), streams.progress(experiment, counts) as progress:
+                folder = run_experiment(
+                    experiment,
+                    out,
+                    solvers=solver,
+                    jobs=jobs,
+                    time_limit=time_limit,
+                    memory_limit=memory_limit,
+                    repeats=repeats,
+                    restart=restart,
+                    trust_plugins=trust_plugins,
+                    engine=engine,
+                    scheduler=scheduler,
+                    progress=progress,
+                )
+            print(status_text(status_of(folder)))
+    except KeyboardInterrupt:
+        again = "run the same command without --restart" if restart else "run the same command"
+        cells = " ({} of {} cells done)".format(*counts) if counts else ""
+        print(f"interrupted; what was done is kept, {again} to go on{cells}", file=sys.stderr)
+        raise typer.Exit(130) from None

@@ -1,0 +1,146 @@
+"""`dubins-study solve`: one scenario, solved and judged."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path as FilePath
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from dubins_study.cli.arguments import (
+    CommandError,
+    Radius,
+    StartPose,
+    TargetX,
+    TargetY,
+    check_rest,
+    scenario_of,
+)
+
+if TYPE_CHECKING:
+    from dubins_study.solvers.attempt import Answer
+    from dubins_study.study.scenario import Scenario
+
+# what the JSON object has of an answer, beside its segments and tied words
+_JSON = (
+    *("word", "length", "travel_time", "gap", "verdict", "claim", "outcome", "solver", "branch"),
+    *("miss", "region", "margin", "reference", "reference_word", "curvature_excess"),
+    *("claimed_length", "lower_bound", "false_claim", "wrong_basin", "proof"),
+    *("reference_low", "reference_high", "pmp_residual", "cut_margin", "false_bound"),
+    *("native_status", "message", "build_s", "solve_s", "wall_s"),
+)
+
+
+def solve(
+    context: typer.Context,
+    x: TargetX,
+    y: TargetY,
+    start: StartPose = ("0", "0", "0"),
+    radius: Radius = "1",
+    speed: Annotated[str, typer.Option(help="constant speed")] = "1",
+    solver: Annotated[str, typer.Option(help="name or name[setting=value]")] = "analytic",
+    branch: Annotated[str, typer.Option(help="best, LS, RS, LR or RL")] = "best",
+    profile: Annotated[str, typer.Option(help="default, fast or accurate")] = "default",
+    time_limit: Annotated[float, typer.Option(help="seconds that the solve may take")] = 60.0,
+    as_json: Annotated[bool, typer.Option("--json", help="print one JSON object")] = False,
+    plot: Annotated[
+        FilePath | None, typer.Option(metavar="FILE", help="draw the path: .svg, .pdf or .png")
+    ] = None,
+    strict: Annotated[
+        bool, typer.Option("--strict", help="exit code 1 unless the verdict is optimal")
+    ] = False,
+) -> None:
+    """Solve one scenario and judge the answer."""
+    from dubins_study.cli import streams
+
+    check_rest([x, y], context.args, "solve")
+    scenario = scenario_of((x, y), start, radius, speed)
+    if plot is not None:
+        from dubins_study.report.path_plot import check_format
+
+        check_format(plot)
+    with streams.solvers_to_stderr():
+        answer = _answer(scenario, solver, branch, profile, time_limit)
+    refusal = _refusal(answer)
+    if plot is not None and answer.path is not None:
+        from dubins_study.report.path_plot import plot_path
+
+        plot_path(answer, plot)
+    if as_json or refusal is None:
+        print(answer_json(answer) if as_json else answer_text(answer))
+    if refusal is not None:
+        raise CommandError(refusal)
+    undrawn = plot is not None and answer.path is None
+    if undrawn:
+        print(f"dubins-study: {plot} is not drawn: there is no path", file=sys.stderr)
+    if undrawn or (strict and answer.verdict != "optimal"):
+        raise typer.Exit(1)
+
+
+def _answer(scenario: Scenario, solver: str, branch: str, profile: str, limit: float) -> Answer:
+    """The closed form's answer, or the answer of another solver from a process of its own."""
+    if solver == "analytic":
+        from dubins_study.solvers.attempt import solve
+
+        return solve(scenario, solver, branch, profile=profile, limit=limit)
+    from dubins_study.experiments.engines.isolated import solve_isolated
+
+    return solve_isolated(scenario, solver, branch, profile=profile, limit=limit)
+
+
+def _refusal(answer: Answer) -> str | None:
+    """Why the solver was not started, or None if it was."""
+    from dubins_study.solvers.protocol import Outcome
+    from dubins_study.study.printable import plain
+
+    if answer.outcome not in (Outcome.UNAVAILABLE, Outcome.UNSUPPORTED):
+        return None
+    return f"solver {answer.solver!r} is {answer.outcome}: {plain(answer.message)}"
+
+
+def answer_json(answer: Answer) -> str:
+    """One object: the answer, its segments, and the question."""
+    path = answer.path
+    pieces = [] if path is None else zip(path.curvature, path.length, strict=True)
+    fields: dict[str, Any] = {name: getattr(answer, name) for name in _JSON}
+    fields["segments"] = [
+        {"turn": _letter(k), "length": float(length), "curvature": float(k)} for k, length in pieces
+    ]
+    fields["tied_words"] = list(answer.tied_words)
+    return json.dumps(fields, indent=2, allow_nan=False)
+
+
+def _letter(curvature: float) -> str:
+    return "L" if curvature > 0 else "R" if curvature < 0 else "S"
+
+
+def answer_text(answer: Answer) -> str:
+    """A few lines for a person."""
+    from dubins_study.solvers.protocol import Outcome
+    from dubins_study.study.printable import plain
+
+    lines = [f"verdict   {answer.verdict}", f"claim     {answer.claim}  ({answer.solver})"]
+    lines.append(f"proof     {answer.proof}")
+    if answer.length is not None:
+        ties = [word for word in answer.tied_words if word != answer.reference_word]
+        tied = f"  (tied with {', '.join(ties)})" if ties else ""
+        lines = [
+            f"word      {answer.word or 'none: the target is the start'}{tied}",
+            f"length    {answer.length:.12g}",
+            f"time      {answer.travel_time:.12g}",
+            *lines,
+            f"gap       {'–' if answer.gap is None else format(answer.gap, '.3g')}",
+            f"miss      {'–' if answer.miss is None else format(answer.miss, '.3g')}",
+        ]
+    lines.append(f"region    {answer.region}, {answer.margin:.3g} R from the nearer turning circle")
+    if answer.false_claim:
+        lines.append("false claim: the claim is stronger than the verdict")
+    if answer.false_bound:
+        lines.append("false bound: the solver's lower bound lies above the shortest length")
+    if answer.outcome != Outcome.RETURNED:
+        lines.append(f"outcome   {answer.outcome}")
+    if answer.message:
+        lines.append(f"message   {plain(answer.message)}")
+    return "\n".join(lines)

@@ -1,0 +1,46 @@
+"""`dubins-study solvers`: every solver, and why it cannot run here if it cannot."""
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+if TYPE_CHECKING:
+    from dubins_study.solvers.registry import Entry
+
+
+def solvers(
+    as_json: Annotated[bool, typer.Option("--json", help="print a JSON list")] = False,
+) -> None:
+    """List every solver: available, or why not."""
+    from dubins_study.solvers.registry import entries
+
+    print(solvers_json(entries()) if as_json else solvers_text(entries()))
+
+
+def solvers_json(entries: list[Entry]) -> str:
+    """A list of objects; `reason` is null for a solver that is available."""
+    listed = [entry._asdict() | {"available": entry.reason is None} for entry in entries]
+    return json.dumps(listed, indent=2)
+
+
+def solvers_text(entries: list[Entry]) -> str:
+    """A table for the terminal."""
+    from dubins_study.cli.table import table
+    from dubins_study.study.printable import plain
+
+    rows = [
+        (
+            entry.name,
+            entry.method,
+            entry.guarantee,
+            ", ".join(entry.branches),
+            "yes" if entry.reason is None else f"no: {plain(entry.reason)}",
+            entry.summary,
+        )
+        for entry in entries
+    ]
+    head = ("solver", "method", "guarantee", "branches", "available", "summary")
+    return table(head, rows)

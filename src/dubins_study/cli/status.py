@@ -1,0 +1,126 @@
+"""`dubins-study status`: what a results folder holds."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from pathlib import Path as FilePath
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from dubins_study.cli.table import table
+from dubins_study.study.printable import plain
+
+if TYPE_CHECKING:
+    from dubins_study.experiments.store.status import RunStatus, Status
+
+_MOST_RUNS = 10  # the last ones are listed
+
+
+def status(
+    folder: Annotated[FilePath, typer.Argument(metavar="DIR")],
+    as_json: Annotated[bool, typer.Option("--json", help="print one JSON object")] = False,
+) -> None:
+    """Tell what a results folder holds: done, left, failing, its runs, and the time left."""
+    from dubins_study.experiments.store.status import status as status_of
+
+    folder_status = status_of(folder)
+    print(status_json(folder_status) if as_json else status_text(folder_status))
+
+
+def status_json(status: Status) -> str:
+    """One object."""
+    return json.dumps(status.as_json(), indent=2)
+
+
+def status_text(status: Status) -> str:
+    """A few lines and two tables for a person."""
+    from dubins_study.study.rows.machine_noise import NOISY
+
+    lines = [
+        f"{plain(status.folder)}: {status.done} of {status.cells} cells done, {_state(status)}"
+    ]
+    left = sum(status.left.values())
+    if left:
+        lines.append(f"left      {left}: {_listed(status.left)}")
+    if status.failing:
+        lines.append(f"failing   {sum(status.failing.values())}: {_listed(status.failing)}")
+    if status.stale:
+        lines.append(f"stale     {status.stale} rows of earlier code, which count for nothing")
+    if status.damaged:
+        lines.append(
+            f"damaged   {_some(status.damaged)}; run again, and its cells are solved again"
+        )
+    if status.aside:
+        lines.append(f"set aside {_some(status.aside)} in damaged/ by earlier runs")
+    if left:
+        lines.append(f"time left {_time_left(status)}")
+    lines += [_noise(run) for run in status.runs if run.spread is not None and run.spread > NOISY]
+    return "\n".join([*lines, *_tables(status)])
+
+
+def _state(status: Status) -> str:
+    if status.process is not None:
+        return f"running: process {status.process or 'unknown'} is at work"
+    return "finished" if status.finished else "not finished: run it again to go on"
+
+
+def _listed(counts: Mapping[str, int]) -> str:
+    return ", ".join(f"{plain(name)} {number}" for name, number in counts.items())
+
+
+def _some(parts: int) -> str:
+    return f"{parts} damaged part{'' if parts == 1 else 's'}"
+
+
+def _time_left(status: Status) -> str:
+    jobs = f"with {status.jobs} job{'' if status.jobs == 1 else 's'}"
+    if status.seconds_left is None:
+        return "unknown: no row is done yet to judge by"
+    text = f"about {duration(status.seconds_left)} {jobs}"
+    if status.unknown:
+        text += f", without {', '.join(map(plain, status.unknown))}: no row is done yet to judge by"
+    return text
+
+
+def duration(seconds: float) -> str:
+    """A duration in the largest unit that it has two of, rounded to a few digits."""
+    for unit, length in (("d", 86400.0), ("h", 3600.0), ("min", 60.0)):
+        if seconds >= 2 * length:
+            return f"{seconds / length:.3g} {unit}"
+    return f"{seconds:.2g} s" if seconds < 10 else f"{seconds:.0f} s"
+
+
+def _noise(run: RunStatus) -> str:
+    return (
+        f"noise     the machine's speed varied by {100 * (run.spread or 0):.1f} % during run "
+        f"{plain(run.run_id)}: its times are worth that much less"
+    )
+
+
+def _tables(status: Status) -> list[str]:
+    tables = []
+    kinds = sorted({kind for counts in status.verdicts.values() for kind in counts})
+    if kinds:
+        rows = [
+            (plain(solver), *(str(counts.get(kind, "")) for kind in kinds))
+            for solver, counts in status.verdicts.items()
+        ]
+        tables.append(table(("solver", *map(plain, kinds)), rows))
+    if status.runs:
+        head = ("run", "started", "took", "state", "engine", "jobs", "speed varied by")
+        tables.append(table(head, [_run(run) for run in status.runs[-_MOST_RUNS:]]))
+    return tables
+
+
+def _run(run: RunStatus) -> tuple[str, ...]:
+    return (
+        plain(run.run_id),
+        plain(run.started),
+        "" if run.seconds is None else duration(run.seconds),
+        plain(run.state),
+        plain(run.engine),
+        str(run.jobs),
+        "" if run.spread is None else f"{100 * run.spread:.1f} %",
+    )
