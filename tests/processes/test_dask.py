@@ -163,7 +163,9 @@ def test_a_work_unit_that_kills_every_worker_ends_the_run(experiment, tmp_path, 
     solver = plugin(tmp_path, "question.branch == 'LS' and os.kill(dask_worker(), signal.SIGKILL)")
     (tmp_path / "engine").write_text("dask")
     out = tmp_path / "out"
-    with pytest.raises(RunError, match=r"^4 Dask workers ended while they solved the same work unit"):
+    with pytest.raises(
+        RunError, match=r"^4 Dask workers ended while they solved the same work unit"
+    ):
         run(experiment, out, engine="dask", scheduler=address, solvers=[solver])
 
     entry = json.loads((out / "manifest.json").read_text())["runs"][-1]

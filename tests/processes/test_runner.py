@@ -12,9 +12,10 @@ import pytest
 
 from dubins_study import run
 from dubins_study.experiments.definition.experiment import ExperimentError, read
+from dubins_study.experiments.engines.local import LocalEngine, solve_chains
 from dubins_study.experiments.interruption import Interruption
-from dubins_study.experiments.isolation.supervisor import Supervisor
-from dubins_study.experiments.isolation.watch import Bounds
+from dubins_study.experiments.isolation.monitor import Limits
+from dubins_study.experiments.isolation.pool import WorkerPool
 from dubins_study.experiments.plan.cells import chains
 from dubins_study.experiments.run_settings import RunSettings
 from dubins_study.experiments.store.folder import done, read_rows
@@ -88,7 +89,7 @@ def test_a_finished_run_is_one_part_and_a_second_run_solves_nothing(small, tmp_p
     folder = run(small, tmp_path / "out")
     before = rows(folder)
     assert len(list((folder / "parts").iterdir())) == 1
-    monkeypatch.setattr(Supervisor, "solve", lambda *a: pytest.fail("solved again"))
+    monkeypatch.setattr(LocalEngine, "solve", lambda *a: pytest.fail("solved again"))
 
     run(small, folder)
 
@@ -123,24 +124,24 @@ def test_rows_without_a_solve_are_interrupted_too(small, monkeypatch):
     cells = chains(read(small).experiment) * 400
     reply = nothing(Outcome.CRASHED, "no more")
     stop, rows = Interruption(), 0
-    with Supervisor(RunSettings("r", 60.0), Bounds(60.0, 2**32), 1) as workers:
-        monkeypatch.setattr(workers._loading, "reply", lambda cell: reply)
-        for made in workers.solve(cells, {}, stop):
+    with WorkerPool(1, Limits(60.0, 2**32)) as pool:
+        monkeypatch.setattr(pool._load_failures, "reply", lambda solver: reply)
+        for made in solve_chains(pool, cells, {}, RunSettings("r", 60.0), stop):
             rows += len(made)
             stop.asked = rows >= 300
     assert 300 <= rows < 310
 
     stop.asked, rows = False, 0
-    with Supervisor(RunSettings("r", 60.0), Bounds(60.0, 2**32), 1) as workers:
-        monkeypatch.setattr(workers._loading, "reply", lambda cell: reply)
-        rows = sum(map(len, workers.solve(cells, {}, stop)))
+    with WorkerPool(1, Limits(60.0, 2**32)) as pool:
+        monkeypatch.setattr(pool._load_failures, "reply", lambda solver: reply)
+        rows = sum(map(len, solve_chains(pool, cells, {}, RunSettings("r", 60.0), stop)))
     assert rows == sum(map(len, cells))
 
 
 def test_a_run_cut_short_is_completed(small, tmp_path, monkeypatch):
     """Whatever is done stays; the rest is added; a warm sweep goes on from its last path."""
     whole = rows(run(small, tmp_path / "whole"))
-    original = Supervisor.solve
+    original = LocalEngine.solve
 
     def cut_short(self, *arguments):
         for rows in original(self, *arguments):
@@ -148,7 +149,7 @@ def test_a_run_cut_short_is_completed(small, tmp_path, monkeypatch):
             if any(row["initial_guess"] == "warm" and row["radius"] > 1 for row in rows):
                 raise KeyboardInterrupt
 
-    monkeypatch.setattr(Supervisor, "solve", cut_short)
+    monkeypatch.setattr(LocalEngine, "solve", cut_short)
     with pytest.raises(KeyboardInterrupt):
         run(small, tmp_path / "cut")
     monkeypatch.undo()

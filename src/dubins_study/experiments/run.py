@@ -8,7 +8,7 @@ from pathlib import Path as FilePath
 from uuid import uuid4
 
 from dubins_study.experiments.definition.experiment import Source
-from dubins_study.experiments.engines.engine import ENGINES, Engine
+from dubins_study.experiments.engines.engine import Engine, make_engine
 from dubins_study.experiments.engines.execution import solve_left
 from dubins_study.experiments.engines.stream import (
     Stream,
@@ -92,7 +92,7 @@ def run(
         found, groups, wanted = accepted(request, out)
         folder = FilePath(out) if out is not None else FilePath("results") / found.name
         stop.check()
-        with ENGINES[engine](jobs, scheduler) as entered:
+        with make_engine(engine, jobs, scheduler) as entered:
             _record(folder, found, groups, wanted, request, restart, progress, stop, entered)
     return folder
 
@@ -143,7 +143,7 @@ def _record(
             command=request.command(),
             memory_limit_gib=found.experiment.memory_limit_gib,
             threads=THREADS,
-            **engine.said,
+            **engine.run_entry,
         )
         with recorded(folder, manifest, entry, completes) as record:
             writer.after_step = record.write_now_and_then

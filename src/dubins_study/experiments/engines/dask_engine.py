@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections import deque
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Generator, Iterator, Mapping
 from contextlib import ExitStack, suppress
 from itertools import count
 from queue import Empty, SimpleQueue
@@ -20,7 +20,6 @@ from dubins_study.experiments.engines.dask_client import (
     quiet_loggers,
 )
 from dubins_study.experiments.engines.dask_cluster import local_cluster
-from dubins_study.experiments.engines.engine import Probed
 from dubins_study.experiments.engines.work_unit import UnitReply, WorkUnit, decoded_rows, encoded
 from dubins_study.experiments.interruption import Interruption
 from dubins_study.experiments.isolation.pool import RunError
@@ -87,16 +86,16 @@ class DaskEngine:
         self,
         chains: list[Chain],
         before: Mapping[Key, Path],
-        run: RunSettings,
+        settings: RunSettings,
         stop: Interruption,
-        probed: Probed | None,
-    ) -> Iterator[list[Row]]:
+        probed: Callable[[float, int], None] | None,
+    ) -> Generator[list[Row], None, None]:
         """See `Engine.solve`. Without a scheduler's address, a cluster is started here."""
         if self._client is None:
             cluster = self._exit_stack.enter_context(local_cluster(self.jobs))
             self._client = self._exit_stack.enter_context(connected(cluster.address))
             _LOG.warning("dubins-study: Dask's dashboard is at %s", cluster.dashboard)
-        submission = _Submission(self._client, run, probed)
+        submission = _Submission(self._client, settings, probed)
         try:
             yield from submission.solve(chains, before, stop)
         finally:
@@ -106,8 +105,13 @@ class DaskEngine:
 class _Submission:
     """The work units of one run: those that wait, and those that the cluster holds."""
 
-    def __init__(self, client: Any, run: RunSettings, probed: Probed | None):
-        self._client, self._run, self._probed = client, run, probed
+    def __init__(
+        self,
+        client: Any,
+        settings: RunSettings,
+        probed: Callable[[float, int], None] | None,
+    ):
+        self._client, self._settings, self._probed = client, settings, probed
         self._waiting: deque[Chain] = deque()
         self._before: dict[Key, Path] = {}
         self._units: dict[str, tuple[Any, WorkUnit]] = {}  # with their futures, by Dask's key
@@ -158,7 +162,10 @@ class _Submission:
             self._count_threads()
         function = in_worker("solve_unit")
         while self._waiting and len(self._units) < _UNITS_PER_THREAD * max(1, self._threads):
-            unit, key = self._next_unit(), f"dubins-study-{self._run.run_id}-{next(self._numbers)}"
+            unit, key = (
+                self._next_unit(),
+                f"dubins-study-{self._settings.run_id}-{next(self._numbers)}",
+            )
             future = self._client.submit(
                 function, encoded(unit), key=key, pure=False, retries=_RETRIES
             )
@@ -184,7 +191,7 @@ class _Submission:
             cells -= len(chains[-1])
         firsts = [chain[0].key for chain in chains]
         return WorkUnit(
-            self._run, chains, {k: self._before.pop(k) for k in firsts if k in self._before}
+            self._settings, chains, {k: self._before.pop(k) for k in firsts if k in self._before}
         )
 
     def _reply(self, future: Any) -> UnitReply | None:
@@ -205,8 +212,8 @@ class _Submission:
             _, unit = self._units[future.key]
             raise RunError(
                 f"{error.allowed_failures + 1} Dask workers ended while they solved the same work "
-                f"unit of {unit.cells} cells, the last one at {error.last_worker.address}; the rows "
-                "written so far are kept"
+                f"unit of {unit.cells} cells, the last one at {error.last_worker.address}; "
+                "the rows written so far are kept"
             ) from None
         except Exception as error:  # whatever Dask raises, here or there
             raise RunError(_explanation(error)) from None
@@ -253,7 +260,7 @@ class _Submission:
 
         def call() -> None:
             with suppress(Exception):  # workers that are going, or without this package
-                self._client.run(in_worker(name), self._run.run_id, on_error="ignore")
+                self._client.run(in_worker(name), self._settings.run_id, on_error="ignore")
 
         thread = Thread(target=call, daemon=True)
         thread.start()

@@ -14,7 +14,7 @@ from time import monotonic
 from typing import NamedTuple
 
 from dubins_study.experiments.engines.chains import remaining_chains
-from dubins_study.experiments.engines.local import solve_chains
+from dubins_study.experiments.engines.local import limits, solve_chains
 from dubins_study.experiments.engines.work_unit import (
     UnitReply,
     WorkUnit,
@@ -23,7 +23,6 @@ from dubins_study.experiments.engines.work_unit import (
     first_cells,
 )
 from dubins_study.experiments.interruption import Interruption
-from dubins_study.experiments.isolation.monitor import Limits
 from dubins_study.experiments.isolation.pool import RunError, WorkerPool
 from dubins_study.experiments.run_settings import RunSettings
 from dubins_study.study.rows.row_table import Row, row_key, row_path
@@ -69,8 +68,9 @@ class _Run:
         try:
             pool = self._idle.get_nowait()
         except Empty:
-            limits, probes_s = Limits(settings.time_limit_s, settings.memory_limit_bytes), []
-            pool = _Pool(WorkerPool(1, limits, probed=probes_s.append).__enter__(), probes_s)
+            probes_s: list[float] = []
+            workers = WorkerPool(1, limits(settings), probed=probes_s.append)
+            pool = _Pool(workers.__enter__(), probes_s)
             self._pools.append(pool)
         usable = False
         try:
@@ -110,13 +110,13 @@ def _run(run_id: str) -> _Run:
 def solve_unit(message: bytes) -> UnitReply:
     """Solve the cells of an encoded work unit for about a second, at least one of them."""
     unit, machine = decoded(message), socket.gethostname()
-    run = _run(unit.run.run_id)
+    run = _run(unit.settings.run_id)
     rows: list[Row] = []
     probes_s: list[float] = []
     refusal = _refusal(unit)
     try:
         if not refusal:
-            with run.pool(unit.run) as pool:
+            with run.pool(unit.settings) as pool:
                 for row_block in _solved(unit, pool.workers, run.stop):
                     rows += row_block
                 probes_s += pool.probes_s
@@ -148,7 +148,9 @@ def _solved(unit: WorkUnit, workers: WorkerPool, stop: Interruption) -> Iterator
     while left and not stop.asked and monotonic() < end_s:
         began_s = monotonic()
         rows: list[Row] = []
-        for row_block in solve_chains(workers, first_cells(left, cells), before, unit.run, stop):
+        for row_block in solve_chains(
+            workers, first_cells(left, cells), before, unit.settings, stop
+        ):
             rows += row_block
         yield rows
         done = {row_key(row): row_path(row) for row in rows}

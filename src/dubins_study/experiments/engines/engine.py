@@ -2,80 +2,63 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import AbstractContextManager, nullcontext
-from typing import Any, NamedTuple, Protocol
+from collections.abc import Callable, Generator, Mapping
+from typing import Any, Protocol, Self
 
 from dubins_study.experiments.interruption import Interruption
-from dubins_study.experiments.isolation.supervisor import Supervisor
-from dubins_study.experiments.isolation.watch import Bounds
 from dubins_study.experiments.plan.cells import Chain
 from dubins_study.experiments.run_settings import RunSettings
 from dubins_study.study.path import Path
 from dubins_study.study.rows.row_table import Row
 from dubins_study.study.rows.schema import Key
 
-
-class Probed(Protocol):
-    """Told that a fixed piece of work took so many seconds, on which of several machines."""
-
-    def __call__(self, seconds: float, machine: int = 0) -> None: ...
-
-
-class Crew(Protocol):
-    """What solves the cells of one run; `experiments.isolation.supervisor.Supervisor` is one."""
-
-    def solve(
-        self, chains: list[Chain], before: Mapping[Key, Path], stop: Interruption
-    ) -> Iterator[list[Row]]:
-        """The rows of all cells as they come; see `Supervisor.solve`."""
+ENGINES = ("local", "dask")
 
 
 class Engine(Protocol):
-    """Where a run's cells are solved, for as long as it is entered."""
+    """Where a run's cells are solved, for as long as it is entered.
 
-    @property
-    def jobs(self) -> int:
-        """How many cells are solved side by side."""
+    Attributes:
+        jobs: how many cells are solved side by side.
+        run_entry: what the run's entry in the manifest holds of it.
+    """
 
-    @property
-    def said(self) -> dict[str, Any]:
-        """What the run's entry in the manifest tells of it beside."""
+    jobs: int
+    run_entry: dict[str, Any]
 
-    def crew(self, run: RunSettings, probed: Probed | None) -> AbstractContextManager[Crew]:
-        """Get ready to solve cells; until then nothing is started that takes long.
+    def __enter__(self) -> Self: ...
+
+    def __exit__(self, *_: object) -> None: ...
+
+    def solve(
+        self,
+        chains: list[Chain],
+        before: Mapping[Key, Path],
+        settings: RunSettings,
+        stop: Interruption,
+        probed: Callable[[float, int], None] | None,
+    ) -> Generator[list[Row], None, None]:
+        """The rows of all cells as they come; see `local.solve_chains`.
 
         Args:
-            run: the settings of the run.
-            probed: called now and then.
-
-        Raises:
-            RunError: if nobody can be made ready.
+            probed: called every few seconds with the seconds that a fixed piece of work took,
+                and the number of the machine that did it (0 for this one).
         """
 
 
-class _Local(NamedTuple):
-    jobs: int
-    said: dict[str, Any]
+def make_engine(name: str, jobs: int, scheduler: str | None) -> Engine:
+    """An engine by its name; it is started when it is entered.
 
-    def crew(self, run: RunSettings, probed: Probed | None) -> AbstractContextManager[Crew]:
-        bounds = Bounds(run.time_limit_s, run.memory_limit_bytes)
-        return Supervisor(run, bounds, self.jobs, probed)
+    Args:
+        name: one of `ENGINES`.
+        jobs: processes that solve side by side.
+        scheduler: the address of Dask's scheduler.
+    """
+    if name == "local":
+        from dubins_study.experiments.engines.local import LocalEngine
 
-
-def _local(jobs: int, scheduler: str | None) -> AbstractContextManager[Engine]:
-    return nullcontext(_Local(jobs, {}))
-
-
-def _dask(jobs: int, scheduler: str | None) -> AbstractContextManager[Engine]:
+        return LocalEngine(jobs)
     # only here: `distributed` is an extra, and takes half a second to import
     from dubins_study.experiments.engines.dask_engine import DaskEngine
 
     return DaskEngine(jobs, scheduler)
-
-
-# by name: made of the number of jobs and the address of a scheduler
-ENGINES: dict[str, Callable[[int, str | None], AbstractContextManager[Engine]]] = {
-    "local": _local,
-    "dask": _dask,
-}

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from itertools import groupby
+from collections.abc import Callable
+from contextlib import closing
 from pathlib import Path as FilePath
 
-from dubins_study.experiments.engines.engine import Engine, Probed
+from dubins_study.experiments.engines.chains import remaining_chains
+from dubins_study.experiments.engines.engine import Engine
 from dubins_study.experiments.interruption import Interruption
 from dubins_study.experiments.isolation.sandbox import pinned_threads
 from dubins_study.experiments.plan.cells import Chain, shuffled
@@ -19,13 +21,13 @@ from dubins_study.study.rows.schema import Key
 
 def solve_left(
     folder: FilePath,
-    groups: list[Chain],
+    chains: list[Chain],
     finished: set[Key],
     settings: RunSettings,
     writer: PartWriter,
     stop: Interruption,
     engine: Engine,
-    probed: Probed | None = None,
+    probed: Callable[[float, int], None] | None = None,
 ) -> None:
     """Attempt every cell whose key is not finished; the writer gets the rows as they come.
 
@@ -33,39 +35,24 @@ def solve_left(
         KeyboardInterrupt: if the run is interrupted.
         RunError: if the engine cannot go on.
     """
-    single, before = _unfinished(folder, groups, finished)
-    writer.skip(sum(map(len, groups)) - sum(map(len, single)))
-    ordered = shuffled(single, settings.seed)
+    left, before = _unfinished(folder, chains, finished)
+    writer.skip(sum(map(len, chains)) - sum(map(len, left)))
+    ordered = shuffled(left, settings.seed)
     if ordered:
-        with pinned_threads(), engine.crew(settings, probed) as crew:
-            for rows in crew.solve(ordered, before, stop):
+        batches = engine.solve(ordered, before, settings, stop, probed)
+        with pinned_threads(), closing(batches):
+            for rows in batches:
                 writer.add(rows)
     stop.check()
 
 
 def _unfinished(
-    folder: FilePath, groups: list[Chain], finished: set[Key]
+    folder: FilePath, chains: list[Chain], finished: set[Key]
 ) -> tuple[list[Chain], dict[Key, Path]]:
-    """What is left of every chain, in pieces where cells between are done, and the paths before.
-
-    After a failure the last path that was found serves on, as in a run that is not interrupted.
-    """
-    begun = any(
-        cell.initial_guess == "warm" and cell.key in finished for group in groups for cell in group
-    )
-    columns = ["x", "y", "heading", "gap", "curvatures", "lengths"]
-    rows = read_rows(folder, columns).to_pylist() if begun else []
-    found = {row_key(row): row_path(row) for row in rows}
-    left: list[Chain] = []
-    before: dict[Key, Path] = {}
-    for group in groups:
-        path: Path | None = None
-        for done, cells in groupby(group, lambda cell: cell.key in finished):
-            piece = tuple(cells)
-            if done:
-                path = next(filter(None, (found.get(cell.key) for cell in piece[::-1])), path)
-                continue
-            left.append(piece)
-            if path is not None:
-                before[piece[0].key] = path
-    return left, before
+    """What the folder does not hold of every chain, and the paths before; see `remaining_chains`."""
+    done: dict[Key, Path | None] = dict.fromkeys(finished)
+    if any(cell.initial_guess == "warm" and cell.key in done for chain in chains for cell in chain):
+        columns = ["x", "y", "heading", "gap", "curvatures", "lengths"]
+        rows = read_rows(folder, columns).to_pylist()
+        done |= {row_key(row): row_path(row) for row in rows}
+    return remaining_chains(chains, {}, done)

@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from dubins_study.experiments.interruption import Interruption
+from dubins_study.experiments.isolation.monitor import Limits
+from dubins_study.experiments.isolation.pool import Job, WorkerPool
 from dubins_study.experiments.isolation.sandbox import pinned_threads
-from dubins_study.experiments.isolation.supervisor import Supervisor
-from dubins_study.experiments.isolation.watch import Bounds
-from dubins_study.experiments.plan.cells import Cell
 from dubins_study.experiments.plan.solver_description import described
-from dubins_study.experiments.run_settings import BYTES_PER_GIB, RunSettings
+from dubins_study.experiments.run_settings import BYTES_PER_GIB
 from dubins_study.solvers.attempt import (
     DEFAULT_LIMIT,
     Answer,
-    Reply,
     check_request,
     judged,
     nothing,
@@ -22,7 +18,6 @@ from dubins_study.solvers.attempt import (
 )
 from dubins_study.solvers.profiles import tolerances
 from dubins_study.solvers.protocol import Outcome, Question
-from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
 
 MEMORY = 4.0  # GiB
@@ -43,33 +38,17 @@ def solve_isolated(
     GiB. Interrupted once, it waits for the answer; twice, it does not.
     """
     check_request(branch, limit)
-    tolerances(profile)
+    allowed = tolerances(profile)
     described(solver, profile)
-    cell = Cell("", solver, profile, branch, "cold", 0, "", scenario)
-    settings = RunSettings("", limit, round(memory * BYTES_PER_GIB))
-    bounds = Bounds(settings.time_limit_s, settings.memory_limit_bytes)
-    asked = Supervisor(settings, bounds, 1, made=_answer, warm_up=False)
-    with Interruption() as stop, pinned_threads(), asked as workers:
-        found: list[Any] = [one for made in workers.solve([(cell,)], {}, stop) for one in made]
+    question = Question(scenario, branch)
+    limits = Limits(limit, round(memory * BYTES_PER_GIB))
+    with Interruption() as stop, pinned_threads(), WorkerPool(1, limits, warm_up=False) as pool:
+        results = [
+            one for some in pool.solve([Job(solver, profile, question)], stop) for one in some
+        ]
         stop.check()
-    answer: Answer = found[0]
-    return answer
-
-
-def _answer(
-    cell: Cell,
-    initial_guess: Path | None,
-    run: RunSettings,
-    reply: Reply,
-    started: str,
-    versions: str,
-) -> tuple[Answer, None]:
-    question, profile = (
-        Question(cell.scenario, cell.branch, initial_guess),
-        tolerances(cell.profile),
-    )
+    reply = results[0][1].reply
     try:
-        return judged(cell.solver, question, reply, profile), None
+        return judged(solver, question, reply, allowed)
     except Exception as error:  # a path that the check cannot drive, as in a run
-        failed = nothing(Outcome.RAISED, told(error))
-        return judged(cell.solver, question, failed, profile), None
+        return judged(solver, question, nothing(Outcome.RAISED, told(error)), allowed)

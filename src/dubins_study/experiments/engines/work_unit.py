@@ -20,12 +20,12 @@ class WorkUnit(NamedTuple):
     """The cells of one Dask task.
 
     Args:
-        run: the settings of the run.
+        settings: of the run.
         chains: single cells, and sweeps or the rest of them.
         before: the path before the first cell of a chain, by that cell's key.
     """
 
-    run: RunSettings
+    settings: RunSettings
     chains: list[Chain]
     before: Mapping[Key, Path]
 
@@ -55,29 +55,30 @@ def encoded(unit: WorkUnit) -> bytes:
     chains = [[_encoded_cell(cell) for cell in chain] for chain in unit.chains]
     firsts = [unit.before.get(chain[0].key) for chain in unit.chains]
     paths = [path and _encoded_path(path) for path in firsts]
-    return json.dumps([[*unit.run], chains, paths]).encode()
+    return json.dumps([[*unit.settings], chains, paths]).encode()
 
 
 def decoded(message: bytes) -> WorkUnit:
     """The work unit that `encoded` made a message of."""
-    run, listed, paths = json.loads(message)
-    chains = [tuple(_decoded_cell(*cell) for cell in chain) for chain in listed]
+    settings, listed, paths = json.loads(message)
+    chains = [tuple(_decoded_cell(cell) for cell in chain) for chain in listed]
     before = {
         chain[0].key: Path(Pose(*path[0]), path[1], path[2])
         for chain, path in zip(chains, paths, strict=True)
         if path is not None
     }
-    return WorkUnit(RunSettings(*run), chains, before)
+    return WorkUnit(RunSettings(*settings), chains, before)
 
 
 def _encoded_cell(cell: Cell) -> list[object]:
     return [*cell.key, [getattr(cell.scenario, name) for name in names(SCENARIO)]]
 
 
-def _decoded_cell(*fields: Any) -> Cell:
-    """A cell from the values of its key, then those of its scenario."""
-    *key, scenario = fields
-    return Cell(*key, Scenario(**dict(zip(names(SCENARIO), scenario, strict=True))))
+def _decoded_cell(values: list[Any]) -> Cell:
+    """A cell from the values of its key and those of its scenario."""
+    *key, numbers = values
+    scenario = Scenario(**dict(zip(names(SCENARIO), numbers, strict=True)))
+    return Cell._make([*key, scenario])
 
 
 def _encoded_path(path: Path) -> list[list[float]]:

@@ -1,80 +1,219 @@
-"""Replies as they travel from a worker process to its supervisor: plain values and nothing else.
+"""Jobs and replies as they travel between a pool and its workers: plain values and nothing else.
 
 What a plug-in returned may be of its own classes, which would run its code wherever they are
-unpickled. Here every value is made anew as Python's own int, float, str or bytes.
+unpickled. Every message is JSON, with the arrays of paths as raw doubles behind it, and every
+value of a reply is made anew as Python's own int, float or str.
 """
 
 from __future__ import annotations
 
-from dataclasses import fields
-from typing import NamedTuple
+import json
+import socket
+import struct
+from collections.abc import Iterator, Sequence
+from dataclasses import astuple, fields
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from dubins_study.solvers.attempt import Reply, Times
-from dubins_study.solvers.protocol import Outcome, Solution
+from dubins_study.solvers.protocol import Outcome, Question, Solution
 from dubins_study.study.check.verdict import Claim
 from dubins_study.study.path import Path
-from dubins_study.study.scenario import Pose
+from dubins_study.study.scenario import Pose, Scenario
+
+# before each message: a mark that tells it from rubbish, bytes of JSON, bytes of arrays
+_HEADER = struct.Struct("!4sIQ")
+_MARK = b"DSM1"
+_MAX_JSON_BYTES, _MAX_ARRAY_BYTES = 2**28, 2**32
+_READ_BYTES = 2**20
+_MAX_TEXT_CHARS = 2000
 
 
-class Packed(NamedTuple):
+class MessageError(ValueError):
+    """What came down a channel is no message."""
+
+
+class Channel:
+    """Messages over a socket, whether that blocks or not."""
+
+    def __init__(self, line: socket.socket):
+        self._line = line
+        self._received = bytearray()
+        self._unsent = bytearray()
+
+    def fileno(self) -> int:
+        return self._line.fileno()
+
+    def close(self) -> None:
+        self._line.close()
+
+    def send(self, value: Any, arrays: Sequence[bytes] = ()) -> bool:
+        """Send a message, or as much of it as goes at once (see `flush`); whether all of it went."""
+        text, data = json.dumps(value).encode(), b"".join(arrays)
+        self._unsent += _HEADER.pack(_MARK, len(text), len(data)) + text + data
+        return self.flush()
+
+    def flush(self) -> bool:
+        """Send what is left to be sent; whether all of it went."""
+        try:
+            while self._unsent:
+                del self._unsent[: self._line.send(self._unsent)]
+        except BlockingIOError:
+            return False
+        except OSError:  # the other end is gone; whoever waits for an answer sees its end
+            self._unsent.clear()
+        return True
+
+    def receive(self) -> Any:
+        """Wait for one message without arrays; its value.
+
+        Raises:
+            EOFError: if the other end is closed.
+        """
+        return self.receive_with_arrays()[0]
+
+    def receive_with_arrays(self) -> tuple[Any, bytes]:
+        """Wait for one message: its value, and its arrays one after another.
+
+        Raises:
+            EOFError: if the other end is closed.
+        """
+        while (message := self._next()) is None:
+            self._read()
+        return message
+
+    def received(self) -> Iterator[tuple[Any, bytes]]:
+        """The messages that have arrived, without waiting; the socket must not block.
+
+        Raises:
+            EOFError: if the other end is closed.
+            MessageError: if what arrived is no message.
+        """
+        try:
+            self._read()
+        except BlockingIOError:
+            return
+        while (message := self._next()) is not None:
+            yield message
+
+    def _read(self) -> None:
+        data = self._line.recv(_READ_BYTES)
+        if not data:
+            raise EOFError
+        self._received += data
+
+    def _next(self) -> tuple[Any, bytes] | None:
+        if len(self._received) < _HEADER.size:
+            return None
+        mark, text_size, array_size = _HEADER.unpack_from(self._received)
+        if mark != _MARK or text_size > _MAX_JSON_BYTES or array_size > _MAX_ARRAY_BYTES:
+            raise MessageError("rubbish came down the channel")
+        middle = _HEADER.size + text_size
+        end = middle + array_size
+        if len(self._received) < end:
+            return None
+        text, data = self._received[_HEADER.size : middle], bytes(self._received[middle:end])
+        del self._received[:end]
+        try:
+            return json.loads(text), data
+        except (ValueError, RecursionError) as error:
+            raise MessageError(f"a message that cannot be read: {error}") from None
+
+
+class WorkerReply(NamedTuple):
     """A reply, the moment its question was put (UTC, ISO 8601), and what it rests on.
 
-    `code` is the digest of what replied (see `experiments.plan.code_digest`), empty if it did not load.
+    Args:
+        reply: what came back of the question.
+        started: when the question was put; empty if it was not.
+        versions: of the solver's libraries, as JSON.
+        code_digest: of the code that replied (see `code_digest`), empty if it did not load.
     """
 
-    outcome: str
-    times: tuple[float | None, ...]
-    claim: str
-    path: tuple[tuple[float, ...], bytes, bytes] | None
-    numbers: tuple[float | None, ...]
-    multipliers: tuple[float, float] | None
-    counts: tuple[int | None, ...]
-    texts: tuple[str, str]
-    started: str
-    versions: str
-    code_digest: str
-    worn: bool = False  # whether the worker is to be replaced
+    reply: Reply
+    started: str = ""
+    versions: str = ""
+    code_digest: str = ""
 
 
-_NUMBERS = ("claimed_length", "lower_bound")
-_COUNTS = ("iterations", "evaluations")
-_TEXTS = ("native_status", "message")
-_LONGEST = 2000  # characters of a text
+def encode_question(question: Question) -> tuple[list[Any], list[bytes]]:
+    """A question as plain values, and the arrays of its initial guess."""
+    start, arrays = encode_path(question.initial_guess)
+    return [astuple(question.scenario), question.branch, start], arrays
 
 
-def packed(reply: Reply, started: str, versions: str, code: str) -> Packed:
-    """A reply as plain values.
+def decode_question(values: Sequence[Any], arrays: memoryview) -> tuple[Question, memoryview]:
+    """The question again, and the arrays that are left."""
+    scenario, branch, start = values
+    guess, rest = decode_path(start, arrays)
+    return Question(Scenario(*scenario), branch, guess), rest
+
+
+def encode_path(path: Path | None) -> tuple[list[float] | None, list[bytes]]:
+    """A path's start and number of pieces, and its two arrays."""
+    if path is None:
+        return None, []
+    path = Path(path.start, path.curvature, path.length)  # its arrays may be others by now
+    arrays = [np.asarray(one, np.float64).tobytes() for one in (path.curvature, path.length)]
+    return [*(float(value) for value in path.start), len(arrays[0]) // 8], arrays
+
+
+def decode_path(
+    start: Sequence[float] | None, arrays: memoryview
+) -> tuple[Path | None, memoryview]:
+    """The path again, and the arrays that are left."""
+    if start is None:
+        return None, arrays
+    x, y, heading, pieces = start
+    end = 8 * int(pieces)
+    curvature, length = (np.frombuffer(part) for part in (arrays[:end], arrays[end : 2 * end]))
+    return Path(Pose(x, y, heading), curvature, length), arrays[2 * end :]
+
+
+_NAMES = [field.name for field in fields(Solution)]
+
+
+def encode_reply(sent: WorkerReply) -> tuple[list[Any], list[bytes]]:
+    """A reply as plain values, and the arrays of its path.
 
     Raises:
         Exception: whatever a plug-in's values do when they are read.
     """
+    reply = sent.reply
     # checked once more: what a plug-in's class holds may have changed since it was made
-    given = (getattr(reply.solution, field.name) for field in fields(Solution))
-    solution = Solution(*given)
-    path, dual = solution.path, solution.multipliers
-    return Packed(
+    solution = Solution(*[getattr(reply.solution, name) for name in _NAMES])
+    start, arrays = encode_path(solution.path)
+    dual = solution.multipliers
+    values = [
         str(reply.outcome.value),
-        (reply.times.build, reply.times.solve, reply.times.wall),
+        astuple(reply.times),
         str(Claim(solution.claim).value),
-        None if path is None else _controls(path),
-        tuple(_float(getattr(solution, name)) for name in _NUMBERS),
-        None if dual is None else (float.__float__(dual[0]), float.__float__(dual[1])),
-        tuple(_int(getattr(solution, name)) for name in _COUNTS),
-        (_text(solution.native_status), _text(solution.message)),
-        started,
-        versions,
-        code,
-    )
+        start,
+        _float(solution.claimed_length),
+        _float(solution.lower_bound),
+        None if dual is None else [float.__float__(dual[0]), float.__float__(dual[1])],
+        _int(solution.iterations),
+        _int(solution.evaluations),
+        _text(solution.native_status),
+        _text(solution.message),
+        *sent[1:],
+    ]
+    return values, arrays
 
 
-def _controls(path: Path) -> tuple[tuple[float, ...], bytes, bytes]:
-    path = Path(path.start, path.curvature, path.length)  # its arrays may be others by now
-    held = (np.asarray(values, np.float64).tobytes() for values in (path.curvature, path.length))
-    start: tuple[float, ...] = tuple(float(value) for value in path.start)
-    curvature, length = held
-    return start, curvature, length
+def decode_reply(values: Sequence[Any], arrays: memoryview) -> tuple[WorkerReply, memoryview]:
+    """The reply again, and the arrays that are left.
+
+    Raises:
+        Exception: if the values are not those of a reply.
+    """
+    outcome, times, claim, start, claimed, bound, dual, *rest = values
+    iterations, evaluations, status, message, started, versions, digest = rest
+    path, arrays = decode_path(start, arrays)
+    answer = (Claim(claim), path, claimed, bound, dual, iterations, evaluations, status, message)
+    reply = Reply(Outcome(outcome), Solution(*answer), Times(*times))
+    return WorkerReply(reply, str(started), str(versions), str(digest)), arrays
 
 
 def _float(value: float | None) -> float | None:
@@ -87,18 +226,4 @@ def _int(value: int | None) -> int | None:
 
 def _text(value: str) -> str:
     # by way of bytes, since a subclass of str passes as one
-    return str.encode(value[:_LONGEST], "utf-8", "replace").decode("utf-8")
-
-
-def unpacked(sent: Packed) -> Reply:
-    """The reply again."""
-    path = None
-    if sent.path is not None:
-        start, curvature, length = sent.path
-        path = Path(Pose(*start), np.frombuffer(curvature), np.frombuffer(length))
-    claimed, bound = sent.numbers
-    iterations, evaluations = sent.counts
-    status, message = sent.texts
-    claim, dual = Claim(sent.claim), sent.multipliers
-    solution = Solution(claim, path, claimed, bound, dual, iterations, evaluations, status, message)
-    return Reply(Outcome(sent.outcome), solution, Times(*sent.times))
+    return str.encode(value[:_MAX_TEXT_CHARS], "utf-8", "replace").decode("utf-8")

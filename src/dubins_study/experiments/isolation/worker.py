@@ -1,144 +1,149 @@
-"""What one worker process does: put questions to solvers, and send back what they reply."""
+"""What a worker process does: put questions to solvers, and send back what they reply."""
 
 from __future__ import annotations
 
 import json
 import os
 import signal
-from functools import lru_cache
-from multiprocessing.connection import Connection
 from time import monotonic
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
-from dubins_study.experiments.isolation.clock import Clock, Phase
-from dubins_study.experiments.isolation.containment import bound, contained
-from dubins_study.experiments.isolation.messages import Packed, packed
-from dubins_study.experiments.isolation.sandbox import depend, isolate
+from dubins_study.experiments.isolation.calibration import probe
+from dubins_study.experiments.isolation.job_clock import JobClock, Phase
+from dubins_study.experiments.isolation.messages import (
+    Channel,
+    WorkerReply,
+    decode_question,
+    encode_reply,
+)
+from dubins_study.experiments.isolation.sandbox import bound_memory, pin_threads
+from dubins_study.experiments.isolation.worker_state import WorkerState, seed
 from dubins_study.experiments.plan.code_digest import code
 from dubins_study.experiments.provenance import now, solver_versions
-from dubins_study.solvers.attempt import Reply, ask, nothing, told
+from dubins_study.solvers.attempt import ask, nothing, told
 from dubins_study.solvers.protocol import Outcome, Question, Solver
 from dubins_study.solvers.registry import load
-from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
 
 # an easy question, asked once of every solver before its first recorded answer
 _WARM_UP = Scenario(x=0, y=0, heading=0.3, target_x=3, target_y=2, radius=1, label="warm-up")
+# Replies are sent after this much solving, and the rest of a batch is left: replies that wait are
+# lost if the run is killed, and an interrupted run waits for no more than the solve under way.
+_MAX_BATCH_S = 0.1
 
 
-class Order(NamedTuple):
-    """One question for a worker: `number` tells its supervisor which one it is at."""
+class WorkerJob(NamedTuple):
+    """One question for a worker; `number` tells the pool which one it is at."""
 
     number: int
     solver: str
     profile: str
-    scenario: Scenario
-    branch: str
-    initial_guess: Path | None
-    limit: float
+    question: Question
+    time_limit: float
     warm_up: bool  # whether a solver that is new here is asked an easy question first
 
 
-# s of solving after which replies are sent
-_MOMENT = 0.1
-
-_clock: Clock | None = None
-_pid = 0
-
-
-def begin(clock: Clock, output: Connection, memory: int) -> None:
-    """Make this process a worker."""
-    global _clock, _pid
-    depend()
-    bound(memory)
-    isolate(output, memory)
-    _clock, _pid = clock, os.getpid()
-    clock.write(_pid, -1, Phase.IDLE)
+class _LoadedSolver(NamedTuple):
+    solver: Solver
+    versions: str
+    code_digest: str
 
 
-def answers(orders: list[Order]) -> list[Packed]:
-    """Put several questions one after another, and send the replies back in one message.
+def serve(channel: Channel, memory_limit: int, clock: int) -> None:
+    """Answer batches of jobs until the channel is closed."""
+    shared = JobClock(clock)
+    shared.close_descriptor()
+    bound_memory(memory_limit)
+    pin_threads()
+    worker = Worker(shared, memory_limit)
+    while True:
+        batch, arrays = channel.receive_with_arrays()
+        if batch == "probe":
+            channel.send({"probe_s": probe()})
+            continue
+        replies, changes = worker.answer(read_jobs(batch, memoryview(arrays)))
+        values = [value for value, _ in replies]
+        channel.send(
+            {"replies": values, "changes": changes},
+            [array for _, arrays in replies for array in arrays],
+        )
+        while changes:  # this process answers no more, and waits to be replaced
+            signal.pause()
 
-    Once that has taken a moment the rest is left for another message: replies that wait are lost
-    if the run is killed, and an interrupted run waits for no more than the solve under way. A
-    worker that a solver has left worn stops as well, and answers no more until it is replaced.
-    """
-    replies, began = [], monotonic()
-    for order in orders:
-        replies.append(answer(order))
-        if replies[-1].worn or monotonic() - began > _MOMENT:
-            break
-    return replies
+
+def read_jobs(batch: list[list[Any]], arrays: memoryview) -> list[WorkerJob]:
+    """The jobs of a message."""
+    jobs = []
+    for number, solver, profile, question, time_limit, warm_up in batch:
+        asked, arrays = decode_question(question, arrays)
+        jobs.append(WorkerJob(number, solver, profile, asked, time_limit, warm_up))
+    return jobs
 
 
-_worn = False
+class Worker:
+    """Solvers that are loaded here, and the state of the process that they share."""
 
+    def __init__(self, clock: JobClock, memory_limit: float):
+        self._clock, self._pid = clock, os.getpid()
+        self._solvers: dict[tuple[str, str], _LoadedSolver] = {}
+        # of the code of solvers that were loaded, even if their warm-up failed
+        self._digests: dict[tuple[str, str], str] = {}
+        self._state = WorkerState(memory_limit)
+        self._note(-1, Phase.IDLE)
 
-def answer(order: Order) -> Packed:
-    """Put one question to one solver. Whatever happens short of the process's end is a reply.
+    def answer(self, jobs: list[WorkerJob]) -> tuple[list[tuple[Any, list[bytes]]], list[str]]:
+        """Encoded replies to the first jobs, at least one, and what a solve changed in the process.
 
-    A worker that a solver has left worn answers no more, and waits to be replaced.
-    """
-    global _worn
-    while _worn:
-        signal.pause()
-    started, state = now(), None
-    try:
-        with contained() as state:
-            loaded = (order.solver, order.profile) not in _solvers
-            solver = _ready(order)
-            state.pardon(loaded)
-            question = Question(order.scenario, order.branch, order.initial_guess)
+        No job is answered after one that changed the process.
+        """
+        replies, began = [], monotonic()
+        changes: list[str] = []
+        for job in jobs:
+            replies.append(self._answered(job))
+            changes = self._state.changes()
+            if changes or monotonic() - began > _MAX_BATCH_S:
+                break
+        return replies, changes
+
+    def _answered(self, job: WorkerJob) -> tuple[Any, list[bytes]]:
+        """Put one question to one solver. Whatever happens short of the process's end is a reply."""
+        started, key = now(), (job.solver, job.profile)
+        try:
+            loaded = self._solvers.get(key) or self._load(job)
+            seed()
             started = now()
-            _tell(order.number, Phase.SOLVING)
-            reply = ask(solver, question, order.limit)
-            sent = packed(reply, started, _versions(order.solver), _code(order))
-    except BaseException as error:  # a plug-in that breaks more than its own calls is a row too
-        sent = packed(_failed(error), started, "", _code(order))
-    finally:
-        _tell(order.number, Phase.IDLE)
-    _worn = state is not None and state.worn
-    return sent._replace(worn=_worn)
+            self._note(job.number, Phase.SOLVING)
+            reply = ask(loaded.solver, job.question, job.time_limit)
+            self._end_copy()
+            return encode_reply(WorkerReply(reply, started, loaded.versions, loaded.code_digest))
+        except BaseException as error:  # a plug-in that breaks more than its own calls is a row too
+            self._end_copy()
+            outcome = Outcome.OUT_OF_MEMORY if isinstance(error, MemoryError) else Outcome.RAISED
+            digest = self._digests.get(key, "")
+            return encode_reply(WorkerReply(nothing(outcome, told(error)), started, "", digest))
+        finally:
+            self._note(job.number, Phase.IDLE)
 
-
-def _failed(error: BaseException) -> Reply:
-    outcome = Outcome.OUT_OF_MEMORY if isinstance(error, MemoryError) else Outcome.RAISED
-    return nothing(outcome, told(error))
-
-
-def _tell(number: int, phase: Phase) -> None:
-    if _clock is None:
-        return
-    if os.getpid() != _pid:
-        # a child that a solver forked and lost: it must not answer in its parent's place
-        os._exit(1)
-    _clock.write(_pid, number, phase)
-
-
-_solvers: dict[tuple[str, str], Solver] = {}
-# of those that were loaded: the digests of their code, read as they were
-_codes: dict[tuple[str, str], str] = {}
-
-
-def _ready(order: Order) -> Solver:
-    """A solver that has its imports, templates and caches behind it."""
-    key = order.solver, order.profile
-    if key not in _solvers:
-        _tell(order.number, Phase.PREPARING)
+    def _load(self, job: WorkerJob) -> _LoadedSolver:
+        """A solver that has its imports, templates and caches behind it."""
+        key = job.solver, job.profile
+        self._note(job.number, Phase.LOADING)
         solver = load(*key)
-        _codes[key] = code(*key)
-        _versions(order.solver)  # which may have to load the libraries
-        if order.warm_up:
-            _tell(order.number, Phase.WARMING_UP)
-            ask(solver, Question(_WARM_UP, solver.branches[0]), order.limit)
-        _solvers[key] = solver
-    return _solvers[key]
+        digest = self._digests[key] = code(*key)
+        versions = json.dumps(solver_versions(solver))
+        if job.warm_up:
+            self._note(job.number, Phase.WARMING_UP)
+            seed()
+            ask(solver, Question(_WARM_UP, solver.branches[0]), job.time_limit)
+            self._end_copy()
+        loaded = self._solvers[key] = _LoadedSolver(solver, versions, digest)
+        self._state.accept()
+        return loaded
 
+    def _end_copy(self) -> None:
+        """End a child that a solver forked and lost: it must not answer in its parent's place."""
+        if os.getpid() != self._pid:
+            os._exit(1)
 
-def _code(order: Order) -> str:
-    return _codes.get((order.solver, order.profile), "")
-
-
-@lru_cache(maxsize=256)
-def _versions(spec: str) -> str:
-    return json.dumps(solver_versions(load(spec)))
+    def _note(self, job: int, phase: Phase) -> None:
+        self._clock.write(self._pid, job, phase)

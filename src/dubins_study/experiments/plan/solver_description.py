@@ -6,23 +6,20 @@ entry point, is loaded by a process of its own, which may hang, crash or change 
 
 from __future__ import annotations
 
-import json
-from concurrent.futures import TimeoutError
 from functools import cache
 from typing import Any, NamedTuple
 
-from pebble import ProcessExpired
-from pebble.concurrent import process
-
-from dubins_study.experiments.isolation.endings import ending
-from dubins_study.experiments.isolation.spawning import Context
+from dubins_study.experiments.isolation.exit_status import exit_status
+from dubins_study.experiments.isolation.fork_server import fork
+from dubins_study.experiments.isolation.messages import Channel, MessageError
 from dubins_study.experiments.plan.code_digest import code, plain_settings
 from dubins_study.experiments.provenance import versions_of
 from dubins_study.solvers.analytic import Analytic
 from dubins_study.solvers.attempt import told
 from dubins_study.solvers.registry import SolverError, canonical, load, ours
 
-_PATIENCE = 60.0  # s for a plug-in to be imported
+# for a plug-in to be imported, and for the kernel to end a process
+_LOAD_LIMIT_S, _EXIT_WAIT_S = 60.0, 2.0
 
 
 class Description(NamedTuple):
@@ -62,15 +59,31 @@ def described(spec: str, profile: str = "default") -> Description:
     """
     if ours(spec):
         return _describe(spec, profile)
-    elsewhere = process(timeout=_PATIENCE, context=Context())(_describe_apart)
+    fields = _described_apart(spec, profile)
+    return Description(**(fields | {"packages": tuple(fields["packages"])}))
+
+
+def _described_apart(spec: str, profile: str) -> dict[str, Any]:
+    """A description's fields, found by a process of its own."""
+    process = fork(f"{__name__}:send_description", [spec, profile])
     try:
-        found = json.loads(elsewhere(spec, profile).result())
-    except TimeoutError:
-        raise SolverError(f"solver {spec!r} takes longer than {_PATIENCE:g} s to load") from None
-    except ProcessExpired as error:
-        how = ending(error.exitcode)[0]
-        raise SolverError(f"solver {spec!r} ends the process that loads it: {how}") from None
-    return Description(**(found | {"packages": tuple(found["packages"])}))
+        if not process.wait(_LOAD_LIMIT_S):
+            raise SolverError(f"solver {spec!r} takes longer than {_LOAD_LIMIT_S:g} s to load")
+        answer = next(process.channel.received(), None)
+    except (EOFError, OSError, MessageError):
+        answer = None
+    finally:
+        process.kill()
+        process.wait(_EXIT_WAIT_S)
+        code = process.exit_code()
+        process.close()
+    if answer is None:
+        status = exit_status(code)[0]
+        raise SolverError(f"solver {spec!r} ends the process that loads it: {status}")
+    fields, error = answer[0]
+    if error is not None:
+        raise SolverError(str(error))
+    return dict(fields)
 
 
 def _describe(spec: str, profile: str) -> Description:
@@ -86,12 +99,14 @@ def _describe(spec: str, profile: str) -> Description:
     )
 
 
-def _describe_apart(spec: str, profile: str) -> str:
-    """The same as JSON, where a plug-in may hold and raise what it likes: nothing of its own
-    classes is to be unpickled in the run."""
+def send_description(channel: Channel, spec: str, profile: str) -> None:
+    """Send a description's fields or what is wrong with the solver, as plain values.
+
+    Nothing of a plug-in's own classes may reach the process that asks.
+    """
     try:
-        return json.dumps(_describe(spec, profile)._asdict())
+        channel.send([_describe(spec, profile)._asdict(), None])
     except SolverError as error:
-        raise SolverError(str(error)) from None
-    except BaseException as error:
-        raise SolverError(f"solver {spec!r} cannot be described: {told(error)}") from None
+        channel.send([None, str(error)])
+    except BaseException as error:  # a plug-in may raise anything
+        channel.send([None, f"solver {spec!r} cannot be described: {told(error)}"])

@@ -7,7 +7,7 @@ from time import perf_counter
 
 import numpy as np
 
-_LOOPS, _ARRAYS, _LEAST_OF = 9000, 300, 3
+_LOOPS, _ARRAYS, _REPEATS = 9000, 300, 3
 
 
 def probe() -> float:
@@ -15,7 +15,7 @@ def probe() -> float:
 
     Half of it is plain Python, half numpy on arrays of a few dozen numbers, as in these solvers.
     """
-    return min(_timed() for _ in range(_LEAST_OF))
+    return min(_timed() for _ in range(_REPEATS))
 
 
 def _timed() -> float:

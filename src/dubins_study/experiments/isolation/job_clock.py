@@ -1,0 +1,74 @@
+"""What a worker is doing, and since when: four numbers in memory that its pool reads."""
+
+from __future__ import annotations
+
+import mmap
+import os
+import struct
+import sys
+from enum import IntEnum
+from tempfile import TemporaryFile
+from time import monotonic
+from typing import NamedTuple
+
+
+class Phase(IntEnum):
+    """What a worker is doing. It starts until its first job; `LOST`: it wrote over its clock."""
+
+    STARTING = 0
+    IDLE = 1
+    LOADING = 2
+    WARMING_UP = 3
+    SOLVING = 4
+    LOST = 5
+
+
+class Reading(NamedTuple):
+    """The job's number (-1: none), the phase, and since when (s, `time.monotonic`)."""
+
+    pid: int
+    job: int
+    phase: Phase
+    since_s: float
+
+
+_NUMBERS = struct.Struct("dddd")
+_LOST = Reading(0, -1, Phase.LOST, 0.0)
+
+
+class JobClock:
+    """Written by a worker, read by its pool; survives the worker.
+
+    Args:
+        descriptor: of memory that another process shares; a new piece of memory without one.
+    """
+
+    def __init__(self, descriptor: int | None = None):
+        self.descriptor = _shared_memory() if descriptor is None else descriptor
+        self._memory = mmap.mmap(self.descriptor, mmap.PAGESIZE)
+        if descriptor is None:
+            self.write(0, -1, Phase.STARTING)
+
+    def close_descriptor(self) -> None:
+        """The memory stays; its file is needed no more, and nobody can make it shorter."""
+        os.close(self.descriptor)
+
+    def write(self, pid: int, job: int, phase: Phase) -> None:
+        _NUMBERS.pack_into(self._memory, 0, pid, job, phase, monotonic())
+
+    def read(self) -> Reading:
+        pid, job, phase, since_s = _NUMBERS.unpack_from(self._memory)
+        try:
+            return Reading(int(pid), int(job), Phase(int(phase)), since_s)
+        except (ValueError, OverflowError):
+            return _LOST
+
+
+def _shared_memory() -> int:
+    if sys.platform == "linux":
+        descriptor = os.memfd_create("job-clock")
+    else:
+        with TemporaryFile() as file:
+            descriptor = os.dup(file.fileno())
+    os.ftruncate(descriptor, mmap.PAGESIZE)
+    return descriptor

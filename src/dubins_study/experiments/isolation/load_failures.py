@@ -1,0 +1,54 @@
+"""Solvers that end a worker while they are loaded, and what follows for their other jobs."""
+
+from __future__ import annotations
+
+from dubins_study.solvers.attempt import Reply, nothing
+
+# a solver's spec and profile
+SolverKey = tuple[str, str]
+
+
+class LoadFailures:
+    """Which solvers are loaded without a warm-up, and which are not loaded again.
+
+    Args:
+        warm_up: whether solvers are asked an easy question before their first job.
+    """
+
+    def __init__(self, warm_up: bool):
+        self._warm_up = warm_up
+        # solvers whose warm-up ended a worker
+        self._without_warm_up: set[SolverKey] = set()
+        # solvers that ended a worker as it loaded them, with the reply that stands for all jobs
+        self._given_up: dict[SolverKey, Reply] = {}
+        self._answered: set[SolverKey] = set()
+
+    def warms_up(self, solver: SolverKey) -> bool:
+        """Whether a worker that loads a solver asks it an easy question first."""
+        return self._warm_up and solver not in self._without_warm_up
+
+    def reply(self, solver: SolverKey) -> Reply | None:
+        """The reply to a job of a solver that is not loaded again."""
+        first = self._given_up.get(solver)
+        if first is None:
+            return None
+        message = f"{first.solution.message} for another cell; not tried again"
+        return nothing(first.outcome, message, status=first.solution.native_status)
+
+    def note_answer(self, solver: SolverKey) -> None:
+        """A solver has been loaded, and has answered."""
+        self._answered.add(solver)
+
+    def note_failure(self, solver: SolverKey, warmed_up: bool, reply: Reply) -> Reply | None:
+        """The reply to a job whose solver ended the worker while it was loaded.
+
+        None if the job is to be put once more: the warm-up may have been to blame.
+        """
+        if warmed_up:
+            self._without_warm_up.add(solver)
+            return None
+        message = f"{reply.solution.message}, while it was loaded"
+        reply = nothing(reply.outcome, message, status=reply.solution.native_status)
+        if solver not in self._answered:
+            self._given_up[solver] = reply
+        return reply

@@ -1,0 +1,142 @@
+"""The monitor of a pool: which worker takes too long or holds too much memory, and is killed."""
+
+from __future__ import annotations
+
+from time import monotonic, process_time
+from typing import NamedTuple
+
+from dubins_study.experiments.isolation import process_tree
+from dubins_study.experiments.isolation.job_clock import Phase, Reading
+from dubins_study.experiments.isolation.worker_process import WorkerProcess
+from dubins_study.solvers.attempt import Reply, Times, nothing
+from dubins_study.solvers.protocol import Outcome
+
+POLL_INTERVAL_S = 0.02
+# A solver that keeps to its limit needs a moment to hand its answer over. With the interval and
+# the kill itself, a solve ends within 0.3 s of its limit.
+_GRACE_S = 0.1
+# for a process to start, or a solver to be loaded
+_START_UP_S = 60.0
+# that a first solve may take beyond the limit: it loads what the others find loaded
+_WARM_UP_S = 10.0
+# in which an idle worker must take up its next job
+_STALL_S = 10.0
+# looks between two at a worker's children, which cost milliseconds where many processes run
+_FAMILY_EVERY = 10
+# between two looks, from which on nothing was looked at because everything was suspended
+_SUSPENDED_S = 1.0
+# by which a look may be late on a busy machine
+_LATE_S = 10.0
+_GIB = 2**30
+
+_DOING = {
+    Phase.STARTING: "starting a worker",
+    Phase.IDLE: "waiting for its answer to arrive",
+    Phase.LOADING: "loading the solver",
+    Phase.WARMING_UP: "warming up",
+}
+
+
+class Limits(NamedTuple):
+    """Seconds that a solve may take, and bytes that a worker and its children may hold."""
+
+    time_s: float
+    memory_bytes: int
+
+
+class _Observation(NamedTuple):
+    """A clock's reading, when it was first seen, and the suspended time up to then."""
+
+    reading: Reading
+    seen_s: float
+    suspended_s: float
+
+
+class Monitor:
+    """Looks at workers, and tells which of them is to be killed, and why."""
+
+    def __init__(self, limits: Limits):
+        self._limits = limits
+        self._before: dict[WorkerProcess, _Observation] = {}
+        self._looks, self._looked_s, self._cpu_s = 0, monotonic(), process_time()
+        self._suspended_s = 0.0  # in all
+
+    def begin(self) -> None:
+        """Time in which nobody looked does not count as suspended."""
+        self._looked_s, self._cpu_s = monotonic(), process_time()
+
+    def due(self) -> bool:
+        """Whether it is time for another look."""
+        return monotonic() - self._looked_s >= POLL_INTERVAL_S
+
+    def look(self, workers: list[WorkerProcess]) -> dict[WorkerProcess, Reply]:
+        """The workers to be killed, halted by now, and the replies to what they are at."""
+        self._looks += 1
+        now_s, cpu_s = monotonic(), process_time()
+        pause_s = now_s - self._looked_s
+        # A job that is suspended as a whole solves nothing meanwhile; one whose results are being
+        # judged or written does.
+        if pause_s > _SUSPENDED_S and cpu_s - self._cpu_s < pause_s / 2:
+            self._suspended_s += pause_s
+        self._looked_s, self._cpu_s = now_s, cpu_s
+        before, self._before = self._before, {}
+        killed = {}
+        for worker in workers:
+            reading = worker.clock.read()
+            earlier = before.get(worker)
+            # a clock that was being written while it was read does not read the same again
+            if earlier is None or earlier.reading != reading:
+                self._before[worker] = _Observation(reading, now_s, self._suspended_s)
+                continue
+            self._before[worker] = earlier
+            reply = self._complaint(worker, earlier)
+            if reply is None:
+                continue
+            process_tree.halt(worker.pid)
+            if worker.clock.read() != reading:  # it answered just now: its next job is not to blame
+                process_tree.resume(worker.pid)
+                continue
+            killed[worker] = reply
+        return killed
+
+    def _complaint(self, worker: WorkerProcess, observed: _Observation) -> Reply | None:
+        reading, seen_s, suspended_s = observed
+        # a child that took its parent's place writes a process of its own
+        phase = reading.phase if reading.pid in (0, worker.pid) else Phase.LOST
+        # the moment that the clock tells, unless a solver has set it
+        plausible = seen_s - _LATE_S <= reading.since_s <= seen_s
+        since_s = reading.since_s if plausible else seen_s
+        seconds = monotonic() - since_s - (self._suspended_s - suspended_s)
+        return self._too_long(phase, seconds, bool(worker.pending)) or self._too_much(
+            worker.pid, seconds
+        )
+
+    def _too_long(self, phase: Phase, seconds: float, pending: bool) -> Reply | None:
+        if phase is Phase.LOST:
+            return nothing(Outcome.CRASHED, "stopped: it wrote over its clock, which the run reads")
+        limit = self._limits.time_s
+        allowed = {
+            Phase.STARTING: _START_UP_S,
+            Phase.IDLE: _STALL_S if pending else float("inf"),
+            Phase.LOADING: _START_UP_S,
+            Phase.WARMING_UP: limit + _WARM_UP_S,
+            Phase.SOLVING: limit + _GRACE_S,
+        }[phase]
+        if seconds <= allowed:
+            return None
+        message = f"stopped after {seconds:.2f} s; the limit is {limit:g} s"
+        if phase is not Phase.SOLVING:
+            message = f"stopped after {seconds:.0f} s of {_DOING[phase]}"
+        return nothing(Outcome.TIMEOUT, message, Times(wall=seconds))
+
+    def _too_much(self, pid: int, seconds: float) -> Reply | None:
+        limit = self._limits.memory_bytes
+        used = process_tree.resident_bytes(pid)
+        if self._looks % _FAMILY_EVERY == 0:
+            used = process_tree.family_bytes(pid)
+            if used > limit:
+                used = process_tree.proportional_bytes(pid)  # slower
+        if used <= limit:
+            return None
+        message = f"stopped holding {used / _GIB:.2f} GiB; the limit is {limit / _GIB:g} GiB"
+        return nothing(Outcome.OUT_OF_MEMORY, message, Times(wall=seconds))

@@ -1,0 +1,161 @@
+"""What a worker process shares with whatever it runs: a solve that changes it costs the worker.
+
+Nothing is put back, since what one forgets to put back would reach another solver's answer.
+"""
+
+from __future__ import annotations
+
+import _signal  # type: ignore[import-not-found]
+import decimal
+import gc
+import locale
+import os
+import random
+import resource
+import signal
+import sys
+import threading
+import warnings
+from collections.abc import Callable
+from contextlib import suppress
+from pathlib import Path as FilePath
+from time import monotonic
+from typing import Any
+
+import numpy as np
+from threadpoolctl import ThreadpoolController
+
+from dubins_study.experiments.isolation.sandbox import THREADS
+
+# every solve begins here, so that one which draws from the global generators can be repeated
+SEED = 0
+
+_SIGNALS = [int(s) for s in signal.Signals if s not in (signal.SIGKILL, signal.SIGSTOP)]
+_RLIMITS = sorted({getattr(resource, name) for name in dir(resource) if name.startswith("RLIMIT_")})
+_TIMERS = signal.ITIMER_REAL, signal.ITIMER_VIRTUAL, signal.ITIMER_PROF
+# as the interpreter holds it: to decode every name and value takes longer than a quick solve
+_ENVIRONMENT: dict[bytes, bytes] = os.environ._data  # type: ignore[attr-defined]
+# share of the memory limit that solves may leave behind, and files that they may leave open
+_MAX_LEAK_SHARE, _MAX_OPEN_FILES = 0.25, 64
+# between two looks at memory and files, which take longer than the others
+_LEAK_INTERVAL_S = 0.02
+_PAGE_BYTES = os.sysconf("SC_PAGE_SIZE")
+
+
+def _umask() -> int:
+    mask = os.umask(0)
+    os.umask(mask)
+    return mask
+
+
+def _stream(number: int) -> tuple[int, int] | None:
+    with suppress(OSError):
+        status = os.fstat(number)
+        return status.st_dev, status.st_ino
+    return None
+
+
+def _decimal() -> tuple[Any, ...]:
+    context = decimal.getcontext()
+    return id(context), context.prec, context.rounding, context.Emin, context.Emax
+
+
+# how each piece of state is read; the numbers of numerical libraries' threads are looked at apart
+_STATE: dict[str, Callable[[], Any]] = {
+    "working directory": os.getcwd,
+    "environment": lambda: (id(os.environ), _ENVIRONMENT.copy()),
+    "module search path": lambda: (id(sys.path), sys.path.copy()),
+    "warning filters": lambda: warnings.filters[:],
+    "numpy's error handling": np.geterr,
+    "decimal context": _decimal,
+    "locale": lambda: locale.setlocale(locale.LC_ALL),
+    "recursion limit": sys.getrecursionlimit,
+    "switch interval": sys.getswitchinterval,
+    "garbage collection": gc.isenabled,
+    "hooks": lambda: (
+        *(sys.excepthook, sys.unraisablehook, threading.excepthook),
+        *(sys.gettrace(), sys.getprofile()),
+    ),
+    "file mode mask": _umask,
+    # without the enumerations that `signal` makes of numbers
+    "signal handlers": lambda: [_signal.getsignal(number) for number in _SIGNALS],
+    "blocked signals": lambda: _signal.pthread_sigmask(signal.SIG_BLOCK, ()),
+    "timers": lambda: [signal.getitimer(timer)[0] > 0 for timer in _TIMERS],
+    "resource limits": lambda: [resource.getrlimit(number) for number in _RLIMITS],
+    "priority": lambda: os.getpriority(os.PRIO_PROCESS, 0),
+    "standard streams": lambda: (sys.stdin, sys.stdout, sys.stderr, *map(_stream, range(3))),
+    "threads": threading.enumerate,
+}
+if hasattr(os, "sched_getaffinity"):
+    _STATE["processor affinity"] = lambda: os.sched_getaffinity(0)
+
+
+def seed() -> None:
+    """Seed the global generators as before every solve."""
+    random.seed(SEED)
+    np.random.seed(SEED)  # noqa: NPY002
+
+
+class WorkerState:
+    """The state of this process as it is accepted; see `changes`.
+
+    Args:
+        memory_limit: bytes that the process may hold.
+    """
+
+    def __init__(self, memory_limit: float):
+        self._max_leak = _MAX_LEAK_SHARE * memory_limit
+        self._accepted: dict[str, Any] = {}
+        self._modules, self._libraries = 0, ThreadpoolController()
+        self._resident, self._files = 0, 0
+        self._next_leak_check = 0.0
+        self.accept()
+
+    def accept(self) -> None:
+        """Take the state as it is now: what a solver's libraries do while they are loaded stays."""
+        self._pin_new_libraries()
+        self._accepted = {name: read() for name, read in _STATE.items()}
+        self._resident, self._files = _leakable()
+
+    def changes(self) -> list[str]:
+        """What is no longer as it was accepted, and cannot be relied on in another solve."""
+        changed = [name for name, accepted in self._accepted.items() if _read(name) != accepted]
+        if "resource limits" not in changed and self._threads_changed():
+            changed.append("threads of numerical libraries")
+        if self._leaks():
+            changed.append("memory or open files")
+        return changed
+
+    def _pin_new_libraries(self) -> None:
+        """Keep the libraries that were loaded since to one thread."""
+        if self._modules != len(sys.modules):
+            self._modules, self._libraries = len(sys.modules), ThreadpoolController()
+            self._libraries.limit(limits=THREADS)
+
+    def _threads_changed(self) -> bool:
+        known = self._libraries.lib_controllers
+        changed = any((library.num_threads or THREADS) != THREADS for library in known)
+        self._pin_new_libraries()  # of a library that a solve has loaded, nothing is expected yet
+        return changed
+
+    def _leaks(self) -> bool:
+        if monotonic() < self._next_leak_check:
+            return False
+        self._next_leak_check = monotonic() + _LEAK_INTERVAL_S
+        resident, files = _leakable()
+        return resident - self._resident > self._max_leak or files - self._files > _MAX_OPEN_FILES
+
+
+def _read(name: str) -> Any:
+    try:
+        return _STATE[name]()
+    except Exception as error:  # e.g. a working directory that was removed
+        return type(error)
+
+
+def _leakable() -> tuple[int, int]:
+    """Resident bytes and open files of this process; zeros where /proc does not tell."""
+    with suppress(OSError, ValueError, IndexError):
+        resident = int(FilePath("/proc/self/statm").read_bytes().split()[1])
+        return resident * _PAGE_BYTES, len(os.listdir("/proc/self/fd"))  # noqa: PTH208
+    return 0, 0
