@@ -2,23 +2,40 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/ready
-STUDIES := paper radius-sweep random plane discretisation basins bias scale convergence ladder proofs
+# one worker a core where no time is quoted
+JOBS := $(shell nproc 2> /dev/null || echo 2)
+STUDIES := paper radius-sweep-full random plane discretisation basins bias scale convergence ladder proofs
 
 .DEFAULT_GOAL := help
-.PHONY: help study studies reference test rooms check bench lock clean
+.PHONY: help study studies reference test test-all rooms check bench lock clean
 
 help:  ## list the targets
-	@grep -hE '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 12
+	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 12
 
+# byte code of the libraries is kept in the environment, whatever the caller's habit: it halves what
+# each later process takes to start
+unexport PYTHONDONTWRITEBYTECODE
+
+UV := $(BIN)/uv pip install --quiet --python $(BIN)/python --index-strategy unsafe-best-match
+PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check
+
+# uv is many times faster than pip but does not read pip's configuration: where uv finds no package
+# index, pip may. Both check every file against the hashes of the lock.
 $(READY): requirements.lock pyproject.toml
 	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements.lock
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation -e .
+	sed -n '/^uv==/,/[^\\]$$/p' requirements.lock > $(VENV)/uv.lock
+	$(PIP) --require-hashes -r $(VENV)/uv.lock
+	$(UV) --require-hashes -r requirements.lock \
+	    || { echo 'make: uv could not install; pip tries' >&2; \
+	         $(PIP) --require-hashes -r requirements.lock; }
+	$(BIN)/uv pip install --quiet --python $(BIN)/python --no-deps --no-build-isolation -e . \
+	    || $(PIP) --no-deps --no-build-isolation -e .
+	$(BIN)/python -m dubins_study.solvers.compile_loops
 	touch $@
 
 study: $(READY)  ## run the experiments paper and radius-sweep and write the report
 	$(BIN)/dubins-study run paper
-	$(BIN)/dubins-study run radius-sweep --jobs 2
+	$(BIN)/dubins-study run radius-sweep --jobs $(JOBS)
 	$(BIN)/dubins-study report results/paper results/radius-sweep --out results/report
 
 studies: $(READY)  ## run every experiment but the reference and write one report of all
@@ -28,8 +45,16 @@ studies: $(READY)  ## run every experiment but the reference and write one repor
 reference: $(READY)  ## make the committed reference run anew
 	$(BIN)/dubins-study run reference --out results/reference --restart
 
-test: $(READY)  ## run the tests
-	$(BIN)/python -m pytest $(ARGS)
+# a group keeps the tests that watch time, memory or processes in one worker
+PYTEST := $(BIN)/python -m pytest -n $(JOBS) --dist loadgroup $(ARGS)
+
+test: $(READY)  ## run the tests, but for the slow ones
+	$(BIN)/python -m dubins_study.solvers.compile_loops
+	$(PYTEST)
+
+test-all: $(READY)  ## run all tests
+	$(BIN)/python -m dubins_study.solvers.compile_loops
+	$(PYTEST) --slow
 
 rooms: $(READY)  ## print each room with its promise, its size and what it imports
 	$(BIN)/python -m tests.unit.test_layers
@@ -45,7 +70,7 @@ bench: $(READY)  ## measure speed beside peers and print a table of ratios
 lock: $(READY)  ## resolve the dependencies anew and pin them with hashes
 	$(BIN)/uv pip compile --quiet --universal --python-version 3.11 --generate-hashes \
 	    --no-annotate --custom-compile-command 'make lock' \
-	    --all-extras pyproject.toml -o requirements.lock
+	    --index-strategy unsafe-best-match --all-extras pyproject.toml -o requirements.lock
 
 clean:  ## remove the environment and caches
 	rm -rf $(VENV) build dist .mypy_cache .pytest_cache .ruff_cache

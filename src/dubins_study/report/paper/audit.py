@@ -59,7 +59,7 @@ def audit() -> Record:
         mu = ipopt_barrier()
         cells = [cell for row in PRINTED for cell in _cells(row, mu)]
         paths = [_path(row) for row in PRINTED]
-        found = {
+        parts = {
             "cells": cells,
             "paths": paths,
             "algorithm": algorithm(),
@@ -67,11 +67,11 @@ def audit() -> Record:
             "times": _times(),
             "statements": statements(),
         }
-    return found | {"summary": _summary(found)}
+    return parts | {"summary": _summary(parts)}
 
 
 def _exact(problem: Problem, word: str) -> tuple[Pieces, list[Number]]:
-    """z and f of a word, as balls and as numbers; driven, to see that they arrive."""
+    """z of a word as balls, z and f as numbers; asserts that the path arrives when driven."""
     z = pieces(problem, word)
     assert z is not None, f"{problem.label} has no {word}"
     for side in offset(problem, z):
@@ -86,16 +86,16 @@ def _with_total(z: Pieces) -> list[Number]:
 def _cells(row: PrintedRow, mu: arb) -> list[Record]:
     problem = PROBLEMS[row.label]
     _, exact = _exact(problem, row.word)
-    held = _with_total(biased(problem, row.word, mu))
+    with_bias = _with_total(biased(problem, row.word, mu))
     records = []
     places = places_of(row.cells[-1])
-    findings = rules.judge(row.cells, exact, held)
-    for quantity, text, value, off, found in zip(
-        QUANTITIES, row.cells, exact, held, findings, strict=True
+    findings = rules.judge(row.cells, exact, with_bias)
+    for quantity, text, value, biased_value, finding in zip(
+        QUANTITIES, row.cells, exact, with_bias, findings, strict=True
     ):
         if text == "0":
             continue
-        shown = Fraction(Decimal(text))
+        printed = Fraction(Decimal(text))
         records.append(
             {
                 "table": row.table,
@@ -105,11 +105,11 @@ def _cells(row: PrintedRow, mu: arb) -> list[Record]:
                 "quantity": quantity,
                 "printed": text,
                 "exact": value.text(),
-                "difference": float(Number(shown - value.high, shown - value.low)),
-                "biased": off.text(10),
-                "bias_prints": str(off.decide(lambda v: rounded(v, places))),
-                "verdict": found.verdict,
-                "reason": found.reason + _impossible(row, quantity, exact),
+                "difference": float(Number(printed - value.high, printed - value.low)),
+                "biased": biased_value.text(10),
+                "bias_prints": str(biased_value.decide(lambda v: rounded(v, places))),
+                "verdict": finding.verdict,
+                "reason": finding.reason + _impossible(row, quantity, exact),
             }
         )
     return records
@@ -127,9 +127,9 @@ def _path(row: PrintedRow) -> Record:
     problem = PROBLEMS[row.label]
     z, exact = _exact(problem, row.word)
     places = places_of(row.cells[-1])
-    shown = [Decimal(text) for text in row.cells]
-    miss = number(distance(offset(problem, _balls(shown[:3]))))
-    proper = rules.prints(exact, places)
+    printed = [Decimal(text) for text in row.cells]
+    miss = number(distance(offset(problem, _balls(printed[:3]))))
+    correct = rules.rounded_row(exact, places)
     return {
         "table": row.table,
         "label": row.label,
@@ -137,10 +137,10 @@ def _path(row: PrintedRow) -> Record:
         "word": row.word,
         "miss": float(miss),
         "rounding_allows": _allowed(problem, z, places),
-        "sum_of_parts": str(sum(shown[:3])),
+        "sum_of_parts": str(sum(printed[:3])),
         "total": row.cells[-1],
-        "adds_up": sum(shown[:3]) == shown[3],
-        "correct_parts_add_up": sum(proper[:3]) == proper[3],
+        "adds_up": sum(printed[:3]) == printed[3],
+        "correct_parts_add_up": sum(correct[:3]) == correct[3],
         "rank_is_right": _rank(problem, row.word) == row.path,
     }
 
@@ -167,12 +167,12 @@ def _allowed(problem: Problem, z: Pieces, places: int) -> float:
 
 def _omitted() -> list[Record]:
     """Paths of the paper's scenarios that its tables have no row for."""
-    have = {(row.label, row.word) for row in PRINTED}
+    printed = {(row.label, row.word) for row in PRINTED}
     left_out = [
         (problem, word)
         for problem in PROBLEMS.values()
         for word in _WORDS
-        if (problem.label, word) not in have
+        if (problem.label, word) not in printed
     ]
     records = []
     for problem, word in left_out:
@@ -185,8 +185,9 @@ def _omitted() -> list[Record]:
 
 def _rank(problem: Problem, word: str) -> str:
     """`optimal` for the shorter of LS and RS, `feasible` for the longer."""
-    own, other = (_exact(problem, w)[1][3] for w in (word, "LS" if word == "RS" else "RS"))
-    return "optimal" if own.high < other.low else "feasible"
+    words = (word, "LS" if word == "RS" else "RS")
+    length, other = (_exact(problem, each)[1][3] for each in words)
+    return "optimal" if length.high < other.low else "feasible"
 
 
 def _times() -> list[Record]:
@@ -207,17 +208,17 @@ def _times() -> list[Record]:
     return records
 
 
-def _summary(found: Record) -> Record:
-    verdicts = Counter(cell["verdict"] for cell in found["cells"])
+def _summary(parts: Record) -> Record:
+    verdicts = Counter(cell["verdict"] for cell in parts["cells"])
     return {
-        "cells": len(found["cells"]),
+        "cells": len(parts["cells"]),
         "verdicts": {verdict: verdicts[verdict] for verdict in rules.VERDICTS},
         "correct_cells_that_the_bias_would_spoil": sum(
             cell["verdict"] == CORRECT and cell["bias_prints"] != cell["printed"]
-            for cell in found["cells"]
+            for cell in parts["cells"]
         ),
-        "totals_that_do_not_add_up": sum(not path["adds_up"] for path in found["paths"]),
-        "paths_beyond_rounding": sum(p["miss"] > p["rounding_allows"] for p in found["paths"]),
-        "omitted_paths": len(found["omitted"]),
-        "times_that_are_ticks": sum(time["is_ticks"] for time in found["times"]),
+        "totals_that_do_not_add_up": sum(not path["adds_up"] for path in parts["paths"]),
+        "paths_beyond_rounding": sum(p["miss"] > p["rounding_allows"] for p in parts["paths"]),
+        "omitted_paths": len(parts["omitted"]),
+        "times_that_are_ticks": sum(time["is_ticks"] for time in parts["times"]),
     }

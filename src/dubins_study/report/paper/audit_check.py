@@ -1,4 +1,4 @@
-"""The audit held against the committed one, and that against the closed form."""
+"""Compares the computed audit with the committed one, and that with the closed form."""
 
 from __future__ import annotations
 
@@ -13,27 +13,27 @@ Record = dict[str, Any]
 _AGREES = 1e-13  # of the larger of length and radius: some hundred roundings of a double
 
 
-def contradictions(found: Record, committed: Record) -> list[str]:
-    """What the code's own numbers and the committed audit do not agree on, one line each."""
-    return [*_differences(found, committed), *closed_form_differences(committed)]
+def contradictions(computed: Record, committed: Record) -> list[str]:
+    """The numbers on which the code and the committed audit differ, one line each."""
+    return [*_differences(computed, committed), *closed_form_differences(committed)]
 
 
-def _differences(found: Any, committed: Any, where: str = "") -> list[str]:
-    if isinstance(found, dict) and isinstance(committed, dict):
+def _differences(computed: Any, committed: Any, where: str = "") -> list[str]:
+    if isinstance(computed, dict) and isinstance(committed, dict):
         pairs = [
-            (found.get(key), committed.get(key), f"{where}{'.' if where else ''}{key}")
-            for key in dict.fromkeys((*found, *committed))
+            (computed.get(key), committed.get(key), f"{where}{'.' if where else ''}{key}")
+            for key in dict.fromkeys((*computed, *committed))
         ]
-    elif isinstance(found, list) and isinstance(committed, list):
-        if len(found) != len(committed):
-            return [f"{where}: {len(found)} computed, {len(committed)} committed"]
+    elif isinstance(computed, list) and isinstance(committed, list):
+        if len(computed) != len(committed):
+            return [f"{where}: {len(computed)} computed, {len(committed)} committed"]
         pairs = [
             (ours, theirs, f"{where}[{_name(ours, i)}]")
-            for i, (ours, theirs) in enumerate(zip(found, committed, strict=True))
+            for i, (ours, theirs) in enumerate(zip(computed, committed, strict=True))
         ]
     else:
-        same = found == committed
-        return [] if same else [f"{where}: computed {found!r}, committed {committed!r}"]
+        same = computed == committed
+        return [] if same else [f"{where}: computed {computed!r}, committed {committed!r}"]
     return [line for pair in pairs for line in _differences(*pair)]
 
 

@@ -133,18 +133,18 @@ class Extremal(NamedTuple):
 
 
 def _extremals() -> list[Extremal]:
-    found = []
+    extremals = []
     for problem in PROBLEMS.values():
         for word in _WORDS:
             z = pieces(problem, word)
             assert z is not None, f"{problem.label} has no {word}"
             end = heading(problem) + (z[0] - z[1]) / problem.radius
-            found.append(Extremal(problem, word, z[0] + z[1] + z[2], end, offset(problem, z)))
-    return found
+            extremals.append(Extremal(problem, word, z[0] + z[1] + z[2], end, offset(problem, z)))
+    return extremals
 
 
 def statements() -> list[Record]:
-    """Statements of the paper that its own scenarios decide: where, what it says, what is found."""
+    """Statements of the paper that its scenarios decide; records of where, says, holds, finding."""
     paths = _extremals()
     crossings = algorithm()
     left = [c for c in crossings if c["circle"] == "left"]

@@ -111,10 +111,10 @@ def _wrapped(angle: arb) -> arb:
 def pieces(problem: Problem, word: str) -> Pieces | None:
     """z1, z2, z3 (length unit) of the paper's LS or RS; None where the word does not exist."""
     at = target(problem)
-    found = left_straight(at if word == "LS" else at.mirrored)
-    if found is None:
+    unit = left_straight(at if word == "LS" else at.mirrored)
+    if unit is None:
         return None
-    turn, straight = (value * problem.radius for value in found)
+    turn, straight = (value * problem.radius for value in unit)
     return (turn, arb(0), straight) if word == "LS" else (arb(0), turn, straight)
 
 
@@ -147,10 +147,10 @@ def ipopt_barrier() -> arb:
 
 
 def biased(problem: Problem, word: str, mu: arb) -> Pieces:
-    """Where the log barrier mu holds model (4.12) near the paper's LS or RS; z1, z2, z3.
+    """z1, z2, z3 at which a log barrier of weight mu stops on model (4.12), near the LS or RS.
 
-    Along the model's feasible curve, which z1 runs along (unit radius, the target at (X, Y) after
-    the first turn), dz2 = 1 - 2 cos z2 + 2 X / z3 and dz3 = -2 X / z3, so df = 2 (1 - cos z2), and
+    z1 parametrises the model's feasible curve. At unit radius, with the target at (X, Y) after the
+    first turn, dz2 = 1 - 2 cos z2 + 2 X / z3 and dz3 = -2 X / z3, so df = 2 (1 - cos z2), and
     f - (mu / R) (log z1 + log z2 + log z3) is stationary where `slope` below is zero. Near LS that
     is z2 = (mu R^2)^(1/3) in length units: the segments are off while f holds to mu's order.
     """
@@ -163,10 +163,10 @@ def biased(problem: Problem, word: str, mu: arb) -> Pieces:
 
     def after(z1: arb) -> tuple[arb, arb, arb, arb]:
         there = at.after_left(z1)
-        found = left_straight(there.mirrored)
-        if found is None:
+        rest = left_straight(there.mirrored)
+        if rest is None:
             raise UndecidedError("RS after the first turn")
-        z2, z3 = found
+        z2, z3 = rest
         drift = 2 * there.X / z3
         slope = 2 * (1 - z2.cos())
         pull = 1 / z1 + (1 - 2 * z2.cos() + drift) / z2 - drift / z3

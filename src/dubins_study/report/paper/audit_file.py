@@ -33,12 +33,12 @@ def committed() -> dict[str, Any]:
     """
     file = files("dubins_study.report.paper").joinpath(NAME)
     try:
-        found = json.loads(file.read_text(encoding="utf-8"))
+        record = json.loads(file.read_text(encoding="utf-8"))
     except (OSError, ValueError) as error:
         raise AuditError(f"{file} cannot be read: {error}; expected the committed audit") from None
-    if not isinstance(found, dict):
-        raise AuditError(f"{file} holds {type(found).__name__}; expected an object")
-    return found
+    if not isinstance(record, dict):
+        raise AuditError(f"{file} holds {type(record).__name__}; expected an object")
+    return record
 
 
 def misprints() -> list[dict[str, Any]]:

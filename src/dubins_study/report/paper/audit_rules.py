@@ -1,7 +1,7 @@
-"""How a printed cell came about: every way to print a row, and the rule that picks a verdict.
+"""How a printed cell came about: the ways to print a row, and the rule that picks a verdict.
 
 A cell is a *correct rounding* if it is within half a unit of its last digit of the exact value.
-Otherwise it is looked for among four accidents, each applied to the whole row:
+Otherwise the cell is compared with what these accidents make of the whole row:
 
 * *double rounding*: the exact value rounded (half up) to more places, and that to the printed ones;
 * *truncated*: the exact value cut off at the printed places;
@@ -10,7 +10,8 @@ Otherwise it is looked for among four accidents, each applied to the whole row:
 
 Of the accidents that give the cell, the one that gives most of its row's four cells is the verdict,
 the printed 0 of the missing turn counting as one; between equals the first in the order above. If
-there is none the cell is *wrong*. The reason names the row's cells that the accident does not give.
+there is none the cell is *wrong*. The reason names the cells of the row that the accident does not
+give.
 """
 
 from __future__ import annotations
@@ -60,7 +61,7 @@ def judge(
     return [_finding(i, printed, exact, accidents) for i in range(len(printed))]
 
 
-def prints(values: Sequence[Number], places: int) -> list[Decimal]:
+def rounded_row(values: Sequence[Number], places: int) -> list[Decimal]:
     """A row correctly rounded."""
     return [value.decide(lambda v: rounded(v, places)) for value in values]
 
@@ -78,7 +79,7 @@ def _accidents(places: int, exact: Sequence[Number], biased: Sequence[Number]) -
     return [
         *twice,
         Accident(CUT, "cut off", cut[0]),
-        Accident(BIAS, "rounded", prints(biased, places)),
+        Accident(BIAS, "rounded", rounded_row(biased, places)),
         Accident(BIAS, "cut off", cut[1]),
     ]
 
@@ -86,25 +87,30 @@ def _accidents(places: int, exact: Sequence[Number], biased: Sequence[Number]) -
 def _finding(
     i: int, printed: Sequence[str], exact: Sequence[Number], accidents: Sequence[Accident]
 ) -> Finding:
-    shown, places = Decimal(printed[i]), places_of(printed[-1])
-    # not by rounding and comparing: of a tie both neighbours are correct
-    low, high = Fraction(shown) - half_unit(places), Fraction(shown) + half_unit(places)
+    cell, places = Decimal(printed[i]), places_of(printed[-1])
+    # The bounds are compared, not the rounded value: of a tie both neighbours are correct.
+    low, high = Fraction(cell) - half_unit(places), Fraction(cell) + half_unit(places)
     if exact[i].decide(lambda v: v >= low) and exact[i].decide(lambda v: v <= high):
         return Finding(CORRECT, "")
     right = exact[i].decide(lambda v: rounded(v, places))
-    fitting = [accident for accident in accidents if accident.row[i] == shown]
+    fitting = [accident for accident in accidents if accident.row[i] == cell]
     if not fitting:
-        units = abs(shown - right).scaleb(places)
+        units = abs(cell - right).scaleb(places)
         return Finding(WRONG, f"rounds to {right}: {units:.0f} off in the last digit")
     best = max(fitting, key=lambda accident: _score(accident.row, printed))
     others = [a for a in fitting if a.verdict != best.verdict and a.verdict != DOUBLE]
     ways = [a.how for a in fitting if (a.verdict, a.row) == (best.verdict, best.row)]
-    said = [f"rounds to {right}; {_what(best, ways)} it gives {shown}{_but(best, printed)}"]
-    said += [f"{_what(other, [other.how])} too{_but(other, printed)}" for other in others]
-    return Finding(best.verdict, "; ".join(said))
+    clauses = [
+        f"rounds to {right}; {_description(best, ways)} it gives {cell}{_mismatches(best, printed)}"
+    ]
+    clauses += [
+        f"{_description(other, [other.how])} too{_mismatches(other, printed)}" for other in others
+    ]
+    return Finding(best.verdict, "; ".join(clauses))
 
 
-def _what(accident: Accident, ways: Sequence[str]) -> str:
+def _description(accident: Accident, ways: Sequence[str]) -> str:
+    """An accident in words; `ways` are the roundings that all give its row."""
     how = " or ".join((", ".join(ways[:-1]), ways[-1])) if len(ways) > 1 else ways[0]
     how = f"rounded first to {how} decimals" if accident.verdict == DOUBLE else how
     return f"with an interior-point solver's bias, {how}," if accident.verdict == BIAS else how
@@ -114,7 +120,7 @@ def _score(row: Row, printed: Sequence[str]) -> int:
     return sum(value == Decimal(text) for value, text in zip(row, printed, strict=True))
 
 
-def _but(accident: Accident, printed: Sequence[str]) -> str:
+def _mismatches(accident: Accident, printed: Sequence[str]) -> str:
     """The row's cells that an accident does not give."""
     off = [
         f"{quantity} = {value} (printed {text})"

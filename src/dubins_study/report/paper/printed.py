@@ -164,11 +164,11 @@ def compare(paths: dict[tuple[str, str], Path]) -> pd.DataFrame:
 def _ranked(
     paths: dict[tuple[str, str], Path], row: PrintedRow
 ) -> tuple[str | None, tuple[float, float, float, float] | None]:
-    found = [(b, paths[row.label, b]) for b in ("LS", "RS") if (row.label, b) in paths]
-    if len(found) < 2:
+    both = [(b, paths[row.label, b]) for b in ("LS", "RS") if (row.label, b) in paths]
+    if len(both) < 2:
         return None, None
-    found.sort(key=lambda item: item[1].total_length)
-    word, path = found[0 if row.path == "optimal" else 1]
+    both.sort(key=lambda item: item[1].total_length)
+    word, path = both[0 if row.path == "optimal" else 1]
     return word, segments(path, PROBLEMS[row.label].radius)
 
 

@@ -6,15 +6,41 @@ Strict IEEE arithmetic, no `fastmath`; a division by zero is an infinity, as in 
 from __future__ import annotations
 
 import hashlib
+import logging
 import os
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
 import numba
+from numba.core import event
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 Loop = Callable[..., Any]  # over arrays that callers unpack: no checker could count them
+
+
+class _Announcement(event.Listener):
+    """Logs a warning before the first loop of this package that no cache holds is compiled."""
+
+    def on_start(self, event: event.Event) -> None:
+        if not event.data["dispatcher"].py_func.__module__.startswith(__package__.split(".")[0]):
+            return
+        # on stderr where logging is not set up: half a minute of silence looks like a fault
+        logging.getLogger(__name__).warning(
+            "compiling the loops over rows: some ten seconds, once after each installation"
+        )
+        _end_announcement()
+
+    def on_end(self, event: event.Event) -> None:
+        """Nothing is logged when it is done."""
+
+
+_announcement = _Announcement()
+event.register("numba:compile", _announcement)  # type: ignore[no-untyped-call]
+
+
+def _end_announcement() -> None:
+    event.unregister("numba:compile", _announcement)  # type: ignore[no-untyped-call]
 
 
 def _digest() -> str:

@@ -14,7 +14,7 @@ from dubins_study.report.elements.content import (
     count,
     seconds,
 )
-from dubins_study.report.elements.looks import Palette, legend_lines
+from dubins_study.report.elements.looks import Palette, legend_lines, name_of
 from dubins_study.report.elements.style import WIDE, new_figure
 from dubins_study.report.statistics.timing import mean_times, time_ratios, times
 from dubins_study.report.topics.time.figures import plot_performance, plot_times
@@ -26,7 +26,8 @@ def time_section(results: Results) -> Section | None:
     frame = times(results.reduction)
     if frame.empty:
         return None
-    figure = new_figure(WIDE, 0.7 + 0.46 * len(frame))
+    lines = max(name_of(solver).count("\n") + 1 for solver in frame["solver"])
+    figure = new_figure(WIDE, 0.7 + max(0.46, 0.13 * lines) * len(frame))
     palette = Palette.of(results.solvers)
     plot_times(figure.add_subplot(), frame, palette)
     caption = (

@@ -1,0 +1,27 @@
+"""Compile every loop over rows now, so that no later process waits for it.
+
+`python -m dubins_study.solvers.compile_loops` is run by `make` after each installation. Numba keeps
+the machine code beside the modules, in NUMBA_CACHE_DIR, or in the user's cache folder where the
+modules cannot be written to.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+
+from dubins_study.solvers.frame import solve_frame
+from dubins_study.study.closed_form.kernel import SMALL
+
+
+def compile_loops() -> None:
+    """Solve, judge and certify a small and a large frame, of which each takes its own loops."""
+    for rows in (1, SMALL):
+        frame = pd.DataFrame({"x": np.zeros(rows), "y": 0.0, "heading": 0.0, "target_x": 3.0})
+        frame = frame.assign(target_y=1.0, radius=1.0)
+        for branch in ("best", "LS"):
+            solve_frame(frame, branch=branch, certified=True, enclosed=False)
+
+
+if __name__ == "__main__":
+    compile_loops()

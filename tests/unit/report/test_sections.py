@@ -1,0 +1,96 @@
+"""Which section of the page an experiment has: the key in its TOML file decides, not its name."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+
+from dubins_study import render
+from dubins_study.experiments.definition.experiment import ExperimentError, packaged, parse, read
+from dubins_study.report.data.load import load
+from dubins_study.report.page.sections import KEYS, TOPICS, sections_of
+from tests.unit.report.results_folder import attempt, paper_scenarios
+
+SPEC = "slsqp[model=joint,order=LRS,initial_guess=given,capped=false]"
+
+
+def guesses():
+    """Two attempts as the study of initial guesses makes them."""
+    return [attempt(paper_scenarios()[2], SPEC, initial_guess=f"{z} 0 5") for z in (0, 1)]
+
+
+def folder(results, name, section, rows=None):
+    """Results of an experiment that names a section."""
+    experiment = {"name": name, "text": "", "section": section}
+    return results(name, guesses() if rows is None else rows, experiment=experiment)
+
+
+def section_ids(page):
+    return re.findall(r'<section id="([^"]+)"', page.read_text(encoding="utf-8"))
+
+
+def test_a_copy_under_another_name_keeps_its_section(results, tmp_path):
+    """And one without the key has none; the general sections need no key."""
+    copy = parse("copy", "copy.toml", read("basins").text).experiment
+    bare = parse("bare", "bare.toml", re.sub("(?m)^section = .*$", "", read("basins").text))
+
+    kept = render([folder(results, "copy", copy.section)], tmp_path / "kept")
+    none = render([folder(results, "bare", bare.experiment.section)], tmp_path / "none")
+
+    assert copy.section == "basins"
+    assert bare.experiment.section is None
+    assert "basins" in section_ids(kept)
+    assert "basins" not in section_ids(none)
+    assert {"summary", "success"} <= set(section_ids(none))
+
+
+def test_every_packaged_key_has_a_section_and_every_section_an_experiment():
+    """No packaged experiment asks for a section that is not there, and no topic is never asked."""
+    keys = {read(name).experiment.section for name in packaged()} - {None}
+
+    assert keys == set(KEYS)
+
+
+def test_an_unknown_section_is_a_line_on_the_page(results, tmp_path):
+    """The set of sections is the report's: a plug-in's experiment is reported without one."""
+    page = render([folder(results, "mine", "guesses")], tmp_path / "out")
+    line = "No section of the report is called"
+
+    assert line in page.read_text(encoding="utf-8")
+    assert line in (page.parent / "report.md").read_text(encoding="utf-8")
+    assert "summary" in section_ids(page)
+
+
+def test_two_experiments_of_one_topic_have_a_section_each(results, tmp_path):
+    """Their anchors and files differ, and each shows its own attempts."""
+    first, second = (folder(results, name, "basins") for name in ("one", "two"))
+    page = render([first, second], tmp_path / "out")
+
+    assert [key for key in section_ids(page) if "basins" in key] == ["basins-one", "basins-two"]
+    for name in ("one", "two"):
+        assert (page.parent / "tables" / f"basins-{name}.csv").is_file()
+
+
+def test_a_study_enters_no_pooled_number(results):
+    """Variants and extreme questions are not counted with other experiments' attempts."""
+    folders = [
+        results("tiny", [attempt(paper_scenarios()[0])]),
+        folder(results, "study", "basins"),
+    ]
+    loaded = load(folders)
+    sections = [section for topic in TOPICS for section in sections_of(topic, loaded)]
+    summary = next(section for section in sections if section.key == "summary")
+    table = summary.blocks[0].frame
+
+    assert table["solver"].tolist() == ["analytic"]
+    assert table["attempts"].tolist() == [1]
+
+
+@pytest.mark.parametrize("section", ['"../x"', '"Basins"', '""', "3", '"a b"'])
+def test_a_section_is_a_plain_name(section):
+    """It becomes a part of anchors and messages."""
+    text = read("basins").text.replace('section = "basins"', f"section = {section}")
+
+    with pytest.raises(ExperimentError, match="section"):
+        parse("odd", "odd.toml", text)
