@@ -11,7 +11,7 @@ import numpy as np
 from scipy.optimize import minimize
 
 from benchmarks.harness import Measurement, side_by_side
-from dubins_study.solvers.paper_nlp.initial_guesses import starting_points
+from dubins_study.solvers.paper_nlp.initial_guesses import initial_guesses
 from dubins_study.solvers.paper_nlp.ipopt import Ipopt
 from dubins_study.solvers.paper_nlp.model import (
     FULL_TURN,
@@ -52,7 +52,7 @@ def jobs(asked: list[Question]) -> list[Job]:
     """The same problems and starts, made before the clock runs."""
 
     def job(question: Question, subproblem: Subproblem) -> Job:
-        start = next(starting_points(question, subproblem, "bearing", 0, 1))
+        start = next(initial_guesses(question, subproblem, "bearing", 0, 1))
         return Job(*question.scenario.local(), list(subproblem.free), start)
 
     return [job(q, sub) for q in asked for sub in subproblems(q, "words", "both")]

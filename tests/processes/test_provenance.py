@@ -15,10 +15,11 @@ from live_run import manifest, quick_experiment
 from dubins_study import run
 from dubins_study.experiments import provenance
 from dubins_study.experiments.isolation.calibration import probe
-from dubins_study.experiments.provenance import governor, load_average, machine, solver_versions
+from dubins_study.experiments.provenance import governor, load_average, machine
 from dubins_study.experiments.store.folder import read_rows
 from dubins_study.experiments.store.run_entry import recorded
 from dubins_study.solvers import library_versions
+from dubins_study.solvers.library_versions import reported_versions
 from dubins_study.solvers.registry import load
 from dubins_study.study.rows.machine_noise import Probe, by_machine, spread, varied
 from dubins_study.study.rows.manifest import Definition, Manifest, RunEntry
@@ -87,8 +88,8 @@ class Untold:
 
 
 def test_a_plugin_that_cannot_tell_its_versions_costs_no_row():
-    assert solver_versions(Untold())["library_versions"] == "raised RuntimeError"
-    assert "library_versions" not in solver_versions(load("analytic"))
+    assert reported_versions(Untold()) == {"library_versions": "raised RuntimeError"}
+    assert reported_versions(load("analytic")) == {}
 
 
 def test_a_run_leaves_an_entry(tmp_path):
@@ -164,7 +165,7 @@ def test_machines_are_not_compared_with_each_other():
     assert next(iter(by_machine(steady + loud))) == 3
     assert varied([*steady, *loud[:4]]) == 0  # too few to tell
     listed = [[p.when, p.took, p.machine] for p in steady] + [[1.0, 2.0]]
-    assert RunEntry(probes=listed).probes == (*steady, Probe(1.0, 2.0))
+    assert RunEntry(probes=listed).probes == [*steady, Probe(1.0, 2.0)]
 
 
 def test_a_long_run_keeps_a_thousand_probes_at_most(tmp_path):

@@ -22,7 +22,7 @@ def merge(
 
 
 def merge_text(union: Union) -> str:
-    """What a merge wrote, in one to three lines."""
+    """The number of rows that a merge wrote, in one to three lines."""
     from dubins_study.study.printable import plain
 
     lines = [f"{plain(str(union.folder))}: {union.rows} rows"]

@@ -1,4 +1,4 @@
-"""What goes to stderr: progress, and whatever a solver prints."""
+"""Output to stderr: progress, and whatever a solver prints."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def solvers_to_stderr() -> Iterator[None]:
 
 @contextmanager
 def progress(what: str, counts: list[int]) -> Iterator[Callable[[int, int], None]]:
-    """A bar on stderr; gives the function (done, total) that moves it, and keeps both in `counts`."""
+    """A bar on stderr, moved by the function (done, total) that this gives; `counts` keeps both."""
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
     from rich.progress import TimeRemainingColumn as Remaining

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import platform
 import subprocess
+from contextlib import suppress
 from datetime import UTC, datetime
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
@@ -12,11 +13,9 @@ from pathlib import Path as FilePath
 
 import psutil
 
-from dubins_study.solvers.protocol import Solver
-
 THREAD_VARIABLES = tuple(f"{name}_NUM_THREADS" for name in ("OMP", "OPENBLAS", "MKL", "NUMBA"))
-# what every row rests on, whatever its solver
-_ALWAYS = ("dubins-study", "numpy", "pandas", "pyarrow", "numba")
+# packages that every row depends on, whatever its solver
+_BASE_PACKAGES = ("dubins-study", "numpy", "pandas", "pyarrow", "numba")
 
 
 def now() -> str:
@@ -26,41 +25,26 @@ def now() -> str:
 
 @cache
 def versions(packages: tuple[str, ...] = ()) -> dict[str, str]:
-    """Versions of Python, of what every row rests on, and of the packages named."""
-    return {"python": platform.python_version()} | versions_of((*_ALWAYS, *packages))
+    """Versions of Python, of the packages that every row depends on, and of the packages named."""
+    return {"python": platform.python_version()} | versions_of((*_BASE_PACKAGES, *packages))
 
 
 @cache
 def versions_of(packages: tuple[str, ...]) -> dict[str, str]:
-    """Versions of distributions."""
-    found = {}
-    for package in packages:
-        try:
-            found[package] = version(package)
-        except (PackageNotFoundError, ValueError):
-            found[package] = "not installed"
-    return found
+    """Versions of installed packages, by name; `not installed` of the others."""
+    return {package: _version(package) for package in packages}
 
 
-def solver_versions(solver: Solver) -> dict[str, str]:
-    """Versions that a row of this solver rests on, asked where it is solved.
-
-    Of Python, of what every row rests on, of the solver's packages, and of the libraries inside
-    them whose own versions the solver knows at run time.
-    """
-    return versions(tuple(solver.packages)) | _library_versions(solver)
-
-
-def _library_versions(solver: Solver) -> dict[str, str]:
+def _version(package: str) -> str:
     try:
-        return {str(name): str(found) for name, found in dict(solver.library_versions()).items()}
-    except Exception as error:  # a plug-in may fail in any way
-        return {"library_versions": f"raised {type(error).__name__}"}
+        return version(package)
+    except (PackageNotFoundError, ValueError):
+        return "not installed"
 
 
 @cache
 def machine() -> dict[str, str | int]:
-    """What kind of machine this is; its name and its paths are nobody's business."""
+    """What kind of machine this is, without its name or any of its paths, which are private."""
     return {
         "system": f"{platform.system()} {platform.machine()}",
         "processor": _processor(),
@@ -87,14 +71,16 @@ def host() -> str:
 
 
 def governor(cpus: FilePath = FilePath("/sys/devices/system/cpu")) -> str:
-    """What sets the cores' clock: performance, powersave, ...; all of them if they differ."""
-    found = set()
+    """The policy that sets the cores' clock: performance, powersave, ...; several if cores differ.
+
+    Args:
+        cpus: the folder in which Linux describes the cores.
+    """
+    governors = set()
     for file in cpus.glob("cpu[0-9]*/cpufreq/scaling_governor"):
-        try:
-            found.add(file.read_text(encoding="utf-8").strip())
-        except (OSError, UnicodeDecodeError):
-            continue
-    return ", ".join(sorted(found)) or "unknown"
+        with suppress(OSError, UnicodeDecodeError):
+            governors.add(file.read_text(encoding="utf-8").strip())
+    return ", ".join(sorted(governors)) or "unknown"
 
 
 def load_average() -> list[float] | None:
@@ -106,7 +92,7 @@ def load_average() -> list[float] | None:
 
 
 def thread_limits() -> dict[str, str]:
-    """The variables of the environment that bound numerical libraries' threads, where set."""
+    """Those environment variables that limit the threads of numerical libraries and are set."""
     return {name: value for name in THREAD_VARIABLES if (value := os.environ.get(name))}
 
 
@@ -121,7 +107,10 @@ def _processor() -> str:
 
 @cache
 def source() -> dict[str, str | bool]:
-    """Commit of the source tree and whether it was changed since; empty outside a checkout."""
+    """The commit of the source tree, and whether files were changed since.
+
+    Empty outside a checkout.
+    """
     root = FilePath(__file__).parents[3]
     if not (root / ".git").exists():
         return {}
@@ -133,9 +122,9 @@ def source() -> dict[str, str | bool]:
 
 def _git(root: FilePath, *arguments: str) -> str | None:
     try:
-        done = subprocess.run(
+        process = subprocess.run(
             ["git", "-C", str(root), *arguments], capture_output=True, text=True, timeout=10
         )
     except (OSError, subprocess.TimeoutExpired):
         return None
-    return done.stdout.strip() if done.returncode == 0 else None
+    return process.stdout.strip() if process.returncode == 0 else None

@@ -20,7 +20,7 @@ _NONE = "no {} path exists"
 
 @dataclass(frozen=True)
 class Analytic(Solver):
-    """The closed form of `study.closed_form.shortest`, and of `study.closed_form.kernel` for whole frames."""
+    """The closed form: `study.closed_form.shortest`; for frames `study.closed_form.kernel`."""
 
     name: ClassVar[str] = "analytic"
     method: ClassVar[str] = "closed form"
@@ -30,10 +30,10 @@ class Analytic(Solver):
 
     def solve(self, model: Question, limit: float) -> Solution:
         scenario = model.scenario
-        found = shortest(scenario, model.branch)
-        if found is None:
+        optimum = shortest(scenario, model.branch)
+        if optimum is None:
             return Solution(Claim.INFEASIBLE, message=_NONE.format(model.branch))
-        path = as_path(scenario, found.word, found.segments)
+        path = as_path(scenario, optimum.word, optimum.segments)
         length = path.total_length
         return Solution(Claim.OPTIMAL, path, claimed_length=length, lower_bound=length)
 

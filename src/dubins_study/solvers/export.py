@@ -11,7 +11,7 @@ from io import StringIO
 from typing import Any
 
 from dubins_study.errors import DubinsStudyError
-from dubins_study.solvers.paper_nlp.initial_guesses import starting_points
+from dubins_study.solvers.paper_nlp.initial_guesses import initial_guesses
 from dubins_study.solvers.paper_nlp.model import SUBPROBLEMS
 from dubins_study.solvers.protocol import Question
 from dubins_study.study.scenario import Scenario
@@ -68,9 +68,9 @@ def _check(model: str, format: str, order: str) -> None:
         raise ExportError(f"order is {order!r}; the disjunctive model has both orders in it")
 
 
-def _start(scenario: Scenario, order: str) -> tuple[float, ...]:
-    """The first starting point of this study's local solvers, in the scenario's unit."""
-    points = starting_points(Question(scenario), SUBPROBLEMS[order], "bearing", 0, 1)
+def _guess(scenario: Scenario, order: str) -> tuple[float, ...]:
+    """The first initial guess of this study's local solvers, in the scenario's unit."""
+    points = initial_guesses(Question(scenario), SUBPROBLEMS[order], "bearing", 0, 1)
     return tuple(abs(float(length)) * scenario.radius for length in next(points))  # abs: no -0.0
 
 
@@ -81,7 +81,7 @@ def _paper(scenario: Scenario, order: str) -> Any:
     R = scenario.radius if order == "LRS" else -scenario.radius
     th0 = scenario.heading
     m = ConcreteModel()
-    for name, length in zip(("z1", "z2", "z3"), _start(scenario, order), strict=True):
+    for name, length in zip(("z1", "z2", "z3"), _guess(scenario, order), strict=True):
         m.add_component(name, Var(bounds=(0, None), initialize=length))
     m.theta1 = Expression(expr=th0 + m.z1 / R)
     m.theta2 = Expression(expr=m.theta1 - m.z2 / R)
@@ -126,7 +126,7 @@ def _plain(name: str) -> str:
 def _mod(scenario: Scenario, order: str) -> str:
     first, second = ("left", "right") if order == "LRS" else ("right", "left")
     curvature = "1 / R" if order == "LRS" else "-1 / R"
-    z1, z2, z3 = _start(scenario, order)
+    z1, z2, z3 = _guess(scenario, order)
     return f"""\
 # The shortest path of a Dubins vehicle to a point: model (4.12), order {order}.
 # Lengths are in the unit of x0, y0, xT, yT and R; angles in radians, counter-clockwise from +x.

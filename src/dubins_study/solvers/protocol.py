@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 class Guarantee(StrEnum):
-    """What the method promises of an answer, if it works as it should."""
+    """The promise of a method for the answers that it calls solutions."""
 
     EXACT = "exact"
     LOCAL = "local"
@@ -30,7 +30,7 @@ class Guarantee(StrEnum):
 
 
 class Outcome(StrEnum):
-    """What happened to the process that solved."""
+    """The way in which the call of a solver ended."""
 
     RETURNED = "returned"
     TIMEOUT = "timeout"

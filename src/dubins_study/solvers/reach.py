@@ -1,4 +1,4 @@
-"""Where no path of a word ends."""
+"""Targets that no path of a word reaches."""
 
 from __future__ import annotations
 

@@ -18,7 +18,7 @@ from scipy.integrate import solve_ivp
 from stand_in import put_solver
 
 from dubins_study.solvers.attempt import solve
-from dubins_study.solvers.ipopt_library.engine import Found
+from dubins_study.solvers.ipopt_library.engine import Result
 from dubins_study.solvers.optimal_control.collocation import RATES, Collocation
 from dubins_study.solvers.optimal_control.collocation_correction import closed
 from dubins_study.solvers.optimal_control.collocation_guesses import cut, guesses
@@ -145,7 +145,7 @@ def test_equal_elements_gain_with_their_number():
 
 
 def test_multipliers_of_two_arcs_point_along_the_chord():
-    """THEORY section 6: -(nu1, nu2) / nu0 of RL is the second arc's chord / cos(a2 / 2), scaled."""
+    """docs/derivation.md, section 9: -(nu1, nu2) / nu0 of RL is the second arc's chord / cos(a2 / 2), scaled."""
     scenario = Scenario(1, -2, 0, 1.1, -1.2, 1)
     first, second = shortest(scenario).segments
     switch = Path(scenario.start, [-1.0], [first]).end
@@ -324,7 +324,7 @@ def test_a_guess_follows_its_controls(equal):
 
     def ask(start, lower, upper):
         given.append(start)
-        return Found(start, None, "", "", 0, 0)
+        return Result(start, None, "", "", 0, 0)
 
     compiled = template(4, 6, equal, (), by_executable=False)
     guess = cut(Path(Pose(0, 0, 0), [0.9, -0.5], [1.5, 1.5]), 4, equal)

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from stand_in import put_solver
 
 from dubins_study.solvers.attempt import attempt, solve
-from dubins_study.solvers.paper_nlp.initial_guesses import STARTS, starting_points
+from dubins_study.solvers.paper_nlp.initial_guesses import INITIAL_GUESSES, initial_guesses
 from dubins_study.solvers.paper_nlp.ipopt import Ipopt
 from dubins_study.solvers.paper_nlp.model import SUBPROBLEMS, as_path, equations, jacobian, target
 from dubins_study.solvers.protocol import Question
@@ -92,7 +92,7 @@ def test_ipopt_recognises_a_word_that_does_not_exist(branch):
 
 
 def test_the_papers_order_is_not_mirror_symmetric():
-    """THEORY section 5: L R S does not contain RL, so it is wrong in the left disc only."""
+    """docs/derivation.md, section 7: L R S does not contain RL, so it is wrong in the left disc only."""
     left, right = Scenario(0, 0, 0, 0, 1, 1), Scenario(0, 0, 0, 0, -1, 1)
     paper = "ipopt[model=joint,order=LRS,initial_guess=random,count=40]"
     both = "ipopt[model=joint,order=both,initial_guess=random,count=40]"
@@ -107,7 +107,7 @@ def test_the_papers_order_is_not_mirror_symmetric():
 def test_an_interior_point_leaves_its_barrier_in_the_degenerate_arc(radius):
     """z2 is (mu R^2)^(1/3) with mu = 2.5e-9 at Ipopt's default tolerance, not zero.
 
-    In units of the radius that is 1.357e-3 (THEORY section 5), and the length does not show it.
+    In units of the radius that is 1.357e-3 (docs/derivation.md, section 7), and the length does not show it.
     """
     straight = Scenario(0, 0, 0, 2 * radius, 4 * radius, radius)
 
@@ -128,13 +128,13 @@ def test_slsqp_gets_nowhere_from_the_zero_that_ampl_starts_at():
     assert answer.verdict is Verdict.MISSES
 
 
-@pytest.mark.parametrize("kind", STARTS)
+@pytest.mark.parametrize("kind", INITIAL_GUESSES)
 @pytest.mark.parametrize("name", SUBPROBLEMS)
 @given(scenario=scenarios())
 def test_starting_points_are_admissible(kind, name, scenario):
     """Not negative, arcs within a full turn, and zero where a length is fixed."""
     subproblem = SUBPROBLEMS[name]
-    points = list(starting_points(Question(scenario), subproblem, kind, seed=1, count=5))
+    points = list(initial_guesses(Question(scenario), subproblem, kind, seed=1, count=5))
 
     for z in points:
         assert (z >= 0).all()
@@ -146,7 +146,7 @@ def test_starting_points_are_admissible(kind, name, scenario):
 def test_random_starts_repeat_with_their_seed():
     def points(seed):
         question, joint = Question(PAPER["problem 1"]), SUBPROBLEMS["LRS"]
-        return list(starting_points(question, joint, "random", seed, 4))
+        return list(initial_guesses(question, joint, "random", seed, 4))
 
     np.testing.assert_array_equal(points(3), points(3))
     assert (np.array(points(3)) != np.array(points(4))).all()
@@ -192,7 +192,7 @@ def test_without_executable_and_library_there_is_a_reason(monkeypatch):
 @pytest.mark.parametrize("mu", [1e-9, 1e-7, 1e-5])
 @pytest.mark.parametrize("radius", [0.5, 1.0, 20.0])
 def test_the_interior_point_bias_is_the_cube_root_of_mu_r_squared(mu, radius):
-    """THEORY section 5: at LS the reduced cost of z2 is zero and f grows like z2^3 / (3 R^2), so a
+    """docs/derivation.md, section 7: at LS the reduced cost of z2 is zero and f grows like z2^3 / (3 R^2), so a
     barrier of mu leaves z2 = (mu R^2)^(1/3), in the paper's own units. To first order: the next
     term is a share z2 / R smaller."""
     scenario = Scenario(0, 0, 0, -3 * radius, 4 * radius, radius)
@@ -224,7 +224,7 @@ def test_a_given_start_is_the_only_one():
     joint = SUBPROBLEMS["LRS"]
 
     def points(question, kind):
-        return [z.tolist() for z in starting_points(question, joint, kind, 0, 3)]
+        return [z.tolist() for z in initial_guesses(question, joint, kind, 0, 3)]
 
     assert points(Question(scenario, initial_guess=path), "given") == [[0.6, 1e-3, 6.0]]
     assert points(Question(scenario), "given") == points(Question(scenario), "bearing")

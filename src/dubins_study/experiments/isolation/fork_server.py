@@ -19,6 +19,7 @@ from contextlib import suppress
 from pathlib import Path as FilePath
 from typing import Any, NamedTuple
 
+from dubins_study.errors import DubinsStudyError
 from dubins_study.experiments.isolation.messages import Channel
 
 # the folder from which this package was imported: a forked process must find it as well
@@ -35,7 +36,7 @@ _OUTPUT_PIPE_BYTES = 2**20
 _F_SETPIPE_SZ = 1031
 
 
-class ForkServerError(RuntimeError):
+class ForkServerError(DubinsStudyError, RuntimeError):
     """No process can be forked."""
 
 

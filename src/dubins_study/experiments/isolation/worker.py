@@ -19,8 +19,9 @@ from dubins_study.experiments.isolation.messages import (
 from dubins_study.experiments.isolation.sandbox import bound_memory, pin_threads
 from dubins_study.experiments.isolation.worker_state import WorkerState, seed
 from dubins_study.experiments.plan.code_digest import code
-from dubins_study.experiments.provenance import now, solver_versions
+from dubins_study.experiments.provenance import now, versions
 from dubins_study.solvers.attempt import ask, nothing, told
+from dubins_study.solvers.library_versions import reported_versions
 from dubins_study.solvers.protocol import Outcome, Question, Solver
 from dubins_study.solvers.registry import load
 from dubins_study.study.scenario import Scenario
@@ -130,13 +131,13 @@ class Worker:
         self._note(job.number, Phase.LOADING)
         solver = load(*key)
         digest = self._digests[key] = code(*key)
-        versions = json.dumps(solver_versions(solver))
+        row_versions = json.dumps(versions(tuple(solver.packages)) | reported_versions(solver))
         if job.warm_up:
             self._note(job.number, Phase.WARMING_UP)
             seed()
             ask(solver, Question(_WARM_UP, solver.branches[0]), job.time_limit)
             self._end_copy()
-        loaded = self._solvers[key] = _LoadedSolver(solver, versions, digest)
+        loaded = self._solvers[key] = _LoadedSolver(solver, row_versions, digest)
         self._state.accept()
         return loaded
 

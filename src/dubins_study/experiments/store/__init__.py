@@ -1,1 +1,1 @@
-"""A results folder that loses nothing: parts, manifest, lock, merge, status."""
+"""A results folder that loses nothing: written part by part, locked, mended, merged, counted."""

@@ -11,7 +11,7 @@ from dubins_study.experiments.store.lock import LOCK
 from dubins_study.experiments.store.manifest import check_same_experiment, continued
 from dubins_study.experiments.store.part_writer import write_part
 from dubins_study.study.printable import plain
-from dubins_study.study.rows.files import DamagedPartError, ResultsError, reason, refuse_link
+from dubins_study.study.rows.files import DamagedPartError, ResultsError, os_errors_as, refuse_link
 from dubins_study.study.rows.manifest import MANIFEST, Manifest, read_manifest
 from dubins_study.study.rows.parts import (
     PARTS,
@@ -34,22 +34,17 @@ def prepare_folder(folder: FilePath) -> None:
     Raises:
         ResultsError: if it cannot be made, or holds something else than results.
     """
-    try:
+    with os_errors_as(f"cannot write to {folder}"):
         if folder.exists() and not (folder / MANIFEST).exists():
-            if any(not _precedes_manifest(entry.name) for entry in folder.iterdir()):
+            names_there = [entry.name for entry in folder.iterdir()]
+            # what a run leaves that is killed before its first manifest
+            if not all(name in (LOCK, PARTS) or is_temporary(name) for name in names_there):
                 raise ResultsError(
                     f"{folder} holds something else and no {MANIFEST}; choose another"
                 )
             if any(part_files(folder)):
                 raise ResultsError(f"{folder} holds parts and no {MANIFEST}; choose another")
         folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise ResultsError(f"cannot write to {folder}: {reason(error)}") from None
-
-
-def _precedes_manifest(name: str) -> bool:
-    """Whether a run that is killed before its first manifest may leave a file of this name."""
-    return name in (LOCK, PARTS) or is_temporary(name)
 
 
 def open_folder(folder: FilePath, manifest: Manifest, restart: bool) -> tuple[Manifest, list[str]]:
@@ -69,7 +64,7 @@ def open_folder(folder: FilePath, manifest: Manifest, restart: bool) -> tuple[Ma
             or a part that is none of its own. The folder is then as it was.
     """
     refuse_link(folder / PARTS)
-    try:
+    with os_errors_as(f"cannot write to {folder}"):
         if (folder / MANIFEST).exists() and not restart:
             earlier = read_manifest(folder)
             check_same_experiment(folder, earlier.experiment, manifest.experiment)
@@ -79,8 +74,6 @@ def open_folder(folder: FilePath, manifest: Manifest, restart: bool) -> tuple[Ma
         (folder / PARTS).mkdir(parents=True, exist_ok=True)
         for part in part_files(folder):
             part.unlink()
-    except OSError as error:
-        raise ResultsError(f"cannot write to {folder}: {reason(error)}") from None
     return manifest, []
 
 
@@ -118,15 +111,13 @@ def _move_away(folder: FilePath, part: FilePath) -> FilePath:
     """
     place = folder / DAMAGED
     refuse_link(place)
-    try:
+    with os_errors_as(f"cannot move {part} to {place}"):
         place.mkdir(exist_ok=True)
         target, number = place / part.name, 1
         while target.exists() or target.is_symlink():
             number += 1
             target = place / f"{part.stem}-{number}{part.suffix}"
         part.rename(target)
-    except OSError as error:
-        raise ResultsError(f"cannot move {part} to {place}: {reason(error)}") from None
     return target
 
 

@@ -8,7 +8,7 @@ from collections.abc import Collection, Mapping
 from pathlib import Path as FilePath
 
 from dubins_study.experiments.store.files import write_whole
-from dubins_study.study.rows.files import ResultsError, reason
+from dubins_study.study.rows.files import ResultsError, os_errors_as
 from dubins_study.study.rows.manifest import MANIFEST, Definition, Manifest
 
 # A list of numbers that stand on lines of their own. No text matches: in JSON, line breaks of a
@@ -26,10 +26,8 @@ def write_manifest(folder: FilePath, manifest: Manifest) -> None:
     text = json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
     text = _NUMBERS.sub(lambda match: f"[{' '.join(match[0][1:-1].split())}]", text)
     encoded = text.encode("utf-8", "replace")
-    try:
+    with os_errors_as(f"cannot write {folder / MANIFEST}"):
         write_whole(folder / MANIFEST, lambda file: file.write_bytes(encoded))
-    except OSError as error:
-        raise ResultsError(f"cannot write {folder / MANIFEST}: {reason(error)}") from None
 
 
 def check_same_experiment(folder: FilePath, earlier: Definition, now: Definition) -> None:
@@ -75,7 +73,7 @@ def count_cells(
     for spec, entry in manifest.solvers.items():
         present = rows.get((spec, entry.code_digest), 0)
         cells = present if spec in requested else max(present, entry.cells)
-        solvers[spec] = entry.model_copy(update={"cells": cells})
+        solvers[spec] = entry.with_changes(cells=cells)
         complete = complete and cells <= present
     total = sum(entry.cells for entry in solvers.values())
     return manifest.with_changes(solvers=solvers, cells=total), complete

@@ -24,7 +24,7 @@ from dubins_study.experiments.store.manifest import (
 from dubins_study.experiments.store.merged_rows import COLUMNS, merged_rows
 from dubins_study.experiments.store.part_writer import write_part
 from dubins_study.experiments.store.row_counts import count_rows
-from dubins_study.study.rows.files import DamagedPartError, ResultsError, reason
+from dubins_study.study.rows.files import DamagedPartError, ResultsError, os_errors_as
 from dubins_study.study.rows.manifest import Manifest, RunEntry, SolverEntry, read_manifest
 from dubins_study.study.rows.parts import PARTS, is_stream, part_files, read_footer, read_part
 from dubins_study.study.rows.schema import RUN_ID
@@ -92,11 +92,9 @@ def _read_manifests(folders: Sequence[FilePath]) -> list[Manifest]:
 
 
 def _check_target(target: FilePath) -> None:
-    try:
+    with os_errors_as(f"cannot write to {target}"):  # its name may be too long
         taken = target.is_symlink() or (target.exists() and not target.is_dir())
         filled = target.is_dir() and any(target.iterdir())
-    except OSError as error:  # a name that is too long, a folder that nobody may look into
-        raise ResultsError(f"cannot write to {target}: {reason(error)}") from None
     if taken:
         raise ResultsError(
             f"{target} is no folder; expected a new one or an empty one to merge into"
@@ -109,12 +107,10 @@ def _check_target(target: FilePath) -> None:
 def _new_folder(target: FilePath) -> Iterator[FilePath]:
     """A folder beside the target, which is removed unless it was put in the target's place."""
     fresh = target.with_name(f".{target.name}.merging-{uuid4().hex[:8]}")
-    try:
+    with os_errors_as(f"cannot write to {target}"):
         target.parent.mkdir(parents=True, exist_ok=True)
         _remove_abandoned(target)
         fresh.mkdir()
-    except OSError as error:
-        raise ResultsError(f"cannot write to {target}: {reason(error)}") from None
     try:
         yield fresh
     finally:
@@ -131,24 +127,20 @@ def _remove_abandoned(target: FilePath) -> None:
 
 def _put_in_place(fresh: FilePath, target: FilePath) -> None:
     """Rename in one step; a folder that somebody else began at the target is left alone."""
-    try:
+    with os_errors_as(f"cannot write to {target}"):
         if target.is_dir():
             target.rmdir()
         fresh.rename(target)
         sync_folder(target.parent)
-    except OSError as error:
-        raise ResultsError(f"cannot write to {target}: {reason(error)}") from None
 
 
 def _unite(folders: Sequence[FilePath], manifests: Sequence[Manifest], fresh: FilePath) -> Union:
     """Write the union to a folder that nobody sees yet."""
     tolerance = manifests[0].gap_tolerance
     rows = merged_rows([read_rows(folder) for folder in folders], folders, tolerance)
-    try:
+    with os_errors_as(f"cannot write to {fresh}"):
         (fresh / PARTS).mkdir()
         _unite_streams(folders, fresh, tolerance)
-    except OSError as error:
-        raise ResultsError(f"cannot write to {fresh}: {reason(error)}") from None
     if len(rows.table):
         write_part(fresh, "merged-all", rows.table, {RUN_ID: "merged"})
     counts: Counter[tuple[str, str]] = Counter()
@@ -199,7 +191,7 @@ def _unite_manifests(manifests: Sequence[Manifest]) -> Manifest:
         for spec, entry in manifest.solvers.items():
             first = solvers.setdefault(spec, entry)
             if first.code_digest == entry.code_digest and first.cells < entry.cells:
-                solvers[spec] = first.model_copy(update={"cells": entry.cells})
+                solvers[spec] = first.with_changes(cells=entry.cells)
         for run in manifest.runs:
             runs.setdefault(run.run_id, run)
     created = [manifest.created for manifest in manifests if manifest.created]
@@ -207,5 +199,5 @@ def _unite_manifests(manifests: Sequence[Manifest]) -> Manifest:
         created=min(created, default=None),
         finished=None,
         solvers=solvers,
-        runs=tuple(sorted(runs.values(), key=lambda run: run.started)),
+        runs=sorted(runs.values(), key=lambda run: run.started),
     )

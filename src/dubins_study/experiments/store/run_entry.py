@@ -42,16 +42,15 @@ class RunRecord:
         self._began = self._written = monotonic()
         self._probes: list[Probe] = []
         self._probes_taken, self._probe_stride = 0, 1
-        self._entry = request.model_copy(
-            update={
-                "machine": machine(),
-                "governor": governor(),
-                "thread_limits": thread_limits(),
-                "git": source(),
-                "load_start": load_average(),
-                "started": now(),
-                "state": RUNNING,
-            }
+        self._entry = request.with_changes(
+            machine=machine(),
+            governor=governor(),
+            thread_limits=thread_limits(),
+            git=source(),
+            load_start=load_average(),
+            started=now(),
+            state=RUNNING,
+            probes=self._probes,
         )
 
     def probe(self, seconds: float, machine: int = 0) -> None:
@@ -85,9 +84,8 @@ class RunRecord:
         """
         self._written = monotonic()
         seconds = round(self._written - self._began, 3)
-        update = {"seconds": seconds, "probes": tuple(self._probes), **changes}
-        self._entry = self._entry.model_copy(update=update)
-        runs = (*self._manifest.runs, self._entry)
+        self._entry = self._entry.with_changes(seconds=seconds, **changes)
+        runs = [*self._manifest.runs, self._entry]
         write_manifest(self._folder, self._manifest.with_changes(runs=runs))
 
     def close(self, state: str, finished: str | None = None) -> None:

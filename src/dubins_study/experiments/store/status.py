@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path as FilePath
 from typing import Any
@@ -104,11 +104,16 @@ def _status(
 ) -> Status:
     digests = manifest.code_digests
     current = [count for count in counts if digests.get(count.solver) == count.code_digest]
-    rows = _rows_by_solver(current)
+    rows = _sums(current, lambda count: count.solver)
     left = {
         spec: entry.cells - rows[spec]
         for spec, entry in manifest.solvers.items()
         if entry.cells > rows[spec]
+    }
+    failing = [count for count in current if count.outcome != "returned"]
+    verdicts = {
+        spec: dict(_sums([count for count in current if count.solver == spec], _verdict))
+        for spec in sorted(rows)
     }
     runs = [_run_status(run, live and run is manifest.runs[-1]) for run in manifest.runs]
     jobs = runs[-1].jobs if runs else 1
@@ -120,8 +125,8 @@ def _status(
         cells=manifest.cells,
         done=rows.total(),
         left=left,
-        failing=_failing(current),
-        verdicts=_verdicts(current),
+        failing=dict(_sums(failing, lambda count: count.outcome).most_common()),
+        verdicts=verdicts,
         stale=sum(count.rows for count in counts) - rows.total(),
         damaged=damaged,
         aside=len(list(aside.glob("*.parquet"))) if aside.is_dir() else 0,
@@ -154,43 +159,32 @@ def _run_status(run: RunEntry, live: bool) -> RunStatus:
     )
 
 
-def _rows_by_solver(counts: Sequence[RowCount]) -> Counter[str]:
-    rows: Counter[str] = Counter()
+def _sums(counts: Sequence[RowCount], key: Callable[[RowCount], str]) -> Counter[str]:
+    """The rows of all counts, by a key of each."""
+    sums: Counter[str] = Counter()
     for count in counts:
-        rows[count.solver] += count.rows
-    return rows
+        sums[key(count)] += count.rows
+    return sums
 
 
-def _failing(counts: Sequence[RowCount]) -> dict[str, int]:
-    rows: Counter[str] = Counter()
-    for count in counts:
-        if count.outcome != "returned":
-            rows[count.outcome] += count.rows
-    return dict(rows.most_common())
-
-
-def _verdicts(counts: Sequence[RowCount]) -> dict[str, dict[str, int]]:
-    verdicts: dict[str, dict[str, int]] = {}
-    for count in counts:
-        solver_rows = verdicts.setdefault(count.solver, {})
-        kind = count.verdict if count.outcome == "returned" else count.outcome
-        solver_rows[kind] = solver_rows.get(kind, 0) + count.rows
-    return dict(sorted(verdicts.items()))
+def _verdict(count: RowCount) -> str:
+    return count.verdict if count.outcome == "returned" else count.outcome
 
 
 def _time_left(
     left: Mapping[str, int], counts: Sequence[RowCount], overhead_s: float, jobs: int
 ) -> tuple[float | None, list[str]]:
     """Seconds that the cells left will take, and the solvers that have no row to judge by."""
-    rows, wall_s = _rows_by_solver(counts), dict.fromkeys(left, 0.0)
-    for count in counts:
-        wall_s[count.solver] = wall_s.get(count.solver, 0.0) + count.wall_s
-    unknown = [spec for spec in left if not rows[spec]]
-    known = {spec: cells for spec, cells in left.items() if rows[spec]}
-    if unknown and not known:
-        return None, unknown
-    seconds = sum(cells * (wall_s[spec] / rows[spec] + overhead_s) for spec, cells in known.items())
-    return seconds / jobs, unknown
+    seconds, unknown = 0.0, []
+    for spec, cells in left.items():
+        solver_counts = [count for count in counts if count.solver == spec]
+        if rows := sum(count.rows for count in solver_counts):
+            mean_s = sum(count.wall_s for count in solver_counts) / rows
+            seconds += cells * (mean_s + overhead_s)
+        else:
+            unknown.append(spec)
+    nothing_known = unknown and len(unknown) == len(left)
+    return None if nothing_known else seconds / jobs, unknown
 
 
 def _overhead(counts: Sequence[RowCount], runs: Sequence[RunStatus]) -> float:

@@ -9,76 +9,54 @@ from __future__ import annotations
 
 import importlib.util
 import math
-import re
 from dataclasses import dataclass, replace
-from functools import lru_cache
 from typing import Any, ClassVar, NamedTuple
-
-import numpy as np
 
 from dubins_study.solvers import library_versions
 from dubins_study.solvers.global_minlp.model import TRANSFORMATIONS, WORDS, gdp_model, transformed
 from dubins_study.solvers.global_minlp.polish import Polished, meet_target
-from dubins_study.solvers.paper_nlp.model import SUBPROBLEMS, already_there, as_path
+from dubins_study.solvers.global_minlp.scip import BROKEN, Native, ScipSettings, run_scip
+from dubins_study.solvers.paper_nlp.best_point import already_there
+from dubins_study.solvers.paper_nlp.model import SUBPROBLEMS, as_path
 from dubins_study.solvers.protocol import Guarantee, Question, Solution, Solver
 from dubins_study.solvers.setting_checks import one_of, within
 from dubins_study.study.check.verdict import Claim
-from dubins_study.study.path import FloatArray
 
 EMPHASES = ("lean", "default")
 
-# Pyomo's names of SCIP's statuses; a point is claimed to be more only by `Disjunctive._claim`
+# by Pyomo's names of SCIP's statuses; only `Disjunctive._claim` makes a stronger claim
 _CLAIMS = {
     "convergenceCriteriaSatisfied": Claim.FEASIBLE,
     "provenInfeasible": Claim.INFEASIBLE,
     "maxTimeLimit": Claim.LIMIT,
     "interrupted": Claim.LIMIT,
 }
-_STATUS = re.compile(r"^SCIP Status\s*:\s*(.*?)\s*$", re.MULTILINE)
-
 # SCIP leaves this share of the gap for its tolerance on constraints, which counts as well.
 _SHARE = 0.1
 
-_BROKEN = "error"
-
-# What is infeasible, or broken, is asked again with a tolerance so many times larger.
+# Where SCIP finds no point, or fails, it runs again with a tolerance so many times larger.
 _LOOSER = 100
 
-# A point that misses by so many tolerances counts as feasible: each of the equations that lead
-# from an arc to its end may be off by one.
+# A point that misses by at most so many tolerances counts as feasible: each of the equations from
+# an arc to its end may be off by one tolerance.
 _SLACK = 10
 
-# radii; farther off, the words' lengths differ by less than SCIP's tolerances make of them: bounds
-# above the shortest length were seen from 1e6 radii on, none up to 1e5
+# radii; for farther targets the words' lengths differ by less than SCIP's tolerances: bounds above
+# the shortest length were seen from 1e6 radii on, none up to 1e5
 _PROVABLE = 1e5
 
 
 class Model(NamedTuple):
-    """A question as `solve` takes it, and what answers it."""
+    """A question, translated for `solve`."""
 
     question: Question
     words: tuple[str, ...]
     program: Any  # the transformed Pyomo model, of a type that its package does not state
 
 
-class Native(NamedTuple):
-    """What SCIP says: lengths in radii; `word` and z (left, right, straight) None without a point.
-
-    `condition` is Pyomo's name of `status`, which is SCIP's own.
-    """
-
-    condition: str
-    status: str
-    bound: float
-    word: str | None
-    z: FloatArray | None
-    nodes: int
-    feastol: float
-
-
 @dataclass(frozen=True)
 class Disjunctive(Solver):
-    """Settings.
+    """One disjunct for each word, proven by SCIP's branch and bound.
 
     `transformation` turns the disjunctions into linear constraints: `bigm` or `hull`. `gap` is the
     largest relative difference of path and bound that counts as proven. `feastol` is SCIP's
@@ -136,48 +114,14 @@ class Disjunctive(Solver):
         there = already_there(model.question)
         if there is not None:
             return replace(there, claim=Claim.OPTIMAL, lower_bound=0.0)
-        native = self._run(model, limit, self.feastol)
-        if native.condition in ("provenInfeasible", _BROKEN):
+        settings = ScipSettings(self.gap * _SHARE, self.feastol, self.emphasis == "lean", limit)
+        native = run_scip(model.program, model.words, settings)
+        if native.condition in ("provenInfeasible", BROKEN):
             # A looser tolerance admits more: what is infeasible to it as well is so more surely,
             # and linear programs that SCIP fails to solve are solved.
-            native = self._run(model, limit, _LOOSER * self.feastol)
+            looser = settings._replace(feastol=_LOOSER * self.feastol)
+            native = run_scip(model.program, model.words, looser)
         return self._answer(model, native)
-
-    def _run(self, model: Model, limit: float, feastol: float) -> Native:
-        from pyomo.contrib.solver.common.factory import SolverFactory
-        from pyomo.environ import value
-
-        options = dict(_lean() if self.emphasis == "lean" else ())
-        options |= {"numerics/feastol": feastol, "limits/gap": self.gap * _SHARE}
-        try:
-            results = SolverFactory("scip_direct").solve(
-                model.program,
-                time_limit=limit,
-                load_solutions=False,
-                raise_exception_on_nonoptimal_result=False,
-                solver_options=options,
-            )
-        except Exception as error:
-            # SCIP's own errors (of its linear programs, mostly) have no type of their own
-            if not str(error).startswith("SCIP:"):
-                raise
-            return Native(_BROKEN, str(error), 0.0, None, None, 0, feastol)
-        word = z = None
-        if results.incumbent_objective is not None:
-            results.solution_loader.load_vars()
-            chosen = {w: value(model.program.word[w].binary_indicator_var) for w in model.words}
-            word = max(chosen, key=chosen.__getitem__)
-            z = np.array([value(z) for z in model.program.z.values()])
-        status = _STATUS.search(results.solver_log)
-        return Native(
-            results.termination_condition.name,
-            status.group(1) if status else "",
-            float(results.objective_bound),
-            word,
-            z,
-            int(results.extra_info["NNodes"]),
-            feastol,
-        )
 
     def _answer(self, model: Model, native: Native) -> Solution:
         question, scenario = model.question, model.question.scenario
@@ -205,7 +149,7 @@ class Disjunctive(Solver):
     def _claim(
         self, question: Question, native: Native, bound: float, polished: Polished
     ) -> tuple[Claim, str]:
-        """What may be said of a polished path, whatever SCIP says of its own point."""
+        """The claim for a polished path, and why; SCIP's claim is for its own point only."""
         if not polished.meets:
             close = polished.miss <= _SLACK * native.feastol
             message = f"meets the target only to {polished.miss:.1e} radii"
@@ -228,21 +172,3 @@ def _without_a_path(question: Question, known: Solution) -> Solution:
         # Some word reaches every target, so SCIP has cut it off.
         return replace(known, claim=Claim.FAILED, lower_bound=None, message="no word left")
     return replace(known, lower_bound=None, message=f"{question.branch} does not reach the target")
-
-
-@lru_cache(maxsize=1)
-def _lean() -> tuple[tuple[str, Any], ...]:
-    """SCIP's parameters for branch and bound without heuristics, cutting planes, presolving and
-    propagation."""
-    from pyscipopt import Model as Scip
-    from pyscipopt.scip import PY_SCIP_PARAMSETTING as SCIP_PARAMSETTING
-
-    scip = Scip()
-    before = scip.getParams()
-    scip.setHeuristics(SCIP_PARAMSETTING.OFF)
-    scip.setSeparating(SCIP_PARAMSETTING.OFF)
-    scip.setParam("presolving/maxrounds", 0)
-    scip.setParam("propagating/maxrounds", 0)
-    scip.setParam("propagating/maxroundsroot", 0)
-    after = scip.getParams()
-    return tuple((name, value) for name, value in after.items() if value != before[name])

@@ -24,9 +24,9 @@ _NEAR = 1e-3
 
 
 class Polished(NamedTuple):
-    """A word's lengths, shape (3,), as in `solvers.paper_nlp.model`, and by how much they miss (radii).
+    """A word's lengths z, shape (3,), as in `solvers.paper_nlp.model`, and their miss in radii.
 
-    `meets` is whether they miss by no more than rounding.
+    `meets` is whether the miss is no more than rounding.
     """
 
     z: FloatArray

@@ -18,7 +18,7 @@ from dubins_study.study.path import FloatArray
 
 FULL_TURN = 2 * math.pi
 # A shortest CC path turns first by at most this and then by more than three times this, so that
-# its net turn is at least twice this (THEORY section 3).
+# its net turn is at least twice this (docs/derivation.md, section 4).
 FIRST_ARC = math.pi / 3
 _PAIRS = 650  # all pairs of 72 headings
 _HALVINGS = 25  # of a step, down to where a target is on the circle for all that rounding tells

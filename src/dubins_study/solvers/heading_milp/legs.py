@@ -16,7 +16,7 @@ _PARALLEL = 1e-15  # sine of an angle that is none
 
 
 def rounding(bridged: FloatArray) -> FloatArray:
-    """What counts as no distance beside legs that bridge so much, radii."""
+    """The distance (radii) that is rounding beside legs that bridge so much."""
     return ROUNDED + 16 * EPS * bridged
 
 

@@ -33,8 +33,8 @@ class Case(NamedTuple):
     milp: Template
 
 
-class Found(NamedTuple):
-    """What one MILP said.
+class MilpResult(NamedTuple):
+    """The result of one MILP.
 
     `length` and `bound` in radii, the bound for paths on this grid alone; without a path that
     arrives `legs` is None and `length` infinite.
@@ -139,15 +139,15 @@ class HeadingMilp(Solver):
         if math.hypot(X, Y) <= 2 * EPS * scenario.extent / scenario.radius:
             path = Path(scenario.start, [], [])
             return Solution(Claim.LOCAL, path, 0.0, message="the target is at the start")
-        found: list[Found] = []
+        results: list[MilpResult] = []
         cutoff = self._longest(math.hypot(X, Y))
         for case in model.cases:
             seconds = deadline - time.perf_counter()
             if seconds <= 0:
                 break
-            found.append(_solved(case, model.target, cutoff, self.gap, seconds))
-            cutoff = min(cutoff, found[-1].length)
-        return _solution(model, found, self.headings)
+            results.append(_solved(case, model.target, cutoff, self.gap, seconds))
+            cutoff = min(cutoff, results[-1].length)
+        return _solution(model, results, self.headings)
 
     def _longest(self, distance: float) -> float:
         """Length (radii) above which no path needs to be looked for.
@@ -159,7 +159,9 @@ class HeadingMilp(Solver):
         return (distance + 3 * math.pi) / math.cos(between / 2)
 
 
-def _solved(case: Case, target: FloatArray, cutoff: float, gap: float, seconds: float) -> Found:
+def _solved(
+    case: Case, target: FloatArray, cutoff: float, gap: float, seconds: float
+) -> MilpResult:
     """The answer of one MILP to a target (2,) in radii; lengths above `cutoff` are not looked for.
 
     The objective is what a path is longer than the bee-line: the end point's equations turn
@@ -191,24 +193,26 @@ def _solved(case: Case, target: FloatArray, cutoff: float, gap: float, seconds: 
     if legs is not None:
         length = float(family.length[choice] + legs.length.sum())
     bound = distance + answer.bound
-    return Found(
+    return MilpResult(
         family, answer.status, choice, legs, length, bound, answer.nodes, answer.iterations
     )
 
 
-def _solution(model: Model, found: list[Found], headings: int) -> Solution:
+def _solution(model: Model, results: list[MilpResult], headings: int) -> Solution:
     """The shortest path found, with the claim that all MILPs together deserve."""
     scenario, R = model.question.scenario, model.question.scenario.radius
     counts: dict[str, Any] = {
-        "iterations": sum(one.iterations for one in found),
-        "evaluations": sum(one.nodes for one in found),
+        "iterations": sum(result.iterations for result in results),
+        "evaluations": sum(result.nodes for result in results),
         "native_status": "; ".join(
-            dict.fromkeys(f"{one.family.name} {one.status}" for one in found)
+            dict.fromkeys(f"{result.family.name} {result.status}" for result in results)
         ),
     }
-    done = {one.status for one in found} <= {"optimal", "infeasible"}
-    stopped = len(found) < len(model.cases) or any(one.status == "user_limit" for one in found)
-    best = min(found, key=lambda one: one.length, default=None)
+    done = {result.status for result in results} <= {"optimal", "infeasible"}
+    stopped = len(results) < len(model.cases) or any(
+        result.status == "user_limit" for result in results
+    )
+    best = min(results, key=lambda result: result.length, default=None)
     if best is None or best.legs is None:
         if inside := unreachable(local(scenario), model.question.branch):
             return Solution(Claim.INFEASIBLE, message=inside, **counts)
@@ -217,7 +221,9 @@ def _solution(model: Model, found: list[Found], headings: int) -> Solution:
     claim = Claim.LIMIT if stopped else Claim.LOCAL if done else Claim.FEASIBLE
     curvature, length = controls(best.family, best.choice, best.legs.length)
     # a shape without a path shorter than the best one has been cut off at its length
-    bound = min(one.bound if one.status != "infeasible" else best.length for one in found)
+    bound = min(
+        result.bound if result.status != "infeasible" else best.length for result in results
+    )
     return Solution(
         claim,
         path=Path(scenario.start, np.array(curvature) / R, np.array(length) * R),

@@ -68,10 +68,10 @@ class Template:
         shapes = {"toll": n, "slope": n * m, "along": n * m, "across": n * m}
         p = {name: cp.Parameter(shape, name=name) for name, shape in shapes.items()}
         self.z, s = cp.Variable(n, boolean=True), cp.Variable(n * m, bounds=[0, None])
-        own = kron(eye_array(n), np.ones((1, m)), format="csr")
+        each_choice = kron(eye_array(n), np.ones((1, m)), format="csr")
         bridged = [
-            own @ cp.multiply(p["along"], s) - self.z == 0,
-            own @ cp.multiply(p["across"], s) == 0,
+            each_choice @ cp.multiply(p["along"], s) - self.z == 0,
+            each_choice @ cp.multiply(p["across"], s) == 0,
         ]
         objective = cp.Minimize(p["toll"] @ self.z + p["slope"] @ s)
         self.problem = cp.Problem(objective, [*bridged, cp.sum(self.z) == 1])
@@ -98,10 +98,10 @@ class Template:
         info = self.problem.solver_stats.extra_stats
         z = self.z.value
         # stopped at its limit without a point, HiGHS leaves zeros
-        found = z is not None and z.max() > 0.5
+        has_point = z is not None and z.max() > 0.5
         return Answer(
             str(self.problem.status),
-            int(np.argmax(z)) if found else None,
+            int(np.argmax(z)) if has_point else None,
             float(info.mip_dual_bound),
             int(info.mip_node_count),
             int(info.simplex_iteration_count),

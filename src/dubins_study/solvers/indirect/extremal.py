@@ -17,7 +17,7 @@ _ABNORMAL = 1e-9
 
 @dataclass(frozen=True)
 class Conditions:
-    """How closely the conditions must be met.
+    """Tolerances on the conditions.
 
     Args:
         tol: largest residual of the costates' conditions, with (nu0, nu1, nu2) of length 1, and
@@ -51,7 +51,7 @@ class Candidate:
         return (-nu1 / nu0, -nu2 / nu0) if self.normal else None
 
     def kind(self, conditions: Conditions) -> str:
-        """What a candidate without fault is, in words."""
+        """The kind of a candidate without fault, for messages."""
         structure = "bang-singular" if self.structure.singular else "bang-bang"
         wrong = self.structure.wrong_sign(self.costates, self.durations) > conditions.tol
         signs = ", against the sign of nu3: stationary, but no extremal" if wrong else ""
@@ -77,20 +77,20 @@ class Candidate:
 def examine(
     structure: Structure, v: FloatArray, conditions: Conditions
 ) -> tuple[Candidate, str | None]:
-    """What a solution v, shape (6,), of `Structure.residual` amounts to, and what is wrong with it.
+    """The candidate that a solution v, shape (6,), of `Structure.residual` gives, and its fault.
 
     Whole turns are dropped from arcs: the conditions have that period, and the path without them
     is shorter. A piece of no length may have come out negative, or an arc as nearly a whole turn,
     so the point without it is tried first.
     """
-    found = v[4:] * (1.0, structure.unit)
+    durations = v[4:] * (1.0, structure.unit)
     for missing in (0, 1):
-        driven = _without(structure, found, missing)
+        driven = _without(structure, durations, missing)
         if structure.miss(driven) <= conditions.miss:
             candidate = Candidate(structure, driven, _signed(structure, driven))
             if candidate.fault(conditions) is None:
                 return candidate, None
-    driven = _forwards(structure, found)
+    driven = _forwards(structure, durations)
     candidate = Candidate(structure, driven, _signed(structure, driven, v[:4]))
     return candidate, candidate.fault(conditions)
 

@@ -1,7 +1,7 @@
 """`shooting`: the indirect method, Pontryagin's system (2.3)-(2.15) solved as equations.
 
 The paper's conditions are completed by three that it omits: nu0 >= 0, (nu0, nu) not all zero, and
-nu3(tf) = 0 because the final heading is free (THEORY section 6).
+nu3(tf) = 0 because the final heading is free (docs/derivation.md, section 9).
 
 Plain single shooting, which guesses the costates and lets the sign of nu3 steer, cannot work here.
 A path that ends straight needs nu3 and its derivative to vanish together at the switch, so that
@@ -14,7 +14,7 @@ closed form. Afterwards the sign of nu3 is checked and a point that breaks (2.14
 arc or one straight is either structure with a piece of no length.
 
 An extremal is only a candidate: LS where RS is best satisfies all conditions. So the claim is
-`local`, and `best` is the shortest extremal that the starts lead to.
+`local`, and `best` is the shortest extremal that the initial guesses lead to.
 """
 
 from __future__ import annotations
@@ -29,12 +29,14 @@ import numpy as np
 
 from dubins_study.solvers.indirect.extremal import Conditions, examine
 from dubins_study.solvers.indirect.structure import ROUNDED, TURNS, Structure
-from dubins_study.solvers.paper_nlp.initial_guesses import STARTS, every_start, starting_points
+from dubins_study.solvers.paper_nlp.best_point import Attempts, Point, answer
+from dubins_study.solvers.paper_nlp.initial_guesses import (
+    INITIAL_GUESSES,
+    initial_guesses,
+    needs_every_guess,
+)
 from dubins_study.solvers.paper_nlp.model import (
-    Attempts,
-    Point,
     Subproblem,
-    answer,
     subproblems,
     target,
 )
@@ -66,17 +68,18 @@ class Model(NamedTuple):
 
 @dataclass(frozen=True)
 class Shooting(Solver):
-    """Settings: see `solvers.paper_nlp.initial_guesses` (start, seed, count) for the durations one begins from.
+    """Pontryagin's conditions, solved as equations.
 
-    The costates begin as those of a path that ends straight with the guess's final heading or,
-    for `random` starts, anywhere that H = 0 allows.
+    The initial guess of the costates is that of a path which ends straight with the guess's final
+    heading or, for `random`, any costates that H = 0 allows.
 
     Args:
+        initial_guess, seed, count: the durations to begin with (`paper_nlp.initial_guesses`).
         root: method of `scipy.optimize.root`, `hybr` (Powell's dogleg) or `lm`
             (Levenberg-Marquardt).
         tol: largest residual of an extremal: the miss in radii, and every costate condition with
             (nu0, nu1, nu2) of length 1.
-        max_evaluations: most evaluations of the conditions from one start.
+        max_evaluations: most evaluations of the conditions from one initial guess.
     """
 
     initial_guess: str = "bearing"
@@ -98,7 +101,7 @@ class Shooting(Solver):
     }
 
     def __post_init__(self) -> None:
-        one_of(initial_guess=(self.initial_guess, STARTS), root=(self.root, ROOTS))
+        one_of(initial_guess=(self.initial_guess, INITIAL_GUESSES), root=(self.root, ROOTS))
         positive(count=self.count, tol=self.tol, max_evaluations=self.max_evaluations)
         if self.seed < 0:
             raise ValueError(f"seed is {self.seed}; expected a whole number from 0 up")
@@ -124,8 +127,8 @@ class Shooting(Solver):
         attempts = [
             Attempts(
                 partial(self._from, case, question.branch in ("LR", "RL")),
-                self._starts(question, case),
-                every_start(case.subproblem, self.initial_guess),
+                self._guesses(question, case),
+                needs_every_guess(case.subproblem, self.initial_guess),
             )
             for case in model.cases
         ]
@@ -135,11 +138,11 @@ class Shooting(Solver):
         """The largest miss in radii: `tol`, or what the rounding of a far target leaves."""
         return max(self.tol, ROUNDED * structure.scale)
 
-    def _starts(self, question: Question, case: Case) -> Iterator[FloatArray]:
-        """Starting points: durations (3,) as `solvers.paper_nlp.model` orders them, then costates (4,)."""
+    def _guesses(self, question: Question, case: Case) -> Iterator[FloatArray]:
+        """Initial guesses: durations (3,) in the order of `paper_nlp.model`, then costates (4,)."""
         kind, subproblem, structure = self.initial_guess, case.subproblem, case.structure
         free = list(subproblem.free)
-        points = starting_points(question, subproblem, kind, self.seed, self.count)
+        points = initial_guesses(question, subproblem, kind, self.seed, self.count)
         for i, z in enumerate(points):
             if kind == "random":
                 nu0, nu1, nu2 = np.random.default_rng((self.seed, i)).normal(size=3)
@@ -149,20 +152,20 @@ class Shooting(Solver):
                 nu = 1.0, -math.cos(heading), -math.sin(heading)
             yield np.concatenate((z, structure.consistent(nu)))
 
-    def _from(self, case: Case, prescribed: bool, start: FloatArray) -> Point:
-        """Solve from one start; `prescribed` if the branch leaves no choice of controls."""
+    def _from(self, case: Case, prescribed: bool, guess: FloatArray) -> Point:
+        """Solve from one initial guess; `prescribed` if the branch leaves no choice of controls."""
         structure, free = case.structure, list(case.subproblem.free)
-        v = structure.unknowns(start[3:], start[free])
-        found = self._root(structure, v)
-        evaluations = int(found.nfev)
-        if structure.singular and found.x[-1] < 0:
+        v = structure.unknowns(guess[3:], guess[free])
+        result = self._root(structure, v)
+        evaluations = int(result.nfev)
+        if structure.singular and result.x[-1] < 0:
             # Driven backwards the straight belongs to another path; the one driven forwards lies
             # on the other side of the turning circle, where the equations are singular.
-            found.x[-1] = -found.x[-1]
-            found = self._root(structure, found.x)
-            evaluations += int(found.nfev)
+            result.x[-1] = -result.x[-1]
+            result = self._root(structure, result.x)
+            evaluations += int(result.nfev)
         conditions = Conditions(self.tol, self._allowed(structure), prescribed)
-        candidate, fault = examine(structure, found.x, conditions)
+        candidate, fault = examine(structure, result.x, conditions)
         z = np.zeros(3)
         z[free] = candidate.durations
         return Point(
@@ -172,7 +175,7 @@ class Shooting(Solver):
             candidate.multipliers,
             evaluations - 1,  # every evaluation but the first is a step tried
             evaluations,
-            f"{self.root} {found.status}",
+            f"{self.root} {result.status}",
             fault or candidate.kind(conditions),
         )
 

@@ -1,1 +1,1 @@
-"""The Ipopt library of the casadi wheel: a model compiled once, asked many times, with a deadline."""
+"""Ipopt for Pyomo models: casadi's library, compiled once and called often, or the executable."""

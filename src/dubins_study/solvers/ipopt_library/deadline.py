@@ -19,7 +19,7 @@ class Deadline:
     watches: list[Any] = field(default_factory=list)
 
     def watch(self, variables: int, rows: int) -> Any:
-        """What casadi calls after every iteration of a program of this size.
+        """The function that casadi calls after every iteration of a program of this size.
 
         It costs some 0.1 ms an iteration; Ipopt's own time limits are fixed once compiled.
         """

@@ -55,8 +55,8 @@ class Program(NamedTuple):
     rows: list[Any]
 
 
-class Found(NamedTuple):
-    """What Ipopt says of one run: the point (n,) and the duals (m,) of f + dual * row."""
+class Result(NamedTuple):
+    """The result of one Ipopt run: the point (n,) and the duals (m,) of f + dual * row."""
 
     point: FloatArray
     duals: FloatArray | None
@@ -66,8 +66,8 @@ class Found(NamedTuple):
     evaluations: int | None
 
 
-# (the starting point, lower bounds, upper bounds), each of shape (n,) -> what Ipopt says
-Ask = Callable[[FloatArray, FloatArray, FloatArray], Found]
+# (the initial guess, lower bounds, upper bounds), each of shape (n,) -> the result
+Ask = Callable[[FloatArray, FloatArray, FloatArray], Result]
 
 
 def unavailable(via: str) -> str | None:
@@ -138,13 +138,13 @@ def library(program: Program, options: Options, deadline: Deadline | None = None
     )
     g_low, g_high = builder.g_lb, builder.g_ub
 
-    def ask(start: FloatArray, lower: FloatArray, upper: FloatArray) -> Found:
-        x0, low, high = start[to_file], lower[to_file], upper[to_file]
-        found = solver(x0=x0, lbx=low, ubx=high, lbg=g_low, ubg=g_high)
+    def ask(guess: FloatArray, lower: FloatArray, upper: FloatArray) -> Result:
+        x0, low, high = guess[to_file], lower[to_file], upper[to_file]
+        solution = solver(x0=x0, lbx=low, ubx=high, lbg=g_low, ubg=g_high)
         stats = solver.stats()
-        return Found(
-            found["x"].full().ravel()[from_file],
-            found["lam_g"].full().ravel()[wanted],
+        return Result(
+            solution["x"].full().ravel()[from_file],
+            solution["lam_g"].full().ravel()[wanted],
             str(stats["return_status"]),
             str(stats["return_status"]).replace("_", " ").lower(),
             int(stats["iter_count"]),
@@ -162,11 +162,11 @@ def executable(program: Program, options: Options) -> Ask:
     model.dual = Suffix(direction=Suffix.IMPORT)
     solver = SolverFactory("ipopt", options=dict(options))
 
-    def ask(start: FloatArray, lower: FloatArray, upper: FloatArray) -> Found:
+    def ask(guess: FloatArray, lower: FloatArray, upper: FloatArray) -> Result:
         for i, variable in enumerate(program.variables):
             variable.setlb(lower[i] if math.isfinite(lower[i]) else None)
             variable.setub(upper[i] if math.isfinite(upper[i]) else None)
-            variable.set_value(start[i], skip_validation=True)
+            variable.set_value(guess[i], skip_validation=True)
             # the NL writer wants fixed variables marked as such, not only pinned by their bounds
             variable.fixed = bool(lower[i] == upper[i])
         results = solver.solve(model, load_solutions=False)
@@ -177,6 +177,6 @@ def executable(program: Program, options: Options) -> Ask:
             # ASL's duals have the opposite sign to Ipopt's own
             duals = np.array([-float(model.dual[row]) for row in program.rows])
         point = np.array([variable.value for variable in program.variables], dtype=np.float64)
-        return Found(point, duals, status, str(results.solver.message), None, None)
+        return Result(point, duals, status, str(results.solver.message), None, None)
 
     return ask

@@ -13,7 +13,7 @@ from dubins_study.solvers import library_versions
 from dubins_study.solvers.ipopt_library.engine import (
     CLAIMS,
     VIAS,
-    Found,
+    Result,
     by_executable,
     unavailable,
 )
@@ -21,7 +21,7 @@ from dubins_study.solvers.optimal_control.collocation_correction import closed, 
 from dubins_study.solvers.optimal_control.collocation_guesses import guesses
 from dubins_study.solvers.optimal_control.collocation_model import Elements, Template, template
 from dubins_study.solvers.optimal_control.turn_rate_dynamics import Rates
-from dubins_study.solvers.paper_nlp.model import total
+from dubins_study.solvers.paper_nlp.best_point import total
 from dubins_study.solvers.protocol import Guarantee, Question, Solution, Solver
 from dubins_study.solvers.reach import unreachable
 from dubins_study.solvers.setting_checks import one_of, whole, within
@@ -51,13 +51,13 @@ class Model(NamedTuple):
 
 
 class Run(NamedTuple):
-    """Where one solve ended; misses (radii) before and after the correction."""
+    """The end of one solve; misses (radii) before and after the correction."""
 
     claim: Claim
     elements: Elements
     missed: float
     miss: float
-    native: Found
+    native: Result
     rollouts: int
 
 
@@ -67,8 +67,8 @@ class Collocation(Solver):
 
     The states are collocated at Legendre-Gauss-Radau points, the controls that come back are
     integrated exactly, and the miss that shows is the transcription's own error; a last correction
-    closes it. `LS` and `RS` forbid turning the other way. `best` is the shortest found from
-    starts shaped like each word.
+    closes it. `LS` and `RS` forbid turning the other way. `best` is the shortest path from
+    initial guesses shaped like each word.
 
     Args:
         n: number of finite elements.

@@ -1,4 +1,4 @@
-"""Where the transcription's solves begin: one guess shaped like each word."""
+"""Initial guesses of the transcription: one shaped like each word."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from dubins_study.study.path import Path
 from dubins_study.study.scenario import Pose
 
 # arcs (rad) of RL and LR: the second exceeds pi where it can be shortest, the first is at most
-# pi/3 (THEORY section 3)
+# pi/3 (docs/derivation.md, section 4)
 _TWO_ARCS = ((0.5, 4.5), (0.1, 6.0), (0.9, 3.5))
 # rad, added to the turn towards the target where the first guess fails
 _SWINGS = (0.7, -0.7)

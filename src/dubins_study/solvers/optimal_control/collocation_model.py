@@ -23,9 +23,9 @@ import numpy as np
 from dubins_study.solvers.ipopt_library.deadline import Deadline
 from dubins_study.solvers.ipopt_library.engine import (
     Ask,
-    Found,
     Options,
     Program,
+    Result,
     executable,
     library,
 )
@@ -35,8 +35,8 @@ from dubins_study.study.scenario import Pose
 
 # Bounds on turns (rad): without them the turning gathers in a few elements, whose quadrature is
 # then wrong to the path's gain. A shortest path turns by less than a full turn and, if it has two
-# arcs, by pi/3 at most the other way (THEORY section 3): elements of free length need no more than
-# this all together. Of equal elements none needs more than half a turn.
+# arcs, by pi/3 at most the other way (docs/derivation.md, section 4), so that elements of free
+# length need no more than this all together. Of equal elements none needs more than half a turn.
 MOST_TURN = 3 * math.pi
 MOST_TURN_EACH = math.pi
 
@@ -67,7 +67,7 @@ class Transcribed(NamedTuple):
     """A solution of the transcription as Ipopt found it."""
 
     elements: Elements
-    native: Found
+    native: Result
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,8 +99,8 @@ class Template:
             until: when to stop (s, on `perf_counter`).
         """
         n, durations = self.n, 1 if self.equal else self.n
-        start = np.concatenate((self._durations(guess), guess.turn, target, self._states(guess)))
-        lower, upper = np.full(start.size, -math.inf), np.full(start.size, math.inf)
+        values = np.concatenate((self._durations(guess), guess.turn, target, self._states(guess)))
+        lower, upper = np.full(values.size, -math.inf), np.full(values.size, math.inf)
         lower[:durations] = 0.0
         turns, data = slice(durations, durations + n), slice(durations + n, durations + n + 2)
         # |a| <= h bounds both sides by 1; a branch's other bound is 0
@@ -108,12 +108,12 @@ class Template:
         lower[turns], upper[turns] = max(-most, _sided(rates.lower)), min(most, _sided(rates.upper))
         lower[data] = upper[data] = target
         self.deadline.at = until
-        found = self.ask(start, lower, upper)
-        length = np.maximum(found.point[:durations], 0.0)
+        result = self.ask(values, lower, upper)
+        length = np.maximum(result.point[:durations], 0.0)
         if self.equal:
             length = np.full(n, length[0] / n)
-        turn = np.clip(found.point[turns], rates.lower * length, rates.upper * length)
-        return Transcribed(Elements(turn, length), found)
+        turn = np.clip(result.point[turns], rates.lower * length, rates.upper * length)
+        return Transcribed(Elements(turn, length), result)
 
     def _durations(self, guess: Elements) -> FloatArray:
         return np.array([guess.total]) if self.equal else guess.length
@@ -134,11 +134,15 @@ def _sided(rate: float) -> float:
 @lru_cache(maxsize=16)
 def template(n: int, points: int, equal: bool, options: Options, by_executable: bool) -> Template:
     """The transcription into n elements of so many points each, compiled once per setting."""
-    asked, deadline = program(n, points, equal), Deadline()
-    ask = executable(asked, options) if by_executable else library(asked, options, deadline)
+    transcribed, deadline = program(n, points, equal), Deadline()
+    ask = (
+        executable(transcribed, options)
+        if by_executable
+        else library(transcribed, options, deadline)
+    )
     element = np.repeat(np.arange(n), points)
     # Pyomo rounds the points' labels, not the scheme's coefficients
-    fraction = np.tile(asked.model.tau.get_discretization_info()["tau_points"][1:], n)
+    fraction = np.tile(transcribed.model.tau.get_discretization_info()["tau_points"][1:], n)
     return Template(n, equal, element, fraction, ask, deadline)
 
 

@@ -44,7 +44,7 @@ class TurnRateQp(Solver):
 
     Every step is an exact arc, so the path that comes back is one that can be driven; it is the
     best of its n steps, not of all paths. `LS` and `RS` forbid turning the other way. `best` is
-    the shortest found from starts shaped like each word.
+    the shortest path from initial guesses shaped like each word.
 
     Args:
         n: number of steps.
@@ -52,7 +52,7 @@ class TurnRateQp(Solver):
         mesh: `equal` steps, or `graded`: for a far target half of them are kept for the turn,
             which equal steps of many radii each can only follow coarsely.
         tolerance: a sequence has converged when a QP promises less than this times the length.
-        max_qps: most QPs from one start.
+        max_qps: most QPs from one initial guess.
     """
 
     n: int = 50
@@ -111,8 +111,8 @@ class TurnRateQp(Solver):
         limits = Limits(self.tolerance, self.max_qps, deadline)
         sequence = Sequence(model.qp, model.target, model.shares, model.rates, limits)
         runs: list[Run] = []
-        for start in _starts(model, runs):
-            runs.append(sequence.run(start))
+        for guess in _guesses(model, runs):
+            runs.append(sequence.run(guess))
             if runs[-1].claim is Claim.LIMIT:
                 break
         return _solution(model, runs)
@@ -127,12 +127,12 @@ def _shares(n: int, mesh: str, distance: float) -> FloatArray:
     return np.repeat((share / turning, (1 - share) / straight), (turning, straight))
 
 
-def _starts(model: TurnRateModel, runs: list[Run]) -> Iterator[Controls]:
-    """Starting controls in the order to be tried; `runs` are the answers so far.
+def _guesses(model: TurnRateModel, runs: list[Run]) -> Iterator[Controls]:
+    """Initial guesses in the order to be tried; `runs` are the answers so far.
 
-    The warm start first, then one start shaped like each word: a turn to the target's bearing and
-    a straight, or two arcs where two unit circles can bridge the distance. `LS` and `RS` need
-    only one start that works.
+    The question's own guess comes first, then one guess shaped like each word: a turn to the
+    target's bearing and a straight, or two arcs where two unit circles can bridge the distance.
+    `LS` and `RS` need only one guess that succeeds.
     """
     question, ends = model.question, np.cumsum(model.shares)
     X, Y = model.target
@@ -177,7 +177,7 @@ def _two_arcs(last: str, ends: FloatArray) -> Controls:
 
 
 def _resampled(path: Path, model: TurnRateModel) -> Controls | None:
-    """A warm start cut into the model's steps; None if it cannot be driven or has no length."""
+    """A path cut into the model's steps; None if it cannot be driven or has no length."""
     if not drivable(path) or not path.total_length > 0:
         return None
     ends = np.cumsum(model.shares) * path.total_length

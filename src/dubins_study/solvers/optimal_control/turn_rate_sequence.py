@@ -31,7 +31,7 @@ class Limits:
 
 @dataclass(frozen=True, eq=False)
 class Run:
-    """Where a sequence ended. `miss` in turning radii; `duals` (2,) in the vehicle's frame."""
+    """The end of a sequence of QPs; `miss` in radii, `duals` (2,) in the vehicle's frame."""
 
     claim: Claim
     controls: Controls
@@ -42,7 +42,7 @@ class Run:
     status: str
 
 
-_RETRIES = 3  # a failing engine gets a smaller trust region this often before the start is given up
+_RETRIES = 3  # a failing engine gets a smaller trust region this often before the guess is given up
 _ARRIVED = 1e-6  # of the length; the correction at the end closes less without costing length
 _LARGEST_PENALTY = 1e4  # above it the engines' tolerances no longer see the length
 _LEAST_CURVATURE = 1e-6  # keeps the QP's answer unique where the Lagrangian is not convex
@@ -62,11 +62,11 @@ class Sequence:
         self.qp, self.target, self.shares, self.rates = qp, target, shares, rates
         self.limits = limits
 
-    def run(self, start: Controls) -> Run:
-        """Solve from one start. Never raises for the engine's sake."""
+    def run(self, guess: Controls) -> Run:
+        """Solve from one initial guess. A failing engine is a claim, not an exception."""
         self.restored = False
         self.qp.forget()
-        self._begin(clipped(start, self.shares, self.rates))
+        self._begin(clipped(guess, self.shares, self.rates))
         self.qps, self.rollouts, failures = 0, 1, 0
         claim, status = Claim.FEASIBLE, "QP limit"
         while self.qps < self.limits.max_qps:
@@ -163,7 +163,7 @@ class Sequence:
         """Weigh the end point more where missing it paid; False if that is not the reason.
 
         The penalty is exact only above the multipliers, which grow without bound where the second
-        arc of RL or LR nears pi (THEORY section 6).
+        arc of RL or LR nears pi (docs/derivation.md, section 9).
         """
         if self.penalty >= _LARGEST_PENALTY:
             return False

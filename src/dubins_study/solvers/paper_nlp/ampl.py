@@ -17,8 +17,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from dubins_study.solvers.paper_nlp.best_point import Point
 from dubins_study.solvers.paper_nlp.ipopt import Case
-from dubins_study.solvers.paper_nlp.model import Point
 from dubins_study.solvers.paper_nlp.pyomo_case import no_point, posed
 from dubins_study.study.check.verdict import Claim
 from dubins_study.study.path import FloatArray
@@ -38,7 +38,7 @@ _CLAIMS = (
 
 
 class SolFile(NamedTuple):
-    """What a .sol file says; either list may be empty."""
+    """The content of a .sol file; either list may be empty."""
 
     message: str
     duals: list[float]
@@ -51,11 +51,11 @@ def unavailable(executable: str) -> str | None:
     return None if shutil.which(executable) else f"no executable {executable!r} on PATH"
 
 
-def solve(case: Case, start: FloatArray, seconds: float, executable: str) -> Point:
-    """The point that an executable on PATH reaches from `start`, shape (3,)."""
+def solve(case: Case, guess: FloatArray, seconds: float, executable: str) -> Point:
+    """The point that an executable on PATH reaches from `guess`, shape (3,)."""
     from pyomo.repn.plugins.nl_writer import NLWriter
 
-    model = posed(case, start)
+    model = posed(case, guess)
     with tempfile.TemporaryDirectory() as name:
         folder = FilePath(name)
         with (folder / f"{_STUB}.nl").open("w") as stream:
@@ -69,27 +69,27 @@ def solve(case: Case, start: FloatArray, seconds: float, executable: str) -> Poi
             lacking = f"{executable} wrote no .sol file; expected a solver that AMPL can call"
             return no_point(case, Claim.FAILED, status, lacking)
         try:
-            found = read_sol(file.read_text(errors="replace"))
+            solution = read_sol(file.read_text(errors="replace"))
         except ValueError as error:
             return no_point(case, Claim.FAILED, status, f"{executable}'s .sol file: {error}")
-    return _point(case, model, info, found)
+    return _point(case, model, info, solution)
 
 
-def _point(case: Case, model: Any, info: Any, found: SolFile) -> Point:
-    claim = _CLAIMS[found.code // 100] if 0 <= found.code < 600 else Claim.FAILED
-    status = f"solve_result_num {found.code}"
-    if len(found.primals) != len(info.variables):
+def _point(case: Case, model: Any, info: Any, solution: SolFile) -> Point:
+    claim = _CLAIMS[solution.code // 100] if 0 <= solution.code < 600 else Claim.FAILED
+    status = f"solve_result_num {solution.code}"
+    if len(solution.primals) != len(info.variables):
         if claim is not Claim.INFEASIBLE:  # which needs no point
             claim = Claim.FAILED
-        return no_point(case, claim, status, found.message)
-    values = {id(v): x for v, x in zip(info.variables, found.primals, strict=True)}
+        return no_point(case, claim, status, solution.message)
+    values = {id(v): x for v, x in zip(info.variables, solution.primals, strict=True)}
     z = np.array([values.get(id(v), 0.0) for v in model.z.values()])
     duals = None
-    if len(found.duals) == len(info.constraints):
-        of_row = {id(c): y for c, y in zip(info.constraints, found.duals, strict=True)}
+    if len(solution.duals) == len(info.constraints):
+        of_row = {id(c): y for c, y in zip(info.constraints, solution.duals, strict=True)}
         # AMPL's dual is the objective's change per unit of right-hand side, the paper's minus that
         duals = (-of_row[id(model.x_end)], -of_row[id(model.y_end)])
-    return Point(case.subproblem, z, claim, duals, None, None, status, found.message)
+    return Point(case.subproblem, z, claim, duals, None, None, status, solution.message)
 
 
 def _run(executable: str, folder: FilePath, seconds: float) -> int | None:

@@ -1,26 +1,25 @@
-"""Starting points, shared by all local solvers: where one begins decides where one ends."""
+"""Initial guesses of all local solvers: the guess decides which local minimum is reached."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator
-from functools import partial
-from typing import Protocol, TypeVar
+from collections.abc import Iterator
 
 import numpy as np
 
-from dubins_study.solvers.paper_nlp.model import FULL_TURN, Attempts, Point, Subproblem, target
+from dubins_study.solvers.paper_nlp.model import FULL_TURN, Subproblem, target
 from dubins_study.solvers.protocol import Question
 from dubins_study.study.path import FloatArray, Path
 
-STARTS = ("bearing", "zero", "random", "given")
+INITIAL_GUESSES = ("bearing", "zero", "random", "given")
 
-# RL and LR have two isolated solutions each and only the one whose second arc exceeds pi can be
-# optimal; its first arc is at most pi/3 (THEORY section 3), so these lie among them.
+# RL and LR have two isolated solutions each, and only the one whose second arc exceeds pi can be
+# optimal. Its first arc is at most pi/3 (docs/derivation.md, section 4). These guesses are near it.
 _LONG_SECOND_ARC = ((math.pi / 6, 3 * math.pi / 2), (0.1, 6.0), (0.8, 3.5))
 
-# Asked for LR or RL itself, either solution may be the shorter, the second arc below pi or above.
-# These turn the first arc by so much past the target's direction from the first circle's centre
+# If the branch is LR or RL itself, either solution may be the shorter: the second arc may be below
+# pi or above. These turn the first arc by so much past the target's direction from the first
+# circle's centre
 # (from there the second centre is within pi/6 of the target); (0, 0.1) is for targets near the
 # circle, where the short second arc vanishes.
 _EITHER_SECOND_ARC = (
@@ -34,29 +33,30 @@ _EITHER_SECOND_ARC = (
 # rad: bearings below this are straight ahead, on whichever side rounding has put them
 _STRAIGHT = 1e-9
 
-# at z = 0 the two equations' derivatives are linearly dependent (THEORY section 5)
+# radii; at z = 0 the gradients of the two equations are linearly dependent (docs/derivation.md,
+# section 7)
 _SHORTEST = 1e-3
 
-# Near a turning circle a Newton-like step from the first guess may leave the solution's basin. The
-# bearing itself and these turns of the first guess (rad) are tried until a start succeeds.
+# rad; near a turning circle a Newton-like step from the first guess may leave the solution's
+# basin. Then the bearing itself and the first guess turned by these angles are tried.
 _SWINGS = (0.7, -0.7, 1.4, -1.4)
 
 
-def starting_points(
+def initial_guesses(
     question: Question, subproblem: Subproblem, kind: str, seed: int, count: int
 ) -> Iterator[FloatArray]:
     """Points z, each of shape (3,), from which to solve a subproblem; fixed lengths are zero.
 
     Args:
-        question: its `start`, if it is a path of the subproblem's word, goes first.
+        question: its `initial_guess` goes first, if that is a path of the subproblem's word.
         subproblem: which lengths are free, and in which order the turns come.
         kind: `bearing` (turn towards the target and by half the radius' apparent size more, then
-            go straight; some turns to either side follow), `zero` (as AMPL does by default),
-            `random`, or `given`: only from the question's own start, if it has one.
+            go straight; some turns to either side follow), `zero` (AMPL's default), `random`, or
+            `given`: only the question's own guess, if it has one.
         seed, count: of the random points: arcs uniform in [0, 2 pi], straights up to twice the
             target's distance plus a turning circle's diameter.
 
-    See `every_start` for which of them must all be solved from.
+    `needs_every_guess` says whether to solve from all of them.
     """
     X, Y = target(question.scenario, subproblem.mirrored)
     if question.initial_guess is not None:
@@ -71,53 +71,24 @@ def starting_points(
         largest = np.array((FULL_TURN, FULL_TURN, 2 * math.hypot(X, Y) + 2))
         yield from np.random.default_rng(seed).uniform(size=(count, 3)) * largest * subproblem.mask
     else:
-        asked = question.branch == subproblem.name
-        for point in _bearing(X, Y, subproblem, asked):
+        prescribed = question.branch == subproblem.name
+        for point in _bearing(X, Y, subproblem, prescribed):
             yield np.array(point) * subproblem.mask
 
 
-def every_start(subproblem: Subproblem, kind: str) -> bool:
-    """Whether all starting points must be solved from, or the first that succeeds will do.
+def needs_every_guess(subproblem: Subproblem, kind: str) -> bool:
+    """Whether to solve from every initial guess, or only up to the first that succeeds.
 
-    LS and RS have one solution below a full turn; the others have more.
+    LS and RS have one solution below a full turn; the other words have more.
     """
     return kind == "random" or subproblem.free == (0, 1)
 
 
-class Posed(Protocol):
-    """A subproblem as a backend takes it."""
-
-    @property
-    def subproblem(self) -> Subproblem: ...
-
-
-Case = TypeVar("Case", bound=Posed)
-
-
-def attempts(
-    question: Question,
-    cases: Iterable[Case],
-    solve: Callable[[Case, FloatArray], Point],
-    start: str,
-    seed: int,
-    count: int,
-) -> list[Attempts]:
-    """Every case of a question with its starting points; for start, seed, count see above."""
-    return [
-        Attempts(
-            partial(solve, case),
-            starting_points(question, case.subproblem, start, seed, count),
-            every_start(case.subproblem, start),
-        )
-        for case in cases
-    ]
-
-
 def _bearing(
-    X: float, Y: float, subproblem: Subproblem, asked: bool
+    X: float, Y: float, subproblem: Subproblem, prescribed: bool
 ) -> Iterator[tuple[float, float, float]]:
     bearing, distance = math.atan2(Y, X), max(math.hypot(X, Y), _SHORTEST)
-    if subproblem.free == (0, 1) and asked:
+    if subproblem.free == (0, 1) and prescribed:
         facing = math.atan2(Y - 1, X) + math.pi / 2
         for aside, second in _EITHER_SECOND_ARC:
             yield (facing + aside) % FULL_TURN, second, 0.0
@@ -138,7 +109,7 @@ def _bearing(
 
 
 def _from_path(path: Path, radius: float, subproblem: Subproblem) -> FloatArray:
-    """How far a path turns the first way, turns the other way, and goes straight."""
+    """The length z of a path's turns the first way, its turns the other way, and its straights."""
     turn = path.curvature * path.length * subproblem.turns[0]
     straight = path.length[path.curvature == 0].sum() / radius
     return np.array((turn[turn > 0].sum(), -turn[turn < 0].sum(), straight))

@@ -26,15 +26,14 @@ from dubins_study.solvers.ipopt_library.engine import (
     library,
     unavailable,
 )
-from dubins_study.solvers.paper_nlp.initial_guesses import STARTS, attempts
+from dubins_study.solvers.paper_nlp.best_point import Point, answer, attempts
+from dubins_study.solvers.paper_nlp.initial_guesses import INITIAL_GUESSES
 from dubins_study.solvers.paper_nlp.model import (
     FULL_TURN,
     MODELS,
     ORDERS,
     UNITS,
-    Point,
     Subproblem,
-    answer,
     subproblems,
     target,
 )
@@ -46,7 +45,7 @@ from dubins_study.study.path import FloatArray
 
 
 class Native(NamedTuple):
-    """What Ipopt says of one run; z has shape (3,)."""
+    """The result of one Ipopt run; z has shape (3,)."""
 
     z: FloatArray
     multipliers: tuple[float, float] | None
@@ -69,12 +68,12 @@ class Case(NamedTuple):
     unit: float | None = None
 
 
-# (the subproblem, its starting point z) -> what Ipopt says
+# (the subproblem, its initial guess z) -> the result
 Run = Callable[[Case, FloatArray], Native]
 
 
 class Model(NamedTuple):
-    """A question as `solve` takes it, and what answers it."""
+    """A question, translated for `solve`."""
 
     question: Question
     cases: list[Case]
@@ -83,8 +82,10 @@ class Model(NamedTuple):
 
 @dataclass(frozen=True)
 class Ipopt(Solver):
-    """Settings: see `solvers.paper_nlp.model` (model, order) and `solvers.paper_nlp.initial_guesses` (start, seed, count).
+    """Model (4.12) by Ipopt.
 
+    `model` and `order` choose the subproblems (`paper_nlp.model.subproblems`); `initial_guess`,
+    `seed` and `count` choose where the search begins (`paper_nlp.initial_guesses`).
     `capped` bounds arcs by a full turn, which the paper does not. `tol`, `max_iter` and
     `bound_relax` (its bound_relax_factor) are Ipopt's own; the last is 1e-8 there, and Ipopt then
     returns arcs of -1e-8, which no vehicle drives: cut to zero they miss a target 1 000 radii away
@@ -121,7 +122,7 @@ class Ipopt(Solver):
         one_of(
             model=(self.model, MODELS),
             order=(self.order, ORDERS),
-            initial_guess=(self.initial_guess, STARTS),
+            initial_guess=(self.initial_guess, INITIAL_GUESSES),
         )
         one_of(via=(self.via, VIAS), units=(self.units, UNITS))
         positive(count=self.count, max_iter=self.max_iter)
@@ -179,8 +180,8 @@ def cases_of(
     ]
 
 
-def _attempt(run: Run, case: Case, start: FloatArray) -> Point:
-    native = run(case, start)
+def _attempt(run: Run, case: Case, guess: FloatArray) -> Point:
+    native = run(case, guess)
     return Point(
         case.subproblem,
         native.z,
@@ -236,12 +237,12 @@ def executable_template(options: Options, units: str = "radius") -> Run:
 
 
 def _run(ask: Ask) -> Run:
-    def run(case: Case, start: FloatArray) -> Native:
+    def run(case: Case, guess: FloatArray) -> Native:
         unit = 1.0 if case.unit is None else case.unit
         data = [unit * x for x in case.target] + ([] if case.unit is None else [case.unit])
-        found = ask(*(np.concatenate((unit * z, data)) for z in (start, case.lower, case.upper)))
-        duals = None if found.duals is None else (float(found.duals[0]), float(found.duals[1]))
-        counts = found.iterations, found.evaluations
-        return Native(found.point[:3] / unit, duals, found.status, found.message, *counts)
+        result = ask(*(np.concatenate((unit * z, data)) for z in (guess, case.lower, case.upper)))
+        duals = None if result.duals is None else (float(result.duals[0]), float(result.duals[1]))
+        counts = result.iterations, result.evaluations
+        return Native(result.point[:3] / unit, duals, result.status, result.message, *counts)
 
     return run

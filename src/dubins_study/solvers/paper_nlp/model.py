@@ -1,4 +1,4 @@
-"""The paper's model (4.12), shared by the NLP backends: three lengths, two equations.
+"""The paper's model (4.12), shared by the NLP solvers: three lengths, two equations.
 
 A subproblem lives in the vehicle's frame at unit radius. Its variables are z = (z1, z2, z3): a turn
 one way, a turn the other way, a straight (arcs in rad, straight in radii), all z >= 0. In the
@@ -8,22 +8,18 @@ order LRS the first turn is to the left; the order RLS is the same model seen in
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import cached_property
-from time import perf_counter
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from dubins_study.solvers.protocol import Question, Solution
-from dubins_study.study.check.verdict import Claim
+from dubins_study.solvers.protocol import Question
 from dubins_study.study.path import FloatArray, Path
 from dubins_study.study.scenario import Scenario
 
-# The paper leaves arcs unbounded; a path with a full turn in it is never shortest, so this cap
-# takes away local minima and no optimum (THEORY section 5).
+# The paper leaves arcs unbounded. A path with a full turn in it is never shortest, so this cap
+# removes local minima and no optimum (docs/derivation.md, section 7).
 FULL_TURN = 2 * math.pi
 
 
@@ -62,13 +58,13 @@ SUBPROBLEMS = {
     "RLS": Subproblem("RLS", True, (0, 1, 2)),
 }
 MODELS = ("words", "joint")
-# what the model measures lengths in: turning radii, or as in the paper the scenario's own unit
+# the unit of the model's lengths: turning radii, or as in the paper the scenario's unit
 UNITS = ("radius", "scenario")
 ORDERS = {"LRS": ("LRS",), "RLS": ("RLS",), "both": ("LRS", "RLS")}
 
 
 def subproblems(question: Question, model: str, order: str) -> list[Subproblem]:
-    """What must be solved to answer a question.
+    """The subproblems to solve for a question.
 
     Args:
         question: its branch is `best` or a word, which is then the subproblem.
@@ -157,111 +153,3 @@ def in_world(
         my = -my
     cos, sin = math.cos(scenario.heading), math.sin(scenario.heading)
     return mx * cos - my * sin, mx * sin + my * cos
-
-
-def already_there(question: Question) -> Solution | None:
-    """The answer to a question whose target is its start: nothing to drive, nothing to solve.
-
-    At z = 0 no constraint qualification holds, so no NLP method can certify this point.
-    """
-    if question.scenario.local() != (0.0, 0.0):
-        return None
-    path = Path(question.scenario.start, [], [])
-    return Solution(Claim.LOCAL, path=path, claimed_length=0.0, message="the target is the start")
-
-
-class Point(NamedTuple):
-    """What an NLP solver found for one subproblem from one start; z has shape (3,)."""
-
-    subproblem: Subproblem
-    z: FloatArray
-    claim: Claim
-    multipliers: tuple[float, float] | None
-    iterations: int | None
-    evaluations: int | None
-    status: str
-    message: str
-
-
-class Attempts(NamedTuple):
-    """How one subproblem is solved.
-
-    Args:
-        solve: solves it from a starting point z, shape (3,).
-        starts: the points, made one after another since mostly the first one does.
-        every: whether all are solved from, or those after the first success are left out.
-    """
-
-    solve: Callable[[FloatArray], Point]
-    starts: Iterable[FloatArray]
-    every: bool
-
-
-def answer(question: Question, attempts: list[Attempts], limit: float) -> Solution:
-    """The answer to a question: each subproblem attempted in turn, the best point chosen.
-
-    No attempt is begun after `limit` seconds.
-    """
-    return already_there(question) or choose(question, _solve_all(attempts, limit))
-
-
-def _solve_all(attempts: list[Attempts], limit: float) -> list[Point]:
-    began = perf_counter()
-    points: list[Point] = []
-    for solve, starts, every in attempts:
-        for start in starts:
-            if perf_counter() - began > limit:
-                return points
-            points.append(solve(start))
-            if points[-1].claim is Claim.LOCAL and not every:
-                break
-    return points
-
-
-def choose(question: Question, points: list[Point]) -> Solution:
-    """The answer to a question from the points of all its subproblems and starts.
-
-    The shortest of those that the solver calls solutions; if it calls none one, the point that
-    ends nearest to the target, with a claim as weak as the strongest among them.
-    """
-    scenario = question.scenario
-    solved = [point for point in points if point.claim is Claim.LOCAL]
-    if solved:
-        best = min(solved, key=lambda point: float(point.z.sum()))
-        claim = Claim.LOCAL
-    elif points:
-        best = min(points, key=lambda point: _residual(scenario, point))
-        claims = {point.claim for point in points}
-        claim = claims.pop() if len(claims) == 1 else Claim.FAILED
-        if claim is Claim.FEASIBLE and not _residual(scenario, best) <= _ARRIVES:
-            claim = Claim.FAILED  # feasible to a tolerance of its own, and no path to the target
-    else:
-        return Solution(Claim.LIMIT, message="no time to begin")
-    duals = best.multipliers
-    # a point that its solver calls infeasible is no answer to keep apart from "no path", and some
-    # solvers return no numbers when they fail
-    pathless = claim is Claim.INFEASIBLE or bool(np.isnan(best.z).all())
-    return Solution(
-        claim,
-        path=None if pathless else as_path(scenario, best.subproblem, best.z),
-        claimed_length=float(best.z.sum()) * scenario.radius if solved else None,
-        multipliers=None if duals is None else in_world(scenario, best.subproblem, duals),
-        iterations=total([point.iterations for point in points]),
-        evaluations=total([point.evaluations for point in points]),
-        native_status=best.status,
-        message=f"{best.subproblem.name}: {best.message}",
-    )
-
-
-def total(counts: Iterable[int | None]) -> int | None:
-    """The sum, or None if a backend does not count."""
-    known = list(counts)
-    return None if None in known else sum(count for count in known if count is not None)
-
-
-_ARRIVES = 1e-6  # radii, as the check has it
-
-
-def _residual(scenario: Scenario, point: Point) -> float:
-    residual = np.abs(equations(point.z, *target(scenario, point.subproblem.mirrored))).sum()
-    return float(residual) if np.isfinite(residual) else math.inf

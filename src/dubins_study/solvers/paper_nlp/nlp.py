@@ -1,6 +1,6 @@
 """The paper's model by any other NLP solver: SciPy's trust-constr, KNITRO, or one that AMPL calls.
 
-An executable is looked for on PATH by its name and run as AMPL runs it (see `solvers.paper_nlp.ampl`).
+An executable is looked up on PATH by its name and run as AMPL runs it (`solvers.paper_nlp.ampl`).
 """
 
 from __future__ import annotations
@@ -13,13 +13,12 @@ from time import perf_counter
 from typing import Any, ClassVar, NamedTuple
 
 from dubins_study.solvers.paper_nlp import ampl, pyomo_direct
-from dubins_study.solvers.paper_nlp.initial_guesses import STARTS, attempts
+from dubins_study.solvers.paper_nlp.best_point import Point, answer, attempts
+from dubins_study.solvers.paper_nlp.initial_guesses import INITIAL_GUESSES
 from dubins_study.solvers.paper_nlp.ipopt import Case, cases_of
 from dubins_study.solvers.paper_nlp.model import (
     MODELS,
     ORDERS,
-    Point,
-    answer,
 )
 from dubins_study.solvers.paper_nlp.trust_constr import trust_constr
 from dubins_study.solvers.protocol import Question, Solution, Solver
@@ -30,12 +29,12 @@ from dubins_study.study.path import FloatArray
 # A path would let whoever writes an experiment choose the file that is run.
 _NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]*")
 
-# (a subproblem, its starting point, the seconds left) -> what the solver says
+# (a subproblem, its initial guess, the seconds left) -> the point that the solver reaches
 Route = Callable[[Case, FloatArray, float], Point]
 
 
 class Model(NamedTuple):
-    """A question as `solve` takes it, and what answers it."""
+    """A question, translated for `solve`."""
 
     question: Question
     cases: list[Case]
@@ -44,12 +43,14 @@ class Model(NamedTuple):
 
 @dataclass(frozen=True)
 class Nlp(Solver):
-    """Settings: see `solvers.paper_nlp.model` (model, order) and `solvers.paper_nlp.initial_guesses` (start, seed, count).
+    """Model (4.12) by one of several NLP solvers.
 
+    `model` and `order` choose the subproblems (`paper_nlp.model.subproblems`); `initial_guess`,
+    `seed` and `count` choose where the search begins (`paper_nlp.initial_guesses`).
     `solver` is `trust-constr`, `knitro` or the name of an executable on PATH that reads NL files.
-    `capped` bounds arcs by a full turn, which the paper does not. `tol` and `max_iter` are those of
-    trust-constr (see `solvers.paper_nlp.trust_constr`); the others run with their own defaults, as in the
-    paper.
+    `capped` bounds arcs by a full turn, which the paper does not. `tol` and `max_iter` are for
+    trust-constr (`solvers.paper_nlp.trust_constr`); the other solvers run with their defaults, as
+    in the paper.
     """
 
     solver: str = "trust-constr"
@@ -78,7 +79,7 @@ class Nlp(Solver):
         one_of(
             model=(self.model, MODELS),
             order=(self.order, ORDERS),
-            initial_guess=(self.initial_guess, STARTS),
+            initial_guess=(self.initial_guess, INITIAL_GUESSES),
         )
         positive(count=self.count, max_iter=self.max_iter)
         within(tol=(self.tol, 1e-14, 1e-2))
@@ -114,8 +115,8 @@ class Nlp(Solver):
     def solve(self, model: Model, limit: float) -> Solution:
         question, deadline = model.question, perf_counter() + limit
 
-        def run(case: Case, start: FloatArray) -> Point:
-            return model.route(case, start, deadline - perf_counter())
+        def run(case: Case, guess: FloatArray) -> Point:
+            return model.route(case, guess, deadline - perf_counter())
 
         tried = attempts(question, model.cases, run, self.initial_guess, self.seed, self.count)
         return answer(question, tried, limit)

@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from dubins_study.solvers.paper_nlp.best_point import Point
 from dubins_study.solvers.paper_nlp.ipopt import Case
-from dubins_study.solvers.paper_nlp.model import Point
 from dubins_study.solvers.paper_nlp.pyomo_case import no_point, posed
 from dubins_study.study.check.verdict import Claim
 from dubins_study.study.path import FloatArray
@@ -47,11 +47,11 @@ def _interface(name: str) -> Any:
     return SolverFactory(name)
 
 
-def solve(case: Case, start: FloatArray, seconds: float, interface: str) -> Point:
-    """The point that one of Pyomo's solver interfaces reaches from `start`, shape (3,)."""
+def solve(case: Case, guess: FloatArray, seconds: float, interface: str) -> Point:
+    """The point that one of Pyomo's solver interfaces reaches from `guess`, shape (3,)."""
     from pyomo.common.errors import ApplicationError, PyomoException
 
-    model = posed(case, start)
+    model = posed(case, guess)
     solver = _interface(interface)
     if "knitro_warm_start" in solver.config:
         solver.config.knitro_warm_start = True  # else KNITRO starts from a point of its own

@@ -9,15 +9,14 @@ from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
-from dubins_study.solvers.paper_nlp.initial_guesses import STARTS, attempts
+from dubins_study.solvers.paper_nlp.best_point import Point, answer, attempts
+from dubins_study.solvers.paper_nlp.initial_guesses import INITIAL_GUESSES
 from dubins_study.solvers.paper_nlp.model import (
     FULL_TURN,
     MODELS,
     ORDERS,
     UNITS,
-    Point,
     Subproblem,
-    answer,
     equations,
     jacobian,
     subproblems,
@@ -48,7 +47,7 @@ class Case(NamedTuple):
 
 
 class Model(NamedTuple):
-    """A question as `solve` takes it, and what answers it."""
+    """A question, translated for `solve`."""
 
     question: Question
     cases: list[Case]
@@ -56,8 +55,10 @@ class Model(NamedTuple):
 
 @dataclass(frozen=True)
 class Slsqp(Solver):
-    """Settings: see `solvers.paper_nlp.model` (model, order) and `solvers.paper_nlp.initial_guesses` (start, seed, count).
+    """Model (4.12) by SLSQP.
 
+    `model` and `order` choose the subproblems (`paper_nlp.model.subproblems`); `initial_guess`,
+    `seed` and `count` choose where the search begins (`paper_nlp.initial_guesses`).
     `capped` bounds arcs by a full turn, which the paper does not. `ftol` is SLSQP's tolerance
     on the objective and the sum of constraint violations, in radii; it is multiplied by the
     target's distance where that exceeds one radius, up to a thousand, since rounding grows with
@@ -90,7 +91,7 @@ class Slsqp(Solver):
         one_of(
             model=(self.model, MODELS),
             order=(self.order, ORDERS),
-            initial_guess=(self.initial_guess, STARTS),
+            initial_guess=(self.initial_guess, INITIAL_GUESSES),
         )
         one_of(units=(self.units, UNITS))
         positive(count=self.count, maxiter=self.maxiter)
@@ -126,13 +127,13 @@ class Slsqp(Solver):
         )
         return answer(question, tried, limit)
 
-    def _from(self, case: Case, start: FloatArray) -> Point:
+    def _from(self, case: Case, guess: FloatArray) -> Point:
         from scipy.optimize import minimize
 
         ones = np.ones(len(case.subproblem.free))
         result = minimize(
             _sum,
-            case.unit * start[list(case.subproblem.free)],
+            case.unit * guess[list(case.subproblem.free)],
             jac=lambda z: ones,
             method="SLSQP",
             bounds=case.bounds,

@@ -13,8 +13,9 @@ from typing import Any
 
 import numpy as np
 
+from dubins_study.solvers.paper_nlp.best_point import Point
 from dubins_study.solvers.paper_nlp.ipopt import Case
-from dubins_study.solvers.paper_nlp.model import Point, equations, hessian, jacobian
+from dubins_study.solvers.paper_nlp.model import equations, hessian, jacobian
 from dubins_study.study.check.verdict import Claim
 from dubins_study.study.closed_form.shortest import EPS
 from dubins_study.study.path import FloatArray
@@ -75,8 +76,8 @@ def _full(case: Case, free: FloatArray) -> FloatArray:
     return z
 
 
-def trust_constr(case: Case, start: FloatArray, seconds: float, tol: float, max_iter: int) -> Point:
-    """The point that trust-constr reaches from `start`, shape (3,).
+def trust_constr(case: Case, guess: FloatArray, seconds: float, tol: float, max_iter: int) -> Point:
+    """The point that trust-constr reaches from `guess`, shape (3,).
 
     Args:
         tol: SciPy's gtol and barrier_tol, in radii; more where the target is so far away that
@@ -92,7 +93,7 @@ def trust_constr(case: Case, start: FloatArray, seconds: float, tol: float, max_
     watch = _Watch(case, perf_counter() + seconds, tolerance)
     result = minimize(
         np.sum,
-        start[mask],
+        guess[mask],
         method="trust-constr",
         jac=lambda z: ones,
         hess=lambda z: zeros,

@@ -1,1 +1,1 @@
-"""The exact shortest path of every word, and the shortest of all: one scenario or a frame of them."""
+"""The exact shortest path of every word and of all words, for one scenario or a frame."""

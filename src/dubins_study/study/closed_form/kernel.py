@@ -1,8 +1,8 @@
 """The closed form over arrays: `study.closed_form.shortest` for millions of targets at once.
 
-Strict IEEE arithmetic and the formulas of `study.closed_form.shortest` (THEORY sections 3 and 4). Lengths
-differ from the scalar's by a few ulp, since sine, cosine and arctangent are our own; a word
-differs only where that last ulp decides whether a target is snapped to a circle or to the axis.
+Strict IEEE arithmetic and the formulas of `study.closed_form.shortest`. Lengths differ from its
+lengths by a few ulp, since sine, cosine and arctangent are computed here; a word differs only where
+the last ulp decides whether a target is snapped to a circle or to the axis.
 """
 
 from __future__ import annotations

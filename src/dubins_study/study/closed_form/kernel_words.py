@@ -24,7 +24,7 @@ _TWO_PI = 2 * math.pi
 def to_local_exactly(
     x: float, y: float, heading: float, tx: float, ty: float, radius: float
 ) -> tuple[float, float, float]:
-    """`study.closed_form.kernel.to_local` for every heading and radius: libm's sine and cosine, divisions."""
+    """As `kernel.to_local`, for every heading and radius: libm's sine and cosine, divisions."""
     dx, dy = tx - x, ty - y
     sine, cosine = math.sin(heading), math.cos(heading)
     X, Y = (dx * cosine + dy * sine) / radius, (dy * cosine - dx * sine) / radius

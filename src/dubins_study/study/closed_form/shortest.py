@@ -1,7 +1,7 @@
-"""The closed form: the shortest path of every word, and the shortest of all, one at a time.
+"""The closed form: the shortest path of every word, and the shortest of all, for one scenario.
 
-All of it in the vehicle's frame in units of the radius, target (X, Y), X forward and Y to the left
-(THEORY sections 2 and 3; derived in docs/derivation.md). `study.closed_form.kernel` is the same over arrays.
+Everything is in the vehicle's frame in units of the radius: target (X, Y), X forward, Y to the left
+(docs/derivation.md, sections 1 and 3 to 6). `study.closed_form.kernel` does the same for arrays.
 """
 
 from __future__ import annotations
@@ -68,7 +68,7 @@ class Shortest(NamedTuple):
 
 
 def local(scenario: Scenario) -> Local:
-    """The target as the closed form sees it, snapped to the axis or the start if rounding hides it.
+    """The target in the vehicle's frame, snapped to the axis or to the start within rounding.
 
     A coordinate read from the scenario is off by half an ulp, and so is the heading; the
     difference, the rotation and the division add a few more: 2 eps times the coordinates' size
@@ -178,8 +178,8 @@ def shortest_path(scenario: Scenario, branch: str = "best") -> Path | None:
         scenario: start, target, turning radius.
         branch: `best`, or a word: `LS`, `RS`, `LR`, `RL`.
     """
-    found = shortest(scenario, branch)
-    return None if found is None else as_path(scenario, found.word, found.segments)
+    optimum = shortest(scenario, branch)
+    return None if optimum is None else as_path(scenario, optimum.word, optimum.segments)
 
 
 def as_path(scenario: Scenario, word: str, segments: Segments) -> Path:

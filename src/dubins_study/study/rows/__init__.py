@@ -1,1 +1,1 @@
-"""The results format: the columns of a row, and how steady a machine was."""
+"""The results format: columns, manifest, and the one reader and checker of Parquet parts."""

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path as FilePath
 
 from dubins_study.errors import DubinsStudyError
@@ -27,6 +29,15 @@ def reason(error: OSError) -> str:
     return error.strerror or str(error).partition("\n")[0] or type(error).__name__
 
 
+@contextmanager
+def os_errors_as(problem: str) -> Iterator[None]:
+    """Raise an error of the operating system as a `ResultsError`: the problem and its reason."""
+    try:
+        yield
+    except OSError as error:
+        raise ResultsError(f"{problem}: {reason(error)}") from None
+
+
 def refuse_link(place: FilePath) -> None:
     """Refuse a file or folder of a results folder that leads somewhere else.
 
@@ -34,10 +45,8 @@ def refuse_link(place: FilePath) -> None:
         ResultsError: if it is a link. A stranger's folder may name any file of this machine, and
             nothing outside a results folder is read or written.
     """
-    try:
+    with os_errors_as(f"{place} cannot be read"):  # its name may be too long
         link = place.is_symlink()
-    except OSError as error:  # a name that is too long
-        raise ResultsError(f"{place} cannot be read: {reason(error)}") from None
     if link:
         raise ResultsError(
             f"{place} is a link; expected a file or folder of its own, since nothing outside a "

@@ -11,7 +11,6 @@ from pydantic import (
     BaseModel,
     ConfigDict,
     Field,
-    TypeAdapter,
     ValidationError,
     ValidationInfo,
     ValidatorFunctionWrapHandler,
@@ -22,20 +21,23 @@ from pydantic import (
 from dubins_study.study.check.verdict import Tolerances
 from dubins_study.study.printable import plain, printable_values
 from dubins_study.study.rows.chunk import Count
-from dubins_study.study.rows.files import ResultsError, reason, refuse_link
+from dubins_study.study.rows.files import ResultsError, os_errors_as, refuse_link
 from dubins_study.study.rows.machine_noise import Probe
 from dubins_study.study.rows.schema import VERSION
 
 MANIFEST = "manifest.json"
 # Manifests that a run writes have fewer levels, and writing one calls itself level by level.
 _MAX_LEVELS = 20
-_PROBE = TypeAdapter(Probe)
 
 
 class _Record(BaseModel):
     """Keys that no field names are kept as they are, so that rewriting a manifest loses nothing."""
 
     model_config = ConfigDict(frozen=True, strict=True, extra="allow")
+
+    def with_changes(self, **changes: Any) -> Self:
+        """A copy in which some fields have other values."""
+        return self.model_copy(update=changes)
 
 
 class Definition(_Record):
@@ -93,13 +95,7 @@ class RunEntry(_Record):
     ended: str | None = None
     seconds: Annotated[float, Field(ge=0, le=1e15)] | None = None
     state: str = "unknown"
-    probes: tuple[Probe, ...] = ()
-
-    @field_validator("probes", mode="before")
-    @classmethod
-    def _keep_valid_probes(cls, value: Any) -> tuple[Probe, ...]:
-        probes = (_probe(item) for item in value) if isinstance(value, list | tuple) else ()
-        return tuple(probe for probe in probes if probe is not None)
+    probes: list[Probe] = []
 
     @field_validator("*", mode="wrap")
     @classmethod
@@ -112,15 +108,8 @@ class RunEntry(_Record):
             return cls.model_fields[str(info.field_name)].get_default(call_default_factory=True)
 
     @field_serializer("probes")
-    def _list_probes(self, probes: tuple[Probe, ...]) -> list[list[float]]:
+    def _probes_as_lists(self, probes: list[Probe]) -> list[list[float]]:
         return [[*probe] if probe.machine else [probe.when, probe.took] for probe in probes]
-
-
-def _probe(value: Any) -> Probe | None:
-    try:
-        return _PROBE.validate_python(value, strict=True)
-    except ValidationError:
-        return None
 
 
 class Manifest(_Record):
@@ -150,27 +139,12 @@ class Manifest(_Record):
     git: dict[str, Any] = {}
     created: str | None = None
     finished: str | None = None
-    runs: tuple[RunEntry, ...] = ()
-
-    @field_validator("runs", mode="before")
-    @classmethod
-    def _as_tuple(cls, value: Any) -> Any:
-        return tuple(value) if isinstance(value, list) else value
+    runs: list[RunEntry] = []
 
     @property
     def code_digests(self) -> dict[str, str]:
         """The digest of the code whose rows count, by solver."""
         return {spec: entry.code_digest for spec, entry in self.solvers.items()}
-
-    def with_changes(self, **changes: Any) -> Self:
-        """A copy in which some fields have other values."""
-        return self.model_copy(update=changes)
-
-    def as_json(self) -> str:
-        """The text of the file; line by line, but two numbers of a list stand on one line."""
-        return json.dumps(
-            self.model_dump(by_alias=True), indent=2, ensure_ascii=False, allow_nan=False
-        )
 
 
 def read_manifest(folder: FilePath, *, printable: bool = False) -> Manifest:
@@ -185,25 +159,20 @@ def read_manifest(folder: FilePath, *, printable: bool = False) -> Manifest:
             a run writes: the message names the key, its value and what was expected.
     """
     file = folder / MANIFEST
-    try:
+    with os_errors_as(f"{file} cannot be read"):
         if not folder.is_dir():
             raise ResultsError(f"{folder} is no results folder: it is not a folder")
         refuse_link(file)
-        if file.exists() and not file.is_file():  # reading a pipe would block
+        if not file.exists():
+            raise ResultsError(f"{folder} is no results folder: it has no {MANIFEST}")
+        if not file.is_file():  # reading a pipe would block
             raise ResultsError(f"{file} cannot be read: it is no file")
-        text = file.read_text(encoding="utf-8")
-    except FileNotFoundError:
-        raise ResultsError(f"{folder} is no results folder: it has no {MANIFEST}") from None
-    except OSError as error:
-        raise ResultsError(f"{file} cannot be read: {reason(error)}") from None
-    except UnicodeDecodeError as error:
-        raise ResultsError(f"{file} cannot be read as JSON: {error}") from None
-    return _parse(file, text, printable)
+        return _parse(file, file.read_bytes(), printable)
 
 
-def _parse(file: FilePath, text: str, printable: bool) -> Manifest:
+def _parse(file: FilePath, encoded: bytes, printable: bool) -> Manifest:
     try:
-        content = json.loads(text, parse_constant=_finite, parse_float=_finite)
+        content = json.loads(encoded.decode(), parse_constant=_finite, parse_float=_finite)
     except (ValueError, RecursionError) as error:
         raise ResultsError(f"{file} cannot be read as JSON: {error}") from None
     if not isinstance(content, dict):

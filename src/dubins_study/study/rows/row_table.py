@@ -1,4 +1,4 @@
-"""Rows as tables of the schema, whatever a plug-in put into them."""
+"""Rows as tables of the schema, whatever values a plug-in put into them."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ Row = dict[str, Any]
 
 ARROW_SCHEMA = arrow_schema()
 
-# columns that the solver has no part in, which outlive an answer that does not fit
-_OURS = (*names(KEY + SCENARIO + RUN), "region", "margin", "reference_word", "reference")
+# Columns that no solver fills, which are kept of an answer that does not fit.
+_NOT_SOLVERS = (*names(KEY + SCENARIO + RUN), "region", "margin", "reference_word", "reference")
 _TIMES = ("build_s", "solve_s", "wall_s")
 
 
@@ -28,11 +28,11 @@ def rows_table(rows: Iterable[Mapping[str, Any]]) -> pa.Table:
 
     A row that does not fit becomes one whose outcome is `raised`, so that it spoils no other.
     """
-    collected = list(rows)
+    given = list(rows)
     try:
-        return _table(collected)
-    except Exception:  # which row it was, and why, is found below
-        return _table([fitting(row) for row in collected])
+        return _table(given)
+    except Exception:  # `fitting` tells which row it was, and why
+        return _table([fitting(row) for row in given])
 
 
 def _table(rows: list[Mapping[str, Any]]) -> pa.Table:
@@ -41,7 +41,7 @@ def _table(rows: list[Mapping[str, Any]]) -> pa.Table:
 
 
 def _column(values: list[Any], kind: pa.DataType) -> pa.Array:
-    column = pa.array(values, type=kind, from_pandas=True)  # which makes NaN null
+    column = pa.array(values, type=kind, from_pandas=True)  # NaN becomes null
     numbers = column.values if pa.types.is_list(kind) else column
     if pa.types.is_floating(numbers.type) and pc.any(pc.invert(pc.is_finite(numbers))).as_py():
         return pa.array([_clean(value) for value in values], type=kind)
@@ -49,24 +49,29 @@ def _column(values: list[Any], kind: pa.DataType) -> pa.Array:
 
 
 def fitting(row: Mapping[str, Any]) -> Row:
-    """The row as plain values of the schema's types, or one that says what does not fit."""
+    """The row as plain values of the schema's types, or a row whose message says what misfits."""
     plain: Row = {}
     misfit = ""
     for field in ARROW_SCHEMA:
         value = row.get(field.name)
         try:
             plain[field.name] = pa.array([_clean(value)], type=field.type)[0].as_py()
-        except Exception:  # a plug-in's value may fail in any way, even in telling what it is
+        except Exception:  # a plug-in's value may fail in any way, even in its own repr
             misfit = misfit or f"{field.name} is {_shown(value)}; expected {field.type}"
     return raised_row(plain, f"TypeError: {misfit}") if misfit else plain
 
 
 def raised_row(known: Mapping[str, Any], message: str) -> Row:
-    """The row of an attempt without an answer; of what is known, our own columns are kept."""
-    kept = {name: known.get(name) for name in (*_OURS, *_TIMES)}
-    said = {"outcome": "raised", "claim": "none", "verdict": "none", "message": message}
+    """The row of an attempt that raised instead of answering.
+
+    Args:
+        known: columns of the row; those that no solver fills are kept.
+        message: what was raised.
+    """
+    kept = {name: known.get(name) for name in (*_NOT_SOLVERS, *_TIMES)}
+    ending = {"outcome": "raised", "claim": "none", "verdict": "none", "message": message}
     flags = {"false_claim": False, "wrong_basin": False, "native_status": ""}
-    return dict.fromkeys(names(ROW)) | kept | flags | said
+    return dict.fromkeys(names(ROW)) | kept | flags | ending
 
 
 def row_key(row: Mapping[str, Any]) -> Key:
@@ -91,7 +96,7 @@ def _shown(value: Any) -> str:
 
 def _clean(value: Any) -> Any:
     if isinstance(value, str):
-        # a lone surrogate has no UTF-8
+        # a lone surrogate cannot be encoded as UTF-8
         return value if value.isascii() else value.encode("utf-8", "replace").decode("utf-8")
     if isinstance(value, list):
         return [_clean(item) for item in value]

@@ -23,7 +23,7 @@ def runs(manifests: Iterable[Manifest]) -> pd.DataFrame:
     Returns:
         Columns experiment, run, started, seconds (NaN if it does not say), state, engine, jobs,
         machine and governor (texts), load (of the last minute, at its start and its end), probes
-        (a tuple of `study.rows.machine_noise.Probe`), spread (a share, NaN if unknown).
+        (a list of `study.rows.machine_noise.Probe`), spread (a share, NaN if unknown).
     """
     rows = [
         _row(manifest.name, RunEntry.model_validate(entry))

@@ -1,0 +1,156 @@
+"""The answer of a local NLP solver: the best point of several subproblems and initial guesses."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable
+from functools import partial
+from time import perf_counter
+from typing import NamedTuple, Protocol, TypeVar
+
+import numpy as np
+
+from dubins_study.solvers.paper_nlp.initial_guesses import initial_guesses, needs_every_guess
+from dubins_study.solvers.paper_nlp.model import Subproblem, as_path, equations, in_world, target
+from dubins_study.solvers.protocol import Question, Solution
+from dubins_study.study.check.verdict import Claim
+from dubins_study.study.path import FloatArray, Path
+from dubins_study.study.scenario import Scenario
+
+
+def already_there(question: Question) -> Solution | None:
+    """The answer to a question whose target is the start position, where no path is needed.
+
+    None for any other question. At z = 0 no constraint qualification holds, so no NLP method can
+    certify this point.
+    """
+    if question.scenario.local() != (0.0, 0.0):
+        return None
+    path = Path(question.scenario.start, [], [])
+    return Solution(Claim.LOCAL, path=path, claimed_length=0.0, message="the target is the start")
+
+
+class Point(NamedTuple):
+    """The end of one run: an NLP solver on one subproblem from one guess; z has shape (3,)."""
+
+    subproblem: Subproblem
+    z: FloatArray
+    claim: Claim
+    multipliers: tuple[float, float] | None
+    iterations: int | None
+    evaluations: int | None
+    status: str
+    message: str
+
+
+class Attempts(NamedTuple):
+    """One subproblem and the initial guesses to solve it from.
+
+    Args:
+        solve: solves the subproblem from an initial guess z, shape (3,).
+        guesses: the initial guesses, computed one by one since mostly the first one succeeds.
+        every: whether to solve from every guess, or only up to the first success.
+    """
+
+    solve: Callable[[FloatArray], Point]
+    guesses: Iterable[FloatArray]
+    every: bool
+
+
+class Posed(Protocol):
+    """A subproblem as a solver takes it."""
+
+    @property
+    def subproblem(self) -> Subproblem: ...
+
+
+Case = TypeVar("Case", bound=Posed)
+
+
+def attempts(
+    question: Question,
+    cases: Iterable[Case],
+    solve: Callable[[Case, FloatArray], Point],
+    kind: str,
+    seed: int,
+    count: int,
+) -> list[Attempts]:
+    """The attempts at every case of a question; `initial_guesses` explains kind, seed, count."""
+    return [
+        Attempts(
+            partial(solve, case),
+            initial_guesses(question, case.subproblem, kind, seed, count),
+            needs_every_guess(case.subproblem, kind),
+        )
+        for case in cases
+    ]
+
+
+def answer(question: Question, attempts: list[Attempts], limit: float) -> Solution:
+    """The answer to a question: each subproblem attempted in turn, the best point chosen.
+
+    No attempt begins after `limit` seconds.
+    """
+    return already_there(question) or choose(question, _points(attempts, limit))
+
+
+def _points(attempts: list[Attempts], limit: float) -> list[Point]:
+    began = perf_counter()
+    points: list[Point] = []
+    for solve, guesses, every in attempts:
+        for guess in guesses:
+            if perf_counter() - began > limit:
+                return points
+            points.append(solve(guess))
+            if points[-1].claim is Claim.LOCAL and not every:
+                break
+    return points
+
+
+def choose(question: Question, points: list[Point]) -> Solution:
+    """The answer to a question from the points of all its subproblems and initial guesses.
+
+    It is the shortest point that the solver calls a solution. If there is none, it is the point
+    that ends nearest to the target, with the claim that all points share, or `failed`.
+    """
+    scenario = question.scenario
+    solved = [point for point in points if point.claim is Claim.LOCAL]
+    if solved:
+        best = min(solved, key=lambda point: float(point.z.sum()))
+        claim = Claim.LOCAL
+    elif points:
+        best = min(points, key=lambda point: _residual(scenario, point))
+        claims = {point.claim for point in points}
+        claim = claims.pop() if len(claims) == 1 else Claim.FAILED
+        if claim is Claim.FEASIBLE and not _residual(scenario, best) <= _ARRIVES:
+            claim = Claim.FAILED  # feasible to the solver's tolerance, but no path to the target
+    else:
+        return Solution(Claim.LIMIT, message="no time to begin")
+    duals = best.multipliers
+    # a point that its solver calls infeasible is no path, and some solvers return no numbers when
+    # they fail
+    pathless = claim is Claim.INFEASIBLE or bool(np.isnan(best.z).all())
+    return Solution(
+        claim,
+        path=None if pathless else as_path(scenario, best.subproblem, best.z),
+        claimed_length=float(best.z.sum()) * scenario.radius if solved else None,
+        multipliers=None if duals is None else in_world(scenario, best.subproblem, duals),
+        iterations=total([point.iterations for point in points]),
+        evaluations=total([point.evaluations for point in points]),
+        native_status=best.status,
+        message=f"{best.subproblem.name}: {best.message}",
+    )
+
+
+def total(counts: Iterable[int | None]) -> int | None:
+    """The sum, or None if a backend does not count."""
+    known = list(counts)
+    return None if None in known else sum(count for count in known if count is not None)
+
+
+_ARRIVES = 1e-6  # radii, as in the check
+
+
+def _residual(scenario: Scenario, point: Point) -> float:
+    residual = np.abs(equations(point.z, *target(scenario, point.subproblem.mirrored))).sum()
+    return float(residual) if np.isfinite(residual) else math.inf
