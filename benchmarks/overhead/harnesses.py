@@ -71,7 +71,8 @@ def ours(cells: int, folder: FilePath) -> Spent:
 def in_process(cells: int, folder: FilePath) -> Spent:
     """The same cells without a worker process: check, certificate, rows and one part."""
     from dubins_study.experiments.engines.judging import row_of
-    from dubins_study.experiments.plan.request import Request, accepted
+    from dubins_study.experiments.plan.request import Request
+    from dubins_study.experiments.plan.run_plan import plan_run
     from dubins_study.experiments.run_settings import RunSettings
     from dubins_study.experiments.store.part_writer import write_part
     from dubins_study.solvers.attempt import ask
@@ -81,7 +82,7 @@ def in_process(cells: int, folder: FilePath) -> Spent:
 
     file = _experiment(cells, folder)
     began = perf_counter()
-    _, groups, _ = accepted(Request(file, [_SOLVER], 1, None, None, None), folder / "results")
+    groups = plan_run(Request(file, solvers=[_SOLVER])).chains
     solver, shared = load(_SOLVER), RunSettings("in-process", 60.0)
     replies = [ask(solver, Question(group[0].scenario)) for group in groups]
     rows = [row_of(group[0], None, shared, r)[0] for group, r in zip(groups, replies, strict=True)]

@@ -11,8 +11,7 @@ import psutil
 import pytest
 
 from dubins_study import run
-from dubins_study.experiments.plan import cells as grid
-from dubins_study.experiments.plan import repeated_scenarios as overlap
+from dubins_study.experiments.plan import block_plan, duplicates
 
 _CANARY = """
 from pathlib import Path
@@ -69,16 +68,16 @@ def small_run(tmp_path_factory: pytest.TempPathFactory) -> SmallRun:
     experiment = place / "small.toml"
     experiment.write_text(_SMALL)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(grid, "FEWEST_STREAMED", 100)
+        patch.setattr(block_plan, "FEWEST_STREAMED", 100)
         return SmallRun(run(experiment, place / "out"), experiment)
 
 
 @pytest.fixture
 def little_room(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     """What would fill the memory fails at once, and bounds on sizes are met early."""
-    monkeypatch.setattr(grid, "MOST_CELLS", 3000)
-    monkeypatch.setattr(grid, "FEWEST_STREAMED", 100)
-    monkeypatch.setattr(overlap, "MOST_LOOKED_THROUGH", 10_000)
+    monkeypatch.setattr(block_plan, "MOST_CELLS", 3000)
+    monkeypatch.setattr(block_plan, "FEWEST_STREAMED", 100)
+    monkeypatch.setattr(duplicates, "MOST_SEARCHED_ROWS", 10_000)
     soft, hard = resource.getrlimit(resource.RLIMIT_AS)
     held = psutil.Process().memory_info().vms
     resource.setrlimit(resource.RLIMIT_AS, (held + _ROOM, hard))

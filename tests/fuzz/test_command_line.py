@@ -58,6 +58,7 @@ _COMMANDS: dict[str, tuple[st.SearchStrategy[list[str]], list[st.SearchStrategy[
             ),
             _option("--branch", st.sampled_from(["best", "LS", "RL", "SL"])),
             _option("--profile", st.sampled_from(["default", "accurate", "no"])),
+            st.just(["--strict"]),
         ],
     ),
     "export": (
@@ -69,6 +70,7 @@ _COMMANDS: dict[str, tuple[st.SearchStrategy[list[str]], list[st.SearchStrategy[
             _option("--order", st.sampled_from(["LRS", "RLS"])),
         ],
     ),
+    "experiments": (st.just([]), [st.just(["--json"])]),
     "status": (_PLACES.map(lambda p: [p]), [st.just(["--json"])]),
     "merge": (st.lists(_PLACES, max_size=3), [_option("--out", _PLACES)]),
     "report": (st.lists(_PLACES, max_size=2), [_option("--out", _PLACES)]),

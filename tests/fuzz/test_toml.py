@@ -8,8 +8,9 @@ import pytest
 from hypothesis import given
 
 from dubins_study.experiments.definition.experiment import ExperimentError, packaged, parse
-from dubins_study.experiments.plan import cells as grid
-from dubins_study.experiments.plan.request import Request, accepted
+from dubins_study.experiments.plan import block_plan
+from dubins_study.experiments.plan.request import Request
+from dubins_study.experiments.plan.run_plan import plan_run
 from dubins_study.solvers.registry import SolverError
 from tests.fuzz.hostile import MARK, cases
 from tests.fuzz.toml_text import experiments, mutilated, text_of
@@ -26,10 +27,10 @@ def expanded_or_refused(content: bytes, place: Path, song: Path) -> None:
     """Ask for it as `dubins-study run FILE` does, up to the point where cells are solved."""
     file = place / f"{MARK}.toml"
     file.write_bytes(content)
-    request = Request(str(file), None, 1, None, None, None)
+    request = Request(str(file))
     with watched() as seen:
         try:
-            _, chains, _ = accepted(request, None)
+            chains = plan_run(request).chains
         except (ExperimentError, SolverError) as error:
             message = str(error)
             assert file.name in message
@@ -37,7 +38,7 @@ def expanded_or_refused(content: bytes, place: Path, song: Path) -> None:
             assert "\n" not in message
             assert len(message) < LONGEST
         else:
-            assert sum(map(len, chains)) <= grid.MOST_CELLS
+            assert sum(map(len, chains)) <= block_plan.MOST_CELLS
     assert not song.exists()
     assert not [*seen.started, *seen.unpickled, *seen.outside(place)]
 

@@ -7,7 +7,7 @@ from typing import Any
 
 from hypothesis import strategies as st
 
-from dubins_study.experiments.definition.experiment import FIELDS
+from dubins_study.experiments.definition.scenario_block import FIELDS
 from tests.fuzz.hostile import integers, nested, scalars, texts
 
 SPECS = (

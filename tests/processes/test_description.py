@@ -8,9 +8,9 @@ import sys
 import pytest
 
 from dubins_study import run
+from dubins_study.experiments.code_digest import code_digest
 from dubins_study.experiments.definition.experiment import ExperimentError
-from dubins_study.experiments.plan.code_digest import code
-from dubins_study.experiments.plan.solver_description import described
+from dubins_study.experiments.plan.solver_description import describe_solver
 from dubins_study.solvers.registry import SolverError, load, registered
 
 PLUGIN = """
@@ -25,10 +25,10 @@ class Plain(Slsqp):
 
 @pytest.mark.parametrize("spec", [*registered(), "slsqp[count=3]"])
 def test_our_own_are_described_as_they_are(spec):
-    found, solver = described(spec), load(spec)
+    found, solver = describe_solver(spec), load(spec)
 
     assert found.spec == spec
-    assert found.code_digest == code(spec)
+    assert found.code_digest == code_digest(spec)
     assert found.warm == solver.warm
     assert found.packages == solver.packages
     assert found.closed_form == (spec == "analytic")
@@ -36,12 +36,12 @@ def test_our_own_are_described_as_they_are(spec):
 
 
 def test_a_program_on_path_is_told():
-    assert described("nlp[solver=bonmin]").runs == "bonmin"
+    assert describe_solver("nlp[solver=bonmin]").runs == "bonmin"
 
 
 def test_a_plugin_is_loaded_by_another_process(tmp_path):
     (tmp_path / "plain.py").write_text(PLUGIN)
-    found = described(f"{tmp_path}/plain.py:Plain[count=2]")
+    found = describe_solver(f"{tmp_path}/plain.py:Plain[count=2]")
 
     loaders = {file.name for file in tmp_path.glob("loaded-*")}
     assert found.settings["count"] == 2
@@ -66,7 +66,7 @@ def test_a_plugin_that_breaks_where_it_is_loaded_is_a_message(tmp_path, text, me
     file = tmp_path / "broken.py"
     file.write_text(text)
     with pytest.raises(SolverError, match=message):
-        described(f"{file}:X")
+        describe_solver(f"{file}:X")
 
 
 @pytest.mark.parametrize("where", ["experiment", "block"])

@@ -21,9 +21,11 @@ import pytest
 from dubins_study import run
 from dubins_study.experiments.definition.experiment import ExperimentError, parse
 from dubins_study.experiments.engines import stream
-from dubins_study.experiments.engines.stream import streamed_totals, streams
+from dubins_study.experiments.engines.stream import streamed_totals
+from dubins_study.experiments.plan import streams as stream_plan
 from dubins_study.experiments.plan.cells import chains
 from dubins_study.experiments.plan.scenario_ids import scenario_id
+from dubins_study.experiments.plan.streams import streams
 from dubins_study.experiments.store.folder import done, read_rows
 from dubins_study.experiments.store.part_writer import write_part
 from dubins_study.experiments.store.status import status
@@ -72,9 +74,9 @@ def experiment(tmp_path):
 @pytest.fixture
 def small_chunks(monkeypatch):
     """Chunks of 700 and of 1000 rows, proved up to 5000."""
-    monkeypatch.setattr(stream, "_CHUNK_PROVED", 700)
-    monkeypatch.setattr(stream, "_CHUNK", 1000)
-    monkeypatch.setattr(stream, "MOST_PROVED", 5000)
+    monkeypatch.setattr(stream_plan, "_PROVED_CHUNK_ROWS", 700)
+    monkeypatch.setattr(stream_plan, "_CHUNK_ROWS", 1000)
+    monkeypatch.setattr(stream_plan, "MOST_PROVED_ROWS", 5000)
 
 
 def held(folder):
@@ -211,7 +213,7 @@ def test_names_of_streams_depend_on_what_is_asked(monkeypatch):
     assert one.id == also.id == later.id
     assert len({one.id, *(other.id for other in others)}) == 1 + len(others)
     before = one.id
-    monkeypatch.setattr(stream, "_CHUNK_PROVED", 999)
+    monkeypatch.setattr(stream_plan, "_PROVED_CHUNK_ROWS", 999)
     assert one.id != before
 
 

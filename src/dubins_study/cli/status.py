@@ -13,7 +13,8 @@ from dubins_study.cli.table import table
 from dubins_study.study.printable import plain
 
 if TYPE_CHECKING:
-    from dubins_study.experiments.store.status import RunStatus, Status
+    from dubins_study.experiments.store.status import Status
+    from dubins_study.study.rows.manifest import RunEntry
 
 _MOST_RUNS = 10  # the last ones are listed
 
@@ -92,7 +93,7 @@ def duration(seconds: float) -> str:
     return f"{seconds:.2g} s" if seconds < 10 else f"{seconds:.0f} s"
 
 
-def _noise(run: RunStatus) -> str:
+def _noise(run: RunEntry) -> str:
     return (
         f"noise     the machine's speed varied by {100 * (run.spread or 0):.1f} % during run "
         f"{plain(run.run_id)}: its times are worth that much less"
@@ -114,7 +115,7 @@ def _tables(status: Status) -> list[str]:
     return tables
 
 
-def _run(run: RunStatus) -> tuple[str, ...]:
+def _run(run: RunEntry) -> tuple[str, ...]:
     return (
         plain(run.run_id),
         plain(run.started),

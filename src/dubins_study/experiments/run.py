@@ -1,35 +1,30 @@
-"""Run an experiment: the cells that are not done yet, recorded as they come."""
+"""Run an experiment: solve the cells that its results folder does not hold yet."""
 
 from __future__ import annotations
 
 import logging
-from collections import Counter
 from pathlib import Path as FilePath
+from typing import NamedTuple
 from uuid import uuid4
 
-from dubins_study.experiments.definition.experiment import Source
 from dubins_study.experiments.engines.engine import Engine, make_engine
 from dubins_study.experiments.engines.execution import solve_left
-from dubins_study.experiments.engines.stream import (
-    Stream,
-    solve_streams,
-    streamed_totals,
-    streams_done,
-)
+from dubins_study.experiments.engines.stream import solve_streams, streamed_totals, streams_done
 from dubins_study.experiments.interruption import Interruption
 from dubins_study.experiments.isolation.sandbox import THREADS, pinned_threads
-from dubins_study.experiments.plan.cells import Chain
-from dubins_study.experiments.plan.request import Request, accepted
-from dubins_study.experiments.plan.solver_description import described
+from dubins_study.experiments.plan.request import Request
+from dubins_study.experiments.plan.run_plan import RunPlan, cell_counts, plan_run
+from dubins_study.experiments.plan.solver_description import describe_solver
 from dubins_study.experiments.provenance import machine, now, source, versions
 from dubins_study.experiments.run_settings import BYTES_PER_GIB, RunSettings
 from dubins_study.experiments.store.folder import compact, done, open_folder, prepare_folder
 from dubins_study.experiments.store.lock import locked
-from dubins_study.experiments.store.manifest import count_cells
+from dubins_study.experiments.store.manifest_changes import count_cells
 from dubins_study.experiments.store.part_writer import PartWriter, Progress
 from dubins_study.experiments.store.run_entry import recorded
 from dubins_study.solvers.profiles import tolerances
 from dubins_study.study.rows.manifest import Definition, Manifest, RunEntry, SolverEntry
+from dubins_study.study.rows.schema import Key
 
 _LOG = logging.getLogger(__name__)
 
@@ -51,133 +46,161 @@ def run(
 ) -> FilePath:
     """Run an experiment and return its results folder.
 
-    Cells whose row the folder holds are skipped, so that a second run finishes what a first one
-    left. One job by default, since times are only comparable then.
+    Cells whose rows the folder holds are skipped, so that a second run completes a first one that
+    was stopped. The default is one job: times are comparable only if cells are solved one by one.
 
     Args:
         experiment: a name (`paper`, `radius-sweep`, ...) or the path of a TOML file.
-        out: results folder; `results/<name>` by default.
-        solvers: specs to run instead of the experiment's own.
-        jobs: processes that solve side by side.
-        time_limit: seconds a solve may take, instead of the experiment's own.
-        memory_limit: GiB that a worker process and its children may hold, instead of its own.
-        repeats: how often each cell is attempted, instead of the experiment's own.
+        out: the results folder; `results/<name>` by default.
+        solvers: specs that replace those of the experiment.
+        jobs: how many processes solve cells side by side.
+        time_limit: seconds that a solve may take, instead of the experiment's limit.
+        memory_limit: GiB that a worker process and its children may hold, instead of the
+            experiment's limit.
+        repeats: how often each question is asked, instead of the experiment's number.
         restart: throw away the rows that the folder holds.
-        trust_plugins: let the experiment's own text name plug-in files and programs on PATH as solvers;
-            those among `solvers` are trusted anyway.
-        engine: `local`, or `dask`: the same by Dask's workers, on other machines too.
-        scheduler: the address of Dask's scheduler; without one, `jobs` workers are started here.
-        progress: called with (cells done, cells in all).
+        trust_plugins: let the experiment's file name plug-in files and programs on PATH as
+            solvers. Those named in `solvers` are trusted anyway.
+        engine: `local`, or `dask` for Dask workers, on this machine or on others.
+        scheduler: the address of a Dask scheduler; without one, `jobs` Dask workers are started on
+            this machine.
+        progress: called with the number of cells done and the number of all cells.
 
     Raises:
         ExperimentError, SolverError, ResultsError: if the request or the folder is not valid.
-        RunError: if worker processes end before they have done anything, or Dask cannot go on.
-        KeyboardInterrupt: after a SIGINT (Ctrl-C), once the cell being solved is finished and all
-            rows are written; a second SIGINT leaves the cell. Only in the main thread, where
-            Python handles signals, and with the caller's own handler back in place.
+        RunError: if worker processes end before they have done anything, or Dask fails.
+        KeyboardInterrupt: after SIGINT (Ctrl-C) or SIGTERM, once the cell that is being solved is
+            finished and all rows are written; a second signal abandons that cell. The caller's
+            signal handlers are restored. Signals are handled in the main thread only.
     """
-    asked = (
-        experiment,
-        solvers,
-        jobs,
-        time_limit,
-        memory_limit,
-        repeats,
-        trust_plugins,
-        engine,
-        scheduler,
+    request = Request(
+        experiment=experiment,
+        out=out,
+        solvers=solvers,
+        jobs=jobs,
+        time_limit_s=time_limit,
+        memory_limit_gib=memory_limit,
+        repeats=repeats,
+        restart=restart,
+        trust_plugins=trust_plugins,
+        engine=engine,
+        scheduler=scheduler,
     )
-    request = Request(*asked)
     with Interruption() as stop:
-        found, groups, wanted = accepted(request, out)
-        folder = FilePath(out) if out is not None else FilePath("results") / found.name
+        plan = plan_run(request)
         stop.check()
-        with make_engine(engine, jobs, scheduler) as entered:
-            _record(folder, found, groups, wanted, request, restart, progress, stop, entered)
-    return folder
+        with make_engine(engine, jobs, scheduler) as entered_engine:
+            prepare_folder(plan.folder)
+            with locked(plan.folder):
+                folder_state = _open_folder(plan, request)
+                _solve(plan, request, folder_state, entered_engine, progress, stop)
+    return plan.folder
 
 
-def _record(
-    folder: FilePath,
-    found: Source,
-    groups: list[Chain],
-    wanted: list[Stream],
+class _FolderState(NamedTuple):
+    """A results folder at the beginning of a run.
+
+    Args:
+        manifest: of the run, joined with that of earlier runs.
+        done: the keys of the cells that the folder holds.
+        completes: whether the folder holds all its cells once the run has finished.
+        finished: whether there is nothing left to do.
+    """
+
+    manifest: Manifest
+    done: set[Key]
+    completes: bool
+    finished: bool
+
+
+def _open_folder(plan: RunPlan, request: Request) -> _FolderState:
+    """Mend the results folder, and find out what it holds already."""
+    manifest, repairs = open_folder(
+        plan.folder, _new_manifest(plan, request.command()), request.restart
+    )
+    for repair in repairs:
+        _LOG.warning("dubins-study: %s", repair)
+    done_keys = done(plan.folder)
+    totals = cell_counts(plan.keys | done_keys) + streamed_totals(plan.folder, plan.streams)
+    manifest, completes = count_cells(manifest, set(plan.solver_specs), totals)
+    all_done = plan.keys <= done_keys and streams_done(plan.folder, plan.streams)
+    recorded_as_finished = manifest.finished is not None or not completes
+    return _FolderState(manifest, done_keys, completes, all_done and recorded_as_finished)
+
+
+def _solve(
+    plan: RunPlan,
     request: Request,
-    restart: bool,
+    folder_state: _FolderState,
+    engine: Engine,
     progress: Progress | None,
     stop: Interruption,
-    engine: Engine,
 ) -> None:
-    """Solve the cells that the folder does not hold, and put them there."""
-    prepare_folder(folder)
-    with locked(folder):
-        manifest = _manifest(found, groups, wanted, request.command())
-        requested = set(manifest.solvers)
-        manifest, repairs = open_folder(folder, manifest, restart)
-        for repair in repairs:
-            _LOG.warning("dubins-study: %s", repair)
-        finished = done(folder)
-        keys = {cell.key for group in groups for cell in group}
-        cells = Counter((spec, digest) for _, spec, *_, digest in keys | finished)
-        rows = cells + streamed_totals(folder, wanted)
-        manifest, completes = count_cells(manifest, requested, rows)
-        settings = RunSettings(
-            run_id=uuid4().hex[:12],
-            time_limit_s=found.experiment.time_limit_s,
-            memory_limit_bytes=round(found.experiment.memory_limit_gib * BYTES_PER_GIB),
-            jobs=engine.jobs,
-            engine=request.engine,
-            seed=found.experiment.seed,
-        )
-        total = len(keys) + sum(stream.rows for stream in wanted)
-        writer = PartWriter(folder, settings.run_id, total, progress)
-        all_done = keys <= finished and streams_done(folder, wanted)
-        if all_done and (manifest.finished is not None or not completes):
-            writer.skip(total)
-            return
-        entry = RunEntry(
-            run_id=settings.run_id,
-            time_limit_s=settings.time_limit_s,
-            jobs=settings.jobs,
-            engine=settings.engine,
-            command=request.command(),
-            memory_limit_gib=found.experiment.memory_limit_gib,
-            threads=THREADS,
-            **engine.run_entry,
-        )
-        with recorded(folder, manifest, entry, completes) as record:
-            writer.after_step = record.write_now_and_then
-            try:
-                with pinned_threads():
-                    solve_streams(folder, wanted, settings, writer, stop)
-                solve_left(
-                    folder,
-                    groups,
-                    finished,
-                    settings,
-                    writer,
-                    stop,
-                    engine,
-                    record.probe,
-                )
-            finally:
-                writer.flush()
-            compact(folder, settings.run_id)
+    """Solve streams, then cells; write the rows as they come, at last into one part."""
+    settings = _run_settings(plan, request, engine)
+    writer = PartWriter(plan.folder, settings.run_id, plan.rows, progress)
+    if folder_state.finished:
+        writer.skip(plan.rows)
+        return
+    entry = _run_entry(settings, request, engine)
+    with recorded(plan.folder, folder_state.manifest, entry, folder_state.completes) as record:
+        writer.after_step = record.write_now_and_then
+        try:
+            with pinned_threads():
+                solve_streams(plan.folder, plan.streams, settings, writer, stop)
+            solve_left(
+                plan.folder,
+                plan.chains,
+                folder_state.done,
+                settings,
+                writer,
+                stop,
+                engine,
+                record.probe,
+            )
+        finally:
+            writer.flush()
+        compact(plan.folder, settings.run_id)
 
 
-def _manifest(found: Source, groups: list[Chain], wanted: list[Stream], command: str) -> Manifest:
-    specs = dict.fromkeys(stream.solver for stream in wanted)
-    specs |= dict.fromkeys(cell.solver for group in groups for cell in group)
-    experiment = found.experiment
-    solvers = {spec: described(spec, experiment.profile) for spec in specs}
+def _run_settings(plan: RunPlan, request: Request, engine: Engine) -> RunSettings:
+    experiment = plan.experiment_file.experiment
+    return RunSettings(
+        run_id=uuid4().hex[:12],
+        time_limit_s=experiment.time_limit_s,
+        memory_limit_bytes=round(experiment.memory_limit_gib * BYTES_PER_GIB),
+        jobs=engine.jobs,
+        engine=request.engine,
+        seed=experiment.seed,
+    )
+
+
+def _run_entry(settings: RunSettings, request: Request, engine: Engine) -> RunEntry:
+    """What the manifest's entry of the run says about the request."""
+    return RunEntry(
+        run_id=settings.run_id,
+        command=request.command(),
+        engine=settings.engine,
+        jobs=settings.jobs,
+        time_limit_s=settings.time_limit_s,
+        memory_limit_gib=settings.memory_limit_gib,
+        threads=THREADS,
+        **engine.run_entry,
+    )
+
+
+def _new_manifest(plan: RunPlan, command: str) -> Manifest:
+    """The manifest of a folder that holds this experiment alone; its cells are not counted yet."""
+    file, experiment = plan.experiment_file, plan.experiment_file.experiment
+    solvers = {spec: describe_solver(spec, experiment.profile) for spec in plan.solver_specs}
     packages = sorted({package for solver in solvers.values() for package in solver.packages})
     return Manifest(
         experiment=Definition(
-            name=found.name,
+            name=file.name,
             title=experiment.title,
             question=experiment.question,
             section=experiment.section,
-            text=found.text,
+            text=file.text,
         ),
         command=command,
         seed=experiment.seed,

@@ -5,6 +5,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 BYTES_PER_GIB = 2**30
+# what may solve the cells: worker processes of this machine, or a Dask cluster
+ENGINE_NAMES = ("local", "dask")
 
 
 class RunSettings(NamedTuple):
@@ -15,7 +17,7 @@ class RunSettings(NamedTuple):
         time_limit_s: seconds that one solve may take.
         memory_limit_bytes: bytes that a worker process and its children may hold.
         jobs: how many cells are solved side by side.
-        engine: `local` or `dask`.
+        engine: one of `ENGINE_NAMES`.
         seed: the order of the cells is drawn from it.
     """
 

@@ -12,9 +12,17 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.stats import qmc
 
-from dubins_study.experiments.definition.experiment import Block, ExperimentError, Linear, Log
-from dubins_study.experiments.plan import block_columns as columns
-from dubins_study.experiments.plan.block_columns import axis_values, scenarios, size, tiled, windows
+from dubins_study.experiments.definition.axes import Linear, Log
+from dubins_study.experiments.definition.experiment import ExperimentError
+from dubins_study.experiments.definition.scenario_block import Block
+from dubins_study.experiments.plan import sample_points
+from dubins_study.experiments.plan.scenario_columns import (
+    axis_values,
+    block_size,
+    scenarios,
+    tiled,
+    windows,
+)
 from dubins_study.experiments.plan.scenario_ids import marks, scenario_id, scenario_ids
 from dubins_study.study.scenario import NUMBERS, Scenario
 
@@ -39,7 +47,7 @@ def block(name):
 
 
 def whole(found, where="b"):
-    return next(windows(found, where, [(0, size(found))]))
+    return next(windows(found, where, [(0, block_size(found))]))
 
 
 def bits(made):
@@ -51,7 +59,7 @@ def bits(made):
 def test_windows_hold_the_same_bits_in_any_order(name, cuts, data):
     """However a block's rows are cut, and in whatever order they are asked for."""
     found = block(name)
-    places = sorted({0, size(found), *(cut % size(found) for cut in cuts)})
+    places = sorted({0, block_size(found), *(cut % block_size(found) for cut in cuts)})
     wanted = [(a, b - a) for a, b in itertools.pairwise(places)]
     order = data.draw(st.permutations(range(len(wanted))))
     asked = [wanted[i] for i in order]
@@ -68,7 +76,7 @@ def test_one_by_one_they_are_the_columns(name):
     made = whole(found)
     single = list(scenarios(found, "b"))
 
-    assert len(single) == size(found)
+    assert len(single) == block_size(found)
     rows = np.array([[getattr(s, n) for n in NUMBERS] for s in single])
     assert rows.tobytes() == np.stack([made[n] for n in NUMBERS], axis=1).tobytes()
     assert scenario_ids(made, found.label).to_pylist() == [scenario_id(s) for s in single]
@@ -133,7 +141,7 @@ def test_sobol_points_in_windows_are_those_of_one_draw():
 
 
 def test_a_latin_hypercube_too_large_to_draw_is_refused(monkeypatch):
-    monkeypatch.setattr(columns, "MOST_LATIN", 99)
+    monkeypatch.setattr(sample_points, "MOST_LATIN", 99)
     with pytest.raises(ExperimentError, match=r"b: sample\.count is 100; expected at most 99"):
         whole(block("latin"))
 
@@ -153,7 +161,7 @@ def test_a_latin_hypercube_too_large_to_draw_is_refused(monkeypatch):
 def test_a_wrong_scenario_is_named_by_block_and_row(fields, message):
     """In every window that holds it, with its row in the block; single scenarios say the same."""
     found = Block.model_validate({"target_x": 3, "target_y": 2} | fields)
-    last = size(found) - 1
+    last = block_size(found) - 1
     for wanted in ([(0, last + 1)], [(last, 1)]):
         with pytest.raises(ExperimentError, match=f"^b, {message}".replace("+", r"\+")):
             list(windows(found, "b", wanted))

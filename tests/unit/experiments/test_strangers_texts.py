@@ -5,23 +5,23 @@ from __future__ import annotations
 import pytest
 
 from dubins_study.experiments.definition.experiment import ExperimentError, parse, read
-from dubins_study.experiments.engines.stream import streams
 from dubins_study.experiments.plan.cells import chains
-from dubins_study.experiments.plan.solver_specs import MOST_SPECS, expand_solvers, foreign
+from dubins_study.experiments.plan.solver_specs import MOST_SPECS, expand_solvers, untrusted_spec
+from dubins_study.experiments.plan.streams import streams
 from dubins_study.solvers.registry import SolverError
 
 HEAD = 'title = "t"\nquestion = "q"\nsolvers = ["analytic"]\n'
 BLOCK = "[[scenarios]]\ntarget_x = 3\ntarget_y = 2\n"
 
 
-@pytest.mark.parametrize("ask", [expand_solvers, foreign])
+@pytest.mark.parametrize("ask", [expand_solvers, untrusted_spec])
 def test_braces_do_not_multiply_without_end(ask):
     """Forty pairs would be a million million specs."""
     with pytest.raises(SolverError, match=f"more than {MOST_SPECS} specs"):
         ask(["{analytic,}" + "{,}" * 40])
 
 
-@pytest.mark.parametrize("ask", [expand_solvers, foreign])
+@pytest.mark.parametrize("ask", [expand_solvers, untrusted_spec])
 def test_a_spec_has_an_end(ask):
     """Thousands of braces in one another are deeper than Python goes."""
     with pytest.raises(SolverError, match="has 6000 characters; expected at most 500"):

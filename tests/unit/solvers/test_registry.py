@@ -5,7 +5,7 @@ from __future__ import annotations
 import pandas as pd
 import pytest
 
-from dubins_study.experiments.plan.code_digest import code
+from dubins_study.experiments.code_digest import code_digest
 from dubins_study.solvers.attempt import QuestionError, solve
 from dubins_study.solvers.frame import solve_frame
 from dubins_study.solvers.profiles import ProfileError
@@ -151,7 +151,7 @@ def test_a_plug_in_in_eight_lines(tmp_path):
     assert (solver.packages, solver.variants, solver.profiles, solver.runs) == ((), (), {}, None)
     assert solver.unavailable() is None
     assert solver.library_versions() == {}
-    assert code(spec) != code(spec.replace("far=3", "far=4"))
+    assert code_digest(spec) != code_digest(spec.replace("far=3", "far=4"))
 
 
 def test_a_plug_in_may_look_like_our_own(tmp_path):

@@ -12,8 +12,6 @@ from dubins_study.study.path import Path
 from dubins_study.study.rows.row_table import Row
 from dubins_study.study.rows.schema import Key
 
-ENGINES = ("local", "dask")
-
 
 class Engine(Protocol):
     """Where a run's cells are solved, for as long as it is entered.
@@ -50,7 +48,7 @@ def make_engine(name: str, jobs: int, scheduler: str | None) -> Engine:
     """An engine by its name; it is started when it is entered.
 
     Args:
-        name: one of `ENGINES`.
+        name: one of `run_settings.ENGINE_NAMES`.
         jobs: processes that solve side by side.
         scheduler: the address of Dask's scheduler.
     """

@@ -6,7 +6,7 @@ from dubins_study.experiments.interruption import Interruption
 from dubins_study.experiments.isolation.monitor import Limits
 from dubins_study.experiments.isolation.pool import Job, WorkerPool
 from dubins_study.experiments.isolation.sandbox import pinned_threads
-from dubins_study.experiments.plan.solver_description import described
+from dubins_study.experiments.plan.solver_description import describe_solver
 from dubins_study.experiments.run_settings import BYTES_PER_GIB
 from dubins_study.solvers.attempt import (
     DEFAULT_LIMIT,
@@ -39,7 +39,7 @@ def solve_isolated(
     """
     check_request(branch, limit)
     allowed = tolerances(profile)
-    described(solver, profile)
+    describe_solver(solver, profile)
     question = Question(scenario, branch)
     limits = Limits(limit, round(memory * BYTES_PER_GIB))
     with Interruption() as stop, pinned_threads(), WorkerPool(1, limits, warm_up=False) as pool:

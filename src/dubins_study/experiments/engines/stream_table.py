@@ -1,9 +1,8 @@
-"""One chunk of a stream: scenarios as columns in, judged rows out, as the schema has them."""
+"""One chunk of a stream: scenarios as columns in, judged rows as an Arrow table out."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -12,8 +11,9 @@ import pyarrow as pa
 import pyarrow.compute as pc
 
 from dubins_study.experiments.engines.judging import shared
-from dubins_study.experiments.plan.block_columns import Columns
+from dubins_study.experiments.plan.scenario_columns import Columns
 from dubins_study.experiments.plan.scenario_ids import scenario_ids
+from dubins_study.experiments.plan.streams import Stream
 from dubins_study.experiments.provenance import now, versions
 from dubins_study.experiments.run_settings import RunSettings
 from dubins_study.solvers.registry import load
@@ -21,51 +21,49 @@ from dubins_study.study.rows.row_table import ARROW_SCHEMA
 from dubins_study.study.rows.schema import SCENARIO, names
 
 
-def chunk_table(
-    columns: Columns, label: str, key: Mapping[str, Any], run: RunSettings, proved: bool
-) -> pa.Table:
-    """The rows of a chunk; every row's times are the chunk's divided by its size.
+def chunk_table(columns: Columns, stream: Stream, settings: RunSettings) -> pa.Table:
+    """The rows of a chunk, with the schema's columns.
 
-    Texts are dictionaries: a column that holds one text everywhere costs next to nothing.
+    The times in each row are those of the whole chunk divided by its number of rows. Text columns
+    are dictionary arrays: a column with the same text in every row then takes next to no memory.
 
     Args:
-        columns: scenarios, n of them.
-        label: of all of them.
-        key: the columns of the key but `scenario_id`, one value for all.
-        run: what the rows of the run share.
-        proved: whether to enclose every reference length.
+        columns: the scenarios, arrays of shape (n,).
+        stream: the stream that the chunk belongs to.
+        settings: the settings of the run.
     """
     n, started = len(columns["x"]), now()
-    answers = _answers(columns, key, run, proved)
-    own = [name for name in answers.columns if name not in names(SCENARIO)]
-    table = pa.Table.from_pandas(answers[own], preserve_index=False)
-    by_name: dict[str, Any] = {name: table[name] for name in own}
+    answers = _answers(columns, stream, settings, enclosed=stream.proved)
+    answer_names = [name for name in answers.columns if name not in names(SCENARIO)]
+    table = pa.Table.from_pandas(answers[answer_names], preserve_index=False)
+    by_name: dict[str, Any] = {name: table[name] for name in answer_names}
     by_name |= {name: pa.array(values) for name, values in columns.items()}
-    by_name["scenario_id"] = scenario_ids(columns, label)
-    same = {**key, "label": label, **shared(run, started, _versions(key["solver"]))}
-    by_name |= {name: _repeated(value, n) for name, value in same.items()}
-    arrays = [_as_written(by_name[field.name], field.type) for field in ARROW_SCHEMA]
+    by_name["scenario_id"] = scenario_ids(columns, stream.block.label)
+    run_columns = shared(settings, started, _versions(stream.solver))
+    constants = {**stream.key_columns, "label": stream.block.label, **run_columns}
+    by_name |= {name: _repeated(value, n) for name, value in constants.items()}
+    arrays = [_in_schema(by_name[field.name], field.type) for field in ARROW_SCHEMA]
     return pa.Table.from_arrays(arrays, names=ARROW_SCHEMA.names)
 
 
-def warm_up(columns: Columns, key: Mapping[str, Any], run: RunSettings) -> None:
-    """Solve a chunk and record nothing: what is compiled meanwhile is not the solver's time."""
-    _answers(columns, key, run, proved=False)
+def warm_up(columns: Columns, stream: Stream, settings: RunSettings) -> None:
+    """Solve a chunk without recording it: numba compiles its kernels during the first solve."""
+    _answers(columns, stream, settings, enclosed=False)
 
 
 def _answers(
-    columns: Columns, key: Mapping[str, Any], run: RunSettings, proved: bool
+    columns: Columns, stream: Stream, settings: RunSettings, enclosed: bool
 ) -> pd.DataFrame:
-    from dubins_study.solvers.frame import solve_frame
+    from dubins_study.solvers.frame import solve_frame  # loads numba: only where there are streams
 
     return solve_frame(
         pd.DataFrame(columns, copy=False),
-        solver=key["solver"],
-        branch=key["branch"],
-        profile=key["profile"],
-        limit=run.time_limit_s,
+        solver=stream.solver,
+        branch=stream.branch,
+        profile=stream.profile,
+        limit=settings.time_limit_s,
         certified=True,
-        enclosed=proved,
+        enclosed=enclosed,
     )
 
 
@@ -74,14 +72,15 @@ def _versions(spec: str) -> str:
 
 
 def _repeated(value: Any, n: int) -> pa.Array:
+    """A column of n equal values."""
     if isinstance(value, str):
         codes = pa.array(np.zeros(n, np.int8))
         return pa.DictionaryArray.from_arrays(codes, pa.array([value], pa.string()))
     return pa.repeat(value, n)
 
 
-def _as_written(column: Any, kind: pa.DataType) -> Any:
-    """A column of the schema's type, its texts as a dictionary; what is not finite is null."""
+def _in_schema(column: Any, kind: pa.DataType) -> Any:
+    """A column of the schema's type; dictionaries stay, numbers that are not finite become null."""
     if pa.types.is_dictionary(column.type):
         return column
     if pa.types.is_float64(kind) and column.type == kind:

@@ -8,6 +8,7 @@ import signal
 from time import monotonic
 from typing import Any, NamedTuple
 
+from dubins_study.experiments.code_digest import code_digest
 from dubins_study.experiments.isolation.calibration import probe
 from dubins_study.experiments.isolation.job_clock import JobClock, Phase
 from dubins_study.experiments.isolation.messages import (
@@ -18,7 +19,6 @@ from dubins_study.experiments.isolation.messages import (
 )
 from dubins_study.experiments.isolation.sandbox import bound_memory, pin_threads
 from dubins_study.experiments.isolation.worker_state import WorkerState, seed
-from dubins_study.experiments.plan.code_digest import code
 from dubins_study.experiments.provenance import now, versions
 from dubins_study.solvers.attempt import ask, nothing, told
 from dubins_study.solvers.library_versions import reported_versions
@@ -130,7 +130,7 @@ class Worker:
         key = job.solver, job.profile
         self._note(job.number, Phase.LOADING)
         solver = load(*key)
-        digest = self._digests[key] = code(*key)
+        digest = self._digests[key] = code_digest(*key)
         row_versions = json.dumps(versions(tuple(solver.packages)) | reported_versions(solver))
         if job.warm_up:
             self._note(job.number, Phase.WARMING_UP)

@@ -1,4 +1,4 @@
-"""What a caller of `run` asks for: checked, written into the experiment, expanded."""
+"""The arguments of `run`, checked, and the command line that means the same."""
 
 from __future__ import annotations
 
@@ -6,40 +6,47 @@ import shlex
 from pathlib import Path as FilePath
 from typing import NamedTuple
 
-from dubins_study.experiments.definition.experiment import (
-    Experiment,
-    ExperimentError,
-    Source,
-    read,
-    validated,
-)
-from dubins_study.experiments.engines.engine import ENGINES
-from dubins_study.experiments.engines.stream import Stream, streams
-from dubins_study.experiments.plan.cells import Chain, chains
-from dubins_study.experiments.plan.solver_specs import expand_solvers, foreign
-from dubins_study.solvers.registry import SolverError
+from dubins_study.experiments.definition.experiment import ExperimentError
+from dubins_study.experiments.run_settings import ENGINE_NAMES
 
 
 class Request(NamedTuple):
-    """The arguments of `run` that decide which rows there will be."""
+    """What the caller of `run` asks for; None where the experiment's own value holds.
+
+    Args:
+        experiment: a packaged experiment's name, or the path of a TOML file.
+        out: the results folder; None for `results/<name>`.
+        solvers: specs that replace those of the experiment.
+        jobs: how many cells are solved side by side.
+        time_limit_s: seconds that a solve may take.
+        memory_limit_gib: GiB that a worker process and its children may hold.
+        repeats: how often each question is asked.
+        restart: throw away the rows that the results folder holds.
+        trust_plugins: let the experiment's own solvers run plug-in files and programs on PATH.
+        engine: one of `ENGINE_NAMES`.
+        scheduler: the address of a Dask scheduler.
+    """
 
     experiment: str | FilePath
-    solvers: list[str] | None
-    jobs: int
-    time_limit_s: float | None
-    memory_limit_gib: float | None
-    repeats: int | None
-    trust: bool = False
+    out: str | FilePath | None = None
+    solvers: list[str] | None = None
+    jobs: int = 1
+    time_limit_s: float | None = None
+    memory_limit_gib: float | None = None
+    repeats: int | None = None
+    restart: bool = False
+    trust_plugins: bool = False
     engine: str = "local"
     scheduler: str | None = None
 
     def command(self) -> str:
-        """The command line that asks for the same rows; where they are put is left out.
+        """The command line that asks for the same rows.
 
-        So is a scheduler's address, which is nobody else's business.
+        It leaves out where the rows are put, and the address of a scheduler, which is private.
         """
-        words = ["dubins-study", "run", str(self.experiment)]
-        words += [word for spec in self.solvers or () for word in ("--solver", spec)]
+        arguments = ["dubins-study", "run", str(self.experiment)]
+        for spec in self.solvers or ():
+            arguments += ["--solver", spec]
         options = {
             "--jobs": self.jobs,
             "--time-limit": self.time_limit_s,
@@ -47,95 +54,49 @@ class Request(NamedTuple):
             "--repeats": self.repeats,
             "--engine": self.engine if self.engine != "local" else None,
         }
-        words += [word for key, value in options.items() if value for word in (key, str(value))]
-        words += ["--trust-plugins"] * self.trust
-        return shlex.join(words)
+        for option, value in options.items():
+            if value:
+                arguments += [option, str(value)]
+        if self.trust_plugins:
+            arguments.append("--trust-plugins")
+        return shlex.join(arguments)
 
+    def check(self) -> None:
+        """Refuse arguments of the wrong type, and engines and schedulers that do not fit together.
 
-def accepted(request: Request, out: object) -> tuple[Source, list[Chain], list[Stream]]:
-    """The experiment as the request changes it, all its cells, and what is streamed instead.
-
-    Raises:
-        ExperimentError, SolverError: naming the argument or the file and key, its value, and what
-            was expected.
-    """
-    _check_types(request, out)
-    found = _changed(read(str(request.experiment)), request)
-    if request.solvers is not None:
-        # before the file is: it is not to blame for these
-        expand_solvers(request.solvers, found.experiment.profile)
-    try:
-        if request.solvers is None and not request.trust:
-            _refuse_foreign(found)
-        return found, chains(found.experiment), streams(found.experiment)
-    except (ExperimentError, SolverError) as error:
-        raise type(error)(f"{found.file}: {error}") from None
-
-
-def _refuse_foreign(found: Source) -> None:
-    """An experiment may come from anyone; what it makes run is for the caller to say."""
-    experiment = found.experiment
-    lists = {"solvers": experiment.solvers} | {
-        f"scenarios.{number}.solvers": block.solvers or []
-        for number, block in enumerate(experiment.scenarios)
-    }
-    for key, specs in lists.items():
-        try:
-            name = foreign(specs, experiment.profile)
-        except SolverError as error:
-            raise SolverError(f"{key}: {error}") from None
-        if name is not None:
+        Raises:
+            ExperimentError: naming the argument, its value and what was expected.
+        """
+        if not isinstance(self.experiment, str | FilePath):
             raise ExperimentError(
-                f"{key}: {name} runs a program or file that is not this package's; expected "
-                "--trust-plugins, if you know what it is, or your own choice of --solver"
+                f"experiment is {self.experiment!r}; expected a name or the path of a .toml file"
             )
+        if not (self.out is None or isinstance(self.out, str | FilePath)):
+            raise ExperimentError(f"out is {self.out!r}; expected the path of a folder")
+        jobs = self.jobs
+        if isinstance(jobs, bool) or not isinstance(jobs, int) or jobs < 1:
+            raise ExperimentError(f"jobs is {jobs!r}; expected a whole number of processes above 0")
+        self._check_engine()
 
-
-def _check_types(request: Request, out: object) -> None:
-    if not isinstance(request.experiment, str | FilePath):
-        raise ExperimentError(
-            f"experiment is {request.experiment!r}; expected a name or the path of a .toml file"
-        )
-    if not (out is None or isinstance(out, str | FilePath)):
-        raise ExperimentError(f"out is {out!r}; expected the path of a folder")
-    jobs = request.jobs
-    if isinstance(jobs, bool) or not isinstance(jobs, int) or jobs < 1:
-        raise ExperimentError(f"jobs is {jobs!r}; expected a whole number of processes above 0")
-    _check_engine(request)
-
-
-def _check_engine(request: Request) -> None:
-    engine, scheduler, jobs = request.engine, request.scheduler, request.jobs
-    if not isinstance(engine, str) or engine not in ENGINES:
-        raise ExperimentError(f"engine is {engine!r}; expected one of: {', '.join(ENGINES)}")
-    if scheduler is None:
-        return
-    if not (isinstance(scheduler, str) and scheduler):
-        raise ExperimentError(
-            f"scheduler is {scheduler!r}; expected an address such as tcp://127.0.0.1:8786"
-        )
-    if engine != "dask":
-        raise ExperimentError(
-            f"scheduler is {scheduler!r} and engine {engine!r}; only engine 'dask' has a scheduler"
-        )
-    if jobs != 1:
-        raise ExperimentError(
-            f"jobs is {jobs}; how many cells are solved side by side is for the cluster of "
-            f"scheduler {scheduler!r} to say, so leave it out"
-        )
-
-
-def _changed(found: Source, request: Request) -> Source:
-    """The experiment with the caller's own solvers, limit and repeats, checked like the file's."""
-    solvers = request.solvers
-    named = ("time_limit_s", "memory_limit_gib", "repeats")
-    given = {"solvers": solvers} | {name: getattr(request, name) for name in named}
-    changes = {key: value for key, value in given.items() if value is not None}
-    if not changes:
-        return found
-    fields = {name: getattr(found.experiment, name) for name in Experiment.model_fields}
-    blocks = found.experiment.scenarios
-    if solvers is not None:
-        blocks = [block.model_copy(update={"solvers": None}) for block in blocks]
-    changed = fields | {"scenarios": blocks} | changes
-    return found._replace(experiment=validated(found.name, changed))
+    def _check_engine(self) -> None:
+        engine, scheduler = self.engine, self.scheduler
+        if not isinstance(engine, str) or engine not in ENGINE_NAMES:
+            raise ExperimentError(
+                f"engine is {engine!r}; expected one of: {', '.join(ENGINE_NAMES)}"
+            )
+        if scheduler is None:
+            return
+        if not (isinstance(scheduler, str) and scheduler):
+            raise ExperimentError(
+                f"scheduler is {scheduler!r}; expected an address such as tcp://127.0.0.1:8786"
+            )
+        if engine != "dask":
+            raise ExperimentError(
+                f"scheduler is {scheduler!r} and engine {engine!r}; only engine 'dask' has a "
+                "scheduler"
+            )
+        if self.jobs != 1:
+            raise ExperimentError(
+                f"jobs is {self.jobs}; how many cells are solved side by side is for the cluster "
+                f"of scheduler {scheduler!r} to say, so leave it out"
+            )

@@ -1,4 +1,4 @@
-"""Names for scenarios that depend on their numbers to the last bit, and on their label."""
+"""Ids of scenarios: equal for equal numbers and labels, to the last bit, on every machine."""
 
 from __future__ import annotations
 
@@ -13,41 +13,47 @@ from numpy.typing import NDArray
 from dubins_study.study.path import FloatArray
 from dubins_study.study.scenario import NUMBERS, Scenario
 
-_DIGITS = 16
-_PACKED = struct.Struct(f"<{len(NUMBERS)}d")
+_ID_DIGITS = 16
+_PACKED_NUMBERS = struct.Struct(f"<{len(NUMBERS)}d")
 
 
 def scenario_id(scenario: Scenario) -> str:
-    """SHA-256 of x, y, ..., speed as little-endian doubles and the label's UTF-8: 16 hex digits."""
-    packed = _PACKED.pack(*(getattr(scenario, name) for name in NUMBERS))
-    return hashlib.sha256(packed + _utf8(scenario.label)).hexdigest()[:_DIGITS]
+    """The id of a scenario: 16 hexadecimal digits.
+
+    They are the first digits of the SHA-256 of the fields of `NUMBERS` as little-endian doubles,
+    followed by the label in UTF-8.
+    """
+    packed = _PACKED_NUMBERS.pack(*(getattr(scenario, name) for name in NUMBERS))
+    return hashlib.sha256(packed + _utf8(scenario.label)).hexdigest()[:_ID_DIGITS]
 
 
 def scenario_ids(columns: Mapping[str, FloatArray], label: str) -> pa.StringArray:
-    """The same of many scenarios with one label.
+    """The ids of many scenarios with one label, each as `scenario_id` gives it.
 
     Args:
         columns: the fields of `NUMBERS`, arrays of shape (n,).
-        label: of all of them.
+        label: the label of all of them.
     """
     n = len(columns["x"])
     packed = np.stack([columns[name] for name in NUMBERS], axis=1).astype("<f8").tobytes()
-    suffix, sha256, width = _utf8(label), hashlib.sha256, _PACKED.size
+    suffix, sha256, row_bytes = _utf8(label), hashlib.sha256, _PACKED_NUMBERS.size
     digests = [
-        sha256(packed[i : i + width] + suffix).digest()[: _DIGITS // 2]
-        for i in range(0, len(packed), width)
+        sha256(packed[i : i + row_bytes] + suffix).digest()[: _ID_DIGITS // 2]
+        for i in range(0, len(packed), row_bytes)
     ]
-    offsets = np.arange(0, _DIGITS * n + 1, _DIGITS, dtype=np.int32)
+    offsets = np.arange(0, _ID_DIGITS * n + 1, _ID_DIGITS, dtype=np.int32)
     text = b"".join(digests).hex().encode()
     return pa.StringArray.from_buffers(n, pa.py_buffer(offsets), pa.py_buffer(text))
 
 
 def _utf8(label: str) -> bytes:
-    return label.encode("utf-8", "replace")  # a lone surrogate has none
+    return label.encode("utf-8", "replace")  # a lone surrogate cannot be encoded
 
 
 def marks(columns: Mapping[str, FloatArray]) -> NDArray[np.uint64]:
-    """Numbers that are equal where scenarios are, and else hardly ever; far quicker than names.
+    """One 64-bit number for each scenario, much cheaper to compute than its id.
+
+    Equal scenarios have equal marks; different scenarios hardly ever have.
 
     Args:
         columns: the fields of `NUMBERS`, arrays of shape (n,).

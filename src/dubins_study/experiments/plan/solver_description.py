@@ -1,7 +1,7 @@
-"""What a run must know of a solver, found without letting other people's code into the run.
+"""What a run must know about a solver, without running other people's code in the run's process.
 
-Our own backends are loaded here. A plug-in, a file named on the command line or another package's
-entry point, is loaded by a process of its own, which may hang, crash or change what it likes.
+Our own solvers are loaded in this process. A plug-in, which is a file or another package's entry
+point, is loaded in a process of its own: it may hang, crash, or change its process.
 """
 
 from __future__ import annotations
@@ -9,30 +9,31 @@ from __future__ import annotations
 from functools import cache
 from typing import Any, NamedTuple
 
+from dubins_study.experiments.code_digest import code_digest, plain_settings
 from dubins_study.experiments.isolation.exit_status import exit_status
 from dubins_study.experiments.isolation.fork_server import fork
 from dubins_study.experiments.isolation.messages import Channel, MessageError
-from dubins_study.experiments.plan.code_digest import code, plain_settings
 from dubins_study.experiments.provenance import versions_of
 from dubins_study.solvers.analytic import Analytic
 from dubins_study.solvers.attempt import told
 from dubins_study.solvers.registry import SolverError, canonical, load, ours
 
-# for a plug-in to be imported, and for the kernel to end a process
-_LOAD_LIMIT_S, _EXIT_WAIT_S = 60.0, 2.0
+_LOAD_LIMIT_S = 60.0  # for a plug-in to be imported
+_EXIT_WAIT_S = 2.0  # for the kernel to end a killed process
 
 
-class Description(NamedTuple):
+class SolverDescription(NamedTuple):
     """A solver under a profile.
 
     Args:
-        spec: its canonical form, as rows write it.
-        code: digest of its code, settings and libraries.
-        settings: their values as JSON has them.
-        packages: distributions that it rests on.
-        warm: whether it has a use for a starting point.
-        closed_form: whether it is our own closed form, which may answer whole frames in the run.
-        runs: the program on PATH that it starts, if any.
+        spec: its canonical spec, as rows hold it.
+        code_digest: see `code_digest.code_digest`.
+        settings: its settings as values that JSON can hold.
+        packages: the distributions that it uses.
+        warm: whether it uses an initial guess.
+        closed_form: whether it is our own closed form, which may answer whole frames of scenarios
+            in the process of the run.
+        runs: the name of the program on PATH that it starts, if any.
     """
 
     spec: str
@@ -45,12 +46,12 @@ class Description(NamedTuple):
 
     @property
     def versions(self) -> dict[str, str]:
-        """Of its packages."""
+        """The versions of `packages`."""
         return versions_of(self.packages)
 
 
 @cache
-def described(spec: str, profile: str = "default") -> Description:
+def describe_solver(spec: str, profile: str = "default") -> SolverDescription:
     """Describe the solver of a spec.
 
     Raises:
@@ -59,12 +60,12 @@ def described(spec: str, profile: str = "default") -> Description:
     """
     if ours(spec):
         return _describe(spec, profile)
-    fields = _described_apart(spec, profile)
-    return Description(**(fields | {"packages": tuple(fields["packages"])}))
+    fields = _fields_from_elsewhere(spec, profile)
+    return SolverDescription(**(fields | {"packages": tuple(fields["packages"])}))
 
 
-def _described_apart(spec: str, profile: str) -> dict[str, Any]:
-    """A description's fields, found by a process of its own."""
+def _fields_from_elsewhere(spec: str, profile: str) -> dict[str, Any]:
+    """The fields of a plug-in's description, found by a process of its own."""
     process = fork(f"{__name__}:send_description", [spec, profile])
     try:
         if not process.wait(_LOAD_LIMIT_S):
@@ -75,22 +76,22 @@ def _described_apart(spec: str, profile: str) -> dict[str, Any]:
     finally:
         process.kill()
         process.wait(_EXIT_WAIT_S)
-        code = process.exit_code()
+        exit_code = process.exit_code()
         process.close()
     if answer is None:
-        status = exit_status(code)[0]
+        status = exit_status(exit_code)[0]
         raise SolverError(f"solver {spec!r} ends the process that loads it: {status}")
-    fields, error = answer[0]
-    if error is not None:
-        raise SolverError(str(error))
+    fields, message = answer[0]
+    if message is not None:
+        raise SolverError(str(message))
     return dict(fields)
 
 
-def _describe(spec: str, profile: str) -> Description:
+def _describe(spec: str, profile: str) -> SolverDescription:
     solver = load(spec, profile)
-    return Description(
+    return SolverDescription(
         canonical(spec, profile),
-        code(spec, profile),
+        code_digest(spec, profile),
         plain_settings(solver),
         tuple(str(package) for package in solver.packages),
         bool(solver.warm),
@@ -100,9 +101,10 @@ def _describe(spec: str, profile: str) -> Description:
 
 
 def send_description(channel: Channel, spec: str, profile: str) -> None:
-    """Send a description's fields or what is wrong with the solver, as plain values.
+    """Describe a plug-in in the process that loads it.
 
-    Nothing of a plug-in's own classes may reach the process that asks.
+    What is sent is the description's fields and None, or None and what is wrong with the solver:
+    plain values, so that no object of the plug-in's classes reaches the run.
     """
     try:
         channel.send([_describe(spec, profile)._asdict(), None])

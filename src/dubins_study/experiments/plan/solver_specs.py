@@ -1,54 +1,59 @@
-"""Solvers as an experiment names them: `*`, and several settings in braces."""
+"""The solvers that an experiment names: `*` for all of them, `{a,b}` for several settings."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator
 
-from dubins_study.experiments.plan.solver_description import described
+from dubins_study.experiments.plan.solver_description import describe_solver
 from dubins_study.solvers.registry import SolverError, ours, registered
 
 _BRACES = re.compile(r"\{([^{}]*)\}")
-_CLOSES = {"}": "{", "]": "["}
-# a few braces say more than any memory holds
+_OPENING = {"}": "{", "]": "["}  # closing bracket -> opening bracket
+# Each pair of braces multiplies the number of specs, so that a short line could fill the memory.
 MOST_SPECS = 1000
-_LONGEST = 500  # characters of a spec
+_MAX_SPEC_CHARS = 500
 
 
 def expand_solvers(specs: list[str], profile: str = "default") -> list[str]:
-    """Canonical specs under a profile, `*` and `{a,b}` written out, each once."""
-    expanded: dict[str, None] = {}
-    for name in _written_out(specs, registered()):
-        expanded.setdefault(described(name, profile).spec)
-    return list(expanded)
-
-
-def foreign(specs: list[str], profile: str = "default") -> str | None:
-    """The first spec that runs code beside this package's: a plug-in file, a program on PATH.
-
-    No such code is run to find out.
+    """Canonical specs under a profile, each once; `*` and `{a,b}` are expanded.
 
     Raises:
-        SolverError: if a spec of this package's own is not valid.
+        SolverError: if a spec is not valid, or there are more than `MOST_SPECS`.
     """
-    for name in _written_out(specs, ()):
-        if ".py:" in name or (ours(name) and described(name, profile).runs):
-            return name
+    unique = dict.fromkeys(
+        describe_solver(spec, profile).spec for spec in _expanded(specs, registered())
+    )
+    return list(unique)
+
+
+def untrusted_spec(specs: list[str], profile: str = "default") -> str | None:
+    """The first spec that runs a plug-in file or a program on PATH; None if there is none.
+
+    Neither the file nor the program is run to find that out.
+
+    Raises:
+        SolverError: if the spec of one of this package's solvers is not valid.
+    """
+    for spec in _expanded(specs, ()):
+        if ".py:" in spec or (ours(spec) and describe_solver(spec, profile).runs):
+            return spec
     return None
 
 
-def _written_out(specs: Iterable[str], every: Iterable[str]) -> Iterator[str]:
-    """Specs without braces; `every` takes the place of `*`.
+def _expanded(specs: Iterable[str], all_specs: Iterable[str]) -> Iterator[str]:
+    """Specs without braces; `all_specs` stand where `*` is given.
 
     Raises:
-        SolverError: if there are more than `MOST_SPECS`, once so many were handed out.
+        SolverError: if a spec's brackets do not match, or as soon as there are more than
+            `MOST_SPECS`.
     """
-    number = 0
+    count = 0
     for spec in specs:
         _check_brackets(spec)
-        for name in every if spec == "*" else _expand_braces(spec):
-            number += 1
-            if number > MOST_SPECS:
+        for name in all_specs if spec == "*" else _expand_braces(spec):
+            count += 1
+            if count > MOST_SPECS:
                 raise SolverError(
                     f"solver {spec!r:.80}: more than {MOST_SPECS} specs up to here, braces written "
                     "out; expected fewer"
@@ -57,27 +62,29 @@ def _written_out(specs: Iterable[str], every: Iterable[str]) -> Iterator[str]:
 
 
 def _check_brackets(spec: str) -> None:
-    if len(spec) > _LONGEST:
+    """Refuse a spec that is too long, or whose brackets do not match."""
+    if len(spec) > _MAX_SPEC_CHARS:
         raise SolverError(
-            f"solver {spec!r:.80}... has {len(spec)} characters; expected at most {_LONGEST}"
+            f"solver {spec!r:.80}... has {len(spec)} characters; expected at most {_MAX_SPEC_CHARS}"
         )
-    opened = []
-    for place, letter in enumerate(spec):
-        if letter in _CLOSES.values():
-            opened.append(letter)
-        elif letter in _CLOSES and (not opened or opened.pop() != _CLOSES[letter]):
+    unclosed = []
+    for place, character in enumerate(spec):
+        if character in _OPENING.values():
+            unclosed.append(character)
+        elif character in _OPENING and (not unclosed or unclosed.pop() != _OPENING[character]):
             raise SolverError(
-                f"solver {spec!r}: {letter!r} at character {place + 1} closes nothing; expected "
+                f"solver {spec!r}: {character!r} at character {place + 1} closes nothing; expected "
                 "name[setting=value] or name[setting={a,b}]"
             )
-    if opened:
+    if unclosed:
         raise SolverError(
-            f"solver {spec!r}: {opened[-1]!r} is not closed; expected name[setting=value] or "
+            f"solver {spec!r}: {unclosed[-1]!r} is not closed; expected name[setting=value] or "
             "name[setting={a,b}]"
         )
 
 
 def _expand_braces(spec: str) -> Iterator[str]:
+    """One spec for each choice in the first pair of braces, and so on for the next pair."""
     match = _BRACES.search(spec)
     if match is None:
         yield spec

@@ -6,10 +6,10 @@ from pathlib import Path as FilePath
 
 import pyarrow as pa
 
-from dubins_study.experiments.store.files import is_temporary, remove_temporaries
 from dubins_study.experiments.store.lock import LOCK
-from dubins_study.experiments.store.manifest import check_same_experiment, continued
+from dubins_study.experiments.store.manifest_changes import check_same_experiment, continued
 from dubins_study.experiments.store.part_writer import write_part
+from dubins_study.experiments.store.whole_file import is_temporary, remove_temporaries
 from dubins_study.study.printable import plain
 from dubins_study.study.rows.files import DamagedPartError, ResultsError, os_errors_as, refuse_link
 from dubins_study.study.rows.manifest import MANIFEST, Manifest, read_manifest

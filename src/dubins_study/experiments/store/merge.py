@@ -13,10 +13,9 @@ from typing import NamedTuple
 from uuid import uuid4
 
 from dubins_study.experiments.provenance import now
-from dubins_study.experiments.store.files import sync_folder
 from dubins_study.experiments.store.folder import read_rows
 from dubins_study.experiments.store.lock import LOCK, is_locked, locked
-from dubins_study.experiments.store.manifest import (
+from dubins_study.experiments.store.manifest_changes import (
     check_same_experiment,
     count_cells,
     write_manifest,
@@ -24,6 +23,7 @@ from dubins_study.experiments.store.manifest import (
 from dubins_study.experiments.store.merged_rows import COLUMNS, merged_rows
 from dubins_study.experiments.store.part_writer import write_part
 from dubins_study.experiments.store.row_counts import count_rows
+from dubins_study.experiments.store.whole_file import sync_folder
 from dubins_study.study.rows.files import DamagedPartError, ResultsError, os_errors_as
 from dubins_study.study.rows.manifest import Manifest, RunEntry, SolverEntry, read_manifest
 from dubins_study.study.rows.parts import PARTS, is_stream, part_files, read_footer, read_part

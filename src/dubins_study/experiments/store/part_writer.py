@@ -9,7 +9,7 @@ from time import monotonic
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from dubins_study.experiments.store.files import write_whole
+from dubins_study.experiments.store.whole_file import write_whole
 from dubins_study.study.rows.chunk import Chunk
 from dubins_study.study.rows.files import ResultsError, reason, refuse_link
 from dubins_study.study.rows.parts import PARTS

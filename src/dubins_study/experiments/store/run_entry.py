@@ -16,12 +16,13 @@ from dubins_study.experiments.provenance import (
     source,
     thread_limits,
 )
-from dubins_study.experiments.store.manifest import write_manifest
+from dubins_study.experiments.store.manifest_changes import write_manifest
 from dubins_study.study.rows.files import ResultsError
 from dubins_study.study.rows.machine_noise import Probe
 from dubins_study.study.rows.manifest import Manifest, RunEntry
 
-RUNNING, FINISHED, INTERRUPTED = "running", "finished", "interrupted"
+# `killed` stands in no manifest: a run that is killed leaves `running`.
+RUNNING, FINISHED, INTERRUPTED, KILLED = "running", "finished", "interrupted", "killed"
 
 _WRITE_INTERVAL_S = 2.0
 # A manifest is read and written as a whole, so that it must stay small.

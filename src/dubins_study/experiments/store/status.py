@@ -4,40 +4,20 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path as FilePath
 from typing import Any
 
 from dubins_study.experiments.store.folder import DAMAGED
 from dubins_study.experiments.store.lock import is_locked, lock_holder
 from dubins_study.experiments.store.row_counts import RowCount, count_rows
-from dubins_study.experiments.store.run_entry import RUNNING
+from dubins_study.experiments.store.run_entry import KILLED, RUNNING
 from dubins_study.study.rows.files import ResultsError
-from dubins_study.study.rows.machine_noise import varied
 from dubins_study.study.rows.manifest import Manifest, RunEntry, read_manifest
 
 # a live run may replace its parts while they are read
 _MAX_TRIES = 3
-
-
-@dataclass(frozen=True)
-class RunStatus:
-    """A run as its entry in the manifest describes it; None where the entry does not say.
-
-    Args:
-        seconds: how long it took, or has taken so far.
-        state: running, finished, interrupted or killed.
-        spread: of the calibration probe (see `study.rows.machine_noise.varied`).
-    """
-
-    run_id: str
-    started: str
-    ended: str | None
-    seconds: float | None
-    state: str
-    jobs: int
-    engine: str
-    spread: float | None
+_RUN_FIELDS = {"run_id", "started", "ended", "seconds", "state", "jobs", "engine"}
 
 
 @dataclass(frozen=True)
@@ -57,6 +37,7 @@ class Status:
         seconds_left: an estimate of what is left, with `jobs` processes, from the mean time of
             each solver's rows and the overhead of the runs so far; without the solvers named in
             `unknown`, of which there is no row to judge by.
+        runs: the earliest first; of a run that was killed, the state is `killed`.
     """
 
     folder: str
@@ -73,11 +54,18 @@ class Status:
     jobs: int
     seconds_left: float | None
     unknown: list[str]
-    runs: list[RunStatus]
+    runs: list[RunEntry]
 
     def as_json(self) -> dict[str, Any]:
         """Plain values; `left` is the number, `left_by_solver` gives it solver by solver."""
-        return {**asdict(self), "left": sum(self.left.values()), "left_by_solver": self.left}
+        return {
+            **vars(self),
+            "left": sum(self.left.values()),
+            "left_by_solver": self.left,
+            "runs": [
+                run.model_dump(include=_RUN_FIELDS) | {"spread": run.spread} for run in self.runs
+            ],
+        }
 
 
 def status(folder: str | FilePath) -> Status:
@@ -115,7 +103,7 @@ def _status(
         spec: dict(_sums([count for count in current if count.solver == spec], _verdict))
         for spec in sorted(rows)
     }
-    runs = [_run_status(run, live and run is manifest.runs[-1]) for run in manifest.runs]
+    runs = _runs(manifest.runs, live)
     jobs = runs[-1].jobs if runs else 1
     seconds, unknown = _time_left(left, current, _overhead(counts, runs), jobs)
     pid = lock_holder(folder).get("pid")
@@ -139,24 +127,13 @@ def _status(
     )
 
 
-def _run_status(run: RunEntry, live: bool) -> RunStatus:
-    """A run's status.
-
-    Args:
-        run: its entry.
-        live: whether a process holds the folder, and this is the last of its runs.
-    """
-    killed = run.state == RUNNING and not live  # which a run cannot write itself
-    return RunStatus(
-        run_id=run.run_id,
-        started=run.started,
-        ended=run.ended,
-        seconds=run.seconds,
-        state="killed" if killed else run.state,
-        jobs=run.jobs,
-        engine=run.engine,
-        spread=varied(run.probes),
-    )
+def _runs(runs: Sequence[RunEntry], live: bool) -> list[RunEntry]:
+    """The runs; the state of those that were killed, which no run can write itself, is `killed`."""
+    last = len(runs) - 1
+    return [
+        run if run.state != RUNNING or (live and number == last) else run.with_changes(state=KILLED)
+        for number, run in enumerate(runs)
+    ]
 
 
 def _sums(counts: Sequence[RowCount], key: Callable[[RowCount], str]) -> Counter[str]:
@@ -187,7 +164,7 @@ def _time_left(
     return None if nothing_known else seconds / jobs, unknown
 
 
-def _overhead(counts: Sequence[RowCount], runs: Sequence[RunStatus]) -> float:
+def _overhead(counts: Sequence[RowCount], runs: Sequence[RunEntry]) -> float:
     """Seconds of a cell beyond its solve, over all runs that say how long they took."""
     run_s = {run.run_id: run.seconds * run.jobs for run in runs if run.seconds}
     timed = [count for count in counts if count.run_id in run_s]

@@ -15,15 +15,13 @@ from dubins_study.solvers.heading_milp.legs import ROUNDED, Legs, controls, leas
 from dubins_study.solvers.heading_milp.template import Template, template
 from dubins_study.solvers.protocol import Guarantee, Question, Solution, Solver
 from dubins_study.solvers.reach import unreachable
+from dubins_study.solvers.setting_checks import whole
 from dubins_study.study.check.verdict import Claim
 from dubins_study.study.closed_form.shortest import EPS, local
 from dubins_study.study.path import FloatArray, Path
 from dubins_study.study.scenario import Scenario
 
 BRANCHES = ("best", "LS", "RS")
-# Steps of more than 30 degrees leave no first arc worth the name; cvxpy's memory grows with the
-# square of the number of headings, to up to two gigabytes at the upper ends.
-_RANGES = {"headings": (12, 1000), "legs": (1, 12)}
 
 
 class Case(NamedTuple):
@@ -92,13 +90,9 @@ class HeadingMilp(Solver):
     }
 
     def __post_init__(self) -> None:
-        for name, (least, most) in _RANGES.items():
-            value = getattr(self, name)
-            whole = isinstance(value, int) and not isinstance(value, bool)
-            if not (whole and least <= value <= most):
-                raise ValueError(
-                    f"{name} is {value!r}; expected a whole number from {least} to {most}"
-                )
+        # Steps of more than 30 degrees leave no first arc worth the name; cvxpy's memory grows with
+        # the square of the number of headings, to up to two gigabytes at the upper ends.
+        whole(headings=(self.headings, 12, 1000), legs=(self.legs, 1, 12))
         if not 0 < self.gap < 1:
             raise ValueError(f"gap is {self.gap!r}; expected a number from 0 to 1")
 

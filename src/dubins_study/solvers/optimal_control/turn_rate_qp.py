@@ -16,7 +16,7 @@ from dubins_study.solvers.optimal_control.turn_rate_sequence import Limits, Run,
 from dubins_study.solvers.optimal_control.turn_rate_template import ENGINES, Template, template
 from dubins_study.solvers.protocol import Guarantee, Question, Solution, Solver
 from dubins_study.solvers.reach import unreachable
-from dubins_study.solvers.setting_checks import one_of
+from dubins_study.solvers.setting_checks import one_of, whole
 from dubins_study.study.check.verdict import Claim, drivable
 from dubins_study.study.closed_form.shortest import EPS, local
 from dubins_study.study.path import FloatArray, Path
@@ -73,13 +73,7 @@ class TurnRateQp(Solver):
 
     def __post_init__(self) -> None:
         # the QPs are dense: beyond, one takes gigabytes
-        for name, least, most in (("n", 2, 2000), ("max_qps", 1, 10**6)):
-            value = getattr(self, name)
-            whole = isinstance(value, int) and not isinstance(value, bool)
-            if not (whole and least <= value <= most):
-                raise ValueError(
-                    f"{name} is {value!r}; expected a whole number from {least} to {most}"
-                )
+        whole(n=(self.n, 2, 2000), max_qps=(self.max_qps, 1, 10**6))
         one_of(engine=(self.engine, ENGINES), mesh=(self.mesh, MESHES))
         if not 0 < self.tolerance < 1:
             raise ValueError(f"tolerance is {self.tolerance!r}; expected a number from 0 to 1")

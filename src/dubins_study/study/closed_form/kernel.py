@@ -111,7 +111,7 @@ def shortest_rows(
 def to_local(
     x: float, y: float, sine: float, cosine: float, tx: float, ty: float, radius: float
 ) -> tuple[float, float, float]:
-    """The target in the vehicle's frame and the rounding, as `synthesis.local` has them.
+    """The target in the vehicle's frame and the rounding, as `shortest.local` has them.
 
     A quotient by the reciprocal, then one Newton step with the remainder, is the quotient rounded
     correctly (Markstein 1990): two divisions fewer, and the same bits.
@@ -132,10 +132,10 @@ def to_local(
 
 @inlined
 def _best(X: float, y: float, rounding: float, right: int) -> tuple[float, float, int]:
-    """`synthesis.shortest_local` for y = |Y| without a branch: both segments and the word.
+    """`shortest.shortest_local` for y = |Y| without a branch: both segments and the word.
 
     Outside the disc LS needs one arctangent, inside it RL needs two; the arguments of the first
-    are selected before it is taken. sqrt(p q) is the D of `synthesis.right_left_pair`, and the
+    are selected before it is taken. sqrt(p q) is the D of `shortest.right_left_pair`, and the
     second arc is 2 pi - 2 atan(sqrt(p / q)) = 2 pi - atan2(D, (q - p) / 2), with p + q = 8.
     """
     xx = X * X
@@ -259,7 +259,7 @@ def _best_alone(
 
 @inlined
 def chunks(n: int) -> int:
-    """How many chunks n rows make."""
+    """The number of chunks of n rows."""
     return (n + CHUNK - 1) // CHUNK
 
 

@@ -1,4 +1,4 @@
-"""One word over arrays: `synthesis.left_straight` and `right_left`, line by line, with libm.
+"""One word over arrays: `shortest.left_straight` and `right_left`, line by line, with libm.
 
 Nobody asks for speed here; only `best` has vector loops (`study.closed_form.kernel`).
 """
@@ -36,7 +36,7 @@ def to_local_exactly(
 
 @inlined
 def _left_straight(X: float, Y: float, rounding: float) -> tuple[float, float]:
-    """`synthesis.left_straight`; NaN where there is none."""
+    """`shortest.left_straight`; NaN where there is none."""
     w = _snapped(X, Y, rounding)
     if w > 0.0:
         return math.nan, math.nan
@@ -50,7 +50,7 @@ def _left_straight(X: float, Y: float, rounding: float) -> tuple[float, float]:
 
 @inlined
 def _right_left(X: float, Y: float, rounding: float) -> tuple[float, float]:
-    """`synthesis.right_left`; NaN where there is none."""
+    """`shortest.right_left`; NaN where there is none."""
     w = _snapped(X, Y, rounding)
     p = X * X + Y * (Y + 2.0)
     q = 4.0 * (2.0 - Y) + w
@@ -74,7 +74,7 @@ def _right_left(X: float, Y: float, rounding: float) -> tuple[float, float]:
 
 @inlined
 def _snapped(X: float, Y: float, rounding: float) -> float:
-    """`synthesis.Local.w`."""
+    """`shortest.Local.w`."""
     w = Y * (2.0 - Y) - X * X
     return 0.0 if abs(w) <= 8.0 * rounding * (1.0 + abs(X) + abs(Y)) else w
 

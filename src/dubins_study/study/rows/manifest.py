@@ -22,7 +22,7 @@ from dubins_study.study.check.verdict import Tolerances
 from dubins_study.study.printable import plain, printable_values
 from dubins_study.study.rows.chunk import Count
 from dubins_study.study.rows.files import ResultsError, os_errors_as, refuse_link
-from dubins_study.study.rows.machine_noise import Probe
+from dubins_study.study.rows.machine_noise import Probe, varied
 from dubins_study.study.rows.schema import VERSION
 
 MANIFEST = "manifest.json"
@@ -96,6 +96,11 @@ class RunEntry(_Record):
     seconds: Annotated[float, Field(ge=0, le=1e15)] | None = None
     state: str = "unknown"
     probes: list[Probe] = []
+
+    @property
+    def spread(self) -> float | None:
+        """How much the machine's speed varied (see `study.rows.machine_noise.varied`)."""
+        return varied(self.probes)
 
     @field_validator("*", mode="wrap")
     @classmethod

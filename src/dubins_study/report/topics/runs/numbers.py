@@ -8,7 +8,7 @@ from typing import Any
 import pandas as pd
 
 from dubins_study.report.data.load import Manifest
-from dubins_study.study.rows.machine_noise import Probe, by_machine, varied
+from dubins_study.study.rows.machine_noise import Probe, by_machine
 from dubins_study.study.rows.manifest import RunEntry
 
 COLUMNS = (
@@ -52,7 +52,7 @@ def probe_ratios(table: pd.DataFrame) -> pd.DataFrame:
 
 
 def _row(experiment: str, run: RunEntry) -> dict[str, Any]:
-    share = varied(run.probes)
+    share = run.spread
     return {
         "experiment": experiment,
         "run": run.run_id,

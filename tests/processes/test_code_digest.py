@@ -5,21 +5,25 @@ from __future__ import annotations
 import ast
 import json
 import os
+import shutil
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 
+from dubins_study.experiments import code_digest as digest_module
+from dubins_study.experiments.code_digest import code_digest, solver_sources
 from dubins_study.experiments.definition.experiment import read
-from dubins_study.experiments.plan import code_digest as fingerprint
 from dubins_study.experiments.plan.cells import chains
-from dubins_study.experiments.plan.code_digest import code
 from dubins_study.experiments.store.folder import read_rows
 from dubins_study.report.data.load import load
 from dubins_study.solvers.registry import SolverError, registered
+from dubins_study.solvers.registry import load as load_solver
 
-ROOT = Path(__file__).parents[2]
+PACKAGE = Path(__file__).parents[2] / "src" / "dubins_study"
+ROOMS = {PACKAGE / "solvers", PACKAGE / "study"}
+DIGEST = "dubins_study.experiments.code_digest"
 PLUGIN = """
 from dataclasses import dataclass
 from dubins_study.solvers.paper_nlp.slsqp import Slsqp
@@ -31,42 +35,80 @@ class Mine(Slsqp):
 """
 
 
-def read_imports(module: str) -> set[str]:
-    """Modules of ours that a module imports, by another way: whole, and with the files' names."""
-    place = ROOT / module.replace(".", "/")
-    file = place / "__init__.py" if place.is_dir() else place.with_suffix(".py")
-    found = set()
+def imported_files(file: Path) -> set[Path]:
+    """Modules of the package that a module imports anywhere, and the packages that they lie in."""
+    names = set()
     for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
         if isinstance(node, ast.ImportFrom):
-            found |= {node.module, *(f"{node.module}.{alias.name}" for alias in node.names)}
+            names |= {node.module, *(f"{node.module}.{alias.name}" for alias in node.names)}
         elif isinstance(node, ast.Import):
-            found |= {alias.name for alias in node.names}
-    names = {".".join(f.relative_to(ROOT).with_suffix("").parts) for f in ROOT.glob("s*/*.py")}
-    return found & {name for name in names if name.startswith(("study.", "solvers."))}
+            names |= {alias.name for alias in node.names}
+    files = set()
+    for name in names:
+        place = PACKAGE.parent.joinpath(*name.split("."))
+        files |= {place.with_suffix(".py"), place / "__init__.py", place.parent / "__init__.py"}
+    return {file for file in files if file.is_file() and ROOMS & {*file.parents}}
 
 
 @pytest.mark.parametrize("name", registered())
 def test_all_modules_that_a_solver_imports_are_read(name):
-    """The quick reading misses no import, lazy ones included."""
-    kind = type(fingerprint.load(name))
-    wanted, left = (
-        set(),
-        {
-            kind.__module__,
-            "dubins_study.study.check.verdict",
-            "dubins_study.study.check.certificate",
-        },
-    )
-    left |= {"dubins_study.solvers.profiles", "dubins_study.solvers.attempt"}
+    """Every module that its module, the check or another of these imports, inside functions too."""
+    solver_class = type(load_solver(name))
+    module = PACKAGE.parent.joinpath(*solver_class.__module__.split(".")).with_suffix(".py")
+    judges = ("study/check/verdict.py", "study/check/certificate.py")
+    judges += ("solvers/profiles.py", "solvers/attempt.py")
+    wanted: set[Path] = set()
+    left = {module, *(PACKAGE / judge for judge in judges)}
     while left:
         wanted |= left
-        left = set().union(*map(read_imports, left)) - wanted
+        left = set().union(*map(imported_files, left)) - wanted
+    files = {file.relative_to(PACKAGE).as_posix() for file in wanted}
+    # the columns of the results format decide no value; a change of theirs has a new schema version
+    files = {name for name in files if not name.startswith("study/rows/")}
 
-    assert wanted == fingerprint._sources(name, kind).keys() - {"study", "solvers"}
+    assert len(files) > 10
+    assert files - {"solvers/__init__.py"} <= solver_sources(name, solver_class).keys()
+
+
+def test_a_room_is_read_whole_and_no_other():
+    """An edit of one engine makes its whole room stale; rooms that it does not name stay out."""
+    sources = solver_sources("slsqp", type(load_solver("slsqp"))).keys()
+    others = {"optimal_control", "heading_milp", "indirect", "global_minlp", "analytic.py"}
+
+    assert {"solvers/paper_nlp/slsqp.py", "solvers/paper_nlp/ipopt.py"} <= sources
+    assert "solvers/ipopt_library/engine.py" in sources
+    assert not {name for name in sources if name.split("/")[1] in others}
+    assert not {name for name in sources if name.startswith("study/rows/")}
+
+
+def test_an_edit_changes_the_digest_of_the_room_and_of_rooms_that_build_on_it(tmp_path):
+    """In a copy of the package: of the solver's room, of the check; not of another room."""
+    shutil.copytree(PACKAGE, tmp_path / "dubins_study")
+    names = ("slsqp", "ipopt", "shooting", "turn-rate-qp", "analytic")
+
+    def stale_after(file: str) -> set[str]:
+        edited = tmp_path / "dubins_study" / file
+        text = edited.read_text(encoding="utf-8")
+        edited.write_text(text + "# edited\n", encoding="utf-8")
+        after = digests()
+        edited.write_text(text, encoding="utf-8")
+        return {name for name in names if after[name] != before[name]}
+
+    def digests() -> dict[str, str]:
+        lines = [f"print(code_digest({name!r}))" for name in names]
+        return dict(zip(names, printed(*lines, path=tmp_path), strict=True))
+
+    before = digests()
+    assert stale_after("solvers/optimal_control/turn_rate_qp.py") == {"turn-rate-qp"}
+    assert stale_after("solvers/paper_nlp/ipopt.py") >= {"slsqp", "ipopt", "shooting"}
+    assert stale_after("solvers/paper_nlp/ipopt.py").isdisjoint({"analytic"})
+    assert stale_after("solvers/analytic.py") == {"analytic"}
+    assert stale_after("study/check/verdict.py") == set(names)
+    assert stale_after("study/rows/schema.py") == set()
 
 
 def test_every_solver_has_a_code_of_its_own():
-    found = {name: code(name) for name in registered()}
+    found = {name: code_digest(name) for name in registered()}
 
     assert len(set(found.values())) == len(found)
     assert all(len(digest) == 12 and int(digest, 16) >= 0 for digest in found.values())
@@ -74,20 +116,22 @@ def test_every_solver_has_a_code_of_its_own():
 
 def test_settings_make_a_code_of_their_own():
     """However they came about: by the spec or by the profile."""
-    assert code("slsqp[count=3]") != code("slsqp")
-    assert code(" slsqp[ model=words ]") == code("slsqp")
-    assert code("slsqp", "accurate") != code("slsqp", "default")
+    assert code_digest("slsqp[count=3]") != code_digest("slsqp")
+    assert code_digest(" slsqp[ model=words ]") == code_digest("slsqp")
+    assert code_digest("slsqp", "accurate") != code_digest("slsqp", "default")
 
 
 def test_a_solver_that_does_not_exist_is_refused_as_everywhere():
     with pytest.raises(SolverError, match="no solver named 'anal'"):
-        code("anal")
+        code_digest("anal")
 
 
-def codes(*lines: str) -> list[str]:
-    """What a fresh process prints: nothing of it is kept from the last one."""
-    text = "\n".join(("from dubins_study.experiments.plan.code_digest import code", *lines))
-    done = subprocess.run([sys.executable, "-c", text], capture_output=True, text=True, check=True)
+def printed(*lines: str, path: Path | None = None) -> list[str]:
+    """What a new process prints, in which no digest is remembered."""
+    text = "\n".join((f"from {DIGEST} import code_digest", *lines))
+    env = os.environ | ({"PYTHONPATH": str(path)} if path else {})
+    command = [sys.executable, "-c", text]
+    done = subprocess.run(command, capture_output=True, text=True, check=True, env=env)
     return done.stdout.split()
 
 
@@ -97,22 +141,22 @@ def test_a_plugin_is_told_by_its_text_and_its_defaults(tmp_path):
     found = []
     for patience, remark in ((1, ""), (2, ""), (2, "new"), (1, "")):
         plugin.write_text(PLUGIN.format(patience=patience, remark=remark))
-        found += codes(f"print(code({spec!r}))")
+        found += printed(f"print(code_digest({spec!r}))")
 
     assert found[0] == found[3]
     assert len(set(found)) == 3
 
 
 def test_other_libraries_make_another_code(monkeypatch):
-    fingerprint.code.cache_clear()
-    before = code("slsqp")
-    fingerprint.code.cache_clear()
-    monkeypatch.setattr(fingerprint, "versions_of", lambda packages: dict.fromkeys(packages, "0"))
+    code_digest.cache_clear()
+    before = code_digest("slsqp")
+    code_digest.cache_clear()
+    monkeypatch.setattr(digest_module, "versions_of", lambda packages: dict.fromkeys(packages, "0"))
     try:
-        assert code("slsqp") != before
-        assert code("analytic")  # which names no package
+        assert code_digest("slsqp") != before
+        assert code_digest("analytic")  # which names no package
     finally:
-        fingerprint.code.cache_clear()
+        code_digest.cache_clear()
 
 
 EXPERIMENT = """
@@ -145,7 +189,7 @@ def test_rows_of_earlier_code_are_solved_anew_and_never_shown(tmp_path):
     shown = load([out])
     assert len(shown.rows) == 4
     newest = json.loads((out / "manifest.json").read_text())["solvers"][f"{plugin}:Mine"]
-    assert set(shown.rows["code_digest"]) == {newest["code_digest"], code("analytic")}
+    assert set(shown.rows["code_digest"]) == {newest["code_digest"], code_digest("analytic")}
     assert newest["settings"]["patience"] == 2
     assert newest["cells"] == 2
     assert shown.manifests[0].stale == 2
@@ -165,7 +209,7 @@ def test_cells_know_their_code(tmp_path):
     file.write_text(EXPERIMENT.format(spec="slsqp"))
     cells = [cell for chain in chains(read(str(file)).experiment) for cell in chain]
 
-    assert {cell.code_digest for cell in cells} == {code("slsqp"), code("analytic")}
+    assert {cell.code_digest for cell in cells} == {code_digest("slsqp"), code_digest("analytic")}
     assert {cell.key[-1] for cell in cells} == {cell.code_digest for cell in cells}
 
 
@@ -227,12 +271,9 @@ def test_what_lies_beside_a_plugin_file_counts(tmp_path):
         "import beside\nfrom dubins_study.solvers.paper_nlp.slsqp import Slsqp\nclass Mine(Slsqp):\n    pass\n"
     )
     spec = f"{tmp_path}/mine.py:Mine"
-    command = f"from dubins_study.experiments.plan.code_digest import code; print(code({spec!r}))"
 
     def digest():
-        return subprocess.run(
-            [sys.executable, "-c", command], capture_output=True, text=True, check=True
-        ).stdout
+        return printed(f"print(code_digest({spec!r}))")
 
     before = digest()
     assert digest() == before

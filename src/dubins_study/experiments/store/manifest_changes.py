@@ -7,7 +7,7 @@ import re
 from collections.abc import Collection, Mapping
 from pathlib import Path as FilePath
 
-from dubins_study.experiments.store.files import write_whole
+from dubins_study.experiments.store.whole_file import write_whole
 from dubins_study.study.rows.files import ResultsError, os_errors_as
 from dubins_study.study.rows.manifest import MANIFEST, Definition, Manifest
 

@@ -1,0 +1,157 @@
+"""The code digest: changes whenever a solver would have to be run again.
+
+A solver lies in a room: a folder of `solvers`, or a module directly in `solvers`. Its digest covers
+the source of the whole room, of every room that the room's text names, of the code that judges an
+answer, and of `study`. Rooms are found by their dotted names in the text, so that an import inside
+a function counts as well as one at the top of a file.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+import re
+import sys
+from functools import cache
+from pathlib import Path as FilePath
+from typing import Any
+
+from dubins_study.experiments.provenance import versions_of
+from dubins_study.solvers.protocol import Solver
+from dubins_study.solvers.registry import canonical, load, settings
+
+_DIGEST_DIGITS = 12
+_PACKAGE = FilePath(__file__).parents[1]
+_ROOM_NAME = re.compile(rb"dubins_study\.solvers(?:\.| import )(\w+)")
+_WORD = re.compile(rb"\w+")
+# the rooms that judge the answer of every solver
+_JUDGES = ("attempt", "profiles")
+_ADDRESS = re.compile(r" at 0x[0-9a-fA-F]+")
+
+# the path of a file as it is hashed -> its bytes
+Sources = dict[str, bytes]
+
+
+@cache
+def code_digest(spec: str, profile: str = "default") -> str:
+    """The digest in the column `code_digest`: 12 hexadecimal digits.
+
+    It covers the canonical spec, the values of all settings, the versions of the solver's packages,
+    and the sources that `solver_sources` lists. Files are read once in a process.
+
+    Raises:
+        SolverError: as `solvers.registry.load`.
+    """
+    solver = load(spec, profile)
+    description = {
+        "spec": canonical(spec, profile),
+        "settings": plain_settings(solver),
+        "packages": versions_of(tuple(solver.packages)),
+    }
+    digest = hashlib.sha256(json.dumps(description, sort_keys=True).encode("utf-8", "replace"))
+    for name, source in sorted(solver_sources(spec, type(solver)).items()):
+        digest.update(f"\0{name}\0".encode("utf-8", "replace") + source)
+    return digest.hexdigest()[:_DIGEST_DIGITS]
+
+
+def plain_settings(solver: Solver) -> dict[str, Any]:
+    """A solver's settings as values that JSON can hold; other values (a plug-in's) as text."""
+    return {
+        name: value if _is_plain(value) else _ADDRESS.sub("", str(value))
+        for name, value in settings(solver).items()
+    }
+
+
+def _is_plain(value: object) -> bool:
+    if type(value) is float:
+        return math.isfinite(value)
+    return value is None or type(value) in (str, int, bool)  # a member of an enum may be a str too
+
+
+def solver_sources(spec: str, solver_class: type[Any]) -> Sources:
+    """The source files on which a solver's rows depend.
+
+    Of a plug-in they are its file with the modules beside it that it names, or its whole package,
+    and the rooms of `solvers` that these name.
+    """
+    module = solver_class.__module__
+    file, colon, _ = spec.partition("[")[0].strip().rpartition(":")
+    if colon and file.endswith(".py"):
+        sources = _plugin_file(FilePath(file))
+    elif module.startswith("dubins_study.solvers."):
+        sources = dict(_room(module.split(".")[2]))
+    else:
+        sources = _installed_plugin(module.partition(".")[0])
+    for room in _JUDGES:
+        sources |= _room(room)
+    return _with_named_rooms(sources) | _study()
+
+
+def _with_named_rooms(sources: Sources) -> Sources:
+    """The sources, the rooms that they name, the rooms that those name, and so on."""
+    complete = dict(sources)
+    unread = list(sources.values())
+    while unread:
+        for room in set(_ROOM_NAME.findall(unread.pop())):
+            added = {k: v for k, v in _room(room.decode()).items() if k not in complete}
+            complete |= added
+            unread += added.values()
+    return complete
+
+
+@cache
+def _room(name: str) -> Sources:
+    """All modules of a room of `solvers`; none if there is no room of that name."""
+    place = _PACKAGE / "solvers" / name
+    files = [place.with_suffix(".py")] if not place.is_dir() else [*place.rglob("*.py")]
+    return _read_all(_PACKAGE, [file for file in files if file.is_file()])
+
+
+@cache
+def _study() -> Sources:
+    """All modules of `study`, which judges every answer, but for those that read results."""
+    folder = _PACKAGE / "study"
+    return _read_all(
+        _PACKAGE, [f for f in folder.rglob("*.py") if folder / "rows" not in f.parents]
+    )
+
+
+def _plugin_file(file: FilePath) -> Sources:
+    """A plug-in's file, and the modules and packages beside it that it names, directly or not."""
+    sources = {"plug-in": _read(file)}
+    folder = file.resolve().parent
+    beside = {module.stem: module for module in folder.glob("*.py") if module.stem != file.stem}
+    beside |= {init.parent.name: init.parent for init in folder.glob("*/__init__.py")}
+    unread = [*sources.values()]
+    while unread:
+        words = {word.decode("utf-8", "replace") for word in _WORD.findall(unread.pop())}
+        for name in words & beside.keys():
+            place = beside.pop(name)
+            added = _read_all(folder, [place] if place.is_file() else [*place.rglob("*.py")])
+            sources |= added
+            unread += added.values()
+    return sources
+
+
+def _installed_plugin(package_name: str) -> Sources:
+    """All modules of the top-level package, or the one module, that an entry point names."""
+    package = sys.modules[package_name]
+    folders = list(getattr(package, "__path__", ()))
+    if folders:
+        return {
+            name: source
+            for folder in map(FilePath, folders)
+            for name, source in _read_all(folder.parent, list(folder.rglob("*.py"))).items()
+        }
+    return {package_name: _read(FilePath(str(package.__file__)))}
+
+
+def _read_all(root: FilePath, files: list[FilePath]) -> Sources:
+    return {file.relative_to(root).as_posix(): _read(file) for file in files}
+
+
+@cache
+def _read(file: FilePath) -> bytes:
+    # git may check text files out with other line ends on another system
+    return file.read_bytes().replace(b"\r\n", b"\n")

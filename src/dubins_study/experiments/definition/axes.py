@@ -1,0 +1,88 @@
+"""How a TOML file writes numbers, and several values of one field of a scenario."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, field_validator
+
+from dubins_study.study.angle import parse_angle
+
+
+def _refuse_boolean(value: object) -> object:
+    """Refuse `true` and `false`, which Python would take for 1 and 0."""
+    if isinstance(value, bool):
+        raise ValueError("expected a number")
+    return value
+
+
+def _number_or_angle(value: object) -> object:
+    """Read a text such as "120deg" as an angle in radians; refuse booleans."""
+    return parse_angle(value) if isinstance(value, str) else _refuse_boolean(value)
+
+
+Number = Annotated[float, BeforeValidator(_number_or_angle), Field(allow_inf_nan=False)]
+Count = Annotated[int, BeforeValidator(_refuse_boolean), Field(ge=1, le=10**9)]
+Seed = Annotated[int, BeforeValidator(_refuse_boolean), Field(ge=0, lt=2**63)]
+Gibibytes = Annotated[float, BeforeValidator(_refuse_boolean), Field(ge=0.25, le=2**20)]
+# The name of a section of the report; the report knows which sections exist.
+SectionName = Annotated[str, Field(pattern=r"^[a-z][a-z0-9-]*$", max_length=40)]
+Seconds = Annotated[float, BeforeValidator(_refuse_boolean), Field(gt=0, allow_inf_nan=False)]
+
+
+class StrictModel(BaseModel):
+    """A table of the TOML file; unknown keys are refused."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class Linear(StrictModel):
+    """`[first, last, count]`: `count` evenly spaced values from the first to the last."""
+
+    linear: tuple[Number, Number, Count]
+
+
+class Log(StrictModel):
+    """`[first, last, count]`: `count` values whose logarithms are evenly spaced."""
+
+    log: tuple[Number, Number, Count]
+
+    @field_validator("log")
+    @classmethod
+    def _check_positive(cls, value: tuple[float, float, int]) -> tuple[float, float, int]:
+        if not (value[0] > 0 and value[1] > 0):
+            raise ValueError("a logarithmic sweep starts and ends above 0")
+        return value
+
+
+class LinearRange(StrictModel):
+    """`[low, high]`: sampled values are spread uniformly between the two."""
+
+    linear: tuple[Number, Number]
+
+
+class LogRange(StrictModel):
+    """`[low, high]`: the logarithms of sampled values are spread uniformly; both are above 0."""
+
+    log: tuple[Number, Number]
+
+    @field_validator("log")
+    @classmethod
+    def _check_positive(cls, value: tuple[float, float]) -> tuple[float, float]:
+        if not (value[0] > 0 and value[1] > 0):
+            raise ValueError("a logarithmic range starts and ends above 0")
+        return value
+
+
+# The values of one field: a number, a list of numbers, or evenly spaced numbers.
+Axis = Number | Annotated[list[Number], Field(min_length=1)] | Linear | Log
+Range = LinearRange | LogRange
+
+
+class Sample(StrictModel):
+    """Quasi-random points over ranges of fields, drawn by `scipy.stats.qmc`."""
+
+    method: Literal["sobol", "latin hypercube"]
+    count: Count
+    seed: Seed
+    ranges: dict[str, Range] = Field(min_length=1)

@@ -1,0 +1,120 @@
+"""From a request to the cells and streams of a run."""
+
+from __future__ import annotations
+
+from collections import Counter
+from pathlib import Path as FilePath
+from typing import NamedTuple
+
+from dubins_study.experiments.definition.experiment import (
+    Experiment,
+    ExperimentError,
+    ExperimentFile,
+    read,
+    validated,
+)
+from dubins_study.experiments.plan.cells import Chain, chains
+from dubins_study.experiments.plan.request import Request
+from dubins_study.experiments.plan.solver_specs import expand_solvers, untrusted_spec
+from dubins_study.experiments.plan.streams import Stream, streams
+from dubins_study.solvers.registry import SolverError
+from dubins_study.study.rows.schema import Key
+
+
+class RunPlan(NamedTuple):
+    """Everything that a run has to solve.
+
+    Args:
+        experiment_file: the experiment as the request changes it.
+        folder: the results folder.
+        chains: all cells, whether solved already or not.
+        streams: the blocks that the closed form answers in chunks.
+    """
+
+    experiment_file: ExperimentFile
+    folder: FilePath
+    chains: list[Chain]
+    streams: list[Stream]
+
+    @property
+    def keys(self) -> set[Key]:
+        """The keys of all cells."""
+        return {cell.key for chain in self.chains for cell in chain}
+
+    @property
+    def rows(self) -> int:
+        """How many rows there will be."""
+        return sum(map(len, self.chains)) + sum(stream.rows for stream in self.streams)
+
+    @property
+    def solver_specs(self) -> list[str]:
+        """The canonical specs of all solvers, each once."""
+        specs = dict.fromkeys(stream.solver for stream in self.streams)
+        specs |= dict.fromkeys(cell.solver for chain in self.chains for cell in chain)
+        return list(specs)
+
+
+def cell_counts(keys: set[Key]) -> Counter[tuple[str, str]]:
+    """How many cells there are by solver and code digest."""
+    return Counter((solver, digest) for _, solver, *_, digest in keys)
+
+
+def plan_run(request: Request) -> RunPlan:
+    """The cells and streams that a request asks for.
+
+    Raises:
+        ExperimentError, SolverError: naming the argument, or the file and key; its value, and what
+            was expected.
+    """
+    request.check()
+    experiment_file = _changed(read(str(request.experiment)), request)
+    experiment = experiment_file.experiment
+    if request.solvers is not None:
+        # here, where a message does not name the experiment's file
+        expand_solvers(request.solvers, experiment.profile)
+    try:
+        if request.solvers is None and not request.trust_plugins:
+            _refuse_untrusted(experiment)
+        cell_chains, block_streams = chains(experiment), streams(experiment)
+    except (ExperimentError, SolverError) as error:
+        raise type(error)(f"{experiment_file.path}: {error}") from None
+    folder = (
+        FilePath("results") / experiment_file.name if request.out is None else FilePath(request.out)
+    )
+    return RunPlan(experiment_file, folder, cell_chains, block_streams)
+
+
+def _changed(experiment_file: ExperimentFile, request: Request) -> ExperimentFile:
+    """The experiment with the solvers, limits and repeats of the request, checked as the file's."""
+    requested = {
+        "solvers": request.solvers,
+        "time_limit_s": request.time_limit_s,
+        "memory_limit_gib": request.memory_limit_gib,
+        "repeats": request.repeats,
+    }
+    changes = {key: value for key, value in requested.items() if value is not None}
+    if not changes:
+        return experiment_file
+    experiment = experiment_file.experiment
+    blocks = experiment.scenarios
+    if request.solvers is not None:
+        blocks = [block.model_copy(update={"solvers": None}) for block in blocks]
+    changed = validated(experiment_file.name, dict(experiment) | {"scenarios": blocks} | changes)
+    return experiment_file._replace(experiment=changed)
+
+
+def _refuse_untrusted(experiment: Experiment) -> None:
+    """Refuse plug-in files and programs on PATH: the experiment's file may come from anyone."""
+    lists = {"solvers": experiment.solvers}
+    for number, block in enumerate(experiment.scenarios):
+        lists[f"scenarios.{number}.solvers"] = block.solvers or []
+    for key, specs in lists.items():
+        try:
+            spec = untrusted_spec(specs, experiment.profile)
+        except SolverError as error:
+            raise SolverError(f"{key}: {error}") from None
+        if spec is not None:
+            raise ExperimentError(
+                f"{key}: {spec} runs a program or file that is not this package's; expected "
+                "--trust-plugins, if you know what it is, or your own choice of --solver"
+            )

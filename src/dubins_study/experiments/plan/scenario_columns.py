@@ -1,0 +1,149 @@
+"""The scenarios of a block as columns: any window of its rows, computed without the other rows."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from dubins_study.experiments.definition.axes import Axis, Linear, Log
+from dubins_study.experiments.definition.experiment import ExperimentError
+from dubins_study.experiments.definition.scenario_block import FIELDS, Block
+from dubins_study.experiments.plan.sample_points import SamplePoints
+from dubins_study.experiments.plan.targets import target_columns
+from dubins_study.study.path import FloatArray
+from dubins_study.study.scenario import NUMBERS, Scenario, ScenarioError, check_frame
+
+# one array of shape (rows of the window,) for each of the names in `NUMBERS`
+Columns = dict[str, FloatArray]
+# the number of the first row, and how many rows
+Window = tuple[int, int]
+
+_WINDOW_ROWS = 2**15  # where the caller wants all rows
+
+
+def block_size(block: Block) -> int:
+    """How many scenarios a block has."""
+    return _combinations(block) * (1 if block.sample is None else block.sample.count)
+
+
+def _combinations(block: Block) -> int:
+    """How many combinations the values of a block's own fields have, the sample left out."""
+    return math.prod(axis_size(block.axis(field)) for field in FIELDS)
+
+
+def axis_size(axis: Axis | None) -> int:
+    """How many values an axis has; 1 for a field that the block does not give."""
+    if isinstance(axis, Linear):
+        return axis.linear[2]
+    if isinstance(axis, Log):
+        return axis.log[2]
+    return len(axis) if isinstance(axis, list) else 1
+
+
+def tiled(rows: int, window_rows: int) -> Iterator[Window]:
+    """Windows of `window_rows` rows that cover `rows` rows; the last one may be smaller."""
+    for first in range(0, rows, window_rows):
+        yield first, min(window_rows, rows - first)
+
+
+def windows(block: Block, key: str, wanted: Iterable[Window]) -> Iterator[Columns]:
+    """The scenarios in windows of a block's rows; ascending windows are the cheapest.
+
+    From row to row the last of `FIELDS` varies fastest, and the sample's point slowest. The numbers
+    of a row are the same to the last bit in every window that holds it.
+
+    Args:
+        block: the scenarios.
+        key: the block's key in the experiment, such as `scenarios.0`, for messages.
+        wanted: the windows.
+
+    Raises:
+        ExperimentError: naming key, row, field and value, if a window holds a scenario that is not
+            valid.
+    """
+    combinations, points = _combinations(block), SamplePoints(block.sample, key)
+    for first, count in wanted:
+        row = np.arange(first, first + count)
+        fields = _combined(block, row % combinations) | points.at(row // combinations)
+        contiguous = {name: np.ascontiguousarray(values) for name, values in fields.items()}
+        yield _checked(contiguous, key, first)
+
+
+def scenarios(block: Block, key: str) -> Iterator[Scenario]:
+    """All scenarios of a block, one by one.
+
+    Raises:
+        ExperimentError: as `windows`.
+    """
+    for columns in windows(block, key, tiled(block_size(block), _WINDOW_ROWS)):
+        values = (columns[name].tolist() for name in NUMBERS)
+        for numbers in zip(*values, strict=True):
+            yield Scenario(**dict(zip(NUMBERS, numbers, strict=True)), label=block.label)
+
+
+def _combined(block: Block, row: NDArray[np.int64]) -> Columns:
+    """The values of the block's own fields at numbered combinations."""
+    columns = {}
+    for field in reversed(FIELDS):
+        axis = block.axis(field)
+        if axis is not None:
+            row, index = np.divmod(row, axis_size(axis))
+            columns[field] = axis_values(axis, index)
+    return columns
+
+
+def axis_values(axis: Axis, index: NDArray[np.int64]) -> FloatArray:
+    """The values of an axis at indices counted from 0, as `np.linspace` and `np.geomspace` give."""
+    if isinstance(axis, Linear):
+        return _evenly_spaced(*axis.linear, index)
+    if isinstance(axis, Log):
+        first, last, count = axis.log
+        values = 10.0 ** _evenly_spaced(math.log10(first), math.log10(last), count, index)
+        values[index == 0] = first
+        values[(index == count - 1) & (index > 0)] = last
+        return values
+    return np.asarray(axis if isinstance(axis, list) else [axis], np.float64)[index]
+
+
+def _evenly_spaced(first: float, last: float, count: int, index: NDArray[np.int64]) -> FloatArray:
+    """What `np.linspace(first, last, count)[index]` is, to the last bit."""
+    span, steps = last - first, max(1, count - 1)
+    step = span / steps
+    values = index.astype(np.float64)
+    if step:
+        values *= step
+    else:  # the step is too small for a double: divide before multiplying, as numpy does
+        values /= steps
+        values *= span
+    values += first
+    values[(index == count - 1) & (index > 0)] = last
+    return values
+
+
+def _checked(fields: Columns, key: str, first: int) -> Columns:
+    """The columns of `NUMBERS`, targets computed, if every row is a valid scenario."""
+    columns = target_columns(fields)
+    try:
+        if "arc" in fields and fields["margin"].size and fields["margin"].min() < -1:
+            raise ScenarioError
+        check_frame(pd.DataFrame(columns, copy=False))
+    except ScenarioError:
+        _refuse(fields, columns, key, first)
+    return columns
+
+
+def _refuse(fields: Columns, columns: Columns, key: str, first: int) -> None:
+    """Raise an error about the first row that is not valid, with the message of `Scenario`."""
+    for i in range(len(columns["x"])):
+        try:
+            if "arc" in fields and fields["margin"][i] < -1:
+                raise ScenarioError(
+                    f"margin is {fields['margin'][i]}; expected at least -1, the circle's centre"
+                )
+            Scenario(**{name: float(columns[name][i]) for name in NUMBERS}, label="")
+        except ScenarioError as error:
+            raise ExperimentError(f"{key}, scenario {first + i}: {error}") from None
