@@ -10,7 +10,7 @@ from contextlib import contextmanager, suppress
 from typing import Any
 
 from dubins_study.experiments.isolation.pool import RunError
-from dubins_study.solvers.attempt import told
+from dubins_study.solvers.reply import exception_text
 
 _ANSWER_WAIT_S = 10.0
 # loggers that print what exceptions say as well
@@ -82,7 +82,7 @@ def _cause(error: BaseException) -> str:
     """The message of the lowest layer, which names the problem; the layers above name the call."""
     if error.__cause__ is not None and str(error.__cause__):
         return _cause(error.__cause__)
-    return told(error) if str(error) else f"nothing came within {_ANSWER_WAIT_S:g} s"
+    return exception_text(error) if str(error) else f"nothing came within {_ANSWER_WAIT_S:g} s"
 
 
 async def _kind(address: str) -> str:

@@ -25,7 +25,7 @@ from dubins_study.experiments.interruption import Interruption
 from dubins_study.experiments.isolation.pool import RunError
 from dubins_study.experiments.plan.cells import Chain
 from dubins_study.experiments.run_settings import RunSettings
-from dubins_study.solvers.attempt import told
+from dubins_study.solvers.reply import exception_text
 from dubins_study.study.path import Path
 from dubins_study.study.rows.row_table import Row, row_key, row_path
 from dubins_study.study.rows.schema import Key
@@ -276,7 +276,7 @@ class _Submission:
 
 
 def _explanation(error: Exception) -> str:
-    message = told(error.__cause__ if isinstance(error.__cause__, Exception) else error)
+    message = exception_text(error.__cause__ if isinstance(error.__cause__, Exception) else error)
     if isinstance(error, ImportError | AttributeError) or "deserializ" in str(error):
         return (
             f"dubins-study is not on a Dask worker, or of another version ({message}); expected "

@@ -25,9 +25,9 @@ from dubins_study.experiments.isolation.messages import MessageError, WorkerRepl
 from dubins_study.experiments.isolation.monitor import POLL_INTERVAL_S, Limits, Monitor
 from dubins_study.experiments.isolation.worker import WorkerJob
 from dubins_study.experiments.isolation.worker_process import Answer, WorkerProcess
-from dubins_study.solvers.attempt import Reply, nothing
 from dubins_study.solvers.protocol import Outcome, Question
 from dubins_study.solvers.registry import ours
+from dubins_study.solvers.reply import Reply, no_answer
 
 # Jobs in one message, each of which costs as much as a quick solve, and messages that a worker
 # has in advance, so that it never waits. A single job where solves are long, so that none waits
@@ -262,7 +262,7 @@ class WorkerPool:
             with suppress(KeyError):
                 self._selector.unregister(worker.process.channel)
         except MessageError as error:
-            reply = nothing(Outcome.CRASHED, f"stopped: its worker sent {error}")
+            reply = no_answer(Outcome.CRASHED, f"stopped: its worker sent {error}")
             results += self._ended(place, worker, reply)
         return results
 
