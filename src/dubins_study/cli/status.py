@@ -30,41 +30,41 @@ def status(
     print(status_json(folder_status) if as_json else status_text(folder_status))
 
 
-def status_json(status: Status) -> str:
+def status_json(progress: Status) -> str:
     """One object."""
-    return json.dumps(status.as_json(), indent=2)
+    return json.dumps(progress.as_json(), indent=2)
 
 
-def status_text(status: Status) -> str:
+def status_text(progress: Status) -> str:
     """A few lines and two tables for a person."""
     from dubins_study.study.rows.machine_noise import NOISY
 
     lines = [
-        f"{plain(status.folder)}: {status.done} of {status.cells} cells done, {_state(status)}"
+        f"{plain(progress.folder)}: {progress.done} of {progress.cells} cells done, {_state(progress)}"
     ]
-    left = sum(status.left.values())
+    left = sum(progress.left.values())
     if left:
-        lines.append(f"left      {left}: {_listed(status.left)}")
-    if status.failing:
-        lines.append(f"failing   {sum(status.failing.values())}: {_listed(status.failing)}")
-    if status.stale:
-        lines.append(f"stale     {status.stale} rows of earlier code, which count for nothing")
-    if status.damaged:
+        lines.append(f"left      {left}: {_listed(progress.left)}")
+    if progress.failing:
+        lines.append(f"failing   {sum(progress.failing.values())}: {_listed(progress.failing)}")
+    if progress.stale:
+        lines.append(f"stale     {progress.stale} rows of earlier code, which count for nothing")
+    if progress.damaged:
         lines.append(
-            f"damaged   {_some(status.damaged)}; run again, and its cells are solved again"
+            f"damaged   {_some(progress.damaged)}; run again, and its cells are solved again"
         )
-    if status.aside:
-        lines.append(f"set aside {_some(status.aside)} in damaged/ by earlier runs")
+    if progress.aside:
+        lines.append(f"set aside {_some(progress.aside)} in damaged/ by earlier runs")
     if left:
-        lines.append(f"time left {_time_left(status)}")
-    lines += [_noise(run) for run in status.runs if run.spread is not None and run.spread > NOISY]
-    return "\n".join([*lines, *_tables(status)])
+        lines.append(f"time left {_time_left(progress)}")
+    lines += [_noise(run) for run in progress.runs if run.spread is not None and run.spread > NOISY]
+    return "\n".join([*lines, *_tables(progress)])
 
 
-def _state(status: Status) -> str:
-    if status.process is not None:
-        return f"running: process {status.process or 'unknown'} is at work"
-    return "finished" if status.finished else "not finished: run it again to go on"
+def _state(progress: Status) -> str:
+    if progress.process is not None:
+        return f"running: process {progress.process or 'unknown'} is at work"
+    return "finished" if progress.finished else "not finished: run it again to go on"
 
 
 def _listed(counts: Mapping[str, int]) -> str:
@@ -75,13 +75,13 @@ def _some(parts: int) -> str:
     return f"{parts} damaged part{'' if parts == 1 else 's'}"
 
 
-def _time_left(status: Status) -> str:
-    jobs = f"with {status.jobs} job{'' if status.jobs == 1 else 's'}"
-    if status.seconds_left is None:
+def _time_left(progress: Status) -> str:
+    jobs = f"with {progress.jobs} job{'' if progress.jobs == 1 else 's'}"
+    if progress.seconds_left is None:
         return "unknown: no row is done yet to judge by"
-    text = f"about {duration(status.seconds_left)} {jobs}"
-    if status.unknown:
-        text += f", without {', '.join(map(plain, status.unknown))}: no row is done yet to judge by"
+    text = f"about {duration(progress.seconds_left)} {jobs}"
+    if progress.unknown:
+        text += f", without {', '.join(map(plain, progress.unknown))}: no row is done yet to judge by"
     return text
 
 
@@ -100,18 +100,18 @@ def _noise(run: RunEntry) -> str:
     )
 
 
-def _tables(status: Status) -> list[str]:
+def _tables(progress: Status) -> list[str]:
     tables = []
-    kinds = sorted({kind for counts in status.verdicts.values() for kind in counts})
+    kinds = sorted({kind for counts in progress.verdicts.values() for kind in counts})
     if kinds:
         rows = [
             (plain(solver), *(str(counts.get(kind, "")) for kind in kinds))
-            for solver, counts in status.verdicts.items()
+            for solver, counts in progress.verdicts.items()
         ]
         tables.append(table(("solver", *map(plain, kinds)), rows))
-    if status.runs:
+    if progress.runs:
         head = ("run", "started", "took", "state", "engine", "jobs", "speed varied by")
-        tables.append(table(head, [_run(run) for run in status.runs[-_MOST_RUNS:]]))
+        tables.append(table(head, [_run(run) for run in progress.runs[-_MOST_RUNS:]]))
     return tables
 
 

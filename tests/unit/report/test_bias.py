@@ -97,7 +97,7 @@ def test_numbers_by_hand(results):
     told, others = by_barrier(table), without_barrier(table)
 
     assert told["mu"].tolist() == pytest.approx([1e-6, last_barrier(1e-8), 1e-9])
-    assert told["asked"].tolist() == [True, False, True]
+    assert told["barrier_set"].tolist() == [True, False, True]
     np.testing.assert_allclose(told[["ratio_low", "ratio_high"]], 2.0)
     np.testing.assert_allclose(told["slope"], [1, math.nan, 1])
     assert told["failed"].tolist() == [0, 1, 0]

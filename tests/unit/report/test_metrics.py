@@ -235,7 +235,7 @@ def test_agreement_by_hand():
     paths = {i: Path(Pose(0, 0, 0), [0.0], [length]) for i, length in enumerate((10, 11, 5, 1))}
     line = agreement(rows, paths.get).iloc[0]
 
-    assert (line["asked"], line["both"]) == (2, 1)
+    assert (line["questions"], line["both"]) == (2, 1)
     assert line["largest"] == line["median"] == pytest.approx(0.1)
     assert line["within"] == 0.0
     assert line["apart_largest"] == pytest.approx(0.1)

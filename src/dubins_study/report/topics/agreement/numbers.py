@@ -16,7 +16,7 @@ _KEY = ["experiment", "scenario_id", "branch"]
 _COLUMNS = (
     "first",
     "second",
-    "asked",
+    "questions",
     "both",
     "median",
     "largest",
@@ -24,7 +24,7 @@ _COLUMNS = (
     "apart_median",
     "apart_largest",
 )
-_PLACES = 65  # looked at along two paths; turns are longer than a 64th of all but long paths
+_SAMPLES = 65  # along each path; a turn is longer than a 64th of all but long paths
 
 
 def answers(rows: pd.DataFrame) -> pd.DataFrame:
@@ -54,34 +54,34 @@ def agreement(rows: pd.DataFrame, path_of: Callable[[int], Path | None]) -> pd.D
         path_of: index of a row -> its path.
 
     Returns:
-        Columns first, second, asked (questions put to both), both (where both arrive), median and
+        Columns first, second, questions (put to both), both (where both arrive), median and
         largest of |La - Lb| / max(reference, R), within (share of `both` that agree to 1e-6), and
         apart_median, apart_largest: the largest distance between the two paths at equal arc
         length, over the same scale.
     """
     cold = _first_cold(rows)
-    asked = cold.assign(asked=True).pivot(index=_KEY, columns="solver", values="asked").notna()
-    given = answers(rows)
-    length = given.pivot(index=_KEY, columns="solver", values="length")
-    index = given.reset_index(names="row").pivot(index=_KEY, columns="solver", values="row")
+    posed = cold.assign(posed=True).pivot(index=_KEY, columns="solver", values="posed").notna()
+    arrived = answers(rows)
+    length = arrived.pivot(index=_KEY, columns="solver", values="length")
+    index = arrived.reset_index(names="row").pivot(index=_KEY, columns="solver", values="row")
     # near a circle each answer has a reference of its own; the larger one is the scale
-    scale = given.groupby(_KEY)["scale"].max()
+    scale = arrived.groupby(_KEY)["scale"].max()
     records = []
     for first, second in combinations(solver_order(list(length.columns)), 2):
         both = length[[first, second]].dropna()
         over = scale.loc[both.index].to_numpy()
-        off = (both[first] - both[second]).abs().to_numpy() / over
+        difference = (both[first] - both[second]).abs().to_numpy() / over
         pairs = index.loc[both.index, [first, second]].astype(int).itertuples(index=False)
         apart = np.array([_apart(path_of(a), path_of(b)) for a, b in pairs]) / over
         records.append(
             {
                 "first": first,
                 "second": second,
-                "asked": int((asked[first] & asked[second]).sum()),
+                "questions": int((posed[first] & posed[second]).sum()),
                 "both": len(both),
-                "median": _or_nan(np.median, off),
-                "largest": _or_nan(np.max, off),
-                "within": float((off <= CLOSE).mean()) if off.size else float("nan"),
+                "median": _or_nan(np.median, difference),
+                "largest": _or_nan(np.max, difference),
+                "within": float((difference <= CLOSE).mean()) if difference.size else float("nan"),
                 "apart_median": _or_nan(np.median, apart),
                 "apart_largest": _or_nan(np.max, apart),
             }
@@ -92,7 +92,7 @@ def agreement(rows: pd.DataFrame, path_of: Callable[[int], Path | None]) -> pd.D
 def _apart(first: Path | None, second: Path | None) -> float:
     assert first is not None  # both have a gap, so both have a path
     assert second is not None
-    return largest_distance(first, second, _PLACES)
+    return largest_distance(first, second, _SAMPLES)
 
 
 def _or_nan(reduce: Callable[[np.ndarray], np.floating], values: np.ndarray) -> float:

@@ -25,7 +25,7 @@ def agreement_section(results: Results) -> Section | None:
     if rows["solver"].nunique() < 2:
         return None
     pairs = agreement(rows, results.path)
-    pairs = pairs[pairs["asked"] > 0].reset_index(drop=True)
+    pairs = pairs[pairs["questions"] > 0].reset_index(drop=True)
     if not (pairs["both"] > 0).any():
         return None
     n = len({*pairs["first"], *pairs["second"]})
@@ -49,7 +49,7 @@ def _table(pairs: pd.DataFrame) -> Table:
     columns = (
         Column("first", "solver", kind="code"),
         Column("second", "and", kind="code"),
-        Column("asked", "asked both", count),
+        Column("questions", "questions", count),
         Column("both", "both arrive", count),
         Column("median", "median", number),
         Column("largest", "largest", number),

@@ -68,11 +68,11 @@ def plot_ends(ax: Axes, table: pd.DataFrame, listed: Sequence[str] = ENDS) -> li
     )
     handles = []
     for end in listed:
-        own = table[table["end"] == end]
+        group = table[table["end"] == end]
         style: dict[str, Any] = {"linestyle": "none", "color": ON_MAP, "markeredgewidth": 0.7}
-        if end in _MARK and len(own):
-            ax.plot(own["z1"], own["z2"], **style | _MARK[end])
-        handles.append(_entry(end, len(own), style))
+        if end in _MARK and len(group):
+            ax.plot(group["z1"], group["z2"], **style | _MARK[end])
+        handles.append(_entry(end, len(group), style))
     ax.set(xlabel="left turn of the start, z₁ (rad)", ylabel="right turn of the start, z₂ (rad)")
     ax.set_xticks(_TICKS, _TICK_TEXTS)
     ax.set_yticks(_TICKS, _TICK_TEXTS)

@@ -83,12 +83,12 @@ def ends(rows: pd.DataFrame) -> pd.DataFrame:
     Adds the columns z1, z2, z3 (of the guess, in radii; z1 and z2 are rad), end, turns (NaN where
     the end is no minimum).
     """
-    given = rows[~rows["initial_guess"].isin(["cold", "warm"]) & rows["solver"].notna()]
-    if given.empty:
-        return given.assign(z1=[], z2=[], z3=[], end=[], turns=[])
-    points = given["initial_guess"].str.split(expand=True).astype(float)
-    all_ends = [end_of(row) for _, row in given.iterrows()]
-    return given.assign(
+    guessed = rows[~rows["initial_guess"].isin(["cold", "warm"]) & rows["solver"].notna()]
+    if guessed.empty:
+        return guessed.assign(z1=[], z2=[], z3=[], end=[], turns=[])
+    points = guessed["initial_guess"].str.split(expand=True).astype(float)
+    all_ends = [end_of(row) for _, row in guessed.iterrows()]
+    return guessed.assign(
         z1=points[0],
         z2=points[1],
         z3=points[2],
@@ -131,17 +131,21 @@ def shares(table: pd.DataFrame) -> pd.DataFrame:
     records = []
     for label, group in table.groupby("label", sort=True):
         for solver in solver_order(group["solver"].tolist()):
-            own = group[group["solver"] == solver]
-            counts = {end: int((own["end"] == end).sum()) for end in ENDS}
-            minima = own[own["turns"].notna()]
+            attempts = group[group["solver"] == solver]
+            counts = {end: int((attempts["end"] == end).sum()) for end in ENDS}
+            minima = attempts[attempts["turns"].notna()]
             records.append(
-                {"label": label, "reference_word": own["reference_word"].iloc[0], "solver": solver}
+                {
+                    "label": label,
+                    "reference_word": attempts["reference_word"].iloc[0],
+                    "solver": solver,
+                }
                 | {"name": parse_spec(solver)[0], "capped": is_capped(solver)}
-                | {"starts": len(own), **counts, "found": counts[OPTIMUM] / len(own)}
+                | {"starts": len(attempts), **counts, "found": counts[OPTIMUM] / len(attempts)}
                 | {
-                    "turns_1": int((own["turns"] == 1).sum()),
-                    "turns_2": int((own["turns"] == 2).sum()),
-                    "turns_more": int((own["turns"] > 2).sum()),
+                    "turns_1": int((attempts["turns"] == 1).sum()),
+                    "turns_2": int((attempts["turns"] == 2).sum()),
+                    "turns_more": int((attempts["turns"] > 2).sum()),
                     "most_turns": int(minima["turns"].max()) if len(minima) else 0,
                     "refuted": sum(counts[end] for end in REFUTED),
                 }

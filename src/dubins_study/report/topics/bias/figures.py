@@ -17,15 +17,17 @@ from dubins_study.report.statistics.metrics import solver_order
 def plot_bias(ax: Axes, table: pd.DataFrame) -> None:
     """The turn left over against its prediction, and the line where they are equal.
 
-    Columns: predicted, z2 (length unit), asked (whether the solver was told its barrier).
+    Columns: predicted, z2 (length unit), barrier_set (whether a setting gives the barrier).
     """
     ends = np.array([0.5 * table["predicted"].min(), 2 * table["predicted"].max()])
     ax.plot(ends, ends, color=MUTED, linewidth=0.9, linestyle=LINES[1], label="equal")
     hollow: dict[str, Any] = {"linestyle": "none", "markerfacecolor": "none"}
-    told, default = table[table["asked"]], table[~table["asked"]]
-    if len(told):
+    with_barrier, default = table[table["barrier_set"]], table[~table["barrier_set"]]
+    if len(with_barrier):
         label = "Ipopt told to stop at μ"
-        ax.plot(told["predicted"], told["z2"], "o", color=BLUE, label=label, **hollow)
+        ax.plot(
+            with_barrier["predicted"], with_barrier["z2"], "o", color=BLUE, label=label, **hollow
+        )
     if len(default):
         ax.plot(
             default["predicted"],
@@ -51,10 +53,10 @@ def plot_left_over(ax: Axes, table: pd.DataFrame, palette: Palette) -> None:
     share = table["z2"] / table["radius"]
     foot = 10.0 ** np.floor(np.log10(share[share > 0].min()) - 1) if (share > 0).any() else 1e-8
     for place, solver in enumerate(solver_order(table["solver"].tolist())):
-        own = table[table["solver"] == solver].sort_values("radius")
-        left = (own["z2"] / own["radius"]).clip(lower=foot)
+        group = table[table["solver"] == solver].sort_values("radius")
+        left = (group["z2"] / group["radius"]).clip(lower=foot)
         # solvers that leave nothing share the foot: each a little aside
-        at = own["radius"] * 1.06 ** (place - 2)
+        at = group["radius"] * 1.06 ** (place - 2)
         look = looks[solver]
         ax.plot(at, left, marker=look.marker, markersize=4, **look.lines, label=name_of(solver, 24))
     ax.set(xscale="log", yscale="log", ylim=(foot / 2, None))

@@ -41,8 +41,8 @@ def left_over(results: Results) -> pd.DataFrame:
 
     Returns:
         The rows with columns z2 (length of the turn to the right, length unit; 0 if it is lost in
-        rounding), mu (barrier that the solver stops at; NaN of one that has none), asked (whether
-        it was told that barrier), joint (whether the model is unsplit), predicted
+        rounding), mu (barrier that the solver stops at; NaN of one that has none), barrier_set
+        (whether a setting gives that barrier), joint (whether the model is unsplit), predicted
         ((mu R^2)^(1/3)), ratio (z2 / predicted), excess (length - reference), excess_ratio
         (excess / (mu / 3)).
     """
@@ -56,7 +56,7 @@ def left_over(results: Results) -> pd.DataFrame:
     return rows.assign(
         z2=z2,
         mu=mu,
-        asked=rows["solver"].map(lambda s: _number(settings.get(s, {}).get("mu_target")) > 0),
+        barrier_set=rows["solver"].map(lambda s: _number(settings.get(s, {}).get("mu_target")) > 0),
         joint=rows["solver"].map(lambda s: settings.get(s, {}).get("model") == "joint"),
         predicted=predicted,
         ratio=z2 / predicted,
@@ -67,10 +67,10 @@ def left_over(results: Results) -> pd.DataFrame:
 
 def barrier(spec: str, settings: Mapping[str, Mapping[str, Any]]) -> float:
     """The barrier that a spec stops at on the unsplit model; NaN if it is no such solver's."""
-    own = settings.get(spec, {})
-    if parse_spec(spec)[0] != "ipopt" or own.get("model") != "joint":
+    group = settings.get(spec, {})
+    if parse_spec(spec)[0] != "ipopt" or group.get("model") != "joint":
         return math.nan
-    target, tol = _number(own.get("mu_target")), _number(own.get("tol"))
+    target, tol = _number(group.get("mu_target")), _number(group.get("tol"))
     if target > 0:
         return target
     return last_barrier(tol) if tol > 0 else math.nan
@@ -96,25 +96,25 @@ def slope(x: FloatArray, y: FloatArray) -> float:
 def by_barrier(table: pd.DataFrame) -> pd.DataFrame:
     """One row a solver with a barrier, from `left_over`, by falling barrier.
 
-    Columns: solver, mu, asked, attempts, slope (of log z2 against log predicted, over the radii),
-    ratio_low, ratio_high (of z2 / predicted), excess_low, excess_high (of the excess of the length
-    over mu / 3), failed (attempts that the solver calls failed).
+    Columns: solver, mu, barrier_set, attempts, slope (of log z2 against log predicted, over the
+    radii), ratio_low, ratio_high (of z2 / predicted), excess_low, excess_high (of the excess of the
+    length over mu / 3), failed (attempts that the solver calls failed).
     """
     records = []
-    for solver, own in table[table["mu"].notna()].groupby("solver", sort=False):
-        first = own.iloc[0]
+    for solver, group in table[table["mu"].notna()].groupby("solver", sort=False):
+        first = group.iloc[0]
         records.append(
             {
                 "solver": solver,
                 "mu": float(first["mu"]),
-                "asked": bool(first["asked"]),
-                "attempts": len(own),
-                "slope": slope(own["predicted"].to_numpy(), own["z2"].to_numpy()),
-                "ratio_low": float(own["ratio"].min()),
-                "ratio_high": float(own["ratio"].max()),
-                "excess_low": float(own["excess_ratio"].min()),
-                "excess_high": float(own["excess_ratio"].max()),
-                "failed": int((own["claim"] == "failed").sum()),
+                "barrier_set": bool(first["barrier_set"]),
+                "attempts": len(group),
+                "slope": slope(group["predicted"].to_numpy(), group["z2"].to_numpy()),
+                "ratio_low": float(group["ratio"].min()),
+                "ratio_high": float(group["ratio"].max()),
+                "excess_low": float(group["excess_ratio"].min()),
+                "excess_high": float(group["excess_ratio"].max()),
+                "failed": int((group["claim"] == "failed").sum()),
             }
         )
     frame = pd.DataFrame.from_records(records)
@@ -128,18 +128,18 @@ def without_barrier(table: pd.DataFrame) -> pd.DataFrame:
     most (z2 / R), gap (largest), limits (attempts stopped by a limit).
     """
     records = []
-    for solver, own in table[table["mu"].isna()].groupby("solver", sort=True):
-        relative = own["z2"] / own["radius"]
+    for solver, group in table[table["mu"].isna()].groupby("solver", sort=True):
+        relative = group["z2"] / group["radius"]
         records.append(
             {
                 "solver": solver,
-                "joint": bool(own["joint"].iloc[0]),
-                "attempts": len(own),
+                "joint": bool(group["joint"].iloc[0]),
+                "attempts": len(group),
                 "exact": int((relative == 0).sum()),
                 "least": float(relative.min()),
                 "most": float(relative.max()),
-                "gap": float(own["gap"].max()),
-                "limits": int((own["claim"] == "limit").sum()),
+                "gap": float(group["gap"].max()),
+                "limits": int((group["claim"] == "limit").sum()),
             }
         )
     return pd.DataFrame.from_records(records)

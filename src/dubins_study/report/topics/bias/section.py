@@ -24,19 +24,19 @@ def bias_section(results: Results) -> Section | None:
     """The turn left over against its prediction, and what other methods leave."""
     table = left_over(results)
     table = table[(table["branch"] == "best") & table["z2"].notna()]
-    known = table[table["mu"].notna()]
-    if known.empty:
+    with_barrier = table[table["mu"].notna()]
+    if with_barrier.empty:
         return None
     barriers, others = by_barrier(table), without_barrier(table)
-    sentences = [_prediction(known, barriers), *_default(known), *_others(others)]
+    sentences = [_prediction(with_barrier, barriers), *_default(with_barrier), *_others(others)]
     text = (
         "The shortest path to this target is LS, and the paper's model L(z₁) R(z₂) S(z₃) should "
         "answer with z₂ = 0. There its reduced cost is zero: the length grows only like "
         "z₂³ / (3 R²), so a barrier −μ ln z₂ stops the turn at z₂ = (μ R²)^(1/3), where the "
         f"length is μ / 3 too long. {' '.join(sentences)}"
     )
-    compared = table[~table["asked"]]
-    blocks: list[Picture | Table] = [_bias_picture(known)]
+    compared = table[~table["barrier_set"]]
+    blocks: list[Picture | Table] = [_bias_picture(with_barrier)]
     if len(compared):
         blocks.append(_left_over_picture(compared, Palette.of(results.solvers)))
     blocks.append(_barrier_table(barriers))
@@ -63,10 +63,10 @@ def _prediction(known: pd.DataFrame, barriers: pd.DataFrame) -> str:
 
 def _default(known: pd.DataFrame) -> list[str]:
     """One sentence on the radius nearest to 1, if the defaults were tried."""
-    own = known[~known["asked"]]
-    if own.empty:
+    group = known[~known["barrier_set"]]
+    if group.empty:
         return []
-    row = own.iloc[(own["radius"] - 1).abs().to_numpy().argmin()]
+    row = group.iloc[(group["radius"] - 1).abs().to_numpy().argmin()]
     return [
         f"By its defaults {parse_spec(row['solver'])[0]} stops at μ = {digits(3)(row['mu'])}: at "
         f"R = {row['radius']:g} it leaves z₂ = {digits(4)(row['z2'])} where "
@@ -120,7 +120,7 @@ def _left_over_picture(compared: pd.DataFrame, palette: Palette) -> Picture:
 
 
 def _barrier_table(barriers: pd.DataFrame) -> Table:
-    shown = barriers.assign(by=barriers["asked"].map({True: "told", False: "its defaults"}))
+    table = barriers.assign(by=barriers["barrier_set"].map({True: "told", False: "its defaults"}))
     columns = (
         Column("mu", "μ", digits(3)),
         Column("by", "chosen by", kind="text"),
@@ -137,7 +137,7 @@ def _barrier_table(barriers: pd.DataFrame) -> Table:
         "prediction's logarithm, ratio of z₂ to it, and by how much the path is longer than the "
         "shortest, over μ / 3. In quotation marks: attempts that the solver calls failed."
     )
-    return Table("bias", caption, shown, columns)
+    return Table("bias", caption, table, columns)
 
 
 def _other_table(others: pd.DataFrame) -> Table:

@@ -44,11 +44,11 @@ def plot_orders(
         ylabel: what `value` is.
     """
     looks = line_looks(table["series"].tolist(), palette)
-    for place, (name, own) in enumerate(_drawable(table).groupby("series", sort=False)):
+    for place, (name, group) in enumerate(_drawable(table).groupby("series", sort=False)):
         look = looks[str(name)]
         order = orders.get(str(name), float("nan"))
         text = str(name) if np.isnan(order) else f"{name}: p = {digits(3)(order)}"
-        ax.plot(own["size"], own["value"], label=text, **look.lines, **_mark(look, place))
+        ax.plot(group["size"], group["value"], label=text, **look.lines, **_mark(look, place))
     ax.set(xscale="log", yscale="log", xlabel="steps, headings or elements N", ylabel=ylabel)
     plain_log_axis(ax.xaxis)
     log_axis(ax.yaxis)
@@ -57,9 +57,11 @@ def plot_orders(
 def plot_cost(ax: Axes, table: pd.DataFrame, palette: Palette) -> None:
     """Median gap against median time. Columns series, size, value, wall_s (s)."""
     looks = line_looks(table["series"].tolist(), palette)
-    for place, (name, own) in enumerate(_drawable(table).groupby("series", sort=False)):
+    for place, (name, group) in enumerate(_drawable(table).groupby("series", sort=False)):
         look = looks[str(name)]
-        ax.plot(own["wall_s"], own["value"], label=str(name), **look.lines, **_mark(look, place))
+        ax.plot(
+            group["wall_s"], group["value"], label=str(name), **look.lines, **_mark(look, place)
+        )
     ax.set(xscale="log", yscale="log", xlabel="median time of one attempt", ylabel="median gap")
     log_axis(ax.xaxis, duration)
     log_axis(ax.yaxis)

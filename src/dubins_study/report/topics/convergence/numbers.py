@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -38,31 +39,31 @@ def refined(rows: pd.DataFrame, settings: Settings) -> pd.DataFrame:
         value (infinite if there is none), wrong_basin and wall_s (s).
     """
     specs = {str(spec): settings.get(str(spec), {}) for spec in rows["solver"].unique()}
-    sizes = {spec: given.get(SIZES.get(parse_spec(spec)[0], "")) for spec, given in specs.items()}
-    kept = [spec for spec, size in sizes.items() if isinstance(size, int)]
-    own = rows[rows["solver"].isin(kept) & rows["region"].notna()]
-    raw = own["solver"].map({spec: specs[spec].get("correct") is False for spec in kept})
+    sizes = {spec: own.get(SIZES.get(parse_spec(spec)[0], "")) for spec, own in specs.items()}
+    refinable = [spec for spec, size in sizes.items() if isinstance(size, int)]
+    group = rows[rows["solver"].isin(refinable) & rows["region"].notna()]
+    raw = group["solver"].map({spec: specs[spec].get("correct") is False for spec in refinable})
     raw = raw.astype(bool)
-    value = own["gap"].clip(lower=0).where(~raw, own["miss"] / own["radius"]).fillna(np.inf)
+    value = group["gap"].clip(lower=0).where(~raw, group["miss"] / group["radius"]).fillna(np.inf)
     return pd.DataFrame(
         {
-            "series": own["solver"].map({spec: series(spec) for spec in kept}),
-            "size": own["solver"].map(sizes).astype("int64"),
-            "place": np.where(own["region"].str.endswith("disc"), *PLACES[::-1]),
-            "scenario_id": own["scenario_id"],
+            "series": group["solver"].map({spec: series(spec) for spec in refinable}),
+            "size": group["solver"].map(sizes).astype("int64"),
+            "place": np.where(group["region"].str.endswith("disc"), *PLACES[::-1]),
+            "scenario_id": group["scenario_id"],
             "measure": np.where(raw, "miss", "gap"),
             "value": value,
-            "wrong_basin": own["wrong_basin"].astype(bool),
-            "wall_s": own["wall_s"],
+            "wrong_basin": group["wrong_basin"].astype(bool),
+            "wall_s": group["wall_s"],
         }
     )
 
 
 def series(spec: str) -> str:
     """A spec without its size: `collocation[n=20,mesh=equal]` -> `collocation[mesh=equal]`."""
-    name, given = parse_spec(spec)
-    kept = ",".join(f"{key}={value}" for key, value in given.items() if key != SIZES.get(name))
-    return f"{name}[{kept}]" if kept else name
+    name, settings = parse_spec(spec)
+    others = [f"{key}={value}" for key, value in settings.items() if key != SIZES.get(name)]
+    return f"{name}[{','.join(others)}]" if others else name
 
 
 def medians(attempts: pd.DataFrame) -> pd.DataFrame:
@@ -74,13 +75,13 @@ def medians(attempts: pd.DataFrame) -> pd.DataFrame:
     keys = ["measure", "series", "place", "size"]
     records = [
         {
-            **dict(zip(keys, group, strict=True)),
-            "attempts": len(own),
-            "arrived": float(np.isfinite(own["value"]).mean()),
-            "value": upper_quantile(own["value"], 0.5),
-            "wall_s": own["wall_s"].median(),
+            **dict(zip(keys, key, strict=True)),
+            "attempts": len(group),
+            "arrived": float(np.isfinite(group["value"]).mean()),
+            "value": upper_quantile(group["value"], 0.5),
+            "wall_s": group["wall_s"].median(),
         }
-        for group, own in attempts.groupby(keys)
+        for key, group in attempts.groupby(keys)
     ]
     return pd.DataFrame.from_records(records)
 
@@ -94,20 +95,14 @@ def orders(attempts: pd.DataFrame) -> pd.DataFrame:
     value and wall_s (medians there), and goal_s: the median time at the least size from which on
     the median gap is at most 1e-4, NaN if there is none.
     """
-    table = medians(attempts)
-    records = []
-    for measure in sorted(table["measure"].unique()):
-        own = table[table["measure"] == measure]
-        for name in solver_order(own["series"].tolist()):
-            for place in PLACES:
-                line = own[(own["series"] == name) & (own["place"] == place)].sort_values("size")
-                if len(line):
-                    asked = attempts[
-                        (attempts["series"] == name)
-                        & (attempts["place"] == place)
-                        & (attempts["measure"] == measure)
-                    ]
-                    records.append(_order(line, asked))
+    table, keys = medians(attempts), ["measure", "series", "place"]
+    lines = dict(list(table.groupby(keys)))
+    attempts_of = dict(list(attempts.groupby(keys)))
+    series_names = solver_order(table["series"].tolist())
+    places = product(sorted(table["measure"].unique()), series_names, PLACES)
+    records = [
+        _order(lines[key].sort_values("size"), attempts_of[key]) for key in places if key in lines
+    ]
     return pd.DataFrame.from_records(records)
 
 
@@ -116,10 +111,9 @@ def _order(line: pd.DataFrame, attempts: pd.DataFrame) -> dict[str, object]:
     floor = FLOOR[str(line["measure"].iloc[0])]
     falling = line.iloc[: int(value.argmin()) + 1]
     fitted = attempts[attempts["size"].isin(falling["size"]) & ~attempts["wrong_basin"]]
-    singly = [
-        fitted_order(own["size"], own["value"], floor) for _, own in fitted.groupby("scenario_id")
-    ]
-    known = np.array([order for order in singly if np.isfinite(order)])
+    scenarios = fitted.groupby("scenario_id")
+    singly = [fitted_order(rows["size"], rows["value"], floor) for _, rows in scenarios]
+    finite = np.array([order for order in singly if np.isfinite(order)])
     last = line.iloc[-1]
     return {
         "measure": last["measure"],
@@ -127,8 +121,8 @@ def _order(line: pd.DataFrame, attempts: pd.DataFrame) -> dict[str, object]:
         "place": last["place"],
         "scenarios": attempts["scenario_id"].nunique(),
         "order": fitted_order(falling["size"], falling["value"], floor),
-        "least": float(known.min()) if known.size else float("nan"),
-        "most": float(known.max()) if known.size else float("nan"),
+        "least": float(finite.min()) if finite.size else float("nan"),
+        "most": float(finite.max()) if finite.size else float("nan"),
         "wrong": int(attempts["wrong_basin"].sum()),
         "finest": int(last["size"]),
         "value": last["value"],

@@ -57,10 +57,10 @@ def sentences(fits: pd.DataFrame) -> str:
 def _falling(fits: pd.DataFrame) -> str:
     parts = []
     for place in PLACES:
-        own = fits[(fits["measure"] == "gap") & (fits["place"] == place) & fits["order"].notna()]
-        if len(own):
+        group = fits[(fits["measure"] == "gap") & (fits["place"] == place) & fits["order"].notna()]
+        if len(group):
             items = ", ".join(
-                f"{row['series']} {digits(3)(row['order'])}" for row in own.to_dict("records")
+                f"{row['series']} {digits(3)(row['order'])}" for row in group.to_dict("records")
             )
             parts.append(f"{_WHERE[place]} {items}")
     return f"The median gap falls with the orders: {'; '.join(parts)}." if parts else ""
@@ -69,17 +69,17 @@ def _falling(fits: pd.DataFrame) -> str:
 def _cheapest(fits: pd.DataFrame) -> str:
     parts = []
     for place in PLACES:
-        own = fits[(fits["measure"] == "gap") & (fits["place"] == place)]
-        there = own.dropna(subset=["goal_s"]).sort_values("goal_s")
-        if own.empty:
+        group = fits[(fits["measure"] == "gap") & (fits["place"] == place)]
+        there = group.dropna(subset=["goal_s"]).sort_values("goal_s")
+        if group.empty:
             continue
         if there.empty:
             parts.append(f"{_WHERE[place]} none of them does")
             continue
         first = there.iloc[0]
         part = f"{_WHERE[place]} {first['series']} is first, in {seconds(first['goal_s'])}"
-        if len(there) < len(own):
-            part += f", and {len(own) - len(there)} of {len(own)} never is"
+        if len(there) < len(group):
+            part += f", and {len(group) - len(there)} of {len(group)} never is"
         parts.append(part)
     return f"At a median gap of 1e-4 {'; '.join(parts)}." if parts else ""
 
@@ -88,10 +88,10 @@ def _collocated(fits: pd.DataFrame) -> str:
     raw = fits[(fits["measure"] == "miss") & fits["order"].notna()]
     parts = []
     for place in PLACES:
-        own = raw[raw["place"] == place]
+        group = raw[raw["place"] == place]
         items = [
             f"{_points(name)}: {digits(3)(p)}"
-            for name, p in zip(own["series"], own["order"], strict=True)
+            for name, p in zip(group["series"], group["order"], strict=True)
         ]
         if items:
             parts.append(f"{_WHERE[place]} {', '.join(items)}")
@@ -114,21 +114,21 @@ def _pictures(table: pd.DataFrame, fits: pd.DataFrame, palette: Palette) -> list
     gaps, misses = (drawable[drawable["measure"] == measure] for measure in ("gap", "miss"))
     pictures: list[Picture] = []
     for place in PLACES:
-        own = gaps[gaps["place"] == place]
-        if len(own):
-            orders = _order_picture(own, _orders_of(fits, "gap", place), place, palette)
-            pictures += [orders, _cost_picture(own, place, palette)]
+        group = gaps[gaps["place"] == place]
+        if len(group):
+            orders = _order_picture(group, _orders_of(fits, "gap", place), place, palette)
+            pictures += [orders, _cost_picture(group, place, palette)]
     for place in PLACES:
-        own = misses[misses["place"] == place]
-        if len(own):
+        group = misses[misses["place"] == place]
+        if len(group):
             fitted = _orders_of(fits, "miss", place)
-            pictures.append(_miss_picture(own, fitted, place, palette))
+            pictures.append(_miss_picture(group, fitted, place, palette))
     return pictures
 
 
 def _orders_of(fits: pd.DataFrame, measure: str, place: str) -> dict[str, float]:
-    own = fits[(fits["measure"] == measure) & (fits["place"] == place)]
-    return dict(zip(own["series"], own["order"].astype(float), strict=True))
+    group = fits[(fits["measure"] == measure) & (fits["place"] == place)]
+    return dict(zip(group["series"], group["order"].astype(float), strict=True))
 
 
 def _order_picture(

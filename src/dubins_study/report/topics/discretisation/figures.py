@@ -18,10 +18,10 @@ def plot_work_precision(ax: Axes, table: pd.DataFrame) -> None:
     Columns: engine, n, gap (finite and positive), wall_s (s).
     """
     looks = Palette.of(table["engine"]).looks(table["engine"])
-    for engine, own in table.groupby("engine", sort=True):
+    for engine, group in table.groupby("engine", sort=True):
         look = looks[str(engine)]
-        own = own.sort_values("n")
-        ax.plot(own["wall_s"], own["gap"], marker=look.marker, label=str(engine), **look.lines)
+        group = group.sort_values("n")
+        ax.plot(group["wall_s"], group["gap"], marker=look.marker, label=str(engine), **look.lines)
     fastest = table.sort_values("wall_s").drop_duplicates("n")
     for row in fastest.to_dict("records"):
         ax.annotate(
@@ -46,12 +46,12 @@ def plot_gap_order(ax: Axes, table: pd.DataFrame) -> None:
     Columns: engine, n, gap (finite and positive), order.
     """
     looks = Palette.of(table["engine"]).looks(table["engine"])
-    for engine, own in table.groupby("engine", sort=True):
+    for engine, group in table.groupby("engine", sort=True):
         look = looks[str(engine)]
-        own = own.sort_values("n")
-        order = own["order"].iloc[0]
+        group = group.sort_values("n")
+        order = group["order"].iloc[0]
         text = str(engine) if np.isnan(order) else f"{engine}: n⁻ᵖ, p = {digits(3)(order)}"
-        ax.plot(own["n"], own["gap"], marker=look.marker, label=text, **look.lines)
+        ax.plot(group["n"], group["gap"], marker=look.marker, label=text, **look.lines)
     steps = sorted(table["n"].unique())
     ax.set(xscale="log", yscale="log", xlabel="steps n", ylabel="median gap")
     log_axis(ax.yaxis)

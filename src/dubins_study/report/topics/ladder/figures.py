@@ -34,10 +34,10 @@ def plot_ladder(ax: Axes, table: pd.DataFrame, solvers: list[str], arrives: int)
     lines = {solver: i for i, solver in enumerate(solver_order(solvers)[::-1])}
     for finding in FINDINGS:
         colour, marker, filled = _LOOK[finding]
-        own = table[table["finding"] == finding]
+        group = table[table["finding"] == finding]
         ax.plot(
-            own["rung"],
-            own["solver"].map(lines),
+            group["rung"],
+            group["solver"].map(lines),
             linestyle="none",
             marker=marker,
             color=colour,

@@ -27,20 +27,20 @@ def rungs(rows: pd.DataFrame) -> pd.DataFrame:
         Columns solver, scenario_id, side, rung (margin as a power of ten), finding, false_claim,
         miss (radii).
     """
-    own = rows[(rows["branch"] == "best") & (rows["margin"] > 0)]
-    cos, sin = np.cos(own["heading"]), np.sin(own["heading"])
-    ahead = (own["target_x"] - own["x"]) * cos + (own["target_y"] - own["y"]) * sin
+    group = rows[(rows["branch"] == "best") & (rows["margin"] > 0)]
+    cos, sin = np.cos(group["heading"]), np.sin(group["heading"])
+    ahead = (group["target_x"] - group["x"]) * cos + (group["target_y"] - group["y"]) * sin
     half = np.where(ahead > 0, "front", "rear")
-    inside = np.where(own["region"].str.endswith("disc"), "inside", "outside")
+    inside = np.where(group["region"].str.endswith("disc"), "inside", "outside")
     return pd.DataFrame(
         {
-            "solver": own["solver"],
-            "scenario_id": own["scenario_id"],
+            "solver": group["solver"],
+            "scenario_id": group["scenario_id"],
             "side": [f"{a}, {b}" for a, b in zip(half, inside, strict=True)],
-            "rung": np.round(np.log10(own["margin"])).astype("int64"),
-            "finding": _findings(own),
-            "false_claim": own["false_claim"].astype(bool),
-            "miss": own["miss"] / own["radius"],
+            "rung": np.round(np.log10(group["margin"])).astype("int64"),
+            "finding": _findings(group),
+            "false_claim": group["false_claim"].astype(bool),
+            "miss": group["miss"] / group["radius"],
         }
     )
 
@@ -84,14 +84,14 @@ def down_to(table: pd.DataFrame) -> pd.DataFrame:
     """
     records = []
     for solver in solver_order(table["solver"].tolist()):
-        own = table[table["solver"] == solver]
-        record: dict[str, object] = {"solver": solver, "attempts": int(own["attempts"].sum())}
+        group = table[table["solver"] == solver]
+        record: dict[str, object] = {"solver": solver, "attempts": int(group["attempts"].sum())}
         for side in SIDES:
-            record[side] = _least(own[own["side"] == side].sort_values("rung", ascending=False))
-        inner = own[own["side"] == JUMP]
+            record[side] = _least(group[group["side"] == side].sort_values("rung", ascending=False))
+        inner = group[group["side"] == JUMP]
         record["by_miss"] = int((inner["finding"] == "by its miss").sum())
-        record["coarse"] = int((own["finding"] == "coarse").sum())
-        record["false_claims"] = int(own["false_claims"].sum())
+        record["coarse"] = int((group["finding"] == "coarse").sum())
+        record["false_claims"] = int(group["false_claims"].sum())
         records.append(record)
     return pd.DataFrame.from_records(records)
 

@@ -115,13 +115,13 @@ def _pictures(table: pd.DataFrame) -> list[Picture]:
     solvers = list(dict.fromkeys(table["solver"]))
     pictures: list[Picture] = []
     for side in SIDES:
-        own = table[table["side"] == side]
-        if own.empty:
+        group = table[table["side"] == side]
+        if group.empty:
             continue
         figure = new_figure(HALF, 1.5 + 0.23 * len(solvers))
-        plot_ladder(figure.add_subplot(), own, solvers, _ARRIVES)
+        plot_ladder(figure.add_subplot(), group, solvers, _ARRIVES)
         figure.legend(
-            handles=legend_entries(own),
+            handles=legend_entries(group),
             loc="outside lower left",
             ncols=3,
             handletextpad=0.2,

@@ -95,9 +95,9 @@ def plot_jump(ax: Axes, table: pd.DataFrame) -> None:
     """Length on both sides of a turning circle. Columns of `along_circle`."""
     sides = {"inside": (VERMILION, "x", 6), "outside": (BLUE, ".", -12)}
     for side, (colour, marker, lift) in sides.items():
-        own = table[table["side"] == side]
-        ax.plot(own["angle"], own["length"], marker, color=colour, markersize=2.5)
-        at = own.iloc[(own["angle"] - 110).abs().argmin()] if len(own) else None
+        group = table[table["side"] == side]
+        ax.plot(group["angle"], group["length"], marker, color=colour, markersize=2.5)
+        at = group.iloc[(group["angle"] - 110).abs().argmin()] if len(group) else None
         if at is not None:
             ax.annotate(
                 f"just {side}",
@@ -129,10 +129,12 @@ def plot_failures(ax: Axes, rows: pd.DataFrame) -> None:
     right = rows[rows["verdict"].isin(SUCCESSES)]
     ax.plot(right["target_x"], right["target_y"], ".", color=MUTED, markersize=1.5, label="right")
     for verdict, look in _WRONG.items():
-        own = rows[rows["verdict"] == verdict]
-        if len(own):
+        group = rows[rows["verdict"] == verdict]
+        if len(group):
             mark: dict[str, Any] = {"linestyle": "none", "markersize": 4.0, **look}
-            text = f"{verdict} ({len(own)})"
-            ax.plot(own["target_x"], own["target_y"], markerfacecolor="none", label=text, **mark)
+            text = f"{verdict} ({len(group)})"
+            ax.plot(
+                group["target_x"], group["target_y"], markerfacecolor="none", label=text, **mark
+            )
     x, y = np.sort(rows["target_x"].unique()), np.sort(rows["target_y"].unique())
     draw_circles(ax, x.astype(np.float64), y.astype(np.float64), INK)

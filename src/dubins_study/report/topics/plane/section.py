@@ -76,9 +76,9 @@ def _jump(exact: pd.DataFrame) -> Picture:
 
 def _failures(number: int, solver: str, rows: pd.DataFrame) -> Picture:
     figure = new_figure(HALF, 3.9)
-    own = rows.drop_duplicates(["target_x", "target_y"])
-    plot_failures(figure.add_subplot(), own)
+    group = rows.drop_duplicates(["target_x", "target_y"])
+    plot_failures(figure.add_subplot(), group)
     figure.legend(loc="outside lower left", ncols=2, fontsize=7.5)
-    right = int(success(own).sum())
-    caption = f"{solver}: {count(right)} of {count(len(own))} targets right; lengths in R."
+    right = int(success(group).sum())
+    caption = f"{solver}: {count(right)} of {count(len(group))} targets right; lengths in R."
     return Picture(f"plane-solver-{number}", caption, figure, f"Targets {solver} gets wrong", True)

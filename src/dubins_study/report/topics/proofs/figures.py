@@ -74,11 +74,13 @@ def plot_prices(ax: Axes, table: pd.DataFrame) -> None:
     names = list(dict.fromkeys(table["group"]))
     for number, name in enumerate(names):
         colour, marker = _GROUPS[number % len(_GROUPS)]
-        own = table[table["group"] == name].set_index("solver")
+        group = table[table["group"] == name].set_index("solver")
         lift = 0.22 * ((len(names) - 1) / 2 - number)
-        places = np.array([solvers.index(solver) for solver in own.index]) + lift
-        ax.hlines(places, own["ratio_q1"], own["ratio_q3"], color=colour, linewidth=2, alpha=0.45)
-        ax.plot(own["ratio"], places, linestyle="none", marker=marker, color=colour, label=name)
+        places = np.array([solvers.index(solver) for solver in group.index]) + lift
+        ax.hlines(
+            places, group["ratio_q1"], group["ratio_q3"], color=colour, linewidth=2, alpha=0.45
+        )
+        ax.plot(group["ratio"], places, linestyle="none", marker=marker, color=colour, label=name)
     ax.axvline(1.0, color=MUTED, linewidth=0.8, linestyle=(0, (1, 2)))
     ax.set_yticks(range(len(solvers)), [name_of(solver) for solver in solvers], color=INK)
     ax.set(xscale="log", ylim=(-0.6, len(solvers) - 0.4))

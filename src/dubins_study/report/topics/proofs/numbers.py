@@ -14,7 +14,7 @@ PAPER = "the paper's problems"
 _QUESTION = ["scenario_id", "branch", "initial_guess"]
 
 
-def group(rows: pd.DataFrame) -> pd.Series[str]:
+def target_group(rows: pd.DataFrame) -> pd.Series[str]:
     """The paper's problems as one group, all others by their label."""
     return rows["label"].where(~rows["label"].isin(PROBLEMS), PAPER)
 
@@ -24,9 +24,11 @@ def proven_gap(rows: pd.DataFrame) -> pd.Series[float]:
 
     Not below 0: a bound may exceed the length by its rounding. A false bound proves nothing.
     """
-    given = rows["gap"].notna() & rows["lower_bound"].notna() & ~_false(rows) & (rows["length"] > 0)
+    has_bound = (
+        rows["gap"].notna() & rows["lower_bound"].notna() & ~_false(rows) & (rows["length"] > 0)
+    )
     gap = (rows["length"] - rows["lower_bound"]) / rows["length"]
-    return gap.clip(lower=0).where(given)
+    return gap.clip(lower=0).where(has_bound)
 
 
 def _false(rows: pd.DataFrame) -> pd.Series[bool]:
@@ -48,20 +50,20 @@ def proofs(rows: pd.DataFrame) -> pd.DataFrame:
     gap, word = proven_gap(rows), proof(rows)
     records = []
     for solver in solver_order(rows["solver"].tolist()):
-        mine = rows["solver"] == solver
-        own, gaps = rows[mine], gap[mine]
-        low, middle, high = own["wall_s"].quantile([0.25, 0.5, 0.75])
-        record: dict[str, object] = {"solver": solver, "attempts": len(own)}
-        record |= {name: int((word[mine] == name).sum()) for name in PROOFS}
+        of_solver = rows["solver"] == solver
+        group, gaps = rows[of_solver], gap[of_solver]
+        low, middle, high = group["wall_s"].quantile([0.25, 0.5, 0.75])
+        record: dict[str, object] = {"solver": solver, "attempts": len(group)}
+        record |= {name: int((word[of_solver] == name).sum()) for name in PROOFS}
         record |= {
-            "success": float(success(own).mean()),
+            "success": float(success(group).mean()),
             "own": float((gaps <= ENOUGH).mean()),
             "gap": gaps.median(),
             "gap_most": gaps.max(),
             "wall_s_q1": low,
             "wall_s": middle,
             "wall_s_q3": high,
-            "build_s": own["build_s"].median(),
+            "build_s": group["build_s"].median(),
         }
         records.append(record)
     return pd.DataFrame.from_records(records)
@@ -71,11 +73,11 @@ def prices(rows: pd.DataFrame) -> pd.DataFrame:
     """Time of each solver over that of the fastest right answer without a proof.
 
     Question by question, medians over repeats; only where the solver is right in every repeat and
-    some solver without bounds is. One row a solver and group of `group`.
+    some solver without bounds is. One row a solver and group of `target_group`.
 
     Columns: group, solver, questions, ratio (median), ratio_q1, ratio_q3.
     """
-    timed = rows.assign(right=success(rows), group=group(rows))
+    timed = rows.assign(right=success(rows), group=target_group(rows))
     table = timed.groupby(["group", *_QUESTION, "solver"]).agg(
         wall=("wall_s", "median"), ok=("right", "all")
     )
@@ -85,9 +87,9 @@ def prices(rows: pd.DataFrame) -> pd.DataFrame:
     records = []
     groups = sorted(set(ratios.index.get_level_values("group")), key=lambda g: (g != PAPER, g))
     for name in groups:
-        own = ratios.xs(name, level="group")
-        for solver in solver_order(list(own.columns)):
-            known = own[solver].dropna()
+        group = ratios.xs(name, level="group")
+        for solver in solver_order(list(group.columns)):
+            known = group[solver].dropna()
             if known.empty:
                 continue
             low, middle, high = np.quantile(known, [0.25, 0.5, 0.75])

@@ -78,10 +78,10 @@ def _price(rows: pd.DataFrame, price: pd.DataFrame) -> str:
     first, often = fastest(rows)
     parts = []
     for solver in _paid(rows):
-        own = price[price["solver"] == solver]
-        if len(own):
+        group = price[price["solver"] == solver]
+        if len(group):
             items = ", ".join(
-                f"{digits(2)(row['ratio'])} ({row['group']})" for row in own.to_dict("records")
+                f"{digits(2)(row['ratio'])} ({row['group']})" for row in group.to_dict("records")
             )
             parts.append(f"{solver} {items}")
     if not parts:

@@ -33,9 +33,11 @@ def plot_length(ax: Axes, sweep: Sweep, palette: Palette) -> None:
         middle, across = np.sqrt(span.left * span.right), ax.get_xaxis_transform()
         ax.text(middle, 0.97, span.word, transform=across, va="top", ha="center")
         ax.plot(radii[span.first : span.past], lengths[span.first : span.past], color=INK, zorder=3)
-    for word, own in sweep.single_words.groupby("word"):
+    for word, group in sweep.single_words.groupby("word"):
         line = _WORD_LINE[str(word)]
-        ax.plot(own["radius"], own["length"], color=MUTED, linestyle=line, linewidth=0.9, zorder=2)
+        ax.plot(
+            group["radius"], group["length"], color=MUTED, linestyle=line, linewidth=0.9, zorder=2
+        )
     _wrong_answers(ax, sweep.wrong, palette)
     _circle_mark(ax, sweep.circle, f"R* = {digits(4)(sweep.circle)}")
     longest = float(np.nanmax([lengths.max(), *sweep.wrong["length"]]))
@@ -55,8 +57,8 @@ def _length_scale(ax: Axes, foot: float, top: float) -> None:
 def _wrong_answers(ax: Axes, wrong: pd.DataFrame, palette: Palette) -> None:
     looks = palette.looks(wrong["solver"])
     for solver, look in looks.items():
-        own = wrong[wrong["solver"] == solver]
-        arrived, lost = own[own["arrives"]], own[~own["arrives"]]
+        group = wrong[wrong["solver"] == solver]
+        arrived, lost = group[group["arrives"]], group[~group["arrives"]]
         dots = look.dots | {"markersize": 3.5, "markerfacecolor": "none", "zorder": 4}
         ax.plot(arrived["radius"], arrived["length"], **dots)
         if len(lost):  # an empty line off the data's axes would upset the layout
@@ -71,12 +73,12 @@ def plot_time(ax: Axes, sweep: Sweep, palette: Palette) -> None:
     looks = palette.looks(times["solver"])
     for place, solver in enumerate(solver_order(times["solver"].tolist())):
         for guess, line in (("cold", LINES[0]), ("warm", LINES[2])):
-            own = times[(times["solver"] == solver) & (times["initial_guess"] == guess)]
-            if own.empty:
+            group = times[(times["solver"] == solver) & (times["initial_guess"] == guess)]
+            if group.empty:
                 continue
             curve = looks[solver].curve(place) | {"linestyle": line, "linewidth": 1.1}
             label = name_of(solver) + (WARM if guess == "warm" else "")
-            ax.plot(own["radius"], own["wall_s"], **curve, label=label)
+            ax.plot(group["radius"], group["wall_s"], **curve, label=label)
     ax.set(yscale="log", ylabel="time", xlabel="turning radius R")
     log_axis(ax.yaxis, duration)
     plain_log_axis(ax.xaxis)

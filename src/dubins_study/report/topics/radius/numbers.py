@@ -63,10 +63,10 @@ def sweep_rows(rows: pd.DataFrame) -> dict[tuple[str, str], pd.DataFrame]:
     best = rows[rows["branch"] == "best"]
     groups = best.groupby(["experiment", "label"], sort=True)
     return {
-        (str(experiment), str(label)): own
-        for (experiment, label), own in groups
-        if own.loc[own["reference_word"].notna(), "radius"].nunique() >= _FEWEST_RADII
-        and len(own[_PLACE].drop_duplicates()) == 1
+        (str(experiment), str(label)): group
+        for (experiment, label), group in groups
+        if group.loc[group["reference_word"].notna(), "radius"].nunique() >= _FEWEST_RADII
+        and len(group[_PLACE].drop_duplicates()) == 1
     }
 
 

@@ -23,8 +23,8 @@ def radius_section(results: Results) -> Section | None:
         return None
     palette = Palette.of(results.solvers)
     blocks: list[Picture | Table] = [
-        _picture(number, sweep(label, own), palette)
-        for number, ((_, label), own) in enumerate(rows_of_sweeps.items(), start=1)
+        _picture(number, sweep(label, group), palette)
+        for number, ((_, label), group) in enumerate(rows_of_sweeps.items(), start=1)
     ]
     warm = warm_starts(pd.concat(list(rows_of_sweeps.values())))
     if len(warm):

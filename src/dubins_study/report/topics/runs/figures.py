@@ -13,7 +13,7 @@ def plot_probes(ax: Axes, ratios: pd.DataFrame) -> None:
 
     Columns: run (its name), when (s since the run began), ratio.
     """
-    for name, own in ratios.groupby("run", sort=False):
-        ax.plot(own["when"], own["ratio"], lw=0.8, label=str(name))
+    for name, group in ratios.groupby("run", sort=False):
+        ax.plot(group["when"], group["ratio"], lw=0.8, label=str(name))
     ax.axhspan(1 - NOISY / 2, 1 + NOISY / 2, alpha=0.15, lw=0)
     ax.set(xlabel="time since the run began (s)", ylabel="probe / its median")

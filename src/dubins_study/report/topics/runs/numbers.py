@@ -43,8 +43,8 @@ def probe_ratios(table: pd.DataFrame) -> pd.DataFrame:
     """
     parts = []
     for run, probes in zip(table["run"], table["probes"], strict=True):
-        machine, own = next(iter(by_machine(probes).items()))
-        frame = pd.DataFrame(own, columns=list(Probe._fields))
+        machine, group = next(iter(by_machine(probes).items()))
+        frame = pd.DataFrame(group, columns=list(Probe._fields))
         name = str(run)[:24] + (f", machine {machine}" if machine else "")
         ratio = frame["took"] / frame["took"].median()
         parts.append(pd.DataFrame({"run": name, "when": frame["when"], "ratio": ratio}))

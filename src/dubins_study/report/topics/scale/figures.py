@@ -21,13 +21,13 @@ def plot_scale(ax: Axes, rows: pd.DataFrame, palette: Palette, foot: float, top:
     """
     looks = palette.looks(rows["solver"])
     for place, solver in enumerate(solver_order(rows["solver"].tolist())):
-        own = rows[rows["solver"] == solver].sort_values("radius")
-        gap = own["gap"].where(own["gap"] > ROUNDING, foot).where(own["gap"].notna(), top)
+        group = rows[rows["solver"] == solver].sort_values("radius")
+        gap = group["gap"].where(group["gap"] > ROUNDING, foot).where(group["gap"].notna(), top)
         # many are exact: each a little higher than the one before, so that all are seen
         gap = gap.where(gap > foot, foot * 10 ** (0.28 * place))
         look = looks[solver]
         ax.plot(
-            own["radius"],
+            group["radius"],
             gap,
             marker=look.marker,
             markersize=3,

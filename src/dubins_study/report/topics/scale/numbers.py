@@ -27,22 +27,22 @@ def spreads(rows: pd.DataFrame) -> pd.DataFrame:
     every answer arrives, same verdict and word, spread within `ROUNDING`).
     """
     records = []
-    for (label, solver), own in rows.groupby(["label", "solver"], sort=True):
-        arrived = own[own["gap"].notna()]
+    for (label, solver), group in rows.groupby(["label", "solver"], sort=True):
+        arrived = group[group["gap"].notna()]
         relative = (arrived["length"] / arrived["radius"]).to_numpy(dtype=np.float64)
         spread = float(np.ptp(relative) / np.median(relative)) if relative.size else math.nan
-        words = sorted(set(own["word"].dropna()))
-        alike = len(arrived) == len(own) and own["verdict"].nunique() == 1 and len(words) <= 1
+        words = sorted(set(group["word"].dropna()))
+        alike = len(arrived) == len(group) and group["verdict"].nunique() == 1 and len(words) <= 1
         records.append(
             {
                 "solver": solver,
                 "label": label,
-                "radii": int(own["radius"].nunique()),
-                "success": float(success(own).mean()),
+                "radii": int(group["radius"].nunique()),
+                "success": float(success(group).mean()),
                 "spread": spread,
                 "words": "/".join(words),
-                "iterations_low": float(own["iterations"].min()),
-                "iterations_high": float(own["iterations"].max()),
+                "iterations_low": float(group["iterations"].min()),
+                "iterations_high": float(group["iterations"].max()),
                 "invariant": bool(alike and not spread > ROUNDING),
             }
         )
@@ -59,17 +59,17 @@ def by_solver(table: pd.DataFrame) -> pd.DataFrame:
     """
     records = []
     for solver in solver_order(table["solver"].tolist()):
-        own = table[table["solver"] == solver]
-        counted = own[own["iterations_low"] > 0]
+        group = table[table["solver"] == solver]
+        counted = group[group["iterations_low"] > 0]
         ratio = counted["iterations_high"] / counted["iterations_low"]
         records.append(
             {
                 "solver": solver,
-                "scenarios": len(own),
-                "invariant": int(own["invariant"].sum()),
-                "success": float(own["success"].mean()),
-                "spread": float(own["spread"].max()),
-                "words": not own["words"].str.contains("/").any(),
+                "scenarios": len(group),
+                "invariant": int(group["invariant"].sum()),
+                "success": float(group["success"].mean()),
+                "spread": float(group["spread"].max()),
+                "words": not group["words"].str.contains("/").any(),
                 "iterations": float(ratio.max()),
             }
         )

@@ -74,9 +74,9 @@ def _findings(table: pd.DataFrame) -> list[str]:
         second = "None depends on the unit."
     if same.empty:
         return [f"{first}.", second]
-    kept = same[same["iterations"] == 1]["solver"]
+    equal = same[same["iterations"] == 1]["solver"]
     moved = same[same["iterations"] > 1]
-    third = f"The number of iterations is the same too for {len(kept)} of them"
+    third = f"The number of iterations is the same too for {len(equal)} of them"
     if len(moved):
         worst = moved.iloc[moved["iterations"].to_numpy().argmax()]
         third += (

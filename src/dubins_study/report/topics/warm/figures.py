@@ -17,13 +17,13 @@ def plot_warm(ax: Axes, table: pd.DataFrame) -> None:
     """Median and quartiles of warm over cold, time and iterations. Columns of `warm_starts`."""
     places = np.arange(len(table))[::-1]
     for key, label, colour, marker, lift in _PARTS:
-        known = (table[key] > 0).to_numpy()
-        if not known.any():
+        positive = (table[key] > 0).to_numpy()
+        if not positive.any():
             continue
-        own, at = table[known], places[known] + lift
-        low = own[f"{key}_q1"].clip(lower=1e-3)
-        ax.hlines(at, low, own[f"{key}_q3"], color=colour, linewidth=2.4, alpha=0.45)
-        ax.plot(own[key], at, linestyle="none", marker=marker, color=colour, label=label)
+        group, at = table[positive], places[positive] + lift
+        low = group[f"{key}_q1"].clip(lower=1e-3)
+        ax.hlines(at, low, group[f"{key}_q3"], color=colour, linewidth=2.4, alpha=0.45)
+        ax.plot(group[key], at, linestyle="none", marker=marker, color=colour, label=label)
     ax.axvline(1.0, color=MUTED, linewidth=0.8, linestyle=(0, (1, 2)))
     ax.set_yticks(places, [name_of(solver) for solver in table["solver"]], color=INK)
     ax.set(xscale="log", ylim=(-0.6, len(table) - 0.4), xlabel="warm / cold")

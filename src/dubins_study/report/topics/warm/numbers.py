@@ -26,18 +26,18 @@ def warm_starts(rows: pd.DataFrame) -> pd.DataFrame:
     both = table.dropna(subset=[("ok", "cold"), ("ok", "warm")])
     records = []
     for solver in solver_order(both.index.get_level_values("solver").tolist()):
-        own = both.loc[solver]
-        cold, warm = own["s", "cold"], own["s", "warm"]
+        group = both.loc[solver]
+        cold, warm = group["s", "cold"], group["s", "warm"]
         records.append(
             {
                 "solver": solver,
-                "questions": len(own),
+                "questions": len(group),
                 "cold_s": cold.median(),
                 "warm_s": warm.median(),
                 **_ratio("ratio", warm, cold),
-                **_ratio("work", own["work", "warm"], own["work", "cold"]),
-                "cold_success": own["ok", "cold"].mean(),
-                "warm_success": own["ok", "warm"].mean(),
+                **_ratio("work", group["work", "warm"], group["work", "cold"]),
+                "cold_success": group["ok", "cold"].mean(),
+                "warm_success": group["ok", "warm"].mean(),
             }
         )
     return pd.DataFrame.from_records(records)
