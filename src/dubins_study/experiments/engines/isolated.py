@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from dubins_study.experiments.interruption import Interruption
+from dubins_study.experiments.isolation.job_queue import Job
 from dubins_study.experiments.isolation.monitor import Limits
-from dubins_study.experiments.isolation.pool import Job, WorkerPool
+from dubins_study.experiments.isolation.pool import WorkerPool
 from dubins_study.experiments.isolation.sandbox import pinned_threads
 from dubins_study.experiments.plan.solver_description import describe_solver
 from dubins_study.experiments.run_settings import BYTES_PER_GIB
