@@ -38,8 +38,8 @@ def test_where_a_local_solver_starts_decides_where_it_ends(basins_folder):
     found = shares(table)
 
     assert len(found) == 10
-    assert found["starts"].tolist() == [49] * 10
-    assert found["found"].between(0.2, 0.85).all()
+    assert found["guesses"].tolist() == [49] * 10
+    assert found["optimal"].between(0.2, 0.85).all()
     assert (found[~found["capped"]]["turns_1"] > 0).all()
     ipopt = found[(found["name"] == "ipopt") & (found["label"] == "problem 4")]
     assert (ipopt[INFEASIBLE] > 4).all()

@@ -113,7 +113,7 @@ def test_shares_by_hand(results):
     """Every start is in the denominator."""
     line = shares(ends(load([results("basins", every_end())]).rows)).iloc[0]
 
-    assert (line["starts"], line["found"], line["refuted"]) == (9, 1 / 9, 3)
+    assert (line["guesses"], line["optimal"], line["refuted"]) == (9, 1 / 9, 3)
     assert (line["turns_1"], line["turns_2"], line["turns_more"], line["most_turns"]) == (
         1,
         1,
@@ -137,7 +137,7 @@ def test_what_a_cap_changes_by_hand(results):
 
     change = capping(shares(ends(load([results("basins", rows)]).rows)))
 
-    assert change["found"].to_dict() == {False: 0.5, True: 0.5}
+    assert change["optimal"].to_dict() == {False: 0.5, True: 0.5}
     assert change["turned"].to_dict() == {False: 0.5, True: 0.0}
     assert change["refuted"].to_dict() == {False: 0, True: 1}
     assert is_capped(bounded)

@@ -72,7 +72,7 @@ TOPICS = (
     # the closed form alone answers a hundred thousand questions of a plane
     Topic("the target plane", plane_section, "plane", (POOLED,)),
     Topic("the plane, counted", map_section, EVERY, counted=True),
-    Topic("where starting points lead", basins_section, "basins"),
+    Topic("where initial guesses lead", basins_section, "basins"),
     Topic("the interior-point bias", bias_section, "bias"),
     Topic("scale invariance", scale_section, "scale"),
     Topic("the order of convergence", convergence_section, "convergence"),

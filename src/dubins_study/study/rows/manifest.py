@@ -226,7 +226,6 @@ _EXPECTED = {
     "float_type": "a number",
     "greater_than": "a number above 0",
 }
-_WHOLE_NUMBER = "a whole number of at least 0"
 
 
 def _problem(error: ValidationError) -> str:

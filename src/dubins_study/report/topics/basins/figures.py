@@ -1,4 +1,4 @@
-"""Maps over the plane of starting points: where each start leads."""
+"""Maps over the plane of initial guesses: where each of them leads."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ _TICK_TEXTS = ("0", "π/2", "π", "3π/2", "2π")
 
 
 def plot_ends(ax: Axes, table: pd.DataFrame, listed: Sequence[str] = ENDS) -> list[Artist]:
-    """One solver's ends over the two turns of its start; returns the legend's entries.
+    """One solver's ends over the two turns of its initial guesses; returns the legend's entries.
 
     Columns: z1, z2 (rad, on a grid), end. `listed`: the ends that the legend counts.
     """
@@ -73,7 +73,7 @@ def plot_ends(ax: Axes, table: pd.DataFrame, listed: Sequence[str] = ENDS) -> li
         if end in _MARK and len(group):
             ax.plot(group["z1"], group["z2"], **style | _MARK[end])
         handles.append(_entry(end, len(group), style))
-    ax.set(xlabel="left turn of the start, z₁ (rad)", ylabel="right turn of the start, z₂ (rad)")
+    ax.set(xlabel="left turn of the guess, z₁ (rad)", ylabel="right turn of the guess, z₂ (rad)")
     ax.set_xticks(_TICKS, _TICK_TEXTS)
     ax.set_yticks(_TICKS, _TICK_TEXTS)
     ax.grid(False)

@@ -105,7 +105,7 @@ def is_capped(solver: str) -> bool:
 def capping(table: pd.DataFrame) -> pd.DataFrame:
     """What a cap on the turns changes, from `shares`, over the solvers that were tried both ways.
 
-    Index capped (False, True; empty if no solver was); columns found and turned (shares of the
+    Index capped (False, True; empty if no solver was); columns optimal and turned (shares of the
     attempts that end in the shortest path, and in a minimum with full turns), refuted (claims).
     """
     both = table.groupby("name")["capped"].transform("nunique") == 2
@@ -113,8 +113,8 @@ def capping(table: pd.DataFrame) -> pd.DataFrame:
     turned = total["turns_1"] + total["turns_2"] + total["turns_more"]
     return pd.DataFrame(
         {
-            "found": total[OPTIMUM] / total["starts"],
-            "turned": turned / total["starts"],
+            "optimal": total[OPTIMUM] / total["guesses"],
+            "turned": turned / total["guesses"],
             "refuted": total["refuted"],
         }
     )
@@ -124,7 +124,7 @@ def shares(table: pd.DataFrame) -> pd.DataFrame:
     """One row a scenario and solver, from `ends`.
 
     Columns: label, reference_word, solver, name (without settings), capped (whether its turns are
-    bounded by a full one), starts, one per end (counts), found (share of all starts),
+    bounded by a full one), guesses (attempts), one per end (counts), optimal (share of all guesses),
     turns_1, turns_2, turns_more (minima with so many full turns too many, of any word),
     most_turns, refuted (claims).
     """
@@ -141,7 +141,7 @@ def shares(table: pd.DataFrame) -> pd.DataFrame:
                     "solver": solver,
                 }
                 | {"name": parse_spec(solver)[0], "capped": is_capped(solver)}
-                | {"starts": len(attempts), **counts, "found": counts[OPTIMUM] / len(attempts)}
+                | {"guesses": len(attempts), **counts, "optimal": counts[OPTIMUM] / len(attempts)}
                 | {
                     "turns_1": int((attempts["turns"] == 1).sum()),
                     "turns_2": int((attempts["turns"] == 2).sum()),

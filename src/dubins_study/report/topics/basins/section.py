@@ -1,4 +1,4 @@
-"""The section on where starting points lead."""
+"""The section on where initial guesses lead."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def basins_section(results: Results) -> Section | None:
     ]
     text = " ".join((_method(table), *_findings(shares(mapped)), _cap(capping(shares(table)))))
     return Section(
-        "basins", "Where starting points lead", text.strip(), (*pictures, _table(shares(table)))
+        "basins", "Where initial guesses lead", text.strip(), (*pictures, _table(shares(table)))
     )
 
 
@@ -52,7 +52,7 @@ def _method(table: pd.DataFrame) -> str:
     straights = " and ".join(f"{z3:g}" for z3 in sorted(table["z3"].unique()))
     return (
         "Each solver is given the paper's model unsplit, L(z₁) R(z₂) S(z₃) with turns of any "
-        "length, and one starting point from a grid over z₁ and z₂; z₃ starts at "
+        "length, and one initial guess from a grid over z₁ and z₂; z₃ is "
         f"{straights} radii. Every local minimum of this model is LS, RS or LR with a number of "
         "full turns added, so an end is known by its length."
     )
@@ -60,16 +60,16 @@ def _method(table: pd.DataFrame) -> str:
 
 def _findings(table: pd.DataFrame) -> list[str]:
     """Three sentences: how often the optimum is reached, what other minima are, false claims."""
-    rates = table["found"].to_numpy()
+    rates = table["optimal"].to_numpy()
     least, most = table.iloc[rates.argmin()], table.iloc[rates.argmax()]
     first = (
-        f"The shortest path is found from {share(least['found'])} of the starts at worst "
-        f"({_who(least)}) and from {share(most['found'])} at best ({_who(most)})."
+        f"The shortest path is found from {share(least['optimal'])} of the initial guesses at worst "
+        f"({_who(least)}) and from {share(most['optimal'])} at best ({_who(most)})."
     )
-    starts = int(table["starts"].sum())
+    guesses = int(table["guesses"].sum())
     turned = int(table[["turns_1", "turns_2", "turns_more"]].to_numpy().sum())
     far = table.iloc[table["most_turns"].to_numpy().argmax()]
-    second = f"{share(turned / starts)} of all attempts end in a minimum with full turns in it"
+    second = f"{share(turned / guesses)} of all attempts end in a minimum with full turns in it"
     if turned:
         second += (
             f", with up to {count(far['most_turns'])} of them ({_who(far)}); nothing in the model "
@@ -87,10 +87,10 @@ def _findings(table: pd.DataFrame) -> list[str]:
         )
         if table[end].sum()
     ]
-    worst = table.iloc[(table["refuted"] / table["starts"]).to_numpy().argmax()]
+    worst = table.iloc[(table["refuted"] / table["guesses"]).to_numpy().argmax()]
     third = (
         f"{count(refuted)} statements are refuted: {'; '.join(parts)}. The worst is {_who(worst)}, "
-        f"with {share(worst['refuted'] / worst['starts'])} of its starts."
+        f"with {share(worst['refuted'] / worst['guesses'])} of its initial guesses."
     )
     return [first, f"{second}.", third]
 
@@ -100,9 +100,9 @@ def _cap(change: pd.DataFrame) -> str:
         return ""
     free, bounded = change.loc[False], change.loc[True]
     return (
-        "From the same starts, but with every turn bounded by a full one, the share that ends with "
+        "From the same initial guesses, but with every turn bounded by a full one, the share that ends with "
         f"full turns is {share(bounded['turned'])} instead of {share(free['turned'])}, that of the "
-        f"shortest path {share(bounded['found'])} instead of {share(free['found'])}, and the "
+        f"shortest path {share(bounded['optimal'])} instead of {share(free['optimal'])}, and the "
         f"refuted statements number {count(bounded['refuted'])} instead of "
         f"{count(free['refuted'])}."
     )
@@ -120,11 +120,11 @@ def _picture(label: object, solver: str, table: pd.DataFrame, listed: list[str])
     ax.set_title(title)
     figure.legend(handles=handles, loc="outside lower left", ncols=1, fontsize=7.5)
     caption = (
-        f"{title}: where each of {count(len(table))} starts leads; in brackets how many. White "
+        f"{title}: where each of {count(len(table))} initial guesses leads; in brackets how many. White "
         "cells with a mark are statements that the check refutes."
     )
     stem = slug(f"basins-{label}-{solver}")
-    return Picture(stem, caption, figure, f"Map of starting points by end, {title}", True)
+    return Picture(stem, caption, figure, f"Map of initial guesses by end, {title}", True)
 
 
 def _table(table: pd.DataFrame) -> Table:
@@ -132,8 +132,8 @@ def _table(table: pd.DataFrame) -> Table:
         Column("label", "scenario", kind="text"),
         Column("name", "solver", kind="code"),
         Column("capped", "turns", lambda capped: "≤ 2π" if capped else "free", kind="text"),
-        Column("starts", "starts", count),
-        Column("found", "shortest", share),
+        Column("guesses", "guesses", count),
+        Column("optimal", "shortest", share),
         Column(TURNS, "with full turns", count),
         Column(OTHER, "other minimum", count),
         Column("turns_1", "1 turn too many", count),
