@@ -1,4 +1,4 @@
-"""Where a chain of cells has got to: what comes next, what is left, and the path it goes on from."""
+"""Chains of cells under way: the next cell, the path that it starts from, and what is left."""
 
 from __future__ import annotations
 

@@ -49,7 +49,7 @@ def solve_left(
 def _unfinished(
     folder: FilePath, chains: list[Chain], finished: set[Key]
 ) -> tuple[list[Chain], dict[Key, Path]]:
-    """What the folder does not hold of every chain, and the paths before; see `remaining_chains`."""
+    """What the folder lacks of every chain, and the paths before; see `remaining_chains`."""
     done: dict[Key, Path | None] = dict.fromkeys(finished)
     if any(cell.initial_guess == "warm" and cell.key in done for chain in chains for cell in chain):
         columns = ["x", "y", "heading", "gap", "curvatures", "lengths"]

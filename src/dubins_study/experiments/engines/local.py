@@ -8,9 +8,10 @@ from typing import Any
 from dubins_study.experiments.engines.chains import ChainState
 from dubins_study.experiments.engines.judging import row_of
 from dubins_study.experiments.interruption import Interruption
+from dubins_study.experiments.isolation.job_queue import Job, worker_group
 from dubins_study.experiments.isolation.messages import WorkerReply
 from dubins_study.experiments.isolation.monitor import Limits
-from dubins_study.experiments.isolation.pool import Job, RunError, WorkerPool, worker_group
+from dubins_study.experiments.isolation.pool import RunError, WorkerPool
 from dubins_study.experiments.plan.cells import Cell, Chain
 from dubins_study.experiments.run_settings import RunSettings
 from dubins_study.solvers.protocol import Question

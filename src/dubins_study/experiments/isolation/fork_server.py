@@ -104,7 +104,8 @@ class _ForkServer:
                 os.close(status_end)
         os.set_blocking(output, False)
         channel = Channel(ours)
-        channel.send([function, arguments, search_path(), dict(os.environ), _directory()])
+        with suppress(OSError):  # the process was killed at once; its end is seen by its status
+            channel.send([function, arguments, search_path(), dict(os.environ), _directory()])
         ours.setblocking(False)
         return ForkedProcess(pid, channel, output, status)
 

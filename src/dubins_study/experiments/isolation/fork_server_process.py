@@ -1,4 +1,4 @@
-"""The fork server's own process: forks on request, and adopts and kills what a worker leaves behind.
+"""The fork server's own process: forks on request, and kills what a worker leaves behind.
 
 It ends when the process that started it is gone, and kills all its descendants before. On Linux
 a process whose parent ends becomes the server's child, whatever session it is in, so that none
@@ -115,7 +115,7 @@ def _become(descriptors: list[int]) -> None:
         lead_session()
         redirect(output)
         channel = Channel(socket.socket(fileno=channel_end))
-        function, arguments, path, environment, directory = channel.receive()
+        (function, arguments, path, environment, directory), _ = channel.receive()
         sys.path[:] = path
         os.environ.clear()
         os.environ.update(environment)

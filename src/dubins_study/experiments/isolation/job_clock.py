@@ -1,4 +1,4 @@
-"""What a worker is doing, and since when: four numbers in memory that its pool reads."""
+"""What a worker is doing, and since when: a few numbers in memory that it shares with its pool."""
 
 from __future__ import annotations
 
@@ -32,7 +32,8 @@ class Reading(NamedTuple):
     since_s: float
 
 
-_NUMBERS = struct.Struct("dddd")
+_NUMBERS, _WITHDRAWN = struct.Struct("dddd"), struct.Struct("q")
+_WITHDRAWN_PLACE = 64
 _LOST = Reading(0, -1, Phase.LOST, 0.0)
 
 
@@ -62,6 +63,15 @@ class JobClock:
             return Reading(int(pid), int(job), Phase(int(phase)), since_s)
         except (ValueError, OverflowError):
             return _LOST
+
+    def withdraw(self, below: int) -> None:
+        """Tell the worker to pass over every job with a lower number that it has not begun."""
+        _WITHDRAWN.pack_into(self._memory, _WITHDRAWN_PLACE, below)
+
+    def withdrawn(self) -> int:
+        """The number below which jobs are passed over."""
+        below: int = _WITHDRAWN.unpack_from(self._memory, _WITHDRAWN_PLACE)[0]
+        return below
 
 
 def _shared_memory() -> int:

@@ -11,13 +11,14 @@ import json
 import socket
 import struct
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import astuple, fields
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from dubins_study.solvers.attempt import Reply, Times
 from dubins_study.solvers.protocol import Outcome, Question, Solution
+from dubins_study.solvers.reply import Reply, Times
 from dubins_study.study.check.verdict import Claim
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Pose, Scenario
@@ -48,10 +49,14 @@ class Channel:
     def close(self) -> None:
         self._line.close()
 
-    def send(self, value: Any, arrays: Sequence[bytes] = ()) -> bool:
-        """Send a message, or as much of it as goes at once (see `flush`); whether all of it went."""
-        text, data = json.dumps(value).encode(), b"".join(arrays)
-        self._unsent += _HEADER.pack(_MARK, len(text), len(data)) + text + data
+    def block(self) -> None:
+        """Wait in `send` and `receive`, even if a solver has set the socket not to block."""
+        self._line.setblocking(True)
+
+    def send(self, value: Any, arrays: bytes = b"") -> bool:
+        """Send a message, or as much of it as goes at once; whether all of it went."""
+        text = json.dumps(value).encode()
+        self._unsent += _HEADER.pack(_MARK, len(text), len(arrays)) + text + arrays
         return self.flush()
 
     def flush(self) -> bool:
@@ -61,19 +66,9 @@ class Channel:
                 del self._unsent[: self._line.send(self._unsent)]
         except BlockingIOError:
             return False
-        except OSError:  # the other end is gone; whoever waits for an answer sees its end
-            self._unsent.clear()
         return True
 
-    def receive(self) -> Any:
-        """Wait for one message without arrays; its value.
-
-        Raises:
-            EOFError: if the other end is closed.
-        """
-        return self.receive_with_arrays()[0]
-
-    def receive_with_arrays(self) -> tuple[Any, bytes]:
+    def receive(self) -> tuple[Any, bytes]:
         """Wait for one message: its value, and its arrays one after another.
 
         Raises:
@@ -90,10 +85,8 @@ class Channel:
             EOFError: if the other end is closed.
             MessageError: if what arrived is no message.
         """
-        try:
+        with suppress(BlockingIOError):
             self._read()
-        except BlockingIOError:
-            return
         while (message := self._next()) is not None:
             yield message
 
@@ -113,10 +106,10 @@ class Channel:
         end = middle + array_size
         if len(self._received) < end:
             return None
-        text, data = self._received[_HEADER.size : middle], bytes(self._received[middle:end])
+        text, arrays = self._received[_HEADER.size : middle], bytes(self._received[middle:end])
         del self._received[:end]
         try:
-            return json.loads(text), data
+            return json.loads(text), arrays
         except (ValueError, RecursionError) as error:
             raise MessageError(f"a message that cannot be read: {error}") from None
 
@@ -137,44 +130,35 @@ class WorkerReply(NamedTuple):
     code_digest: str = ""
 
 
-def encode_question(question: Question) -> tuple[list[Any], list[bytes]]:
+def encode_question(question: Question) -> tuple[list[Any], bytes]:
     """A question as plain values, and the arrays of its initial guess."""
-    start, arrays = encode_path(question.initial_guess)
+    start, arrays = _encode_path(question.initial_guess)
     return [astuple(question.scenario), question.branch, start], arrays
 
 
-def decode_question(values: Sequence[Any], arrays: memoryview) -> tuple[Question, memoryview]:
-    """The question again, and the arrays that are left."""
+def decode_question(values: Sequence[Any], arrays: bytes) -> Question:
+    """The question again."""
     scenario, branch, start = values
-    guess, rest = decode_path(start, arrays)
-    return Question(Scenario(*scenario), branch, guess), rest
+    return Question(Scenario(*scenario), branch, _decode_path(start, arrays))
 
 
-def encode_path(path: Path | None) -> tuple[list[float] | None, list[bytes]]:
-    """A path's start and number of pieces, and its two arrays."""
+def _encode_path(path: Path | None) -> tuple[list[float] | None, bytes]:
+    """A path's start, and its two arrays one after the other."""
     if path is None:
-        return None, []
+        return None, b""
     path = Path(path.start, path.curvature, path.length)  # its arrays may be others by now
-    arrays = [np.asarray(one, np.float64).tobytes() for one in (path.curvature, path.length)]
-    return [*(float(value) for value in path.start), len(arrays[0]) // 8], arrays
+    controls = (np.asarray(values, np.float64) for values in (path.curvature, path.length))
+    return [float(value) for value in path.start], b"".join(map(np.ndarray.tobytes, controls))
 
 
-def decode_path(
-    start: Sequence[float] | None, arrays: memoryview
-) -> tuple[Path | None, memoryview]:
-    """The path again, and the arrays that are left."""
-    if start is None:
-        return None, arrays
-    x, y, heading, pieces = start
-    end = 8 * int(pieces)
-    curvature, length = (np.frombuffer(part) for part in (arrays[:end], arrays[end : 2 * end]))
-    return Path(Pose(x, y, heading), curvature, length), arrays[2 * end :]
+def _decode_path(start: Sequence[float] | None, arrays: bytes) -> Path | None:
+    return None if start is None else Path(Pose(*start), *np.frombuffer(arrays).reshape(2, -1))
 
 
 _NAMES = [field.name for field in fields(Solution)]
 
 
-def encode_reply(sent: WorkerReply) -> tuple[list[Any], list[bytes]]:
+def encode_reply(sent: WorkerReply) -> tuple[list[Any], bytes]:
     """A reply as plain values, and the arrays of its path.
 
     Raises:
@@ -183,7 +167,7 @@ def encode_reply(sent: WorkerReply) -> tuple[list[Any], list[bytes]]:
     reply = sent.reply
     # checked once more: what a plug-in's class holds may have changed since it was made
     solution = Solution(*[getattr(reply.solution, name) for name in _NAMES])
-    start, arrays = encode_path(solution.path)
+    start, arrays = _encode_path(solution.path)
     dual = solution.multipliers
     values = [
         str(reply.outcome.value),
@@ -202,18 +186,18 @@ def encode_reply(sent: WorkerReply) -> tuple[list[Any], list[bytes]]:
     return values, arrays
 
 
-def decode_reply(values: Sequence[Any], arrays: memoryview) -> tuple[WorkerReply, memoryview]:
-    """The reply again, and the arrays that are left.
+def decode_reply(values: Sequence[Any], arrays: bytes) -> WorkerReply:
+    """The reply again.
 
     Raises:
         Exception: if the values are not those of a reply.
     """
     outcome, times, claim, start, claimed, bound, dual, *rest = values
     iterations, evaluations, status, message, started, versions, digest = rest
-    path, arrays = decode_path(start, arrays)
+    path = _decode_path(start, arrays)
     answer = (Claim(claim), path, claimed, bound, dual, iterations, evaluations, status, message)
     reply = Reply(Outcome(outcome), Solution(*answer), Times(*times))
-    return WorkerReply(reply, str(started), str(versions), str(digest)), arrays
+    return WorkerReply(reply, str(started), str(versions), str(digest))
 
 
 def _float(value: float | None) -> float | None:

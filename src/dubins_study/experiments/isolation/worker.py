@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import os
 import signal
-from time import monotonic
 from typing import Any, NamedTuple
 
 from dubins_study.experiments.code_digest import code_digest
@@ -20,17 +19,14 @@ from dubins_study.experiments.isolation.messages import (
 from dubins_study.experiments.isolation.sandbox import bound_memory, pin_threads
 from dubins_study.experiments.isolation.worker_state import WorkerState, seed
 from dubins_study.experiments.provenance import now, versions
-from dubins_study.solvers.attempt import ask, nothing, told
 from dubins_study.solvers.library_versions import reported_versions
 from dubins_study.solvers.protocol import Outcome, Question, Solver
 from dubins_study.solvers.registry import load
+from dubins_study.solvers.reply import ask, exception_text, no_answer
 from dubins_study.study.scenario import Scenario
 
 # an easy question, asked once of every solver before its first recorded answer
 _WARM_UP = Scenario(x=0, y=0, heading=0.3, target_x=3, target_y=2, radius=1, label="warm-up")
-# Replies are sent after this much solving, and the rest of a batch is left: replies that wait are
-# lost if the run is killed, and an interrupted run waits for no more than the solve under way.
-_MAX_BATCH_S = 0.1
 
 
 class WorkerJob(NamedTuple):
@@ -51,34 +47,28 @@ class _LoadedSolver(NamedTuple):
 
 
 def serve(channel: Channel, memory_limit: int, clock: int) -> None:
-    """Answer batches of jobs until the channel is closed."""
+    """Answer jobs until the channel is closed."""
     shared = JobClock(clock)
     shared.close_descriptor()
     bound_memory(memory_limit)
     pin_threads()
     worker = Worker(shared, memory_limit)
     while True:
-        batch, arrays = channel.receive_with_arrays()
-        if batch == "probe":
+        message, arrays = channel.receive()
+        if message == "probe":
             channel.send({"probe_s": probe()})
             continue
-        replies, changes = worker.answer(read_jobs(batch, memoryview(arrays)))
-        values = [value for value, _ in replies]
-        channel.send(
-            {"replies": values, "changes": changes},
-            [array for _, arrays in replies for array in arrays],
-        )
+        number, solver, profile, asked, time_limit, warm_up = message
+        if number < shared.withdrawn():
+            continue
+        question = decode_question(asked, arrays)
+        job = WorkerJob(number, solver, profile, question, time_limit, warm_up)
+        values, arrays = worker.answer(job)
+        changes = worker.state.changes()
+        channel.block()
+        channel.send({"job": number, "reply": values, "changes": changes}, arrays)
         while changes:  # this process answers no more, and waits to be replaced
             signal.pause()
-
-
-def read_jobs(batch: list[list[Any]], arrays: memoryview) -> list[WorkerJob]:
-    """The jobs of a message."""
-    jobs = []
-    for number, solver, profile, question, time_limit, warm_up in batch:
-        asked, arrays = decode_question(question, arrays)
-        jobs.append(WorkerJob(number, solver, profile, asked, time_limit, warm_up))
-    return jobs
 
 
 class Worker:
@@ -89,25 +79,11 @@ class Worker:
         self._solvers: dict[tuple[str, str], _LoadedSolver] = {}
         # of the code of solvers that were loaded, even if their warm-up failed
         self._digests: dict[tuple[str, str], str] = {}
-        self._state = WorkerState(memory_limit)
+        self.state = WorkerState(memory_limit)
         self._note(-1, Phase.IDLE)
 
-    def answer(self, jobs: list[WorkerJob]) -> tuple[list[tuple[Any, list[bytes]]], list[str]]:
-        """Encoded replies to the first jobs, at least one, and what a solve changed in the process.
-
-        No job is answered after one that changed the process.
-        """
-        replies, began = [], monotonic()
-        changes: list[str] = []
-        for job in jobs:
-            replies.append(self._answered(job))
-            changes = self._state.changes()
-            if changes or monotonic() - began > _MAX_BATCH_S:
-                break
-        return replies, changes
-
-    def _answered(self, job: WorkerJob) -> tuple[Any, list[bytes]]:
-        """Put one question to one solver. Whatever happens short of the process's end is a reply."""
+    def answer(self, job: WorkerJob) -> tuple[list[Any], bytes]:
+        """The encoded reply to one job: whatever happens, short of the process's end."""
         started, key = now(), (job.solver, job.profile)
         try:
             loaded = self._solvers.get(key) or self._load(job)
@@ -121,7 +97,9 @@ class Worker:
             self._end_copy()
             outcome = Outcome.OUT_OF_MEMORY if isinstance(error, MemoryError) else Outcome.RAISED
             digest = self._digests.get(key, "")
-            return encode_reply(WorkerReply(nothing(outcome, told(error)), started, "", digest))
+            return encode_reply(
+                WorkerReply(no_answer(outcome, exception_text(error)), started, "", digest)
+            )
         finally:
             self._note(job.number, Phase.IDLE)
 
@@ -138,7 +116,7 @@ class Worker:
             ask(solver, Question(_WARM_UP, solver.branches[0]), job.time_limit)
             self._end_copy()
         loaded = self._solvers[key] = _LoadedSolver(solver, row_versions, digest)
-        self._state.accept()
+        self.state.accept()
         return loaded
 
     def _end_copy(self) -> None:

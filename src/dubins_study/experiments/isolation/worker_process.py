@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import os
 import signal
-from collections import deque
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import suppress
 from typing import Any, NamedTuple
 
@@ -18,7 +17,10 @@ from dubins_study.experiments.isolation.messages import (
     encode_question,
 )
 from dubins_study.experiments.isolation.worker import WorkerJob
+from dubins_study.solvers.protocol import Outcome
+from dubins_study.solvers.reply import no_answer
 
+_NO_REPLY = WorkerReply(no_answer(Outcome.RAISED, ""))
 _SERVE = "dubins_study.experiments.isolation.worker:serve"
 _OUTPUT_BYTES, _OUTPUT_CHARS = 400, 200
 _READ_BYTES = 2**20
@@ -28,40 +30,39 @@ _EXIT_WAIT_S = 2.0
 
 
 class Answer(NamedTuple):
-    """A worker's answer to a batch of jobs, or to the calibration probe.
+    """A worker's answer to a job, or to the calibration probe.
 
     Args:
-        replies: to the first jobs of the batch, by the jobs' numbers.
-        left: jobs of the batch that the worker has not taken up.
-        changes: what a solve has changed in the process; such a worker answers no more.
+        job: its number; None for the probe.
+        reply: to the job.
+        changes: what the solve has changed in the process; such a worker answers no more.
         probe_s: seconds that the calibration's piece of work took.
     """
 
-    replies: dict[int, WorkerReply]
-    left: list[int]
+    job: int | None
+    reply: WorkerReply
     changes: list[str]
-    probe_s: float | None = None
+    probe_s: float = 0.0
 
 
 class WorkerProcess:
     """A worker process, started by this.
 
     Attributes:
+        place: among the pool's workers.
         group: of the jobs that it may be given.
-        pending: jobs that it has been given and has not answered, by their numbers.
-        batches: the numbers of the jobs of each message that it has not answered, in order.
-        quick: whether its last jobs took so little time that more are put to it in advance.
+        pending: jobs that it has been given and has not answered, by their numbers, in order.
+        quick: whether its last job took so little time that more are put to it in advance.
     """
 
-    def __init__(self, memory_limit: int, group: str):
-        self.group = group
+    def __init__(self, memory_limit: int, place: int, group: str):
+        self.place, self.group = place, group
         self.clock = JobClock()
         try:
             self.process: ForkedProcess = fork(_SERVE, [memory_limit], (self.clock.descriptor,))
         finally:
             self.clock.close_descriptor()
         self.pending: dict[int, WorkerJob] = {}
-        self.batches: deque[list[int]] = deque()
         self.quick = False
         self._output = b""
         self._exit_code: int | None = None
@@ -70,20 +71,39 @@ class WorkerProcess:
     def pid(self) -> int:
         return self.process.pid
 
-    def put(self, jobs: Sequence[WorkerJob]) -> bool:
-        """Give the worker several jobs in one message; whether all of it has been sent."""
-        batch, arrays = [], []
-        for job in jobs:
-            question, more = encode_question(job.question)
-            batch.append([*job[:3], question, *job[4:]])
-            arrays += more
-            self.pending[job.number] = job
-        self.batches.append([job.number for job in jobs])
-        return self.process.channel.send(batch, arrays)
+    def put(self, job: WorkerJob) -> bool:
+        """Give the worker a job; whether all of it has been sent."""
+        self.pending[job.number] = job
+        question, arrays = encode_question(job.question)
+        return self._send([*job[:3], question, *job[4:]], arrays)
 
     def put_probe(self) -> None:
         """Have the worker time the calibration's piece of work after its jobs."""
-        self.process.channel.send("probe")
+        self._send("probe")
+
+    def _send(self, value: Any, arrays: bytes = b"") -> bool:
+        with suppress(OSError):  # the worker has ended, which its status tells
+            return self.process.channel.send(value, arrays)
+        return True
+
+    def flush(self) -> bool:
+        """Send what is left to be sent; whether all of it has been."""
+        with suppress(OSError):
+            return self.process.channel.flush()
+        return True
+
+    def withdraw(self) -> list[int]:
+        """Take back the jobs that the worker has not begun; their numbers.
+
+        A job that it begins at this very moment is solved twice; the second reply counts.
+        """
+        current = self.current_job()
+        unbegun = [number for number in self.pending if current is None or number != current.number]
+        if unbegun:
+            self.clock.withdraw(unbegun[-1] + 1)
+        for number in unbegun:
+            del self.pending[number]
+        return unbegun
 
     def answers(self) -> Iterator[Answer]:
         """The answers that have arrived; the channel must be readable.
@@ -94,18 +114,9 @@ class WorkerProcess:
         """
         for value, arrays in self.process.channel.received():
             try:
-                yield self._answer(value, memoryview(arrays))
+                yield _answer(value, arrays)
             except Exception as error:  # a worker may send anything
                 raise MessageError(f"an answer that cannot be read: {error}") from None
-
-    def _answer(self, value: dict[str, Any], arrays: memoryview) -> Answer:
-        if "probe_s" in value:
-            return Answer({}, [], [], float(value["probe_s"]))
-        batch, replies = self.batches[0], {}
-        for number, encoded in zip(batch, value["replies"], strict=False):
-            replies[number], arrays = decode_reply(encoded, arrays)
-        self.batches.popleft()
-        return Answer(replies, batch[len(replies) :], [str(name) for name in value["changes"]])
 
     def read_output(self) -> bool:
         """Read what the worker printed, and keep the end of it; False once there is no more."""
@@ -126,11 +137,8 @@ class WorkerProcess:
     def exit_code(self) -> int:
         """How the process ended: it is waited for, but not for longer than the kernel may take."""
         if self._exit_code is None:
-            if self.process.wait(_EXIT_WAIT_S):
-                self._exit_code = self.process.exit_code()
-            else:
-                self.process.kill()
-                self._exit_code = -signal.SIGKILL
+            ended = self.process.wait(_EXIT_WAIT_S)
+            self._exit_code = self.process.exit_code() if ended else -signal.SIGKILL
         return self._exit_code
 
     def current_job(self) -> WorkerJob | None:
@@ -138,16 +146,12 @@ class WorkerProcess:
         reading = self.clock.read()
         if reading.phase is Phase.LOST:  # it takes them up in turn
             return next(iter(self.pending.values()), None)
-        # an idle worker may not have sent its last answer yet
+        # the reply of an idle worker may be still on its way
         return self.pending.get(reading.job)
 
-    def begun(self) -> set[int]:
-        """The numbers of the jobs that the worker is at: a whole batch, or the current job."""
-        batch, job = set(self.batches[0] if self.batches else ()), self.current_job()
-        # between two jobs of a batch it is at none
-        return batch if len(batch) > 1 or (job is not None and job.number in batch) else set()
 
-    def answered_in_batch(self, job: WorkerJob) -> bool:
-        """Whether the worker is through with a job whose reply was to travel with others."""
-        together = any(job.number in batch for batch in self.batches if len(batch) > 1)
-        return together and self.clock.read().phase is Phase.IDLE
+def _answer(value: dict[str, Any], arrays: bytes) -> Answer:
+    if "probe_s" in value:
+        return Answer(None, _NO_REPLY, [], float(value["probe_s"]))
+    changes = [str(name) for name in value["changes"]]
+    return Answer(int(value["job"]), decode_reply(value["reply"], arrays), changes)

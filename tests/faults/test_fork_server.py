@@ -1,0 +1,115 @@
+"""Workers are forked from a server of our own: the caller's processes are left alone."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+
+import pytest
+from marked import left_behind, marked
+
+from tests.faults.launch import ROOT, experiment, rows, spec
+
+HONEST = spec("honest", "Honest")
+
+# a caller's script that uses multiprocessing's fork server before or after a run
+CALLER = """
+import json, multiprocessing, sys, time
+from dubins_study import run
+
+def started():
+    process = multiprocessing.get_context("forkserver").Process(target=time.sleep, args=(60,))
+    process.start()
+    return process
+
+if __name__ == "__main__":
+    before = started() if {before} else None
+    run({experiment!r}, {out!r}, trust_plugins=True)
+    mine = before or started()
+    mine.terminate()
+    mine.join(10)
+    code = mine.exitcode
+    mine.kill()
+    print(json.dumps([code, [child.pid for child in multiprocessing.active_children()]]))
+    sys.stdout.flush()
+    {pause}
+"""
+
+
+def call(folder, solver, before, pause="pass"):
+    """Run such a script in a process of its own; what it printed, and what it left alive."""
+    asking = experiment(folder, ([solver, HONEST], 1))
+    script = folder / "caller.py"
+    names = {"experiment": str(asking), "out": str(folder / "out")}
+    script.write_text(CALLER.format(before=before, pause=pause, **names))
+    mark, marking = marked()
+    paths = os.pathsep.join(filter(None, (str(ROOT), os.environ.get("PYTHONPATH"))))
+    ended = subprocess.run(
+        [sys.executable, script],
+        env={**os.environ, "PYTHONPATH": paths, **marking},
+        capture_output=True,
+        text=True,
+        timeout=150,
+    )
+    assert ended.returncode == 0, ended.stderr
+    return json.loads(ended.stdout.splitlines()[-1]), left_behind(mark)
+
+
+@pytest.mark.parametrize("before", [False, True])
+def test_the_callers_own_processes_end_at_sigterm(tmp_path, before):
+    """Whether their fork server was started before the run or after it."""
+    (code, children), alive = call(tmp_path, HONEST, before)
+
+    assert code == -15
+    assert children == []
+    assert alive == []
+
+
+@pytest.mark.parametrize("before", [False, True])
+def test_orphans_end_with_the_run(tmp_path, before):
+    """Not only when the caller ends: it says itself which of the noted processes still run."""
+    pids = tmp_path / "pids"
+    check = (
+        "import psutil; "
+        f"noted = [int(line) for line in open({str(pids)!r})]; "
+        "print(json.dumps([p for p in noted if psutil.pid_exists(p) "
+        "and psutil.Process(p).status() != 'zombie']))"
+    )
+    left, alive = call(tmp_path, spec("hostile_endless", "Daemon", pids=pids), before, check)
+
+    assert pids.read_text().split()
+    assert left == []
+    assert alive == []
+
+
+PATHS = """
+import json, os, sys
+from dubins_study.solvers.analytic import Analytic
+class Paths(Analytic):
+    def solve(self, model, limit):
+        solution = super().solve(model, limit)
+        object.__setattr__(solution, "message", json.dumps([os.getcwd(), sys.path]))
+        return solution
+"""
+
+
+MAIN = "from dubins_study.cli.app import main; main()"
+
+
+@pytest.mark.parametrize("start", [["-m", "dubins_study"], ["-c", MAIN]])
+def test_a_worker_finds_no_module_in_the_working_directory(tmp_path, start):
+    """A file that lies there by chance stands in for no package; the plug-in's path is enough."""
+    (tmp_path / "paths.py").write_text(PATHS)
+    for name in ("report.py", "study.py"):
+        (tmp_path / name).write_text("raise RuntimeError('the wrong file')")
+    asking = experiment(tmp_path, (["paths.py:Paths"], 1))
+    command = [sys.executable, *start, "run", asking.name, "--out", "out", "--trust-plugins"]
+    ended = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
+
+    assert ended.returncode == 0, ended.stderr
+    (message,) = rows(tmp_path / "out")["message"]
+    folder, path = json.loads(message)
+    assert folder == str(tmp_path)
+    assert not {"", ".", str(tmp_path)} & set(path)
