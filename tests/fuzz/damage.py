@@ -102,7 +102,9 @@ def no_manifest(folder: Path, dice: Dice) -> None:
     elif kind == 2:
         file.symlink_to("/etc/hostname")
     elif kind == 3:
-        file.write_text(f'{{"schema": {VERSION}, "a": ' + deep(dice.choice([300, 10**5]), "dict") + "}")
+        file.write_text(
+            f'{{"schema": {VERSION}, "a": ' + deep(dice.choice([300, 10**5]), "dict") + "}"
+        )
     elif kind == 4:
         file.write_bytes(dice.randbytes(60))
     else:

@@ -82,7 +82,9 @@ def test_a_manifest_that_could_not_be_written_again_is_refused(folder, tmp_path)
         merge([folder, folder], tmp_path / "union")
     with pytest.raises(ReportError, match="nested more than"):
         load([folder])
-    (folder / "manifest.json").write_text(f'{{"schema": {VERSION}, "a": ' + "[" * 10**5 + "]" * 10**5 + "}")
+    (folder / "manifest.json").write_text(
+        f'{{"schema": {VERSION}, "a": ' + "[" * 10**5 + "]" * 10**5 + "}"
+    )
     with pytest.raises(ReportError, match="cannot be read"):
         load([folder])
 
