@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import signal
 
-from dubins_study.solvers.attempt import Reply, nothing
 from dubins_study.solvers.protocol import Outcome
+from dubins_study.solvers.reply import Reply, no_answer
 
 
 def exit_status(code: int) -> tuple[str, str]:
@@ -31,4 +31,4 @@ def crashed(code: int, output: str) -> Reply:
     # C++ ends a process so that may have no more memory
     starved = code == -signal.SIGABRT and "bad_alloc" in output
     outcome = Outcome.OUT_OF_MEMORY if starved else Outcome.CRASHED
-    return nothing(outcome, message, status=status)
+    return no_answer(outcome, message, status=status)

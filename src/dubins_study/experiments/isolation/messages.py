@@ -12,13 +12,14 @@ import socket
 import struct
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
-from dataclasses import astuple, fields
+from dataclasses import fields
+from operator import attrgetter
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from dubins_study.solvers.attempt import Reply, Times
 from dubins_study.solvers.protocol import Outcome, Question, Solution
+from dubins_study.solvers.reply import Reply, Times
 from dubins_study.study.check.verdict import Claim
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Pose, Scenario
@@ -130,10 +131,13 @@ class WorkerReply(NamedTuple):
     code_digest: str = ""
 
 
+_scenario_values = attrgetter(*(field.name for field in fields(Scenario)))
+
+
 def encode_question(question: Question) -> tuple[list[Any], bytes]:
     """A question as plain values, and the arrays of its initial guess."""
     start, arrays = _encode_path(question.initial_guess)
-    return [astuple(question.scenario), question.branch, start], arrays
+    return [_scenario_values(question.scenario), question.branch, start], arrays
 
 
 def decode_question(values: Sequence[Any], arrays: bytes) -> Question:
@@ -171,7 +175,7 @@ def encode_reply(sent: WorkerReply) -> tuple[list[Any], bytes]:
     dual = solution.multipliers
     values = [
         str(reply.outcome.value),
-        astuple(reply.times),
+        (reply.times.build, reply.times.solve, reply.times.wall),
         str(Claim(solution.claim).value),
         start,
         _float(solution.claimed_length),
