@@ -71,8 +71,9 @@ class Results:
             report needs, `experiment`, and `answerable` (the question has an answer, so that a gap
             can be measured). Of more attempts than `MOST_ROWS` only those at some scenarios,
             chosen by their names.
-        controls: the columns `curvatures` and `lengths`, left in Arrow because most sections draw
-            no path; a row's index is its position here, also where `rows` is a selection.
+        controls: the columns `curvatures`, `lengths`, `x`, `y` and `heading`, left in Arrow because
+            most sections draw no path; a row's index is its position here, also where `rows` is a
+            selection.
         solvers: every spec in the folders, also where `rows` is a selection.
     """
 
@@ -104,12 +105,13 @@ class Results:
 
     def path(self, index: int) -> Path | None:
         """The path of the row with this index, or None if no path came back."""
-        curvature = self.controls.column("curvatures")[index].as_py()
-        length = self.controls.column("lengths")[index].as_py()
-        if curvature is None or length is None:
+        row = {
+            name: self.controls.column(name)[index].as_py() for name in self.controls.column_names
+        }
+        if row["curvatures"] is None or row["lengths"] is None:
             return None
-        x, y, heading = self.rows.loc[[index], list(Pose._fields)].to_numpy(np.float64)[0]
-        return Path(Pose(x, y, heading), curvature, length)
+        start = Pose(row["x"], row["y"], row["heading"])
+        return Path(start, row["curvatures"], row["lengths"])
 
 
 def load_results(folders: str | FilePath | Iterable[str | FilePath]) -> pd.DataFrame:
@@ -167,7 +169,7 @@ def load(folders: Iterable[str | FilePath], *, every_row: bool = False) -> Resul
         folders=tuple(map(Folder, manifests, counts)),
         attempts=attempts,
         rows=table.drop_columns(_CONTROLS).to_pandas(),
-        controls=table.select(_CONTROLS).combine_chunks(),
+        controls=table.select([*_CONTROLS, *Pose._fields]).combine_chunks(),
         solvers=tuple(attempts.values("solver")),
     )
 
