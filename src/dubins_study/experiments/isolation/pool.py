@@ -14,14 +14,13 @@ from typing import Self
 
 from dubins_study.errors import DubinsStudyError
 from dubins_study.experiments.interruption import Interruption
-from dubins_study.experiments.isolation.exit_status import crashed, exit_status
 from dubins_study.experiments.isolation.fork_server import ForkServerError
 from dubins_study.experiments.isolation.job_clock import Phase
 from dubins_study.experiments.isolation.job_queue import Job, JobQueue, worker_group
-from dubins_study.experiments.isolation.load_failures import LoadFailures
 from dubins_study.experiments.isolation.messages import MessageError, WorkerReply
 from dubins_study.experiments.isolation.monitor import POLL_INTERVAL_S, Limits, Monitor
 from dubins_study.experiments.isolation.worker import WorkerJob
+from dubins_study.experiments.isolation.worker_failures import LoadFailures, crashed, exit_status
 from dubins_study.experiments.isolation.worker_process import Answer, WorkerProcess
 from dubins_study.solvers.attempt import Reply, nothing
 from dubins_study.solvers.protocol import Outcome
