@@ -146,6 +146,10 @@ class WorkerPool:
         if self._probed is not None and first is not None and monotonic() > self._next_probe_s:
             self._next_probe_s = monotonic() + _PROBE_INTERVAL_S
             first.put_probe()
+        for worker in filter(None, self._workers):
+            if not worker.flush():  # the rest of a long message is sent as the worker reads it
+                events = selectors.EVENT_READ | selectors.EVENT_WRITE
+                self._selector.modify(worker.process.channel, events, worker)
         return results
 
     def _fits(self, place: int, job: Job, share: int) -> bool:
@@ -161,10 +165,7 @@ class WorkerPool:
     def _put(self, place: int, number: int, job: Job) -> None:
         worker = self._workers[place] or self._start(place, worker_group(job.solver))
         warm_up = self._load_failures.warms_up(job.solver_key)
-        order = WorkerJob(number, *job[:3], self.limits.time_s, warm_up)
-        if not worker.put(order):  # the rest of a long message is sent as the worker reads it
-            events = selectors.EVENT_READ | selectors.EVENT_WRITE
-            self._selector.modify(worker.process.channel, events, worker)
+        worker.put(WorkerJob(number, *job[:3], self.limits.time_s, warm_up))
 
     def _start(self, place: int, group: str) -> WorkerProcess:
         try:
