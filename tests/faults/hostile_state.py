@@ -156,15 +156,16 @@ STATES = {
     "gc": (gc.disable, lambda: not gc.isenabled()),
     "hooks": (_hooks, lambda: sys.gettrace() is not None),
     "thread": (_burn, lambda: _named("faults-burner")),
-    "affinity": (
-        lambda: os.sched_setaffinity(0, {min(os.sched_getaffinity(0))}),
-        lambda: len(os.sched_getaffinity(0)) == 1 < (os.cpu_count() or 1),
-    ),
     "switch": (lambda: sys.setswitchinterval(60), lambda: sys.getswitchinterval() == 60),
     "closed": (lambda: os.close(1), _unprintable),
     "opened": (lambda: os.dup2(os.open("/dev/zero", os.O_RDWR), 1), _unprintable),
     "stdout": (lambda: setattr(sys, "stdout", None), lambda: sys.stdout is None),
 }
+if len(os.sched_getaffinity(0)) > 1:  # of one core none can be taken away
+    STATES["affinity"] = (
+        lambda: os.sched_setaffinity(0, {min(os.sched_getaffinity(0))}),
+        lambda: len(os.sched_getaffinity(0)) == 1,
+    )
 
 
 def _unprintable():

@@ -10,7 +10,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-import dubins_study.report.page.render  # noqa: F401  its libraries write to places of their own when loaded
+# loaded here, since a module that is loaded for the first time may write a cache file
+import dubins_study.cli.app
+import dubins_study.cli.streams
+import dubins_study.report.page.render  # noqa: F401
 from tests.fuzz.hostile import HOSTILE, cases
 from tests.fuzz.page import check_json
 from tests.fuzz.watched import command, raw_controls, watched

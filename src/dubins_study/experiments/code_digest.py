@@ -11,8 +11,10 @@ from __future__ import annotations
 import hashlib
 import json
 import math
+import os
 import re
 import sys
+from collections.abc import Iterable
 from functools import cache
 from pathlib import Path as FilePath
 from typing import Any
@@ -104,17 +106,15 @@ def _with_named_rooms(sources: Sources) -> Sources:
 def _room(name: str) -> Sources:
     """All modules of a room of `solvers`; none if there is no room of that name."""
     place = _PACKAGE / "solvers" / name
-    files = [place.with_suffix(".py")] if not place.is_dir() else [*place.rglob("*.py")]
-    return _read_all(_PACKAGE, [file for file in files if file.is_file()])
+    files = place.rglob("*.py") if place.is_dir() else [place.with_suffix(".py")]
+    return _read_all(_PACKAGE, (file for file in files if file.is_file()))
 
 
 @cache
 def _study() -> Sources:
-    """All modules of `study`, which judges every answer, but for those that read results."""
-    folder = _PACKAGE / "study"
-    return _read_all(
-        _PACKAGE, [f for f in folder.rglob("*.py") if folder / "rows" not in f.parents]
-    )
+    """All modules of `study`, which judges every answer, but for those of the results format."""
+    files = (_PACKAGE / "study").rglob("*.py")
+    return _read_all(_PACKAGE, (file for file in files if file.parent.name != "rows"))
 
 
 def _plugin_file(file: FilePath) -> Sources:
@@ -137,18 +137,14 @@ def _plugin_file(file: FilePath) -> Sources:
 def _installed_plugin(package_name: str) -> Sources:
     """All modules of the top-level package, or the one module, that an entry point names."""
     package = sys.modules[package_name]
-    folders = list(getattr(package, "__path__", ()))
-    if folders:
-        return {
-            name: source
-            for folder in map(FilePath, folders)
-            for name, source in _read_all(folder.parent, list(folder.rglob("*.py"))).items()
-        }
-    return {package_name: _read(FilePath(str(package.__file__)))}
+    folders = [FilePath(folder) for folder in getattr(package, "__path__", ())]
+    files = [file for folder in folders for file in folder.rglob("*.py")]
+    root = folders[0].parent if folders else FilePath(str(package.__file__)).parent
+    return _read_all(root, files or [FilePath(str(package.__file__))])
 
 
-def _read_all(root: FilePath, files: list[FilePath]) -> Sources:
-    return {file.relative_to(root).as_posix(): _read(file) for file in files}
+def _read_all(root: FilePath, files: Iterable[FilePath]) -> Sources:
+    return {FilePath(os.path.relpath(file, root)).as_posix(): _read(file) for file in files}
 
 
 @cache

@@ -211,9 +211,7 @@ def _new_manifest(plan: RunPlan, command: str) -> Manifest:
         cells=0,
         solvers={
             spec: SolverEntry(
-                settings=solver.settings,
-                code_digest=solver.code_digest,
-                packages=solver.versions,
+                settings=solver.settings, code_digest=solver.code_digest, packages=solver.versions
             )
             for spec, solver in solvers.items()
         },

@@ -208,8 +208,8 @@ def _controls(paths: Paths) -> tuple[Any, Any]:
     offsets = np.empty(n + 1, np.int64)
     flat = np.empty((2, 2 * n + 1))
     flatten(paths.curvature, paths.length, offsets, *flat)
-    missing = None if paths.returned is None else pa.array(~paths.returned)
-    bounds = pa.array(offsets)
+    missing: Any = None if paths.returned is None else pa.array(~paths.returned)
+    bounds: Any = pa.array(offsets)
     curvatures, lengths = (
         pa.LargeListArray.from_arrays(bounds, pa.array(values[: offsets[-1]]), mask=missing)
         for values in flat

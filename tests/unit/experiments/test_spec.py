@@ -119,7 +119,7 @@ def test_the_radius_sweep_crosses_the_circle(name):
         assert {len(shortest(s).word) for s in sweep} == {2}
 
 
-def test_warm_sweeps_are_chains_and_only_for_solvers_that_use_a_start():
+def test_warm_sweeps_are_chains_and_only_for_solvers_that_use_an_initial_guess():
     text = (
         HEAD.replace('["analytic"]', '["analytic", "slsqp"]')
         + 'initial_guesses = ["cold", "warm"]\n'
@@ -160,7 +160,7 @@ def test_solver_patterns():
         ("slsqp]", "']' at character 6 closes nothing"),
     ],
 )
-def test_brackets_that_do_not_match_are_said_to(spec, message):
+def test_brackets_that_do_not_match_are_refused(spec, message):
     with pytest.raises(SolverError, match=re.escape(message)):
         expand_solvers([spec])
 
@@ -197,6 +197,11 @@ def test_sizes_are_counted_exactly():
         (BLOCK, "title: missing"),
         (HEAD, "scenarios: missing"),
         (HEAD + "colour = 1\n" + BLOCK, "colour: unknown key"),
+        # keys by names that they had before have no alias
+        (HEAD + "limit = 1\n" + BLOCK, "bad.toml: limit: unknown key"),
+        (HEAD + "memory = 1\n" + BLOCK, "bad.toml: memory: unknown key"),
+        (HEAD + 'starts = ["cold"]\n' + BLOCK, "bad.toml: starts: unknown key"),
+        (HEAD + BLOCK + "begin = {z1 = 0, z2 = 0, z3 = 1}\n", "scenarios.0.begin: unknown key"),
         (HEAD + BLOCK + "radios = 1\n", "scenarios.0.radios: unknown key"),
         (HEAD + 'branches = ["SL"]\n' + BLOCK, "no branch named 'SL'; choose from best"),
         (HEAD + 'profile = "slow"\n' + BLOCK, "profile is 'slow': no profile named"),
@@ -298,13 +303,13 @@ def test_scenario_ids_depend_on_every_bit():
         ),
     ],
 )
-def test_places_and_beginnings_that_cannot_be(block, message):
+def test_margins_and_guess_lengths_out_of_range_are_refused(block, message):
     text = HEAD.replace("analytic", "ipopt") + "[[scenarios]]\n" + block + "\n"
     with pytest.raises(ExperimentError, match=message):
         expand(text)
 
 
-def test_a_solver_that_takes_no_start_is_not_dropped_in_silence():
+def test_a_solver_that_takes_no_initial_guess_is_not_dropped_in_silence():
     """Named beside a `guess_lengths` it is a mistake; `*` means those that take one."""
     block = (
         "[[scenarios]]\ntarget_x = 1\ntarget_y = 2\nguess_lengths = {z1 = 1, z2 = 0, z3 = [1, 2]}\n"

@@ -45,8 +45,7 @@ def first_error(error: ValidationError) -> str:
     # A value that fits no variant of a union causes one error for each variant. The variant that
     # was meant is most likely the one whose value was looked at, or else the deepest one.
     first = max(
-        error.errors(),
-        key=lambda e: (e["type"] in ("value_error", "too_short"), len(e["loc"])),
+        error.errors(), key=lambda e: (e["type"] in ("value_error", "too_short"), len(e["loc"]))
     )
     kind, location, value = first["type"], first["loc"], first["input"]
     variants = [i for i, step in enumerate(location) if _is_variant(step)]

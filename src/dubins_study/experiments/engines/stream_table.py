@@ -71,10 +71,10 @@ def _versions(spec: str) -> str:
     return json.dumps(versions(tuple(load(spec).packages)))
 
 
-def _repeated(value: Any, n: int) -> pa.Array:
+def _repeated(value: Any, n: int) -> Any:
     """A column of n equal values."""
     if isinstance(value, str):
-        codes = pa.array(np.zeros(n, np.int8))
+        codes: Any = pa.array(np.zeros(n, np.int8))
         return pa.DictionaryArray.from_arrays(codes, pa.array([value], pa.string()))
     return pa.repeat(value, n)
 

@@ -155,19 +155,18 @@ def _check_size(plans: list[BlockPlan]) -> None:
         total_cells += cells
         total_rows += questions * len(plan.stream_solvers)
         total_streams += len(plan.branches) * plan.repeats * len(plan.stream_solvers)
-        if total_cells > MOST_CELLS:
-            raise ExperimentError(
-                f"{plan.key}: {scenarios} scenarios and {cells} cells (a cell for every "
-                f"solver, branch, initial guess and repeat), {total_cells} cells up to here; "
-                f"expected at most {MOST_CELLS} in all"
-            )
-        if total_rows > MOST_ROWS:
-            raise ExperimentError(
-                f"{plan.key}: {total_rows} rows of the closed form up to here; expected at most "
-                f"{MOST_ROWS} in all"
-            )
-        if total_streams > MOST_STREAMS:
-            raise ExperimentError(
-                f"{plan.key}: {total_streams} branches and repeats of large blocks up to here; "
-                f"expected at most {MOST_STREAMS} in all"
-            )
+        sizes = (
+            (
+                total_cells,
+                MOST_CELLS,
+                f"{scenarios} scenarios and {cells} cells (a cell for every "
+                f"solver, branch, initial guess and repeat), {total_cells} cells",
+            ),
+            (total_rows, MOST_ROWS, f"{total_rows} rows of the closed form"),
+            (total_streams, MOST_STREAMS, f"{total_streams} branches and repeats of large blocks"),
+        )
+        for total, most, amount in sizes:
+            if total > most:
+                raise ExperimentError(
+                    f"{plan.key}: {amount} up to here; expected at most {most} in all"
+                )

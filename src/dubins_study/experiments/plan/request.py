@@ -11,21 +11,7 @@ from dubins_study.experiments.run_settings import ENGINE_NAMES
 
 
 class Request(NamedTuple):
-    """What the caller of `run` asks for; None where the experiment's own value holds.
-
-    Args:
-        experiment: a packaged experiment's name, or the path of a TOML file.
-        out: the results folder; None for `results/<name>`.
-        solvers: specs that replace those of the experiment.
-        jobs: how many cells are solved side by side.
-        time_limit_s: seconds that a solve may take.
-        memory_limit_gib: GiB that a worker process and its children may hold.
-        repeats: how often each question is asked.
-        restart: throw away the rows that the results folder holds.
-        trust_plugins: let the experiment's own solvers run plug-in files and programs on PATH.
-        engine: one of `ENGINE_NAMES`.
-        scheduler: the address of a Dask scheduler.
-    """
+    """The arguments of `experiments.run.run`; None where the experiment's own value holds."""
 
     experiment: str | FilePath
     out: str | FilePath | None = None

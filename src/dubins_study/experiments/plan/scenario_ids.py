@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import struct
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 import pyarrow as pa
@@ -41,7 +42,7 @@ def scenario_ids(columns: Mapping[str, FloatArray], label: str) -> pa.StringArra
         sha256(packed[i : i + row_bytes] + suffix).digest()[: _ID_DIGITS // 2]
         for i in range(0, len(packed), row_bytes)
     ]
-    offsets = np.arange(0, _ID_DIGITS * n + 1, _ID_DIGITS, dtype=np.int32)
+    offsets: Any = np.arange(0, _ID_DIGITS * n + 1, _ID_DIGITS, dtype=np.int32)
     text = b"".join(digests).hex().encode()
     return pa.StringArray.from_buffers(n, pa.py_buffer(offsets), pa.py_buffer(text))
 

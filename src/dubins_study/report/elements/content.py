@@ -22,7 +22,7 @@ class Column:
     Args:
         key: its name in the frame; the CSV file keeps it.
         title: its heading, with the unit.
-        show: value to text; missing values are shown as a dash before it is asked.
+        show: value to text; missing values never reach it: they are shown as a dash.
         kind: `number` (aligned right), `text`, `prose` (long text), or `code` (a name that a
             program knows).
     """

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path as FilePath
-from typing import NamedTuple, NoReturn
+from typing import Any, NamedTuple, NoReturn
 
 import pyarrow as pa
 import pyarrow.parquet as pq
@@ -220,8 +220,10 @@ def _chunk(file: FilePath, text: str, rows: int) -> Chunk:
     return chunk
 
 
-def _cast(file: FilePath, column: pa.Array, field: pa.Field, dictionaries: bool) -> pa.Array:
-    kind = column.type
+def _cast(
+    file: FilePath, column: pa.Array[Any], field: pa.Field[Any], dictionaries: bool
+) -> pa.Array[Any]:
+    kind: Any = column.type
     if kind == field.type or (
         dictionaries and pa.types.is_dictionary(kind) and kind.value_type == field.type
     ):

@@ -40,8 +40,8 @@ def _table(rows: list[Mapping[str, Any]]) -> pa.Table:
     return pa.Table.from_arrays(columns, schema=ARROW_SCHEMA)
 
 
-def _column(values: list[Any], kind: pa.DataType) -> pa.Array:
-    column = pa.array(values, type=kind, from_pandas=True)  # NaN becomes null
+def _column(values: list[Any], kind: pa.DataType) -> Any:
+    column: Any = pa.array(values, type=kind, from_pandas=True)  # NaN becomes null
     numbers = column.values if pa.types.is_list(kind) else column
     if pa.types.is_floating(numbers.type) and pc.any(pc.invert(pc.is_finite(numbers))).as_py():
         return pa.array([_clean(value) for value in values], type=kind)

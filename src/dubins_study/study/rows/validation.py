@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path as FilePath
+from typing import Any
 
 import pyarrow as pa
 import pyarrow.compute as pc
@@ -43,14 +44,16 @@ def printable_rows(table: pa.Table) -> pa.Table:
     return pa.Table.from_arrays(columns, names=table.column_names)
 
 
-def _printable(column: pa.ChunkedArray) -> pa.ChunkedArray:
+def _printable(column: pa.ChunkedArray[Any]) -> pa.ChunkedArray[Any]:
     kind = column.type
-    if not (pa.types.is_string(kind) or pa.types.is_dictionary(kind)):
+    has_texts = pa.types.is_string(kind) or pa.types.is_dictionary(kind)
+    if not has_texts:
         return column
-    return pa.chunked_array([_printable_array(chunk) for chunk in column.chunks], kind)
+    chunks = [_printable_array(chunk) for chunk in column.chunks]
+    return pa.chunked_array(chunks, kind)
 
 
-def _printable_array(column: pa.Array) -> pa.Array:
+def _printable_array(column: Any) -> Any:
     if pa.types.is_dictionary(column.type):
         texts = _printable_array(column.dictionary)
         return pa.DictionaryArray.from_arrays(column.indices, texts)
@@ -85,20 +88,21 @@ def row_problem(table: pa.Table) -> str | None:
     return None
 
 
-def _are_finite(column: pa.ChunkedArray, nan_allowed: bool = False) -> bool:
+def _are_finite(column: Any, nan_allowed: bool = False) -> bool:
     """Whether no number is infinite, nor NaN unless that counts as a missing value."""
     infinite = pc.any(pc.is_inf(column)).as_py()
     return not (infinite or (not nan_allowed and pc.any(pc.is_nan(column)).as_py()))
 
 
-def _range_problem(name: str, column: pa.ChunkedArray) -> str | None:
+def _range_problem(name: str, column: pa.ChunkedArray[Any]) -> str | None:
     if name in _POSITIVE:
         least = pc.min(column).as_py()
         return None if least is None or least > 0 else f"{name} is {least}; expected above 0"
     most = _MAX_TIME_S if name in _TIMES else _MAX_COUNT if name in _COUNTS else None
     if most is None:
         return None
-    low, high = pc.min_max(column).as_py().values()
+    bounds: Any = pc.min_max(column)
+    low, high = bounds.as_py().values()
     if low is None or (low >= 0 and high <= most):
         return None
     return f"{name} is {low if low < 0 else high}; expected a number from 0 to {most:g}"

@@ -7,7 +7,7 @@ turns added (docs/derivation.md, section 7). The length alone therefore names th
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import pandas as pd
 
@@ -124,7 +124,7 @@ def shares(table: pd.DataFrame) -> pd.DataFrame:
     """One row a scenario and solver, from `ends`.
 
     Columns: label, reference_word, solver, name (without settings), capped (whether its turns are
-    bounded by a full one), guesses (attempts), one per end (counts), optimal (share of all guesses),
+    bounded by a full one), guesses (attempts), one per end (counts), optimal (share of guesses),
     turns_1, turns_2, turns_more (minima with so many full turns too many, of any word),
     most_turns, refuted (claims).
     """
@@ -151,3 +151,33 @@ def shares(table: pd.DataFrame) -> pd.DataFrame:
                 }
             )
     return pd.DataFrame.from_records(records)
+
+
+class Extremes(NamedTuple):
+    """What stands out among the rows of `shares`.
+
+    Args:
+        least, most: the rows with the least and the largest share of shortest paths.
+        farthest: the row with the most full turns in one path.
+        worst: the row with the largest share of refuted claims.
+        turned: share of all attempts that end in a minimum with full turns.
+    """
+
+    least: pd.Series[Any]
+    most: pd.Series[Any]
+    farthest: pd.Series[Any]
+    worst: pd.Series[Any]
+    turned: float
+
+
+def extremes(table: pd.DataFrame) -> Extremes:
+    """The extremes of `shares`."""
+    optimal, refuted = table["optimal"].to_numpy(), table["refuted"] / table["guesses"]
+    turned = table[["turns_1", "turns_2", "turns_more"]].to_numpy().sum()
+    return Extremes(
+        least=table.iloc[int(optimal.argmin())],
+        most=table.iloc[int(optimal.argmax())],
+        farthest=table.iloc[int(table["most_turns"].to_numpy().argmax())],
+        worst=table.iloc[int(refuted.to_numpy().argmax())],
+        turned=float(turned / table["guesses"].sum()),
+    )

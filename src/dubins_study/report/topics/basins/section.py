@@ -20,6 +20,7 @@ from dubins_study.report.topics.basins.numbers import (
     TURNS,
     capping,
     ends,
+    extremes,
     is_capped,
     shares,
 )
@@ -60,20 +61,17 @@ def _method(table: pd.DataFrame) -> str:
 
 def _findings(table: pd.DataFrame) -> list[str]:
     """Three sentences: how often the optimum is reached, what other minima are, false claims."""
-    rates = table["optimal"].to_numpy()
-    least, most = table.iloc[rates.argmin()], table.iloc[rates.argmax()]
+    row = extremes(table)
     first = (
-        f"The shortest path is found from {share(least['optimal'])} of the initial guesses at worst "
-        f"({_who(least)}) and from {share(most['optimal'])} at best ({_who(most)})."
+        f"The shortest path is found from {share(row.least['optimal'])} of the initial guesses at "
+        f"worst ({_who(row.least)}) and from {share(row.most['optimal'])} at best "
+        f"({_who(row.most)})."
     )
-    guesses = int(table["guesses"].sum())
-    turned = int(table[["turns_1", "turns_2", "turns_more"]].to_numpy().sum())
-    far = table.iloc[table["most_turns"].to_numpy().argmax()]
-    second = f"{share(turned / guesses)} of all attempts end in a minimum with full turns in it"
-    if turned:
+    second = f"{share(row.turned)} of all attempts end in a minimum with full turns in it"
+    if row.turned:
         second += (
-            f", with up to {count(far['most_turns'])} of them ({_who(far)}); nothing in the model "
-            "says that these are useless"
+            f", with up to {count(row.farthest['most_turns'])} of them ({_who(row.farthest)}); "
+            "nothing in the model says that these are useless"
         )
     refuted = int(table["refuted"].sum())
     if not refuted:
@@ -87,10 +85,10 @@ def _findings(table: pd.DataFrame) -> list[str]:
         )
         if table[end].sum()
     ]
-    worst = table.iloc[(table["refuted"] / table["guesses"]).to_numpy().argmax()]
     third = (
-        f"{count(refuted)} statements are refuted: {'; '.join(parts)}. The worst is {_who(worst)}, "
-        f"with {share(worst['refuted'] / worst['guesses'])} of its initial guesses."
+        f"{count(refuted)} statements are refuted: {'; '.join(parts)}. The worst is "
+        f"{_who(row.worst)}, with {share(row.worst['refuted'] / row.worst['guesses'])} of its "
+        "initial guesses."
     )
     return [first, f"{second}.", third]
 
@@ -100,11 +98,11 @@ def _cap(change: pd.DataFrame) -> str:
         return ""
     free, bounded = change.loc[False], change.loc[True]
     return (
-        "From the same initial guesses, but with every turn bounded by a full one, the share that ends with "
-        f"full turns is {share(bounded['turned'])} instead of {share(free['turned'])}, that of the "
-        f"shortest path {share(bounded['optimal'])} instead of {share(free['optimal'])}, and the "
-        f"refuted statements number {count(bounded['refuted'])} instead of "
-        f"{count(free['refuted'])}."
+        "From the same initial guesses, but with every turn bounded by a full one, the share that "
+        f"ends with full turns is {share(bounded['turned'])} instead of {share(free['turned'])}, "
+        f"that of the shortest path {share(bounded['optimal'])} instead of "
+        f"{share(free['optimal'])}, and the refuted statements number "
+        f"{count(bounded['refuted'])} instead of {count(free['refuted'])}."
     )
 
 
@@ -120,8 +118,8 @@ def _picture(label: object, solver: str, table: pd.DataFrame, listed: list[str])
     ax.set_title(title)
     figure.legend(handles=handles, loc="outside lower left", ncols=1, fontsize=7.5)
     caption = (
-        f"{title}: where each of {count(len(table))} initial guesses leads; in brackets how many. White "
-        "cells with a mark are statements that the check refutes."
+        f"{title}: where each of {count(len(table))} initial guesses leads; in brackets how many. "
+        "White cells with a mark are statements that the check refutes."
     )
     stem = slug(f"basins-{label}-{solver}")
     return Picture(stem, caption, figure, f"Map of initial guesses by end, {title}", True)

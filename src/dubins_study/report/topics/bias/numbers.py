@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -91,6 +91,34 @@ def slope(x: FloatArray, y: FloatArray) -> float:
     if np.unique(x[keep]).size < 2:
         return math.nan
     return float(np.polyfit(np.log(x[keep]), np.log(y[keep]), 1)[0])
+
+
+class Fit(NamedTuple):
+    """How well the prediction of the turn left over holds.
+
+    Args:
+        deviation: the largest |z2 / predicted - 1|.
+        slope: of log z2 against log predicted.
+    """
+
+    deviation: float
+    slope: float
+
+
+def prediction_fit(with_barrier: pd.DataFrame) -> Fit:
+    """The fit of the attempts of `left_over` that have a barrier."""
+    deviation = float((with_barrier["ratio"] - 1).abs().max())
+    return Fit(
+        deviation, slope(with_barrier["predicted"].to_numpy(), with_barrier["z2"].to_numpy())
+    )
+
+
+def default_attempt(with_barrier: pd.DataFrame) -> pd.Series[Any] | None:
+    """Of the attempts whose barrier no setting gives the one at the radius nearest to 1."""
+    default = with_barrier[~with_barrier["barrier_set"]]
+    if default.empty:
+        return None
+    return default.iloc[int((default["radius"] - 1).abs().to_numpy().argmin())]
 
 
 def by_barrier(table: pd.DataFrame) -> pd.DataFrame:

@@ -12,8 +12,9 @@ from dubins_study.report.statistics.metrics import parse_spec
 from dubins_study.report.topics.bias.figures import plot_bias, plot_left_over
 from dubins_study.report.topics.bias.numbers import (
     by_barrier,
+    default_attempt,
     left_over,
-    slope,
+    prediction_fit,
     without_barrier,
 )
 
@@ -45,28 +46,25 @@ def bias_section(results: Results) -> Section | None:
     return Section("bias", "The interior-point bias in the segments", text, tuple(blocks))
 
 
-def _prediction(known: pd.DataFrame, barriers: pd.DataFrame) -> str:
-    off = float((known["ratio"] - 1).abs().max())
-    fit = slope(known["predicted"].to_numpy(), known["z2"].to_numpy())
-    comparison = f"is within a relative {digits(2)(off)} of this"
-    if off > _FOLLOWS:
-        comparison = (
-            f"does not follow this everywhere: it is up to a relative {digits(2)(off)} away"
-        )
+def _prediction(with_barrier: pd.DataFrame, barriers: pd.DataFrame) -> str:
+    fit = prediction_fit(with_barrier)
+    deviation = digits(2)(fit.deviation)
+    comparison = f"is within a relative {deviation} of this"
+    if fit.deviation > _FOLLOWS:
+        comparison = f"does not follow this everywhere: it is up to a relative {deviation} away"
     failed = int(barriers["failed"].sum())
     failures = f", though the solver calls {failed} of them failures" if failed else ""
     return (
-        f"Over {count(len(known))} attempts z₂ {comparison}; the slope in logarithms is "
-        f"{digits(5)(fit)}{failures}."
+        f"Over {count(len(with_barrier))} attempts z₂ {comparison}; the slope in logarithms is "
+        f"{digits(5)(fit.slope)}{failures}."
     )
 
 
-def _default(known: pd.DataFrame) -> list[str]:
+def _default(with_barrier: pd.DataFrame) -> list[str]:
     """One sentence on the radius nearest to 1, if the defaults were tried."""
-    group = known[~known["barrier_set"]]
-    if group.empty:
+    row = default_attempt(with_barrier)
+    if row is None:
         return []
-    row = group.iloc[(group["radius"] - 1).abs().to_numpy().argmin()]
     return [
         f"By its defaults {parse_spec(row['solver'])[0]} stops at μ = {digits(3)(row['mu'])}: at "
         f"R = {row['radius']:g} it leaves z₂ = {digits(4)(row['z2'])} where "
@@ -97,9 +95,9 @@ def _others(others: pd.DataFrame) -> list[str]:
     return [f"{text[:1].upper()}{text[1:]}."]
 
 
-def _bias_picture(known: pd.DataFrame) -> Picture:
+def _bias_picture(with_barrier: pd.DataFrame) -> Picture:
     figure = new_figure(HALF, 3.9)
-    plot_bias(figure.add_subplot(), known)
+    plot_bias(figure.add_subplot(), with_barrier)
     figure.legend(loc="outside lower left", ncols=1, fontsize=7.5)
     caption = (
         "The turn that Ipopt leaves, against the cube root of barrier times radius squared; one "

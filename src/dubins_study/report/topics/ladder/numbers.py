@@ -101,3 +101,15 @@ def _least(ladder: pd.DataFrame) -> float:
     if ladder.empty or (wrong.size and wrong[0] == 0):
         return float("nan")
     return 10.0 ** float(ladder["rung"].iloc[wrong[0] - 1]) if wrong.size else 0.0
+
+
+def first_short_rung(attempts: pd.DataFrame) -> pd.Series[int]:
+    """Solver -> the widest rung at which its miss shortens its path, the widest solver first."""
+    short = attempts[attempts["finding"] == "by its miss"]
+    return short.groupby("solver")["rung"].max().sort_values(ascending=False)
+
+
+def right_everywhere(attempts: pd.DataFrame) -> dict[str, bool]:
+    """Solver -> whether all its answers are the shortest path, coarse or not."""
+    right = attempts["finding"].isin(ANSWERED).groupby(attempts["solver"]).all()
+    return {solver: bool(right[solver]) for solver in solver_order(list(right.index))}

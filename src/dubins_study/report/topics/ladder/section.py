@@ -19,14 +19,14 @@ from dubins_study.report.elements.content import (
     digits,
 )
 from dubins_study.report.elements.style import HALF, new_figure
-from dubins_study.report.statistics.metrics import solver_order
 from dubins_study.report.topics.ladder.figures import legend_entries, plot_ladder
 from dubins_study.report.topics.ladder.numbers import (
-    ANSWERED,
     JUMP,
     SIDES,
     down_to,
+    first_short_rung,
     ladder,
+    right_everywhere,
     rungs,
 )
 
@@ -62,18 +62,12 @@ def _short_by_miss(attempts: pd.DataFrame) -> str:
     inner = attempts[attempts["side"] == JUMP]
     if inner.empty:
         return ""
-    short = inner[inner["finding"] == "by its miss"]
-    first = short.groupby("solver")["rung"].max()
-    others = [
-        solver
-        for solver in solver_order(inner["solver"].tolist())
-        if inner.loc[inner["solver"] == solver, "finding"].isin(ANSWERED).all()
-    ]
-    if first.empty:
+    short = first_short_rung(inner)
+    others = [solver for solver, right in right_everywhere(inner).items() if right]
+    if short.empty:
         sentence = "Just inside the front half no solver trades a miss for the short path"
     else:
-        ranked = first.sort_values(ascending=False)
-        items = ", ".join(f"{solver} from {_margin(10.0**rung)}" for solver, rung in ranked.items())
+        items = ", ".join(f"{solver} from {_margin(10.0**rung)}" for solver, rung in short.items())
         sentence = (
             "Just inside the front half a small miss buys a path shorter by up to a full turn, "
             f"and these take it: {items}"
@@ -98,10 +92,10 @@ def _other_sides(attempts: pd.DataFrame) -> str:
     others = attempts[attempts["side"] != JUMP]
     if others.empty:
         return ""
-    right = others["finding"].isin(ANSWERED).groupby(others["solver"]).all()
-    wrong = solver_order([str(solver) for solver in right.index[~right]])
+    right = right_everywhere(others)
+    wrong = [solver for solver, everywhere in right.items() if not everywhere]
     sentence = (
-        f"On the other sides {count(right.sum())} of {count(len(right))} solvers find the "
+        f"On the other sides {count(sum(right.values()))} of {count(len(right))} solvers find the "
         "shortest path, coarse or not, at every margin"
     )
     return f"{sentence}, not {', '.join(wrong)}." if wrong else f"{sentence}."
