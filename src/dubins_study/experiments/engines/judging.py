@@ -6,9 +6,10 @@ from dubins_study.experiments.isolation.sandbox import THREADS
 from dubins_study.experiments.plan.cells import Cell
 from dubins_study.experiments.provenance import host, now
 from dubins_study.experiments.run_settings import RunSettings
-from dubins_study.solvers.attempt import Reply, judged_row, told
+from dubins_study.solvers.attempt import judged_row
 from dubins_study.solvers.profiles import tolerances
 from dubins_study.solvers.protocol import Question
+from dubins_study.solvers.reply import Reply, exception_text
 from dubins_study.study.path import Path
 from dubins_study.study.rows.row_table import Row, raised_row
 from dubins_study.study.rows.schema import KEY, SCENARIO, names
@@ -30,7 +31,7 @@ def row_of(
     try:
         row = judged_row(cell.solver, question, reply, tolerances(cell.profile))
     except Exception as error:  # a path that the check cannot drive is a row too
-        return raised_row(known, told(error)), None
+        return raised_row(known, exception_text(error)), None
     return row | known, reply.solution.path if row["gap"] is not None else None
 
 

@@ -22,8 +22,8 @@ from dubins_study.experiments.isolation.monitor import POLL_INTERVAL_S, Limits, 
 from dubins_study.experiments.isolation.worker import WorkerJob
 from dubins_study.experiments.isolation.worker_failures import LoadFailures, crashed, exit_status
 from dubins_study.experiments.isolation.worker_process import Answer, WorkerProcess
-from dubins_study.solvers.attempt import Reply, nothing
 from dubins_study.solvers.protocol import Outcome
+from dubins_study.solvers.reply import Reply, no_answer
 
 # Jobs that a worker has in advance, so that it never waits; a single job where solves are long, so
 # that none waits for a worker while another one is idle.
@@ -228,7 +228,7 @@ class WorkerPool:
             with suppress(KeyError):
                 self._selector.unregister(worker.process.channel)
         except MessageError as error:
-            reply = nothing(Outcome.CRASHED, f"stopped: its worker sent {error}")
+            reply = no_answer(Outcome.CRASHED, f"stopped: its worker sent {error}")
             results += self._ended(worker, reply)
         return results
 

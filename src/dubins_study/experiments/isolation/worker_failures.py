@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import signal
 
-from dubins_study.solvers.attempt import Reply, nothing
 from dubins_study.solvers.protocol import Outcome
+from dubins_study.solvers.reply import Reply, no_answer
 
 # a solver's spec and profile
 SolverKey = tuple[str, str]
@@ -34,7 +34,7 @@ def crashed(code: int, output: str) -> Reply:
     # C++ ends a process so that may have no more memory
     starved = code == -signal.SIGABRT and "bad_alloc" in output
     outcome = Outcome.OUT_OF_MEMORY if starved else Outcome.CRASHED
-    return nothing(outcome, message, status=status)
+    return no_answer(outcome, message, status=status)
 
 
 class LoadFailures:
@@ -62,7 +62,7 @@ class LoadFailures:
         if first is None:
             return None
         message = f"{first.solution.message} for another cell; not tried again"
-        return nothing(first.outcome, message, status=first.solution.native_status)
+        return no_answer(first.outcome, message, status=first.solution.native_status)
 
     def note_answer(self, solver: SolverKey) -> None:
         """A solver has been loaded, and has answered."""
@@ -77,7 +77,7 @@ class LoadFailures:
             self._without_warm_up.add(solver)
             return None
         message = f"{reply.solution.message}, while it was loaded"
-        reply = nothing(reply.outcome, message, status=reply.solution.native_status)
+        reply = no_answer(reply.outcome, message, status=reply.solution.native_status)
         if solver not in self._answered:
             self._given_up[solver] = reply
         return reply

@@ -17,10 +17,10 @@ from dubins_study.experiments.isolation.messages import (
     encode_question,
 )
 from dubins_study.experiments.isolation.worker import WorkerJob
-from dubins_study.solvers.attempt import nothing
 from dubins_study.solvers.protocol import Outcome
+from dubins_study.solvers.reply import no_answer
 
-_NO_REPLY = WorkerReply(nothing(Outcome.RAISED, ""))
+_NO_REPLY = WorkerReply(no_answer(Outcome.RAISED, ""))
 _SERVE = "dubins_study.experiments.isolation.worker:serve"
 _OUTPUT_BYTES, _OUTPUT_CHARS = 400, 200
 _READ_BYTES = 2**20

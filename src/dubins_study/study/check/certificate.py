@@ -93,7 +93,7 @@ def certify(
     Args:
         scenario, branch: the question.
         path: its answer, or None.
-        judged: what `study.check.verdict.judge` found of it.
+        judged: its judgement by `study.check.verdict.judge`.
         lower_bound: a bound that the solver gives (length unit).
         multipliers: duals of the end point's equations that the solver gives.
         tolerances: those of the judgement.
