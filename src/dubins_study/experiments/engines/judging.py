@@ -25,14 +25,15 @@ def row_of(
 ) -> tuple[Row, Path | None]:
     """The row of a reply to a cell's question, and its path if it arrived."""
     known = dict(zip(_KEY, cell.key, strict=True))
-    known |= {name: getattr(cell.scenario, name) for name in _SCENARIO}
     known |= shared(run, started or now(), versions)
     question = Question(cell.scenario, cell.branch, initial_guess)
     try:
         row = judged_row(cell.solver, question, reply, tolerances(cell.profile))
     except Exception as error:  # a path that the check cannot drive is a row too
+        known |= {name: getattr(cell.scenario, name) for name in _SCENARIO}
         return raised_row(known, exception_text(error)), None
-    return row | known, reply.solution.path if row["gap"] is not None else None
+    row.update(known)
+    return row, reply.solution.path if row["gap"] is not None else None
 
 
 _KEY, _SCENARIO = names(KEY), names(SCENARIO)

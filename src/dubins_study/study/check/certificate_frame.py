@@ -1,6 +1,6 @@
 """Certificates over frames: what `certificate.certify` computes, for paths of at most two arcs.
 
-`extremal_kernel` measures rows of the words S, C, CS and CC at full rate. `extremal.measured`
+`extremal_kernel` measures rows of the words S, C, CS and CC at full rate. `extremal.measure`
 measures the others, of which the closed form returns none.
 """
 
@@ -19,7 +19,7 @@ from dubins_study.study.check.certificate import (
     Proof,
 )
 from dubins_study.study.check.enclosure import enclose
-from dubins_study.study.check.extremal import MEASURED, measured
+from dubins_study.study.check.extremal import MEASURED, measure
 from dubins_study.study.check.extremal_kernel import extremal_rows
 from dubins_study.study.check.verdict import Tolerances, Verdict, drivable
 from dubins_study.study.check.verdict_frame import FrameJudgement, Paths
@@ -96,7 +96,7 @@ def certify_frame(
         odd &= paths.returned
         certificate.measured[:, ~paths.returned] = np.nan
     for row, scenario in zip(np.flatnonzero(odd), scenarios(frame[odd]), strict=True):
-        _measure(certificate, int(row), paths.path(int(row), scenario), scenario.radius)
+        _measure_row(certificate, int(row), paths.path(int(row), scenario), scenario.radius)
     if enclosures:
         both = [enclose(scenario, branch) for scenario in scenarios(frame)]
         certificate.reference_low[:], certificate.reference_high[:] = np.array(both).reshape(n, 2).T
@@ -106,12 +106,12 @@ def certify_frame(
     return certificate
 
 
-def _measure(certificate: FrameCertificate, row: int, path: Path | None, radius: float) -> None:
+def _measure_row(certificate: FrameCertificate, row: int, path: Path | None, radius: float) -> None:
     """Measure a row that the kernel leaves: of other pieces than S, C, CS and CC."""
     certificate.measured[:, row] = np.nan
     if path is None or not drivable(path):
         return
-    best, cut = measured(path, radius)
+    best, cut = measure(path, radius)
     if best is not None:
         certificate.abnormal[row] = best.abnormal
         numbers = best.hamiltonian, best.sign_margin, best.transversality, best.residual
