@@ -48,6 +48,7 @@ def call(folder, solver, before, pause="pass"):
     paths = os.pathsep.join(filter(None, (str(ROOT), os.environ.get("PYTHONPATH"))))
     ended = subprocess.run(
         [sys.executable, script],
+        cwd=folder,
         env={**os.environ, "PYTHONPATH": paths, **marking},
         capture_output=True,
         text=True,
