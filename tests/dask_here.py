@@ -14,7 +14,7 @@ from pathlib import Path
 import pandas as pd
 import psutil
 
-from dubins_study.experiments.isolation import processes
+from dubins_study.experiments.isolation import process_tree
 from dubins_study.experiments.store.folder import read_rows
 from dubins_study.study.rows.schema import KEY, ROW, names
 
@@ -53,7 +53,12 @@ def family(pid: int) -> list[psutil.Process]:
 
 
 def gone(pids: list[int]) -> bool:
-    return not any(processes.alive(pid) for pid in pids)
+    """Whether none of some processes is alive; one that only waits to be reaped is not."""
+    for pid in pids:
+        with suppress(psutil.NoSuchProcess):
+            if psutil.Process(pid).status() != psutil.STATUS_ZOMBIE:
+                return False
+    return True
 
 
 @contextmanager
@@ -89,5 +94,5 @@ def _running(module: str, *options: str, **environment: str) -> Iterator[subproc
     try:
         yield process
     finally:
-        processes.end(process.pid)
+        process_tree.end(process.pid)
         process.wait()

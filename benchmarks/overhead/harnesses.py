@@ -75,9 +75,9 @@ def in_process(cells: int, folder: FilePath) -> Spent:
     from dubins_study.experiments.plan.run_plan import plan_run
     from dubins_study.experiments.run_settings import RunSettings
     from dubins_study.experiments.store.part_writer import write_part
-    from dubins_study.solvers.attempt import ask
     from dubins_study.solvers.protocol import Question
     from dubins_study.solvers.registry import load
+    from dubins_study.solvers.reply import ask
     from dubins_study.study.rows.row_table import rows_table
 
     file = _experiment(cells, folder)

@@ -15,6 +15,7 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
+from dubins_study.study.rows.schema import VERSION
 from tests.fuzz.hostile import HOSTILE, deep
 
 Dice = random.Random
@@ -101,7 +102,9 @@ def no_manifest(folder: Path, dice: Dice) -> None:
     elif kind == 2:
         file.symlink_to("/etc/hostname")
     elif kind == 3:
-        file.write_text('{"schema": 3, "a": ' + deep(dice.choice([300, 10**5]), "dict") + "}")
+        file.write_text(
+            f'{{"schema": {VERSION}, "a": ' + deep(dice.choice([300, 10**5]), "dict") + "}"
+        )
     elif kind == 4:
         file.write_bytes(dice.randbytes(60))
     else:

@@ -7,10 +7,11 @@ import shutil
 from pathlib import Path
 
 import pytest
+import scipy.stats  # noqa: F401
 from hypothesis import given
 from hypothesis import strategies as st
 
-# loaded here, since a module that is loaded for the first time may write a cache file
+# loaded here, as scipy.stats is, since a module may write a cache file when first loaded
 import dubins_study.cli.app
 import dubins_study.cli.streams
 import dubins_study.report.page.render  # noqa: F401

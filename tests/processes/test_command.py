@@ -35,7 +35,7 @@ PROBLEM_1 = ("solve", "10", "5", "--from", "0", "0", "120deg", "--radius", "1")
 
 @pytest.mark.parametrize("solver", ["analytic", "ipopt"])
 def test_solve_json(solver):
-    """The object of DESIGN section 3, for the paper's first problem."""
+    """The JSON object for the paper's first problem."""
     answer = json.loads(asked(*PROBLEM_1, "--solver", solver, "--json"))
 
     assert answer["word"] == "RS"
@@ -269,7 +269,7 @@ def test_a_solver_that_was_not_asked_gives_no_answer(plugin):
 
 
 def test_the_public_surface_from_python():
-    """DESIGN section 3, as a newcomer would type it."""
+    """The public names as a newcomer would type them."""
     import pandas as pd
 
     from dubins_study import Path, Scenario, available_solvers, solve, solve_frame

@@ -19,9 +19,10 @@ from dubins_study import run
 from dubins_study.experiments.definition.experiment import ExperimentError
 from dubins_study.experiments.engines import dask_worker
 from dubins_study.experiments.engines.dask_client import mismatch
-from dubins_study.experiments.engines.dask_host import local_cluster
-from dubins_study.experiments.engines.work_unit import Chunk, encoded
+from dubins_study.experiments.engines.dask_cluster import local_cluster
+from dubins_study.experiments.engines.work_unit import WorkUnit, encoded
 from dubins_study.experiments.isolation.pool import RunError
+from dubins_study.experiments.run_settings import RunSettings
 from dubins_study.experiments.store.folder import read_rows
 
 EXPERIMENT = """
@@ -57,8 +58,7 @@ def plugin(folder: Path, solve: str) -> str:
     file = folder / "plugin.py"
     file.write_text(
         "import ctypes, os, signal, sys, time\nfrom pathlib import Path\nimport psutil\n"
-        "from dubins_study.experiments.run_settings import RunSettings
-from dubins_study.solvers.paper_nlp.slsqp import Slsqp\n"
+        "from dubins_study.solvers.paper_nlp.slsqp import Slsqp\n"
         "HERE = Path(__file__).parent\n"
         "def dask_worker():\n"
         "    parents = psutil.Process().parents()\n"
@@ -113,7 +113,7 @@ ONCE = (
 
 
 @pytest.mark.slow
-def test_a_worker_killed_in_the_middle_of_a_chunk_costs_no_row(experiment, tmp_path, address):
+def test_a_worker_killed_in_the_middle_of_a_work_unit_costs_no_row(experiment, tmp_path, address):
     """What it had not delivered is solved again by others; none is there twice."""
     solver = plugin(tmp_path, ONCE)
     asked = {"solvers": [solver, "analytic"], "time_limit": 90.0}
@@ -158,12 +158,14 @@ def test_what_a_dead_worker_was_solving_dies_with_it(experiment, tmp_path, addre
 
 
 @pytest.mark.slow
-def test_a_chunk_that_kills_every_worker_ends_the_run(experiment, tmp_path, address):
+def test_a_work_unit_that_kills_every_worker_ends_the_run(experiment, tmp_path, address):
     """After as many workers as Dask's `allowed-failures` permits; the rows so far are kept."""
     solver = plugin(tmp_path, "question.branch == 'LS' and os.kill(dask_worker(), signal.SIGKILL)")
     (tmp_path / "engine").write_text("dask")
     out = tmp_path / "out"
-    with pytest.raises(RunError, match=r"^4 Dask workers ended while they solved the same chunk"):
+    with pytest.raises(
+        RunError, match=r"^4 Dask workers ended while they solved the same work unit"
+    ):
         run(experiment, out, engine="dask", scheduler=address, solvers=[solver])
 
     entry = json.loads((out / "manifest.json").read_text())["runs"][-1]
@@ -224,11 +226,10 @@ def test_loggers_are_left_as_they_were(experiment, tmp_path, address):
 def test_a_worker_whose_files_were_changed_is_to_be_restarted(monkeypatch):
     """What it has imported is not what is on disk, whose digest it would tell."""
     monkeypatch.setattr(dask_worker, "_IMPORTED", frozenset())
-    nothing = encoded(Chunk(RunSettings("r", 1.0, 1), [], {}))
-    sent = dask_worker.solve_chunk(nothing)
+    reply = dask_worker.solve_unit(encoded(WorkUnit(RunSettings("r", 1.0), [], {})))
 
-    assert sent.rows == b""
-    assert sent.refusal.endswith("dubins-study was changed since the worker started; restart it")
+    assert reply.rows == b""
+    assert reply.refusal.endswith("dubins-study was changed since the worker started; restart it")
 
 
 @pytest.mark.parametrize(

@@ -18,7 +18,7 @@ pytest.importorskip("distributed", reason="Dask's distributed is not installed")
 import dask_here as here
 
 from dubins_study import run
-from dubins_study.experiments.engines.dask_host import local_cluster
+from dubins_study.experiments.engines.dask_cluster import local_cluster
 from dubins_study.experiments.isolation.pool import RunError
 from dubins_study.experiments.store.folder import done, read_rows
 
@@ -62,7 +62,7 @@ def test_a_cluster_of_users_own_is_found_by_its_address(experiment, tmp_path):
         assert set(read_rows(other, ["jobs"])["jobs"].to_pylist()) <= {1, 2}
         assert set(read_rows(other, ["engine"])["engine"].to_pylist()) == {"dask"}
         # the run is over: no solver's process is left in the cluster, which lives on
-        forks = [p for p in here.family(worker.pid) if "forkserver" in " ".join(p.cmdline())]
+        forks = [p for p in here.family(worker.pid) if "fork_server" in " ".join(p.cmdline())]
         assert len(forks) == 1  # the server itself
 
     here.assert_same(one, other)
@@ -112,9 +112,8 @@ def test_nothing_listens_beyond_the_loopback():
 def test_other_code_is_refused(experiment, tmp_path):
     """A worker whose dubins-study is of another version makes no row."""
     copy = tmp_path / "copy"
-    for package in ("study", "solvers", "experiments"):
-        shutil.copytree(ROOT / package, copy / package)
-    with (copy / "solvers" / "slsqp.py").open("a") as file:
+    shutil.copytree(ROOT / "src" / "dubins_study", copy / "dubins_study")
+    with (copy / "dubins_study" / "solvers" / "paper_nlp" / "slsqp.py").open("a") as file:
         file.write("\n# a later version\n")
     with (
         here.scheduler(tmp_path) as address,
@@ -127,8 +126,8 @@ def test_other_code_is_refused(experiment, tmp_path):
 
 def test_workers_without_our_packages_are_told(experiment, tmp_path):
     """What stands in for them is a package of the same name that has nothing to offer."""
-    (tmp_path / "copy" / "experiments").mkdir(parents=True)
-    (tmp_path / "copy" / "experiments" / "__init__.py").touch()
+    (tmp_path / "copy" / "dubins_study").mkdir(parents=True)
+    (tmp_path / "copy" / "dubins_study" / "__init__.py").touch()
     with (
         here.scheduler(tmp_path) as address,
         here.worker(address, "--nthreads", "1", PYTHONPATH=str(tmp_path / "copy")),

@@ -20,7 +20,7 @@ from dubins_study.experiments.plan.cells import chains
 from dubins_study.experiments.run_settings import RunSettings
 from dubins_study.experiments.store.folder import done, read_rows
 from dubins_study.experiments.store.part_writer import write_part
-from dubins_study.solvers.attempt import nothing
+from dubins_study.solvers.reply import no_answer
 from dubins_study.solvers.protocol import Outcome
 from dubins_study.solvers.registry import SolverError
 from dubins_study.study.rows.files import ResultsError
@@ -122,7 +122,7 @@ def test_adding_a_solver_keeps_what_is_there(small, tmp_path):
 def test_rows_without_a_solve_are_interrupted_too(small, monkeypatch):
     """Of a solver that is not tried again: thousands of rows hold up neither Ctrl-C nor news."""
     cells = chains(read(small).experiment) * 400
-    reply = nothing(Outcome.CRASHED, "no more")
+    reply = no_answer(Outcome.CRASHED, "no more")
     stop, rows = Interruption(), 0
     with WorkerPool(1, Limits(60.0, 2**32)) as pool:
         monkeypatch.setattr(pool._load_failures, "reply", lambda solver: reply)

@@ -16,7 +16,7 @@ from dubins_study.experiments.store.lock import is_locked, locked
 from dubins_study.report.data.results import load
 from dubins_study.study.rows.files import DamagedPartError, ResultsError
 from dubins_study.study.rows.parts import read_footer
-from dubins_study.study.rows.schema import CHUNK
+from dubins_study.study.rows.schema import CHUNK, VERSION
 
 
 @pytest.fixture(scope="module")
@@ -82,7 +82,9 @@ def test_a_manifest_that_could_not_be_written_again_is_refused(folder, tmp_path)
         merge([folder, folder], tmp_path / "union")
     with pytest.raises(ResultsError, match="nested more than"):
         load([folder])
-    (folder / "manifest.json").write_text('{"schema": 3, "a": ' + "[" * 10**5 + "]" * 10**5 + "}")
+    (folder / "manifest.json").write_text(
+        f'{{"schema": {VERSION}, "a": ' + "[" * 10**5 + "]" * 10**5 + "}"
+    )
     with pytest.raises(ResultsError, match="cannot be read"):
         load([folder])
 

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from operator import attrgetter
-from time import perf_counter
-from typing import Any, NamedTuple
+from typing import Any
 
 from dubins_study.errors import DubinsStudyError
 from dubins_study.solvers.profiles import PROFILES, tolerances
-from dubins_study.solvers.protocol import Outcome, Question, Solution, Solver
-from dubins_study.solvers.registry import load, unavailable
+from dubins_study.solvers.protocol import Outcome, Question, Solver
+from dubins_study.solvers.registry import load
+from dubins_study.solvers.reply import DEFAULT_LIMIT, Reply, ask
 from dubins_study.study.check.certificate import Certificate, Proof, certify
 from dubins_study.study.check.verdict import Claim, Judgement, Tolerances, Verdict, judge
 from dubins_study.study.closed_form.shortest import BRANCHES, shortest
@@ -20,8 +20,6 @@ from dubins_study.study.printable import plain
 from dubins_study.study.rows.schema import ANSWER, SCENARIO, names
 from dubins_study.study.scenario import Scenario
 
-# Long enough for every backend on every question; a solve here lasts microseconds to seconds.
-DEFAULT_LIMIT = 60.0
 _REPR_CHARS = 96  # of a line of an answer's repr
 
 
@@ -79,12 +77,12 @@ class Answer:
     evaluations: int | None
 
     def __repr__(self) -> str:
-        asked = self.scenario
-        pose = ", ".join(f"{value:g}" for value in asked.start)
-        target = f"{asked.target_x:g}, {asked.target_y:g}"
+        scenario = self.scenario
+        pose = ", ".join(f"{value:g}" for value in scenario.start)
+        target = f"{scenario.target_x:g}, {scenario.target_y:g}"
         lines = (
             f"solver {self.solver}, branch {self.branch}, outcome {self.outcome}",
-            f"from ({pose}) to ({target}), radius {asked.radius:g}, speed {asked.speed:g}",
+            f"from ({pose}) to ({target}), radius {scenario.radius:g}, speed {scenario.speed:g}",
             f"verdict {self.verdict}, claim {self.claim}, proof {self.proof}",
             f"word {self.word}, length {self.length}, travel time {self.travel_time}",
             f"gap {self.gap}, miss {self.miss}",
@@ -112,18 +110,6 @@ class Answer:
         """The scenario's and the answer's columns of `study.rows.schema`; None where not finite."""
         scenario = dict(zip(_SCENARIO, _scenario_numbers(self.scenario), strict=True))
         return scenario | {name: getattr(self, name) for name in _ANSWER}
-
-
-@dataclass(frozen=True, slots=True)
-class Times:
-    """Seconds on `perf_counter` in the process that solves; None for what was not reached."""
-
-    build: float | None = None
-    solve: float | None = None
-    wall: float | None = None
-
-
-_NEVER = Times()
 
 
 def solve(
@@ -159,7 +145,7 @@ def solve(
 
 
 class QuestionError(DubinsStudyError, ValueError):
-    """A branch or time limit that no solver may be asked."""
+    """A branch or time limit that no solver may be scenario."""
 
 
 def check_request(branch: str, limit: float) -> None:
@@ -188,59 +174,6 @@ def attempt(
     answer the branch yields a row that says so.
     """
     return judged(spec or solver.name, question, ask(solver, question, limit), allowed)
-
-
-class Reply(NamedTuple):
-    """What came back of a question, not judged yet: all that the process that solves need know."""
-
-    outcome: Outcome
-    solution: Solution
-    times: Times
-
-
-def nothing(outcome: Outcome, message: str, times: Times = _NEVER, status: str = "") -> Reply:
-    """The reply of a solver that did not answer, and why."""
-    return Reply(outcome, Solution(Claim.NONE, native_status=status, message=message), times)
-
-
-def ask(solver: Solver, question: Question, limit: float = DEFAULT_LIMIT) -> Reply:
-    """Put a question to a solver and time it. What a solver raises is its reply."""
-    reason = unavailable(solver)
-    if reason is not None:
-        return nothing(Outcome.UNAVAILABLE, reason)
-    if question.branch not in solver.branches:
-        reason = f"{solver.name} answers {', '.join(solver.branches)}, not {question.branch}"
-        return nothing(Outcome.UNSUPPORTED, reason)
-    # a solver is given copies, so that the question stays what was asked
-    asked = replace(question, scenario=replace(question.scenario))
-    began = perf_counter()
-    built = None
-    try:
-        model = solver.build(asked)
-        built = perf_counter()
-        solution = solver.solve(model, limit)
-        ended = perf_counter()
-        if not isinstance(solution, Solution):
-            raise TypeError(f"solve returned {type(solution).__name__}; expected a Solution")
-    except (Exception, SystemExit) as error:  # what a backend raises is its result
-        ended = perf_counter()
-        build = None if built is None else built - began
-        outcome = Outcome.OUT_OF_MEMORY if isinstance(error, MemoryError) else Outcome.RAISED
-        return nothing(outcome, told(error), Times(build, None, ended - began))
-    return Reply(Outcome.RETURNED, solution, Times(built - began, ended - built, ended - began))
-
-
-_LONGEST_MESSAGE = 2000  # characters; a row is no place for more
-
-
-def told(error: BaseException) -> str:
-    """An exception in one text; it may fail even in telling what it is."""
-    name = type(error).__name__
-    try:
-        text = str(error)
-    except BaseException:  # see above
-        return name
-    return f"{name}: {text}"[:_LONGEST_MESSAGE]
 
 
 def judged(

@@ -8,11 +8,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from dubins_study.solvers.attempt import DEFAULT_LIMIT, attempt, check_request
+from dubins_study.solvers.attempt import attempt, check_request
 from dubins_study.solvers.frame_solution import FrameSolution
 from dubins_study.solvers.profiles import tolerances
 from dubins_study.solvers.protocol import Outcome, Question, Solver
 from dubins_study.solvers.registry import load, unavailable
+from dubins_study.solvers.reply import DEFAULT_LIMIT
 from dubins_study.study.check.certificate import Proof
 from dubins_study.study.check.extremal import MEASURED
 from dubins_study.study.check.verdict import Claim, Tolerances
@@ -57,7 +58,8 @@ def solve_frame(
 
     Returns:
         One judged row a scenario with the index of `scenarios` and the columns of
-        `study.rows.schema` from `x` to `evaluations`, whatever the solver. Missing numbers are null.
+        `study.rows.schema` from `x` to `evaluations`, whatever the solver. Missing numbers are
+        null.
         Where a solver answers the whole frame at once, each row's times are the frame's divided
         by its size.
 

@@ -12,7 +12,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
-from dubins_study.study.check.extremal import cut_margin, extremal, measured
+from dubins_study.study.check.extremal import cut_margin, extremal, measure
 from dubins_study.study.check.pieces import pieces
 from dubins_study.study.closed_form.shortest import margin as distance
 from dubins_study.study.closed_form.shortest import shortest, shortest_path
@@ -230,6 +230,6 @@ def test_what_is_passed_over_is_next_to_nothing_or_kept():
 )
 def test_numbers_that_overflow_are_not_measured(curvature, length, radius):
     """Found by fuzzing: infinite conditions have no costates, and their factors raise."""
-    found, _ = measured(Path(Pose(0, 0, 0), curvature, length), radius)
+    found, _ = measure(Path(Pose(0, 0, 0), curvature, length), radius)
 
     assert found is None

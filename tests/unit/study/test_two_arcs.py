@@ -11,7 +11,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from dubins_study.study.check.extremal import cut_margin, extremal, measured
+from dubins_study.study.check.extremal import cut_margin, extremal, measure
 from dubins_study.study.check.pieces import pieces
 from dubins_study.study.check.two_arcs import FULL_RATE, PATH_WORDS, full_rate, path_word
 from dubins_study.study.path import Path
@@ -62,7 +62,7 @@ def test_costates_in_closed_form_are_the_null_vector(turns, first, second, off, 
     lengths = np.array([first, second][: len(turns)]) * radius
     curvature = np.array([t + off * (t != 0) for t in turns]) / radius
     path = Path(Pose(1, -2, heading), curvature, lengths)
-    quick, cut = measured(path, radius)
+    quick, cut = measure(path, radius)
     general = extremal(pieces(path, radius))
 
     assert cut == pytest.approx(cut_margin(pieces(path, radius)), abs=1e-12)

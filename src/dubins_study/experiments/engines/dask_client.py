@@ -4,18 +4,25 @@ from __future__ import annotations
 
 import asyncio
 import logging
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager, suppress
 from typing import Any
 
 from dubins_study.experiments.isolation.pool import RunError
-from dubins_study.solvers.attempt import told
+from dubins_study.solvers.reply import exception_text
 
-_ANSWER = 10.0  # s for a scheduler to answer
+_ANSWER_WAIT_S = 10.0
+# loggers that print what exceptions say as well
+_LOGGERS = ("distributed", "tornado", "asyncio")
 
 
-def installed() -> str:
+def installed_version() -> str:
+    """The version of `distributed`.
+
+    Raises:
+        RunError: if it is not installed.
+    """
     try:
         import distributed
     except ImportError as error:
@@ -25,13 +32,10 @@ def installed() -> str:
     return str(distributed.__version__)
 
 
-# who tells on stderr what is told by exceptions as well
-_LOUD = ("distributed", "tornado", "asyncio")
-
-
 @contextmanager
-def quiet() -> Iterator[None]:
-    loggers = [logging.getLogger(name) for name in _LOUD]
+def quiet_loggers() -> Iterator[None]:
+    """Dask's loggers are silent; they have their levels again at the end."""
+    loggers = [logging.getLogger(name) for name in _LOGGERS]
     levels = [logger.level for logger in loggers]
     for logger in loggers:
         logger.setLevel(logging.CRITICAL + 1)
@@ -47,21 +51,21 @@ def connected(address: str) -> Iterator[Any]:
     """A client of a scheduler.
 
     Raises:
-        RunError: if it does not answer, or is of another version.
+        RunError: if no scheduler answers, or one of other versions.
     """
     from distributed import Client
 
     try:
-        # a Client that cannot begin complains for twenty seconds and on stderr; a thread, since the
-        # caller's may have an event loop that runs
-        with ThreadPoolExecutor(1) as aside:
-            kind = aside.submit(asyncio.run, _kind(address)).result()
+        # a Client without a scheduler tries for twenty seconds and prints; asked in a thread, since
+        # an event loop may be running in the caller's
+        with ThreadPoolExecutor(1) as thread:
+            kind = thread.submit(asyncio.run, _kind(address)).result()
         if kind != "Scheduler":
             raise ValueError(f"it is a {kind}")
-        client = Client(address, timeout=_ANSWER, set_as_default=False)
+        client = Client(address, timeout=_ANSWER_WAIT_S, set_as_default=False)
     except Exception as error:  # of every layer below: names, sockets, certificates, protocols
         raise RunError(
-            f"no Dask scheduler answers at {address!r} ({_said(error)}); expected an address such "
+            f"no Dask scheduler answers at {address!r} ({_cause(error)}); expected an address such "
             "as tcp://127.0.0.1:8786, or tls://... and certificates (see docs/scaling.md)"
         ) from None
     try:
@@ -71,24 +75,25 @@ def connected(address: str) -> Iterator[Any]:
         yield client
     finally:
         with suppress(Exception):
-            client.close(timeout=_ANSWER)
+            client.close(timeout=_ANSWER_WAIT_S)
 
 
-def _said(error: BaseException) -> str:
+def _cause(error: BaseException) -> str:
+    """The message of the lowest layer, which names the problem; the layers above name the call."""
     if error.__cause__ is not None and str(error.__cause__):
-        return _said(error.__cause__)  # the lower layer names what is wrong, the upper the call
-    return told(error) if str(error) else f"nothing came within {_ANSWER:g} s"
+        return _cause(error.__cause__)
+    return exception_text(error) if str(error) else f"nothing came within {_ANSWER_WAIT_S:g} s"
 
 
 async def _kind(address: str) -> str:
-    """What answers at an address."""
+    """The type of Dask node at an address."""
     from distributed.core import rpc
     from distributed.security import Security
 
-    known = Security().get_connection_args("client")
-    patient = rpc(address, timeout=_ANSWER, connection_args=known)
-    async with asyncio.timeout(_ANSWER + 1), patient as there:
-        return str((await there.identity())["type"])
+    certificates = Security().get_connection_args("client")
+    node = rpc(address, timeout=_ANSWER_WAIT_S, connection_args=certificates)
+    async with asyncio.timeout(_ANSWER_WAIT_S + 1), node:
+        return str((await node.identity())["type"])
 
 
 def mismatch(versions: Mapping[str, Any]) -> str | None:
@@ -97,17 +102,34 @@ def mismatch(versions: Mapping[str, Any]) -> str | None:
     Args:
         versions: as `distributed.Client.get_versions` returns them.
     """
-    own = _release(versions["client"])
-    others = {"the Dask scheduler": versions["scheduler"]}
-    others |= {f"the Dask worker {name}": found for name, found in versions["workers"].items()}
-    for who, found in others.items():
-        for what, version in _release(found).items() if found else ():
-            if version != own[what]:
-                return f"{who} has {what} {version}; expected {own[what]}, as here"
+    expected = _release(versions["client"])
+    nodes = {"the Dask scheduler": versions["scheduler"]}
+    nodes |= {f"the Dask worker {name}": node for name, node in versions["workers"].items()}
+    for name, node in nodes.items():
+        for what, version in _release(node).items() if node else ():
+            if version != expected[what]:
+                return f"{name} has {what} {version}; expected {expected[what]}, as here"
     return None
 
 
-def _release(found: Mapping[str, Any]) -> dict[str, str]:
-    packages = found["packages"]
+def _release(node: Mapping[str, Any]) -> dict[str, str]:
+    packages = node["packages"]
     python = ".".join(str(packages["python"]).split(".")[:2])
     return {"Python": python, "distributed": str(packages["distributed"])}
+
+
+def in_worker(name: str) -> Callable[[Any], Any]:
+    """A function of `dask_worker`, as a worker without this package can receive it.
+
+    Dask sends a module's function by its name, and a worker that cannot import the module ends the
+    connection: the run would wait for ever. A nested function is sent as code, and raises an
+    ImportError there.
+    """
+
+    def call(argument: Any) -> Any:
+        from importlib import import_module
+
+        module = import_module("dubins_study.experiments.engines.dask_worker")
+        return getattr(module, name)(argument)
+
+    return call

@@ -1,23 +1,53 @@
-"""A Dask cluster as the engine of a run: one that is there, or one started for it here."""
+"""The cells of a run solved by a Dask cluster: work units out, judged rows back."""
 
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Generator, Mapping
-from contextlib import ExitStack
+from collections import deque
+from collections.abc import Callable, Generator, Iterator, Mapping
+from contextlib import ExitStack, suppress
+from itertools import count
+from queue import Empty, SimpleQueue
+from threading import Thread
+from time import monotonic
 from typing import Any, Self
 
-from dubins_study.experiments.engines.dask_client import connected, installed, quiet
-from dubins_study.experiments.engines.dask_crew import DaskCrew
-from dubins_study.experiments.engines.dask_host import local_cluster
+from dubins_study.experiments.engines.chains import remaining_chains
+from dubins_study.experiments.engines.dask_client import (
+    connected,
+    in_worker,
+    installed_version,
+    quiet_loggers,
+)
+from dubins_study.experiments.engines.dask_cluster import local_cluster
+from dubins_study.experiments.engines.work_unit import UnitReply, WorkUnit, decoded_rows, encoded
 from dubins_study.experiments.interruption import Interruption
+from dubins_study.experiments.isolation.pool import RunError
 from dubins_study.experiments.plan.cells import Chain
 from dubins_study.experiments.run_settings import RunSettings
+from dubins_study.solvers.reply import exception_text
 from dubins_study.study.path import Path
-from dubins_study.study.rows.row_table import Row
+from dubins_study.study.rows.row_table import Row, row_key, row_path
 from dubins_study.study.rows.schema import Key
 
 _LOG = logging.getLogger(__name__)
+
+# A worker returns a unit after a second, with what is left of it: this many cells keep it busy for
+# so long where they take a few milliseconds. Fewer would cost more messages, more would move cells
+# to and fro where solves are slow.
+_MAX_CELLS = 256
+# towards the end a unit is this share of what each thread has left, so that all end together
+_SHARE = 4
+# units sent for every thread: one that is being solved, and the next
+_UNITS_PER_THREAD = 2
+# of a unit whose solving raised; Dask counts workers that die by itself (`allowed-failures`)
+_RETRIES = 1
+# without a reply, after which whoever writes the rows is given a turn
+_NEWS_INTERVAL_S = 0.2
+# between two counts of the threads, since workers come and go
+_COUNT_INTERVAL_S = 1.0
+_FETCH_WAIT_S, _CALL_WAIT_S = 30.0, 10.0
+_LOST = "the connection to the Dask scheduler is lost; the rows written so far are kept"
 
 
 class DaskEngine:
@@ -35,23 +65,22 @@ class DaskEngine:
         self.jobs, self._scheduler = jobs, scheduler
         self.run_entry: dict[str, Any] = {}
         self._client: Any = None
-        self._leaving = ExitStack()
+        self._exit_stack = ExitStack()
 
     def __enter__(self) -> Self:
-        with ExitStack() as entered:
-            version = installed()
-            entered.enter_context(quiet())
-            workers = self.jobs
+        with ExitStack() as stack:
+            version, workers = installed_version(), self.jobs
+            stack.enter_context(quiet_loggers())
             if self._scheduler is not None:
-                self._client = entered.enter_context(connected(self._scheduler))
+                self._client = stack.enter_context(connected(self._scheduler))
                 threads = self._client.nthreads()
                 workers, self.jobs = len(threads), max(1, sum(threads.values()))
             self.run_entry = {"workers": workers, "distributed": version}
-            self._leaving = entered.pop_all()
+            self._exit_stack = stack.pop_all()
         return self
 
     def __exit__(self, *_: object) -> None:
-        self._leaving.close()
+        self._exit_stack.close()
 
     def solve(
         self,
@@ -61,13 +90,196 @@ class DaskEngine:
         stop: Interruption,
         probed: Callable[[float, int], None] | None,
     ) -> Generator[list[Row], None, None]:
-        """See `Engine.solve`; workers of this machine are started first."""
-        with ExitStack() as entered:
-            client = self._client
-            if client is None:
-                host = entered.enter_context(local_cluster(self.jobs))
-                client = entered.enter_context(connected(host.address))
-                _LOG.warning("dubins-study: Dask's dashboard is at %s", host.dashboard)
-            crew = DaskCrew(client, settings, probed)
-            entered.callback(crew.close)
-            yield from crew.solve(chains, before, stop)
+        """See `Engine.solve`. Without a scheduler's address, a cluster is started here."""
+        if self._client is None:
+            cluster = self._exit_stack.enter_context(local_cluster(self.jobs))
+            self._client = self._exit_stack.enter_context(connected(cluster.address))
+            _LOG.warning("dubins-study: Dask's dashboard is at %s", cluster.dashboard)
+        submission = _Submission(self._client, settings, probed)
+        try:
+            yield from submission.solve(chains, before, stop)
+        finally:
+            submission.close()
+
+
+class _Submission:
+    """The work units of one run: those that wait, and those that the cluster holds."""
+
+    def __init__(
+        self,
+        client: Any,
+        settings: RunSettings,
+        probed: Callable[[float, int], None] | None,
+    ):
+        self._client, self._settings, self._probed = client, settings, probed
+        self._waiting: deque[Chain] = deque()
+        self._before: dict[Key, Path] = {}
+        self._units: dict[str, tuple[Any, WorkUnit]] = {}  # with their futures, by Dask's key
+        self._ended: SimpleQueue[Any] = SimpleQueue()
+        self._numbers = count()
+        self._threads, self._counted_s = 0, float("-inf")
+        self._warned = False
+        # numbered as their first probes arrive, since their names are recorded nowhere
+        self._machines: dict[str, int] = {}
+
+    def solve(
+        self, chains: list[Chain], before: Mapping[Key, Path], stop: Interruption
+    ) -> Iterator[list[Row]]:
+        """The rows of all cells as they come; an empty list now and then where none do.
+
+        Raises:
+            RunError: if a worker's code is not that of the cells, a unit ends every worker that
+                takes it, or the scheduler has gone.
+        """
+        self._waiting, self._before = deque(chains), dict(before)
+        stopping = False
+        while self._waiting or self._units:
+            if stop.asked and not stopping:
+                stopping = True
+                self._stop()
+                continue
+            if not stopping:
+                self._submit()
+            try:
+                future = self._ended.get(timeout=_NEWS_INTERVAL_S)
+            except Empty:
+                yield []
+                continue
+            reply = self._reply(future)
+            if reply is None:
+                continue
+            _, unit = self._units.pop(future.key)
+            rows = self._rows(unit, reply)
+            yield rows
+            if reply.refusal:
+                raise RunError(f"{reply.refusal}; the rows written so far are kept")
+            if not stopping:
+                self._take_back(unit, rows)
+
+    def _submit(self) -> None:
+        """Send units until every thread has its share of them."""
+        if monotonic() - self._counted_s > _COUNT_INTERVAL_S:
+            self._count_threads()
+        function = in_worker("solve_unit")
+        while self._waiting and len(self._units) < _UNITS_PER_THREAD * max(1, self._threads):
+            unit, key = (
+                self._next_unit(),
+                f"dubins-study-{self._settings.run_id}-{next(self._numbers)}",
+            )
+            future = self._client.submit(
+                function, encoded(unit), key=key, pure=False, retries=_RETRIES
+            )
+            self._units[key] = future, unit
+            future.add_done_callback(self._ended.put)
+
+    def _count_threads(self) -> None:
+        if self._client.status not in ("running", "connecting"):
+            raise RunError(_LOST)
+        with suppress(OSError, TimeoutError):  # lost, perhaps for a moment: counted again later
+            self._threads = sum(self._client.nthreads().values())
+        self._counted_s = monotonic()
+        if self._threads == 0 and not self._warned:
+            self._warned = True
+            _LOG.warning("dubins-study: the Dask scheduler has no workers; waiting for the first")
+
+    def _next_unit(self) -> WorkUnit:
+        left = sum(map(len, self._waiting))
+        cells = max(1, min(_MAX_CELLS, left // (_SHARE * max(1, self._threads))))
+        chains: list[Chain] = []
+        while self._waiting and cells > 0:
+            chains.append(self._waiting.popleft())
+            cells -= len(chains[-1])
+        firsts = [chain[0].key for chain in chains]
+        return WorkUnit(
+            self._settings, chains, {k: self._before.pop(k) for k in firsts if k in self._before}
+        )
+
+    def _reply(self, future: Any) -> UnitReply | None:
+        """What a worker returned, or None if it did not arrive and will be returned again."""
+        from distributed import KilledWorker
+
+        if future.key not in self._units:
+            return None
+        if future.status == "cancelled":
+            raise RunError(_LOST)
+        try:
+            if future.done():
+                # made anew: a worker of another version may return something else
+                return UnitReply(*future.result(timeout=_FETCH_WAIT_S))
+        except TimeoutError:
+            pass
+        except KilledWorker as error:
+            _, unit = self._units[future.key]
+            raise RunError(
+                f"{error.allowed_failures + 1} Dask workers ended while they solved the same work "
+                f"unit of {unit.cells} cells, the last one at {error.last_worker.address}; "
+                "the rows written so far are kept"
+            ) from None
+        except Exception as error:  # whatever Dask raises, here or there
+            raise RunError(_explanation(error)) from None
+        # the worker that held the rows has died: another one solves the unit
+        future.add_done_callback(self._ended.put)
+        return None
+
+    def _rows(self, unit: WorkUnit, reply: UnitReply) -> list[Row]:
+        """The rows of a reply: of the unit's own cells, each once. Its probes are passed on."""
+        rows = decoded_rows(reply.rows) if reply.rows else []
+        keys = {row_key(row) for row in rows}
+        if len(keys) < len(rows) or not keys <= {c.key for chain in unit.chains for c in chain}:
+            raise RunError("a Dask worker returned rows that it was not asked for; none was kept")
+        if self._probed is not None:
+            for seconds in reply.probes_s:
+                number = self._machines.setdefault(reply.machine, len(self._machines) + 1)
+                self._probed(seconds, number)
+        return rows
+
+    def _take_back(self, unit: WorkUnit, rows: list[Row]) -> None:
+        """Put the cells that a worker has left first in the queue."""
+        done = {row_key(row): row_path(row) for row in rows}
+        left, before = remaining_chains(unit.chains, unit.before, done)
+        if left and not rows:
+            raise RunError("a Dask worker solved nothing of what it was asked")
+        self._waiting.extendleft(reversed(left))
+        self._before |= before
+
+    def _stop(self) -> None:
+        """Let workers finish the cells that they are solving; forget all others."""
+        self._waiting.clear()
+        self._call_workers("stop_run")
+        with suppress(OSError, TimeoutError):
+            held = {str(key) for keys in self._client.processing().values() for key in keys}
+            for key in self._units.keys() - held:
+                if not self._units[key][0].done():
+                    self._units.pop(key)[0].cancel()
+
+    def _call_workers(self, name: str) -> None:
+        """Call a function of `dask_worker` with the run's id in every worker.
+
+        In a thread, since a worker that does not answer is not waited for.
+        """
+
+        def call() -> None:
+            with suppress(Exception):  # workers that are going, or without this package
+                self._client.run(in_worker(name), self._settings.run_id, on_error="ignore")
+
+        thread = Thread(target=call, daemon=True)
+        thread.start()
+        thread.join(_CALL_WAIT_S)
+
+    def close(self) -> None:
+        """End what the cluster still solves for this run."""
+        if self._units:
+            with suppress(Exception):
+                self._client.cancel([future for future, _ in self._units.values()])
+            self._units.clear()
+        self._call_workers("end_run")
+
+
+def _explanation(error: Exception) -> str:
+    message = exception_text(error.__cause__ if isinstance(error.__cause__, Exception) else error)
+    if isinstance(error, ImportError | AttributeError) or "deserializ" in str(error):
+        return (
+            f"dubins-study is not on a Dask worker, or of another version ({message}); expected "
+            "the same versions of it, of Python and of Dask there as here"
+        )
+    return f"a Dask worker failed: {message}; the rows written so far are kept"

@@ -1,165 +1,168 @@
-"""What a Dask worker does: solve chunks by worker processes of its own, kept between chunks."""
+"""What a Dask worker does: solve work units by pools of its own, kept from one unit to the next.
+
+The functions that a run calls in a worker: `solve_unit`, `stop_run` and `end_run`.
+"""
 
 from __future__ import annotations
 
 import socket
-import threading
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
-from multiprocessing.util import Finalize
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path as FilePath
+from queue import Empty, SimpleQueue
 from time import monotonic
+from typing import NamedTuple
 
 from dubins_study.experiments.engines.chains import remaining_chains
 from dubins_study.experiments.engines.local import limits, solve_chains
 from dubins_study.experiments.engines.work_unit import (
-    Chunk,
-    Returned,
+    UnitReply,
+    WorkUnit,
     decoded,
+    encoded_rows,
     first_cells,
-    rows_sent,
 )
 from dubins_study.experiments.interruption import Interruption
 from dubins_study.experiments.isolation.pool import RunError, WorkerPool
 from dubins_study.experiments.run_settings import RunSettings
 from dubins_study.study.rows.row_table import Row, row_key, row_path
 
-# s after which a chunk is handed back, with what is left of it: rows are written every second, and
-# a chunk of solvers that take their time must not keep other workers waiting at the end
-_TURN = 1.0
-# cells between two looks at the time, at first; twice as many each time that they took so little
-_PIECE, _QUICK = 8, 0.2
+# After this a unit is returned with what is left of it: rows are written every second, and a unit
+# of slow solvers must not keep other workers waiting at the end.
+_UNIT_S = 1.0
+# cells that are solved before the clock is read again: twice as many each time that they were quick
+_FIRST_CELLS, _QUICK_S = 8, 0.2
 
-_ROOT = FilePath(__file__).parents[2]
+_PACKAGE = FilePath(__file__).parents[2]
 
 
-def _sources() -> frozenset[tuple[str, int, int]]:
-    """Our own files as they are on disk."""
-    files = [file for part in ("study", "solvers", "experiments") for file in _py(_ROOT / part)]
+def _source_files() -> frozenset[tuple[str, int, int]]:
+    """Name, time and size of the files that answers depend on, as they are on disk."""
+    rooms = ("study", "solvers", "experiments")
+    files = [file for room in rooms for file in (_PACKAGE / room).rglob("*.py")]
     return frozenset((f.name, f.stat().st_mtime_ns, f.stat().st_size) for f in files)
 
 
-def _py(folder: FilePath) -> Iterator[FilePath]:
-    return folder.rglob("*.py")
-
-
 # as this process imported them; a Dask worker may live for weeks
-_IMPORTED = _sources()
+_IMPORTED = _source_files()
 
 
-class _Bench:
-    """The worker pools of this process: one for every chunk that is solved at the same time."""
+class _Pool(NamedTuple):
+    """One worker process, and the probes that were not returned yet."""
+
+    workers: WorkerPool
+    probes_s: list[float]
+
+
+class _Run:
+    """The pools of one run in this process: one for every unit that is solved at the same time."""
 
     def __init__(self) -> None:
-        self._lock = threading.Lock()
-        self._idle: list[tuple[RunSettings, WorkerPool]] = []
-        self._busy: list[tuple[RunSettings, WorkerPool]] = []
-        self._stops: dict[str, Interruption] = {}
-        self._probes: dict[str, list[float]] = {}  # by run, those that were not sent yet
-        # a Dask worker that is told to close; one that is killed takes its processes with it
-        Finalize(None, self.clear, exitpriority=100)
-
-    def stop(self, run_id: str) -> Interruption:
-        """What the chunks of a run ask whether to go on."""
-        with self._lock:
-            return self._stops.setdefault(run_id, Interruption())
+        self.stop = Interruption()
+        self._pools: list[_Pool] = []
+        self._idle: SimpleQueue[_Pool] = SimpleQueue()
 
     @contextmanager
-    def pool(self, settings: RunSettings) -> Iterator[WorkerPool]:
-        """A pool of this run; those of other runs that nobody uses are closed."""
-        with self._lock:
-            others = [one for one in self._idle if one[0] != settings]
-            self._idle = [one for one in self._idle if one[0] == settings]
-            entry = self._idle.pop() if self._idle else None
-        _close(others)
-        if entry is None:
-            pool = WorkerPool(1, limits(settings), probed=self._probed(settings.run_id))
-            entry = settings, pool
-        with self._lock:
-            self._busy.append(entry)
-        sound = False
+    def pool(self, settings: RunSettings) -> Iterator[_Pool]:
+        """A pool that is idle, or a new one."""
         try:
-            yield entry[1]
-            sound = not self.stop(settings.run_id).asked
+            pool = self._idle.get_nowait()
+        except Empty:
+            probes_s: list[float] = []
+            workers = WorkerPool(1, limits(settings), probed=probes_s.append)
+            pool = _Pool(workers.__enter__(), probes_s)
+            self._pools.append(pool)
+        usable = False
+        try:
+            yield pool
+            usable = not self.stop.asked
         finally:
-            with self._lock:
-                self._busy.remove(entry)
-                self._idle += [entry] if sound else []
-            _close([] if sound else [entry])
+            if usable:
+                self._idle.put(pool)
+            else:
+                pool.workers.__exit__()
+                self._pools.remove(pool)
 
-    def _probed(self, run_id: str) -> Callable[[float], None]:
-        def note(seconds: float) -> None:
-            with self._lock:
-                self._probes.setdefault(run_id, []).append(seconds)
+    def close_idle(self) -> None:
+        """End the processes that solve nothing."""
+        with suppress(Empty):
+            while True:
+                pool = self._idle.get_nowait()
+                pool.workers.__exit__()
+                self._pools.remove(pool)
 
-        return note
-
-    def probes(self, run_id: str) -> list[float]:
-        """How fast this machine was lately; forgotten by this."""
-        with self._lock:
-            return self._probes.pop(run_id, [])
-
-    def end(self, run_id: str) -> None:
-        """What is being solved for a run is ended; its pools are closed."""
-        self.stop(run_id).asked = True
-        with self._lock:
-            mine = [one for one in self._idle if one[0].run_id == run_id]
-            self._idle = [one for one in self._idle if one not in mine]
-            self._probes.pop(run_id, None)
-            busy = [one for one in self._busy if one[0].run_id == run_id]
-        _close(mine)
-        for _, pool in busy:
-            pool.kill_workers()
-
-    def clear(self) -> None:
-        with self._lock:
-            mine, self._idle = self._idle, []
-        _close(mine)
+    def kill(self) -> None:
+        """End all processes; those that solve something are closed by their own threads."""
+        for pool in list(self._pools):
+            pool.workers.kill_workers()
 
 
-def _close(entries: list[tuple[RunSettings, WorkerPool]]) -> None:
-    for _, pool in entries:
-        pool.__exit__()
+_runs: dict[str, _Run] = {}
 
 
-_bench = _Bench()
+def _run(run_id: str) -> _Run:
+    if run_id not in _runs:
+        for other in list(_runs.values()):  # whose client may have been killed
+            other.close_idle()
+    return _runs.setdefault(run_id, _Run())
 
 
-def solve_chunk(sent: bytes) -> Returned:
-    """Solve the cells of a chunk for about a second, at least one of them."""
-    chunk, machine = decoded(sent), socket.gethostname()
-    refusal = _refusal(chunk)
-    if refusal:
-        return Returned(b"", f"on the Dask worker on {machine}, {refusal}", machine, [])
+def solve_unit(message: bytes) -> UnitReply:
+    """Solve the cells of an encoded work unit for about a second, at least one of them."""
+    unit, machine = decoded(message), socket.gethostname()
+    run = _run(unit.settings.run_id)
     rows: list[Row] = []
+    probes_s: list[float] = []
+    refusal = _refusal(unit)
     try:
-        with _bench.pool(chunk.run) as pool:
-            for some in _solved(chunk, pool, _bench.stop(chunk.run.run_id)):
-                rows += some
+        if not refusal:
+            with run.pool(unit.settings) as pool:
+                for row_block in _solved(unit, pool.workers, run.stop):
+                    rows += row_block
+                probes_s += pool.probes_s
+                pool.probes_s.clear()
     except RunError as error:
-        refusal = f"on the Dask worker on {machine}, {error}"
-    return Returned(rows_sent(rows), refusal, machine, _bench.probes(chunk.run.run_id))
+        refusal = str(error)
+    if refusal:
+        refusal = f"on the Dask worker on {machine}, {refusal}"
+    return UnitReply(encoded_rows(rows) if rows else b"", refusal, machine, probes_s)
 
 
-def _solved(chunk: Chunk, pool: WorkerPool, stop: Interruption) -> Iterator[list[Row]]:
-    began = monotonic()
-    left, before, most = chunk.chains, dict(chunk.before), _PIECE
-    while left and not stop.asked and monotonic() - began < _TURN:
-        piece = monotonic()
-        found: list[Row] = []
-        for rows in solve_chains(pool, first_cells(left, most), before, chunk.run, stop):
-            found += rows
-        yield found
-        done = {row_key(row): row_path(row) for row in found}
+def stop_run(run_id: str) -> None:
+    """Finish the cells that are being solved for a run; start no other."""
+    _run(run_id).stop.asked = True
+
+
+def end_run(run_id: str) -> None:
+    """End what is being solved for a run, and its idle processes."""
+    run = _run(run_id)
+    run.stop.asked = True
+    run.close_idle()
+    run.kill()
+
+
+def _solved(unit: WorkUnit, workers: WorkerPool, stop: Interruption) -> Iterator[list[Row]]:
+    """Rows of a unit's first cells, piece by piece until its time is over."""
+    end_s = monotonic() + _UNIT_S
+    left, before, cells = unit.chains, dict(unit.before), _FIRST_CELLS
+    while left and not stop.asked and monotonic() < end_s:
+        began_s = monotonic()
+        rows: list[Row] = []
+        for row_block in solve_chains(
+            workers, first_cells(left, cells), before, unit.settings, stop
+        ):
+            rows += row_block
+        yield rows
+        done = {row_key(row): row_path(row) for row in rows}
         left, before = remaining_chains(left, before, done)
-        most *= 2 if monotonic() - piece < _QUICK else 1
+        cells *= 2 if monotonic() - began_s < _QUICK_S else 1
 
 
-def _refusal(chunk: Chunk) -> str:
-    """Why this process must not solve a chunk, or nothing."""
-    if _sources() != _IMPORTED:
+def _refusal(unit: WorkUnit) -> str:
+    """Why this process must not solve a unit; empty if it may."""
+    if _source_files() != _IMPORTED:
         return "dubins-study was changed since the worker started; restart it"
-    for spec in dict.fromkeys(chain[0].solver for chain in chunk.chains):
+    for spec in dict.fromkeys(chain[0].solver for chain in unit.chains):
         file, colon, _ = spec.partition("[")[0].strip().rpartition(":")
         if colon and file.endswith(".py") and not FilePath(file).is_file():
             return (
@@ -167,13 +170,3 @@ def _refusal(chunk: Chunk) -> str:
                 "on every machine (see docs/scaling.md)"
             )
     return ""
-
-
-def halt(run_id: str) -> None:
-    """The chunks of a run finish what is being solved and start nothing more."""
-    _bench.stop(run_id).asked = True
-
-
-def end(run_id: str) -> None:
-    """Nothing more is solved for a run, nor finished."""
-    _bench.end(run_id)

@@ -9,16 +9,10 @@ from dubins_study.experiments.isolation.pool import WorkerPool
 from dubins_study.experiments.isolation.sandbox import pinned_threads
 from dubins_study.experiments.plan.solver_description import describe_solver
 from dubins_study.experiments.run_settings import BYTES_PER_GIB
-from dubins_study.solvers.attempt import (
-    DEFAULT_LIMIT,
-    Answer,
-    check_request,
-    judged,
-    nothing,
-    told,
-)
+from dubins_study.solvers.attempt import Answer, check_request, judged
 from dubins_study.solvers.profiles import tolerances
 from dubins_study.solvers.protocol import Outcome, Question
+from dubins_study.solvers.reply import DEFAULT_LIMIT, exception_text, no_answer
 from dubins_study.study.scenario import Scenario
 
 MEMORY = 4.0  # GiB
@@ -52,4 +46,4 @@ def solve_isolated(
     try:
         return judged(solver, question, reply, allowed)
     except Exception as error:  # a path that the check cannot drive, as in a run
-        return judged(solver, question, nothing(Outcome.RAISED, told(error)), allowed)
+        return judged(solver, question, no_answer(Outcome.RAISED, exception_text(error)), allowed)

@@ -6,9 +6,10 @@ from dubins_study.experiments.isolation.sandbox import THREADS
 from dubins_study.experiments.plan.cells import Cell
 from dubins_study.experiments.provenance import host, now
 from dubins_study.experiments.run_settings import RunSettings
-from dubins_study.solvers.attempt import Reply, judged_row, told
+from dubins_study.solvers.attempt import judged_row
 from dubins_study.solvers.profiles import tolerances
 from dubins_study.solvers.protocol import Question
+from dubins_study.solvers.reply import Reply, exception_text
 from dubins_study.study.path import Path
 from dubins_study.study.rows.row_table import Row, raised_row
 from dubins_study.study.rows.schema import KEY, SCENARIO, names
@@ -24,14 +25,15 @@ def row_of(
 ) -> tuple[Row, Path | None]:
     """The row of a reply to a cell's question, and its path if it arrived."""
     known = dict(zip(_KEY, cell.key, strict=True))
-    known |= {name: getattr(cell.scenario, name) for name in _SCENARIO}
     known |= shared(run, started or now(), versions)
     question = Question(cell.scenario, cell.branch, initial_guess)
     try:
         row = judged_row(cell.solver, question, reply, tolerances(cell.profile))
     except Exception as error:  # a path that the check cannot drive is a row too
-        return raised_row(known, told(error)), None
-    return row | known, reply.solution.path if row["gap"] is not None else None
+        known |= {name: getattr(cell.scenario, name) for name in _SCENARIO}
+        return raised_row(known, exception_text(error)), None
+    row.update(known)
+    return row, reply.solution.path if row["gap"] is not None else None
 
 
 _KEY, _SCENARIO = names(KEY), names(SCENARIO)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Mapping
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import pyarrow as pa
 
@@ -16,10 +16,16 @@ from dubins_study.study.rows.schema import SCENARIO, Key, names
 from dubins_study.study.scenario import Pose, Scenario
 
 
-class Chunk(NamedTuple):
-    """What one task is asked: chains of cells, and the paths before them (see `solve_chains`)."""
+class WorkUnit(NamedTuple):
+    """The cells of one Dask task.
 
-    run: RunSettings
+    Args:
+        settings: of the run.
+        chains: single cells, and sweeps or the rest of them.
+        before: the path before the first cell of a chain, by that cell's key.
+    """
+
+    settings: RunSettings
     chains: list[Chain]
     before: Mapping[Key, Path]
 
@@ -28,84 +34,76 @@ class Chunk(NamedTuple):
         return sum(map(len, self.chains))
 
 
-class Returned(NamedTuple):
-    """What a Dask worker returns of a chunk.
+class UnitReply(NamedTuple):
+    """What a Dask worker returns of a work unit.
 
     Args:
-        rows: of the chunk's first cells, as an Arrow stream.
-        refusal: why there can be no more, if so.
+        rows: of the unit's first cells, as an Arrow stream; empty if there are none.
+        refusal: why this worker solves no more of the unit; empty if it does.
         machine: the name of the worker's machine.
-        probes: seconds that the calibration's piece of work took there.
+        probes_s: seconds that the calibration's piece of work took there.
     """
 
     rows: bytes
     refusal: str
     machine: str
-    probes: list[float]
+    probes_s: list[float]
 
 
-def encoded(chunk: Chunk) -> bytes:
-    """A chunk as JSON, which keeps every double to the last bit."""
-    chains = [[_cell(cell) for cell in chain] for chain in chunk.chains]
-    firsts = [chunk.before.get(chain[0].key) for chain in chunk.chains]
-    paths = [path and _path(path) for path in firsts]
-    return json.dumps([[*chunk.run], chains, paths]).encode()
+def encoded(unit: WorkUnit) -> bytes:
+    """A work unit as JSON, which keeps every double to the last bit."""
+    chains = [[_encoded_cell(cell) for cell in chain] for chain in unit.chains]
+    firsts = [unit.before.get(chain[0].key) for chain in unit.chains]
+    paths = [path and _encoded_path(path) for path in firsts]
+    return json.dumps([[*unit.settings], chains, paths]).encode()
 
 
-def decoded(sent: bytes) -> Chunk:
-    """The chunk again."""
-    run, listed, paths = json.loads(sent)
-    chains = [tuple(_read_cell(*cell) for cell in chain) for chain in listed]
+def decoded(message: bytes) -> WorkUnit:
+    """The work unit that `encoded` made a message of."""
+    settings, listed, paths = json.loads(message)
+    chains = [tuple(_decoded_cell(cell) for cell in chain) for chain in listed]
     before = {
         chain[0].key: Path(Pose(*path[0]), path[1], path[2])
         for chain, path in zip(chains, paths, strict=True)
         if path is not None
     }
-    return Chunk(RunSettings(*run), chains, before)
+    return WorkUnit(RunSettings(*settings), chains, before)
 
 
-def _cell(cell: Cell) -> list[object]:
+def _encoded_cell(cell: Cell) -> list[object]:
     return [*cell.key, [getattr(cell.scenario, name) for name in names(SCENARIO)]]
 
 
-def _read_cell(
-    name: str,
-    solver: str,
-    profile: str,
-    branch: str,
-    initial_guess: str,
-    repeat: int,
-    code_digest: str,
-    scenario: list[float | str],
-) -> Cell:
-    fields = dict(zip(names(SCENARIO), scenario, strict=True))
-    asked = Scenario(**fields)  # type: ignore[arg-type]
-    return Cell(name, solver, profile, branch, initial_guess, repeat, code_digest, asked)
+def _decoded_cell(values: list[Any]) -> Cell:
+    """A cell from the values of its key and those of its scenario."""
+    *key, numbers = values
+    scenario = Scenario(**dict(zip(names(SCENARIO), numbers, strict=True)))
+    return Cell._make([*key, scenario])
 
 
-def _path(path: Path) -> list[list[float]]:
+def _encoded_path(path: Path) -> list[list[float]]:
     return [list(path.start), path.curvature.tolist(), path.length.tolist()]
 
 
-def rows_sent(rows: Iterable[Row]) -> bytes:
-    """Rows as an Arrow stream: nothing in it that a plug-in could have made."""
+def encoded_rows(rows: Iterable[Row]) -> bytes:
+    """Rows as an Arrow stream, which holds plain values and no object of a plug-in."""
     table = rows_table(rows)
     sink = pa.BufferOutputStream()
     with pa.ipc.new_stream(sink, table.schema) as stream:
         stream.write_table(table)
-    sent: bytes = sink.getvalue().to_pybytes()
-    return sent
+    message: bytes = sink.getvalue().to_pybytes()
+    return message
 
 
-def rows_received(sent: bytes) -> list[Row]:
-    """The rows again."""
-    with pa.ipc.open_stream(sent) as stream:
+def decoded_rows(message: bytes) -> list[Row]:
+    """The rows that `encoded_rows` made a message of."""
+    with pa.ipc.open_stream(message) as stream:
         rows: list[Row] = stream.read_all().to_pylist()
     return rows
 
 
 def first_cells(chains: Iterable[Chain], most: int) -> list[Chain]:
-    """So many cells from the beginning; a chain may be cut short."""
+    """The first `most` cells of chains, at most; the last chain may be cut short."""
     taken: list[Chain] = []
     for chain in chains:
         if most <= 0:

@@ -8,8 +8,8 @@ from typing import NamedTuple
 from dubins_study.experiments.isolation import process_tree
 from dubins_study.experiments.isolation.job_clock import Phase, Reading
 from dubins_study.experiments.isolation.worker_process import WorkerProcess
-from dubins_study.solvers.attempt import Reply, Times, nothing
 from dubins_study.solvers.protocol import Outcome
+from dubins_study.solvers.reply import Reply, Times, no_answer
 
 POLL_INTERVAL_S = 0.02
 # A solver that keeps to its limit needs a moment to hand its answer over. With the interval and
@@ -113,7 +113,9 @@ class Monitor:
 
     def _too_long(self, phase: Phase, seconds: float, pending: bool) -> Reply | None:
         if phase is Phase.LOST:
-            return nothing(Outcome.CRASHED, "stopped: it wrote over its clock, which the run reads")
+            return no_answer(
+                Outcome.CRASHED, "stopped: it wrote over its clock, which the run reads"
+            )
         limit = self._limits.time_s
         allowed = {
             Phase.STARTING: _START_UP_S,
@@ -127,7 +129,7 @@ class Monitor:
         message = f"stopped after {seconds:.2f} s; the limit is {limit:g} s"
         if phase is not Phase.SOLVING:
             message = f"stopped after {seconds:.0f} s of {_DOING[phase]}"
-        return nothing(Outcome.TIMEOUT, message, Times(wall=seconds))
+        return no_answer(Outcome.TIMEOUT, message, Times(wall=seconds))
 
     def _too_much(self, pid: int, seconds: float) -> Reply | None:
         limit = self._limits.memory_bytes
@@ -139,4 +141,4 @@ class Monitor:
         if used <= limit:
             return None
         message = f"stopped holding {used / _GIB:.2f} GiB; the limit is {limit / _GIB:g} GiB"
-        return nothing(Outcome.OUT_OF_MEMORY, message, Times(wall=seconds))
+        return no_answer(Outcome.OUT_OF_MEMORY, message, Times(wall=seconds))

@@ -19,10 +19,10 @@ from dubins_study.experiments.isolation.messages import (
 from dubins_study.experiments.isolation.sandbox import bound_memory, pin_threads
 from dubins_study.experiments.isolation.worker_state import WorkerState, seed
 from dubins_study.experiments.provenance import now, versions
-from dubins_study.solvers.attempt import ask, nothing, told
 from dubins_study.solvers.library_versions import reported_versions
 from dubins_study.solvers.protocol import Outcome, Question, Solver
 from dubins_study.solvers.registry import load
+from dubins_study.solvers.reply import ask, exception_text, no_answer
 from dubins_study.study.scenario import Scenario
 
 # an easy question, asked once of every solver before its first recorded answer
@@ -97,7 +97,9 @@ class Worker:
             self._end_copy()
             outcome = Outcome.OUT_OF_MEMORY if isinstance(error, MemoryError) else Outcome.RAISED
             digest = self._digests.get(key, "")
-            return encode_reply(WorkerReply(nothing(outcome, told(error)), started, "", digest))
+            return encode_reply(
+                WorkerReply(no_answer(outcome, exception_text(error)), started, "", digest)
+            )
         finally:
             self._note(job.number, Phase.IDLE)
 

@@ -10,13 +10,13 @@ from functools import cache
 from typing import Any, NamedTuple
 
 from dubins_study.experiments.code_digest import code_digest, plain_settings
-from dubins_study.experiments.isolation.exit_status import exit_status
 from dubins_study.experiments.isolation.fork_server import fork
 from dubins_study.experiments.isolation.messages import Channel, MessageError
+from dubins_study.experiments.isolation.worker_failures import exit_status
 from dubins_study.experiments.provenance import versions_of
 from dubins_study.solvers.analytic import Analytic
-from dubins_study.solvers.attempt import told
 from dubins_study.solvers.registry import SolverError, canonical, load, ours
+from dubins_study.solvers.reply import exception_text
 
 _LOAD_LIMIT_S = 60.0  # for a plug-in to be imported
 _EXIT_WAIT_S = 2.0  # for the kernel to end a killed process
@@ -111,4 +111,4 @@ def send_description(channel: Channel, spec: str, profile: str) -> None:
     except SolverError as error:
         channel.send([None, str(error)])
     except BaseException as error:  # a plug-in may raise anything
-        channel.send([None, f"solver {spec!r} cannot be described: {told(error)}"])
+        channel.send([None, f"solver {spec!r} cannot be described: {exception_text(error)}"])

@@ -12,7 +12,7 @@ from enum import StrEnum
 from typing import NamedTuple
 
 from dubins_study.study.check.enclosure import Enclosure, enclose
-from dubins_study.study.check.extremal import Extremal, measured
+from dubins_study.study.check.extremal import Extremal, measure
 from dubins_study.study.check.verdict import Judgement, Tolerances, Verdict
 from dubins_study.study.closed_form.shortest import EPS
 from dubins_study.study.path import Path
@@ -93,7 +93,7 @@ def certify(
     Args:
         scenario, branch: the question.
         path: its answer, or None.
-        judged: what `study.check.verdict.judge` found of it.
+        judged: its judgement by `study.check.verdict.judge`.
         lower_bound: a bound that the solver gives (length unit).
         multipliers: duals of the end point's equations that the solver gives.
         tolerances: those of the judgement.
@@ -102,7 +102,7 @@ def certify(
     interval = enclose(scenario, branch)
     costates, cut = None, None
     if path is not None and judged.length is not None:
-        costates, cut = measured(path, radius)
+        costates, cut = measure(path, radius)
     scale = max(interval.low, radius)
     bound = None if lower_bound is None or math.isnan(lower_bound) else lower_bound
     false_bound = bound is not None and bound > interval.high + BOUND_TOLERANCE * scale

@@ -1,6 +1,6 @@
 """Certificates over frames: what `certificate.certify` computes, for paths of at most two arcs.
 
-`extremal_kernel` measures rows of the words S, C, CS and CC at full rate. `extremal.measured`
+`extremal_kernel` measures rows of the words S, C, CS and CC at full rate. `extremal.measure`
 measures the others, of which the closed form returns none.
 """
 
@@ -19,7 +19,7 @@ from dubins_study.study.check.certificate import (
     Proof,
 )
 from dubins_study.study.check.enclosure import enclose
-from dubins_study.study.check.extremal import MEASURED, measured
+from dubins_study.study.check.extremal import MEASURED, measure
 from dubins_study.study.check.extremal_kernel import extremal_rows
 from dubins_study.study.check.verdict import Tolerances, Verdict, drivable
 from dubins_study.study.check.verdict_frame import FrameJudgement, Paths
@@ -78,7 +78,7 @@ def certify_frame(
     Args:
         frame: scenarios as `study.scenario.check_frame` returns them, n rows.
         paths: their paths, n rows.
-        judged: what `study.check.verdict_frame.judge_frame` found of them.
+        judged: their judgement by `study.check.verdict_frame.judge_frame`.
         branch: the branch that was asked, for all rows.
         lower_bound: bounds that the solver gives (length unit), shape (n,); NaN where none.
         tolerances: those of the judgement.
@@ -86,39 +86,41 @@ def certify_frame(
             without, nothing is `proved` or `bounded`.
     """
     n = len(paths)
-    found = FrameCertificate.empty(n)
+    certificate = FrameCertificate.empty(n)
     heading, radius = (frame[name].to_numpy(np.float64) for name in ("heading", "radius"))
     curvature, length = map(np.ascontiguousarray, (paths.curvature, paths.length))
-    odd = extremal_rows(heading, radius, curvature, length, found.measured, found.abnormal)
+    odd = extremal_rows(
+        heading, radius, curvature, length, certificate.measured, certificate.abnormal
+    )
     if paths.returned is not None:
         odd &= paths.returned
-        found.measured[:, ~paths.returned] = np.nan
+        certificate.measured[:, ~paths.returned] = np.nan
     for row, scenario in zip(np.flatnonzero(odd), scenarios(frame[odd]), strict=True):
-        _one(found, int(row), paths.path(int(row), scenario), scenario.radius)
+        _measure_row(certificate, int(row), paths.path(int(row), scenario), scenario.radius)
     if enclosures:
         both = [enclose(scenario, branch) for scenario in scenarios(frame)]
-        found.reference_low[:], found.reference_high[:] = np.array(both).reshape(n, 2).T
-    _prove(found, judged, branch, lower_bound, tolerances, radius)
-    for bounds in (found.reference_low, found.reference_high):
+        certificate.reference_low[:], certificate.reference_high[:] = np.array(both).reshape(n, 2).T
+    _prove(certificate, judged, branch, lower_bound, tolerances, radius)
+    for bounds in (certificate.reference_low, certificate.reference_high):
         bounds[np.isinf(bounds)] = np.nan
-    return found
+    return certificate
 
 
-def _one(found: FrameCertificate, row: int, path: Path | None, radius: float) -> None:
+def _measure_row(certificate: FrameCertificate, row: int, path: Path | None, radius: float) -> None:
     """Measure a row that the kernel leaves: of other pieces than S, C, CS and CC."""
-    found.measured[:, row] = np.nan
+    certificate.measured[:, row] = np.nan
     if path is None or not drivable(path):
         return
-    best, cut = measured(path, radius)
+    best, cut = measure(path, radius)
     if best is not None:
-        found.abnormal[row] = best.abnormal
+        certificate.abnormal[row] = best.abnormal
         numbers = best.hamiltonian, best.sign_margin, best.transversality, best.residual
-        found.measured[:-1, row] = (*best.nu, *numbers)
-    found.measured[-1, row] = np.nan if cut is None else cut
+        certificate.measured[:-1, row] = (*best.nu, *numbers)
+    certificate.measured[-1, row] = np.nan if cut is None else cut
 
 
 def _prove(
-    found: FrameCertificate,
+    certificate: FrameCertificate,
     judged: FrameJudgement,
     branch: str,
     lower_bound: FloatArray | None,
@@ -126,12 +128,16 @@ def _prove(
     radius: FloatArray,
 ) -> None:
     """The proof of every row, as `certificate._proof` decides it."""
-    low, high, numbers = found.reference_low, found.reference_high, found.columns()
+    low, high, numbers = (
+        certificate.reference_low,
+        certificate.reference_high,
+        certificate.columns(),
+    )
     with np.errstate(invalid="ignore"):
         scale = np.maximum(low, radius)
         allowed = tolerances.gap * scale
         bound = np.full(low.size, np.nan) if lower_bound is None else lower_bound
-        found.false_bound[:] = ~np.isnan(bound) & (bound > high + BOUND_TOLERANCE * scale)
+        certificate.false_bound[:] = ~np.isnan(bound) & (bound > high + BOUND_TOLERANCE * scale)
         arrives = np.isfinite(judged.gap)
         tolerance = PMP_TOLERANCE + PMP_ROUNDING * judged.length / radius
         is_extremal = (judged.length == 0) | (numbers["pmp_residual"] <= tolerance)
@@ -139,8 +145,8 @@ def _prove(
         near &= arrives & (np.abs(judged.length - low) <= allowed)
         clear = (numbers["cut_margin"] >= -CUT_TOLERANCE) | (branch != "best")
         proved = near & ((is_extremal & clear) | (branch in ("LR", "RL")))
-        bounded = near & ~found.false_bound & (judged.length - bound <= allowed)
+        bounded = near & ~certificate.false_bound & (judged.length - bound <= allowed)
         no_path = (judged.verdict == _NONE_EXISTS) & (low == np.inf)
-    found.proof[arrives & is_extremal] = _EXTREMAL
-    found.proof[bounded] = _BOUNDED
-    found.proof[proved | no_path] = _PROVED
+    certificate.proof[arrives & is_extremal] = _EXTREMAL
+    certificate.proof[bounded] = _BOUNDED
+    certificate.proof[proved | no_path] = _PROVED

@@ -91,7 +91,7 @@ class Conditions(NamedTuple):
     ends: list[Row]
 
 
-def measured(path: Path, radius: float) -> tuple[Extremal | None, float | None]:
+def measure(path: Path, radius: float) -> tuple[Extremal | None, float | None]:
     """The costates and the cut margin of a path that can be driven.
 
     Neither of one whose numbers overflow in units of the radius, which fits no scenario.

@@ -50,7 +50,7 @@ def _steepness(optimum: Shortest) -> float:
     """How much a shortest length changes per shift of its target, with room for a small shift.
 
     The gradient's norm is 1 for words that end straight and 1 / |cos(a2 / 2)| for RL and LR
-    (docs/derivation.md, section 6), which grows without bound toward the rear of a circle.
+    (docs/derivation.md, section 9), which grows without bound toward the rear of a circle.
     """
     if optimum.word not in ("LR", "RL"):
         return STEEP

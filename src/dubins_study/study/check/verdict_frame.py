@@ -25,11 +25,11 @@ from dubins_study.study.check.verdict_kernel import (
     ODD,
     REGIONS,
     VERDICTS,
-    Asked,
+    Arcs,
     BoolArray,
-    Driven,
-    Found,
+    Findings,
     Limits,
+    Questions,
     judge_alone,
     judge_threads,
 )
@@ -130,30 +130,30 @@ def judge_frame(
     columns = {name: np.ascontiguousarray(frame[name], np.float64) for name in NUMBERS}
     x, y, heading, tx, ty, radius, _ = columns.values()
     best = shortest_rows(x, y, heading, tx, ty, radius, branch=branch)
-    asked = Asked(x, y, heading, tx, ty, radius, best.length)
-    found = Found.empty(n)
+    questions = Questions(x, y, heading, tx, ty, radius, best.length)
+    findings = Findings.empty(n)
     (k1, k2), (l1, l2) = np.ascontiguousarray(paths.curvature), np.ascontiguousarray(paths.length)
-    driven = Driven(k1, l1, k2, l2)
+    arcs = Arcs(k1, l1, k2, l2)
     limits = Limits(tolerances.miss, tolerances.curvature, tolerances.gap, BRANCHES.index(branch))
     run = judge_threads if n >= SMALL and may_use_threads() else judge_alone
-    odd = run(asked, driven, limits, found)
+    odd = run(questions, arcs, limits, findings)
     if paths.returned is not None:
-        found.verdict[~paths.returned] = ODD
+        findings.verdict[~paths.returned] = ODD
         odd += n
     result = FrameJudgement(
-        verdict=found.verdict,
-        word=found.word,
+        verdict=findings.verdict,
+        word=findings.word,
         reference_word=best.word,
-        length=found.length,
-        travel_time=found.length / columns["speed"],
+        length=findings.length,
+        travel_time=findings.length / columns["speed"],
         reference=best.length,
-        gap=found.gap,
-        miss=found.miss,
-        curvature_excess=found.curvature_excess,
+        gap=findings.gap,
+        miss=findings.miss,
+        curvature_excess=findings.curvature_excess,
         false_claim=np.zeros(0, np.bool_),
-        wrong_basin=_wrong_basins(driven, best, found, columns),
-        region=found.region,
-        margin=found.margin,
+        wrong_basin=_wrong_basins(arcs, best, findings, columns),
+        region=findings.region,
+        margin=findings.margin,
     )
     if odd:
         _judge_odd_rows(result, columns, paths, codes, branch, tolerances)
@@ -162,25 +162,25 @@ def judge_frame(
 
 
 def _wrong_basins(
-    driven: Driven, best: Rows, found: Found, columns: dict[str, FloatArray]
+    arcs: Arcs, best: Rows, findings: Findings, columns: dict[str, FloatArray]
 ) -> BoolArray:
     """Longer paths whose turn is more than 1 rad from the shortest path's."""
     wrong = np.zeros(best.word.size, np.bool_)
-    rows = np.flatnonzero(found.verdict == _LONGER)
+    rows = np.flatnonzero(findings.verdict == _LONGER)
     if not rows.size:
         return wrong
-    k1, l1, k2, l2 = (array[rows] for array in driven)
+    k1, l1, k2, l2 = (array[rows] for array in arcs)
     word = best.word[rows]
     turn = FIRST_TURN[word] * best.first[rows] + LAST_TURN[word] * best.second[rows]
     driven_turn, turn = k1 * l1 + k2 * l2, turn / columns["radius"][rows]
     # codes of `PATH_WORDS` and `WORDS` agree as far as the latter go
-    another = (found.gap[rows] > COARSE) & (found.word[rows] != word)
+    another = (findings.gap[rows] > COARSE) & (findings.word[rows] != word)
     wrong[rows] = (np.abs(driven_turn - turn) > 1.0) | another
     # straight behind, the mirror image is as short: few rows turn like it, and fewer tie
     for row in rows[wrong[rows] & (np.abs(driven_turn + turn) <= 1.0)]:
         optimum = shortest(_scenario(columns, int(row)))
         words = () if optimum is None else optimum.words
-        other = found.gap[row] > COARSE and PATH_WORDS[found.word[row]] not in words
+        other = findings.gap[row] > COARSE and PATH_WORDS[findings.word[row]] not in words
         wrong[row] = len(words) < 2 or other
     return wrong
 

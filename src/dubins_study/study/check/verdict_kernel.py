@@ -1,4 +1,4 @@
-"""The check over arrays: paths of two arcs driven and measured, `study.check.verdict` row by row.
+"""The check over arrays: paths of two arcs driven and measured, as `verdict.judge` does.
 
 A row that is out of the ordinary is not judged here but marked `ODD`: no path or a broken one,
 shorter than the reference (which then has to be relaxed), no path exists, or an angle too large
@@ -35,7 +35,7 @@ _LARGEST = np.finfo(np.float64).max
 BoolArray = NDArray[np.bool_]
 
 
-class Asked(NamedTuple):
+class Questions(NamedTuple):
     """Scenarios and the shortest path of each: arrays of shape (n,), units as in `Scenario`."""
 
     x: FloatArray
@@ -47,7 +47,7 @@ class Asked(NamedTuple):
     reference: FloatArray
 
 
-class Driven(NamedTuple):
+class Arcs(NamedTuple):
     """Controls of paths of two arcs: arrays of shape (n,); an arc of no length is no arc."""
 
     first_curvature: FloatArray
@@ -65,7 +65,7 @@ class Limits(NamedTuple):
     branch: int
 
 
-class Found(NamedTuple):
+class Findings(NamedTuple):
     """What the check finds: arrays of shape (n,), units as in `study.rows.schema`."""
 
     length: FloatArray
@@ -78,7 +78,7 @@ class Found(NamedTuple):
     region: CodeArray
 
     @classmethod
-    def empty(cls, n: int) -> Found:
+    def empty(cls, n: int) -> Findings:
         """Room for n rows."""
         a, b, c, d, e = np.empty((5, n))
         p, q, r = np.empty((3, n), np.uint8)
@@ -143,13 +143,15 @@ def _region_and_margin(X: float, Y: float, rounding: float) -> tuple[int, float]
 
 
 @inlined
-def _judge_chunk(chunk: int, asked: Asked, driven: Driven, limits: Limits, found: Found) -> int:
+def _judge_chunk(
+    chunk: int, questions: Questions, arcs: Arcs, limits: Limits, findings: Findings
+) -> int:
     """Judge one chunk of rows; returns how many are `ODD`."""
-    x, y, heading, tx, ty, radius, reference = asked
-    curvature1, length1, curvature2, length2 = driven
+    x, y, heading, tx, ty, radius, reference = questions
+    curvature1, length1, curvature2, length2 = arcs
     low = np.uint64(chunk) * np.uint64(CHUNK)
     high = min(low + np.uint64(CHUNK), np.uint64(x.size))
-    length, gap, miss, excess, margin, verdict, word, region = found
+    length, gap, miss, excess, margin, verdict, word, region = findings
     odd = 0
     for i in range(low, high):
         sine, cosine = sine_cosine(heading[i])
@@ -186,18 +188,18 @@ def _judge_chunk(chunk: int, asked: Asked, driven: Driven, limits: Limits, found
 
 
 @threaded
-def judge_threads(asked: Asked, driven: Driven, limits: Limits, found: Found) -> int:
+def judge_threads(questions: Questions, arcs: Arcs, limits: Limits, findings: Findings) -> int:
     """Judge all rows in several threads; returns 0 if none is `ODD`."""
     odd = 0
-    for chunk in numba.prange(chunks(asked.x.size)):
-        odd += _judge_chunk(chunk, asked, driven, limits, found)
+    for chunk in numba.prange(chunks(questions.x.size)):
+        odd += _judge_chunk(chunk, questions, arcs, limits, findings)
     return odd
 
 
 @compiled
-def judge_alone(asked: Asked, driven: Driven, limits: Limits, found: Found) -> int:
+def judge_alone(questions: Questions, arcs: Arcs, limits: Limits, findings: Findings) -> int:
     """Judge all rows in one thread; returns 0 if none is `ODD`."""
     odd = 0
-    for chunk in range(chunks(asked.x.size)):
-        odd += _judge_chunk(chunk, asked, driven, limits, found)
+    for chunk in range(chunks(questions.x.size)):
+        odd += _judge_chunk(chunk, questions, arcs, limits, findings)
     return odd

@@ -47,8 +47,8 @@ def gap_quantiles(frame: pd.DataFrame) -> pd.DataFrame:
     """
     order = {region: place for place, region in enumerate(REGIONS)}
     known = frame[frame["region"].isin(REGIONS)].sort_values("region", key=lambda r: r.map(order))
-    every = known[known["region"] == "all"].set_index("solver")["attempts"]
-    news = (known["region"] == "all") | (known["attempts"] < known["solver"].map(every))
+    every = known.groupby("solver")["attempts"].transform("max")
+    news = (known["region"] == "all") | (known["attempts"] < every)
     return by_solver(known[news].assign(arrived=known["arrived"] / known["attempts"]))
 
 

@@ -1,4 +1,4 @@
-"""Chunks: what travels arrives to the last bit, and what is left of them is right."""
+"""Work units: what travels arrives to the last bit, and what is left of them is right."""
 
 from __future__ import annotations
 
@@ -10,16 +10,16 @@ from hypothesis import strategies as st
 from dubins_study.experiments.engines.chains import remaining_chains
 from dubins_study.experiments.engines.judging import row_of
 from dubins_study.experiments.engines.work_unit import (
-    Chunk,
+    WorkUnit,
     decoded,
+    decoded_rows,
     encoded,
+    encoded_rows,
     first_cells,
-    rows_received,
-    rows_sent,
 )
 from dubins_study.experiments.plan.cells import Cell
 from dubins_study.experiments.run_settings import RunSettings
-from dubins_study.solvers.attempt import Reply, Times
+from dubins_study.solvers.reply import Reply, Times
 from dubins_study.solvers.protocol import Outcome, Solution
 from dubins_study.study.check.verdict import Claim
 from dubins_study.study.closed_form.shortest import shortest_path
@@ -40,7 +40,7 @@ def cell(number: int, scenario: Scenario, start: str = "warm") -> Cell:
 
 
 @st.composite
-def chunks(draw):
+def units(draw):
     numbered = iter(range(100))
     chains = draw(st.lists(st.lists(scenarios, min_size=1, max_size=4), max_size=4))
     cells = [tuple(cell(next(numbered), one) for one in chain) for chain in chains]
@@ -49,16 +49,12 @@ def chunks(draw):
         if draw(st.booleans()):
             held = draw(lengths)
             before[chain[0].key] = Path(chain[0].scenario.start, [0.1] * len(held), held)
-    return Chunk(RUN, cells, before)
+    return WorkUnit(RUN, cells, before)
 
 
-@given(chunks())
-def test_a_chunk_arrives_as_it_was_sent(chunk):
-    assert decoded(encoded(chunk)) == chunk
-
-
-def by_key(rows):
-    return {row_key(row): row_path(row) for row in rows}
+@given(units())
+def test_a_work_unit_arrives_as_it_was_sent(unit):
+    assert decoded(encoded(unit)) == unit
 
 
 def solved(one: Cell, arrives: bool = True):
@@ -70,7 +66,7 @@ def solved(one: Cell, arrives: bool = True):
 @given(scenarios)
 def test_rows_arrive_as_they_were_sent(scenario):
     row = solved(cell(0, scenario))
-    received = rows_received(rows_sent([row, row]))
+    received = decoded_rows(encoded_rows([row, row]))
 
     expected = {k: None if isinstance(v, float) and math.isnan(v) else v for k, v in row.items()}
     assert received == [expected, expected]
@@ -81,9 +77,14 @@ SWEEP = tuple(cell(n, Scenario(0, 0, 0, 9, 3, 1 + n / 8)) for n in range(4))
 ALONE = (cell(9, Scenario(0, 0, 0, 5, 5, 1), "cold"),)
 
 
+def left_of(chains, before, rows):
+    """What is left of chains once there are rows of some of their cells."""
+    return remaining_chains(chains, before, {row_key(row): row_path(row) for row in rows})
+
+
 def test_what_is_left_begins_after_the_last_row_with_its_path():
     rows = [solved(SWEEP[0]), solved(SWEEP[1]), solved(ALONE[0])]
-    left, before = remaining_chains([SWEEP, ALONE], {}, by_key(rows))
+    left, before = left_of([SWEEP, ALONE], {}, rows)
 
     assert left == [SWEEP[2:]]
     assert before == {SWEEP[2].key: shortest_path(SWEEP[1].scenario)}
@@ -94,14 +95,14 @@ def test_after_a_failure_the_last_path_serves_on():
     given_before = shortest_path(SWEEP[3].scenario)
     failed = [solved(SWEEP[0], arrives=False)]
 
-    assert remaining_chains([SWEEP], {}, by_key(failed)) == ([SWEEP[1:]], {})
-    left, before = remaining_chains([SWEEP], {SWEEP[0].key: given_before}, by_key(failed))
+    assert left_of([SWEEP], {}, failed) == ([SWEEP[1:]], {})
+    left, before = left_of([SWEEP], {SWEEP[0].key: given_before}, failed)
     assert (left, before) == ([SWEEP[1:]], {SWEEP[1].key: given_before})
 
 
 @given(st.lists(st.integers(1, 5), max_size=6), st.integers(1, 8))
 def test_pieces_make_up_the_whole(sizes, most):
-    """However a chunk is cut, each cell is in one piece, and no chain overtakes itself."""
+    """However a work unit is cut, each cell is in one piece, and no chain overtakes itself."""
     easy = Scenario(0, 0, 0, 9, 3, 1)
     chains = [tuple(cell(10 * n + i, easy) for i in range(k)) for n, k in enumerate(sizes)]
     left, seen = chains, []
@@ -110,6 +111,6 @@ def test_pieces_make_up_the_whole(sizes, most):
         assert 0 < sum(map(len, piece)) <= most
         rows = [solved(one) for chain in piece for one in chain]
         seen += [row_key(row) for row in rows]
-        left, _ = remaining_chains(left, {}, by_key(rows))
+        left, _ = left_of(left, {}, rows)
 
     assert seen == [one.key for chain in chains for one in chain]

@@ -1,0 +1,79 @@
+"""A question put to a solver and timed, and what comes back of it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from time import perf_counter
+from typing import NamedTuple
+
+from dubins_study.solvers.protocol import Outcome, Question, Solution, Solver
+from dubins_study.solvers.registry import unavailable
+from dubins_study.study.check.verdict import Claim
+
+# Long enough for every backend on every question; a solve here lasts microseconds to seconds.
+DEFAULT_LIMIT = 60.0
+
+
+@dataclass(frozen=True, slots=True)
+class Times:
+    """Seconds on `perf_counter` in the process that solves; None for what was not reached."""
+
+    build: float | None = None
+    solve: float | None = None
+    wall: float | None = None
+
+
+_NO_TIMES = Times()
+
+
+class Reply(NamedTuple):
+    """The answer to a question, not judged yet: all that the process that solves needs to know."""
+
+    outcome: Outcome
+    solution: Solution
+    times: Times
+
+
+def no_answer(outcome: Outcome, message: str, times: Times = _NO_TIMES, status: str = "") -> Reply:
+    """The reply of a solver that did not answer, and why."""
+    return Reply(outcome, Solution(Claim.NONE, native_status=status, message=message), times)
+
+
+def ask(solver: Solver, question: Question, limit: float = DEFAULT_LIMIT) -> Reply:
+    """Put a question to a solver and time it. What a solver raises is its reply."""
+    reason = unavailable(solver)
+    if reason is not None:
+        return no_answer(Outcome.UNAVAILABLE, reason)
+    if question.branch not in solver.branches:
+        reason = f"{solver.name} answers {', '.join(solver.branches)}, not {question.branch}"
+        return no_answer(Outcome.UNSUPPORTED, reason)
+    # a solver is given a copy, which it may change
+    copy = replace(question, scenario=replace(question.scenario))
+    began = perf_counter()
+    built = None
+    try:
+        model = solver.build(copy)
+        built = perf_counter()
+        solution = solver.solve(model, limit)
+        ended = perf_counter()
+        if not isinstance(solution, Solution):
+            raise TypeError(f"solve returned {type(solution).__name__}; expected a Solution")
+    except (Exception, SystemExit) as error:  # what a backend raises is its result
+        ended = perf_counter()
+        build = None if built is None else built - began
+        outcome = Outcome.OUT_OF_MEMORY if isinstance(error, MemoryError) else Outcome.RAISED
+        return no_answer(outcome, exception_text(error), Times(build, None, ended - began))
+    return Reply(Outcome.RETURNED, solution, Times(built - began, ended - built, ended - began))
+
+
+_MAX_MESSAGE_CHARS = 2000  # a row is no place for more
+
+
+def exception_text(error: BaseException) -> str:
+    """The name and message of an exception, whose own conversion to text may fail as well."""
+    name = type(error).__name__
+    try:
+        text = str(error)
+    except BaseException:  # whatever a plug-in's exception raises
+        return name
+    return f"{name}: {text}"[:_MAX_MESSAGE_CHARS]
