@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from dubins_study.experiments.run import run as run
     from dubins_study.experiments.store.merge import merge as merge
     from dubins_study.experiments.store.status import status as status
-    from dubins_study.report.data.load import load_results as load_results
+    from dubins_study.report.data.results import load_results as load_results
     from dubins_study.report.page.render import render as render
     from dubins_study.report.path_plot import plot_path as plot_path
     from dubins_study.solvers.attempt import solve as solve
@@ -40,7 +40,7 @@ _MODULES = {
     "Solver": "solvers.protocol",
     "Verdict": "study.check.verdict",
     "available_solvers": "solvers.registry",
-    "load_results": "report.data.load",
+    "load_results": "report.data.results",
     "merge": "experiments.store.merge",
     "plot_path": "report.path_plot",
     "render": "report.page.render",

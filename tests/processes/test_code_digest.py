@@ -17,7 +17,7 @@ from dubins_study.experiments.code_digest import code_digest, solver_sources
 from dubins_study.experiments.definition.experiment import read
 from dubins_study.experiments.plan.cells import chains
 from dubins_study.experiments.store.folder import read_rows
-from dubins_study.report.data.load import load
+from dubins_study.report.data.results import load
 from dubins_study.solvers.registry import SolverError, registered
 from dubins_study.solvers.registry import load as load_solver
 
@@ -192,7 +192,7 @@ def test_rows_of_earlier_code_are_solved_anew_and_never_shown(tmp_path):
     assert set(shown.rows["code_digest"]) == {newest["code_digest"], code_digest("analytic")}
     assert newest["settings"]["patience"] == 2
     assert newest["cells"] == 2
-    assert shown.manifests[0].stale == 2
+    assert shown.folders[0].rows.stale == 2
     dubins_study("report", str(out))
     for page in ("index.html", "report.md"):
         assert "2 rows of earlier code of their solvers" in (out / "report" / page).read_text()
@@ -225,7 +225,7 @@ def test_folders_of_two_codes(tmp_path):
     found = load([one, two])
 
     assert len(found.rows) == 4
-    assert [manifest.replaced for manifest in found.manifests] == [0, 2]
+    assert [folder.rows.replaced for folder in found.folders] == [0, 2]
     dubins_study("report", str(one), str(two), "--out", str(tmp_path / "page"))
     said = "2 rows of cells that a folder before this one holds, made by other code"
     assert said in (tmp_path / "page" / "index.html").read_text()
@@ -255,8 +255,8 @@ def test_folders_that_contradict_each_other(tmp_path):
 
     assert len(found.rows) == 4
     assert "raised" not in set(found.rows["outcome"])
-    assert [manifest.contradicting for manifest in found.manifests] == [0, 1, 1]
-    assert load(folders[1:]).manifests[1].contradicting == 0
+    assert [folder.rows.contradicting for folder in found.folders] == [0, 1, 1]
+    assert load(folders[1:]).folders[1].rows.contradicting == 0
     dubins_study("report", *map(str, folders), "--out", str(tmp_path / "page"))
     for page in ("index.html", "report.md"):
         text = (tmp_path / "page" / page).read_text()

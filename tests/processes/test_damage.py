@@ -20,7 +20,7 @@ from dubins_study import run, status
 from dubins_study.experiments.store import whole_file
 from dubins_study.experiments.store.folder import done, read_rows
 from dubins_study.experiments.store.part_writer import write_part
-from dubins_study.report.data.load import ReportError, load
+from dubins_study.report.data.results import load
 from dubins_study.study.rows.files import DamagedPartError, ResultsError
 from dubins_study.study.rows.parts import check_part, read_footer, read_part
 from dubins_study.study.rows.row_table import ARROW_SCHEMA
@@ -105,7 +105,7 @@ def test_a_damaged_part_is_put_aside_and_its_cells_are_solved_again(folder, expe
     spoilt = damage(part.read_bytes())
     part.write_bytes(spoilt)
     assert status(folder).damaged == 1
-    with pytest.raises(ReportError, match=r"b\.parquet"):
+    with pytest.raises(ResultsError, match=r"b\.parquet"):
         load([folder])
 
     said = finished("run", experiment, "--out", folder)
@@ -202,7 +202,7 @@ def test_what_is_no_part_of_ours_is_refused_and_nothing_changes(folder, experime
         assert message in str(error.value)
         assert "zz.parquet" in str(error.value)
     assert files(folder) == before
-    with pytest.raises(ReportError, match=r"parquet"):
+    with pytest.raises(ResultsError, match=r"parquet"):
         load([folder])
 
 
@@ -222,7 +222,7 @@ def test_links_to_other_places_are_not_followed(folder, experiment, tmp_path, na
         run(experiment, folder)
     assert (files(mine) if mine.is_dir() else mine.read_bytes()) == before
     if name != "damaged":
-        with pytest.raises(ReportError, match="is a link"):
+        with pytest.raises(ResultsError, match="is a link"):
             load([folder])
 
 

@@ -13,13 +13,12 @@ import pytest
 
 from dubins_study import render, run
 from dubins_study.experiments.engines import stream
-from dubins_study.report.data import parts
-from dubins_study.report.data.load import ReportError
-from dubins_study.report.data.load import load as load_results
-from dubins_study.report.data.plane_map import CELLS, REACH, WORDS, PlaneMap
-from dubins_study.report.data.reduction import of
-from dubins_study.report.statistics.metrics import gap_quantiles, summary
-from tests.unit.report.test_reduction import alike
+from dubins_study.report.data.plane_map import CELLS, REACH, WORDS
+from dubins_study.report.data.results import load as load_results
+from dubins_study.report.data.results import part_files
+from dubins_study.study.rows.files import ResultsError
+from tests.unit.report.results_folder import attempts_of
+from tests.unit.report.test_attempts import alike
 
 EXPERIMENT = """
 title = "Many"
@@ -51,22 +50,22 @@ def many(tmp_path, monkeypatch):
 @pytest.fixture
 def sampling(monkeypatch):
     """Rows are kept whole up to 5000, of more about 2000."""
-    monkeypatch.setattr("dubins_study.report.data.load.MOST_ROWS", 5000)
-    monkeypatch.setattr(parts, "SAMPLE", 2000)
+    monkeypatch.setattr("dubins_study.report.data.results.MOST_ROWS", 5000)
+    monkeypatch.setattr("dubins_study.report.data.results.SAMPLE_ROWS", 2000)
 
 
 def every_row(folder):
     return pd.concat([pq.read_table(f).to_pandas() for f in sorted((folder / "parts").iterdir())])
 
 
-def test_numbers_are_of_all_rows_and_rows_a_sample_of_scenarios(many, sampling):
-    """The reduction of the parts is that of all rows; a scenario is in the sample or is not."""
+def test_numbers_are_of_all_rows_and_rows_a_sample_of_scenarios(many, sampling, tmp_path):
+    """The counts of the parts are those of single cells; a scenario is in the sample or is not."""
     found = load_results([many])
     rows = every_row(many).assign(experiment="many")
 
-    assert len(rows) == ROWS == found.reduction.total.attempts
+    assert len(rows) == ROWS == found.attempts.count
     assert found.sampled
-    alike(found.reduction, of(rows))
+    alike(found.attempts, attempts_of(tmp_path / "cells", rows))
     assert 1500 < len(found.rows) < 2500
     counted = rows.groupby("scenario_id").size()
     kept = found.rows.groupby("scenario_id").size()
@@ -81,26 +80,25 @@ def test_numbers_are_of_all_rows_and_rows_a_sample_of_scenarios(many, sampling):
 def test_the_sample_does_not_depend_on_the_order_of_parts(many, sampling, monkeypatch):
     """Nor do the numbers."""
     one = load_results([many])
-    original = parts.parts_of
     monkeypatch.setattr(
-        "dubins_study.report.data.load.parts_of", lambda folder: original(folder)[::-1]
+        "dubins_study.report.data.results.part_files", lambda folder: part_files(folder)[::-1]
     )
     other = load_results([many])
 
-    alike(one.reduction, other.reduction)
+    alike(one.attempts, other.attempts)
     assert set(one.rows["scenario_id"]) == set(other.rows["scenario_id"])
 
 
 @pytest.mark.parametrize("kept", [5000, 10**6])
 def test_what_two_folders_hold_counts_once(many, tmp_path, kept, monkeypatch):
     """Chunks are known by their metadata, cells by their keys; whole rows or a sample of them."""
-    monkeypatch.setattr("dubins_study.report.data.load.MOST_ROWS", kept)
+    monkeypatch.setattr("dubins_study.report.data.results.MOST_ROWS", kept)
     once, twice = load_results([many]), load_results([many, many])
 
-    alike(once.reduction, twice.reduction)
+    alike(once.attempts, twice.attempts)
     if kept > ROWS:
         assert len(twice.rows) == ROWS
-    assert [run.stale for run in twice.manifests] == [0, 0]
+    assert [folder.rows.stale for folder in twice.folders] == [0, 0]
 
 
 def test_rows_of_earlier_code_are_told_and_left_out(many, sampling):
@@ -109,7 +107,7 @@ def test_rows_of_earlier_code_are_told_and_left_out(many, sampling):
     manifest["solvers"]["analytic"]["code_digest"] = "changed"
     (many / "manifest.json").write_text(json.dumps(manifest))
 
-    with pytest.raises(ReportError, match="no rows but of earlier code"):
+    with pytest.raises(ResultsError, match="no rows but of earlier code"):
         load_results([many])
 
 
@@ -138,17 +136,15 @@ def test_small_folders_are_read_whole(many, tmp_path):
     assert len(found.rows) == ROWS
     assert "Where single attempts" not in page
     assert 'id="map"' not in page
-    whole = of(every_row(many).assign(experiment="many"))
-    pd.testing.assert_frame_equal(summary(found.reduction), summary(whole))
-    pd.testing.assert_frame_equal(gap_quantiles(found.reduction), gap_quantiles(whole))
+    whole = every_row(many).assign(experiment="many")
+    alike(found.attempts, attempts_of(tmp_path / "cells", whole))
 
 
 def test_the_plane_is_counted_by_cells(many):
     """Against each row by hand, turned into the vehicle's frame by complex numbers."""
     rows = every_row(many)
     rows = rows[(rows["branch"] == "best") & rows["length"].notna()]
-    halves = [PlaneMap.of(rows[::2]), PlaneMap.of(rows[1::2])]
-    found = PlaneMap.merged(halves[::-1])
+    found = load_results([many]).attempts.planes()["many"]
     expected = np.zeros_like(found.counts)
     for row in rows.itertuples():
         target = complex(row.target_x - row.x, row.target_y - row.y) / row.radius
@@ -161,9 +157,6 @@ def test_the_plane_is_counted_by_cells(many):
 
     # a target on the edge of a cell may fall on either side of it
     assert np.abs(found.counts - expected).sum() <= 0.01 * expected.sum()
-    whole = PlaneMap.of(rows)
-    assert np.array_equal(found.counts, whole.counts)
-    assert np.array_equal(found.least, whole.least)
 
 
 PEAK = """

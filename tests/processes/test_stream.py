@@ -29,7 +29,7 @@ from dubins_study.experiments.plan.streams import streams
 from dubins_study.experiments.store.folder import done, read_rows
 from dubins_study.experiments.store.part_writer import write_part
 from dubins_study.experiments.store.status import status
-from dubins_study.report.data.load import load
+from dubins_study.report.data.results import load
 from dubins_study.solvers import frame
 from dubins_study.solvers.attempt import solve
 from dubins_study.solvers.frame import solve_frame

@@ -6,11 +6,9 @@ import pytest
 
 from dubins_study import run
 from dubins_study.experiments.definition.experiment import read
-from dubins_study.report.data.load import load
-from dubins_study.report.data.tally import widths
+from dubins_study.report.data.results import load
 from dubins_study.report.topics.basins.numbers import INFEASIBLE, NOWHERE, capping, ends, shares
 from dubins_study.report.topics.bias.numbers import by_barrier, left_over, without_barrier
-from dubins_study.report.topics.certificates.numbers import certificates
 from dubins_study.report.topics.convergence.numbers import orders, refined
 from dubins_study.report.topics.ladder.numbers import rungs
 from dubins_study.report.topics.proofs.numbers import prices, proofs
@@ -108,14 +106,14 @@ def test_real_answers_are_certified(tmp_path):
     enclosures hold the closed form's length and are narrower than 1e-12."""
     (tmp_path / "certified.toml").write_text(CERTIFICATES, encoding="utf-8")
     results = load([run(str(tmp_path / "certified.toml"), tmp_path / "out")])
-    loaded, table = results.rows, certificates(results.reduction).set_index("solver")
+    loaded, table = results.rows, results.attempts.proofs().set_index("solver")
     disc = loaded[loaded["region"] == "right disc"]
 
     assert table["none"].sum() == 0
     assert table.loc["analytic", "proved"] == 4
     assert set(disc.loc[disc["branch"] == "RS", "verdict"]) == {"none exists"}
-    assert len(widths(loaded)) == 3 * 3
-    assert widths(loaded).max() < 1e-12
+    assert table["enclosed"].sum() == 3 * 3
+    assert table["width"].max() < 1e-12
     assert table["false_bounds"].sum() == 0
     best = disc[disc["branch"] == "best"].iloc[0]
     # a unit in the last place, which is what the closed form's own arithmetic loses
@@ -150,7 +148,7 @@ def test_orders_are_those_of_the_theory(convergence_folder):
     Half an order is allowed: where the switches fall between two steps moves medians of eight.
     """
     loaded = load([convergence_folder])
-    found = orders(refined(loaded.rows, loaded.manifests[0].solvers)).set_index(
+    found = orders(refined(loaded.rows, loaded.settings)).set_index(
         ["series", "place"]
     )["order"]
     raw = "collocation[points={},mesh=equal,correct=False]"

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from pathlib import Path as FilePath
 from typing import Any
 
+import pandas as pd
 import pyarrow as pa
 import pyarrow.parquet as pq
 
 from dubins_study.experiments.definition.experiment import packaged, read
+from dubins_study.report.data.attempts import Attempts
+from dubins_study.report.data.results import load as load_folders
 from dubins_study.solvers.registry import SolverError, load, settings
 from dubins_study.study.check.verdict import Claim, judge
 from dubins_study.study.closed_form.shortest import shortest_path
@@ -112,9 +115,46 @@ def write_folder(
             for row in rows
         },
         "gap_tolerance": 1e-4,
+        "cells": len(rows),
         "git": {"commit": "abc"},
         "created": "2026-01-01T00:00:00Z",
         "finished": "2026-01-01T00:01:00Z",
     }
     (folder / "manifest.json").write_text(json.dumps(text | manifest), encoding="utf-8")
     return folder
+
+
+_CELL = {
+    **dict.fromkeys(("profile", "solver", "experiment", "scenario_id", "code_digest"), "a"),
+    **{"branch": "best", "initial_guess": "cold", "label": ""},
+    **{"x": 0.0, "y": 0.0, "heading": 0.0, "target_x": 4.0, "target_y": 1.0},
+    **{"radius": 1.0, "speed": 1.0},
+}
+
+
+def attempts_of(
+    place: FilePath, rows: pd.DataFrame, parts: Sequence[int] | None = None, texts: Any = None
+) -> Attempts:
+    """Rows written to one folder an experiment, each row a cell of its own, and read as attempts.
+
+    Args:
+        place: where to write; a folder that stands until the last question has been asked.
+        rows: any columns of the schema, and `experiment`; what is missing is filled in.
+        parts: the number of the part that each row goes to; all into one if None.
+        texts: the Arrow type of texts in the parts.
+    """
+    whole = rows.drop(columns=["repeat", "answerable"], errors="ignore").reset_index(drop=True)
+    whole = whole.assign(**{name: v for name, v in _CELL.items() if name not in whole})
+    whole = whole.astype(object).where(whole.notna(), None).assign(repeat=range(len(whole)))
+    number = pd.Series(0 if parts is None else parts, index=whole.index)
+    kinds = [f.with_type(texts) if texts and f.type == pa.string() else f for f in SCHEMA]
+    folders = []
+    for name, own in whole.groupby("experiment", sort=False):
+        records = own.drop(columns="experiment").to_dict("records")
+        folder = write_folder(place / str(name), str(name), records)
+        (folder / "parts" / "1.parquet").unlink()
+        for part, group in own.groupby(number):
+            table = pa.Table.from_pylist(group.to_dict("records"), schema=SCHEMA)
+            pq.write_table(table.cast(pa.schema(kinds)), folder / "parts" / f"{part}.parquet")
+        folders.append(folder)
+    return load_folders(folders).attempts

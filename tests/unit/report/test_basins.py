@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from dubins_study import render
-from dubins_study.report.data.load import load
+from dubins_study.report.data.results import load
 from dubins_study.report.topics.basins.numbers import (
     GIVES_UP,
     INFEASIBLE,

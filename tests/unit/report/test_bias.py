@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from dubins_study import render
-from dubins_study.report.data.load import load
+from dubins_study.report.data.results import load
 from dubins_study.report.topics.bias.numbers import (
     barrier,
     by_barrier,

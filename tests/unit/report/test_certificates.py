@@ -7,9 +7,7 @@ import math
 import pytest
 
 from dubins_study import render
-from dubins_study.report.data.load import load
-from dubins_study.report.data.tally import compared, widths
-from dubins_study.report.topics.certificates.numbers import certificates
+from dubins_study.report.data.results import load
 from dubins_study.study.check.verdict import Claim
 from tests.unit.report.results_folder import attempt, paper_scenarios
 
@@ -50,7 +48,7 @@ def rows():
 
 def test_numbers_by_hand(results):
     """Counts of each word, a lost row has no proof; worst and least of what is measured."""
-    table = certificates(load([results("tiny", rows())]).reduction).set_index("solver")
+    table = load([results("tiny", rows())]).attempts.proofs().set_index("solver")
     words = ["attempts", "proved", "bounded", "extremal", "none"]
 
     assert table.loc["slsqp", words].tolist() == [2, 2, 0, 0, 0]
@@ -73,7 +71,12 @@ def test_multipliers_are_compared_with_costates_that_are_there(results):
         kept | {"repeat": 4, "gap": None},
     ]
 
-    assert compared(load([results("tiny", made)]).rows).tolist() == [True] + 4 * [False]
+    table = load([results("tiny", made)]).attempts.proofs()
+
+    assert table[["attempts", "multipliers", "costate_error"]].to_numpy().tolist() == [[5, 1, 1e-9]]
+    for row in made[1:]:
+        alone = load([results(f"only-{row['repeat']}", [row])]).attempts.proofs()
+        assert alone["multipliers"].tolist() == [0]
 
 
 def test_width_of_enclosures(results):
@@ -81,11 +84,14 @@ def test_width_of_enclosures(results):
     made = rows()
     made[0] |= {"reference_low": 2.0, "reference_high": 2.5}
     made[2] |= {"reference_low": 2.0, "reference_high": 2.5}
-    found = load([results("tiny", made)])
-    width = set(widths(found.rows))
+    made.append(made[4] | {"repeat": 1, "reference_low": 0.0, "reference_high": 0.0})
+    table = load([results("tiny", made)]).attempts.proofs().set_index("solver")
 
-    assert sorted(width) == pytest.approx([4e-16, 0.2])
-    assert found.reduction.total.spread("width").largest == pytest.approx(0.2)
+    assert table["enclosed"].to_dict() == {"slsqp": 2, "disjunctive": 2}
+    assert table["width"].to_dict() == pytest.approx({"slsqp": 0.2, "disjunctive": 0.2})
+    narrow = [row | {"repeat": 1} for row in rows()[:2]]
+    alone = load([results("narrow", narrow)]).attempts.proofs()
+    assert alone["width"].tolist() == pytest.approx([4e-16])
 
 
 def text_of(folder, out):

@@ -7,7 +7,7 @@ import math
 import pytest
 
 from dubins_study import render
-from dubins_study.report.data.load import load
+from dubins_study.report.data.results import load
 from dubins_study.report.topics.convergence.numbers import medians, orders, refined, series
 from dubins_study.study.check.verdict import Claim
 from dubins_study.study.scenario import Scenario
@@ -36,7 +36,7 @@ def rows():
 
 def frames(folder):
     loaded = load([folder])
-    return refined(loaded.rows, loaded.manifests[0].solvers)
+    return refined(loaded.rows, loaded.settings)
 
 
 def test_orders_by_hand(results):

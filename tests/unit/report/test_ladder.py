@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from dubins_study import render
-from dubins_study.report.data.load import load
+from dubins_study.report.data.results import load
 from dubins_study.report.topics.ladder.numbers import SIDES, down_to, ladder, rungs
 from dubins_study.study.check.verdict import Claim
 from dubins_study.study.closed_form.shortest import shortest, shortest_path

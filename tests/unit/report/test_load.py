@@ -8,8 +8,9 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
-from dubins_study.report.data.load import ReportError, load
+from dubins_study.report.data.results import load
 from dubins_study.study.closed_form.shortest import shortest_path
+from dubins_study.study.rows.files import ResultsError
 from dubins_study.study.rows.schema import VERSION
 from tests.unit.report.results_folder import SCHEMA, attempt, paper_scenarios, write_folder
 
@@ -83,14 +84,14 @@ def _change_type(folder):
         (lambda f: (f / "manifest.json").write_text("[" * 100_000), "cannot be read as JSON"),
         (lambda f: (f / "manifest.json").write_text("9" * 5_000), "cannot be read as JSON"),
         (lambda f: (f / "manifest.json").write_bytes(b"\xff\xfe\x00"), "cannot be read as JSON"),
-        (_spoil_schema, f"schema is {VERSION + 1}; expected {VERSION}"),
-        (_spoil_name, "experiment has no name"),
+        (_spoil_schema, f"has schema {VERSION + 1}; expected {VERSION}"),
+        (_spoil_name, "experiment is {}; expected an object with name"),
         (lambda f: (f / "parts" / "1.parquet").unlink(), "has no rows"),
         (lambda f: pq.write_table(SCHEMA.empty_table(), f / "parts" / "1.parquet"), "has no rows"),
         (lambda f: (f / "parts" / "1.parquet").write_bytes(b"PAR1 no"), "cannot be read"),
         (lambda f: (f / "parts" / "1.parquet").write_bytes(b""), "cannot be read"),
-        (_drop_column, "missing column 'gap'"),
-        (_add_column, "unknown column 'extra'"),
+        (_drop_column, "it has no column 'gap'"),
+        (_add_column, "it has a column 'extra'"),
         (_change_type, "cannot be read"),
     ],
 )
@@ -99,7 +100,7 @@ def test_a_spoilt_folder_is_refused(results, spoil, message):
     folder = results("paper", [attempt(paper_scenarios()[0])])
     spoil(folder)
 
-    with pytest.raises(ReportError, match="paper") as caught:
+    with pytest.raises(ResultsError, match="paper") as caught:
         load([folder])
     assert message in str(caught.value)
     assert "\n" not in str(caught.value)
@@ -107,9 +108,9 @@ def test_a_spoilt_folder_is_refused(results, spoil, message):
 
 def test_no_folder_is_refused(tmp_path):
     """Neither a missing folder nor an empty list is silently an empty report."""
-    with pytest.raises(ReportError, match="not a folder"):
+    with pytest.raises(ResultsError, match="not a folder"):
         load([tmp_path / "nowhere"])
-    with pytest.raises(ReportError, match="at least one"):
+    with pytest.raises(ResultsError, match="at least one"):
         load([])
 
 
@@ -123,5 +124,5 @@ def test_a_gap_that_differs_contradicts(tmp_path):
         for number, own in enumerate((rows, near, far))
     )
 
-    assert [m.contradicting for m in load([one, near, far]).manifests] == [0, 0, 3]
-    assert [m.contradicting for m in load([far, one]).manifests] == [0, 3]
+    assert [f.rows.contradicting for f in load([one, near, far]).folders] == [0, 0, 3]
+    assert [f.rows.contradicting for f in load([far, one]).folders] == [0, 3]

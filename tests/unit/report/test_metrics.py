@@ -8,13 +8,14 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from dubins_study.report.data.reduction import of
+from dubins_study.report.data.attempts import VERDICTS
 from dubins_study.report.statistics import metrics, timing
 from dubins_study.report.topics.agreement.numbers import agreement
 from dubins_study.report.topics.discretisation.numbers import work_precision
 from dubins_study.report.topics.warm.numbers import warm_starts
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import COLUMNS, Pose
+from tests.unit.report.results_folder import attempts_of
 
 NAN = float("nan")
 
@@ -37,6 +38,7 @@ def frame(**columns):
         "wrong_basin": False,
         "region": "outside",
         "reference_word": "LS",
+        "answerable": True,
         "message": "",
         "native_status": "",
         "gap": 0.0,
@@ -50,32 +52,32 @@ def frame(**columns):
     return pd.DataFrame({**base, **columns})
 
 
-def test_failures_stay_in_every_denominator():
+def test_failures_stay_in_every_denominator(tmp_path):
     """Four attempts, one optimal and one right refusal: half succeed, whatever the others did."""
     rows = frame(
         verdict=["optimal", "none exists", "misses", "none"],
         outcome=["returned", "returned", "returned", "timeout"],
         false_claim=[False, False, True, False],
     )
-    line = metrics.summary(of(rows)).iloc[0]
+    line = metrics.summary(attempts_of(tmp_path, rows).verdicts()).iloc[0]
 
     assert (line["attempts"], line["success"]) == (4, 0.5)
     assert (line["misses"], line["none"], line["none exists"]) == (1, 1, 1)
     assert (line["false_claims"], line["not_returned"]) == (1, 1)
 
 
-def test_every_attempt_is_in_one_verdict_column():
+def test_every_attempt_is_in_one_verdict_column(tmp_path):
     """Verdict counts add up to the attempts."""
     rows = frame(verdict=["optimal", "longer", "longer", "misses", "none", "none exists"])
-    line = metrics.summary(of(rows)).iloc[0]
+    line = metrics.summary(attempts_of(tmp_path, rows).verdicts()).iloc[0]
 
-    assert sum(line[verdict] for verdict in metrics.VERDICTS) == line["attempts"]
+    assert sum(line[verdict] for verdict in VERDICTS) == line["attempts"]
 
 
-def test_gap_quantiles_count_what_did_not_arrive_as_infinite():
+def test_gap_quantiles_count_what_did_not_arrive_as_infinite(tmp_path):
     """Of ten attempts nine arrive: the median is a number, the worst is not."""
     rows = frame(gap=[0.1 * i for i in range(9)] + [NAN])
-    line = metrics.gap_quantiles(of(rows)).iloc[0]
+    line = metrics.gap_quantiles(attempts_of(tmp_path, rows).gap_quantiles()).iloc[0]
 
     assert line["attempts"] == 10
     assert line["arrived"] == 0.9
@@ -84,13 +86,15 @@ def test_gap_quantiles_count_what_did_not_arrive_as_infinite():
     assert line["q100"] == math.inf
 
 
-def test_questions_without_an_answer_have_no_gap_to_measure():
+def test_questions_without_an_answer_have_no_gap_to_measure(tmp_path):
     """LS inside the left disc does not exist; refusing it must not look like an infinite gap."""
     rows = frame(gap=[0.0, NAN], reference_word=["LS", None], verdict=["optimal", "none exists"])
-    assert metrics.gap_quantiles(of(rows)).iloc[0]["attempts"] == 1
+    assert (
+        metrics.gap_quantiles(attempts_of(tmp_path, rows).gap_quantiles()).iloc[0]["attempts"] == 1
+    )
 
 
-def test_a_crash_counts_where_an_answer_exists():
+def test_a_crash_counts_where_an_answer_exists(tmp_path):
     """A row that lost everything still belongs to a question that has an answer, or has none: the
     target in the left disc is reached by RS and not by LS."""
     lost = {
@@ -102,7 +106,9 @@ def test_a_crash_counts_where_an_answer_exists():
     }
     place = dict(zip(COLUMNS, (0.0, 0.0, 0.0, 0.5, 0.8, 1.0, 1.0, ""), strict=True))
     rows = frame(solver=["a", "b"], branch=["LS", "RS"], **(place | lost))
-    table = metrics.gap_quantiles(of(rows)).set_index(["solver", "region"])
+    table = metrics.gap_quantiles(attempts_of(tmp_path, rows).gap_quantiles()).set_index(
+        ["solver", "region"]
+    )
 
     assert list(table.index) == [("b", "all")]
     assert table.loc[("b", "all"), "q50"] == math.inf
@@ -199,10 +205,10 @@ def test_time_ratios_keep_failures_as_never_solved():
     assert ratios["b"].tolist() == [2.0, math.inf]
 
 
-def test_messages_that_differ_in_numbers_are_one():
+def test_messages_that_differ_in_numbers_are_one(tmp_path):
     """Grouping failures by their gist."""
     rows = frame(verdict="none", message=["off by 2.3e-01; off by 1.1e+02", "off by 7; off by 0.5"])
-    table = metrics.failures(of(rows))
+    table = metrics.failures(attempts_of(tmp_path, rows).failures())
 
     assert table[["said", "attempts"]].to_numpy().tolist() == [["off by #", 2]]
 

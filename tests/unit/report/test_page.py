@@ -8,9 +8,9 @@ from html.parser import HTMLParser
 import pytest
 
 from dubins_study import render
-from dubins_study.report.data.load import ReportError
 from dubins_study.report.elements.content import Column, Table, count, digits, seconds, share
 from dubins_study.report.page.markup import markdown, tex, to_csv, to_markdown, to_tex
+from dubins_study.report.page.render import ReportError
 from dubins_study.report.page.sections import TOPICS
 from dubins_study.study.check.verdict import Claim
 from dubins_study.study.path import Path

@@ -7,7 +7,7 @@ import math
 import pytest
 
 from dubins_study import render
-from dubins_study.report.data.load import load
+from dubins_study.report.data.results import load
 from dubins_study.report.topics.proofs.numbers import (
     PAPER,
     fastest,

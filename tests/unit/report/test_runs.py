@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from dubins_study import render
-from dubins_study.report.data.load import load
+from dubins_study.report.data.results import load
 from dubins_study.report.topics.runs.numbers import runs
 from tests.unit.report.results_folder import attempt, paper_scenarios
 
@@ -93,7 +93,7 @@ def test_a_short_run_does_not_pretend_to_know(page):
 def test_a_run_without_an_end_is_running_or_killed(results):
     found = load([results("paper", [attempt(paper_scenarios()[0])], runs=[entry(state="running")])])
 
-    assert runs(found.manifests)["state"].tolist() == ["running, or killed"]
+    assert runs(found.folders)["state"].tolist() == ["running, or killed"]
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,7 @@ import pytest
 
 from dubins_study import render
 from dubins_study.experiments.definition.experiment import ExperimentError, packaged, parse, read
-from dubins_study.report.data.load import load
+from dubins_study.report.data.results import load
 from dubins_study.report.page.sections import KEYS, TOPICS, sections_of
 from tests.unit.report.results_folder import attempt, paper_scenarios
 

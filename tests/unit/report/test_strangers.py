@@ -7,8 +7,9 @@ import math
 import pytest
 
 from dubins_study import render
-from dubins_study.report.data.load import ReportError, load
-from dubins_study.report.data.visible import visible
+from dubins_study.report.data.results import load
+from dubins_study.study.printable import printable_text as visible
+from dubins_study.study.rows.files import ResultsError
 from tests.unit.report.results_folder import attempt, paper_scenarios
 
 ESCAPES = "\x1b[31m\x07\x9b\u202e\ud800"
@@ -56,7 +57,7 @@ def test_rows_that_no_run_writes_are_refused(results, changes, message):
     rows = [attempt(scenario), attempt(scenario, branch="LS") | changes]
     folder = results("f", rows)
 
-    with pytest.raises(ReportError) as error:
+    with pytest.raises(ResultsError) as error:
         load([folder])
 
     assert message in str(error.value)

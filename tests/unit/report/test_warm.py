@@ -7,7 +7,7 @@ import math
 import pytest
 
 from dubins_study import render
-from dubins_study.report.data.load import load
+from dubins_study.report.data.results import load
 from dubins_study.report.topics.warm.numbers import warm_starts
 from dubins_study.report.topics.warm.section import warm_sentences
 from dubins_study.study.check.verdict import Claim

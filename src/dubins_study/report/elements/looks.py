@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any, NamedTuple, Self
 
-from dubins_study.report.data.reduction import EXACT
+from dubins_study.report.data.attempts import EXACT
 from dubins_study.report.elements.style import (
     BLUE,
     BROWN,

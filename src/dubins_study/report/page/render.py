@@ -11,7 +11,8 @@ from pathlib import Path as FilePath
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
-from dubins_study.report.data.load import Manifest, ReportError, Results, load
+from dubins_study.errors import DubinsStudyError
+from dubins_study.report.data.results import Folder, Results, load
 from dubins_study.report.elements.content import Picture, Section, Table, some
 from dubins_study.report.elements.figure_file import figure_bytes, fix_layout
 from dubins_study.report.elements.style import (
@@ -30,6 +31,10 @@ from dubins_study.report.page.sections import KEYS, TOPICS, sections_of
 Progress = Callable[[str], None]
 
 
+class ReportError(DubinsStudyError, ValueError):
+    """A place that a report cannot be written to."""
+
+
 def render(
     folders: Iterable[str | FilePath] | str | FilePath,
     out: str | FilePath | None = None,
@@ -44,7 +49,8 @@ def render(
         progress: called with the title of each section before it is drawn.
 
     Raises:
-        ReportError: if a folder cannot be read, or `out` cannot be written.
+        ResultsError: if a folder cannot be read.
+        ReportError: if `out` cannot be written.
     """
     given = [folders] if isinstance(folders, (str, FilePath)) else list(folders)
     results = load(given)
@@ -57,7 +63,7 @@ def render(
         sections = _sections(results, progress)
         try:
             target.parent.mkdir(parents=True, exist_ok=True)
-            _write_whole(target, sections, results.manifests)
+            _write_whole(target, sections, results.folders)
         except OSError as error:
             raise _unwritable(target, error) from None
     return target / "index.html"
@@ -90,7 +96,7 @@ def _sections(results: Results, progress: Progress | None) -> list[Section]:
     return sections
 
 
-def _write_whole(target: FilePath, sections: Sequence[Section], runs: Sequence[Manifest]) -> None:
+def _write_whole(target: FilePath, sections: Sequence[Section], runs: Sequence[Folder]) -> None:
     """Write beside the target, then change names: no reader meets half a report."""
     fresh = FilePath(tempfile.mkdtemp(prefix=f".{target.name}-", dir=target.parent))
     try:
@@ -107,7 +113,7 @@ def _write_whole(target: FilePath, sections: Sequence[Section], runs: Sequence[M
         shutil.rmtree(fresh, ignore_errors=True)
 
 
-def _write(folder: FilePath, sections: Sequence[Section], runs: Sequence[Manifest]) -> None:
+def _write(folder: FilePath, sections: Sequence[Section], runs: Sequence[Folder]) -> None:
     for name in ("figures", "tables"):
         (folder / name).mkdir()
     drawn: dict[str, Markup] = {}
@@ -160,15 +166,15 @@ def breakable(text: str) -> Markup:
     return Markup(escaped.replace("[", "<wbr>[").replace(",", ",<wbr>"))
 
 
-def warnings(run: Manifest) -> list[str]:
+def warnings(run: Folder) -> list[str]:
     """What a reader of a folder's numbers must know first; nothing if all is well."""
     lines = []
-    if not run.finished:
+    if not run.manifest.finished:
         lines.append("Not finished: numbers below are of the cells done so far.")
-    if run.contradicting:
+    if run.rows.contradicting:
         lines.append(
-            f"It contradicts a folder before it in {some(run.contradicting, 'cell')}, by the same "
-            "code: the earlier folder's attempts are shown; dubins-study merge names both."
+            f"It contradicts a folder before it in {some(run.rows.contradicting, 'cell')}, by the "
+            "same code: the earlier folder's attempts are shown; dubins-study merge names both."
         )
     if run.section is not None and run.section not in KEYS:
         lines.append(
@@ -178,11 +184,11 @@ def warnings(run: Manifest) -> list[str]:
     return lines
 
 
-def left_out(run: Manifest) -> list[str]:
+def left_out(run: Folder) -> list[str]:
     """What of a folder's rows the report does not show, and why; nothing if it shows all."""
     lines = {
-        "of earlier code of their solvers": run.stale,
-        "of cells that a folder before this one holds, made by other code": run.replaced,
+        "of earlier code of their solvers": run.rows.stale,
+        "of cells that a folder before this one holds, made by other code": run.rows.replaced,
     }
     return [f"{some(number, 'row')} {why}" for why, number in lines.items() if number]
 

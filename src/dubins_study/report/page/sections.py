@@ -7,7 +7,7 @@ from dataclasses import replace
 from enum import Enum, auto
 from typing import NamedTuple
 
-from dubins_study.report.data.load import Results
+from dubins_study.report.data.results import Results
 from dubins_study.report.elements.content import Section, count, slug
 from dubins_study.report.topics.agreement.section import agreement_section
 from dubins_study.report.topics.audit.section import audit_section
@@ -98,8 +98,8 @@ def sections_of(topic: Topic, results: Results) -> Iterator[Section]:
 def _selections(topic: Topic, results: Results) -> dict[str, Results]:
     """Name -> attempts, for each section that the topic may have."""
     keys: dict[str, str | None] = {}
-    for run in results.manifests:
-        if run.name in results.reduction.experiments:  # others have no rows of their own
+    for run in results.folders:
+        if run.name in results.attempts.experiments:  # others have no rows of their own
             keys.setdefault(run.name, run.section)
     if isinstance(topic.about, str):
         about = [name for name, key in keys.items() if key == topic.about]
@@ -128,7 +128,7 @@ def _with_sample(section: Section, results: Results) -> Section:
     """The section with a sentence on the attempts that it leaves out, if it leaves some out."""
     if not results.sampled:
         return section
-    kept, attempts = len(results.rows), results.reduction.total.attempts
+    kept, attempts = len(results.rows), results.attempts.count
     sentence = (
         f"Where single attempts are shown or compared, they are {count(kept)} of the "
         f"{count(attempts)}: all those at some of the scenarios, drawn by the hashes that name them"

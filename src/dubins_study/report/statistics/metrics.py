@@ -1,4 +1,4 @@
-"""Numbers from rows, or from what `report.data.reduction` makes of them. Pure.
+"""Numbers from rows, or from the counts of `report.data.attempts`. Pure functions.
 
 A failed attempt stays in every denominator: shares are of all attempts, and a quantile of the gap
 counts an attempt without one as infinitely far off.
@@ -14,18 +14,10 @@ import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike, NDArray
 
-from dubins_study.report.data.reduction import EXACT, Reduction
-from dubins_study.report.data.spread import Spread
-from dubins_study.report.data.tally import SUCCESSES, Tally, success
-
-__all__ = ["SUCCESSES", "success"]
+from dubins_study.report.data.attempts import EXACT, PROOFS, SUCCESSES
 
 FloatArray = NDArray[np.float64]
 
-VERDICTS = ("optimal", "none exists", "longer", "misses", "none")
-# experiments that set variants against each other or ask extreme questions on purpose: each has a
-# section of its own, and its rows enter no number pooled over experiments
-STUDIES = ("discretisation", "basins", "bias", "convergence", "ladder", "scale", "proofs")
 QUESTION = ["experiment", "scenario_id", "branch", "initial_guess"]
 
 
@@ -48,74 +40,117 @@ def solver_order(solvers: Sequence[str]) -> list[str]:
     return sorted(set(solvers), key=rank)
 
 
-def summary(found: Reduction) -> pd.DataFrame:
+def success(rows: pd.DataFrame) -> pd.Series[bool]:
+    """Whether the check found each attempt's answer right."""
+    return rows["verdict"].isin(SUCCESSES)
+
+
+def proof(rows: pd.DataFrame) -> pd.Series:
+    """How far each attempt's proof goes; `none` of a process that did not come back."""
+    given = rows["proof"].astype(object)
+    return given.where(given.isin(PROOFS), "none")
+
+
+def by_solver(frame: pd.DataFrame) -> pd.DataFrame:
+    """The rows in the order of `solver_order`; rows of one solver keep their order."""
+    order = {solver: place for place, solver in enumerate(solver_order(frame["solver"].tolist()))}
+    return frame.sort_values("solver", key=lambda s: s.map(order), kind="stable", ignore_index=True)
+
+
+def summary(verdicts: pd.DataFrame) -> pd.DataFrame:
     """One row a solver: attempts, counts of each verdict, false claims, wrong basins, times.
 
-    Columns: solver, attempts, one per verdict, success (share of all attempts), false_claims,
-    wrong_basins, not_returned (timeout, crashed, raised, ...), wall_s (median, s).
+    Args:
+        verdicts: of `report.data.attempts.Attempts.verdicts`.
+
+    Returns:
+        Its columns, and success (share of all attempts).
     """
-    records = []
-    for solver in solver_order(list(found.solvers)):
-        own = found.solvers[solver]
-        record: dict[str, object] = {"solver": solver, "attempts": own.attempts}
-        record |= {verdict: own.count("verdict", verdict) for verdict in VERDICTS}
-        record |= {
-            "success": own.success / own.attempts,
-            "false_claims": own.count("false_claim"),
-            "wrong_basins": own.count("wrong_basin"),
-            "not_returned": own.attempts - own.count("outcome", "returned"),
-            "wall_s": own.spread("wall_s").median,
-        }
-        records.append(record)
-    return pd.DataFrame.from_records(records)
+    right = verdicts[list(SUCCESSES)].sum(axis="columns")
+    return by_solver(verdicts.assign(success=right / verdicts["attempts"]))
 
 
-def failures(found: Reduction) -> pd.DataFrame:
-    """Attempts without success, grouped by what was said and found, most frequent first.
+def gist(message: str) -> str:
+    """A message without its numbers and repetitions, so that like messages count as one."""
+    parts = [re.sub(r"\d[\d.]*(?:[eE][+-]?\d+)?", "#", part) for part in message.split("; ")]
+    return "; ".join(dict.fromkeys(parts))[:160]
 
-    Columns: solver, outcome, claim, verdict, said (the backend's status and message), attempts.
+
+def failures(frame: pd.DataFrame) -> pd.DataFrame:
+    """Attempts without success by what is known of them, most frequent first.
+
+    Args:
+        frame: of `report.data.attempts.Attempts.failures`.
+
+    Returns:
+        Columns solver, outcome, claim, verdict, said (the gist of the backend's message, or of its
+        status where there is none), attempts.
     """
     keys = ["solver", "outcome", "claim", "verdict", "said"]
-    records = [
-        (solver, *kind, number)
-        for solver, own in found.solvers.items()
-        for kind, number in own.kinds("failure").items()
-    ]
-    grouped = pd.DataFrame.from_records(records, columns=[*keys, "attempts"])
-    return grouped.sort_values(["attempts", *keys], ascending=[False] + [True] * 5)
+    text = frame["message"].fillna("").where(lambda t: t != "", frame["native_status"].fillna(""))
+    counted = frame.assign(said=text.map(gist)).groupby(keys, dropna=False)["attempts"].sum()
+    ascending = [False] + [True] * len(keys)
+    return counted.reset_index().sort_values(["attempts", *keys], ascending=ascending)
 
 
-def gaps(own: Tally, region: str = "all") -> Spread:
-    """Gaps of the attempts at questions that have an answer, infinite where none arrived."""
-    there = own.kinds("answerable") if region == "all" else [(region,)]
-    return own.spread(*(f"gap {name}" for (name,) in there))
+def gaps(rows: pd.DataFrame) -> pd.Series:
+    """Gaps of the attempts at questions that have an answer, infinite where none arrived.
+
+    Columns: gap, answerable.
+    """
+    answerable: pd.Series = rows.loc[rows["answerable"], "gap"]
+    return answerable.fillna(np.inf).clip(lower=0)
 
 
-def gap_quantiles(
-    found: Reduction, quantiles: Sequence[float] = (0.5, 0.9, 0.99, 1.0)
-) -> pd.DataFrame:
-    """Gap quantiles per solver and region; columns solver, region, attempts, arrived, q50, ..."""
-    records = []
-    for solver in solver_order(list(found.solvers)):
-        own = found.solvers[solver]
-        asked = gaps(own).size
-        for region in REGIONS:
-            there = gaps(own, region)
-            if not there.size or (region != "all" and there.size == asked):
-                continue  # nothing, or nothing new
-            record: dict[str, object] = {"solver": solver, "region": region}
-            record |= {"attempts": there.size, "arrived": there.finite / there.size}
-            record |= {f"q{100 * q:g}": there.upper(q) for q in quantiles}
-            records.append(record)
-    return pd.DataFrame.from_records(records)
+def gap_quantiles(frame: pd.DataFrame) -> pd.DataFrame:
+    """Gap quantiles per solver and region.
+
+    Args:
+        frame: of `report.data.attempts.Attempts.gap_quantiles`.
+
+    Returns:
+        Its columns, arrived as a share of the attempts; a region that holds all of a solver's
+        attempts is left out.
+    """
+    order = {region: place for place, region in enumerate(REGIONS)}
+    known = frame[frame["region"].isin(REGIONS)].sort_values("region", key=lambda r: r.map(order))
+    every = known.groupby("solver")["attempts"].transform("max")
+    news = (known["region"] == "all") | (known["attempts"] < every)
+    return by_solver(known[news].assign(arrived=known["arrived"] / known["attempts"]))
 
 
 REGIONS = ("all", "outside", "left disc", "right disc", "circle")
 
 
+def gap_shares(profile: pd.DataFrame) -> dict[str, pd.DataFrame]:
+    """For each solver the share of attempts within each finite gap.
+
+    Args:
+        profile: of `report.data.attempts.Attempts.gap_profile`.
+
+    Returns:
+        Solver -> columns gap (ascending) and share.
+    """
+    shares = {}
+    for solver, rows in profile.groupby("solver"):
+        reached = rows["attempts"].cumsum() / rows["attempts"].sum()
+        finite = np.isfinite(rows["gap"])
+        shares[str(solver)] = pd.DataFrame({"gap": rows["gap"], "share": reached})[finite]
+    return shares
+
+
 def upper_quantile(values: ArrayLike, q: float) -> float:
-    """The least value that a share `q` of all values does not exceed; no interpolation."""
-    return Spread.of(values).upper(q)
+    """The least value that a share `q` of all values does not exceed; NaN is left out.
+
+    There is no interpolation: towards an infinite gap it would make every quantile infinite
+    (definition 1 of Hyndman and Fan 1996, "Sample quantiles in statistical packages").
+    """
+    given = np.asarray(values, dtype=np.float64).ravel()
+    ordered = np.sort(given[~np.isnan(given)])
+    if not ordered.size:
+        return float("nan")
+    # the slack absorbs the rounding of q * n
+    return float(ordered[max(0, int(np.ceil(q * ordered.size - 1e-9)) - 1)])
 
 
 def circle_radius(x: float, y: float, heading: float, target_x: float, target_y: float) -> float:

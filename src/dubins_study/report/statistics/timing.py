@@ -1,4 +1,4 @@
-"""Times from rows: medians and quartiles, and the shifted geometric mean."""
+"""Times of solvers that answer the same questions: means, ratios, warm against cold."""
 
 from __future__ import annotations
 
@@ -7,27 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 import pandas as pd
 
-from dubins_study.report.data.reduction import Reduction
-from dubins_study.report.data.tally import TIMES
 from dubins_study.report.statistics.metrics import QUESTION, solver_order, success
-
-
-def times(found: Reduction) -> pd.DataFrame:
-    """One row a solver: cold attempts timed, and median and quartiles (s) of each part of them.
-
-    Columns: solver, timed, and for each part `build_s`, `solve_s`, `wall_s` also `_q1` and `_q3`.
-    """
-    records = []
-    for solver in solver_order(list(found.solvers)):
-        parts = {part: found.solvers[solver].spread(f"cold {part}") for part in TIMES}
-        if not parts["wall_s"].size:
-            continue
-        record: dict[str, object] = {"solver": solver, "timed": parts["wall_s"].size}
-        for part, spread in parts.items():
-            low, middle, high = map(spread.quantile, (0.25, 0.5, 0.75))
-            record |= {part: middle, f"{part}_q1": low, f"{part}_q3": high}
-        records.append(record)
-    return pd.DataFrame.from_records(records)
 
 
 def shifted_geometric_mean(values: Sequence[float], shift: float) -> float:

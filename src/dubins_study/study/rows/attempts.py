@@ -35,8 +35,6 @@ def compare_attempts(rows: pd.DataFrame, cell: Sequence[str]) -> Attempts:
         cell: the columns that name a cell.
     """
     kept = ~rows.duplicated(list(cell)).to_numpy()
-    if kept.all():
-        return Attempts(np.arange(len(rows)), rows.iloc[:0])
     pairs = rows[~kept].merge(rows[kept], on=list(cell), suffixes=("", "_kept"))
     return Attempts(np.flatnonzero(kept), pairs)
 

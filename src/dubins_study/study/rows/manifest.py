@@ -146,6 +146,13 @@ class Manifest(_Record):
     finished: str | None = None
     runs: list[RunEntry] = []
 
+    @field_validator("runs", mode="before")
+    @classmethod
+    def _keep_objects(cls, value: Any) -> Any:
+        if not isinstance(value, list):
+            return value
+        return [entry for entry in value if isinstance(entry, dict | RunEntry)]
+
     @property
     def code_digests(self) -> dict[str, str]:
         """The digest of the code whose rows count, by solver."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pandas as pd
 
-from dubins_study.report.data.load import Results
+from dubins_study.report.data.results import Results
 from dubins_study.report.elements.content import (
     Column,
     Picture,

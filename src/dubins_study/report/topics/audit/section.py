@@ -6,7 +6,7 @@ from typing import Any
 
 import pandas as pd
 
-from dubins_study.report.data.load import Results
+from dubins_study.report.data.results import Results
 from dubins_study.report.elements.content import Column, Section, Table, count, digits, share
 from dubins_study.report.paper.audit_file import committed, misprints
 from dubins_study.report.topics.audit.numbers import (

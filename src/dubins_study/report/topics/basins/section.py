@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pandas as pd
 
-from dubins_study.report.data.load import Results
+from dubins_study.report.data.results import Results
 from dubins_study.report.elements.content import Column, Picture, Section, Table, count, share, slug
 from dubins_study.report.elements.style import HALF, new_figure
 from dubins_study.report.statistics.metrics import parse_spec, solver_order

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import pandas as pd
 
-from dubins_study.report.data.load import Results
+from dubins_study.report.data.results import Results
 from dubins_study.report.statistics.metrics import FloatArray, parse_spec
 
 # Ipopt's own constants (Waechter and Biegler 2006, sec. 2 and 3): the first barrier, how it falls

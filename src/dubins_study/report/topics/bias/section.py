@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pandas as pd
 
-from dubins_study.report.data.load import Results
+from dubins_study.report.data.results import Results
 from dubins_study.report.elements.content import Column, Picture, Section, Table, count, digits
 from dubins_study.report.elements.looks import Palette, legend_lines
 from dubins_study.report.elements.style import HALF, new_figure

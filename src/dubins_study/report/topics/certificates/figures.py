@@ -5,7 +5,7 @@ from __future__ import annotations
 import pandas as pd
 from matplotlib.axes import Axes
 
-from dubins_study.report.data.tally import PROOFS
+from dubins_study.report.data.attempts import PROOFS
 from dubins_study.report.elements.content import count
 from dubins_study.report.elements.stacked_bars import plot_shares
 from dubins_study.report.elements.style import BLUE, ORANGE, RULE, SKY

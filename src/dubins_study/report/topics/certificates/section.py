@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import pandas as pd
 
-from dubins_study.report.data.load import Results
-from dubins_study.report.data.spread import Spread
-from dubins_study.report.data.tally import PROOFS
+from dubins_study.report.data.attempts import PROOFS
+from dubins_study.report.data.results import Results
 from dubins_study.report.elements.content import (
     Column,
     Picture,
@@ -18,8 +17,8 @@ from dubins_study.report.elements.content import (
 )
 from dubins_study.report.elements.looks import name_of
 from dubins_study.report.elements.style import WIDE, new_figure
+from dubins_study.report.statistics.metrics import by_solver
 from dubins_study.report.topics.certificates.figures import plot_proofs
-from dubins_study.report.topics.certificates.numbers import certificates
 
 _NOT_ENCLOSED = (
     "No reference length was enclosed, so that no answer can be proved or bounded: where a block "
@@ -31,30 +30,24 @@ _RIGOROUS = 1e-12  # relative; an interval narrower than this is called proven
 
 def certificates_section(results: Results) -> Section | None:
     """Proofs as bars and counts, the worst residuals, and the width of the enclosures."""
-    attempts = results.reduction
-    if not attempts.total.count("certified"):
+    frame = by_solver(results.attempts.proofs())
+    if not frame["certified"].sum():
         return None
-    frame = certificates(attempts)
     text = (
         "Every answer is certified from its controls alone. Proved: the length agrees with a "
         "rigorous interval around the shortest one, and Pontryagin's conditions hold, for the "
         "branch best the cut margin too; or there is provably no path, and none was returned. "
         "Bounded: the solver's own "
         "bound is within the tolerance. Extremal: Pontryagin's conditions alone, which are "
-        f"necessary and not sufficient. {sentences(frame, attempts.total.spread('width'))}"
+        f"necessary and not sufficient. {sentences(frame)}"
     )
-    blocks = (_picture(frame), _proofs_table(frame), _table(frame))
+    blocks = (_picture(frame), _proofs_table(frame), _table(frame, results.attempts.precision))
     return Section("certificates", "Certificates", text, blocks)
 
 
-def sentences(frame: pd.DataFrame, width: Spread) -> str:
-    """What the certificates say.
-
-    Args:
-        frame: of `certificates.certificates`.
-        width: of the intervals around the shortest lengths, relative.
-    """
-    each = (_proved(frame), _enclosed(frame, width), _reported(frame))
+def sentences(frame: pd.DataFrame) -> str:
+    """What the certificates say; `frame` is of `report.data.attempts.Attempts.proofs`."""
+    each = (_proved(frame), _enclosed(frame), _reported(frame))
     return " ".join(sentence for sentence in each if sentence)
 
 
@@ -67,11 +60,11 @@ def _proved(frame: pd.DataFrame) -> str:
     )
 
 
-def _enclosed(frame: pd.DataFrame, width: Spread) -> str:
-    if not width.size:
+def _enclosed(frame: pd.DataFrame) -> str:
+    if not frame["enclosed"].sum():
         without = frame["extremal"].sum() > 0
         return _NOT_ENCLOSED if without else ""
-    widest = width.largest
+    widest = frame["width"].max()
     place = "below" if widest < _RIGOROUS else "not below"
     return (
         f"The widest interval around a shortest length is {digits(2)(widest)} of it, {place} 1e-12."
@@ -129,7 +122,7 @@ def _proofs_table(frame: pd.DataFrame) -> Table:
     return Table("proof-counts", caption, frame, columns, marks)
 
 
-def _table(frame: pd.DataFrame) -> Table:
+def _table(frame: pd.DataFrame, precision: str) -> Table:
     number = digits(2)
     columns = (
         Column("solver", "solver", kind="code"),
@@ -144,6 +137,6 @@ def _table(frame: pd.DataFrame) -> Table:
         "margin: above 0 a path is the shortest to its own end; the least among the optimal "
         "answers to the branch best. Costate error: the distance of a solver's multipliers from "
         "the costates of its own path, where that arrives and is an extremal of more than one "
-        "arc: a single arc does not determine them."
+        f"arc: a single arc does not determine them.{precision}"
     )
     return Table("certificates", caption, frame, columns)

@@ -7,7 +7,7 @@ from typing import Any
 
 import pandas as pd
 
-from dubins_study.report.data.load import Results
+from dubins_study.report.data.results import Results
 from dubins_study.report.elements.axes import power
 from dubins_study.report.elements.content import (
     ABSENT,

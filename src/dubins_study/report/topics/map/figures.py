@@ -6,8 +6,7 @@ from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import ListedColormap
 
-from dubins_study.report.data.plane_map import REACH, WORDS
-from dubins_study.report.data.spread import FloatArray
+from dubins_study.report.data.plane_map import REACH, WORDS, FloatArray
 from dubins_study.report.elements.plane_axes import (
     OTHER_COLOUR,
     WORD_COLOURS,

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from dubins_study.report.data.plane_map import PlaneMap
-from dubins_study.report.data.spread import FloatArray
+from dubins_study.report.data.plane_map import FloatArray, PlaneMap
 
 
 def frequent_words(plane: PlaneMap) -> FloatArray:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from dubins_study.report.data.load import Results
 from dubins_study.report.data.plane_map import CELLS, REACH, PlaneMap
+from dubins_study.report.data.results import Results
 from dubins_study.report.elements.content import Picture, Section, count, slug
 from dubins_study.report.elements.style import HALF, new_figure
 from dubins_study.report.topics.map.figures import plot_frequent_words, plot_ranges
@@ -17,7 +17,7 @@ def map_section(results: Results) -> Section | None:
     if not results.sampled:
         return None  # every attempt can be drawn
     pictures: list[Picture] = []
-    for experiment, plane in results.reduction.planes.items():
+    for experiment, plane in results.attempts.planes().items():
         if plane.counts.sum() >= _FEWEST:
             pictures += [_words(experiment, plane), _ranges(experiment, plane)]
     if not pictures:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pandas as pd
 
-from dubins_study.report.data.load import Results
-from dubins_study.report.data.reduction import EXACT
+from dubins_study.report.data.attempts import EXACT
+from dubins_study.report.data.results import Results
 from dubins_study.report.paper.printed import QUANTITIES, compare
 from dubins_study.report.statistics.metrics import solver_order
 from dubins_study.study.path import Path

@@ -7,8 +7,8 @@ from typing import Any
 
 import pandas as pd
 
-from dubins_study.report.data.load import Results
-from dubins_study.report.data.reduction import EXACT
+from dubins_study.report.data.attempts import EXACT
+from dubins_study.report.data.results import Results
 from dubins_study.report.elements.content import Column, Picture, Section, Table, count, digits
 from dubins_study.report.elements.style import HALF, new_figure
 from dubins_study.report.paper.printed import QUANTITIES, compare

@@ -12,6 +12,7 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import ListedColormap
 from numpy.typing import NDArray
 
+from dubins_study.report.data.attempts import SUCCESSES
 from dubins_study.report.elements.plane_axes import (
     OTHER_COLOUR,
     WORD_COLOURS,
@@ -26,7 +27,6 @@ from dubins_study.report.elements.style import (
     RULE,
     VERMILION,
 )
-from dubins_study.report.statistics.metrics import SUCCESSES
 from dubins_study.report.topics.plane.numbers import grid_of
 
 _HATCHES = {"LS": "", "RS": "", "RL": "////", "LR": "\\\\\\\\"}

@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from dubins_study.report.data.reduction import EXACT
+from dubins_study.report.data.attempts import EXACT
 
 # of a grid; scattered targets have one for every pair of coordinates
 _MOST_CELLS = 4_000_000

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 
-from dubins_study.report.data.tally import PROOFS, proof
+from dubins_study.report.data.attempts import PROOFS
 from dubins_study.report.paper.printed import PROBLEMS
-from dubins_study.report.statistics.metrics import solver_order, success
+from dubins_study.report.statistics.metrics import proof, solver_order, success
 
 ENOUGH = 1e-4  # proven gap up to which the check would call an answer optimal
 PAPER = "the paper's problems"

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import pandas as pd
 
-from dubins_study.report.data.load import Results
-from dubins_study.report.data.reduction import EXACT
-from dubins_study.report.data.tally import PROOFS
+from dubins_study.report.data.attempts import EXACT, PROOFS
+from dubins_study.report.data.results import Results
 from dubins_study.report.elements.content import (
     Column,
     Picture,

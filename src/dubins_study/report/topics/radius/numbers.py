@@ -9,8 +9,8 @@ from typing import Any, NamedTuple
 import numpy as np
 import pandas as pd
 
-from dubins_study.report.data.reduction import EXACT
-from dubins_study.report.statistics.metrics import SUCCESSES, circle_radius, runs_of
+from dubins_study.report.data.attempts import EXACT, SUCCESSES
+from dubins_study.report.statistics.metrics import circle_radius, runs_of
 from dubins_study.study.closed_form.shortest import shortest
 from dubins_study.study.scenario import Scenario
 

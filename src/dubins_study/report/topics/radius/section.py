@@ -6,7 +6,7 @@ import pandas as pd
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 
-from dubins_study.report.data.load import Results
+from dubins_study.report.data.results import Results
 from dubins_study.report.elements.content import Picture, Section, Table, digits
 from dubins_study.report.elements.looks import Palette
 from dubins_study.report.elements.style import HALF, new_figure

@@ -7,7 +7,7 @@ from typing import Any
 
 import pandas as pd
 
-from dubins_study.report.data.load import Manifest
+from dubins_study.report.data.results import Folder
 from dubins_study.study.rows.machine_noise import Probe, by_machine
 from dubins_study.study.rows.manifest import RunEntry
 
@@ -17,19 +17,15 @@ COLUMNS = (
 )
 
 
-def runs(manifests: Iterable[Manifest]) -> pd.DataFrame:
-    """One row a run, in the manifests' order.
+def runs(folders: Iterable[Folder]) -> pd.DataFrame:
+    """One row a run, in the folders' order.
 
     Returns:
         Columns experiment, run, started, seconds (NaN if it does not say), state, engine, jobs,
         machine and governor (texts), load (of the last minute, at its start and its end), probes
         (a list of `study.rows.machine_noise.Probe`), spread (a share, NaN if unknown).
     """
-    rows = [
-        _row(manifest.name, RunEntry.model_validate(entry))
-        for manifest in manifests
-        for entry in manifest.runs
-    ]
+    rows = [_row(folder.name, run) for folder in folders for run in folder.manifest.runs]
     return pd.DataFrame(rows, columns=list(COLUMNS))
 
 

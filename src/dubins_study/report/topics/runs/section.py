@@ -8,7 +8,7 @@ from typing import Any
 
 import pandas as pd
 
-from dubins_study.report.data.load import Results
+from dubins_study.report.data.results import Results
 from dubins_study.report.elements.content import (
     Column,
     Picture,
@@ -28,7 +28,7 @@ _MOST_DRAWN = 6
 
 def runs_section(results: Results) -> Section | None:
     """The runs' table; what the calibration probe took, where it varied; a sentence of each."""
-    frame = runs(results.manifests)
+    frame = runs(results.folders)
     if frame.empty:
         return None
     noisy = frame[frame["spread"] > NOISY]

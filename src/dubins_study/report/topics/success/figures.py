@@ -9,13 +9,13 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
-from dubins_study.report.data.reduction import Reduction
+from dubins_study.report.data.attempts import VERDICTS
 from dubins_study.report.elements.axes import log_axis
 from dubins_study.report.elements.content import count
 from dubins_study.report.elements.looks import Palette, name_of
 from dubins_study.report.elements.stacked_bars import plot_shares
 from dubins_study.report.elements.style import BLUE, MUTED, ORANGE, RULE, VERMILION
-from dubins_study.report.statistics.metrics import VERDICTS, gaps, solver_order
+from dubins_study.report.statistics.metrics import solver_order
 
 # dark to light, and hatched where something is wrong, so that the order survives grey printing
 VERDICT_LOOK = {
@@ -43,21 +43,23 @@ def _counts(row: Mapping[Hashable, Any]) -> str:
 
 
 def plot_gap_profile(
-    ax: Axes, attempts: Reduction, palette: Palette, tolerance: float | None = None
+    ax: Axes,
+    shares: Mapping[str, pd.DataFrame],
+    palette: Palette,
+    tolerance: float | None = None,
 ) -> None:
     """Share of attempts within each gap.
 
     Args:
         ax: where to draw.
-        attempts: attempts; those at questions without an answer are left out.
+        shares: of `metrics.gap_shares`.
         palette: of the page's solvers.
         tolerance: the gap up to which the check says optimal, drawn as a line if given.
     """
-    spreads = {solver: gaps(own) for solver, own in attempts.solvers.items()}
-    solvers = solver_order([solver for solver, spread in spreads.items() if spread.size])
+    solvers = solver_order(list(shares))
     looks = palette.looks(solvers)
     for place, solver in enumerate(solvers):
-        within, share = spreads[solver].shares()
+        within, share = (shares[solver][name].to_numpy() for name in ("gap", "share"))
         x = np.concatenate(([SMALLEST_GAP], np.maximum(within, SMALLEST_GAP), [10.0]))
         y = np.concatenate(([0.0], share, share[-1:] if share.size else [0.0]))
         ax.step(

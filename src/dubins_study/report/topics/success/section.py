@@ -6,8 +6,8 @@ from collections.abc import Iterable, Mapping
 
 import pandas as pd
 
-from dubins_study.report.data.load import Manifest, Results
-from dubins_study.report.data.reduction import Reduction
+from dubins_study.report.data.attempts import Attempts
+from dubins_study.report.data.results import Folder, Results
 from dubins_study.report.elements.content import (
     Column,
     Picture,
@@ -21,7 +21,7 @@ from dubins_study.report.elements.content import (
 from dubins_study.report.elements.looks import Palette, legend_lines, name_of
 from dubins_study.report.elements.style import HALF, WIDE, new_figure
 from dubins_study.report.elements.verdict_table import marks_of_failures, verdict_columns
-from dubins_study.report.statistics.metrics import failures, gap_quantiles, gaps, summary
+from dubins_study.report.statistics.metrics import failures, gap_quantiles, gap_shares, summary
 from dubins_study.report.topics.success.figures import plot_gap_profile, plot_verdicts
 
 _MOST_FAILURES = 25
@@ -29,19 +29,20 @@ _MOST_FAILURES = 25
 
 def success_section(results: Results) -> Section | None:
     """Verdicts, gap profiles, gap quantiles per region, and what failed."""
-    attempts = results.reduction
+    attempts = results.attempts
     each = {name: attempts.only({name}) for name in attempts.experiments}
     blocks: list[Picture | Table] = [_verdict_picture(attempts)]
     if len(each) > 1:
         blocks.append(_experiment_table(each))
-    if gaps(attempts.total).size:
+    quantiles = gap_quantiles(attempts.gap_quantiles())
+    if len(quantiles):
         palette = Palette.of(results.solvers)
-        allowed = _gap_tolerances(results.manifests)
+        allowed = _gap_tolerances(results.folders)
         blocks += [
             _profile_picture(name, own, allowed.get(name), palette) for name, own in each.items()
         ]
-        blocks.append(_quantile_table(attempts))
-    without_success = failures(attempts)
+        blocks.append(_quantile_table(quantiles, attempts.precision))
+    without_success = failures(attempts.failures())
     if len(without_success):
         blocks.append(_failure_table(without_success))
     text = (
@@ -52,8 +53,8 @@ def success_section(results: Results) -> Section | None:
     return Section("success", "Success and gaps", text, tuple(blocks))
 
 
-def _experiment_table(each: Mapping[str, Reduction]) -> Table:
-    parts = [summary(own).assign(experiment=name) for name, own in each.items()]
+def _experiment_table(each: Mapping[str, Attempts]) -> Table:
+    parts = [summary(own.verdicts()).assign(experiment=name) for name, own in each.items()]
     frame = pd.concat(parts, ignore_index=True)
     left_out = ("optimal", "none exists", "not_returned")  # the rest says it, and fits
     kept = [column for column in verdict_columns() if column.key not in left_out]
@@ -62,8 +63,8 @@ def _experiment_table(each: Mapping[str, Reduction]) -> Table:
     return Table("summary-by-experiment", caption, frame, columns, marks_of_failures(frame))
 
 
-def _verdict_picture(attempts: Reduction) -> Picture:
-    frame = summary(attempts)
+def _verdict_picture(attempts: Attempts) -> Picture:
+    frame = summary(attempts.verdicts())
     lines = max(name_of(solver).count("\n") + 1 for solver in frame["solver"])
     figure = new_figure(WIDE, 0.9 + max(0.42, 0.14 * lines) * len(frame))
     plot_verdicts(figure.add_subplot(), frame)
@@ -74,22 +75,21 @@ def _verdict_picture(attempts: Reduction) -> Picture:
     return Picture("verdicts", caption, figure, "Stacked bars of verdicts, one a solver")
 
 
-def _gap_tolerances(manifests: Iterable[Manifest]) -> dict[str, float]:
+def _gap_tolerances(folders: Iterable[Folder]) -> dict[str, float]:
     """The gap that each experiment's runs call optimal; left out where two runs differ."""
-    tolerances: dict[str, set[float | None]] = {}
-    for run in manifests:
-        tolerances.setdefault(run.name, set()).add(run.gap_tolerance)
-    return {
-        name: gap for name, (gap, *others) in tolerances.items() if gap is not None and not others
-    }
+    tolerances: dict[str, set[float]] = {}
+    for folder in folders:
+        tolerances.setdefault(folder.name, set()).add(folder.manifest.gap_tolerance)
+    return {name: gap for name, (gap, *others) in tolerances.items() if not others}
 
 
 def _profile_picture(
-    experiment: str, attempts: Reduction, tolerance: float | None, palette: Palette
+    experiment: str, attempts: Attempts, tolerance: float | None, palette: Palette
 ) -> Picture:
-    figure = new_figure(HALF, 3.0 + 0.17 * legend_lines(list(attempts.solvers), width=40))
+    shares = gap_shares(attempts.gap_profile())
+    figure = new_figure(HALF, 3.0 + 0.17 * legend_lines(list(shares), width=40))
     ax = figure.add_subplot()
-    plot_gap_profile(ax, attempts, palette, tolerance)
+    plot_gap_profile(ax, shares, palette, tolerance)
     figure.legend(loc="outside lower left", ncols=1, fontsize=7.5)
     caption = (
         f"Experiment {experiment}: share of attempts within each gap. Higher is more reliable, "
@@ -100,8 +100,7 @@ def _profile_picture(
     return Picture(f"gap-profile-{slug(experiment)}", caption, figure, alt, True)
 
 
-def _quantile_table(attempts: Reduction) -> Table:
-    frame = gap_quantiles(attempts)
+def _quantile_table(frame: pd.DataFrame, precision: str) -> Table:
     gap = digits(3)
     columns = (
         Column("solver", "solver", kind="code"),
@@ -116,6 +115,7 @@ def _quantile_table(attempts: Reduction) -> Table:
     caption = (
         "Gap quantiles (relative, no unit) by where the target lies. ∞ means that so large a share "
         "of the attempts did not arrive that the quantile is not reached."
+        f"{precision}"
     )
     return Table("gap-quantiles", caption, frame, columns)
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dubins_study.report.data.load import Results
+from dubins_study.report.data.attempts import SUCCESSES
+from dubins_study.report.data.results import Results
 from dubins_study.report.elements.content import Section, Table, share, some
 from dubins_study.report.elements.verdict_table import marks_of_failures, verdict_columns
 from dubins_study.report.statistics.metrics import summary
@@ -10,20 +11,21 @@ from dubins_study.report.statistics.metrics import summary
 
 def summary_section(results: Results) -> Section | None:
     """Attempts, verdicts and times, solver by solver."""
-    attempts = results.reduction
-    frame = summary(attempts)
+    attempts = results.attempts
+    frame = summary(attempts.verdicts())
     caption = (
         "What the check finds of every attempt. Success is optimal or none exists, as a share of "
         "all attempts, those that failed included. A false claim says more than the check finds; "
         "a wrong basin is a longer path that turns by another angle. "
         "Not returned: timed out, crashed, raised, unsupported or unavailable."
+        f"{attempts.precision}"
     )
     experiments = list(
-        dict.fromkeys(run.name for run in results.manifests if run.name in attempts.experiments)
+        dict.fromkeys(run.name for run in results.folders if run.name in attempts.experiments)
     )
-    right = attempts.total.success / attempts.total.attempts
+    right = frame[list(SUCCESSES)].to_numpy().sum() / attempts.count
     text = (
-        f"{some(attempts.total.attempts, 'attempt')} by {some(len(frame), 'solver')} in the "
+        f"{some(attempts.count, 'attempt')} by {some(len(frame), 'solver')} in the "
         f"{'experiment' if len(experiments) == 1 else 'experiments'} {', '.join(experiments)}; "
         f"success: {share(right)}. No number here rests on a solver's own word: each path "
         "is driven again from its controls and judged against the closed form."

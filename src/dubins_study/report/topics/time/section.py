@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pandas as pd
 
-from dubins_study.report.data.load import Results
-from dubins_study.report.data.reduction import EXACT
+from dubins_study.report.data.attempts import EXACT
+from dubins_study.report.data.results import Results
 from dubins_study.report.elements.content import (
     Column,
     Picture,
@@ -16,14 +16,15 @@ from dubins_study.report.elements.content import (
 )
 from dubins_study.report.elements.looks import Palette, legend_lines, name_of
 from dubins_study.report.elements.style import WIDE, new_figure
-from dubins_study.report.statistics.timing import mean_times, time_ratios, times
+from dubins_study.report.statistics.metrics import by_solver
+from dubins_study.report.statistics.timing import mean_times, time_ratios
 from dubins_study.report.topics.time.figures import plot_performance, plot_times
 
 
 def time_section(results: Results) -> Section | None:
     """Medians and quartiles; build and solve apart; shifted geometric means."""
     cold = results.rows[results.rows["initial_guess"] == "cold"]
-    frame = times(results.reduction)
+    frame = by_solver(results.attempts.times())
     if frame.empty:
         return None
     lines = max(name_of(solver).count("\n") + 1 for solver in frame["solver"])
@@ -35,7 +36,7 @@ def time_section(results: Results) -> Section | None:
         "and of building the model (open, below)."
     )
     picture = Picture("times", caption, figure, "Median times and quartiles, one line a solver")
-    blocks: list[Picture | Table] = [picture, _time_table(frame)]
+    blocks: list[Picture | Table] = [picture, _time_table(frame, results.attempts.precision)]
     plain = _not_variants(cold)
     ratios = time_ratios(plain[plain["solver"] != EXACT])
     if ratios.shape[0] > 1 and ratios.shape[1] > 1:
@@ -44,12 +45,7 @@ def time_section(results: Results) -> Section | None:
     if len(means) > 1:
         blocks.append(_mean_table(means, shift))
     jobs, threads = (
-        ", ".join(
-            map(
-                str, sorted(int(n) for (n,) in results.reduction.total.kinds(kind) if n is not None)
-            )
-        )
-        for kind in ("jobs", "threads")
+        ", ".join(map(str, results.attempts.values(kind))) for kind in ("jobs", "threads")
     )
     text = (
         "Measured in the process that solves, after a warm-up that is not recorded; "
@@ -78,7 +74,7 @@ def _performance_picture(ratios: pd.DataFrame, palette: Palette) -> Picture:
     return Picture("performance", caption, figure, "Performance profile of the solvers")
 
 
-def _time_table(frame: pd.DataFrame) -> Table:
+def _time_table(frame: pd.DataFrame, precision: str) -> Table:
     parts = (("build_s", "build"), ("solve_s", "solve"), ("wall_s", "whole"))
     columns = [Column("solver", "solver", kind="code"), Column("timed", "timed", count)]
     for key, title in parts:
@@ -87,7 +83,7 @@ def _time_table(frame: pd.DataFrame) -> Table:
             Column(key, f"{title} median", seconds),
             Column(f"{key}_q3", "75 %", seconds),
         ]
-    caption = "Times of cold attempts, failures included: quartiles and medians."
+    caption = f"Times of cold attempts, failures included: quartiles and medians.{precision}"
     return Table("times", caption, frame, tuple(columns))
 
 

@@ -1,0 +1,240 @@
+"""Questions to all attempts, however many: each method asks DuckDB and returns a small frame."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from dubins_study.report.data.database import Database
+from dubins_study.report.data.plane_map import CELLS, REACH, PlaneMap
+from dubins_study.study.check.certificate import PMP_TOLERANCE
+
+# the closed form, and the solver whose rows fill the plane
+EXACT = "analytic"
+VERDICTS = ("optimal", "none exists", "longer", "misses", "none")
+SUCCESSES = ("optimal", "none exists")
+PROOFS = ("proved", "bounded", "extremal", "none")
+TIMES = ("build_s", "solve_s", "wall_s")
+QUANTILES = (0.5, 0.9, 0.99, 1.0)
+
+# Quantiles of up to this many attempts are exact; each takes up to 16 bytes of memory an attempt.
+EXACT_ROWS = 10_000_000
+# Gaps are counted in this many bins a decade from the least gap on, which a figure cannot tell
+# from single gaps.
+_BINS, _LEAST_GAP = 200, 1e-16
+
+
+class Attempts:
+    """The attempts of some experiments, each once.
+
+    Args:
+        database: with the view `attempts` of `report.data.selection`.
+        experiments: their names.
+    """
+
+    def __init__(self, database: Database, experiments: Collection[str]) -> None:
+        self._database = database
+        self.experiments = sorted(experiments)
+        self.count = int(self._frame("SELECT count(*) AS n FROM chosen")["n"].iloc[0])
+
+    def only(self, experiments: Collection[str]) -> Attempts:
+        """The attempts of some of these experiments."""
+        return Attempts(self._database, set(experiments) & set(self.experiments))
+
+    def without(self, experiments: Collection[str]) -> Attempts:
+        """The attempts of all other experiments."""
+        return Attempts(self._database, set(self.experiments) - set(experiments))
+
+    @property
+    def exact(self) -> bool:
+        """Whether quantiles are exact."""
+        return self.count <= EXACT_ROWS
+
+    @property
+    def precision(self) -> str:
+        """A sentence for captions, empty where quantiles are exact."""
+        if self.exact:
+            return ""
+        return (
+            " Medians and quantiles of so many attempts are approximate: those of gaps are at most "
+            "1.2 % too large, those of times are of a rank that is off by about a hundredth."
+        )
+
+    def verdicts(self) -> pd.DataFrame:
+        """One row a solver.
+
+        Columns: solver, attempts, one count per verdict, false_claims, wrong_basins, not_returned
+        (timeout, crashed, raised, ...), wall_s (median, s).
+        """
+        counts = ", ".join(f"count(*) FILTER (verdict = '{v}') AS \"{v}\"" for v in VERDICTS)
+        return self._frame(
+            f"""SELECT solver, count(*) AS attempts, {counts},
+                count(*) FILTER (false_claim) AS false_claims,
+                count(*) FILTER (wrong_basin) AS wrong_basins,
+                count(*) FILTER (outcome IS DISTINCT FROM 'returned') AS not_returned,
+                {self._quantile("wall_s", 0.5)} AS wall_s
+            FROM chosen GROUP BY solver"""
+        )
+
+    def failures(self) -> pd.DataFrame:
+        """Attempts without success by what is known of them.
+
+        Columns: solver, outcome, claim, verdict, message, native_status, attempts.
+        """
+        kinds = "solver, outcome, claim, verdict, message, native_status"
+        return self._frame(
+            f"""SELECT {kinds}, count(*) AS attempts FROM chosen
+            WHERE verdict IS NULL OR verdict NOT IN {SUCCESSES} GROUP BY {kinds}"""
+        )
+
+    def times(self) -> pd.DataFrame:
+        """One row a solver that was timed cold.
+
+        Columns: solver, timed (attempts), and for each of `TIMES` its median (s), lower quartile
+        (`_q1`) and upper quartile (`_q3`).
+        """
+        # one after another, since each keeps its values in memory
+        frames = [self._quartiles(name).set_index("solver") for name in TIMES]
+        frame = pd.concat(frames, axis=1).reset_index()
+        return frame[frame["timed"] > 0]
+
+    def _quartiles(self, name: str) -> pd.DataFrame:
+        timed = ", timed" if name == "wall_s" else ""
+        return self._frame(
+            f"""SELECT solver{timed}, q[1] AS {name}_q1, q[2] AS {name}, q[3] AS {name}_q3
+            FROM (SELECT solver, count(wall_s) AS timed,
+                    {self._quantile(name, [0.25, 0.5, 0.75])} AS q
+                FROM chosen WHERE initial_guess = 'cold' GROUP BY solver)"""
+        )
+
+    def gap_quantiles(self) -> pd.DataFrame:
+        """Gaps at questions that have an answer; one row a solver and region, and `all` regions.
+
+        An attempt that does not arrive counts as infinitely far off; quantiles are values that
+        occur, without interpolation.
+
+        Columns: solver, region, attempts, arrived (attempts), and q50, q90, q99, q100.
+        """
+        names = [f"q{100 * q:g}" for q in QUANTILES]
+        # of decimal shares DuckDB finds the places of the quantiles in whole numbers
+        shares = ", ".join(f"{q:.2f}" for q in QUANTILES)
+        gaps = f"quantile_disc({_GAP}, [{shares}])" if self.exact else f"[max({_GAP})]"
+        frame = self._frame(
+            f"""SELECT solver, {_REGION} AS region, count(*) AS attempts, count(gap) AS arrived,
+                {gaps} AS gaps
+            FROM chosen WHERE answerable
+            GROUP BY GROUPING SETS ((solver, region), (solver))"""
+        )
+        quantiles = frame["gaps"] if self.exact else self._binned_quantiles(frame)
+        lists = pd.DataFrame(quantiles.tolist(), index=frame.index, columns=names)
+        return frame.drop(columns="gaps").join(lists)
+
+    def _binned_quantiles(self, frame: pd.DataFrame) -> pd.Series[Any]:
+        """For each row of a frame the bins that the quantiles lie in, and its largest gap."""
+        bins = dict(list(self._gap_bins().groupby(["solver", "region"], dropna=False)))
+        quantiles = []
+        for solver, region, (largest,) in frame[["solver", "region", "gaps"]].to_numpy():
+            own = bins[solver, region]
+            reached, ends = own["attempts"].cumsum().to_numpy(), own["gap"].to_numpy()
+            places = [np.searchsorted(reached, np.ceil(q * reached[-1] - 1e-9)) for q in QUANTILES]
+            quantiles.append([min(largest, ends[place]) for place in places[:-1]] + [largest])
+        return pd.Series(quantiles, index=frame.index)
+
+    def gap_profile(self) -> pd.DataFrame:
+        """How many attempts at questions that have an answer lie within each gap.
+
+        Gaps are counted in bins, of which the upper end is given; the last, infinite one holds the
+        attempts that do not arrive.
+
+        Columns: solver, gap (ascending), attempts.
+        """
+        bins = self._gap_bins()
+        return bins[bins["region"] == "all"].drop(columns="region")
+
+    def _gap_bins(self) -> pd.DataFrame:
+        frame = self._frame(
+            f"""SELECT solver, {_REGION} AS region,
+                ceil({_BINS} * log10(greatest({_GAP}, {_LEAST_GAP}))) AS bin, count(*) AS attempts
+            FROM chosen WHERE answerable
+            GROUP BY GROUPING SETS ((solver, region, bin), (solver, bin))"""
+        )
+        frame = frame.sort_values(["solver", "region", "bin"])
+        gap = 10.0 ** (frame["bin"] / _BINS)
+        return frame.assign(gap=gap)[["solver", "region", "gap", "attempts"]]
+
+    def proofs(self) -> pd.DataFrame:
+        """One row a solver; what is not measured for any of its rows is null.
+
+        Columns: solver, attempts, certified (attempts), one count per proof; pmp_residual (worst
+        of the right answers), cut_margin (least of the right answers to `best`, rad); multipliers
+        (answers whose multipliers can be compared), costate_median and costate_error (median and
+        largest of those); bounds (attempts with a lower bound), false_bounds; enclosed (attempts
+        whose reference length has proven bounds) and width (the largest of those, relative).
+        """
+        counts = ", ".join(f"count(*) FILTER (proof = '{p}') AS \"{p}\"" for p in PROOFS[:-1])
+        return self._frame(
+            f"""SELECT solver, count(*) AS attempts, count(proof) AS certified, {counts},
+                count(*) FILTER (proof IS NULL OR proof NOT IN {PROOFS[:-1]}) AS "none",
+                max(pmp_residual) FILTER ({_RIGHT}) AS pmp_residual,
+                min(cut_margin) FILTER ({_RIGHT} AND branch = 'best') AS cut_margin,
+                count(*) FILTER ({_COMPARED}) AS multipliers,
+                {self._quantile("costate_error", 0.5)} FILTER ({_COMPARED}) AS costate_median,
+                max(costate_error) FILTER ({_COMPARED}) AS costate_error,
+                count(lower_bound) AS bounds,
+                count(*) FILTER (false_bound) AS false_bounds,
+                count({_WIDTH}) FILTER (reference_high > 0) AS enclosed,
+                max({_WIDTH}) FILTER (reference_high > 0) AS width
+            FROM chosen GROUP BY solver"""
+        )
+
+    def values(self, column: str) -> list[Any]:
+        """The values of a column, each once and in order; nulls are left out."""
+        query = f'SELECT DISTINCT "{column}" AS v FROM chosen WHERE v IS NOT NULL ORDER BY v'
+        return self._frame(query)["v"].tolist()
+
+    def planes(self) -> dict[str, PlaneMap]:
+        """Where the targets of the closed form's answers to the branch best lie, by experiment."""
+        cells = self._frame(
+            f"""SELECT experiment, word, {_cell("dx * c + dy * s")} AS ahead,
+                {_cell("dy * c - dx * s")} AS "left",
+                count(*) AS attempts, min(size) AS least, max(size) AS largest
+            FROM (
+                SELECT experiment, word, length / radius AS size, cos(heading) AS c,
+                    sin(heading) AS s, (target_x - x) / radius AS dx, (target_y - y) / radius AS dy
+                FROM chosen
+                WHERE solver = '{EXACT}' AND branch = 'best' AND length IS NOT NULL)
+            WHERE ahead BETWEEN 0 AND {CELLS - 1} AND "left" BETWEEN 0 AND {CELLS - 1}
+            GROUP BY ALL ORDER BY ALL"""
+        )
+        return {str(name): PlaneMap.of(own) for name, own in cells.groupby("experiment")}
+
+    def _frame(self, query: str) -> pd.DataFrame:
+        """The answer to a query in which `chosen` stands for these attempts."""
+        chosen = "SELECT * FROM attempts WHERE list_contains(?, experiment)"
+        return self._database.frame(f"WITH chosen AS ({chosen}) {query}", [self.experiments])
+
+    def _quantile(self, column: str, q: float | list[float]) -> str:
+        name = "quantile_cont" if self.exact else "approx_quantile"
+        return f'{name}("{column}", {q})'
+
+
+# DuckDB's `greatest` passes over nulls
+_GAP = "CASE WHEN gap IS NULL THEN 'inf'::DOUBLE ELSE greatest(gap, 0.0) END"
+_REGION = "CASE WHEN GROUPING(region) = 1 THEN 'all' ELSE region END"
+_RIGHT = f"verdict IN {SUCCESSES}"
+# Only an extremal that arrives has costates to compare multipliers with: what a solver reports of
+# a path that does not is a proof of infeasibility at best. A single arc has a whole family of
+# costates, which nothing but nu3 = 0 at its end and H = 0 ties.
+_COMPARED = (
+    "gap IS NOT NULL AND costate_error IS NOT NULL AND coalesce(word, '') NOT IN ('L', 'R') "
+    f"AND pmp_residual <= {PMP_TOLERANCE}"
+)
+# Of a length of zero there is no relative width to speak of.
+_WIDTH = "(reference_high - reference_low) / reference_high"
+
+
+def _cell(place: str) -> str:
+    return f"CAST(floor(({place} + {REACH}) * {CELLS / (2 * REACH)}) AS BIGINT)"

@@ -1,0 +1,218 @@
+"""Results folders in; attempts to be counted, single rows and paths out."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path as FilePath
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pyarrow as pa
+import pyarrow.compute as pc
+
+from dubins_study.report.data.attempts import Attempts
+from dubins_study.report.data.database import Database
+from dubins_study.report.data.selection import RowCounts, Source, select_attempts
+from dubins_study.study.path import Path
+from dubins_study.study.rows.files import ResultsError
+from dubins_study.study.rows.manifest import Manifest, read_manifest
+from dubins_study.study.rows.parts import PARTS, part_files, read_footer
+from dubins_study.study.rows.row_table import ARROW_SCHEMA
+from dubins_study.study.rows.schema import ROW, names
+from dubins_study.study.rows.validation import checked_batches
+from dubins_study.study.scenario import Pose
+
+_CONTROLS = ["curvatures", "lengths"]
+# A run writes these beside its rows; the page shows them from the manifest.
+_UNREAD = {"versions", "machine", "run_id"}
+_SCALARS = [name for name in names(ROW) if name not in _UNREAD and name not in _CONTROLS]
+# Up to this many attempts every row is kept; of more, about `SAMPLE_ROWS`.
+MOST_ROWS, SAMPLE_ROWS = 500_000, 100_000
+_MAX_PLACE = 2**40
+_PLAIN = pa.schema(
+    [ARROW_SCHEMA.field(name) for name in [*_SCALARS, *_CONTROLS]]
+    + [pa.field(name, pa.int64()) for name in ("part", "place")]
+)
+
+
+@dataclass(frozen=True)
+class Folder:
+    """A results folder: its manifest, and how many of its rows count."""
+
+    manifest: Manifest
+    rows: RowCounts
+
+    @property
+    def name(self) -> str:
+        """The experiment's name."""
+        return self.manifest.experiment.name
+
+    @property
+    def section(self) -> str | None:
+        """The key of the report's section that is about the experiment, if it names one."""
+        return self.manifest.experiment.section
+
+    @property
+    def title(self) -> str:
+        """The experiment's title, or its name where it has none."""
+        return self.manifest.experiment.title or self.name
+
+
+@dataclass(frozen=True, eq=False)
+class Results:
+    """The attempts of one or more folders.
+
+    Args:
+        folders: in the order given.
+        attempts: every attempt, to be counted.
+        rows: one row an attempt, index 0, 1, ...: the scalar columns of `study.rows.schema` that a
+            report needs, `experiment`, and `answerable` (the question has an answer, so that a gap
+            can be measured). Of more attempts than `MOST_ROWS` only those at some scenarios,
+            chosen by their names.
+        controls: the columns `curvatures` and `lengths`, left in Arrow because most sections draw
+            no path; a row's index is its position here, also where `rows` is a selection.
+        solvers: every spec in the folders, also where `rows` is a selection.
+    """
+
+    folders: tuple[Folder, ...]
+    attempts: Attempts
+    rows: pd.DataFrame
+    controls: pa.Table
+    solvers: tuple[str, ...] = ()
+
+    @property
+    def sampled(self) -> bool:
+        """Whether `rows` leaves attempts out."""
+        return len(self.rows.index) < self.attempts.count
+
+    @property
+    def settings(self) -> dict[str, dict[str, Any]]:
+        """Every spec's settings, as the manifests hold them."""
+        entries = (folder.manifest.solvers for folder in self.folders)
+        return {spec: entry.settings for solvers in entries for spec, entry in solvers.items()}
+
+    def only(self, experiments: Collection[str]) -> Results:
+        """The attempts of some experiments, and their folders."""
+        return replace(
+            self,
+            folders=tuple(folder for folder in self.folders if folder.name in experiments),
+            attempts=self.attempts.only(experiments),
+            rows=self.rows[self.rows["experiment"].isin(list(experiments))],
+        )
+
+    def path(self, index: int) -> Path | None:
+        """The path of the row with this index, or None if no path came back."""
+        curvature = self.controls.column("curvatures")[index].as_py()
+        length = self.controls.column("lengths")[index].as_py()
+        if curvature is None or length is None:
+            return None
+        x, y, heading = self.rows.loc[[index], list(Pose._fields)].to_numpy(np.float64)[0]
+        return Path(Pose(x, y, heading), curvature, length)
+
+
+def load_results(folders: str | FilePath | Iterable[str | FilePath]) -> pd.DataFrame:
+    """The judged rows of one or more results folders, read as the report reads them.
+
+    Args:
+        folders: a results folder, or several; of a cell that two of them hold, the first is kept.
+
+    Returns:
+        One row an attempt, index 0, 1, ...: `experiment`, the columns of `study.rows.schema` but
+        `versions`, `machine` and `run_id`, with `curvatures` and `lengths` as Arrow lists. Rows of
+        earlier code are left out. Missing numbers are null.
+
+    Raises:
+        ResultsError: naming the folder and what is wrong with it.
+    """
+    several = [folders] if isinstance(folders, str | FilePath) else folders
+    results = load(several, every_row=True)
+    controls = {name: pd.arrays.ArrowExtensionArray(results.controls[name]) for name in _CONTROLS}
+    return results.rows.drop(columns="answerable").assign(**controls)
+
+
+def load(folders: Iterable[str | FilePath], *, every_row: bool = False) -> Results:
+    """Read results folders and join them; of a cell that two folders hold, the first is kept.
+
+    Memory does not grow with the number of streamed rows, if only a sample of them is kept.
+
+    Args:
+        folders: at least one.
+        every_row: whether to keep every row, instead of a sample where there are many.
+
+    Raises:
+        ResultsError: naming the folder and what is wrong with it.
+    """
+    paths = [FilePath(folder) for folder in folders]
+    if not paths:
+        raise ResultsError("no results folder given; expected at least one")
+    manifests = [read_manifest(path, printable=True) for path in paths]
+    sources = [_source(*each) for each in zip(paths, manifests, strict=True)]
+    files = [part.file for source in sources for part in source.parts]
+    stored = sum(part.rows for source in sources for part in source.parts)
+    # The sample consists of all attempts at the scenarios whose name, a hash, is below a bound: it
+    # is the same whatever the order of the parts, and has of a scenario all attempts or none.
+    sampled = stored > MOST_ROWS and not every_row
+    bound = f"{round(2**32 * SAMPLE_ROWS / stored):08x}" if sampled else None
+    stored_rows = _checked_rows(files, bound)
+    database = Database(files)
+    counts = select_attempts(database, sources)
+    for path, rows in zip(paths, counts, strict=True):
+        if not rows.current:
+            raise ResultsError(f"{path} has no rows but of earlier code: run it again")
+    attempts = Attempts(database, {source.experiment for source in sources})
+    table = _counted_rows(database, stored_rows, bound)
+    return Results(
+        folders=tuple(map(Folder, manifests, counts)),
+        attempts=attempts,
+        rows=table.drop_columns(_CONTROLS).to_pandas(),
+        controls=table.select(_CONTROLS).combine_chunks(),
+        solvers=tuple(attempts.values("solver")),
+    )
+
+
+def _source(folder: FilePath, manifest: Manifest) -> Source:
+    parts = [read_footer(file) for file in part_files(folder)]
+    if not parts:
+        raise ResultsError(f"{folder} has no rows: expected Parquet files in {folder / PARTS}")
+    if not sum(part.rows for part in parts):
+        raise ResultsError(f"{folder} has no rows: its parts are empty")
+    digests, tolerance = manifest.code_digests, manifest.gap_tolerance
+    return Source(manifest.experiment.name, digests, tolerance, parts)
+
+
+def _checked_rows(files: Sequence[FilePath], bound: str | None) -> pa.Table:
+    """Check all parts, and keep the rows at scenarios whose name is below a bound (None: all rows).
+
+    Returns:
+        The columns of `_SCALARS` and `_CONTROLS`, part (the number of the file) and place (the
+        row's number in it); in this order.
+    """
+    tables = []
+    for number, file in enumerate(files):
+        first = 0
+        for batch in checked_batches(file, [*_SCALARS, *_CONTROLS]):
+            place = pa.array(np.arange(first, first + len(batch)))
+            part = pa.array(np.full(len(batch), number))
+            first += len(batch)
+            table = batch.append_column("part", part).append_column("place", place)
+            kept = table if bound is None else table.filter(pc.less(table["scenario_id"], bound))
+            tables.append(kept.cast(_PLAIN))
+    return pa.concat_tables(tables)
+
+
+def _counted_rows(database: Database, rows: pa.Table, bound: str | None) -> pa.Table:
+    """Those of the rows that count, with their experiment and whether they are answerable."""
+    where = "" if bound is None else "WHERE scenario_id < ?"
+    query = f"SELECT part, place, experiment, answerable FROM attempts {where} ORDER BY part, place"
+    counted = database.table(query, [] if bound is None else [bound])
+    # both are in the order of part and place
+    position, wanted = (
+        table["part"].to_numpy() * _MAX_PLACE + table["place"].to_numpy()
+        for table in (rows, counted)
+    )
+    kept = rows.filter(pa.array(np.isin(position, wanted))).drop_columns(["part", "place"])
+    for name in ("answerable", "experiment"):
+        kept = kept.add_column(0, name, counted[name])
+    return kept

@@ -1,0 +1,207 @@
+"""Which rows of several results folders count: those of the current code, each attempt once."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
+
+import pandas as pd
+import pyarrow as pa
+
+from dubins_study.report.data.database import Database
+from dubins_study.study.closed_form.shortest import shortest
+from dubins_study.study.printable import printable_text
+from dubins_study.study.rows.attempts import JUDGED, compare_attempts, differences
+from dubins_study.study.rows.parts import Part
+from dubins_study.study.rows.schema import CELL, names
+from dubins_study.study.scenario import COLUMNS, Scenario
+
+_CELL = ("experiment", *names(CELL))
+
+
+class Source(NamedTuple):
+    """One results folder, and what decides which of its rows count.
+
+    Args:
+        experiment: its name.
+        code_digests: the code whose rows count, by solver; of other solvers all rows count.
+        gap_tolerance: gaps of two attempts that differ by more contradict each other.
+        parts: its parts.
+    """
+
+    experiment: str
+    code_digests: Mapping[str, str]
+    gap_tolerance: float
+    parts: Sequence[Part]
+
+
+class RowCounts(NamedTuple):
+    """The rows of a folder.
+
+    Args:
+        current: of the current code, whether they count or not.
+        stale: of earlier code.
+        replaced: of cells that an earlier folder holds, made by other code.
+        contradicting: of cells that an earlier folder holds, made by the same code, where it
+            found something else.
+    """
+
+    current: int
+    stale: int
+    replaced: int
+    contradicting: int
+
+
+def select_attempts(database: Database, sources: Sequence[Source]) -> list[RowCounts]:
+    """Add the view `attempts` to a database, and count what it leaves out, source by source.
+
+    The view has the columns of `stored` with solvers' names that can be printed, `experiment`, and
+    `answerable`: whether the question has an answer, so that a gap can be measured.
+
+    Args:
+        database: of the sources' parts, in the same order.
+        sources: of a cell that two of them hold, the earlier one's attempt counts.
+    """
+    blocks = _blocks(database, sources)
+    counted = blocks[blocks["current"] & ~blocks["repeated"]]
+    columns = ["part", "stored_solver", "code_digest", "solver", "experiment", "streamed"]
+    _add(database, "blocks", counted[columns])
+    database.run(_CURRENT)
+    pairs = _leave_out_repeats(database)
+    pairs["source"] = pairs["part"].map(dict(enumerate(_source_of_part(sources))))
+    _mark_answerable(database)
+    return [
+        _row_counts(blocks[blocks["source"] == n], pairs[pairs["source"] == n], s.gap_tolerance)
+        for n, s in enumerate(sources)
+    ]
+
+
+def _row_counts(blocks: pd.DataFrame, pairs: pd.DataFrame, gap_tolerance: float) -> RowCounts:
+    rows, current = blocks["rows"], blocks["current"]
+    other_code = pairs["code_digest"] != pairs["code_digest_kept"]
+    differ = differences(pairs, gap_tolerance).any(axis="columns")
+    return RowCounts(
+        current=int(rows[current].sum()),
+        stale=int(rows[~current].sum()),
+        replaced=int(rows[current & blocks["replaced"]].sum() + other_code.sum()),
+        contradicting=int((differ & ~other_code).sum()),
+    )
+
+
+def _source_of_part(sources: Sequence[Source]) -> list[int]:
+    """The number of each part's source, by the part's number."""
+    return [number for number, source in enumerate(sources) for _ in source.parts]
+
+
+def _blocks(database: Database, sources: Sequence[Source]) -> pd.DataFrame:
+    """The rows of each part by solver and code: how many, and whether they count.
+
+    Columns: source, part, stored_solver and code_digest (as they are stored), solver (printable),
+    experiment, streamed, rows, current (code), repeated (an earlier part holds the same chunk of a
+    stream), replaced (and that part is of other code).
+    """
+    parts = [part for source in sources for part in source.parts]
+    source_of = _source_of_part(sources)
+    earlier = _earlier_codes(parts, [sources[number] for number in source_of])
+    records = []
+    for block in database.table(_BLOCKS).to_pylist():
+        number = source_of[block["part"]]
+        source, chunk = sources[number], parts[block["part"]].chunk
+        solver, code = (printable_text(block[key]) for key in ("stored_solver", "code_digest"))
+        earlier_code = earlier.get(block["part"])
+        derived = {
+            "source": number,
+            "solver": solver,
+            "experiment": source.experiment,
+            "streamed": chunk is not None,
+            "current": source.code_digests.get(solver, code) == code,
+            "repeated": earlier_code is not None,
+            "replaced": earlier_code is not None and earlier_code != block["code_digest"],
+        }
+        records.append(block | derived)
+    return pd.DataFrame.from_records(records)
+
+
+def _earlier_codes(parts: Sequence[Part], sources: Sequence[Source]) -> dict[int, str]:
+    """The code of an earlier part that holds the same chunk, by the number of the later part.
+
+    A chunk whose code is not its folder's current one holds no row that counts, and is not earlier
+    than another.
+    """
+    first: dict[tuple[str, str, int, int], str] = {}
+    earlier = {}
+    for number, (part, source) in enumerate(zip(parts, sources, strict=True)):
+        chunk = part.chunk
+        if chunk is None:
+            continue
+        solver, code = printable_text(chunk.solver), printable_text(chunk.code_digest)
+        if source.code_digests.get(solver, code) != code:
+            continue
+        key = source.experiment, chunk.question, chunk.first, chunk.count
+        if key in first:
+            earlier[number] = first[key]
+        else:
+            first[key] = chunk.code_digest
+    return earlier
+
+
+def _leave_out_repeats(database: Database) -> pd.DataFrame:
+    """Keep the first attempt at each cell; returns the others (see `compare_attempts`)."""
+    repeated = database.frame(_REPEATED)
+    attempts = compare_attempts(repeated, _CELL)
+    _add(database, "repeats", repeated.drop(index=repeated.index[attempts.kept])[_ROW])
+    database.run(_COUNTED)
+    return attempts.repeated
+
+
+def _mark_answerable(database: Database) -> None:
+    """Add the view `attempts`.
+
+    A row names the shortest word unless there is none; of a row that was never judged, the closed
+    form tells.
+    """
+    unjudged = database.frame(_UNJUDGED)
+    answerable = [_has_answer(row) for row in unjudged.to_dict("records")]
+    _add(database, "unjudged_answerable", unjudged.loc[answerable, _ROW])
+    database.run(_ATTEMPTS)
+
+
+def _has_answer(row: Mapping[Any, Any]) -> bool:
+    scenario = Scenario(**{name: row[name] for name in COLUMNS})
+    return shortest(scenario, row["branch"]) is not None
+
+
+def _add(database: Database, name: str, frame: pd.DataFrame) -> None:
+    numbers = {column: "int64" for column in _ROW if column in frame}
+    database.add_table(name, pa.Table.from_pandas(frame.astype(numbers), preserve_index=False))
+
+
+_ROW = ["part", "place"]
+_BLOCKS = """
+    SELECT part, solver AS stored_solver, code_digest, count(*) AS rows
+    FROM stored GROUP BY ALL ORDER BY ALL
+"""
+_CURRENT = """
+    CREATE VIEW current AS
+    SELECT stored.* EXCLUDE (solver), blocks.solver, blocks.experiment, blocks.streamed
+    FROM stored JOIN blocks ON stored.part = blocks.part
+        AND stored.solver = blocks.stored_solver AND stored.code_digest = blocks.code_digest
+"""
+_REPEATED = f"""
+    SELECT part, place, {", ".join(_CELL)}, code_digest, {", ".join(JUDGED)}, gap
+    FROM current WHERE NOT streamed AND ({", ".join(_CELL)}) IN (
+        SELECT ({", ".join(_CELL)}) FROM current WHERE NOT streamed
+        GROUP BY {", ".join(_CELL)} HAVING count(*) > 1)
+    ORDER BY part, place
+"""
+_COUNTED = "CREATE VIEW counted AS FROM current ANTI JOIN repeats USING (part, place)"
+_UNJUDGED = f"""
+    SELECT part, place, branch, {", ".join(COLUMNS)}
+    FROM counted WHERE reference_word IS NULL AND region IS NULL ORDER BY part, place
+"""
+_ATTEMPTS = """
+    CREATE VIEW attempts AS
+    SELECT *, reference_word IS NOT NULL
+        OR (part, place) IN (SELECT (part, place) FROM unjudged_answerable) AS answerable
+    FROM counted
+"""

@@ -1,0 +1,237 @@
+"""All attempts counted: any split of the rows in any order gives the numbers of the whole."""
+
+from __future__ import annotations
+
+import tempfile
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pyarrow as pa
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.extra import numpy as arrays
+
+from dubins_study.report.data import attempts as attempts_module
+from dubins_study.report.data.attempts import PROOFS, VERDICTS
+from dubins_study.report.statistics import metrics
+from dubins_study.report.statistics.metrics import gist
+from tests.unit.report.results_folder import attempts_of
+
+SOLVERS = ("analytic", "slsqp", "slsqp[count=3]")
+REGIONS = ("outside", "left disc", "right disc", "circle")
+_GAPS = st.none() | st.sampled_from([0.0, 1e-16, 1e-4]) | st.floats(-1e-9, 10)
+_SIZES = st.none() | st.floats(0, 1e3)
+
+
+@st.composite
+def attempts(draw):
+    """Rows with what the numbers need, in no sensible combination."""
+    text = st.sampled_from(["", "off by 2.5", "off by 7", "singular"])
+    row = st.fixed_dictionaries(
+        {
+            "experiment": st.sampled_from(["random", "paper"]),
+            "solver": st.sampled_from(SOLVERS),
+            "branch": st.sampled_from(["best", "LS"]),
+            "initial_guess": st.sampled_from(["cold", "warm"]),
+            "region": st.sampled_from(REGIONS),
+            "word": st.sampled_from(["LS", "L", None]),
+            "reference_word": st.sampled_from(["LS", None]),
+            "outcome": st.sampled_from(["returned", "timeout"]),
+            "claim": st.sampled_from(["optimal", "none"]),
+            "verdict": st.sampled_from(VERDICTS),
+            "false_claim": st.booleans(),
+            "wrong_basin": st.booleans(),
+            "native_status": text,
+            "message": text | st.none(),
+            "gap": _GAPS,
+            "proof": st.sampled_from([*PROOFS, None]),
+            "lower_bound": _SIZES,
+            "reference_low": st.just(1.0),
+            "reference_high": st.sampled_from([1.0, 1.5, None]),
+            "false_bound": st.booleans() | st.none(),
+            "pmp_residual": st.sampled_from([1e-15, 1e-3, None]),
+            "cut_margin": _SIZES,
+            "costate_error": _SIZES,
+            **dict.fromkeys(("build_s", "solve_s", "wall_s"), _SIZES),
+            "jobs": st.sampled_from([1, 2]),
+            "threads": st.just(1),
+        }
+    )
+    rows = pd.DataFrame(draw(st.lists(row, min_size=1, max_size=30)))
+    numbers = ["gap", "lower_bound", "reference_high", "pmp_residual", "cut_margin"]
+    numbers += ["costate_error", "build_s", "solve_s", "wall_s"]
+    return rows.astype(dict.fromkeys(numbers, float))
+
+
+def tables(counted):
+    """All numbers that are made of attempts."""
+    frames = {
+        "summary": metrics.summary(counted.verdicts()),
+        "failures": metrics.failures(counted.failures()),
+        "gap quantiles": metrics.gap_quantiles(counted.gap_quantiles()),
+        "times": metrics.by_solver(counted.times()),
+        "proofs": metrics.by_solver(counted.proofs()),
+        **metrics.gap_shares(counted.gap_profile()),
+    }
+    return {name: frame.reset_index(drop=True) for name, frame in frames.items()}
+
+
+def alike(one, two):
+    """Whether attempts give the same numbers, to the last bit."""
+    assert (one.count, one.experiments) == (two.count, two.experiments)
+    assert [one.values(name) for name in ("jobs", "threads")] == [
+        two.values(name) for name in ("jobs", "threads")
+    ]
+    expected, given = tables(one), tables(two)
+    assert expected.keys() == given.keys()
+    for name, frame in expected.items():
+        pd.testing.assert_frame_equal(frame, given[name], check_exact=True)
+    planes, others = one.planes(), two.planes()
+    assert planes.keys() == others.keys()
+    for name, plane in planes.items():
+        assert np.array_equal(plane.counts, others[name].counts)
+        assert np.array_equal(plane.least, others[name].least)
+        assert np.array_equal(plane.largest, others[name].largest)
+
+
+@settings(deadline=None, max_examples=12)
+@given(attempts(), st.randoms(use_true_random=False), st.integers(1, 6))
+def test_any_split_in_any_order_is_the_whole(rows, random, parts):
+    """Rows go to any parts, and experiments to folders in any order."""
+    shuffled = rows.sample(frac=1, random_state=random.randrange(2**32))
+    which = [random.randrange(parts) for _ in range(len(rows))]
+    with tempfile.TemporaryDirectory() as place:
+        whole = attempts_of(Path(place, "whole"), rows)
+        alike(whole, attempts_of(Path(place, "split"), shuffled, which))
+
+
+@settings(deadline=None, max_examples=12)
+@given(attempts())
+def test_numbers_are_those_of_the_frame(rows):
+    """Computed from the rows themselves, another way."""
+    with tempfile.TemporaryDirectory() as place:
+        found = attempts_of(Path(place), rows)
+        numbers_are_those_of(found, rows)
+        one = found.only({"paper"})
+        assert one.count == (rows["experiment"] == "paper").sum()
+        if one.count:
+            numbers_are_those_of(one, rows[rows["experiment"] == "paper"])
+
+
+def numbers_are_those_of(found, rows):
+    for line in metrics.summary(found.verdicts()).to_dict("records"):
+        own = rows[rows["solver"] == line["solver"]]
+        assert line["attempts"] == len(own)
+        right = own["verdict"].isin(["optimal", "none exists"])
+        assert line["success"] == pytest.approx(right.mean())
+        assert line["false_claims"] == own["false_claim"].sum()
+        assert line["not_returned"] == (own["outcome"] == "timeout").sum()
+        assert line["wall_s"] == pytest.approx(own["wall_s"].median(), nan_ok=True)
+        assert all(line[v] == (own["verdict"] == v).sum() for v in VERDICTS)
+    for line in metrics.gap_quantiles(found.gap_quantiles()).to_dict("records"):
+        own = rows[(rows["solver"] == line["solver"]) & rows["reference_word"].notna()]
+        own = own if line["region"] == "all" else own[own["region"] == line["region"]]
+        gaps = np.sort(own["gap"].fillna(np.inf).clip(lower=0))
+        assert line["attempts"] == len(gaps)
+        assert line["q100"] == gaps[-1]
+        assert line["q50"] == gaps[int(np.ceil(len(gaps) / 2)) - 1]
+    for line in found.times().to_dict("records"):
+        own = rows[(rows["solver"] == line["solver"]) & (rows["initial_guess"] == "cold")]
+        expected = own["solve_s"].quantile([0.25, 0.5, 0.75]).tolist()
+        given = [line[f"solve_s{suffix}"] for suffix in ("_q1", "", "_q3")]
+        assert given == pytest.approx(expected, nan_ok=True)
+    bad = rows[~rows["verdict"].isin(["optimal", "none exists"])]
+    table = metrics.failures(found.failures())
+    assert table["attempts"].sum() == len(bad)
+    said = [
+        m if isinstance(m, str) and m else s
+        for m, s in zip(bad.message, bad.native_status, strict=True)
+    ]
+    assert set(table["said"]) == set(map(gist, said))
+
+
+def test_texts_as_dictionaries_are_texts(tmp_path):
+    """As Arrow may store them in parts."""
+    rows = pd.DataFrame({"experiment": "e", "solver": ["a", "b", "a"], "verdict": ["none"] * 3})
+    rows = rows.assign(initial_guess="cold", wall_s=[1.0, 2.0, 3.0], gap=np.nan, outcome="crashed")
+    rows = rows.assign(reference_word="LS", region="outside", false_claim=False, wrong_basin=False)
+    coded = pa.dictionary(pa.int32(), pa.string())
+
+    alike(attempts_of(tmp_path / "a", rows), attempts_of(tmp_path / "b", rows, texts=coded))
+
+
+finite = st.floats(allow_nan=False, allow_infinity=False, width=64)
+many = arrays.arrays(np.float64, st.integers(1, 60), elements=finite | st.just(np.inf))
+NAMES = {"q50": 0.5, "q90": 0.9, "q99": 0.99, "q100": 1.0}
+
+
+@given(many, st.sampled_from([0.0, 0.3, 0.5, 0.9, 1.0]))
+def test_an_upper_quantile_is_a_value_that_occurs(values, q):
+    """Without interpolation, infinite values included; NaN is left out."""
+    ordered = np.sort(values)
+    expected = ordered[max(0, int(np.ceil(q * values.size - 1e-9)) - 1)]
+
+    assert metrics.upper_quantile(values, q) == expected
+    assert metrics.upper_quantile([*values, np.nan], q) == expected
+    assert np.isnan(metrics.upper_quantile([], q))
+
+
+def of_gaps(gaps):
+    """Rows of one solver, one region; an infinite gap is that of a path that does not arrive."""
+    gaps = np.where(np.isfinite(gaps), gaps, np.nan)
+    base = {"experiment": "e", "verdict": "longer", "outcome": "returned", "reference_word": "LS"}
+    return pd.DataFrame({**base, "gap": gaps, "region": "outside", "wall_s": 1.0})
+
+
+gap = st.sampled_from([0.0, 1e-16, 1e-4]) | st.floats(0, 10)
+some_gaps = arrays.arrays(np.float64, st.integers(1, 60), elements=gap | st.just(np.inf))
+
+
+@settings(deadline=None, max_examples=12)
+@given(some_gaps, st.booleans())
+def test_gap_quantiles_are_exact_or_within_what_the_caption_says(gaps, exact):
+    """Of few attempts to the last bit; of many at most 1.2 % too large, and never too small."""
+    with tempfile.TemporaryDirectory() as place, pytest.MonkeyPatch.context() as patched:
+        patched.setattr(attempts_module, "EXACT_ROWS", 10**7 if exact else 0)
+        counted = attempts_of(Path(place), of_gaps(gaps))
+        (line,) = metrics.gap_quantiles(counted.gap_quantiles()).to_dict("records")
+        assert counted.exact == exact == (counted.precision == "")
+
+    assert (line["attempts"], line["arrived"]) == (len(gaps), np.isfinite(gaps).mean())
+    assert line["q100"] == gaps.max()
+    for name, q in NAMES.items():
+        expected = metrics.upper_quantile(gaps, q)
+        if exact or np.isinf(expected):
+            assert line[name] == expected
+        else:
+            # gaps below the least that is told apart count as that
+            assert expected <= line[name] * (1 + 1e-12)
+            assert line[name] <= max(1.012 * expected, 1e-16)
+
+
+def test_the_gap_profile_of_many_gaps_is_short_and_right_to_the_last_attempt(tmp_path):
+    """Of 20 000 different gaps few bins are kept; the share within each is exact."""
+    gaps = np.random.default_rng(0).lognormal(-12, 4, 20_000)
+    gaps[:7] = np.inf
+    counted = attempts_of(tmp_path, of_gaps(gaps))
+    (shares,) = metrics.gap_shares(counted.gap_profile()).values()
+
+    assert len(shares) < 4000
+    assert shares["share"].iloc[-1] == 1 - 7 / len(gaps)
+    for within, share in shares.iloc[::50].itertuples(index=False):
+        assert share == pytest.approx((gaps <= within * (1 + 1e-12)).mean(), abs=1e-12)
+
+
+def test_approximate_times_are_near(tmp_path, monkeypatch):
+    """Quartiles of many attempts, each of a rank that is off by about a hundredth at most."""
+    monkeypatch.setattr(attempts_module, "EXACT_ROWS", 10)
+    took = np.random.default_rng(1).lognormal(-5, 1, 20_000)
+    rows = of_gaps(np.zeros(len(took))).assign(wall_s=took, solve_s=took, build_s=took)
+    counted = attempts_of(tmp_path, rows)
+
+    (line,) = counted.times().to_dict("records")
+    for suffix, q in (("_q1", 0.25), ("", 0.5), ("_q3", 0.75)):
+        assert (took <= line[f"wall_s{suffix}"]).mean() == pytest.approx(q, abs=0.01)
+    assert counted.verdicts()["wall_s"].iloc[0] == pytest.approx(np.median(took), rel=0.03)
