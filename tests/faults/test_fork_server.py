@@ -48,6 +48,7 @@ def call(folder, solver, before, pause="pass"):
     paths = os.pathsep.join(filter(None, (str(ROOT), os.environ.get("PYTHONPATH"))))
     ended = subprocess.run(
         [sys.executable, script],
+        cwd=folder,
         env={**os.environ, "PYTHONPATH": paths, **marking},
         capture_output=True,
         text=True,
@@ -67,6 +68,19 @@ def test_the_callers_own_processes_end_at_sigterm(tmp_path, before):
     assert alive == []
 
 
+# an orphan that has written its process id down before the answer is given
+ORPHAN = """
+import time
+from pathlib import Path
+from tests.faults.hostile_endless import Daemon
+class Noted(Daemon):
+    def hang(self):
+        super().hang()
+        while not (Path(self.pids).exists() and Path(self.pids).read_text()):
+            time.sleep(0.01)
+"""
+
+
 @pytest.mark.parametrize("before", [False, True])
 def test_orphans_end_with_the_run(tmp_path, before):
     """Not only when the caller ends: it says itself which of the noted processes still run."""
@@ -77,7 +91,8 @@ def test_orphans_end_with_the_run(tmp_path, before):
         "print(json.dumps([p for p in noted if psutil.pid_exists(p) "
         "and psutil.Process(p).status() != 'zombie']))"
     )
-    left, alive = call(tmp_path, spec("hostile_endless", "Daemon", pids=pids), before, check)
+    (tmp_path / "orphan.py").write_text(ORPHAN)
+    left, alive = call(tmp_path, f"{tmp_path}/orphan.py:Noted[pids={pids}]", before, check)
 
     assert pids.read_text().split()
     assert left == []

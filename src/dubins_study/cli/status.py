@@ -81,7 +81,9 @@ def _time_left(progress: Status) -> str:
         return "unknown: no row is done yet to judge by"
     text = f"about {duration(progress.seconds_left)} {jobs}"
     if progress.unknown:
-        text += f", without {', '.join(map(plain, progress.unknown))}: no row is done yet to judge by"
+        text += (
+            f", without {', '.join(map(plain, progress.unknown))}: no row is done yet to judge by"
+        )
     return text
 
 

@@ -16,7 +16,13 @@ from hypothesis.extra import numpy as arrays
 from dubins_study.report.data import attempts as attempts_module
 from dubins_study.report.data.attempts import PROOFS, VERDICTS
 from dubins_study.report.statistics import metrics
-from dubins_study.report.statistics.metrics import gist
+from dubins_study.report.topics.success.numbers import (
+    failures,
+    gap_quantiles,
+    gap_shares,
+    gist,
+)
+from dubins_study.report.topics.summary.numbers import summary
 from tests.unit.report.results_folder import attempts_of
 
 SOLVERS = ("analytic", "slsqp", "slsqp[count=3]")
@@ -68,12 +74,12 @@ def attempts(draw):
 def tables(counted):
     """All numbers that are made of attempts."""
     frames = {
-        "summary": metrics.summary(counted.verdicts()),
-        "failures": metrics.failures(counted.failures()),
-        "gap quantiles": metrics.gap_quantiles(counted.gap_quantiles()),
+        "summary": summary(counted.verdicts()),
+        "failures": failures(counted.failures()),
+        "gap quantiles": gap_quantiles(counted.gap_quantiles()),
         "times": metrics.by_solver(counted.times()),
         "proofs": metrics.by_solver(counted.proofs()),
-        **metrics.gap_shares(counted.gap_profile()),
+        **gap_shares(counted.gap_profile()),
     }
     return {name: frame.reset_index(drop=True) for name, frame in frames.items()}
 
@@ -121,7 +127,7 @@ def test_numbers_are_those_of_the_frame(rows):
 
 
 def numbers_are_those_of(found, rows):
-    for line in metrics.summary(found.verdicts()).to_dict("records"):
+    for line in summary(found.verdicts()).to_dict("records"):
         own = rows[rows["solver"] == line["solver"]]
         assert line["attempts"] == len(own)
         right = own["verdict"].isin(["optimal", "none exists"])
@@ -130,7 +136,7 @@ def numbers_are_those_of(found, rows):
         assert line["not_returned"] == (own["outcome"] == "timeout").sum()
         assert line["wall_s"] == pytest.approx(own["wall_s"].median(), nan_ok=True)
         assert all(line[v] == (own["verdict"] == v).sum() for v in VERDICTS)
-    for line in metrics.gap_quantiles(found.gap_quantiles()).to_dict("records"):
+    for line in gap_quantiles(found.gap_quantiles()).to_dict("records"):
         own = rows[(rows["solver"] == line["solver"]) & rows["reference_word"].notna()]
         own = own if line["region"] == "all" else own[own["region"] == line["region"]]
         gaps = np.sort(own["gap"].fillna(np.inf).clip(lower=0))
@@ -143,7 +149,7 @@ def numbers_are_those_of(found, rows):
         given = [line[f"solve_s{suffix}"] for suffix in ("_q1", "", "_q3")]
         assert given == pytest.approx(expected, nan_ok=True)
     bad = rows[~rows["verdict"].isin(["optimal", "none exists"])]
-    table = metrics.failures(found.failures())
+    table = failures(found.failures())
     assert table["attempts"].sum() == len(bad)
     said = [
         m if isinstance(m, str) and m else s
@@ -196,7 +202,7 @@ def test_gap_quantiles_are_exact_or_within_what_the_caption_says(gaps, exact):
     with tempfile.TemporaryDirectory() as place, pytest.MonkeyPatch.context() as patched:
         patched.setattr(attempts_module, "EXACT_ROWS", 10**7 if exact else 0)
         counted = attempts_of(Path(place), of_gaps(gaps))
-        (line,) = metrics.gap_quantiles(counted.gap_quantiles()).to_dict("records")
+        (line,) = gap_quantiles(counted.gap_quantiles()).to_dict("records")
         assert counted.exact == exact == (counted.precision == "")
 
     assert (line["attempts"], line["arrived"]) == (len(gaps), np.isfinite(gaps).mean())
@@ -216,7 +222,7 @@ def test_the_gap_profile_of_many_gaps_is_short_and_right_to_the_last_attempt(tmp
     gaps = np.random.default_rng(0).lognormal(-12, 4, 20_000)
     gaps[:7] = np.inf
     counted = attempts_of(tmp_path, of_gaps(gaps))
-    (shares,) = metrics.gap_shares(counted.gap_profile()).values()
+    (shares,) = gap_shares(counted.gap_profile()).values()
 
     assert len(shares) < 4000
     assert shares["share"].iloc[-1] == 1 - 7 / len(gaps)

@@ -149,7 +149,7 @@ def test_cold_starts_are_not_of_the_study(results):
 
 
 def test_the_section_tells_what_the_rows_hold(results, tmp_path):
-    """Numbers in the sentences are of these rows; without refuted claims it does not speak of them."""
+    """Its numbers are of these rows; without refuted claims it does not speak of any."""
     page = render([results("basins", every_end())], tmp_path / "a").read_text(encoding="utf-8")
     honest = [given(FOUR, z1, z2, claim=Claim.LOCAL) for z1 in (0.0, 1.0) for z2 in (0.0, 1.0)]
     plain = render(

@@ -95,7 +95,7 @@ def test_the_section_says_what_the_rows_say(results, tmp_path):
     """Who is tempted from where, who is not; with nobody tempted it blames nobody."""
     text = text_of(results("ladder", rows()), tmp_path / "a")
     good = [r for r in rows() if r["solver"] == "collocation"]
-    level = results("good", good, experiment={"name": "ladder", "section": "ladder"})
+    level = results("good", good, experiment={"name": "ladder", "section": "ladder", "text": ""})
 
     assert "these take it: ipopt from 1e-8; the right path at every margin there: coll" in text
     assert "Of all 24 claims 0 are false." in text

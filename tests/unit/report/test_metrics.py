@@ -12,6 +12,9 @@ from dubins_study.report.data.attempts import VERDICTS
 from dubins_study.report.statistics import metrics, timing
 from dubins_study.report.topics.agreement.numbers import agreement
 from dubins_study.report.topics.discretisation.numbers import work_precision
+from dubins_study.report.topics.success.numbers import failures, gap_quantiles
+from dubins_study.report.topics.summary.numbers import summary
+from dubins_study.report.topics.time.numbers import mean_times, time_ratios
 from dubins_study.report.topics.warm.numbers import warm_starts
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import COLUMNS, Pose
@@ -59,7 +62,7 @@ def test_failures_stay_in_every_denominator(tmp_path):
         outcome=["returned", "returned", "returned", "timeout"],
         false_claim=[False, False, True, False],
     )
-    line = metrics.summary(attempts_of(tmp_path, rows).verdicts()).iloc[0]
+    line = summary(attempts_of(tmp_path, rows).verdicts()).iloc[0]
 
     assert (line["attempts"], line["success"]) == (4, 0.5)
     assert (line["misses"], line["none"], line["none exists"]) == (1, 1, 1)
@@ -69,7 +72,7 @@ def test_failures_stay_in_every_denominator(tmp_path):
 def test_every_attempt_is_in_one_verdict_column(tmp_path):
     """Verdict counts add up to the attempts."""
     rows = frame(verdict=["optimal", "longer", "longer", "misses", "none", "none exists"])
-    line = metrics.summary(attempts_of(tmp_path, rows).verdicts()).iloc[0]
+    line = summary(attempts_of(tmp_path, rows).verdicts()).iloc[0]
 
     assert sum(line[verdict] for verdict in VERDICTS) == line["attempts"]
 
@@ -77,7 +80,7 @@ def test_every_attempt_is_in_one_verdict_column(tmp_path):
 def test_gap_quantiles_count_what_did_not_arrive_as_infinite(tmp_path):
     """Of ten attempts nine arrive: the median is a number, the worst is not."""
     rows = frame(gap=[0.1 * i for i in range(9)] + [NAN])
-    line = metrics.gap_quantiles(attempts_of(tmp_path, rows).gap_quantiles()).iloc[0]
+    line = gap_quantiles(attempts_of(tmp_path, rows).gap_quantiles()).iloc[0]
 
     assert line["attempts"] == 10
     assert line["arrived"] == 0.9
@@ -89,9 +92,7 @@ def test_gap_quantiles_count_what_did_not_arrive_as_infinite(tmp_path):
 def test_questions_without_an_answer_have_no_gap_to_measure(tmp_path):
     """LS inside the left disc does not exist; refusing it must not look like an infinite gap."""
     rows = frame(gap=[0.0, NAN], reference_word=["LS", None], verdict=["optimal", "none exists"])
-    assert (
-        metrics.gap_quantiles(attempts_of(tmp_path, rows).gap_quantiles()).iloc[0]["attempts"] == 1
-    )
+    assert gap_quantiles(attempts_of(tmp_path, rows).gap_quantiles()).iloc[0]["attempts"] == 1
 
 
 def test_a_crash_counts_where_an_answer_exists(tmp_path):
@@ -106,7 +107,7 @@ def test_a_crash_counts_where_an_answer_exists(tmp_path):
     }
     place = dict(zip(COLUMNS, (0.0, 0.0, 0.0, 0.5, 0.8, 1.0, 1.0, ""), strict=True))
     rows = frame(solver=["a", "b"], branch=["LS", "RS"], **(place | lost))
-    table = metrics.gap_quantiles(attempts_of(tmp_path, rows).gap_quantiles()).set_index(
+    table = gap_quantiles(attempts_of(tmp_path, rows).gap_quantiles()).set_index(
         ["solver", "region"]
     )
 
@@ -183,7 +184,7 @@ def test_mean_times_use_only_what_every_solver_got_right():
         wall_s=[1.0, 2.0, 100.0, 1.0],
         verdict=["optimal", "optimal", "optimal", "longer"],
     )
-    table, shift = timing.mean_times(rows)
+    table, shift = mean_times(rows)
 
     assert shift == pytest.approx(1.25)
     assert table["questions"].tolist() == [1, 1]
@@ -199,7 +200,7 @@ def test_time_ratios_keep_failures_as_never_solved():
         wall_s=[1.0, 2.0, 3.0, 1.0, 1.0],
         verdict=["optimal", "optimal", "optimal", "longer", "optimal"],
     )
-    ratios = timing.time_ratios(rows)
+    ratios = time_ratios(rows)
 
     assert ratios["a"].tolist() == [1.0, 1.0]
     assert ratios["b"].tolist() == [2.0, math.inf]
@@ -208,7 +209,7 @@ def test_time_ratios_keep_failures_as_never_solved():
 def test_messages_that_differ_in_numbers_are_one(tmp_path):
     """Grouping failures by their gist."""
     rows = frame(verdict="none", message=["off by 2.3e-01; off by 1.1e+02", "off by 7; off by 0.5"])
-    table = metrics.failures(attempts_of(tmp_path, rows).failures())
+    table = failures(attempts_of(tmp_path, rows).failures())
 
     assert table[["said", "attempts"]].to_numpy().tolist() == [["off by #", 2]]
 

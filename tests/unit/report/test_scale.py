@@ -82,7 +82,9 @@ def text_of(folder, out):
 def test_the_section_says_what_the_rows_say(results, tmp_path):
     """Who is level, who is not and why; with nobody to blame it blames nobody."""
     text = text_of(results("scale", rows()), tmp_path / "a")
-    level = results("level", rows()[:6], experiment={"name": "scale", "section": "scale"})
+    level = results(
+        "level", rows()[:6], experiment={"name": "scale", "section": "scale", "text": ""}
+    )
 
     assert "2 of 3 solvers and variants give the same path everywhere" in text
     assert f"Not so for {UNITS} (right in 66.7 %" in text

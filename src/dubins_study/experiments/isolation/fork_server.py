@@ -7,6 +7,7 @@ every worker. multiprocessing's fork server is one for the whole process: what w
 
 from __future__ import annotations
 
+import atexit
 import json
 import os
 import select
@@ -192,6 +193,7 @@ def _enlarge(pipe: int) -> None:
 
 _server = _ForkServer()
 os.register_at_fork(after_in_child=_server.forget_in_child)
+atexit.register(_server.stop)
 
 
 def fork(function: str, arguments: list[Any], extra: tuple[int, ...] = ()) -> ForkedProcess:
@@ -207,8 +209,3 @@ def fork(function: str, arguments: list[Any], extra: tuple[int, ...] = ()) -> Fo
         ForkServerError: if the server does not start or does not answer.
     """
     return _server.fork(function, arguments, list(extra))
-
-
-def stop_fork_server() -> None:
-    """End the server of this process and all that it has forked; the next `fork` starts another."""
-    _server.stop()

@@ -64,6 +64,7 @@ def serve() -> None:
                 os.close(descriptor)
             control.sendall(pid.to_bytes(8))
     _end_descendants(set())
+    os._exit(0)
 
 
 def _reap(status_pipes: dict[int, int]) -> None:

@@ -54,14 +54,18 @@ class Channel:
         """Wait in `send` and `receive`, even if a solver has set the socket not to block."""
         self._line.setblocking(True)
 
-    def send(self, value: Any, arrays: bytes = b"") -> bool:
-        """Send a message, or as much of it as goes at once; whether all of it went."""
+    def put(self, value: Any, arrays: bytes = b"") -> None:
+        """Add a message to those that `flush` sends."""
         text = json.dumps(value).encode()
         self._unsent += _HEADER.pack(_MARK, len(text), len(arrays)) + text + arrays
-        return self.flush()
+
+    def send(self, value: Any, arrays: bytes = b"") -> None:
+        """Send a message; all of it, where the socket blocks."""
+        self.put(value, arrays)
+        self.flush()
 
     def flush(self) -> bool:
-        """Send what is left to be sent; whether all of it went."""
+        """Send what has been put; whether all of it went, which it does where the socket blocks."""
         try:
             while self._unsent:
                 del self._unsent[: self._line.send(self._unsent)]
@@ -131,6 +135,7 @@ class WorkerReply(NamedTuple):
     code_digest: str = ""
 
 
+# `dataclasses.astuple` copies every value, which takes longer than all the rest of a message
 _scenario_values = attrgetter(*(field.name for field in fields(Scenario)))
 
 
@@ -175,7 +180,7 @@ def encode_reply(sent: WorkerReply) -> tuple[list[Any], bytes]:
     dual = solution.multipliers
     values = [
         str(reply.outcome.value),
-        (reply.times.build, reply.times.solve, reply.times.wall),
+        [reply.times.build, reply.times.solve, reply.times.wall],
         str(Claim(solution.claim).value),
         start,
         _float(solution.claimed_length),

@@ -14,14 +14,13 @@ from typing import Self
 
 from dubins_study.errors import DubinsStudyError
 from dubins_study.experiments.interruption import Interruption
-from dubins_study.experiments.isolation.exit_status import crashed, exit_status
 from dubins_study.experiments.isolation.fork_server import ForkServerError
 from dubins_study.experiments.isolation.job_clock import Phase
 from dubins_study.experiments.isolation.job_queue import Job, JobQueue, worker_group
-from dubins_study.experiments.isolation.load_failures import LoadFailures
 from dubins_study.experiments.isolation.messages import MessageError, WorkerReply
 from dubins_study.experiments.isolation.monitor import POLL_INTERVAL_S, Limits, Monitor
 from dubins_study.experiments.isolation.worker import WorkerJob
+from dubins_study.experiments.isolation.worker_failures import LoadFailures, crashed, exit_status
 from dubins_study.experiments.isolation.worker_process import Answer, WorkerProcess
 from dubins_study.solvers.protocol import Outcome
 from dubins_study.solvers.reply import Reply, no_answer
@@ -147,6 +146,10 @@ class WorkerPool:
         if self._probed is not None and first is not None and monotonic() > self._next_probe_s:
             self._next_probe_s = monotonic() + _PROBE_INTERVAL_S
             first.put_probe()
+        for worker in filter(None, self._workers):
+            if not worker.flush():  # the rest of a long message is sent as the worker reads it
+                events = selectors.EVENT_READ | selectors.EVENT_WRITE
+                self._selector.modify(worker.process.channel, events, worker)
         return results
 
     def _fits(self, place: int, job: Job, share: int) -> bool:
@@ -162,10 +165,7 @@ class WorkerPool:
     def _put(self, place: int, number: int, job: Job) -> None:
         worker = self._workers[place] or self._start(place, worker_group(job.solver))
         warm_up = self._load_failures.warms_up(job.solver_key)
-        order = WorkerJob(number, *job[:3], self.limits.time_s, warm_up)
-        if not worker.put(order):  # the rest of a long message is sent as the worker reads it
-            events = selectors.EVENT_READ | selectors.EVENT_WRITE
-            self._selector.modify(worker.process.channel, events, worker)
+        worker.put(WorkerJob(number, *job[:3], self.limits.time_s, warm_up))
 
     def _start(self, place: int, group: str) -> WorkerProcess:
         try:

@@ -71,24 +71,19 @@ class WorkerProcess:
     def pid(self) -> int:
         return self.process.pid
 
-    def put(self, job: WorkerJob) -> bool:
-        """Give the worker a job; whether all of it has been sent."""
+    def put(self, job: WorkerJob) -> None:
+        """Give the worker a job, which `flush` sends."""
         self.pending[job.number] = job
         question, arrays = encode_question(job.question)
-        return self._send([*job[:3], question, *job[4:]], arrays)
+        self.process.channel.put([*job[:3], question, *job[4:]], arrays)
 
     def put_probe(self) -> None:
         """Have the worker time the calibration's piece of work after its jobs."""
-        self._send("probe")
-
-    def _send(self, value: Any, arrays: bytes = b"") -> bool:
-        with suppress(OSError):  # the worker has ended, which its status tells
-            return self.process.channel.send(value, arrays)
-        return True
+        self.process.channel.put("probe")
 
     def flush(self) -> bool:
-        """Send what is left to be sent; whether all of it has been."""
-        with suppress(OSError):
+        """Send what the worker has been given; whether all of it has been sent."""
+        with suppress(OSError):  # the worker has ended, which its status tells
             return self.process.channel.flush()
         return True
 

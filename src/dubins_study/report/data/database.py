@@ -108,7 +108,7 @@ def _close(connection: duckdb.DuckDBPyConnection, folder: FilePath) -> None:
     shutil.rmtree(folder, ignore_errors=True)
 
 
-def _typed(field: pa.Field) -> str:
+def _typed(field: pa.Field[Any]) -> str:
     if pa.types.is_floating(field.type):
         return f'nullif(CAST("{field.name}" AS DOUBLE), \'nan\'::DOUBLE) AS "{field.name}"'
     types = {pa.string(): "VARCHAR", pa.int64(): "BIGINT", pa.bool_(): "BOOLEAN"}

@@ -199,7 +199,11 @@ def _checked_rows(files: Sequence[FilePath], bound: str | None) -> pa.Table:
             part = pa.array(np.full(len(batch), number))
             first += len(batch)
             table = batch.append_column("part", part).append_column("place", place)
-            kept = table if bound is None else table.filter(pc.less(table["scenario_id"], bound))
+            kept = (
+                table
+                if bound is None
+                else table.filter(pc.less(table["scenario_id"], pa.scalar(bound)))
+            )
             tables.append(kept.cast(_PLAIN))
     return pa.concat_tables(tables)
 

@@ -8,7 +8,7 @@ from dubins_study.report.elements.content import Column, count, seconds, share
 
 
 def verdict_columns() -> tuple[Column, ...]:
-    """The columns of `metrics.summary` as tables show them."""
+    """The columns of `topics.summary.numbers.summary` as tables show them."""
     counts = ("attempts", "optimal", "none exists", "longer", "misses", "none")
     return (
         Column("solver", "solver", kind="code"),

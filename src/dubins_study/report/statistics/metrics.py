@@ -57,42 +57,6 @@ def by_solver(frame: pd.DataFrame) -> pd.DataFrame:
     return frame.sort_values("solver", key=lambda s: s.map(order), kind="stable", ignore_index=True)
 
 
-def summary(verdicts: pd.DataFrame) -> pd.DataFrame:
-    """One row a solver: attempts, counts of each verdict, false claims, wrong basins, times.
-
-    Args:
-        verdicts: of `report.data.attempts.Attempts.verdicts`.
-
-    Returns:
-        Its columns, and success (share of all attempts).
-    """
-    right = verdicts[list(SUCCESSES)].sum(axis="columns")
-    return by_solver(verdicts.assign(success=right / verdicts["attempts"]))
-
-
-def gist(message: str) -> str:
-    """A message without its numbers and repetitions, so that like messages count as one."""
-    parts = [re.sub(r"\d[\d.]*(?:[eE][+-]?\d+)?", "#", part) for part in message.split("; ")]
-    return "; ".join(dict.fromkeys(parts))[:160]
-
-
-def failures(frame: pd.DataFrame) -> pd.DataFrame:
-    """Attempts without success by what is known of them, most frequent first.
-
-    Args:
-        frame: of `report.data.attempts.Attempts.failures`.
-
-    Returns:
-        Columns solver, outcome, claim, verdict, said (the gist of the backend's message, or of its
-        status where there is none), attempts.
-    """
-    keys = ["solver", "outcome", "claim", "verdict", "said"]
-    text = frame["message"].fillna("").where(lambda t: t != "", frame["native_status"].fillna(""))
-    counted = frame.assign(said=text.map(gist)).groupby(keys, dropna=False)["attempts"].sum()
-    ascending = [False] + [True] * len(keys)
-    return counted.reset_index().sort_values(["attempts", *keys], ascending=ascending)
-
-
 def gaps(rows: pd.DataFrame) -> pd.Series:
     """Gaps of the attempts at questions that have an answer, infinite where none arrived.
 
@@ -100,43 +64,6 @@ def gaps(rows: pd.DataFrame) -> pd.Series:
     """
     answerable: pd.Series = rows.loc[rows["answerable"], "gap"]
     return answerable.fillna(np.inf).clip(lower=0)
-
-
-def gap_quantiles(frame: pd.DataFrame) -> pd.DataFrame:
-    """Gap quantiles per solver and region.
-
-    Args:
-        frame: of `report.data.attempts.Attempts.gap_quantiles`.
-
-    Returns:
-        Its columns, arrived as a share of the attempts; a region that holds all of a solver's
-        attempts is left out.
-    """
-    order = {region: place for place, region in enumerate(REGIONS)}
-    known = frame[frame["region"].isin(REGIONS)].sort_values("region", key=lambda r: r.map(order))
-    every = known.groupby("solver")["attempts"].transform("max")
-    news = (known["region"] == "all") | (known["attempts"] < every)
-    return by_solver(known[news].assign(arrived=known["arrived"] / known["attempts"]))
-
-
-REGIONS = ("all", "outside", "left disc", "right disc", "circle")
-
-
-def gap_shares(profile: pd.DataFrame) -> dict[str, pd.DataFrame]:
-    """For each solver the share of attempts within each finite gap.
-
-    Args:
-        profile: of `report.data.attempts.Attempts.gap_profile`.
-
-    Returns:
-        Solver -> columns gap (ascending) and share.
-    """
-    shares = {}
-    for solver, rows in profile.groupby("solver"):
-        reached = rows["attempts"].cumsum() / rows["attempts"].sum()
-        finite = np.isfinite(rows["gap"])
-        shares[str(solver)] = pd.DataFrame({"gap": rows["gap"], "share": reached})[finite]
-    return shares
 
 
 def upper_quantile(values: ArrayLike, q: float) -> float:

@@ -1,69 +1,13 @@
-"""Times of solvers that answer the same questions: means, ratios, warm against cold."""
+"""Means of times."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
 import numpy as np
-import pandas as pd
-
-from dubins_study.report.statistics.metrics import QUESTION, solver_order, success
 
 
 def shifted_geometric_mean(values: Sequence[float], shift: float) -> float:
     """exp(mean(log(t + shift))) - shift, in the unit of the values."""
     logs = np.log(np.asarray(values, dtype=np.float64) + shift)
     return float(np.exp(logs.mean()) - shift)
-
-
-def mean_times(rows: pd.DataFrame, shift: float | None = None) -> tuple[pd.DataFrame, float]:
-    """Shifted geometric means over the questions that every solver answered rightly.
-
-    The shift is the lower quartile of all times that enter, unless given: small beside most of
-    them, so that no solver's mean is the shift, and large beside the clock's noise.
-
-    Returns:
-        Columns solver, questions, mean_s, rank, and the rank at a tenth and at ten times the
-        shift (rank_tenth, rank_tenfold); and the shift (s).
-    """
-    table = common_times(rows)
-    if table.empty:
-        return pd.DataFrame(), 0.0
-    chosen = float(np.quantile(table.to_numpy(), 0.25)) if shift is None else shift
-    means = {
-        factor: table.apply(lambda t, s=chosen * factor: shifted_geometric_mean(t, s))
-        for factor in (1.0, 0.1, 10.0)
-    }
-    frame = pd.DataFrame(
-        {
-            "solver": table.columns,
-            "questions": len(table),
-            "mean_s": means[1.0].to_numpy(),
-            "rank": means[1.0].rank().astype(int).to_numpy(),
-            "rank_tenth": means[0.1].rank().astype(int).to_numpy(),
-            "rank_tenfold": means[10.0].rank().astype(int).to_numpy(),
-        }
-    )
-    return frame, chosen
-
-
-def common_times(rows: pd.DataFrame) -> pd.DataFrame:
-    """Median whole time (s) of every solver (columns) on each question (rows) all got right."""
-    right = rows.assign(right=success(rows))
-    timed = right.groupby([*QUESTION, "solver"]).agg(wall=("wall_s", "median"), ok=("right", "all"))
-    wide = pd.DataFrame(timed["wall"].where(timed["ok"]).unstack("solver")).dropna()
-    return wide[solver_order(list(wide.columns))]
-
-
-def time_ratios(rows: pd.DataFrame) -> pd.DataFrame:
-    """Each solver's time over the fastest right answer's (columns), question by question (rows).
-
-    Only questions that every solver here was asked; infinite where its answer is not right, or
-    nobody's is.
-    """
-    right = rows.assign(right=success(rows))
-    asked = right.groupby([*QUESTION, "solver"]).agg(wall=("wall_s", "median"), ok=("right", "all"))
-    times_of = pd.DataFrame(asked["wall"].where(asked["ok"], np.inf).unstack("solver"))
-    everyone = times_of[times_of.notna().all(axis=1)]
-    ratios = everyone.div(everyone.min(axis=1), axis=0).fillna(np.inf)
-    return ratios[solver_order(list(ratios.columns))]

@@ -24,6 +24,7 @@ from dubins_study.study.check.extremal_kernel import extremal_rows
 from dubins_study.study.check.verdict import Tolerances, Verdict, drivable
 from dubins_study.study.check.verdict_frame import FrameJudgement, Paths
 from dubins_study.study.check.verdict_kernel import VERDICTS, BoolArray
+from dubins_study.study.closed_form.kernel_compile import loop_input
 from dubins_study.study.closed_form.kernel_words import CodeArray
 from dubins_study.study.path import FloatArray, Path
 from dubins_study.study.scenario import scenarios
@@ -87,8 +88,8 @@ def certify_frame(
     """
     n = len(paths)
     certificate = FrameCertificate.empty(n)
-    heading, radius = (frame[name].to_numpy(np.float64) for name in ("heading", "radius"))
-    curvature, length = map(np.ascontiguousarray, (paths.curvature, paths.length))
+    heading, radius = (loop_input(frame[name]) for name in ("heading", "radius"))
+    curvature, length = map(loop_input, (paths.curvature, paths.length))
     odd = extremal_rows(
         heading, radius, curvature, length, certificate.measured, certificate.abnormal
     )

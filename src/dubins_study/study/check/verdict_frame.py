@@ -34,7 +34,7 @@ from dubins_study.study.check.verdict_kernel import (
     judge_threads,
 )
 from dubins_study.study.closed_form.kernel import SMALL, WORDS, Rows, shortest_rows
-from dubins_study.study.closed_form.kernel_compile import may_use_threads
+from dubins_study.study.closed_form.kernel_compile import loop_input, may_use_threads
 from dubins_study.study.closed_form.kernel_paths import FIRST_TURN, LAST_TURN
 from dubins_study.study.closed_form.kernel_words import NO_PATH, CodeArray
 from dubins_study.study.closed_form.shortest import BRANCHES, shortest
@@ -127,12 +127,12 @@ def judge_frame(
     if len(paths) != n:
         raise ValueError(f"there are {len(paths)} paths for {n} scenarios")
     codes = CLAIMS.index(claim) if isinstance(claim, Claim) else np.asarray(claim, np.intp)
-    columns = {name: np.ascontiguousarray(frame[name], np.float64) for name in NUMBERS}
+    columns = {name: loop_input(frame[name]) for name in NUMBERS}
     x, y, heading, tx, ty, radius, _ = columns.values()
     best = shortest_rows(x, y, heading, tx, ty, radius, branch=branch)
     questions = Questions(x, y, heading, tx, ty, radius, best.length)
     findings = Findings.empty(n)
-    (k1, k2), (l1, l2) = np.ascontiguousarray(paths.curvature), np.ascontiguousarray(paths.length)
+    (k1, k2), (l1, l2) = loop_input(paths.curvature), loop_input(paths.length)
     arcs = Arcs(k1, l1, k2, l2)
     limits = Limits(tolerances.miss, tolerances.curvature, tolerances.gap, BRANCHES.index(branch))
     run = judge_threads if n >= SMALL and may_use_threads() else judge_alone

@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from dubins_study.study.closed_form.kernel_compile import (
     compiled,
     inlined,
+    loop_input,
     may_use_threads,
     threaded,
 )
@@ -89,8 +90,7 @@ def shortest_rows(
         ValueError: if the shapes differ or there is no such branch.
     """
     inputs: list[FloatArray]
-    inputs = [np.ascontiguousarray(a, np.float64) for a in (x, y, heading, target_x, target_y)]
-    inputs.append(np.ascontiguousarray(radius, np.float64))
+    inputs = [loop_input(a) for a in (x, y, heading, target_x, target_y, radius)]
     n = inputs[0].size
     rows = Rows.empty(n) if out is None else out
     arrays: list[NDArray[Any]] = [*inputs, *rows]

@@ -13,7 +13,11 @@ from pathlib import Path
 from typing import Any, TypeVar, cast
 
 import numba
+import numpy as np
 from numba.core import event
+from numpy.typing import ArrayLike
+
+from dubins_study.study.path import FloatArray
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 Loop = Callable[..., Any]  # over arrays that callers unpack: no checker could count them
@@ -49,6 +53,17 @@ def _digest() -> str:
 
 
 _SOURCES = _digest()
+
+
+def loop_input(values: ArrayLike) -> FloatArray:
+    """The values as every loop reads them: contiguous doubles in an array that is read-only.
+
+    Numba compiles a loop anew, for seconds, for every mix of writable, read-only and strided
+    arrays that it is called with.
+    """
+    array = np.ascontiguousarray(values, np.float64).view()
+    array.flags.writeable = False
+    return array
 
 
 def inlined(function: Function) -> Function:

@@ -29,7 +29,7 @@ SMALLEST_GAP = 1e-16
 
 
 def plot_verdicts(ax: Axes, table: pd.DataFrame) -> None:
-    """Share of each verdict, one bar a solver. Columns of `metrics.summary`."""
+    """Share of each verdict, one bar a solver. Columns of `summary.numbers.summary`."""
     look = {verdict: VERDICT_LOOK[verdict] for verdict in VERDICTS}
     plot_shares(ax, table, look, [_counts(row) for row in table.to_dict("records")])
     ax.legend(loc="lower left", bbox_to_anchor=(0, 1.0), ncols=5, borderaxespad=0.2)
@@ -52,7 +52,7 @@ def plot_gap_profile(
 
     Args:
         ax: where to draw.
-        shares: of `metrics.gap_shares`.
+        shares: of `gap_shares`.
         palette: of the page's solvers.
         tolerance: the gap up to which the check says optimal, drawn as a line if given.
     """

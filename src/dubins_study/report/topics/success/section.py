@@ -21,8 +21,9 @@ from dubins_study.report.elements.content import (
 from dubins_study.report.elements.looks import Palette, legend_lines, name_of
 from dubins_study.report.elements.style import HALF, WIDE, new_figure
 from dubins_study.report.elements.verdict_table import marks_of_failures, verdict_columns
-from dubins_study.report.statistics.metrics import failures, gap_quantiles, gap_shares, summary
 from dubins_study.report.topics.success.figures import plot_gap_profile, plot_verdicts
+from dubins_study.report.topics.success.numbers import failures, gap_quantiles, gap_shares
+from dubins_study.report.topics.summary.numbers import summary
 
 _MOST_FAILURES = 25
 

@@ -6,7 +6,7 @@ from dubins_study.report.data.attempts import SUCCESSES
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.content import Section, Table, share, some
 from dubins_study.report.elements.verdict_table import marks_of_failures, verdict_columns
-from dubins_study.report.statistics.metrics import summary
+from dubins_study.report.topics.summary.numbers import summary
 
 
 def summary_section(results: Results) -> Section | None:

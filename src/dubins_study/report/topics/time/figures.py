@@ -12,7 +12,7 @@ from dubins_study.report.elements.style import INK
 
 
 def plot_times(ax: Axes, table: pd.DataFrame, palette: Palette) -> None:
-    """Median and quartiles of building (open) and solving (filled). Columns of `timing.times`."""
+    """Median and quartiles of building (open) and solving (filled). Columns of `Attempts.times`."""
     places = np.arange(len(table))[::-1]
     looks = palette.looks(table["solver"])
     for place, row in zip(places, table.to_dict("records"), strict=True):

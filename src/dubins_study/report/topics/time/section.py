@@ -17,8 +17,8 @@ from dubins_study.report.elements.content import (
 from dubins_study.report.elements.looks import Palette, legend_lines, name_of
 from dubins_study.report.elements.style import WIDE, new_figure
 from dubins_study.report.statistics.metrics import by_solver
-from dubins_study.report.statistics.timing import mean_times, time_ratios
 from dubins_study.report.topics.time.figures import plot_performance, plot_times
+from dubins_study.report.topics.time.numbers import mean_times, time_ratios
 
 
 def time_section(results: Results) -> Section | None:

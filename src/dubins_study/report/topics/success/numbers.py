@@ -1,0 +1,69 @@
+"""Gaps and failures, solver by solver."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+import pandas as pd
+
+from dubins_study.report.statistics.metrics import by_solver
+
+REGIONS = ("all", "outside", "left disc", "right disc", "circle")
+
+
+def gist(message: str) -> str:
+    """A message without its numbers and repetitions, so that like messages count as one."""
+    parts = [re.sub(r"\d[\d.]*(?:[eE][+-]?\d+)?", "#", part) for part in message.split("; ")]
+    return "; ".join(dict.fromkeys(parts))[:160]
+
+
+def failures(frame: pd.DataFrame) -> pd.DataFrame:
+    """Attempts without success by what is known of them, most frequent first.
+
+    Args:
+        frame: of `report.data.attempts.Attempts.failures`.
+
+    Returns:
+        Columns solver, outcome, claim, verdict, said (the gist of the backend's message, or of its
+        status where there is none), attempts.
+    """
+    keys = ["solver", "outcome", "claim", "verdict", "said"]
+    text = frame["message"].fillna("").where(lambda t: t != "", frame["native_status"].fillna(""))
+    counted = frame.assign(said=text.map(gist)).groupby(keys, dropna=False)["attempts"].sum()
+    ascending = [False] + [True] * len(keys)
+    return counted.reset_index().sort_values(["attempts", *keys], ascending=ascending)
+
+
+def gap_quantiles(frame: pd.DataFrame) -> pd.DataFrame:
+    """Gap quantiles per solver and region.
+
+    Args:
+        frame: of `report.data.attempts.Attempts.gap_quantiles`.
+
+    Returns:
+        Its columns, arrived as a share of the attempts; a region that holds all of a solver's
+        attempts is left out.
+    """
+    order = {region: place for place, region in enumerate(REGIONS)}
+    known = frame[frame["region"].isin(REGIONS)].sort_values("region", key=lambda r: r.map(order))
+    every = known.groupby("solver")["attempts"].transform("max")
+    news = (known["region"] == "all") | (known["attempts"] < every)
+    return by_solver(known[news].assign(arrived=known["arrived"] / known["attempts"]))
+
+
+def gap_shares(profile: pd.DataFrame) -> dict[str, pd.DataFrame]:
+    """For each solver the share of attempts within each finite gap.
+
+    Args:
+        profile: of `report.data.attempts.Attempts.gap_profile`.
+
+    Returns:
+        Solver -> columns gap (ascending) and share.
+    """
+    shares = {}
+    for solver, rows in profile.groupby("solver"):
+        reached = rows["attempts"].cumsum() / rows["attempts"].sum()
+        finite = np.isfinite(rows["gap"])
+        shares[str(solver)] = pd.DataFrame({"gap": rows["gap"], "share": reached})[finite]
+    return shares
