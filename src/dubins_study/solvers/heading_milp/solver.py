@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import time
 from dataclasses import dataclass
-from importlib.util import find_spec
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
@@ -14,12 +13,16 @@ from dubins_study.solvers.heading_milp.grid import FULL_TURN, Family, one_turn, 
 from dubins_study.solvers.heading_milp.legs import ROUNDED, Legs, controls, least_legs, rounding
 from dubins_study.solvers.heading_milp.template import Template, template
 from dubins_study.solvers.protocol import Guarantee, Question, Solution, Solver
-from dubins_study.solvers.reach import unreachable
-from dubins_study.solvers.setting_checks import whole
+from dubins_study.solvers.setting_checks import missing_package, whole
+from dubins_study.solvers.vehicle_frame import (
+    at_start,
+    coordinate_rounding,
+    in_world,
+    unreachable,
+)
 from dubins_study.study.check.verdict import Claim
-from dubins_study.study.closed_form.shortest import EPS, local
+from dubins_study.study.closed_form.shortest import local
 from dubins_study.study.path import FloatArray, Path
-from dubins_study.study.scenario import Scenario
 
 BRANCHES = ("best", "LS", "RS")
 
@@ -97,15 +100,9 @@ class HeadingMilp(Solver):
             raise ValueError(f"gap is {self.gap!r}; expected a number from 0 to 1")
 
     def unavailable(self) -> str | None:
-        for package in self.packages:
-            if find_spec(package) is None:
-                return f"package {package} is not installed"
-        return None
+        return missing_package(*self.packages)
 
     def build(self, question: Question) -> Model:
-        if question.branch not in BRANCHES:
-            known = ", ".join(BRANCHES)
-            raise ValueError(f"branch is {question.branch!r}; expected one of {known}")
         target = np.array(question.scenario.local())
         families = self._families(question.branch, *map(float, target))
         cases = [Case(family, template(*family.heading.shape)) for family in families]
@@ -113,7 +110,7 @@ class HeadingMilp(Solver):
 
     def _families(self, branch: str, X: float, Y: float) -> list[Family]:
         """The shapes of a branch; the likelier side first, since it bounds what follows."""
-        sides = {"LS": (1,), "RS": (-1,)}.get(branch, (1, -1) if Y >= 0 else (-1, 1))
+        sides = {"LS": (1,), "RS": (-1,), "best": (1, -1) if Y >= 0 else (-1, 1)}[branch]
         families = [one_turn(side, self.headings, self.legs, X, Y) for side in sides]
         if branch == "best":
             # the second arc's centre is 2 from the first one's, and a leg may start a step late
@@ -128,13 +125,10 @@ class HeadingMilp(Solver):
 
     def solve(self, model: Model, limit: float) -> Solution:
         deadline = time.perf_counter() + limit
-        scenario = model.question.scenario
-        X, Y = map(float, model.target)
-        if math.hypot(X, Y) <= 2 * EPS * scenario.extent / scenario.radius:
-            path = Path(scenario.start, [], [])
-            return Solution(Claim.LOCAL, path, 0.0, message="the target is at the start")
+        if answer := at_start(model.question, coordinate_rounding(model.question.scenario)):
+            return answer
         results: list[MilpResult] = []
-        cutoff = self._longest(math.hypot(X, Y))
+        cutoff = self._longest(math.hypot(*model.target))
         for case in model.cases:
             seconds = deadline - time.perf_counter()
             if seconds <= 0:
@@ -213,6 +207,7 @@ def _solution(model: Model, results: list[MilpResult], headings: int) -> Solutio
         message = f"no path on the grid of {headings} headings was found"
         return Solution(Claim.LIMIT if stopped else Claim.FAILED, message=message, **counts)
     claim = Claim.LIMIT if stopped else Claim.LOCAL if done else Claim.FEASIBLE
+    duals = best.legs.duals
     curvature, length = controls(best.family, best.choice, best.legs.length)
     # a shape without a path shorter than the best one has been cut off at its length
     bound = min(
@@ -222,16 +217,8 @@ def _solution(model: Model, results: list[MilpResult], headings: int) -> Solutio
         claim,
         path=Path(scenario.start, np.array(curvature) / R, np.array(length) * R),
         claimed_length=best.length * R,
-        multipliers=_in_world(scenario, best.legs.duals),
+        multipliers=None if duals is None else in_world(scenario, *map(float, duals)),
         message=f"{best.family.name}; HiGHS's bound {bound * R:.9g} holds for paths on the grid"
         f" of {headings} headings only, not for the scenario",
         **counts,
     )
-
-
-def _in_world(scenario: Scenario, duals: FloatArray | None) -> tuple[float, float] | None:
-    if duals is None:
-        return None
-    cos, sin = math.cos(scenario.heading), math.sin(scenario.heading)
-    along, left = map(float, duals)
-    return along * cos - left * sin, along * sin + left * cos

@@ -42,8 +42,9 @@ from dubins_study.solvers.paper_nlp.model import (
 )
 from dubins_study.solvers.protocol import Question, Solution, Solver
 from dubins_study.solvers.setting_checks import one_of, positive
+from dubins_study.solvers.vehicle_frame import at_start
 from dubins_study.study.check.verdict import Claim
-from dubins_study.study.path import FloatArray, Path
+from dubins_study.study.path import FloatArray
 
 ROOTS = ("hybr", "lm")
 
@@ -118,9 +119,8 @@ class Shooting(Solver):
 
     def solve(self, model: Model, limit: float) -> Solution:
         question = model.question
-        if math.hypot(*question.scenario.local()) <= self.tol:
-            path = Path(question.scenario.start, [], [])
-            return Solution(Claim.LOCAL, path, 0.0, message="the target is the start")
+        if there := at_start(question, self.tol):
+            return there
         if not model.cases:
             reason = f"no path of the branch {question.branch} ends at the target"
             return Solution(Claim.INFEASIBLE, iterations=0, evaluations=0, message=reason)
@@ -152,7 +152,7 @@ class Shooting(Solver):
                 nu = 1.0, -math.cos(heading), -math.sin(heading)
             yield np.concatenate((z, structure.consistent(nu)))
 
-    def _from(self, case: Case, prescribed: bool, guess: FloatArray) -> Point:
+    def _from(self, case: Case, prescribed: bool, guess: FloatArray, seconds: float) -> Point:
         """Solve from one initial guess; `prescribed` if the branch leaves no choice of controls."""
         structure, free = case.structure, list(case.subproblem.free)
         v = structure.unknowns(guess[3:], guess[free])

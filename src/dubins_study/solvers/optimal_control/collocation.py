@@ -20,16 +20,15 @@ from dubins_study.solvers.ipopt_library.engine import (
 from dubins_study.solvers.optimal_control.collocation_correction import closed, miss
 from dubins_study.solvers.optimal_control.collocation_guesses import guesses
 from dubins_study.solvers.optimal_control.collocation_model import Elements, Template, template
-from dubins_study.solvers.optimal_control.turn_rate_dynamics import Rates
+from dubins_study.solvers.optimal_control.turn_rate_dynamics import RATES, Rates
 from dubins_study.solvers.paper_nlp.best_point import total
 from dubins_study.solvers.protocol import Guarantee, Question, Solution, Solver
-from dubins_study.solvers.reach import unreachable
 from dubins_study.solvers.setting_checks import one_of, whole, within
+from dubins_study.solvers.vehicle_frame import in_world, staying, unreachable
 from dubins_study.study.check.verdict import Claim
 from dubins_study.study.closed_form.shortest import Local, local
 from dubins_study.study.path import FloatArray, Path
 
-RATES = {"best": Rates(-1.0, 1.0), "LS": Rates(0.0, 1.0), "RS": Rates(-1.0, 0.0)}
 MESHES = ("free", "equal")
 _ARRIVED = 1e-8  # radii; a hundredth of what the check allows
 _ROUNDED = 32 * math.ulp(1.0)  # of the target's distance
@@ -114,8 +113,6 @@ class Collocation(Solver):
         return library_versions.ipopt(by_executable(self.via))
 
     def build(self, question: Question) -> Model:
-        if question.branch not in RATES:
-            raise ValueError(f"branch is {question.branch!r}; expected one of {', '.join(RATES)}")
         options = (("tol", self.tol), ("max_iter", self.max_iter), ("bound_relax_factor", 0.0))
         transcription = template(
             self.n, self.points, self.mesh == "equal", options, by_executable(self.via)
@@ -126,8 +123,7 @@ class Collocation(Solver):
     def solve(self, model: Model, limit: float) -> Solution:
         question, place = model.question, model.place
         if place.X == place.Y == 0:
-            stay = Path(question.scenario.start, [], [])
-            return Solution(Claim.LOCAL, stay, 0.0, message="the target is the start")
+            return staying(question)
         if reason := unreachable(place, question.branch):
             return Solution(Claim.INFEASIBLE, iterations=0, evaluations=0, message=reason)
         runs: list[Run] = []
@@ -185,9 +181,7 @@ def _answer(model: Model, runs: list[Run], in_time: bool) -> Solution:
         claim = Claim.FEASIBLE if _arrives(best.miss, model.target) else Claim.FAILED
     multipliers = None
     if best.native.duals is not None and claim is Claim.LOCAL:
-        cos, sin = math.cos(scenario.heading), math.sin(scenario.heading)
-        along, left = map(float, best.native.duals)
-        multipliers = (along * cos - left * sin, along * sin + left * cos)
+        multipliers = in_world(scenario, *map(float, best.native.duals))
     elements = best.elements
     rate = np.clip(elements.rate, model.rates.lower, model.rates.upper)
     return Solution(

@@ -11,7 +11,7 @@ import numpy as np
 from dubins_study.solvers.optimal_control.collocation_model import Elements
 from dubins_study.solvers.paper_nlp.model import FULL_TURN
 from dubins_study.solvers.protocol import Question
-from dubins_study.solvers.reach import unreachable
+from dubins_study.solvers.vehicle_frame import unreachable
 from dubins_study.study.check.verdict import drivable
 from dubins_study.study.closed_form.shortest import Local
 from dubins_study.study.path import Path

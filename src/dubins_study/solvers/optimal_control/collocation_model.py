@@ -21,14 +21,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from dubins_study.solvers.ipopt_library.deadline import Deadline
-from dubins_study.solvers.ipopt_library.engine import (
-    Ask,
-    Options,
-    Program,
-    Result,
-    executable,
-    library,
-)
+from dubins_study.solvers.ipopt_library.engine import Ask, Options, Program, Result, compiled
 from dubins_study.solvers.optimal_control.turn_rate_dynamics import Rates
 from dubins_study.study.path import FloatArray, Path
 from dubins_study.study.scenario import Pose
@@ -135,11 +128,7 @@ def _sided(rate: float) -> float:
 def template(n: int, points: int, equal: bool, options: Options, by_executable: bool) -> Template:
     """The transcription into n elements of so many points each, compiled once per setting."""
     transcribed, deadline = program(n, points, equal), Deadline()
-    ask = (
-        executable(transcribed, options)
-        if by_executable
-        else library(transcribed, options, deadline)
-    )
+    ask = compiled(transcribed, options, by_executable, deadline)
     element = np.repeat(np.arange(n), points)
     # Pyomo rounds the points' labels, not the scheme's coefficients
     fraction = np.tile(transcribed.model.tau.get_discretization_info()["tau_points"][1:], n)

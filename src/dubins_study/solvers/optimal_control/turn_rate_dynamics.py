@@ -42,6 +42,10 @@ class Rates(NamedTuple):
     upper: float
 
 
+# by branch: LS and RS forbid turning the other way
+RATES = {"best": Rates(-1.0, 1.0), "LS": Rates(0.0, 1.0), "RS": Rates(-1.0, 0.0)}
+
+
 class Rollout(NamedTuple):
     """End point (2,), its gradient by the headings (2, n), and the chords of the steps (2, n)."""
 

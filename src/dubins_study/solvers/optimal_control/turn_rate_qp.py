@@ -6,22 +6,20 @@ import math
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass
-from importlib.util import find_spec
 from typing import Any, ClassVar
 
 import numpy as np
 
-from dubins_study.solvers.optimal_control.turn_rate_dynamics import CLOSE, Controls, Rates
+from dubins_study.solvers.optimal_control.turn_rate_dynamics import CLOSE, RATES, Controls, Rates
 from dubins_study.solvers.optimal_control.turn_rate_sequence import Limits, Run, Sequence
 from dubins_study.solvers.optimal_control.turn_rate_template import ENGINES, Template, template
 from dubins_study.solvers.protocol import Guarantee, Question, Solution, Solver
-from dubins_study.solvers.reach import unreachable
-from dubins_study.solvers.setting_checks import one_of, whole
+from dubins_study.solvers.setting_checks import missing_package, one_of, whole
+from dubins_study.solvers.vehicle_frame import coordinate_rounding, in_world, unreachable
 from dubins_study.study.check.verdict import Claim, drivable
-from dubins_study.study.closed_form.shortest import EPS, local
+from dubins_study.study.closed_form.shortest import local
 from dubins_study.study.path import FloatArray, Path
 
-RATES = {"best": Rates(-1.0, 1.0), "LS": Rates(0.0, 1.0), "RS": Rates(-1.0, 0.0)}
 _PACKAGES = {"highs": "highspy"}
 MESHES = ("equal", "graded")
 _TURNING = 2 * math.pi  # radii; no turn towards a target far away is longer than a full circle
@@ -79,14 +77,9 @@ class TurnRateQp(Solver):
             raise ValueError(f"tolerance is {self.tolerance!r}; expected a number from 0 to 1")
 
     def unavailable(self) -> str | None:
-        for package in ("cvxpy", _PACKAGES.get(self.engine, self.engine)):
-            if find_spec(package) is None:
-                return f"package {package} is not installed"
-        return None
+        return missing_package("cvxpy", _PACKAGES.get(self.engine, self.engine))
 
     def build(self, question: Question) -> TurnRateModel:
-        if question.branch not in RATES:
-            raise ValueError(f"branch is {question.branch!r}; expected one of {', '.join(RATES)}")
         target = np.array(question.scenario.local())
         shares = _shares(self.n, self.mesh, math.hypot(*target))
         qp = template(self.n, self.engine)
@@ -95,8 +88,7 @@ class TurnRateQp(Solver):
     def solve(self, model: TurnRateModel, limit: float) -> Solution:
         deadline = time.perf_counter() + limit
         scenario, branch = model.question.scenario, model.question.branch
-        X, Y = model.target
-        if math.hypot(X, Y) <= 2 * EPS * scenario.extent / scenario.radius:
+        if math.hypot(*model.target) <= coordinate_rounding(scenario):
             stay = Controls(np.zeros(self.n), 0.0)
             run = Run(Claim.LOCAL, stay, 0.0, None, 0, 0, "the target is at the start")
             return _solution(model, [run])
@@ -198,9 +190,7 @@ def _solution(model: TurnRateModel, runs: list[Run]) -> Solution:
     rate = np.clip(rate, model.rates.lower, model.rates.upper)
     multipliers = None
     if best.duals is not None and claim is Claim.LOCAL:
-        cos, sin = math.cos(scenario.heading), math.sin(scenario.heading)
-        along, left = map(float, best.duals)
-        multipliers = (along * cos - left * sin, along * sin + left * cos)
+        multipliers = in_world(scenario, *map(float, best.duals))
     return Solution(
         claim,
         path=Path(scenario.start, rate / scenario.radius, steps * scenario.radius),
