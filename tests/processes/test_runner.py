@@ -128,10 +128,10 @@ def test_rows_without_a_solve_are_interrupted_too(small, monkeypatch):
         monkeypatch.setattr(pool._load_failures, "reply", lambda solver: reply)
         for made in solve_chains(pool, cells, {}, RunSettings("r", 60.0), stop):
             rows += len(made)
-            stop.asked = rows >= 300
+            stop.requested = rows >= 300
     assert 300 <= rows < 310
 
-    stop.asked, rows = False, 0
+    stop.requested, rows = False, 0
     with WorkerPool(1, Limits(60.0, 2**32)) as pool:
         monkeypatch.setattr(pool._load_failures, "reply", lambda solver: reply)
         rows = sum(map(len, solve_chains(pool, cells, {}, RunSettings("r", 60.0), stop)))
