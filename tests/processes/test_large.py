@@ -12,7 +12,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from dubins_study import render, run
-from dubins_study.experiments.engines import stream
+from dubins_study.experiments.plan import streams
 from dubins_study.report.data.plane_map import CELLS, REACH, WORDS
 from dubins_study.report.data.results import load as load_results
 from dubins_study.report.data.results import part_files
@@ -42,7 +42,7 @@ ROWS = 2 * (6400 + 9)
 @pytest.fixture
 def many(tmp_path, monkeypatch):
     """A folder of streamed chunks and single cells."""
-    monkeypatch.setattr(stream, "_CHUNK_PROVED", 1000)
+    monkeypatch.setattr(streams, "_PROVED_CHUNK_ROWS", 1000)
     (tmp_path / "many.toml").write_text(EXPERIMENT, encoding="utf-8")
     return run(str(tmp_path / "many.toml"), tmp_path / "out")
 
