@@ -37,8 +37,8 @@ class Case(NamedTuple):
 class MilpResult(NamedTuple):
     """The result of one MILP.
 
-    `length` and `bound` in radii, the bound for paths on this grid alone; without a path that
-    arrives `legs` is None and `length` infinite.
+    `length` and `bound` are in radii; the bound holds for paths on this grid only. Without a path
+    that arrives, `legs` is None and `length` infinite.
     """
 
     family: Family
@@ -63,17 +63,17 @@ class Model(NamedTuple):
 class HeadingMilp(Solver):
     """Full-rate turning steps between headings on a grid, and straight legs; optimal on that grid.
 
-    One binary for every turning step, continuous legs, and a MILP for each shape of path: LS and
-    RS, and for `best` near the start also RL and LR, with a binary for every pair of steps. The
-    optimum is that of the discretised problem, and so is the bound of HiGHS, told in the message.
-    The check's LR and RL allow two full-rate arcs and nothing else; on a grid of headings those
-    end in finitely many points, so they are not answered.
+    One MILP for each word: LS and RS with a binary for every turning step, and for `best` near the
+    start also RL and LR with a binary for every pair of steps. The legs are continuous. The
+    optimum is that of the discretised problem, and so is HiGHS's bound, which the message states.
+    LR and RL as branches allow nothing but two full-rate arcs. On a grid of headings these end in
+    finitely many points, so the two branches are not answered.
 
     Args:
-        headings: K, number of turning steps in a full circle.
-        legs: parts that the last step before a straight has; legs may be driven between them.
-            With 1 they are at the grid's headings alone. What it costs to drive between two of
-            these headings instead of along one falls with the square of headings * legs.
+        headings: number of turning steps in a full circle.
+        legs: number of parts of the last step before a straight; legs may be driven between them.
+            With 1 they have the grid's headings only. Driving between two of these headings
+            instead of along one costs a length that falls with the square of headings * legs.
         gap: relative gap at which HiGHS calls an answer optimal.
     """
 
@@ -93,8 +93,8 @@ class HeadingMilp(Solver):
     }
 
     def __post_init__(self) -> None:
-        # Steps of more than 30 degrees leave no first arc worth the name; cvxpy's memory grows with
-        # the square of the number of headings, to up to two gigabytes at the upper ends.
+        # With steps above 30 degrees a CC path has hardly a first arc. cvxpy's memory grows with
+        # the square of the number of headings, to two gigabytes at the upper ends.
         whole(headings=(self.headings, 12, 1000), legs=(self.legs, 1, 12))
         if not 0 < self.gap < 1:
             raise ValueError(f"gap is {self.gap!r}; expected a number from 0 to 1")
@@ -109,11 +109,11 @@ class HeadingMilp(Solver):
         return Model(question, target, cases)
 
     def _families(self, branch: str, X: float, Y: float) -> list[Family]:
-        """The shapes of a branch; the likelier side first, since it bounds what follows."""
+        """The families of a branch; the likelier side first, since its length cuts off others."""
         sides = {"LS": (1,), "RS": (-1,), "best": (1, -1) if Y >= 0 else (-1, 1)}[branch]
         families = [one_turn(side, self.headings, self.legs, X, Y) for side in sides]
         if branch == "best":
-            # the second arc's centre is 2 from the first one's, and a leg may start a step late
+            # the second arc's centre is 2 from the first one's; a leg may start a step late
             least = 1 - FULL_TURN / self.headings
             families += [
                 family
@@ -138,10 +138,10 @@ class HeadingMilp(Solver):
         return _solution(model, results, self.headings)
 
     def _longest(self, distance: float) -> float:
-        """Length (radii) above which no path needs to be looked for.
+        """An upper bound (radii) on the shortest length, with room to spare.
 
-        A full turn, and a straight that is longer than the distance by a radius and, between two
-        headings that are an angle b apart, by a factor of up to 1 / cos(b / 2); then some more.
+        A full turn and a straight. The straight is longer than the distance by a radius, and by a
+        factor of up to 1 / cos(b / 2) between two headings that are an angle b apart.
         """
         between = FULL_TURN / (self.headings * self.legs)
         return (distance + 3 * math.pi) / math.cos(between / 2)
@@ -150,18 +150,17 @@ class HeadingMilp(Solver):
 def _solved(
     case: Case, target: FloatArray, cutoff: float, gap: float, seconds: float
 ) -> MilpResult:
-    """The answer of one MILP to a target (2,) in radii; lengths above `cutoff` are not looked for.
+    """The answer of one MILP to a target (2,) in radii; longer paths than `cutoff` are ignored.
 
-    The objective is what a path is longer than the bee-line: the end point's equations turn
-    lengths into lengths less what they advance, so that a gap keeps its meaning however far the
-    target is.
+    The objective is a path's length less the distance of the target, so that a gap keeps its
+    meaning however far the target is.
     """
     family, milp = case
     distance = math.hypot(*target)
     gaps = target[:, None] - family.shift
     bridged = np.hypot(*gaps)
-    # the legs' directions as seen from the direction of what they bridge; across it in units of
-    # the largest, or a fan of directions is thinner than HiGHS's tolerance
+    # the legs' directions relative to the gap that they bridge; their parts across it are scaled
+    # to a largest of 1, or neighbouring directions would differ by less than HiGHS's tolerance
     seen = family.heading - np.arctan2(gaps[1], gaps[0])[:, None]
     seen[bridged <= ROUNDED] = 0.0
     across = np.sin(seen)
@@ -187,7 +186,7 @@ def _solved(
 
 
 def _solution(model: Model, results: list[MilpResult], headings: int) -> Solution:
-    """The shortest path found, with the claim that all MILPs together deserve."""
+    """The shortest path of all MILPs, and the claim that follows from their statuses."""
     scenario, R = model.question.scenario, model.question.scenario.radius
     counts: dict[str, Any] = {
         "iterations": sum(result.iterations for result in results),
@@ -209,7 +208,7 @@ def _solution(model: Model, results: list[MilpResult], headings: int) -> Solutio
     claim = Claim.LIMIT if stopped else Claim.LOCAL if done else Claim.FEASIBLE
     duals = best.legs.duals
     curvature, length = controls(best.family, best.choice, best.legs.length)
-    # a shape without a path shorter than the best one has been cut off at its length
+    # "infeasible": the family has no path shorter than the best one, at whose length it is cut off
     bound = min(
         result.bound if result.status != "infeasible" else best.length for result in results
     )

@@ -22,7 +22,7 @@ from dubins_study.study.path import FloatArray, Path
 
 _PACKAGES = {"highs": "highspy"}
 MESHES = ("equal", "graded")
-_TURNING = 2 * math.pi  # radii; no turn towards a target far away is longer than a full circle
+_TURNING = 2 * math.pi  # radii; a turn towards a target far away is shorter than a full circle
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,15 +40,15 @@ class TurnRateModel:
 class TurnRateQp(Solver):
     """Problem (2.2) of the paper with n turn rates, each held for an equal part of a free duration.
 
-    Every step is an exact arc, so the path that comes back is one that can be driven; it is the
-    best of its n steps, not of all paths. `LS` and `RS` forbid turning the other way. `best` is
-    the shortest path from initial guesses shaped like each word.
+    Every step is an exact arc, so the path can be driven; it is the best of its n steps, not of
+    all paths. `LS` and `RS` forbid turning the other way. For `best`, a sequence of QPs starts from
+    the shape of every word, and the shortest path is the answer.
 
     Args:
         n: number of steps.
         engine: QP engine, one of clarabel, osqp, piqp, highs.
-        mesh: `equal` steps, or `graded`: for a far target half of them are kept for the turn,
-            which equal steps of many radii each can only follow coarsely.
+        mesh: `equal` steps, or `graded`: for a far target half of the steps share about a full
+            circle's length at the start, where the path turns.
         tolerance: a sequence has converged when a QP promises less than this times the length.
         max_qps: most QPs from one initial guess.
     """
@@ -70,7 +70,7 @@ class TurnRateQp(Solver):
     profiles: ClassVar[dict[str, dict[str, Any]]] = {"accurate": {"n": 640, "mesh": "graded"}}
 
     def __post_init__(self) -> None:
-        # the QPs are dense: beyond, one takes gigabytes
+        # the QPs are dense: a larger one takes gigabytes
         whole(n=(self.n, 2, 2000), max_qps=(self.max_qps, 1, 10**6))
         one_of(engine=(self.engine, ENGINES), mesh=(self.mesh, MESHES))
         if not 0 < self.tolerance < 1:
@@ -117,8 +117,8 @@ def _guesses(model: TurnRateModel, runs: list[Run]) -> Iterator[Controls]:
     """Initial guesses in the order to be tried; `runs` are the answers so far.
 
     The question's own guess comes first, then one guess shaped like each word: a turn to the
-    target's bearing and a straight, or two arcs where two unit circles can bridge the distance.
-    `LS` and `RS` need only one guess that succeeds.
+    target's bearing and a straight, or two arcs where the target is near enough. `LS` and `RS`
+    end with the first guess that succeeds.
     """
     question, ends = model.question, np.cumsum(model.shares)
     X, Y = model.target
@@ -172,7 +172,7 @@ def _resampled(path: Path, model: TurnRateModel) -> Controls | None:
 
 
 def _solution(model: TurnRateModel, runs: list[Run]) -> Solution:
-    """The shortest answer that arrives, or the nearest to it, with the claim it deserves."""
+    """The shortest path that arrives, or else the nearest to the target, and its claim."""
     scenario = model.question.scenario
     arrived = [run for run in runs if run.miss <= CLOSE]
     if arrived:
