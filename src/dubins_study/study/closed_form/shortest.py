@@ -188,14 +188,8 @@ def as_path(scenario: Scenario, word: str, segments: Segments) -> Path:
     return Path(scenario.start, [TURN[letter] / scenario.radius for letter in word], driven)
 
 
-def region(scenario: Scenario) -> str:
-    """Where the target lies: `outside`, `left disc`, `right disc` or `circle`."""
-    target = local(scenario)
-    return region_of(target.w, target.mirrored.w)
-
-
 def region_of(left: float, right: float) -> str:
-    """The region from w of both discs."""
+    """The target's region from w of both discs: `outside`, `circle`, `left disc`, `right disc`."""
     if left > 0:
         return "left disc"
     if right > 0:
