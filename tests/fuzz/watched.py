@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import contextlib
+import gc
 import io
 import os
 import sys
+import tempfile
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
+from unittest import mock
 
 _STARTS = {"subprocess.Popen", "os.system", "os.exec", "os.posix_spawn", "os.spawn", "os.fork"}
 # which arguments name places, and which the open folders that these may be relative to
@@ -68,7 +71,10 @@ def watched() -> Iterator[Seen]:
             seen.unpickled.append(str(arguments))
         elif event == "open" and (arguments[2] or 0) & _WRITING:
             if isinstance(arguments[0], str | bytes):
-                seen.changed.append(os.fsdecode(arguments[0]))
+                place = os.fsdecode(arguments[0])
+                # byte code is kept of a module that is loaded for the first time
+                if f"{os.sep}__pycache__{os.sep}" not in place:
+                    seen.changed.append(place)
         elif event in _CHANGES:
             named, folders = _CHANGES[event]
             if any(arguments[i] not in (None, -1) for i in folders):
@@ -81,6 +87,17 @@ def watched() -> Iterator[Seen]:
         yield seen
     finally:
         _watchers.remove(watcher)
+
+
+@contextlib.contextmanager
+def temporary_files_in(folder: Path) -> Iterator[None]:
+    """Let temporary files lie in a folder, and see to it that none is left."""
+    scratch = folder / "temporary files"
+    scratch.mkdir()
+    with mock.patch.object(tempfile, "tempdir", str(scratch)):
+        yield
+        gc.collect()  # a database removes its files as it goes
+    scratch.rmdir()
 
 
 class Said(NamedTuple):
