@@ -46,12 +46,16 @@ class Seen(NamedTuple):
     changed: list[str]
 
     def outside(self, *folders: Path) -> list[str]:
-        """The places that lie in none of the folders, links followed up to the last step."""
+        """The places that lie in none of the folders, links followed up to the last step.
+
+        Byte code counts for nothing, which is kept of a module that is loaded for the first time.
+        """
         allowed = [os.path.realpath(folder) for folder in folders]
         return [
             place
             for place in self.changed
-            if not any(_lands(place) == a or _lands(place).startswith(a + os.sep) for a in allowed)
+            if "__pycache__" not in Path(place).parts
+            and not any(_lands(place) == a or _lands(place).startswith(a + os.sep) for a in allowed)
         ]
 
 
@@ -71,10 +75,7 @@ def watched() -> Iterator[Seen]:
             seen.unpickled.append(str(arguments))
         elif event == "open" and (arguments[2] or 0) & _WRITING:
             if isinstance(arguments[0], str | bytes):
-                place = os.fsdecode(arguments[0])
-                # byte code is kept of a module that is loaded for the first time
-                if f"{os.sep}__pycache__{os.sep}" not in place:
-                    seen.changed.append(place)
+                seen.changed.append(os.fsdecode(arguments[0]))
         elif event in _CHANGES:
             named, folders = _CHANGES[event]
             if any(arguments[i] not in (None, -1) for i in folders):
