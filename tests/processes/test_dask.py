@@ -18,9 +18,9 @@ import dask_here as here
 from dubins_study import run
 from dubins_study.experiments.definition.experiment import ExperimentError
 from dubins_study.experiments.engines import dask_worker
-from dubins_study.experiments.engines.dask_client import mismatch
-from dubins_study.experiments.engines.dask_cluster import local_cluster
-from dubins_study.experiments.engines.work_unit import WorkUnit, encoded
+from dubins_study.experiments.engines.dask_cluster import local_cluster, mismatch
+from dubins_study.experiments.engines.dask_worker import encoded
+from dubins_study.experiments.engines.work_unit import WorkUnit
 from dubins_study.experiments.isolation.pool import RunError
 from dubins_study.experiments.run_settings import RunSettings
 from dubins_study.experiments.store.folder import read_rows
@@ -228,7 +228,7 @@ def test_a_worker_whose_files_were_changed_is_to_be_restarted(monkeypatch):
     monkeypatch.setattr(dask_worker, "_IMPORTED", frozenset())
     reply = dask_worker.solve_unit(encoded(WorkUnit(RunSettings("r", 1.0), [], {})))
 
-    assert reply.rows == b""
+    assert len(reply.rows) == 0
     assert reply.refusal.endswith("dubins-study was changed since the worker started; restart it")
 
 

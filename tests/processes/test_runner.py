@@ -13,6 +13,7 @@ import pytest
 from dubins_study import run
 from dubins_study.experiments.definition.experiment import ExperimentError, read
 from dubins_study.experiments.engines.local import LocalEngine, solve_chains
+from dubins_study.experiments.engines.work_unit import WorkUnit
 from dubins_study.experiments.interruption import Interruption
 from dubins_study.experiments.isolation.monitor import Limits
 from dubins_study.experiments.isolation.pool import WorkerPool
@@ -124,9 +125,10 @@ def test_rows_without_a_solve_are_interrupted_too(small, monkeypatch):
     cells = chains(read(small).experiment) * 400
     reply = no_answer(Outcome.CRASHED, "no more")
     stop, rows = Interruption(), 0
+    unit = WorkUnit(RunSettings("r", 60.0), cells, {})
     with WorkerPool(1, Limits(60.0, 2**32)) as pool:
         monkeypatch.setattr(pool._load_failures, "reply", lambda solver: reply)
-        for made in solve_chains(pool, cells, {}, RunSettings("r", 60.0), stop):
+        for made in solve_chains(pool, unit, stop):
             rows += len(made)
             stop.requested = rows >= 300
     assert 300 <= rows < 310
@@ -134,7 +136,7 @@ def test_rows_without_a_solve_are_interrupted_too(small, monkeypatch):
     stop.requested, rows = False, 0
     with WorkerPool(1, Limits(60.0, 2**32)) as pool:
         monkeypatch.setattr(pool._load_failures, "reply", lambda solver: reply)
-        rows = sum(map(len, solve_chains(pool, cells, {}, RunSettings("r", 60.0), stop)))
+        rows = sum(map(len, solve_chains(pool, unit, stop)))
     assert rows == sum(map(len, cells))
 
 

@@ -7,8 +7,8 @@ from pathlib import Path as FilePath
 from typing import NamedTuple
 from uuid import uuid4
 
-from dubins_study.experiments.engines.engine import Engine, make_engine
-from dubins_study.experiments.engines.execution import solve_left
+from dubins_study.experiments.engines.engine import Engine, solve_unfinished, unfinished
+from dubins_study.experiments.engines.local import LocalEngine
 from dubins_study.experiments.engines.stream import solve_streams, streamed_totals, streams_done
 from dubins_study.experiments.interruption import Interruption
 from dubins_study.experiments.isolation.sandbox import THREADS, pinned_threads
@@ -89,12 +89,21 @@ def run(
     with Interruption() as stop:
         plan = plan_run(request)
         stop.check()
-        with make_engine(engine, jobs, scheduler) as entered_engine:
+        with _engine(request) as entered_engine:
             prepare_folder(plan.folder)
             with locked(plan.folder):
                 folder_state = _open_folder(plan, request)
                 _solve(plan, request, folder_state, entered_engine, progress, stop)
     return plan.folder
+
+
+def _engine(request: Request) -> Engine:
+    if request.engine == "local":
+        return LocalEngine(request.jobs)
+    # only here: `distributed` is an extra, and takes half a second to import
+    from dubins_study.experiments.engines.dask_engine import DaskEngine
+
+    return DaskEngine(request.jobs, request.scheduler)
 
 
 class _FolderState(NamedTuple):
@@ -148,16 +157,9 @@ def _solve(
         try:
             with pinned_threads():
                 solve_streams(plan.folder, plan.streams, settings, writer, stop)
-            solve_left(
-                plan.folder,
-                plan.chains,
-                folder_state.done,
-                settings,
-                writer,
-                stop,
-                engine,
-                record.probe,
-            )
+            unit = unfinished(plan.folder, plan.chains, folder_state.done, settings)
+            writer.skip(sum(map(len, plan.chains)) - unit.cells)
+            solve_unfinished(engine, unit, writer, stop, record.probe)
         finally:
             writer.flush()
         compact(plan.folder, settings.run_id)

@@ -1,16 +1,26 @@
-"""Who solves the cells of a run: worker processes of this machine, or a Dask cluster's."""
+"""Who solves the cells of a run, and which cells the results folder still lacks."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator, Mapping
+from collections.abc import Callable, Generator
+from contextlib import closing
+from pathlib import Path as FilePath
 from typing import Any, Protocol, Self
 
+from dubins_study.experiments.engines.work_unit import WorkUnit
 from dubins_study.experiments.interruption import Interruption
-from dubins_study.experiments.plan.cells import Chain
+from dubins_study.experiments.isolation.sandbox import pinned_threads
+from dubins_study.experiments.plan.cells import Chain, shuffled
 from dubins_study.experiments.run_settings import RunSettings
+from dubins_study.experiments.store.folder import read_rows
+from dubins_study.experiments.store.part_writer import PartWriter
 from dubins_study.study.path import Path
-from dubins_study.study.rows.row_table import Row
+from dubins_study.study.rows.row_table import Row, row_key, row_path
 from dubins_study.study.rows.schema import Key
+
+# called with the seconds that a fixed piece of work took, and the number of the machine that did it
+# (0 for this one)
+Probe = Callable[[float, int], None]
 
 
 class Engine(Protocol):
@@ -29,34 +39,43 @@ class Engine(Protocol):
     def __exit__(self, *_: object) -> None: ...
 
     def solve(
-        self,
-        chains: list[Chain],
-        before: Mapping[Key, Path],
-        settings: RunSettings,
-        stop: Interruption,
-        probed: Callable[[float, int], None] | None,
+        self, unit: WorkUnit, stop: Interruption, probed: Probe | None
     ) -> Generator[list[Row], None, None]:
         """The rows of all cells as they come; see `local.solve_chains`.
 
         Args:
-            probed: called every few seconds with the seconds that a fixed piece of work took,
-                and the number of the machine that did it (0 for this one).
+            probed: called every few seconds, if it is given.
         """
 
 
-def make_engine(name: str, jobs: int, scheduler: str | None) -> Engine:
-    """An engine by its name; it is started when it is entered.
+def solve_unfinished(
+    engine: Engine, unit: WorkUnit, writer: PartWriter, stop: Interruption, probed: Probe
+) -> None:
+    """Solve a unit's cells in the run's order; the writer gets the rows as they come.
+
+    Raises:
+        KeyboardInterrupt: if the run is interrupted.
+        RunError: if the engine cannot go on.
+    """
+    if unit.chains:
+        ordered = unit._replace(chains=shuffled(unit.chains, unit.settings.seed))
+        with pinned_threads(), closing(engine.solve(ordered, stop, probed)) as row_blocks:
+            for rows in row_blocks:
+                writer.add(rows)
+    stop.check()
+
+
+def unfinished(
+    folder: FilePath, chains: list[Chain], finished: set[Key], settings: RunSettings
+) -> WorkUnit:
+    """What a results folder lacks of every chain, and the paths before.
 
     Args:
-        name: one of `run_settings.ENGINE_NAMES`.
-        jobs: processes that solve side by side.
-        scheduler: the address of Dask's scheduler.
+        finished: the keys of the cells that the folder holds.
     """
-    if name == "local":
-        from dubins_study.experiments.engines.local import LocalEngine
-
-        return LocalEngine(jobs)
-    # only here: `distributed` is an extra, and takes half a second to import
-    from dubins_study.experiments.engines.dask_engine import DaskEngine
-
-    return DaskEngine(jobs, scheduler)
+    done: dict[Key, Path | None] = dict.fromkeys(finished)
+    if any(cell.initial_guess == "warm" and cell.key in done for chain in chains for cell in chain):
+        columns = ["x", "y", "heading", "gap", "curvatures", "lengths"]
+        rows = read_rows(folder, columns).to_pylist()
+        done |= {row_key(row): row_path(row) for row in rows}
+    return WorkUnit(settings, chains, {}).remaining(done)
