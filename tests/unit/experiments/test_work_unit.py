@@ -8,7 +8,7 @@ import pickle
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dubins_study.experiments.engines.dask_worker import UnitReply, decoded, encoded
+from dubins_study.experiments.engines.dask_worker import UnitReply
 from dubins_study.experiments.engines.judging import row_of
 from dubins_study.experiments.engines.work_unit import WorkUnit
 from dubins_study.experiments.isolation.messages import WorkerReply
@@ -49,7 +49,7 @@ def units(draw):
 
 @given(units())
 def test_a_work_unit_arrives_as_it_was_sent(unit):
-    assert decoded(encoded(unit)) == unit
+    assert pickle.loads(pickle.dumps(unit)) == unit
 
 
 def solved(one: Cell, arrives: bool = True):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import pickle
 from collections import deque
 from collections.abc import Callable, Generator, Iterator
 from contextlib import ExitStack, suppress
@@ -12,7 +13,7 @@ from time import monotonic
 from typing import Any, Self
 
 from dubins_study.experiments.engines.dask_cluster import connected, local_cluster, quiet_loggers
-from dubins_study.experiments.engines.dask_worker import UnitReply, encoded
+from dubins_study.experiments.engines.dask_worker import UnitReply
 from dubins_study.experiments.engines.engine import Probe
 from dubins_study.experiments.engines.work_unit import WorkUnit
 from dubins_study.experiments.interruption import Interruption
@@ -169,7 +170,7 @@ class _Submission:
             unit = WorkUnit(self._settings, chains, before)
             key = f"dubins-study-{self._settings.run_id}-{next(self._numbers)}"
             future = self._client.submit(
-                function, encoded(unit), key=key, pure=False, retries=_RETRIES
+                function, pickle.dumps(unit), key=key, pure=False, retries=_RETRIES
             )
             self._units[key] = future, unit
             future.add_done_callback(self._ended.put)

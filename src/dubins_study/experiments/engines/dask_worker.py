@@ -1,12 +1,13 @@
 """What a Dask worker does: solve work units by pools of its own, kept from one unit to the next.
 
-The functions that a run calls in a worker: `solve_unit`, `stop_run` and `end_run`. Cells travel
-there as JSON and rows back as Arrow tables, so that no object of a plug-in travels.
+The functions that a run calls in a worker: `solve_unit`, `stop_run` and `end_run`. A unit travels
+as bytes, which a worker without this package can receive, and rows travel as an Arrow table: no
+object of a plug-in travels.
 """
 
 from __future__ import annotations
 
-import json
+import pickle
 import socket
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -20,17 +21,12 @@ from dubins_study.experiments.engines.local import limits, solve_chains
 from dubins_study.experiments.engines.work_unit import WorkUnit
 from dubins_study.experiments.interruption import Interruption
 from dubins_study.experiments.isolation.pool import RunError, WorkerPool
-from dubins_study.experiments.plan.cells import Cell
 from dubins_study.experiments.run_settings import RunSettings
-from dubins_study.study.path import Path
 from dubins_study.study.rows.row_table import Row, rows_table
-from dubins_study.study.rows.schema import SCENARIO, names
-from dubins_study.study.scenario import Pose, Scenario
 
 # After this a unit is returned with what is left of it: rows are written every second, and a unit
 # of slow solvers must not keep other workers waiting at the end.
 _UNIT_S = 1.0
-_SCENARIO = names(SCENARIO)
 _PACKAGE = FilePath(__file__).parents[2]
 
 
@@ -50,35 +46,6 @@ class UnitReply(NamedTuple):
     probes_s: list[float]
 
 
-def encoded(unit: WorkUnit) -> bytes:
-    """A work unit as JSON, which keeps every double to the last bit."""
-    chains = [
-        [[*cell.key, [getattr(cell.scenario, name) for name in _SCENARIO]] for cell in chain]
-        for chain in unit.chains
-    ]
-    firsts = [unit.before.get(chain[0].key) for chain in unit.chains]
-    paths = [p and [[*p.start], p.curvature.tolist(), p.length.tolist()] for p in firsts]
-    return json.dumps([[*unit.settings], chains, paths]).encode()
-
-
-def decoded(message: bytes) -> WorkUnit:
-    """The work unit that `encoded` made a message of."""
-    settings, encoded_chains, paths = json.loads(message)
-    chains = [
-        tuple(
-            Cell._make([*key, Scenario(**dict(zip(_SCENARIO, values, strict=True)))])
-            for *key, values in cells
-        )
-        for cells in encoded_chains
-    ]
-    before = {
-        chain[0].key: Path(Pose(*path[0]), path[1], path[2])
-        for chain, path in zip(chains, paths, strict=True)
-        if path is not None
-    }
-    return WorkUnit(RunSettings(*settings), chains, before)
-
-
 def _source_files() -> frozenset[tuple[str, int, int]]:
     """Name, time and size of the files that answers depend on, as they are on disk."""
     rooms = ("study", "solvers", "experiments")
@@ -90,30 +57,22 @@ def _source_files() -> frozenset[tuple[str, int, int]]:
 _IMPORTED = _source_files()
 
 
-class _Pool(NamedTuple):
-    """One worker process, and the probes that were not returned yet."""
-
-    workers: WorkerPool
-    probes_s: list[float]
-
-
 class _Run:
     """The pools of one run in this process: one for every unit that is solved at the same time."""
 
     def __init__(self) -> None:
         self.stopped = False
-        self._busy: list[_Pool] = []
-        self._idle: list[_Pool] = []
+        self.probes_s: list[float] = []
+        self._busy: list[WorkerPool] = []
+        self._idle: list[WorkerPool] = []
 
     @contextmanager
-    def pool(self, settings: RunSettings) -> Iterator[_Pool]:
-        """A pool that is idle, or a new one."""
+    def pool(self, settings: RunSettings) -> Iterator[WorkerPool]:
+        """A pool of one worker process that is idle, or a new one."""
         try:
             pool = self._idle.pop()
         except IndexError:
-            probes_s: list[float] = []
-            workers = WorkerPool(1, limits(settings), probed=probes_s.append)
-            pool = _Pool(workers.__enter__(), probes_s)
+            pool = WorkerPool(1, limits(settings), probed=self.probes_s.append)
         self._busy.append(pool)
         usable = False
         try:
@@ -124,14 +83,14 @@ class _Run:
             if usable:
                 self._idle.append(pool)
             else:
-                pool.workers.__exit__()
+                pool.__exit__()
 
     def end(self) -> None:
-        """End all processes; a pool that solves something is closed by its own thread."""
+        """End all idle processes; once the run is stopped, also those that solve something."""
         while self._idle:
-            self._idle.pop().workers.__exit__()
+            self._idle.pop().__exit__()
         for pool in [*self._busy] if self.stopped else ():
-            pool.workers.kill_workers()
+            pool.kill_workers()  # its own thread closes it
 
 
 _runs: dict[str, _Run] = {}
@@ -156,26 +115,24 @@ def end_run(run_id: str) -> None:
 
 
 def solve_unit(message: bytes) -> UnitReply:
-    """Solve the cells of an encoded work unit for about a second, at least one of them."""
-    unit, machine = decoded(message), socket.gethostname()
-    run, stop = _run(unit.settings.run_id), Interruption()
+    """Solve the cells of a pickled work unit for about a second, at least one of them."""
+    unit: WorkUnit = pickle.loads(message)
+    run, stop, machine = _run(unit.settings.run_id), Interruption(), socket.gethostname()
     rows: list[Row] = []
-    probes_s: list[float] = []
     refusal = _refusal(unit)
     end_s = monotonic() + _UNIT_S
     try:
         if not refusal:
             with run.pool(unit.settings) as pool:
                 stop.requested = run.stopped
-                for row_block in solve_chains(pool.workers, unit, stop):
+                for row_block in solve_chains(pool, unit, stop):
                     rows += row_block
                     stop.requested = run.stopped or (bool(rows) and monotonic() > end_s)
-                probes_s += pool.probes_s
-                pool.probes_s.clear()
     except RunError as error:
         refusal = str(error)
     if refusal:
         refusal = f"on the Dask worker on {machine}, {refusal}"
+    probes_s, run.probes_s[:] = [*run.probes_s], []
     return UnitReply(rows_table(rows), refusal, machine, probes_s)
 
 
