@@ -83,6 +83,5 @@ def marks_of(columns: Columns) -> NDArray[np.uint64]:
 
     Scenarios that are equal to the last bit have equal marks; different scenarios hardly ever have.
     """
-    frame = pd.DataFrame({name: columns[name] for name in NUMBERS}, copy=False)
-    marks: NDArray[np.uint64] = pd.util.hash_pandas_object(frame, index=False).to_numpy(np.uint64)
-    return marks
+    bits = {name: columns[name].view(np.uint64) for name in NUMBERS}  # -0.0 is another number
+    return np.asarray(pd.util.hash_pandas_object(pd.DataFrame(bits, copy=False), index=False))
