@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import logging
+from contextlib import closing
 from pathlib import Path as FilePath
 from uuid import uuid4
 
-from dubins_study.experiments.engines.engine import Engine, solve_unfinished, unfinished
+from dubins_study.experiments.engines.engine import Engine, unfinished
 from dubins_study.experiments.engines.local import LocalEngine
 from dubins_study.experiments.engines.stream import solve_streams, streamed_totals, streams_done
 from dubins_study.experiments.interruption import Interruption
@@ -138,8 +139,12 @@ def _solve(
         try:
             with pinned_threads():
                 solve_streams(folder, plan.streams, settings, writer, stop)
-            writer.skip(sum(map(len, plan.chains)) - left.cells)
-            solve_unfinished(engine, left, writer, stop, record.probe)
+                writer.skip(sum(map(len, plan.chains)) - left.cells)
+                if left.chains:
+                    with closing(engine.solve(left, stop, record.probe)) as row_blocks:
+                        for rows in row_blocks:
+                            writer.add(rows)
+            stop.check()
         finally:
             writer.flush()
         compact(folder, settings.run_id)

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import asyncio
 import json
-import logging
 import os
 import signal
 import subprocess
@@ -25,8 +24,6 @@ from dubins_study.solvers.reply import exception_text
 
 _ANSWER_WAIT_S, _EXIT_WAIT_S = 10.0, 5.0
 _MAX_MESSAGE_CHARS = 500
-# loggers that print what exceptions say as well
-_LOGGERS = ("distributed", "tornado", "asyncio")
 _LOOPBACK = "127.0.0.1"
 # with the caller's search path; -P: no other folder is searched
 _PROGRAM = (
@@ -103,20 +100,6 @@ def main() -> None:
     ):
         print(json.dumps([cluster.scheduler_address, cluster.dashboard_link]), flush=True)
         sys.stdin.read()
-
-
-@contextmanager
-def quiet_loggers() -> Iterator[None]:
-    """Dask's loggers are silent; they have their levels again at the end."""
-    loggers = [logging.getLogger(name) for name in _LOGGERS]
-    levels = [logger.level for logger in loggers]
-    for logger in loggers:
-        logger.setLevel(logging.CRITICAL + 1)
-    try:
-        yield
-    finally:
-        for logger, level in zip(loggers, levels, strict=True):
-            logger.setLevel(level)
 
 
 @contextmanager

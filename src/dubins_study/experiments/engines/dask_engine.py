@@ -12,7 +12,7 @@ from queue import Empty, SimpleQueue
 from time import monotonic
 from typing import Any, Self
 
-from dubins_study.experiments.engines.dask_cluster import connected, local_cluster, quiet_loggers
+from dubins_study.experiments.engines.dask_cluster import connected, local_cluster
 from dubins_study.experiments.engines.dask_worker import UnitReply
 from dubins_study.experiments.engines.engine import Probe
 from dubins_study.experiments.engines.work_unit import WorkUnit
@@ -23,6 +23,8 @@ from dubins_study.solvers.reply import exception_text
 from dubins_study.study.rows.row_table import Row, row_key, row_path
 
 _LOG = logging.getLogger(__name__)
+# Dask's loggers, which print what exceptions say as well
+_LOGGERS = ("distributed", "tornado", "asyncio")
 
 # A worker returns a unit after a second, with what is left of it: this many cells keep it busy for
 # so long where they take a few milliseconds. Fewer would cost more messages, more would move cells
@@ -68,7 +70,10 @@ class DaskEngine:
             ) from None
         workers = self.jobs
         with ExitStack() as stack:
-            stack.enter_context(quiet_loggers())
+            for name in _LOGGERS:  # they have their levels again at the end
+                logger = logging.getLogger(name)
+                stack.callback(logger.setLevel, logger.level)
+                logger.setLevel(logging.CRITICAL + 1)
             if self._scheduler is not None:
                 self._client = stack.enter_context(connected(self._scheduler))
                 threads = self._client.nthreads()
