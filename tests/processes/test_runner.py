@@ -12,7 +12,8 @@ import pytest
 
 from dubins_study import run
 from dubins_study.experiments.definition.experiment import ExperimentError, read
-from dubins_study.experiments.engines.local import LocalEngine, solve_chains
+from dubins_study.experiments.engines import local
+from dubins_study.experiments.engines.local import solve_chains
 from dubins_study.experiments.engines.work_unit import WorkUnit
 from dubins_study.experiments.interruption import Interruption
 from dubins_study.experiments.isolation.monitor import Limits
@@ -90,7 +91,7 @@ def test_a_finished_run_is_one_part_and_a_second_run_solves_nothing(small, tmp_p
     folder = run(small, tmp_path / "out")
     before = rows(folder)
     assert len(list((folder / "parts").iterdir())) == 1
-    monkeypatch.setattr(LocalEngine, "solve", lambda *a: pytest.fail("solved again"))
+    monkeypatch.setattr(local, "solve_chains", lambda *a: pytest.fail("solved again"))
 
     run(small, folder)
 
@@ -143,15 +144,15 @@ def test_rows_without_a_solve_are_interrupted_too(small, monkeypatch):
 def test_a_run_cut_short_is_completed(small, tmp_path, monkeypatch):
     """Whatever is done stays; the rest is added; a warm sweep goes on from its last path."""
     whole = rows(run(small, tmp_path / "whole"))
-    original = LocalEngine.solve
+    original = local.solve_chains
 
-    def cut_short(self, *arguments):
-        for rows in original(self, *arguments):
+    def cut_short(*arguments):
+        for rows in original(*arguments):
             yield rows
             if any(row["initial_guess"] == "warm" and row["radius"] > 1 for row in rows):
                 raise KeyboardInterrupt
 
-    monkeypatch.setattr(LocalEngine, "solve", cut_short)
+    monkeypatch.setattr(local, "solve_chains", cut_short)
     with pytest.raises(KeyboardInterrupt):
         run(small, tmp_path / "cut")
     monkeypatch.undo()

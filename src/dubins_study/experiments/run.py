@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import logging
-from contextlib import closing
+from contextlib import AbstractContextManager, closing
 from pathlib import Path as FilePath
 from uuid import uuid4
 
 from dubins_study.experiments.engines.engine import Engine, unfinished
-from dubins_study.experiments.engines.local import LocalEngine
+from dubins_study.experiments.engines.local import local_engine
 from dubins_study.experiments.engines.stream import solve_streams, streamed_totals, streams_done
 from dubins_study.experiments.interruption import Interruption
 from dubins_study.experiments.isolation.sandbox import THREADS, pinned_threads
@@ -95,13 +95,13 @@ def run(
     return plan.folder
 
 
-def _engine(request: Request) -> Engine:
+def _engine(request: Request) -> AbstractContextManager[Engine]:
     if request.engine == "local":
-        return LocalEngine(request.jobs)
+        return local_engine(request.jobs)
     # only here: `distributed` is an extra, and takes half a second to import
-    from dubins_study.experiments.engines.dask_engine import DaskEngine
+    from dubins_study.experiments.engines.dask_engine import dask_engine
 
-    return DaskEngine(request.jobs, request.scheduler)
+    return dask_engine(request.jobs, request.scheduler)
 
 
 def _solve(

@@ -6,15 +6,15 @@ import logging
 import pickle
 from collections import deque
 from collections.abc import Callable, Generator, Iterator
-from contextlib import ExitStack, suppress
+from contextlib import ExitStack, closing, contextmanager, suppress
 from itertools import count
 from queue import Empty, SimpleQueue
 from time import monotonic
-from typing import Any, Self
+from typing import Any
 
 from dubins_study.experiments.engines.dask_cluster import connected, local_cluster
 from dubins_study.experiments.engines.dask_worker import UnitReply
-from dubins_study.experiments.engines.engine import Probe
+from dubins_study.experiments.engines.engine import Engine, Probe
 from dubins_study.experiments.engines.work_unit import WorkUnit
 from dubins_study.experiments.interruption import Interruption
 from dubins_study.experiments.isolation.pool import RunError
@@ -44,60 +44,47 @@ _FETCH_WAIT_S, _CALL_WAIT_S = 30.0, 10.0
 _LOST = "the connection to the Dask scheduler is lost; the rows written so far are kept"
 
 
-class DaskEngine:
-    """A Dask cluster for as long as it is entered: that of an address, or one of this machine.
+@contextmanager
+def dask_engine(jobs: int, scheduler: str | None) -> Iterator[Engine]:
+    """A Dask cluster: that of an address, or one of this machine, started when cells are solved.
 
     Args:
         jobs: worker processes of this machine, where no address is given.
         scheduler: the address of a scheduler.
 
     Raises:
-        RunError: if `distributed` is not installed or the scheduler does not answer; on entering.
+        RunError: if `distributed` is not installed or the scheduler does not answer.
     """
+    try:
+        import distributed
+    except ImportError as error:
+        raise RunError(
+            f"engine 'dask' needs Dask: pip install 'dubins-study[dask]' ({error})"
+        ) from None
+    with ExitStack() as stack:
+        for name in _LOGGERS:  # they have their levels again at the end
+            logger = logging.getLogger(name)
+            stack.callback(logger.setLevel, logger.level)
+            logger.setLevel(logging.CRITICAL + 1)
+        client, workers = None, jobs
+        if scheduler is not None:
+            client = stack.enter_context(connected(scheduler))
+            threads = client.nthreads()
+            workers, jobs = len(threads), max(1, sum(threads.values()))
 
-    def __init__(self, jobs: int, scheduler: str | None):
-        self.jobs, self._scheduler = jobs, scheduler
-        self.run_entry: dict[str, Any] = {}
-        self._client: Any = None
-        self._exit_stack = ExitStack()
+        def solve(
+            unit: WorkUnit, stop: Interruption, probed: Probe | None
+        ) -> Generator[list[Row], None, None]:
+            cluster_client = client
+            if cluster_client is None:
+                cluster = stack.enter_context(local_cluster(jobs))
+                cluster_client = stack.enter_context(connected(cluster.address))
+                _LOG.warning("dubins-study: Dask's dashboard is at %s", cluster.dashboard)
+            with closing(_Submission(cluster_client, unit, probed)) as submission:
+                yield from submission.solve(stop)
 
-    def __enter__(self) -> Self:
-        try:
-            import distributed
-        except ImportError as error:
-            raise RunError(
-                f"engine 'dask' needs Dask: pip install 'dubins-study[dask]' ({error})"
-            ) from None
-        workers = self.jobs
-        with ExitStack() as stack:
-            for name in _LOGGERS:  # they have their levels again at the end
-                logger = logging.getLogger(name)
-                stack.callback(logger.setLevel, logger.level)
-                logger.setLevel(logging.CRITICAL + 1)
-            if self._scheduler is not None:
-                self._client = stack.enter_context(connected(self._scheduler))
-                threads = self._client.nthreads()
-                workers, self.jobs = len(threads), max(1, sum(threads.values()))
-            self._exit_stack = stack.pop_all()
-        self.run_entry = {"workers": workers, "distributed": str(distributed.__version__)}
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self._exit_stack.close()
-
-    def solve(
-        self, unit: WorkUnit, stop: Interruption, probed: Probe | None
-    ) -> Generator[list[Row], None, None]:
-        """See `Engine.solve`. Without a scheduler's address, a cluster is started here."""
-        if self._client is None:
-            cluster = self._exit_stack.enter_context(local_cluster(self.jobs))
-            self._client = self._exit_stack.enter_context(connected(cluster.address))
-            _LOG.warning("dubins-study: Dask's dashboard is at %s", cluster.dashboard)
-        submission = _Submission(self._client, unit, probed)
-        try:
-            yield from submission.solve(stop)
-        finally:
-            submission.close()
+        run_entry = {"workers": workers, "distributed": str(distributed.__version__)}
+        yield Engine(jobs, run_entry, solve)
 
 
 class _Submission:

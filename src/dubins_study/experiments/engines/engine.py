@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Generator
 from pathlib import Path as FilePath
-from typing import Any, Protocol, Self
+from typing import Any, NamedTuple
 
 from dubins_study.experiments.engines.work_unit import WorkUnit
 from dubins_study.experiments.interruption import Interruption
@@ -20,29 +20,19 @@ from dubins_study.study.rows.schema import Key
 Probe = Callable[[float, int], None]
 
 
-class Engine(Protocol):
-    """Where a run's cells are solved, for as long as it is entered.
+class Engine(NamedTuple):
+    """Where a run's cells are solved, as long as the context that yields it is entered.
 
-    Attributes:
+    Args:
         jobs: how many cells are solved side by side.
         run_entry: what the run's entry in the manifest holds of it.
+        solve: the rows of all cells of a unit as they come; see `local.solve_chains`. The probe is
+            called every few seconds, if it is given.
     """
 
     jobs: int
     run_entry: dict[str, Any]
-
-    def __enter__(self) -> Self: ...
-
-    def __exit__(self, *_: object) -> None: ...
-
-    def solve(
-        self, unit: WorkUnit, stop: Interruption, probed: Probe | None
-    ) -> Generator[list[Row], None, None]:
-        """The rows of all cells as they come; see `local.solve_chains`.
-
-        Args:
-            probed: called every few seconds, if it is given.
-        """
+    solve: Callable[[WorkUnit, Interruption, Probe | None], Generator[list[Row], None, None]]
 
 
 def unfinished(

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator
-from typing import Any
+from collections.abc import Generator, Iterator
+from contextlib import contextmanager
 
-from dubins_study.experiments.engines.engine import Probe
+from dubins_study.experiments.engines.engine import Engine, Probe
 from dubins_study.experiments.engines.judging import row_of
 from dubins_study.experiments.engines.work_unit import ChainState, WorkUnit
 from dubins_study.experiments.interruption import Interruption
@@ -19,30 +19,18 @@ from dubins_study.solvers.protocol import Question
 from dubins_study.study.rows.row_table import Row
 
 
-class LocalEngine:
-    """Worker processes of this machine.
-
-    Args:
-        jobs: how many cells are solved side by side.
-    """
-
-    def __init__(self, jobs: int):
-        self.jobs = jobs
-        self.run_entry: dict[str, Any] = {}
-
-    def __enter__(self) -> LocalEngine:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        """Nothing outlives `solve`."""
+@contextmanager
+def local_engine(jobs: int) -> Iterator[Engine]:
+    """Worker processes of this machine: `jobs` of them, as long as cells are solved."""
 
     def solve(
-        self, unit: WorkUnit, stop: Interruption, probed: Probe | None
+        unit: WorkUnit, stop: Interruption, probed: Probe | None
     ) -> Generator[list[Row], None, None]:
-        """See `Engine.solve`."""
         pool_probed = None if probed is None else lambda seconds: probed(seconds, 0)
-        with WorkerPool(self.jobs, limits(unit.settings), probed=pool_probed) as pool:
+        with WorkerPool(jobs, limits(unit.settings), probed=pool_probed) as pool:
             yield from solve_chains(pool, unit, stop)
+
+    yield Engine(jobs, {}, solve)
 
 
 def limits(settings: RunSettings) -> Limits:
