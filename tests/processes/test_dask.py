@@ -20,7 +20,7 @@ from dubins_study import run
 from dubins_study.experiments.definition.experiment import ExperimentError
 from dubins_study.experiments.engines import dask_worker
 from dubins_study.experiments.engines.dask_cluster import local_cluster, mismatch
-from dubins_study.experiments.engines.work_unit import WorkUnit
+from dubins_study.experiments.engines.engine import WorkUnit
 from dubins_study.experiments.isolation.pool import RunError
 from dubins_study.experiments.run_settings import RunSettings
 from dubins_study.experiments.store.folder import read_rows

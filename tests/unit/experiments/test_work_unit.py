@@ -9,8 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from dubins_study.experiments.engines.dask_worker import UnitReply
+from dubins_study.experiments.engines.engine import WorkUnit
 from dubins_study.experiments.engines.judging import row_of
-from dubins_study.experiments.engines.work_unit import WorkUnit
 from dubins_study.experiments.isolation.messages import WorkerReply
 from dubins_study.experiments.plan.cells import Cell
 from dubins_study.experiments.run_settings import RunSettings

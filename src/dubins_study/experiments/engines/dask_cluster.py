@@ -14,7 +14,7 @@ import signal
 import subprocess
 import sys
 import tempfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager, suppress
 from typing import Any, NamedTuple
@@ -85,8 +85,13 @@ def main() -> None:
     from distributed import LocalCluster
 
     workers, scratch = json.loads(sys.stdin.readline())
-    # solvers get the environment that they always get
-    settings = {"distributed.worker.daemon": False, "distributed.nanny.pre-spawn-environ": {}}
+    settings = {
+        "distributed.worker.daemon": False,
+        # solvers get the environment that they always get
+        "distributed.nanny.pre-spawn-environ": {},
+        # a worker that dies again while it is started anew must not be given up
+        "distributed.deploy.lost-worker-timeout": "1 day",
+    }
     with (
         dask.config.set(settings),
         LocalCluster(
@@ -147,6 +152,23 @@ async def _kind(address: str) -> str:
     node = rpc(address, timeout=_ANSWER_WAIT_S, connection_args=certificates)
     async with asyncio.timeout(_ANSWER_WAIT_S + 1), node:
         return str((await node.identity())["type"])
+
+
+def in_worker(name: str) -> Callable[[Any], Any]:
+    """A function of `dask_worker`, as a worker without this package can receive it.
+
+    Dask sends a module's function by its name, and a worker that cannot import the module ends the
+    connection: the run would wait for ever. A nested function is sent as code, and raises an
+    ImportError there.
+    """
+
+    def call(argument: Any) -> Any:
+        from importlib import import_module
+
+        module = import_module("dubins_study.experiments.engines.dask_worker")
+        return getattr(module, name)(argument)
+
+    return call
 
 
 def mismatch(versions: Mapping[str, Any]) -> str | None:

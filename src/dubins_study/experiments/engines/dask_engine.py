@@ -5,17 +5,16 @@ from __future__ import annotations
 import logging
 import pickle
 from collections import deque
-from collections.abc import Callable, Generator, Iterator
+from collections.abc import Generator, Iterator
 from contextlib import ExitStack, closing, contextmanager, suppress
 from itertools import count
 from queue import Empty, SimpleQueue
 from time import monotonic
 from typing import Any
 
-from dubins_study.experiments.engines.dask_cluster import connected, local_cluster
+from dubins_study.experiments.engines.dask_cluster import connected, in_worker, local_cluster
 from dubins_study.experiments.engines.dask_worker import UnitReply
-from dubins_study.experiments.engines.engine import Engine, Probe
-from dubins_study.experiments.engines.work_unit import WorkUnit
+from dubins_study.experiments.engines.engine import Engine, Probe, WorkUnit
 from dubins_study.experiments.interruption import Interruption
 from dubins_study.experiments.isolation.pool import RunError
 from dubins_study.experiments.plan.cells import Chain
@@ -149,7 +148,7 @@ class _Submission:
 
     def _submit(self) -> None:
         """Send units until every thread has its share of them."""
-        function, threads = _in_worker("solve_unit"), max(1, self._threads)
+        function, threads = in_worker("solve_unit"), max(1, self._threads)
         while self._waiting and len(self._units) < _UNITS_PER_THREAD * threads:
             share = sum(map(len, self._waiting)) // (_SHARE * threads)
             cells = max(1, min(_MAX_CELLS, share))
@@ -218,7 +217,7 @@ class _Submission:
         """Call a function of `dask_worker` with the run's id in every worker that answers."""
         with suppress(Exception):  # workers that are going, or without this package
             self._client.run(
-                _in_worker(name),
+                in_worker(name),
                 self._settings.run_id,
                 on_error="ignore",
                 callback_timeout=_CALL_WAIT_S,
@@ -231,23 +230,6 @@ class _Submission:
                 self._client.cancel([future for future, _ in self._units.values()])
             self._units.clear()
         self._call_workers("end_run")
-
-
-def _in_worker(name: str) -> Callable[[Any], Any]:
-    """A function of `dask_worker`, as a worker without this package can receive it.
-
-    Dask sends a module's function by its name, and a worker that cannot import the module ends the
-    connection: the run would wait for ever. A nested function is sent as code, and raises an
-    ImportError there.
-    """
-
-    def call(argument: Any) -> Any:
-        from importlib import import_module
-
-        module = import_module("dubins_study.experiments.engines.dask_worker")
-        return getattr(module, name)(argument)
-
-    return call
 
 
 def _explanation(error: Exception) -> str:

@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Generator, Iterator
 from contextlib import contextmanager
 
-from dubins_study.experiments.engines.engine import Engine, Probe
+from dubins_study.experiments.engines.engine import ChainState, Engine, Probe, WorkUnit
 from dubins_study.experiments.engines.judging import row_of
-from dubins_study.experiments.engines.work_unit import ChainState, WorkUnit
 from dubins_study.experiments.interruption import Interruption
 from dubins_study.experiments.isolation.job_queue import Job, worker_group
 from dubins_study.experiments.isolation.messages import WorkerReply

@@ -29,8 +29,6 @@ def chunk_table(columns: Columns, stream: Stream, settings: RunSettings) -> pa.T
 
     Args:
         columns: the scenarios, arrays of shape (n,).
-        stream: the stream that the chunk belongs to.
-        settings: the settings of the run.
     """
     n, started = len(columns["x"]), now()
     answers = _answers(columns, stream, settings, enclosed=stream.proved)
