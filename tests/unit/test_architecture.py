@@ -17,7 +17,7 @@ NAMED = re.findall(r"`([\w/<>.-]+/|[\w/<>.-]+\.(?:py|toml))(?::(\w+))?`", TEXT)
 
 def places(name: str) -> list[Path]:
     """What a name of the document stands for; `<topic>` stands for every topic."""
-    if name in ("__init__.py", "section.py"):
+    if name in ("__init__.py", "section.py", "numbers.py", "figures.py"):
         return [PACKAGE / "report" / "topics" / "basins" / name]
     root = ROOT if name in ("src/dubins_study/", "pyproject.toml") else PACKAGE
     return list(root.glob(name.rstrip("/").replace("<topic>", "*")))
