@@ -13,8 +13,9 @@ from markupsafe import Markup
 
 from dubins_study.errors import DubinsStudyError
 from dubins_study.report.data.results import Folder, Results, load
-from dubins_study.report.elements.content import Picture, Section, Table, some
+from dubins_study.report.elements.content import Picture, Section, Table
 from dubins_study.report.elements.figure_file import figure_bytes, fix_layout
+from dubins_study.report.elements.formats import some
 from dubins_study.report.elements.style import (
     BLUE,
     GREEN,

@@ -46,10 +46,11 @@ _TICKS = np.arange(5) * np.pi / 2
 _TICK_TEXTS = ("0", "π/2", "π", "3π/2", "2π")
 
 
-def plot_ends(ax: Axes, table: pd.DataFrame, listed: Sequence[str] = ENDS) -> list[Artist]:
+def plot_ends(ax: Axes, table: pd.DataFrame, title: str, listed: Sequence[str]) -> list[Artist]:
     """One solver's ends over the two turns of its initial guesses; returns the legend's entries.
 
-    Columns: z1, z2 (rad, on a grid), end. `listed`: the ends that the legend counts.
+    Columns: z1, z2 (rad, on a grid), end. `title`: of the panel; `listed`: the ends that the
+    legend counts.
     """
     codes = {end: float(i) for i, end in enumerate(ENDS)}
     grid = table.assign(code=table["end"].map(codes)).pivot_table(
@@ -74,6 +75,7 @@ def plot_ends(ax: Axes, table: pd.DataFrame, listed: Sequence[str] = ENDS) -> li
             ax.plot(group["z1"], group["z2"], **style | _MARK[end])
         handles.append(_entry(end, len(group), style))
     ax.set(xlabel="left turn of the guess, z₁ (rad)", ylabel="right turn of the guess, z₂ (rad)")
+    ax.set_title(title)
     ax.set_xticks(_TICKS, _TICK_TEXTS)
     ax.set_yticks(_TICKS, _TICK_TEXTS)
     ax.grid(False)

@@ -133,23 +133,14 @@ def shares(table: pd.DataFrame) -> pd.DataFrame:
         for solver in solver_order(group["solver"].tolist()):
             attempts = group[group["solver"] == solver]
             counts = {end: int((attempts["end"] == end).sum()) for end in ENDS}
-            minima = attempts[attempts["turns"].notna()]
-            records.append(
-                {
-                    "label": label,
-                    "reference_word": attempts["reference_word"].iloc[0],
-                    "solver": solver,
-                }
-                | {"name": parse_spec(solver)[0], "capped": is_capped(solver)}
-                | {"guesses": len(attempts), **counts, "optimal": counts[OPTIMUM] / len(attempts)}
-                | {
-                    "turns_1": int((attempts["turns"] == 1).sum()),
-                    "turns_2": int((attempts["turns"] == 2).sum()),
-                    "turns_more": int((attempts["turns"] > 2).sum()),
-                    "most_turns": int(minima["turns"].max()) if len(minima) else 0,
-                    "refuted": sum(counts[end] for end in REFUTED),
-                }
-            )
+            word, turns = attempts["reference_word"].iloc[0], attempts["turns"].fillna(0)
+            record = {"label": label, "reference_word": word, "solver": solver}
+            record |= {"name": parse_spec(solver)[0], "capped": is_capped(solver)}
+            record |= {"guesses": len(attempts), **counts}
+            record |= {"optimal": counts[OPTIMUM] / len(attempts)}
+            record |= {"turns_1": (turns == 1).sum(), "turns_2": (turns == 2).sum()}
+            record |= {"turns_more": (turns > 2).sum(), "most_turns": int(turns.max())}
+            records.append(record | {"refuted": sum(counts[end] for end in REFUTED)})
     return pd.DataFrame.from_records(records)
 
 

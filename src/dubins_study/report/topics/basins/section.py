@@ -5,8 +5,16 @@ from __future__ import annotations
 import pandas as pd
 
 from dubins_study.report.data.results import Results
-from dubins_study.report.elements.content import Column, Picture, Section, Table, count, share, slug
-from dubins_study.report.elements.style import HALF, new_figure
+from dubins_study.report.elements.content import (
+    Column,
+    Picture,
+    Section,
+    Table,
+    columns,
+    marks,
+    picture,
+)
+from dubins_study.report.elements.formats import count, share, slug
 from dubins_study.report.statistics.metrics import parse_spec, solver_order
 from dubins_study.report.topics.basins.figures import plot_ends
 from dubins_study.report.topics.basins.numbers import (
@@ -110,33 +118,27 @@ def _who(row: pd.Series) -> str:
     return f"{parse_spec(row['solver'])[0]}, {row['label']}"
 
 
-def _picture(label: object, solver: str, table: pd.DataFrame, listed: list[str]) -> Picture:
+def _picture(label: object, solver: str, table: pd.DataFrame, shown: list[str]) -> Picture:
     title = f"{parse_spec(solver)[0]}, {label}"
-    figure = new_figure(HALF, 3.8 + 0.16 * len(listed))
-    ax = figure.add_subplot()
-    handles = plot_ends(ax, table, listed)
-    ax.set_title(title)
-    figure.legend(handles=handles, loc="outside lower left", ncols=1, fontsize=7.5)
     caption = (
         f"{title}: where each of {count(len(table))} initial guesses leads; in brackets how many. "
         "White cells with a mark are statements that the check refutes."
     )
-    stem = slug(f"basins-{label}-{solver}")
-    return Picture(stem, caption, figure, f"Map of initial guesses by end, {title}", True)
+    stem, alt = slug(f"basins-{label}-{solver}"), f"Map of initial guesses by end, {title}"
+    data, height = (table, title, shown), 3.8 + 0.16 * len(shown)
+    return picture(stem, plot_ends, *data, caption=caption, alt=alt, height=height, legend=1)
 
 
 def _table(table: pd.DataFrame) -> Table:
-    columns = (
-        Column("label", "scenario", kind="text"),
-        Column("name", "solver", kind="code"),
-        Column("capped", "turns", lambda capped: "≤ 2π" if capped else "free", kind="text"),
-        Column("guesses", "guesses", count),
-        Column("optimal", "shortest", share),
+    shown = (
+        *columns(kind="text", label="scenario"),
+        *columns(kind="code", name="solver"),
+        *columns(lambda capped: "≤ 2π" if capped else "free", kind="text", capped="turns"),
+        *columns(count, guesses="guesses"),
+        *columns(share, optimal="shortest"),
         Column(TURNS, "with full turns", count),
         Column(OTHER, "other minimum", count),
-        Column("turns_1", "1 turn too many", count),
-        Column("turns_2", "2", count),
-        Column("turns_more", "more", count),
+        *columns(count, turns_1="1 turn too many", turns_2="2", turns_more="more"),
         Column(INFEASIBLE, "“no path”", count),
         Column(NOWHERE, "“minimum”", count),
         Column(MISSES, "“path”", count),
@@ -148,6 +150,4 @@ def _table(table: pd.DataFrame) -> Table:
         "point is a minimum, that a path arrives. A point that its solver does not call a solution "
         "counts as giving up, unless it is the shortest path."
     )
-    rows = table.to_dict("records")
-    marks = {(i, end): "bad" for i, row in enumerate(rows) for end in REFUTED if row[end]}
-    return Table("basins", caption, table, columns, marks)
+    return Table("basins", caption, table, shown, marks(table, *REFUTED))

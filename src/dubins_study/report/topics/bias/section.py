@@ -5,9 +5,9 @@ from __future__ import annotations
 import pandas as pd
 
 from dubins_study.report.data.results import Results
-from dubins_study.report.elements.content import Column, Picture, Section, Table, count, digits
+from dubins_study.report.elements.content import SOLVER, Picture, Section, Table, columns, picture
+from dubins_study.report.elements.formats import count, digits
 from dubins_study.report.elements.looks import Palette, legend_lines
-from dubins_study.report.elements.style import HALF, new_figure
 from dubins_study.report.statistics.metrics import parse_spec
 from dubins_study.report.topics.bias.figures import plot_bias, plot_left_over
 from dubins_study.report.topics.bias.numbers import (
@@ -96,60 +96,54 @@ def _others(others: pd.DataFrame) -> list[str]:
 
 
 def _bias_picture(with_barrier: pd.DataFrame) -> Picture:
-    figure = new_figure(HALF, 3.9)
-    plot_bias(figure.add_subplot(), with_barrier)
-    figure.legend(loc="outside lower left", ncols=1, fontsize=7.5)
     caption = (
         "The turn that Ipopt leaves, against the cube root of barrier times radius squared; one "
         "mark an attempt. On the dashed line they are equal."
     )
-    return Picture("bias", caption, figure, "Turn left over against its prediction", True)
+    alt = "Turn left over against its prediction"
+    return picture("bias", plot_bias, with_barrier, caption=caption, alt=alt, height=3.9, legend=1)
 
 
 def _left_over_picture(compared: pd.DataFrame, palette: Palette) -> Picture:
-    figure = new_figure(HALF, 2.9 + 0.15 * legend_lines(compared["solver"].unique(), 24))
-    plot_left_over(figure.add_subplot(), compared, palette)
-    figure.legend(loc="outside lower left", ncols=1, fontsize=7.5)
-    caption = (
-        "What methods leave that are told no barrier, in radii; at the foot those that leave no "
-        "such turn at all."
+    return picture(
+        "bias-methods",
+        plot_left_over,
+        *(compared, palette),
+        caption="What methods leave that are told no barrier, in radii; at the foot those that "
+        "leave no such turn at all.",
+        alt="Turn left over by method and radius",
+        height=2.9 + 0.15 * legend_lines(compared["solver"].unique(), 24),
+        legend=1,
     )
-    return Picture("bias-methods", caption, figure, "Turn left over by method and radius", True)
 
 
 def _barrier_table(barriers: pd.DataFrame) -> Table:
     table = barriers.assign(by=barriers["barrier_set"].map({True: "told", False: "its defaults"}))
-    columns = (
-        Column("mu", "μ", digits(3)),
-        Column("by", "chosen by", kind="text"),
-        Column("attempts", "radii", count),
-        Column("slope", "slope", digits(5)),
-        Column("ratio_low", "z₂ / predicted, least", digits(5)),
-        Column("ratio_high", "most", digits(5)),
-        Column("excess_low", "excess / (μ/3), least", digits(3)),
-        Column("excess_high", "most", digits(3)),
-        Column("failed", "“failed”", count),
+    shown = (
+        *columns(digits(3), mu="μ"),
+        *columns(kind="text", by="chosen by"),
+        *columns(count, attempts="radii"),
+        *columns(digits(5), slope="slope", ratio_low="z₂ / predicted, least", ratio_high="most"),
+        *columns(digits(3), excess_low="excess / (μ/3), least", excess_high="most"),
+        *columns(count, failed="“failed”"),
     )
     caption = (
         "Ipopt by the barrier that it stops at, over the radii: slope of log z₂ against the "
         "prediction's logarithm, ratio of z₂ to it, and by how much the path is longer than the "
         "shortest, over μ / 3. In quotation marks: attempts that the solver calls failed."
     )
-    return Table("bias", caption, table, columns)
+    return Table("bias", caption, table, shown)
 
 
 def _other_table(others: pd.DataFrame) -> Table:
-    columns = (
-        Column("solver", "solver", kind="code"),
-        Column("attempts", "radii", count),
-        Column("exact", "no turn at all", count),
-        Column("least", "least z₂ / R", digits(2)),
-        Column("most", "most", digits(2)),
-        Column("gap", "largest gap", digits(2)),
-        Column("limits", "stopped by a limit", count),
+    shown = (
+        SOLVER,
+        *columns(count, attempts="radii", exact="no turn at all"),
+        *columns(digits(2), least="least z₂ / R", most="most", gap="largest gap"),
+        *columns(count, limits="stopped by a limit"),
     )
     caption = (
         "Methods that are told no barrier. On the unsplit model (joint) a multiplier of zero gives "
         "an active-set method no reason to put the turn at its bound."
     )
-    return Table("bias-methods", caption, others, columns)
+    return Table("bias-methods", caption, others, shown)

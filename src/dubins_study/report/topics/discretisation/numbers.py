@@ -34,17 +34,17 @@ def work_precision(rows: pd.DataFrame, settings: Settings) -> pd.DataFrame:
         engine's least gap).
     """
     steps = {spec: _steps(spec, settings) for spec in rows["solver"].unique()}
-    own = rows[rows["solver"].map(steps) > 0]
-    if own.empty:
+    refined = rows[rows["solver"].map(steps) > 0]
+    if refined.empty:
         return pd.DataFrame()
-    engines = {spec: _engine(spec, settings) for spec in own["solver"].unique()}
-    own = own.assign(engine=own["solver"].map(engines), n=own["solver"].map(steps))
+    engines = {spec: _engine(spec, settings) for spec in refined["solver"].unique()}
+    refined = refined.assign(engine=refined["solver"].map(engines), n=refined["solver"].map(steps))
     records = [
         _record(str(e), int(n), group)  # type: ignore[call-overload]  # pandas says Hashable
-        for (e, n), group in own.groupby(["engine", "n"])
+        for (e, n), group in refined.groupby(["engine", "n"])
     ]
     frame = pd.DataFrame.from_records(records)
-    orders = {engine: _order(own) for engine, own in frame.groupby("engine")}
+    orders = {engine: _order(group) for engine, group in frame.groupby("engine")}
     return frame.assign(order=frame["engine"].map(orders))
 
 
