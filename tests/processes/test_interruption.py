@@ -41,13 +41,13 @@ def test_the_first_sets_a_flag_and_the_second_raises():
         with Interruption() as stop:
             signal.raise_signal(signal.SIGINT)
             seen.append(stop)
-            assert not stop.at_once
+            assert not stop.immediate
             signal.raise_signal(signal.SIGINT)
 
     with pytest.raises(KeyboardInterrupt):
         twice()
-    assert seen[0].asked
-    assert seen[0].at_once
+    assert seen[0].requested
+    assert seen[0].immediate
     assert signal.getsignal(signal.SIGINT) is before
 
 
@@ -66,7 +66,7 @@ def test_one_within_another_knows_what_was_asked_before():
         with Interruption():
             signal.raise_signal(signal.SIGINT)
             with Interruption() as inner:
-                seen.append(inner.asked)
+                seen.append(inner.requested)
 
     with pytest.raises(KeyboardInterrupt):
         nested()

@@ -20,9 +20,9 @@ from dubins_study.experiments.plan.cells import chains
 from dubins_study.experiments.run_settings import RunSettings
 from dubins_study.experiments.store.folder import done, read_rows
 from dubins_study.experiments.store.part_writer import write_part
-from dubins_study.solvers.reply import no_answer
 from dubins_study.solvers.protocol import Outcome
 from dubins_study.solvers.registry import SolverError
+from dubins_study.solvers.reply import no_answer
 from dubins_study.study.rows.files import ResultsError
 from dubins_study.study.rows.row_table import ARROW_SCHEMA
 from dubins_study.study.rows.schema import ROW, VERSION, documentation, names
@@ -128,10 +128,10 @@ def test_rows_without_a_solve_are_interrupted_too(small, monkeypatch):
         monkeypatch.setattr(pool._load_failures, "reply", lambda solver: reply)
         for made in solve_chains(pool, cells, {}, RunSettings("r", 60.0), stop):
             rows += len(made)
-            stop.asked = rows >= 300
+            stop.requested = rows >= 300
     assert 300 <= rows < 310
 
-    stop.asked, rows = False, 0
+    stop.requested, rows = False, 0
     with WorkerPool(1, Limits(60.0, 2**32)) as pool:
         monkeypatch.setattr(pool._load_failures, "reply", lambda solver: reply)
         rows = sum(map(len, solve_chains(pool, cells, {}, RunSettings("r", 60.0), stop)))

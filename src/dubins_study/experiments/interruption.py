@@ -11,18 +11,18 @@ _SIGNALS = (signal.SIGINT, signal.SIGTERM)
 
 
 class Interruption:
-    """While it is entered, a first signal only sets `asked`; the next raises KeyboardInterrupt.
+    """While it is entered, a first signal only sets `requested`; the next raises KeyboardInterrupt.
 
     The signals are SIGINT (Ctrl-C) and SIGTERM, which a batch system sends before it kills.
     A flag, since some libraries (casadi) turn a KeyboardInterrupt raised inside them into a
-    warning and go on. Leaving raises KeyboardInterrupt if it was asked for meanwhile. Outside the
+    warning and go on. Leaving raises KeyboardInterrupt if one was requested meanwhile. Outside the
     main thread, where Python handles no signals, and for a signal that is ignored, it does nothing.
     """
 
     def __init__(self) -> None:
-        self.asked = False
+        self.requested = False
         # a library may have swallowed the second one too: what it returned then is no answer
-        self.at_once = False
+        self.immediate = False
         self._previous: dict[int, Any] = {}
 
     def __enter__(self) -> Self:
@@ -35,18 +35,19 @@ class Interruption:
                 signal.signal(number, self._handle)
                 # within another, one that came just before counts as well
                 outer = getattr(previous, "__self__", None)
-                self.asked = self.asked or (isinstance(outer, Interruption) and outer.asked)
+                if isinstance(outer, Interruption) and outer.requested:
+                    self.requested = True
         return self
 
     def _handle(self, number: int, frame: FrameType | None) -> None:
-        self.at_once = self.asked
-        self.asked = True
-        if self.at_once:
+        self.immediate = self.requested
+        self.requested = True
+        if self.immediate:
             raise KeyboardInterrupt
 
     def check(self) -> None:
-        """Raise KeyboardInterrupt if it was asked for."""
-        if self.asked:
+        """Raise KeyboardInterrupt if an interruption was requested."""
+        if self.requested:
             raise KeyboardInterrupt
 
     def __exit__(

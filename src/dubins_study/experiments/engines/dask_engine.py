@@ -134,7 +134,7 @@ class _Submission:
         self._waiting, self._before = deque(chains), dict(before)
         stopping = False
         while self._waiting or self._units:
-            if stop.asked and not stopping:
+            if stop.requested and not stopping:
                 stopping = True
                 self._stop()
                 continue

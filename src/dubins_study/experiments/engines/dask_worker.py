@@ -75,7 +75,7 @@ class _Run:
         usable = False
         try:
             yield pool
-            usable = not self.stop.asked
+            usable = not self.stop.requested
         finally:
             if usable:
                 self._idle.put(pool)
@@ -130,13 +130,13 @@ def solve_unit(message: bytes) -> UnitReply:
 
 def stop_run(run_id: str) -> None:
     """Finish the cells that are being solved for a run; start no other."""
-    _run(run_id).stop.asked = True
+    _run(run_id).stop.requested = True
 
 
 def end_run(run_id: str) -> None:
     """End what is being solved for a run, and its idle processes."""
     run = _run(run_id)
-    run.stop.asked = True
+    run.stop.requested = True
     run.close_idle()
     run.kill()
 
@@ -145,7 +145,7 @@ def _solved(unit: WorkUnit, workers: WorkerPool, stop: Interruption) -> Iterator
     """Rows of a unit's first cells, piece by piece until its time is over."""
     end_s = monotonic() + _UNIT_S
     left, before, cells = unit.chains, dict(unit.before), _FIRST_CELLS
-    while left and not stop.asked and monotonic() < end_s:
+    while left and not stop.requested and monotonic() < end_s:
         began_s = monotonic()
         rows: list[Row] = []
         for row_block in solve_chains(

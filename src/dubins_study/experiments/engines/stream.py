@@ -102,7 +102,7 @@ def _solved_chunks(
             warm_up(columns, stream, settings)
             warm = True
         table = chunk_table(columns, stream, settings)
-        if stop.at_once:  # a library may have swallowed the interrupt and returned half an answer
+        if stop.immediate:  # a library may have swallowed the interrupt and returned half an answer
             raise KeyboardInterrupt
         yield window, table
 

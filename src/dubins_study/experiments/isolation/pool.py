@@ -107,7 +107,7 @@ class WorkerPool:
         self._monitor.begin()
         yielded_s = monotonic()
         while True:
-            if stop.asked:
+            if stop.requested:
                 self._finish_up()
             results = self._feed()
             if not (results or self._queue):
