@@ -96,22 +96,17 @@ def _cells(row: PrintedRow, mu: arb) -> list[Record]:
         if text == "0":
             continue
         printed = Fraction(Decimal(text))
-        records.append(
-            {
-                "table": row.table,
-                "label": row.label,
-                "path": row.path,
-                "word": row.word,
-                "quantity": quantity,
-                "printed": text,
-                "exact": value.text(),
-                "difference": float(Number(printed - value.high, printed - value.low)),
-                "biased": biased_value.text(10),
-                "bias_prints": str(biased_value.decide(lambda v: rounded(v, places))),
-                "verdict": finding.verdict,
-                "reason": finding.reason + _impossible(row, quantity, exact),
-            }
-        )
+        derived = {
+            "quantity": quantity,
+            "printed": text,
+            "exact": value.text(),
+            "difference": float(Number(printed - value.high, printed - value.low)),
+            "biased": biased_value.text(10),
+            "bias_prints": str(biased_value.decide(lambda v: rounded(v, places))),
+            "verdict": finding.verdict,
+            "reason": finding.reason + _impossible(row, quantity, exact),
+        }
+        records.append(row.record() | derived)
     return records
 
 
@@ -128,13 +123,10 @@ def _path(row: PrintedRow) -> Record:
     z, exact = _exact(problem, row.word)
     places = places_of(row.cells[-1])
     printed = [Decimal(text) for text in row.cells]
-    miss = number(distance(offset(problem, _balls(printed[:3]))))
+    z1, z2, z3 = map(ball, printed[:3])
+    miss = number(distance(offset(problem, (z1, z2, z3))))
     correct = rules.rounded_row(exact, places)
-    return {
-        "table": row.table,
-        "label": row.label,
-        "path": row.path,
-        "word": row.word,
+    return row.record() | {
         "miss": float(miss),
         "rounding_allows": _allowed(problem, z, places),
         "sum_of_parts": str(sum(printed[:3])),
@@ -145,11 +137,6 @@ def _path(row: PrintedRow) -> Record:
     }
 
 
-def _balls(values: list[Decimal]) -> Pieces:
-    first, second, third = (ball(value) for value in values)
-    return first, second, third
-
-
 def _allowed(problem: Problem, z: Pieces, places: int) -> float:
     """The largest miss of a path whose parts are each within half a unit of the exact ones.
 
@@ -157,25 +144,17 @@ def _allowed(problem: Problem, z: Pieces, places: int) -> float:
     from the best angle, so it is largest at a corner of the box.
     """
     half = ball(half_unit(places))
-    shifts = [(0,) if value == 0 else (-1, 1) for value in z]
-    corners = [
-        [value + sign * half for value, sign in zip(z, signs, strict=True)]
-        for signs in product(*shifts)
-    ]
-    return max(float(number(distance(offset(problem, (a, b, c))))) for a, b, c in corners)
+    corners = product(*((v,) if v == 0 else (v - half, v + half) for v in z))
+    return max(float(number(distance(offset(problem, corner)))) for corner in corners)
 
 
 def _omitted() -> list[Record]:
     """Paths of the paper's scenarios that its tables have no row for."""
     printed = {(row.label, row.word) for row in PRINTED}
-    left_out = [
-        (problem, word)
-        for problem in PROBLEMS.values()
-        for word in _WORDS
-        if (problem.label, word) not in printed
-    ]
     records = []
-    for problem, word in left_out:
+    for problem, word in product(PROBLEMS.values(), _WORDS):
+        if (problem.label, word) in printed:
+            continue
         _, exact = _exact(problem, word)
         values = {q: value.text() for q, value in zip(QUANTITIES, exact, strict=True)}
         path = _rank(problem, word)
@@ -195,16 +174,9 @@ def _times() -> list[Record]:
     records = []
     for label, path, text in TIMES:
         ticks = round(Fraction(Decimal(text)) * 64)
-        tick_time = rounded(Fraction(ticks, 64), places_of(text))
-        records.append(
-            {
-                "label": label,
-                "path": path,
-                "printed": text,
-                "ticks": ticks,
-                "is_ticks": tick_time == Decimal(text),
-            }
-        )
+        is_ticks = rounded(Fraction(ticks, 64), places_of(text)) == Decimal(text)
+        record = {"label": label, "path": path, "printed": text}
+        records.append(record | {"ticks": ticks, "is_ticks": is_ticks})
     return records
 
 

@@ -65,11 +65,7 @@ def _plot_series(
     groups = shown.sort_values(["series", "size"], kind="stable").groupby("series", sort=False)
     for place, (name, group) in enumerate(groups):
         look, label = looks[str(name)], labels.get(str(name), str(name))
-        mark: Style = {
-            "marker": look.marker,
-            "markersize": 3.5 + 2.0 * place,
-            "markerfacecolor": "none",
-        }
-        ax.plot(group[x], group["value"], label=label, **look.lines, **mark)
+        mark: Style = {"marker": look.marker, "markersize": 3.5 + 2.0 * place, "label": label}
+        ax.plot(group[x], group["value"], markerfacecolor="none", **look.lines, **mark)
     ax.set(xscale="log", yscale="log")
     log_axis(ax.yaxis)

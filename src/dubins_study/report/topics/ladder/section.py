@@ -45,11 +45,9 @@ def ladder_section(results: Results) -> Section | None:
         "half, across which the shortest length jumps, and of its rear half, across which it does "
         "not."
     )
-    findings = _short_by_miss(attempts), _verdicts(attempts), _other_sides(attempts)
-    title = "The ladder toward a turning circle"
-    return Section(
-        "ladder", title, sentences(text, *findings), (*_pictures(table), _table(down_to(table)))
-    )
+    text = sentences(text, _short_by_miss(attempts), _verdicts(attempts), _other_sides(attempts))
+    blocks: list[Picture | Table] = [*_pictures(table), _table(down_to(table))]
+    return Section("ladder", "The ladder toward a turning circle", text, tuple(blocks))
 
 
 def _short_by_miss(attempts: pd.DataFrame) -> str:
