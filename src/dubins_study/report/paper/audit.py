@@ -145,7 +145,7 @@ def _allowed(problem: Problem, z: Pieces, places: int) -> float:
     """
     half = ball(half_unit(places))
     corners = product(*((v,) if v == 0 else (v - half, v + half) for v in z))
-    return max(float(number(distance(offset(problem, corner)))) for corner in corners)
+    return max(float(number(distance(offset(problem, (a, b, c))))) for a, b, c in corners)
 
 
 def _omitted() -> list[Record]:

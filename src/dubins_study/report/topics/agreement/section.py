@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from dubins_study.report.data.results import Results
-from dubins_study.report.elements.content import Section, Table, columns, picture
+from dubins_study.report.elements.columns import columns
+from dubins_study.report.elements.content import Section, Table, picture
 from dubins_study.report.elements.formats import count, digits, share
 from dubins_study.report.elements.style import WIDE
 from dubins_study.report.topics.agreement.figures import plot_agreement

@@ -7,7 +7,8 @@ from typing import Any
 import pandas as pd
 
 from dubins_study.report.data.results import Results
-from dubins_study.report.elements.content import Section, Table, columns, marks
+from dubins_study.report.elements.columns import columns, marks
+from dubins_study.report.elements.content import Section, Table
 from dubins_study.report.elements.formats import count, digits, share
 from dubins_study.report.paper.audit_file import committed, misprints
 from dubins_study.report.topics.audit import numbers

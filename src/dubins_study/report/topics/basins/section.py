@@ -5,33 +5,12 @@ from __future__ import annotations
 import pandas as pd
 
 from dubins_study.report.data.results import Results
-from dubins_study.report.elements.content import (
-    Column,
-    Picture,
-    Section,
-    Table,
-    columns,
-    marks,
-    picture,
-)
-from dubins_study.report.elements.formats import count, share, slug
+from dubins_study.report.elements.columns import columns, marks
+from dubins_study.report.elements.content import Picture, Section, Table, picture
+from dubins_study.report.elements.formats import count, sentences, share, slug
 from dubins_study.report.statistics.metrics import parse_spec, solver_order
+from dubins_study.report.topics.basins import numbers
 from dubins_study.report.topics.basins.figures import plot_ends
-from dubins_study.report.topics.basins.numbers import (
-    ENDS,
-    GIVES_UP,
-    INFEASIBLE,
-    MISSES,
-    NOWHERE,
-    OTHER,
-    REFUTED,
-    TURNS,
-    capping,
-    ends,
-    extremes,
-    is_capped,
-    shares,
-)
 
 
 def basins_section(results: Results) -> Section | None:
@@ -40,21 +19,21 @@ def basins_section(results: Results) -> Section | None:
     Maps and sentences are of the solvers with unbounded turns, if there are any, since that is the
     paper's model; the table has them all.
     """
-    table = ends(results.rows[results.rows["branch"] == "best"])
-    if table.empty:
+    ends = numbers.ends(results.rows[results.rows["branch"] == "best"])
+    if ends.empty:
         return None
-    capped = table["solver"].map(is_capped)
-    mapped = table if capped.all() else table[~capped]
-    listed = [end for end in ENDS if (mapped["end"] == end).any()]
+    capped = ends["solver"].map(numbers.is_capped)
+    mapped = ends if capped.all() else ends[~capped]
+    present = [end for end in numbers.ENDS if (mapped["end"] == end).any()]
     pictures = [
-        _picture(label, solver, group, listed)
+        _picture(label, solver, group, present)
         for solver in solver_order(mapped["solver"].tolist())
         for label, group in mapped[mapped["solver"] == solver].groupby("label", sort=True)
     ]
-    text = " ".join((_method(table), *_findings(shares(mapped)), _cap(capping(shares(table)))))
-    return Section(
-        "basins", "Where initial guesses lead", text.strip(), (*pictures, _table(shares(table)))
-    )
+    table = numbers.shares(ends)
+    findings = _findings(numbers.shares(mapped))
+    text = sentences(_method(ends), *findings, _cap(numbers.capping(table)))
+    return Section("basins", "Where initial guesses lead", text, (*pictures, _table(table)))
 
 
 def _method(table: pd.DataFrame) -> str:
@@ -69,7 +48,7 @@ def _method(table: pd.DataFrame) -> str:
 
 def _findings(table: pd.DataFrame) -> list[str]:
     """Three sentences: how often the optimum is reached, what other minima are, false claims."""
-    row = extremes(table)
+    row = numbers.extremes(table)
     first = (
         f"The shortest path is found from {share(row.least['optimal'])} of the initial guesses at "
         f"worst ({_who(row.least)}) and from {share(row.most['optimal'])} at best "
@@ -87,9 +66,9 @@ def _findings(table: pd.DataFrame) -> list[str]:
     parts = [
         f"{count(table[end].sum())} times {claim}"
         for end, claim in (
-            (INFEASIBLE, "that no path exists where one does"),
-            (NOWHERE, "that a point is a minimum whose length is that of none"),
-            (MISSES, "that a path arrives which misses"),
+            (numbers.INFEASIBLE, "that no path exists where one does"),
+            (numbers.NOWHERE, "that a point is a minimum whose length is that of none"),
+            (numbers.MISSES, "that a path arrives which misses"),
         )
         if table[end].sum()
     ]
@@ -136,13 +115,10 @@ def _table(table: pd.DataFrame) -> Table:
         *columns(lambda capped: "≤ 2π" if capped else "free", kind="text", capped="turns"),
         *columns(count, guesses="guesses"),
         *columns(share, optimal="shortest"),
-        Column(TURNS, "with full turns", count),
-        Column(OTHER, "other minimum", count),
+        *columns(count, **{numbers.TURNS: "with full turns", numbers.OTHER: "other minimum"}),
         *columns(count, turns_1="1 turn too many", turns_2="2", turns_more="more"),
-        Column(INFEASIBLE, "“no path”", count),
-        Column(NOWHERE, "“minimum”", count),
-        Column(MISSES, "“path”", count),
-        Column(GIVES_UP, "gives up", count),
+        *columns(count, **{numbers.INFEASIBLE: "“no path”", numbers.NOWHERE: "“minimum”"}),
+        *columns(count, **{numbers.MISSES: "“path”", numbers.GIVES_UP: "gives up"}),
     )
     caption = (
         "Ends by solver and scenario. Turns too many are counted in minima of any word. In "
@@ -150,4 +126,4 @@ def _table(table: pd.DataFrame) -> Table:
         "point is a minimum, that a path arrives. A point that its solver does not call a solution "
         "counts as giving up, unless it is the shortest path."
     )
-    return Table("basins", caption, table, shown, marks(table, *REFUTED))
+    return Table("basins", caption, table, shown, marks(table, *numbers.REFUTED))

@@ -5,30 +5,25 @@ from __future__ import annotations
 import pandas as pd
 
 from dubins_study.report.data.results import Results
-from dubins_study.report.elements.content import SOLVER, Picture, Section, Table, columns, picture
+from dubins_study.report.elements.columns import SOLVER, columns
+from dubins_study.report.elements.content import Picture, Section, Table, picture
 from dubins_study.report.elements.formats import count, digits
 from dubins_study.report.elements.looks import Palette, legend_lines
 from dubins_study.report.statistics.metrics import parse_spec
+from dubins_study.report.topics.bias import numbers
 from dubins_study.report.topics.bias.figures import plot_bias, plot_left_over
-from dubins_study.report.topics.bias.numbers import (
-    by_barrier,
-    default_attempt,
-    left_over,
-    prediction_fit,
-    without_barrier,
-)
 
 _FOLLOWS = 0.1  # a ratio further than this from 1 does not bear the prediction out
 
 
 def bias_section(results: Results) -> Section | None:
     """The turn left over against its prediction, and what other methods leave."""
-    table = left_over(results)
+    table = numbers.left_over(results)
     table = table[(table["branch"] == "best") & table["z2"].notna()]
     with_barrier = table[table["mu"].notna()]
     if with_barrier.empty:
         return None
-    barriers, others = by_barrier(table), without_barrier(table)
+    barriers, others = numbers.by_barrier(table), numbers.without_barrier(table)
     sentences = [_prediction(with_barrier, barriers), *_default(with_barrier), *_others(others)]
     text = (
         "The shortest path to this target is LS, and the paper's model L(z₁) R(z₂) S(z₃) should "
@@ -47,7 +42,7 @@ def bias_section(results: Results) -> Section | None:
 
 
 def _prediction(with_barrier: pd.DataFrame, barriers: pd.DataFrame) -> str:
-    fit = prediction_fit(with_barrier)
+    fit = numbers.prediction_fit(with_barrier)
     deviation = digits(2)(fit.deviation)
     comparison = f"is within a relative {deviation} of this"
     if fit.deviation > _FOLLOWS:
@@ -62,7 +57,7 @@ def _prediction(with_barrier: pd.DataFrame, barriers: pd.DataFrame) -> str:
 
 def _default(with_barrier: pd.DataFrame) -> list[str]:
     """One sentence on the radius nearest to 1, if the defaults were tried."""
-    row = default_attempt(with_barrier)
+    row = numbers.default_attempt(with_barrier)
     if row is None:
         return []
     return [

@@ -6,16 +6,8 @@ import pandas as pd
 
 from dubins_study.report.data.attempts import PROOFS
 from dubins_study.report.data.results import Results
-from dubins_study.report.elements.content import (
-    SOLVER,
-    Column,
-    Picture,
-    Section,
-    Table,
-    columns,
-    marks,
-    picture,
-)
+from dubins_study.report.elements.columns import SOLVER, Column, columns, marks
+from dubins_study.report.elements.content import Picture, Section, Table, picture
 from dubins_study.report.elements.formats import count, digits, sentences, share
 from dubins_study.report.elements.looks import lines_of_names
 from dubins_study.report.elements.style import WIDE

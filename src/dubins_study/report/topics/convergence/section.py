@@ -9,23 +9,13 @@ import numpy as np
 import pandas as pd
 
 from dubins_study.report.data.results import Results
-from dubins_study.report.elements.content import (
-    Picture,
-    Section,
-    Table,
-    columns,
-    picture,
-)
+from dubins_study.report.elements.columns import columns
+from dubins_study.report.elements.content import Picture, Section, Table, picture
 from dubins_study.report.elements.formats import count, digits, seconds, sentences, slug
 from dubins_study.report.elements.looks import Palette
 from dubins_study.report.statistics.metrics import parse_spec
 from dubins_study.report.topics.convergence.figures import plot_cost, plot_orders
-from dubins_study.report.topics.convergence.numbers import (
-    PLACES,
-    medians,
-    orders,
-    refined,
-)
+from dubins_study.report.topics.convergence.numbers import PLACES, medians, orders, refined
 
 _WHERE = {"outside": "outside the discs", "in a disc": "in a disc"}
 

@@ -8,13 +8,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from dubins_study.report.statistics.metrics import (
-    fitted_order,
-    gaps,
-    parse_spec,
-    success,
-    upper_quantile,
-)
+from dubins_study.report.statistics import metrics
 
 SOLVER = "turn-rate-qp"
 Settings = Mapping[str, Mapping[str, Any]]
@@ -51,31 +45,33 @@ def work_precision(rows: pd.DataFrame, settings: Settings) -> pd.DataFrame:
 def _order(rows: pd.DataFrame) -> float:
     falling = rows.sort_values("n").reset_index(drop=True)
     falling = falling.loc[: int(falling["gap"].to_numpy().argmin())]
-    return fitted_order(falling["n"], falling["gap"])
+    return metrics.fitted_order(falling["n"], falling["gap"])
 
 
 def _steps(spec: str, settings: Settings) -> int:
     """n of a spec; 0 of another solver, or if it is no number, as in a row that no solver wrote."""
     n = settings.get(spec, {}).get("n")
-    return n if parse_spec(spec)[0] == SOLVER and isinstance(n, int) else 0
+    return n if metrics.parse_spec(spec)[0] == SOLVER and isinstance(n, int) else 0
 
 
 def _engine(spec: str, settings: Settings) -> str:
     engine = str(settings.get(spec, {}).get("engine"))
-    others = [f"{k}={v}" for k, v in parse_spec(spec)[1].items() if k not in ("n", "engine")]
+    others = [
+        f"{k}={v}" for k, v in metrics.parse_spec(spec)[1].items() if k not in ("n", "engine")
+    ]
     return ", ".join([engine, *others])
 
 
 def _record(engine: str, n: int, rows: pd.DataFrame) -> dict[str, object]:
-    gap = gaps(rows)
+    gap = metrics.gaps(rows)
     return {
         "engine": engine,
         "n": n,
         "attempts": len(rows),
         "arrived": float(np.isfinite(gap).mean()),
-        "success": float(success(rows).mean()),
-        "gap": upper_quantile(gap, 0.5),
-        "gap_q90": upper_quantile(gap, 0.9),
+        "success": float(metrics.success(rows).mean()),
+        "gap": metrics.upper_quantile(gap, 0.5),
+        "gap_q90": metrics.upper_quantile(gap, 0.9),
         "wall_s": rows["wall_s"].median(),
         "iterations": rows["iterations"].median(),
     }

@@ -9,53 +9,38 @@ import pandas as pd
 
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.axes import power
-from dubins_study.report.elements.content import (
-    SOLVER,
-    Column,
-    Picture,
-    Section,
-    Table,
-    columns,
-    picture,
-)
+from dubins_study.report.elements.columns import SOLVER, Column, columns
+from dubins_study.report.elements.content import Picture, Section, Table, picture
 from dubins_study.report.elements.formats import ABSENT, count, digits, sentences
 from dubins_study.report.elements.style import Style
+from dubins_study.report.topics.ladder import numbers
 from dubins_study.report.topics.ladder.figures import legend_entries, plot_ladder
-from dubins_study.report.topics.ladder.numbers import (
-    JUMP,
-    SIDES,
-    down_to,
-    first_short_rung,
-    ladder,
-    right_everywhere,
-    rungs,
-)
 
 _ARRIVES = -6  # the check's default tolerance of misses: 1e-6 R
 
 
 def ladder_section(results: Results) -> Section | None:
     """Matrix of solvers and margins, the margins down to which each is right, and why."""
-    attempts = rungs(results.rows)
+    attempts = numbers.rungs(results.rows)
     if attempts.empty:
         return None
-    table = ladder(attempts)
+    table = numbers.ladder(attempts)
     text = (
         "Targets at margins of 1e-1 to 1e-12 R from a turning circle, on both sides of its front "
         "half, across which the shortest length jumps, and of its rear half, across which it does "
         "not."
     )
     text = sentences(text, _short_by_miss(attempts), _verdicts(attempts), _other_sides(attempts))
-    blocks: list[Picture | Table] = [*_pictures(table), _table(down_to(table))]
+    blocks: list[Picture | Table] = [*_pictures(table), _table(numbers.down_to(table))]
     return Section("ladder", "The ladder toward a turning circle", text, tuple(blocks))
 
 
 def _short_by_miss(attempts: pd.DataFrame) -> str:
-    inner = attempts[attempts["side"] == JUMP]
+    inner = attempts[attempts["side"] == numbers.JUMP]
     if inner.empty:
         return ""
-    short = first_short_rung(inner)
-    others = [solver for solver, right in right_everywhere(inner).items() if right]
+    short = numbers.first_short_rung(inner)
+    others = [solver for solver, right in numbers.right_everywhere(inner).items() if right]
     if short.empty:
         sentence = "Just inside the front half no solver trades a miss for the short path"
     else:
@@ -81,10 +66,10 @@ def _verdicts(attempts: pd.DataFrame) -> str:
 
 
 def _other_sides(attempts: pd.DataFrame) -> str:
-    others = attempts[attempts["side"] != JUMP]
+    others = attempts[attempts["side"] != numbers.JUMP]
     if others.empty:
         return ""
-    right = right_everywhere(others)
+    right = numbers.right_everywhere(others)
     wrong = [solver for solver, everywhere in right.items() if not everywhere]
     sentence = (
         f"On the other sides {count(sum(right.values()))} of {count(len(right))} solvers find the "
@@ -108,7 +93,7 @@ def _pictures(table: pd.DataFrame) -> list[Picture]:
     solvers = list(dict.fromkeys(table["solver"]))
     pictures: list[Picture] = []
     tight: Style = {"ncols": 3, "handletextpad": 0.2, "columnspacing": 1.0}
-    for side in SIDES:
+    for side in numbers.SIDES:
         group = table[table["side"] == side]
         if group.empty:
             continue
@@ -130,7 +115,7 @@ def _table(reach: pd.DataFrame) -> Table:
     shown = (
         SOLVER,
         *columns(count, attempts="attempts"),
-        *(Column(side, side, _reach) for side in SIDES),
+        *(Column(side, side, _reach) for side in numbers.SIDES),
         *columns(
             count, by_miss="rungs by its miss", coarse="rungs coarse", false_claims="false claims"
         ),

@@ -5,13 +5,7 @@ from __future__ import annotations
 from matplotlib.axes import Axes
 
 from dubins_study.report.data.plane_map import REACH, WORDS, FloatArray
-from dubins_study.report.elements.plane_axes import (
-    WORD_COLOURS,
-    add_colour_bar,
-    draw_circles,
-    label_region,
-    plot_word_cells,
-)
+from dubins_study.report.elements import plane_axes
 from dubins_study.report.elements.style import MAP_PAPER
 
 _EXTENT = (-REACH, REACH, -REACH, REACH)
@@ -25,10 +19,10 @@ def plot_frequent_words(ax: Axes, words: FloatArray, centres: FloatArray) -> Non
         words: shape (cells, cells), from `frequent_words`.
         centres: shape (cells,), of the cells along either axis.
     """
-    plot_word_cells(ax, words, _EXTENT)
-    for place, word in enumerate(WORDS[: len(WORD_COLOURS)]):
-        label_region(ax, centres, centres, words == place, word)
-    draw_circles(ax, centres, centres)
+    plane_axes.plot_word_cells(ax, words, _EXTENT)
+    for place, word in enumerate(WORDS[: len(plane_axes.WORD_COLOURS)]):
+        plane_axes.label_region(ax, centres, centres, words == place, word)
+    plane_axes.draw_circles(ax, centres, centres)
 
 
 def plot_ranges(ax: Axes, ranges: FloatArray) -> None:
@@ -45,4 +39,4 @@ def plot_ranges(ax: Axes, ranges: FloatArray) -> None:
     ax.plot(0, 0, marker="o", color=MAP_PAPER, markersize=3)
     ax.set(xlabel="target x / R", ylabel="target y / R", aspect="equal")
     ax.grid(False)
-    add_colour_bar(ax, image, "largest less least length in a cell / R")
+    plane_axes.add_colour_bar(ax, image, "largest less least length in a cell / R")

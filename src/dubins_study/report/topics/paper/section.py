@@ -9,15 +9,8 @@ import pandas as pd
 
 from dubins_study.report.data.attempts import EXACT
 from dubins_study.report.data.results import Results
-from dubins_study.report.elements.content import (
-    SOLVER,
-    Picture,
-    Section,
-    Table,
-    columns,
-    marks,
-    picture,
-)
+from dubins_study.report.elements.columns import SOLVER, columns, marks
+from dubins_study.report.elements.content import Picture, Section, Table, picture
 from dubins_study.report.elements.formats import count, digits
 from dubins_study.report.paper.printed import QUANTITIES, compare
 from dubins_study.report.topics.paper.figures import aspect_of, plot_paths

@@ -11,13 +11,7 @@ from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
 from dubins_study.report.data.attempts import SUCCESSES
-from dubins_study.report.elements.plane_axes import (
-    WORD_COLOURS,
-    add_colour_bar,
-    draw_circles,
-    label_region,
-    plot_word_cells,
-)
+from dubins_study.report.elements import plane_axes
 from dubins_study.report.elements.style import BLUE, INK, MUTED, ORANGE, RULE, VERMILION
 from dubins_study.report.topics.plane.numbers import grid_of
 
@@ -31,11 +25,11 @@ def _extent(x: NDArray[np.float64], y: NDArray[np.float64]) -> tuple[float, floa
 
 def plot_words(ax: Axes, rows: pd.DataFrame) -> None:
     """Which word is shortest where. Columns: target_x, target_y, word (on a grid)."""
-    codes = {word: float(i) for i, word in enumerate(WORD_COLOURS)}
-    other = float(len(WORD_COLOURS))
+    codes = {word: float(i) for i, word in enumerate(plane_axes.WORD_COLOURS)}
+    other = float(len(plane_axes.WORD_COLOURS))
     known = rows.assign(code=rows["word"].map(lambda word: codes.get(word, other)))
     x, y, code = grid_of(known, "code")
-    plot_word_cells(ax, code, _extent(x, y))
+    plane_axes.plot_word_cells(ax, code, _extent(x, y))
     for word, value in codes.items():
         inside = code == value
         if inside.any() and _HATCHES[word]:
@@ -43,8 +37,8 @@ def plot_words(ax: Axes, rows: pd.DataFrame) -> None:
             hatch = ax.contourf(x, y, inside.astype(float), levels=[0.5, 1.5], **style)
             hatch.set_edgecolor("#ffffff80")
             hatch.set_linewidth(0)
-        label_region(ax, x, y, inside, word)
-    draw_circles(ax, x, y)
+        plane_axes.label_region(ax, x, y, inside, word)
+    plane_axes.draw_circles(ax, x, y)
 
 
 def plot_lengths(ax: Axes, rows: pd.DataFrame) -> None:
@@ -64,8 +58,8 @@ def plot_lengths(ax: Axes, rows: pd.DataFrame) -> None:
         if np.isfinite(values).sum() > 4:
             lines = ax.contour(x, y, values, levels=levels, colors="white", linewidths=0.6)
             ax.clabel(lines, levels[::2], fmt=lambda v: f"{v:g}", fontsize=7, inline_spacing=2)
-    draw_circles(ax, x, y)
-    add_colour_bar(ax, image, "shortest length / R")
+    plane_axes.draw_circles(ax, x, y)
+    plane_axes.add_colour_bar(ax, image, "shortest length / R")
 
 
 def plot_jump(ax: Axes, table: pd.DataFrame) -> None:
@@ -108,4 +102,4 @@ def plot_failures(ax: Axes, rows: pd.DataFrame) -> None:
             mark |= {"markerfacecolor": "none", "label": text}
             ax.plot(group["target_x"], group["target_y"], **mark)
     x, y = np.sort(rows["target_x"].unique()), np.sort(rows["target_y"].unique())
-    draw_circles(ax, x.astype(np.float64), y.astype(np.float64), INK)
+    plane_axes.draw_circles(ax, x.astype(np.float64), y.astype(np.float64), INK)

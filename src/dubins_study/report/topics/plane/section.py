@@ -9,12 +9,7 @@ from dubins_study.report.data.results import Results
 from dubins_study.report.elements.content import Picture, Section, picture
 from dubins_study.report.elements.formats import count
 from dubins_study.report.statistics.metrics import solver_order, success
-from dubins_study.report.topics.plane.figures import (
-    plot_failures,
-    plot_jump,
-    plot_lengths,
-    plot_words,
-)
+from dubins_study.report.topics.plane import figures
 from dubins_study.report.topics.plane.numbers import along_circle, exact_answers
 
 
@@ -45,7 +40,7 @@ def _words(exact: pd.DataFrame) -> Picture:
         "from the target. On the axis ahead the path is straight. Lengths in R."
     )
     alt = "Map of shortest words"
-    return picture("plane-words", plot_words, exact, caption=caption, alt=alt, height=3.5)
+    return picture("plane-words", figures.plot_words, exact, caption=caption, alt=alt, height=3.5)
 
 
 def _lengths(exact: pd.DataFrame) -> Picture:
@@ -54,7 +49,9 @@ def _lengths(exact: pd.DataFrame) -> Picture:
         "length jumps across the front half of their circles; across the rear half it is smooth."
     )
     alt = "Map of shortest lengths"
-    return picture("plane-lengths", plot_lengths, exact, caption=caption, alt=alt, height=4.1)
+    return picture(
+        "plane-lengths", figures.plot_lengths, exact, caption=caption, alt=alt, height=4.1
+    )
 
 
 def _jump(exact: pd.DataFrame) -> Picture:
@@ -64,7 +61,7 @@ def _jump(exact: pd.DataFrame) -> Picture:
         "outside; on the rear half the two sides meet."
     )
     table, alt = along_circle(exact), "Length on both sides of a turning circle"
-    return picture("plane-jump", plot_jump, table, caption=caption, alt=alt, height=3.5)
+    return picture("plane-jump", figures.plot_jump, table, caption=caption, alt=alt, height=3.5)
 
 
 def _failures(number: int, solver: str, rows: pd.DataFrame) -> Picture:
@@ -72,4 +69,6 @@ def _failures(number: int, solver: str, rows: pd.DataFrame) -> Picture:
     right = int(success(group).sum())
     caption = f"{solver}: {count(right)} of {count(len(group))} targets right; lengths in R."
     name, alt = f"plane-solver-{number}", f"Targets {solver} gets wrong"
-    return picture(name, plot_failures, group, caption=caption, alt=alt, height=3.9, legend=2)
+    return picture(
+        name, figures.plot_failures, group, caption=caption, alt=alt, height=3.9, legend=2
+    )

@@ -6,25 +6,13 @@ import pandas as pd
 
 from dubins_study.report.data.attempts import EXACT, PROOFS
 from dubins_study.report.data.results import Results
-from dubins_study.report.elements.content import (
-    SOLVER,
-    Column,
-    Picture,
-    Section,
-    Table,
-    columns,
-    picture,
-)
+from dubins_study.report.elements.columns import SOLVER, Column, columns
+from dubins_study.report.elements.content import Picture, Section, Table, picture
 from dubins_study.report.elements.formats import count, digits, seconds, sentences, share
 from dubins_study.report.elements.looks import Palette
 from dubins_study.report.statistics.metrics import solver_order
 from dubins_study.report.topics.proofs.figures import plot_prices, plot_wall
-from dubins_study.report.topics.proofs.numbers import (
-    fastest,
-    prices,
-    proofs,
-    provers,
-)
+from dubins_study.report.topics.proofs.numbers import fastest, prices, proofs, provers
 
 
 def proofs_section(results: Results) -> Section | None:

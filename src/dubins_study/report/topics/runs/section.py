@@ -10,7 +10,8 @@ import pandas as pd
 from matplotlib.axes import Axes
 
 from dubins_study.report.data.results import Results
-from dubins_study.report.elements.content import Picture, Section, Table, columns, marks, picture
+from dubins_study.report.elements.columns import columns, marks
+from dubins_study.report.elements.content import Picture, Section, Table, picture
 from dubins_study.report.elements.formats import digits, seconds, share
 from dubins_study.report.elements.style import WIDE
 from dubins_study.report.topics.runs.numbers import probe_ratios, runs

@@ -6,7 +6,8 @@ import pandas as pd
 
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.axes import power
-from dubins_study.report.elements.content import SOLVER, Picture, Section, Table, columns, marks
+from dubins_study.report.elements.columns import SOLVER, columns, marks
+from dubins_study.report.elements.content import Picture, Section, Table
 from dubins_study.report.elements.formats import count, digits, share
 from dubins_study.report.elements.looks import Palette, legend_lines
 from dubins_study.report.elements.style import WIDE, new_figure

@@ -8,7 +8,8 @@ import pandas as pd
 
 from dubins_study.report.data.attempts import Attempts
 from dubins_study.report.data.results import Folder, Results
-from dubins_study.report.elements.content import SOLVER, Picture, Section, Table, columns, picture
+from dubins_study.report.elements.columns import SOLVER, columns
+from dubins_study.report.elements.content import Picture, Section, Table, picture
 from dubins_study.report.elements.formats import count, digits, share, slug
 from dubins_study.report.elements.looks import Palette, legend_lines, lines_of_names
 from dubins_study.report.elements.style import WIDE

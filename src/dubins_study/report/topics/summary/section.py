@@ -6,7 +6,8 @@ import pandas as pd
 
 from dubins_study.report.data.attempts import SUCCESSES, VERDICTS
 from dubins_study.report.data.results import Results
-from dubins_study.report.elements.content import SOLVER, Section, Table, columns, marks
+from dubins_study.report.elements.columns import SOLVER, columns, marks
+from dubins_study.report.elements.content import Section, Table
 from dubins_study.report.elements.formats import count, seconds, share, some
 from dubins_study.report.topics.summary.numbers import summary
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import pandas as pd
 
-from dubins_study.report.elements.content import SOLVER, Picture, Table, columns, picture
+from dubins_study.report.elements.columns import SOLVER, columns
+from dubins_study.report.elements.content import Picture, Table, picture
 from dubins_study.report.elements.formats import count, digits, seconds, sentences, share
 from dubins_study.report.elements.looks import lines_of_names
 from dubins_study.report.topics.warm.figures import plot_warm
