@@ -42,16 +42,16 @@ def bias_section(results: Results) -> Section | None:
 
 
 def _prediction(with_barrier: pd.DataFrame, barriers: pd.DataFrame) -> str:
-    fit = numbers.prediction_fit(with_barrier)
-    deviation = digits(2)(fit.deviation)
-    comparison = f"is within a relative {deviation} of this"
-    if fit.deviation > _FOLLOWS:
-        comparison = f"does not follow this everywhere: it is up to a relative {deviation} away"
+    deviation, slope = numbers.prediction_fit(with_barrier)
+    comparison = f"is within a relative {digits(2)(deviation)} of this"
+    if deviation > _FOLLOWS:
+        away = f"up to a relative {digits(2)(deviation)} away"
+        comparison = f"does not follow this everywhere: it is {away}"
     failed = int(barriers["failed"].sum())
     failures = f", though the solver calls {failed} of them failures" if failed else ""
     return (
         f"Over {count(len(with_barrier))} attempts z₂ {comparison}; the slope in logarithms is "
-        f"{digits(5)(fit.slope)}{failures}."
+        f"{digits(5)(slope)}{failures}."
     )
 
 

@@ -11,7 +11,7 @@ import math
 import numpy as np
 import pandas as pd
 
-from dubins_study.report.statistics.metrics import solver_order, success
+from dubins_study.report.statistics import metrics
 
 # spreads of length / R up to this are rounding: of the scenario's own numbers, of the sum of up to
 # a hundred pieces, and of the division; and gaps up to it are none
@@ -38,7 +38,7 @@ def spreads(rows: pd.DataFrame) -> pd.DataFrame:
                 "solver": solver,
                 "label": label,
                 "radii": int(group["radius"].nunique()),
-                "success": float(success(group).mean()),
+                "success": float(metrics.success(group).mean()),
                 "spread": spread,
                 "words": "/".join(words),
                 "iterations_low": float(group["iterations"].min()),
@@ -57,20 +57,11 @@ def by_solver(table: pd.DataFrame) -> pd.DataFrame:
     radius of each scenario), iterations (largest ratio of most to least over one scenario's radii;
     NaN if not counted or zero).
     """
-    records = []
-    for solver in solver_order(table["solver"].tolist()):
-        group = table[table["solver"] == solver]
-        counted = group[group["iterations_low"] > 0]
-        ratio = counted["iterations_high"] / counted["iterations_low"]
-        records.append(
-            {
-                "solver": solver,
-                "scenarios": len(group),
-                "invariant": int(group["invariant"].sum()),
-                "success": float(group["success"].mean()),
-                "spread": float(group["spread"].max()),
-                "words": not group["words"].str.contains("/").any(),
-                "iterations": float(ratio.max()),
-            }
-        )
-    return pd.DataFrame.from_records(records)
+    low = table["iterations_low"]
+    ratio = table["iterations_high"] / low.where(low > 0)
+    measured = table.assign(words=~table["words"].str.contains("/"), iterations=ratio)
+    groups = measured.groupby("solver")
+    frame = pd.DataFrame({"scenarios": groups.size(), "invariant": groups["invariant"].sum()})
+    frame = frame.assign(success=groups["success"].mean(), spread=groups["spread"].max())
+    frame = frame.assign(words=groups["words"].all(), iterations=groups["iterations"].max())
+    return metrics.by_solver(frame.reset_index())
