@@ -1,8 +1,7 @@
 """The audit of the paper: every printed number recomputed, and what follows from it.
 
 `audit` gives one object of plain values, the same on every machine, since every number is proven
-to its last digit before it is rounded; `report.paper.audit_check` compares it with the committed
-one.
+to its last digit before it is rounded; `contradictions` compares it with the committed one.
 """
 
 from __future__ import annotations
@@ -38,9 +37,13 @@ from dubins_study.report.paper.printed import (
     PrintedRow,
     Problem,
 )
+from dubins_study.study.angle import parse_angle
+from dubins_study.study.closed_form.shortest import shortest
+from dubins_study.study.scenario import Scenario
 
 Record = dict[str, Any]
 _WORDS = ("LS", "RS")
+_AGREES = 1e-13  # of the larger of length and radius: some hundred roundings of a double
 _ARRIVES = Fraction(1, 10**60)  # length unit: far below the 40 digits that are kept
 
 
@@ -194,3 +197,52 @@ def _summary(parts: Record) -> Record:
         "omitted_paths": len(parts["omitted"]),
         "times_that_are_ticks": sum(time["is_ticks"] for time in parts["times"]),
     }
+
+
+def contradictions(computed: Record, committed: Record) -> list[str]:
+    """The numbers on which the code and the committed audit differ, one line each."""
+    return [*_differences(computed, committed), *closed_form_differences(committed)]
+
+
+def _differences(computed: Any, committed: Any, where: str = "") -> list[str]:
+    if isinstance(computed, dict) and isinstance(committed, dict):
+        pairs = [
+            (computed.get(key), committed.get(key), f"{where}{'.' if where else ''}{key}")
+            for key in dict.fromkeys((*computed, *committed))
+        ]
+    elif isinstance(computed, list) and isinstance(committed, list):
+        if len(computed) != len(committed):
+            return [f"{where}: {len(computed)} computed, {len(committed)} committed"]
+        pairs = [
+            (ours, theirs, f"{where}[{_name(ours, i)}]")
+            for i, (ours, theirs) in enumerate(zip(computed, committed, strict=True))
+        ]
+    else:
+        same = computed == committed
+        return [] if same else [f"{where}: computed {computed!r}, committed {committed!r}"]
+    return [line for pair in pairs for line in _differences(*pair)]
+
+
+def _name(record: Any, place: int) -> str:
+    """What a person calls an entry of a list."""
+    keys = ("table", "label", "path", "quantity", "where")
+    named = [str(record[key]) for key in keys if key in record] if isinstance(record, dict) else []
+    return ", ".join(named) or str(place)
+
+
+def closed_form_differences(committed: Record) -> list[str]:
+    """Cells whose committed value is not what `study.closed_form.shortest` computes."""
+    lines = []
+    for cell in committed.get("cells", ()):
+        problem = PROBLEMS[cell["label"]]
+        heading = parse_angle(f"{problem.heading.numerator}pi/{problem.heading.denominator}")
+        scenario = Scenario(0, 0, heading, *problem.target, problem.radius)
+        word = shortest(scenario, cell["word"])
+        turn, straight = (length * problem.radius for length in word.segments) if word else (0, 0)
+        lengths = {"z3": straight, "f": turn + straight}
+        ours = lengths.get(cell["quantity"], turn) if word else None
+        exact = float(cell["exact"])
+        if ours is None or abs(ours - exact) > _AGREES * max(exact, problem.radius):
+            where = f"cells[{_name(cell, 0)}]"
+            lines.append(f"{where}: the closed form has {ours!r}, committed {cell['exact']}")
+    return lines

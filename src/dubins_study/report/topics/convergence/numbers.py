@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from itertools import product
 from typing import Any
@@ -68,18 +69,11 @@ def medians(attempts: pd.DataFrame) -> pd.DataFrame:
     Columns measure, series, place, size, attempts, arrived (share with a value), value (median,
     infinite if half have none) and wall_s (median, s).
     """
-    keys = ["measure", "series", "place", "size"]
-    records = [
-        {
-            **dict(zip(keys, key, strict=True)),
-            "attempts": len(group),
-            "arrived": float(np.isfinite(group["value"]).mean()),
-            "value": metrics.upper_quantile(group["value"], 0.5),
-            "wall_s": group["wall_s"].median(),
-        }
-        for key, group in attempts.groupby(keys)
-    ]
-    return pd.DataFrame.from_records(records)
+    arrived = attempts.assign(arrived=np.isfinite(attempts["value"]))
+    groups = arrived.groupby(["measure", "series", "place", "size"])
+    frame = pd.DataFrame({"attempts": groups.size(), "arrived": groups["arrived"].mean()})
+    frame["value"] = groups["value"].agg(lambda values: metrics.upper_quantile(values, 0.5))
+    return frame.assign(wall_s=groups["wall_s"].median()).reset_index()
 
 
 def orders(attempts: pd.DataFrame) -> pd.DataFrame:
@@ -108,17 +102,15 @@ def _order(line: pd.DataFrame, attempts: pd.DataFrame) -> dict[str, object]:
     falling = line.iloc[: int(value.argmin()) + 1]
     fitted = attempts[attempts["size"].isin(falling["size"]) & ~attempts["wrong_basin"]]
     scenarios = fitted.groupby("scenario_id")
-    singly = [metrics.fitted_order(rows["size"], rows["value"], floor) for _, rows in scenarios]
-    finite = np.array([order for order in singly if np.isfinite(order)])
+    orders = [metrics.fitted_order(rows["size"], rows["value"], floor) for _, rows in scenarios]
+    singly = [order for order in orders if math.isfinite(order)]
     last = line.iloc[-1]
     return {
-        "measure": last["measure"],
-        "series": last["series"],
-        "place": last["place"],
+        **last[["measure", "series", "place"]],
         "scenarios": attempts["scenario_id"].nunique(),
         "order": metrics.fitted_order(falling["size"], falling["value"], floor),
-        "least": float(finite.min()) if finite.size else float("nan"),
-        "most": float(finite.max()) if finite.size else float("nan"),
+        "least": min(singly, default=math.nan),
+        "most": max(singly, default=math.nan),
         "wrong": int(attempts["wrong_basin"].sum()),
         "finest": int(last["size"]),
         "value": last["value"],

@@ -33,11 +33,7 @@ def work_precision(rows: pd.DataFrame, settings: Settings) -> pd.DataFrame:
         return pd.DataFrame()
     engines = {spec: _engine(spec, settings) for spec in refined["solver"].unique()}
     refined = refined.assign(engine=refined["solver"].map(engines), n=refined["solver"].map(steps))
-    records = [
-        _record(str(e), int(n), group)  # type: ignore[call-overload]  # pandas says Hashable
-        for (e, n), group in refined.groupby(["engine", "n"])
-    ]
-    frame = pd.DataFrame.from_records(records)
+    frame = _measures(refined).reset_index()
     orders = {engine: _order(group) for engine, group in frame.groupby("engine")}
     return frame.assign(order=frame["engine"].map(orders))
 
@@ -62,16 +58,12 @@ def _engine(spec: str, settings: Settings) -> str:
     return ", ".join([engine, *others])
 
 
-def _record(engine: str, n: int, rows: pd.DataFrame) -> dict[str, object]:
-    gap = metrics.gaps(rows)
-    return {
-        "engine": engine,
-        "n": n,
-        "attempts": len(rows),
-        "arrived": float(np.isfinite(gap).mean()),
-        "success": float(metrics.success(rows).mean()),
-        "gap": metrics.upper_quantile(gap, 0.5),
-        "gap_q90": metrics.upper_quantile(gap, 0.9),
-        "wall_s": rows["wall_s"].median(),
-        "iterations": rows["iterations"].median(),
-    }
+def _measures(rows: pd.DataFrame) -> pd.DataFrame:
+    measured = rows.assign(value=metrics.gaps(rows), success=metrics.success(rows))
+    groups = measured.groupby(["engine", "n"])
+    arrived = groups["value"].agg(lambda gaps: np.isfinite(gaps.dropna()).mean())
+    frame = pd.DataFrame({"attempts": groups.size(), "arrived": arrived})
+    frame = frame.assign(success=groups["success"].mean(), wall_s=groups["wall_s"].median())
+    for name, q in (("gap", 0.5), ("gap_q90", 0.9)):
+        frame[name] = groups["value"].agg(metrics.upper_quantile, q=q)
+    return frame.assign(iterations=groups["iterations"].median())
