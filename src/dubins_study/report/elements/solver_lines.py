@@ -28,15 +28,10 @@ def label_lines(ax: Axes, solvers: Iterable[str], places: ArrayLike) -> None:
 def plot_quartiles(
     ax: Axes, row: Mapping[Hashable, Any], key: str, place: float, look: Look, fill: str = ""
 ) -> None:
-    """A duration's median as a mark, and its quartiles as a bar.
+    """A duration's median as a mark, and its quartiles as a bar, on the line at `place`.
 
-    Args:
-        ax: where to draw.
-        row: with the median (s) under `key`, the quartiles under `key` and `_q1` or `_q3`.
-        key: of the duration.
-        place: of its line.
-        look: of its solver.
-        fill: colour inside the mark; the solver's if empty.
+    `row` has the median (s) under `key`, the quartiles under `key` and `_q1` or `_q3`. `fill` is
+    the colour inside the mark; the solver's if empty.
     """
     ends = [max(row[f"{key}_q1"], 1e-9), row[f"{key}_q3"]]
     bar: Style = {"color": look.colour, "linewidth": 2.4, "alpha": 0.45, "solid_capstyle": "butt"}

@@ -16,7 +16,7 @@ from matplotlib.patches import Patch
 from dubins_study.report.elements.style import MAP_PAPER, ON_MAP
 from dubins_study.report.topics.basins import numbers
 
-# from light to dark, so that grey print keeps the ends apart; lies stand on white with a mark
+# from light to dark, so that grey print keeps the ends apart; refuted claims are marks on white
 _FILL = {
     numbers.OPTIMUM: "#d9ecdf",
     numbers.TURNS: "#6fb6dd",

@@ -7,7 +7,7 @@ turns added (docs/derivation.md, section 7). The length alone therefore names th
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
+from typing import Any
 
 import pandas as pd
 
@@ -128,31 +128,20 @@ def shares(table: pd.DataFrame) -> pd.DataFrame:
     return pd.DataFrame.from_records(records)
 
 
-class Extremes(NamedTuple):
-    """What stands out among the rows of `shares`.
+def extremes(table: pd.DataFrame) -> list[pd.Series[Any]]:
+    """The rows of `shares` that stand out.
 
-    Args:
-        least, most: the rows with the least and the largest share of shortest paths.
-        farthest: the row with the most full turns in one path.
-        worst: the row with the largest share of refuted claims.
-        turned: share of all attempts that end in a minimum with full turns.
+    Returns:
+        The rows with the least and the most shortest paths, with the most full turns in one path,
+        and with the largest share of refuted claims.
     """
-
-    least: pd.Series[Any]
-    most: pd.Series[Any]
-    farthest: pd.Series[Any]
-    worst: pd.Series[Any]
-    turned: float
+    optimal, refuted = table["optimal"].to_numpy(), (table["refuted"] / table["guesses"]).to_numpy()
+    turns = table["most_turns"].to_numpy()
+    places = optimal.argmin(), optimal.argmax(), turns.argmax(), refuted.argmax()
+    return [table.iloc[int(place)] for place in places]
 
 
-def extremes(table: pd.DataFrame) -> Extremes:
-    """The extremes of `shares`."""
-    optimal, refuted = table["optimal"].to_numpy(), table["refuted"] / table["guesses"]
+def turned_share(table: pd.DataFrame) -> float:
+    """Share of all attempts in `shares` that end in a minimum with full turns."""
     turned = table[["turns_1", "turns_2", "turns_more"]].to_numpy().sum()
-    return Extremes(
-        least=table.iloc[int(optimal.argmin())],
-        most=table.iloc[int(optimal.argmax())],
-        farthest=table.iloc[int(table["most_turns"].to_numpy().argmax())],
-        worst=table.iloc[int(refuted.to_numpy().argmax())],
-        turned=float(turned / table["guesses"].sum()),
-    )
+    return float(turned / table["guesses"].sum())

@@ -48,16 +48,17 @@ def _method(table: pd.DataFrame) -> str:
 
 def _findings(table: pd.DataFrame) -> list[str]:
     """Three sentences: how often the optimum is reached, what other minima are, false claims."""
-    row = numbers.extremes(table)
+    least, most, farthest, worst = numbers.extremes(table)
+    turned = numbers.turned_share(table)
     first = (
-        f"The shortest path is found from {share(row.least['optimal'])} of the initial guesses at "
-        f"worst ({_who(row.least)}) and from {share(row.most['optimal'])} at best "
-        f"({_who(row.most)})."
+        f"The shortest path is found from {share(least['optimal'])} of the initial guesses at "
+        f"worst ({_who(least)}) and from {share(most['optimal'])} at best "
+        f"({_who(most)})."
     )
-    second = f"{share(row.turned)} of all attempts end in a minimum with full turns in it"
-    if row.turned:
+    second = f"{share(turned)} of all attempts end in a minimum with full turns in it"
+    if turned:
         second += (
-            f", with up to {count(row.farthest['most_turns'])} of them ({_who(row.farthest)}); "
+            f", with up to {count(farthest['most_turns'])} of them ({_who(farthest)}); "
             "nothing in the model says that these are useless"
         )
     refuted = int(table["refuted"].sum())
@@ -74,7 +75,7 @@ def _findings(table: pd.DataFrame) -> list[str]:
     ]
     third = (
         f"{count(refuted)} statements are refuted: {'; '.join(parts)}. The worst is "
-        f"{_who(row.worst)}, with {share(row.worst['refuted'] / row.worst['guesses'])} of its "
+        f"{_who(worst)}, with {share(worst['refuted'] / worst['guesses'])} of its "
         "initial guesses."
     )
     return [first, f"{second}.", third]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pandas as pd
+from matplotlib.axes import Axes
 
 from dubins_study.report.data.attempts import PROOFS
 from dubins_study.report.data.results import Results
@@ -10,9 +11,9 @@ from dubins_study.report.elements.columns import SOLVER, Column, columns, marks
 from dubins_study.report.elements.content import Picture, Section, Table, picture
 from dubins_study.report.elements.formats import count, digits, sentences, share
 from dubins_study.report.elements.looks import lines_of_names
-from dubins_study.report.elements.style import WIDE
+from dubins_study.report.elements.solver_lines import plot_shares
+from dubins_study.report.elements.style import BLUE, ORANGE, RULE, SKY, WIDE
 from dubins_study.report.statistics.metrics import by_solver
-from dubins_study.report.topics.certificates.figures import plot_proofs
 
 _NOT_ENCLOSED = (
     "No reference length was enclosed, so that no answer can be proved or bounded: where a block "
@@ -93,6 +94,22 @@ def _picture(frame: pd.DataFrame) -> Picture:
         height=0.9 + max(0.34, 0.14 * lines_of_names(frame["solver"])) * len(frame),
         width=WIDE,
     )
+
+
+# dark to light, the weaker ones hatched, so that the order survives grey printing
+_LOOK = {
+    "proved": (BLUE, ""),
+    "bounded": (SKY, "..."),
+    "extremal": (ORANGE, "///"),
+    "none": (RULE, "xx"),
+}
+
+
+def plot_proofs(ax: Axes, table: pd.DataFrame) -> None:
+    """Share of each proof, one bar a solver. Columns solver, attempts, one count per proof."""
+    look = {name: _LOOK[name] for name in PROOFS}
+    plot_shares(ax, table, look, [f"of {count(attempts)}" for attempts in table["attempts"]])
+    ax.figure.legend(loc="outside lower left", ncols=4)
 
 
 def _proofs_table(frame: pd.DataFrame) -> Table:

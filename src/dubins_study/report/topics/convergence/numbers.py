@@ -34,9 +34,7 @@ def refined(rows: pd.DataFrame, settings: Settings) -> pd.DataFrame:
         value (infinite if there is none), wrong_basin and wall_s (s).
     """
     specs = {str(spec): settings.get(str(spec), {}) for spec in rows["solver"].unique()}
-    sizes = {
-        spec: own.get(SIZES.get(metrics.parse_spec(spec)[0], "")) for spec, own in specs.items()
-    }
+    sizes = {spec: specs[spec].get(SIZES.get(metrics.parse_spec(spec)[0], "")) for spec in specs}
     refinable = [spec for spec, size in sizes.items() if isinstance(size, int)]
     group = rows[rows["solver"].isin(refinable) & rows["region"].notna()]
     raw = group["solver"].map({spec: specs[spec].get("correct") is False for spec in refinable})

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Mapping
-from typing import Any
+from collections.abc import Mapping
 
 import numpy as np
 import pandas as pd
@@ -31,15 +30,13 @@ SMALLEST_GAP = 1e-16
 def plot_verdicts(ax: Axes, table: pd.DataFrame) -> None:
     """Share of each verdict, one bar a solver. Columns of `summary.numbers.summary`."""
     look = {verdict: VERDICT_LOOK[verdict] for verdict in VERDICTS}
-    plot_shares(ax, table, look, [_counts(row) for row in table.to_dict("records")])
-    ax.legend(loc="lower left", bbox_to_anchor=(0, 1.0), ncols=5, borderaxespad=0.2)
-
-
-def _counts(row: Mapping[Hashable, Any]) -> str:
-    return (
+    notes = [
         f"of {count(row['attempts'])}: {count(row['false_claims'])} false claims,\n"
         f"{count(row['wrong_basins'])} wrong basins"
-    )
+        for row in table.to_dict("records")
+    ]
+    plot_shares(ax, table, look, notes)
+    ax.legend(loc="lower left", bbox_to_anchor=(0, 1.0), ncols=5, borderaxespad=0.2)
 
 
 def plot_gap_profile(
