@@ -83,7 +83,7 @@ def ends(rows: pd.DataFrame) -> pd.DataFrame:
     points = guessed["initial_guess"].str.split(expand=True).astype(float)
     frame = guessed.assign(z1=points[0], z2=points[1], z3=points[2])
     frame[["end", "turns"]] = [end_of(row) for _, row in guessed.iterrows()]
-    return frame
+    return frame.astype({"turns": float})
 
 
 def is_capped(solver: str) -> bool:
