@@ -14,7 +14,6 @@ from pathlib import Path
 import pandas as pd
 import psutil
 
-from dubins_study.experiments.isolation import process_tree
 from dubins_study.experiments.store.folder import read_rows
 from dubins_study.study.rows.schema import KEY, ROW, names
 
@@ -94,5 +93,7 @@ def _running(module: str, *options: str, **environment: str) -> Iterator[subproc
     try:
         yield process
     finally:
-        process_tree.end(process.pid)
+        for member in reversed(family(process.pid)):
+            with suppress(psutil.NoSuchProcess):
+                member.kill()
         process.wait()

@@ -16,7 +16,7 @@ import socket
 import subprocess
 import sys
 import threading
-from contextlib import suppress
+from contextlib import ExitStack, suppress
 from pathlib import Path as FilePath
 from typing import Any, NamedTuple
 
@@ -31,8 +31,8 @@ _PROGRAM = (
 )
 # to import our modules on a busy machine
 _START_UP_S = 120.0
-# to kill every process that is left when the caller ends
-_EXIT_WAIT_S = 5.0
+# for the kernel to end a process that was killed, and for the server to kill all that is left
+_KILL_WAIT_S, _STOP_WAIT_S = 2.0, 5.0
 _OUTPUT_PIPE_BYTES = 2**20
 _F_SETPIPE_SZ = 1031
 
@@ -46,7 +46,7 @@ class ForkedProcess(NamedTuple):
 
     Args:
         pid: its process id; it leads a session of its own.
-        channel: messages to and from it.
+        channel: messages to and from it; does not block.
         output: read end of the pipe that is its stdout and stderr; does not block.
         status: read end of a pipe; readable once the process, and what it has left behind, ended.
     """
@@ -56,24 +56,28 @@ class ForkedProcess(NamedTuple):
     output: int
     status: int
 
-    def exit_code(self) -> int:
-        """How the process ended, once `status` is readable; minus the number of a signal."""
+    def exit_code(self, timeout_s: float = _KILL_WAIT_S) -> int | None:
+        """How the process ended, to be read once; None if it has not ended in time.
+
+        Minus the number of the signal that ended it.
+        """
+        if not _readable(self.status, timeout_s):
+            return None
         text = os.read(self.status, 32)
         # the kernel kills the processes of a server that was killed itself
         return int(text) if text else -signal.SIGKILL
 
-    def wait(self, timeout_s: float) -> bool:
-        """Whether the process ends in time."""
-        return bool(select.select([self.status], [], [], timeout_s)[0])
-
     def kill(self) -> None:
-        """Kill it; the server kills what it leaves behind."""
-        with suppress(OSError):
-            os.kill(self.pid, signal.SIGKILL)
+        """Kill it, if it has not ended; the server kills what it leaves behind."""
+        if not _readable(self.status, 0):
+            with suppress(OSError):
+                os.kill(self.pid, signal.SIGKILL)
 
     def close(self) -> None:
-        """Forget a process that has ended."""
-        self.channel.close()
+        """Kill it, wait for its end, and close what leads to it."""
+        self.kill()
+        _readable(self.status, _KILL_WAIT_S)
+        self.channel.line.close()
         os.close(self.output)
         os.close(self.status)
 
@@ -84,84 +88,100 @@ class _ForkServer:
     def __init__(self) -> None:
         self._lock = threading.Lock()
         self._process: subprocess.Popen[bytes] | None = None
-        self._control: socket.socket | None = None
+        self._control = socket.socket()
 
-    def fork(self, function: str, arguments: list[Any], extra: list[int]) -> ForkedProcess:
-        """See `fork`."""
-        ours, theirs = socket.socketpair()
-        output, output_end = os.pipe()
-        status, status_end = os.pipe()
-        _enlarge(output_end)
-        with theirs:
-            try:
-                pid = self._request([status_end, output_end, theirs.fileno(), *extra])
-            except BaseException:
-                ours.close()
-                os.close(output)
-                os.close(status)
-                raise
-            finally:
-                os.close(output_end)
-                os.close(status_end)
-        os.set_blocking(output, False)
-        channel = Channel(ours)
-        with suppress(OSError):  # the process was killed at once; its end is seen by its status
-            channel.send([function, arguments, search_path(), dict(os.environ), _directory()])
-        ours.setblocking(False)
-        return ForkedProcess(pid, channel, output, status)
-
-    def _request(self, descriptors: list[int]) -> int:
+    def request(self, descriptors: list[int]) -> None:
+        """Have a process forked, which is given descriptors."""
         with self._lock:
-            for attempts_left in (1, 0):
-                try:
-                    control = self._running()
-                    socket.send_fds(control, [b"f"], descriptors)
-                    pid = control.recv(8)
-                    if pid:
-                        return int.from_bytes(pid)
-                except OSError as error:
-                    if not attempts_left:
-                        raise ForkServerError(f"the fork server does not answer: {error}") from None
-                except BaseException:  # interrupted between a request and its answer
-                    self._forget()
-                    raise
-                self._forget()
-        raise ForkServerError("the fork server ends before it has forked a process")
+            if self._process is None or self._process.poll() is not None:
+                self._start()
+            socket.send_fds(self._control, [b"f"], descriptors)
 
-    def _running(self) -> socket.socket:
-        if self._control is None:
-            self._control, theirs = socket.socketpair()
-            self._control.settimeout(_START_UP_S)
-            with theirs:
-                self._process = subprocess.Popen(
-                    [sys.executable, "-P", "-c", _PROGRAM, json.dumps(search_path())],
-                    stdin=theirs.fileno(),
-                    stdout=subprocess.DEVNULL,
-                    start_new_session=True,
-                )
-        return self._control
+    def _start(self) -> None:
+        self._control.close()
+        self._control, theirs = socket.socketpair()
+        with theirs:
+            self._process = subprocess.Popen(
+                [sys.executable, "-P", "-c", _PROGRAM, json.dumps(search_path())],
+                stdin=theirs.fileno(),
+                stdout=subprocess.DEVNULL,
+                start_new_session=True,
+            )
 
-    def _forget(self) -> None:
-        if self._control is not None:
-            self._control.close()
+    def wait(self) -> None:
+        """Wait a few seconds for the end of the server."""
         if self._process is not None:
             with suppress(subprocess.TimeoutExpired):
-                self._process.wait(_EXIT_WAIT_S)
-        self._control = self._process = None
+                self._process.wait(_STOP_WAIT_S)
 
     def stop(self) -> None:
         """End the server, and with it every process that it has forked."""
-        with self._lock:
-            self._forget()
+        self._control.close()
+        self.wait()
 
     def forget_in_child(self) -> None:
         """In a process that the caller has forked: the server is its parent's."""
-        self._lock = threading.Lock()
-        if self._control is not None:
-            self._control.close()
+        self._control.close()
         if self._process is not None:
             self._process.returncode = 0  # it is no child of this process to wait for
-        self._control = self._process = None
+        self._lock, self._process = threading.Lock(), None
+
+
+_server = _ForkServer()
+os.register_at_fork(after_in_child=_server.forget_in_child)
+atexit.register(_server.stop)
+
+
+def fork(function: str, arguments: list[Any], extra: tuple[int, ...] = ()) -> ForkedProcess:
+    """Call a function in a process that is forked from the server.
+
+    The caller's environment and working directory, and its `sys.path` without that, go with it.
+
+    Args:
+        function: `module:name`, called as `name(channel, *arguments, *descriptors)`. Its process
+            ends when it returns.
+        arguments: plain values, as JSON has them.
+        extra: file descriptors that the function is given as well.
+
+    Raises:
+        ForkServerError: if the server does not start or does not answer.
+    """
+    message = [function, arguments, search_path(), dict(os.environ), _directory()]
+    reason: OSError | None = None
+    for _attempt in range(2):  # the server may have been killed just now
+        try:
+            return _forked(message, extra)
+        except OSError as error:
+            reason = error
+            _server.wait()
+    raise ForkServerError(f"the fork server does not answer: {reason}")
+
+
+def _forked(message: list[Any], extra: tuple[int, ...]) -> ForkedProcess:
+    with ExitStack() as theirs, ExitStack() as ours:
+        line, line_end = map(ExitStack.enter_context, (ours, theirs), socket.socketpair())
+        (output, output_end), (status, status_end) = os.pipe(), os.pipe()
+        for stack, pipe in (
+            (ours, output),
+            (ours, status),
+            (theirs, output_end),
+            (theirs, status_end),
+        ):
+            stack.callback(os.close, pipe)
+        _enlarge(output_end)
+        _server.request([status_end, output_end, line_end.fileno(), *extra])
+        theirs.close()
+        pid = os.read(status, 8) if _readable(status, _START_UP_S) else b""
+        if not pid:
+            raise ConnectionError("it ended, or hangs")
+        channel = Channel(line)
+        channel.put(message)
+        with suppress(OSError):  # the process was killed at once; its end is seen by its status
+            channel.flush()
+        line.setblocking(False)
+        os.set_blocking(output, False)
+        ours.pop_all()
+        return ForkedProcess(int.from_bytes(pid), channel, output, status)
 
 
 def search_path() -> list[str]:
@@ -182,6 +202,13 @@ def _directory() -> str:
         return "/"
 
 
+def _readable(descriptor: int, timeout_s: float) -> bool:
+    """Whether something can be read in time, if only that nothing will come any more."""
+    poll = select.poll()  # `select.select` takes only the first thousand descriptors
+    poll.register(descriptor, select.POLLIN)
+    return bool(poll.poll(1000 * timeout_s))
+
+
 def _enlarge(pipe: int) -> None:
     """Let a solver that prints much seldom wait for us to read it."""
     if sys.platform == "linux":
@@ -189,23 +216,3 @@ def _enlarge(pipe: int) -> None:
 
         with suppress(OSError):
             fcntl.fcntl(pipe, _F_SETPIPE_SZ, _OUTPUT_PIPE_BYTES)
-
-
-_server = _ForkServer()
-os.register_at_fork(after_in_child=_server.forget_in_child)
-atexit.register(_server.stop)
-
-
-def fork(function: str, arguments: list[Any], extra: tuple[int, ...] = ()) -> ForkedProcess:
-    """Call a function in a process that is forked from the server.
-
-    Args:
-        function: `module:name`, called as `name(channel, *arguments, *descriptors)`. Its process
-            ends when it returns.
-        arguments: plain values, as JSON has them.
-        extra: file descriptors that the function is given as well.
-
-    Raises:
-        ForkServerError: if the server does not start or does not answer.
-    """
-    return _server.fork(function, arguments, list(extra))

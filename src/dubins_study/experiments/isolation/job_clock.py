@@ -24,7 +24,7 @@ class Phase(IntEnum):
 
 
 class Reading(NamedTuple):
-    """The job's number (-1: none), the phase, and since when (s, `time.monotonic`)."""
+    """Process id, the job's number (-1: none), phase, since when (s, `time.monotonic`)."""
 
     pid: int
     job: int
@@ -34,25 +34,19 @@ class Reading(NamedTuple):
 
 _NUMBERS, _WITHDRAWN = struct.Struct("dddd"), struct.Struct("q")
 _WITHDRAWN_PLACE = 64
-_LOST = Reading(0, -1, Phase.LOST, 0.0)
 
 
 class JobClock:
     """Written by a worker, read by its pool; survives the worker.
 
     Args:
-        descriptor: of memory that another process shares; a new piece of memory without one.
+        descriptor: of the memory that both share, see `shared_memory`. It is closed here, so that
+            nobody can make the memory shorter.
     """
 
-    def __init__(self, descriptor: int | None = None):
-        self.descriptor = _shared_memory() if descriptor is None else descriptor
-        self._memory = mmap.mmap(self.descriptor, mmap.PAGESIZE)
-        if descriptor is None:
-            self.write(0, -1, Phase.STARTING)
-
-    def close_descriptor(self) -> None:
-        """The memory stays; its file is needed no more, and nobody can make it shorter."""
-        os.close(self.descriptor)
+    def __init__(self, descriptor: int):
+        self._memory = mmap.mmap(descriptor, mmap.PAGESIZE)
+        os.close(descriptor)
 
     def write(self, pid: int, job: int, phase: Phase) -> None:
         _NUMBERS.pack_into(self._memory, 0, pid, job, phase, monotonic())
@@ -62,7 +56,7 @@ class JobClock:
         try:
             return Reading(int(pid), int(job), Phase(int(phase)), since_s)
         except (ValueError, OverflowError):
-            return _LOST
+            return Reading(0, -1, Phase.LOST, 0.0)
 
     def withdraw(self, below: int) -> None:
         """Tell the worker to pass over every job with a lower number that it has not begun."""
@@ -74,7 +68,8 @@ class JobClock:
         return below
 
 
-def _shared_memory() -> int:
+def shared_memory() -> int:
+    """The descriptor of new memory that another process can share."""
     if sys.platform == "linux":
         descriptor = os.memfd_create("job-clock")
     else:

@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import signal
 
+from dubins_study.experiments.isolation.job_queue import SolverKey
 from dubins_study.solvers.protocol import Outcome
 from dubins_study.solvers.reply import Reply, no_answer
-
-# a solver's spec and profile
-SolverKey = tuple[str, str]
 
 
 def exit_status(code: int) -> tuple[str, str]:
@@ -46,8 +44,7 @@ class LoadFailures:
 
     def __init__(self, warm_up: bool):
         self._warm_up = warm_up
-        # solvers whose warm-up ended a worker
-        self._without_warm_up: set[SolverKey] = set()
+        self._without_warm_up: set[SolverKey] = set()  # their warm-up ended a worker
         # solvers that ended a worker as it loaded them, with the reply that stands for all jobs
         self._given_up: dict[SolverKey, Reply] = {}
         self._answered: set[SolverKey] = set()
@@ -61,8 +58,7 @@ class LoadFailures:
         first = self._given_up.get(solver)
         if first is None:
             return None
-        message = f"{first.solution.message} for another cell; not tried again"
-        return no_answer(first.outcome, message, status=first.solution.native_status)
+        return _with_message(first, f"{first.solution.message} for another cell; not tried again")
 
     def note_answer(self, solver: SolverKey) -> None:
         """A solver has been loaded, and has answered."""
@@ -76,8 +72,11 @@ class LoadFailures:
         if warmed_up:
             self._without_warm_up.add(solver)
             return None
-        message = f"{reply.solution.message}, while it was loaded"
-        reply = no_answer(reply.outcome, message, status=reply.solution.native_status)
+        reply = _with_message(reply, f"{reply.solution.message}, while it was loaded")
         if solver not in self._answered:
             self._given_up[solver] = reply
         return reply
+
+
+def _with_message(reply: Reply, message: str) -> Reply:
+    return no_answer(reply.outcome, message, status=reply.solution.native_status)

@@ -97,7 +97,7 @@ def seed() -> None:
 
 
 class WorkerState:
-    """The state of this process as it is accepted; see `changes`.
+    """The state of this process as it is accepted; see `changed`.
 
     Args:
         memory_limit: bytes that the process may hold.
@@ -117,14 +117,11 @@ class WorkerState:
         self._accepted = {name: read() for name, read in _STATE.items()}
         self._resident, self._files = _leakable()
 
-    def changes(self) -> list[str]:
-        """What is no longer as it was accepted, and cannot be relied on in another solve."""
-        changed = [name for name, accepted in self._accepted.items() if _read(name) != accepted]
-        if "resource limits" not in changed and self._threads_changed():
-            changed.append("threads of numerical libraries")
-        if self._leaks():
-            changed.append("memory or open files")
-        return changed
+    def changed(self) -> bool:
+        """Whether the state is no longer as it was accepted: another solve could not rely on it."""
+        if any(_read(name) != accepted for name, accepted in self._accepted.items()):
+            return True
+        return self._threads_changed() or self._leaks()
 
     def _pin_new_libraries(self) -> None:
         """Keep the libraries that were loaded since to one thread."""
