@@ -8,6 +8,7 @@ every worker. multiprocessing's fork server is one for the whole process: what w
 from __future__ import annotations
 
 import atexit
+import fcntl
 import json
 import os
 import select
@@ -34,7 +35,6 @@ _START_UP_S = 120.0
 # for the kernel to end a process that was killed, and for the server to kill all that is left
 _KILL_WAIT_S, _STOP_WAIT_S = 2.0, 5.0
 _OUTPUT_PIPE_BYTES = 2**20
-_F_SETPIPE_SZ = 1031
 
 
 class ForkServerError(DubinsStudyError, RuntimeError):
@@ -57,7 +57,7 @@ class ForkedProcess(NamedTuple):
     status: int
 
     def exit_code(self, timeout_s: float = _KILL_WAIT_S) -> int | None:
-        """How the process ended, to be read once; None if it has not ended in time.
+        """How the process ended, or None if it has not ended in time; to be read once.
 
         Minus the number of the signal that ended it.
         """
@@ -82,31 +82,35 @@ class ForkedProcess(NamedTuple):
         os.close(self.status)
 
 
+def _readable(descriptor: int, timeout_s: float) -> bool:
+    """Whether something can be read in time, if only that nothing will come any more."""
+    poll = select.poll()  # `select.select` takes only the first thousand descriptors
+    poll.register(descriptor, select.POLLIN)
+    return bool(poll.poll(1000 * timeout_s))
+
+
 class _ForkServer:
     """The server of this process, started when it is first needed, and again if it was killed."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
         self._process: subprocess.Popen[bytes] | None = None
-        self._control = socket.socket()
+        self._control: socket.socket | None = None
 
     def request(self, descriptors: list[int]) -> None:
         """Have a process forked, which is given descriptors."""
         with self._lock:
-            if self._process is None or self._process.poll() is not None:
-                self._start()
+            if self._control is None or self._process is None or self._process.poll() is not None:
+                self.stop()
+                self._control, theirs = socket.socketpair()
+                with theirs:
+                    self._process = subprocess.Popen(
+                        [sys.executable, "-P", "-c", _PROGRAM, json.dumps(_search_path())],
+                        stdin=theirs.fileno(),
+                        stdout=subprocess.DEVNULL,
+                        start_new_session=True,
+                    )
             socket.send_fds(self._control, [b"f"], descriptors)
-
-    def _start(self) -> None:
-        self._control.close()
-        self._control, theirs = socket.socketpair()
-        with theirs:
-            self._process = subprocess.Popen(
-                [sys.executable, "-P", "-c", _PROGRAM, json.dumps(search_path())],
-                stdin=theirs.fileno(),
-                stdout=subprocess.DEVNULL,
-                start_new_session=True,
-            )
 
     def wait(self) -> None:
         """Wait a few seconds for the end of the server."""
@@ -116,15 +120,16 @@ class _ForkServer:
 
     def stop(self) -> None:
         """End the server, and with it every process that it has forked."""
-        self._control.close()
+        if self._control is not None:
+            self._control.close()
         self.wait()
 
     def forget_in_child(self) -> None:
         """In a process that the caller has forked: the server is its parent's."""
-        self._control.close()
         if self._process is not None:
             self._process.returncode = 0  # it is no child of this process to wait for
-        self._lock, self._process = threading.Lock(), None
+        self.stop()
+        self._lock, self._process, self._control = threading.Lock(), None, None
 
 
 _server = _ForkServer()
@@ -146,7 +151,7 @@ def fork(function: str, arguments: list[Any], extra: tuple[int, ...] = ()) -> Fo
     Raises:
         ForkServerError: if the server does not start or does not answer.
     """
-    message = [function, arguments, search_path(), dict(os.environ), _directory()]
+    message = [function, arguments, _search_path(), dict(os.environ), _directory()]
     reason: OSError | None = None
     for _attempt in range(2):  # the server may have been killed just now
         try:
@@ -161,14 +166,13 @@ def _forked(message: list[Any], extra: tuple[int, ...]) -> ForkedProcess:
     with ExitStack() as theirs, ExitStack() as ours:
         line, line_end = map(ExitStack.enter_context, (ours, theirs), socket.socketpair())
         (output, output_end), (status, status_end) = os.pipe(), os.pipe()
-        for stack, pipe in (
-            (ours, output),
-            (ours, status),
-            (theirs, output_end),
-            (theirs, status_end),
-        ):
-            stack.callback(os.close, pipe)
-        _enlarge(output_end)
+        for pipe in (output, status):
+            ours.callback(os.close, pipe)
+        for pipe in (output_end, status_end):
+            theirs.callback(os.close, pipe)
+        if hasattr(fcntl, "F_SETPIPE_SZ"):  # a solver that prints much seldom waits for us to read
+            with suppress(OSError):
+                fcntl.fcntl(output_end, fcntl.F_SETPIPE_SZ, _OUTPUT_PIPE_BYTES)
         _server.request([status_end, output_end, line_end.fileno(), *extra])
         theirs.close()
         pid = os.read(status, 8) if _readable(status, _START_UP_S) else b""
@@ -184,14 +188,13 @@ def _forked(message: list[Any], extra: tuple[int, ...]) -> ForkedProcess:
         return ForkedProcess(int.from_bytes(pid), channel, output, status)
 
 
-def search_path() -> list[str]:
+def _search_path() -> list[str]:
     """The caller's `sys.path` without its working directory.
 
     The files that lie there by chance (`report.py`, `solvers/`) must not stand in for a package.
     """
-    here = _directory()
     kept = [os.path.abspath(entry) for entry in sys.path if entry]  # noqa: PTH100
-    kept = [entry for entry in kept if entry != here]
+    kept = [entry for entry in kept if entry != _directory()]
     return kept if _PACKAGE_FOLDER in kept else [*kept, _PACKAGE_FOLDER]
 
 
@@ -200,19 +203,3 @@ def _directory() -> str:
         return os.getcwd()  # noqa: PTH109
     except OSError:  # it was removed
         return "/"
-
-
-def _readable(descriptor: int, timeout_s: float) -> bool:
-    """Whether something can be read in time, if only that nothing will come any more."""
-    poll = select.poll()  # `select.select` takes only the first thousand descriptors
-    poll.register(descriptor, select.POLLIN)
-    return bool(poll.poll(1000 * timeout_s))
-
-
-def _enlarge(pipe: int) -> None:
-    """Let a solver that prints much seldom wait for us to read it."""
-    if sys.platform == "linux":
-        import fcntl
-
-        with suppress(OSError):
-            fcntl.fcntl(pipe, _F_SETPIPE_SZ, _OUTPUT_PIPE_BYTES)

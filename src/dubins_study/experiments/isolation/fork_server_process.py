@@ -33,15 +33,17 @@ _ROUNDS, _ROUND_S = 400, 0.005
 def serve() -> None:
     """Fork a process for every byte that comes down the socket on stdin, until that is closed."""
     control = socket.socket(fileno=os.dup(0))
-    _read_nothing()
+    os.close(0)
+    os.open(os.devnull, os.O_RDONLY)  # takes the lowest number, that of stdin
     for number in (signal.SIGTERM, signal.SIGHUP, signal.SIGINT):
         signal.signal(number, signal.SIG_IGN)
     _set_process_option(_PR_SET_CHILD_SUBREAPER, 1)
-    wake, wake_end = socket.socketpair()  # every end of a child wakes the loop
+    wake, wake_end = socket.socketpair()  # the end of a child wakes the loop
     wake_end.setblocking(False)
     signal.signal(signal.SIGCHLD, lambda *_: None)
     signal.set_wakeup_fd(wake_end.fileno(), warn_on_full_buffer=False)
-    server, status_pipes = os.getpid(), dict[int, int]()
+    server = os.getpid()
+    status_pipes: dict[int, int] = {}
     while True:
         ready, _, _ = select.select([control, wake], [], [])
         if wake in ready:
@@ -74,14 +76,13 @@ def _reap(status_pipes: dict[int, int]) -> None:
     ended: dict[int, int] = {}
     with suppress(ChildProcessError):  # there is no child left
         while (child := os.waitpid(-1, os.WNOHANG))[0]:
-            ended[child[0]] = os.waitstatus_to_exitcode(child[1])
-    ended = {pid: code for pid, code in ended.items() if pid in status_pipes}
-    if not ended:
-        return
+            if child[0] in status_pipes:
+                ended[child[0]] = os.waitstatus_to_exitcode(child[1])
     for pid in ended:
         with suppress(OSError):
             os.killpg(pid, signal.SIGKILL)
-    _end_descendants(status_pipes.keys() - ended.keys())
+    if ended:
+        _end_descendants(status_pipes.keys() - ended.keys())
     for pid, code in ended.items():
         pipe = status_pipes.pop(pid)
         with suppress(OSError):  # nobody waits for it any more
@@ -136,26 +137,18 @@ def _become(server: int, output: int, line: int, *extra: int) -> None:
         os._exit(code)
 
 
-def _set_process_option(option: int, value: int) -> None:
-    if sys.platform == "linux":
-        ctypes.CDLL(None).prctl(option, value)
-
-
-def _read_nothing() -> None:
-    with open(os.devnull, "rb") as nothing:  # noqa: PTH123
-        os.dup2(nothing.fileno(), 0)
-
-
 def _redirect(output: int) -> None:
-    """Read stdin from nowhere, and write stdout and stderr to a pipe, which is closed here."""
-    os.dup2(output, 1)
-    os.dup2(output, 2)
-    os.close(output)
-    # the server has streams of its caller
-    sys.stdin = open(0, encoding="utf-8", closefd=False)  # noqa: SIM115
+    """Write stdout and stderr to a pipe, which is closed here."""
     for name, number in (("stdout", 1), ("stderr", 2)):
+        os.dup2(output, number)
         stream = open(  # noqa: SIM115
             number, "w", encoding="utf-8", errors="replace", buffering=1, closefd=False
         )
         setattr(sys, name, stream)
         setattr(sys, f"__{name}__", stream)
+    os.close(output)
+
+
+def _set_process_option(option: int, value: int) -> None:
+    if sys.platform == "linux":
+        ctypes.CDLL(None).prctl(option, value)

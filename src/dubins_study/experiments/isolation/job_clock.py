@@ -24,15 +24,14 @@ class Phase(IntEnum):
 
 
 class Reading(NamedTuple):
-    """Process id, the job's number (-1: none), phase, since when (s, `time.monotonic`)."""
+    """The job's number (0: none yet), the phase, and since when (s, `time.monotonic`)."""
 
-    pid: int
     job: int
     phase: Phase
     since_s: float
 
 
-_NUMBERS, _WITHDRAWN = struct.Struct("dddd"), struct.Struct("q")
+_NUMBERS, _WITHDRAWN = struct.Struct("ddd"), struct.Struct("q")
 _WITHDRAWN_PLACE = 64
 
 
@@ -48,15 +47,15 @@ class JobClock:
         self._memory = mmap.mmap(descriptor, mmap.PAGESIZE)
         os.close(descriptor)
 
-    def write(self, pid: int, job: int, phase: Phase) -> None:
-        _NUMBERS.pack_into(self._memory, 0, pid, job, phase, monotonic())
+    def write(self, job: int, phase: Phase) -> None:
+        _NUMBERS.pack_into(self._memory, 0, job, phase, monotonic())
 
     def read(self) -> Reading:
-        pid, job, phase, since_s = _NUMBERS.unpack_from(self._memory)
+        job, phase, since_s = _NUMBERS.unpack_from(self._memory)
         try:
-            return Reading(int(pid), int(job), Phase(int(phase)), since_s)
+            return Reading(int(job), Phase(int(phase)), since_s)
         except (ValueError, OverflowError):
-            return Reading(0, -1, Phase.LOST, 0.0)
+            return Reading(0, Phase.LOST, 0.0)
 
     def withdraw(self, below: int) -> None:
         """Tell the worker to pass over every job with a lower number that it has not begun."""

@@ -8,7 +8,8 @@ from contextlib import suppress
 from time import monotonic, process_time, sleep
 from typing import NamedTuple
 
-from dubins_study.experiments.isolation import process_memory
+import psutil
+
 from dubins_study.experiments.isolation.job_clock import Phase, Reading
 from dubins_study.experiments.isolation.worker_process import WorkerProcess
 from dubins_study.solvers.protocol import Outcome
@@ -111,10 +112,8 @@ class Monitor:
 
     def _complaint(self, worker: WorkerProcess, observed: _Observation) -> Reply | None:
         """The reply to the job of a worker that breaks a limit."""
-        (writer, _, phase, since_s), seen_s, suspended_s = observed
-        pid = worker.process.pid
-        # a child that took its parent's place writes a process of its own
-        if phase is Phase.LOST or writer not in (0, pid):
+        (_, phase, since_s), seen_s, suspended_s = observed
+        if phase is Phase.LOST:
             return no_answer(
                 Outcome.CRASHED, "stopped: it wrote over its clock, which the run reads"
             )
@@ -129,7 +128,9 @@ class Monitor:
                 message = f"stopped after {seconds:.0f} s of {_ACTIVITY[phase]}"
             return no_answer(Outcome.TIMEOUT, message, Times(wall=seconds))
         limit = self._limits.memory_bytes
-        used = process_memory.held_bytes(pid, limit, with_children=self._looks % _FAMILY_EVERY == 0)
+        used = _held_bytes(
+            worker.process.pid, limit, with_children=self._looks % _FAMILY_EVERY == 0
+        )
         if used <= limit:
             return None
         message = f"stopped holding {used / _GIB:.2f} GiB; the limit is {limit / _GIB:g} GiB"
@@ -139,3 +140,28 @@ class Monitor:
 def _send(worker: WorkerProcess, number: signal.Signals) -> None:
     with suppress(OSError):
         os.kill(worker.process.pid, number)
+
+
+def _held_bytes(pid: int, limit: float, *, with_children: bool) -> int:
+    """Bytes that a process holds, with its descendants if asked for; 0 if it is gone.
+
+    What several share is counted once where the sum is above the limit (Linux), which is slower.
+    """
+    try:
+        process = psutil.Process(pid)
+        family = [process, *process.children(recursive=True)] if with_children else [process]
+    except psutil.Error:
+        return 0
+    held = _sum_bytes(family, "memory_info", "rss")
+    if with_children and held > limit:
+        held = _sum_bytes(family, "memory_full_info", "pss")
+    return held
+
+
+def _sum_bytes(family: list[psutil.Process], reading: str, column: str) -> int:
+    total = 0
+    for process in family:
+        with suppress(psutil.Error):
+            memory = getattr(process, reading)()
+            total += getattr(memory, column, memory.rss)
+    return total

@@ -79,7 +79,7 @@ class _Worker:
         # of the code of solvers that were loaded, even if their warm-up failed
         self._digests: dict[tuple[str, str], str] = {}
         self.state = WorkerState(memory_limit)
-        self._note(-1, Phase.IDLE)
+        clock.write(0, Phase.IDLE)
 
     def answer(self, job: _Job) -> list[Any]:
         """The encoded reply to one job: whatever happens, short of the process's end."""
@@ -89,7 +89,7 @@ class _Worker:
             loaded = self._solvers.get(key) or self._load(job)
             seed()
             started = now()
-            self._note(job.number, Phase.SOLVING)
+            self._clock.write(job.number, Phase.SOLVING)
             reply = ask(loaded.solver, question, job.time_limit)
             self._end_copy()
             return encode_reply(WorkerReply(reply, started, loaded.versions, loaded.code_digest))
@@ -101,17 +101,17 @@ class _Worker:
                 WorkerReply(no_answer(outcome, exception_text(error)), started, "", digest)
             )
         finally:
-            self._note(job.number, Phase.IDLE)
+            self._clock.write(job.number, Phase.IDLE)
 
     def _load(self, job: _Job) -> _LoadedSolver:
         """A solver that has its imports, templates and caches behind it."""
         key = job.solver, job.profile
-        self._note(job.number, Phase.LOADING)
+        self._clock.write(job.number, Phase.LOADING)
         solver = load(*key)
         digest = self._digests[key] = code_digest(*key)
         row_versions = json.dumps(versions(tuple(solver.packages)) | reported_versions(solver))
         if job.warm_up:
-            self._note(job.number, Phase.WARMING_UP)
+            self._clock.write(job.number, Phase.WARMING_UP)
             seed()
             ask(solver, Question(_WARM_UP, solver.branches[0]), job.time_limit)
             self._end_copy()
@@ -123,6 +123,3 @@ class _Worker:
         """End a child that a solver forked and lost: it must not answer in its parent's place."""
         if os.getpid() != self._pid:
             os._exit(1)
-
-    def _note(self, job: int, phase: Phase) -> None:
-        self._clock.write(self._pid, job, phase)
