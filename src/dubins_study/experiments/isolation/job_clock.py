@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import mmap
 import os
-import struct
 import sys
 from enum import IntEnum
 from tempfile import TemporaryFile
@@ -31,8 +30,8 @@ class Reading(NamedTuple):
     since_s: float
 
 
-_NUMBERS, _WITHDRAWN = struct.Struct("ddd"), struct.Struct("q")
-_WITHDRAWN_PLACE = 64
+# in the memory, apart from what the worker writes
+_WITHDRAWN_PLACE = 8
 
 
 class JobClock:
@@ -44,27 +43,27 @@ class JobClock:
     """
 
     def __init__(self, descriptor: int):
-        self._memory = mmap.mmap(descriptor, mmap.PAGESIZE)
+        self._numbers = memoryview(mmap.mmap(descriptor, mmap.PAGESIZE)).cast("d")
         os.close(descriptor)
 
     def write(self, job: int, phase: Phase) -> None:
-        _NUMBERS.pack_into(self._memory, 0, job, phase, monotonic())
+        self._numbers[0], self._numbers[1], self._numbers[2] = job, phase, monotonic()
 
     def read(self) -> Reading:
-        job, phase, since_s = _NUMBERS.unpack_from(self._memory)
+        job, phase, since_s = self._numbers[:3]
         try:
             return Reading(int(job), Phase(int(phase)), since_s)
         except (ValueError, OverflowError):
             return Reading(0, Phase.LOST, 0.0)
 
-    def withdraw(self, below: int) -> None:
-        """Tell the worker to pass over every job with a lower number that it has not begun."""
-        _WITHDRAWN.pack_into(self._memory, _WITHDRAWN_PLACE, below)
+    @property
+    def withdrawn(self) -> float:
+        """The worker passes over every job with a lower number that it has not begun."""
+        return self._numbers[_WITHDRAWN_PLACE]
 
-    def withdrawn(self) -> int:
-        """The number below which jobs are passed over."""
-        below: int = _WITHDRAWN.unpack_from(self._memory, _WITHDRAWN_PLACE)[0]
-        return below
+    @withdrawn.setter
+    def withdrawn(self, number: float) -> None:
+        self._numbers[_WITHDRAWN_PLACE] = number
 
 
 def shared_memory() -> int:

@@ -162,13 +162,13 @@ def encode_reply(sent: WorkerReply) -> list[Any]:
         [reply.times.build, reply.times.solve, reply.times.wall],
         str(Claim(solution.claim).value),
         _encode_path(solution.path),
-        _float(solution.claimed_length),
-        _float(solution.lower_bound),
-        None if dual is None else [float.__float__(dual[0]), float.__float__(dual[1])],
-        _int(solution.iterations),
-        _int(solution.evaluations),
-        _text(solution.native_status),
-        _text(solution.message),
+        _plain(solution.claimed_length),
+        _plain(solution.lower_bound),
+        None if dual is None else [_plain(dual[0]), _plain(dual[1])],
+        _plain(solution.iterations),
+        _plain(solution.evaluations),
+        _plain(solution.native_status),
+        _plain(solution.message),
         *sent[1:],
     ]
 
@@ -185,14 +185,10 @@ def decode_reply(values: list[Any]) -> WorkerReply:
     return WorkerReply(reply, str(started), str(versions), str(digest))
 
 
-def _float(value: float | None) -> float | None:
-    return None if value is None else float.__float__(value)
-
-
-def _int(value: int | None) -> int | None:
+def _plain(value: Any) -> Any:
+    """Python's own number or text, whatever class a plug-in's value has."""
+    if isinstance(value, str):  # by way of bytes, since a subclass of str passes as one
+        return str.encode(value[:_MAX_TEXT_CHARS], "utf-8", "replace").decode("utf-8")
+    if isinstance(value, float):
+        return float.__float__(value)
     return None if value is None else int.__index__(value)
-
-
-def _text(value: str) -> str:
-    # by way of bytes, since a subclass of str passes as one
-    return str.encode(value[:_MAX_TEXT_CHARS], "utf-8", "replace").decode("utf-8")

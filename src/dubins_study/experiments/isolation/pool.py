@@ -13,13 +13,13 @@ from typing import Self
 
 from dubins_study.errors import DubinsStudyError
 from dubins_study.experiments.interruption import Interruption
+from dubins_study.experiments.isolation.exit_status import crashed, exit_status
 from dubins_study.experiments.isolation.fork_server import ForkServerError
 from dubins_study.experiments.isolation.job_clock import Phase
-from dubins_study.experiments.isolation.job_queue import Job, JobQueue, worker_group
+from dubins_study.experiments.isolation.job_queue import Job, JobQueue, SolverKey, worker_group
 from dubins_study.experiments.isolation.messages import MessageError, WorkerReply
 from dubins_study.experiments.isolation.monitor import POLL_INTERVAL_S, Limits, Monitor
-from dubins_study.experiments.isolation.worker_failures import LoadFailures, crashed, exit_status
-from dubins_study.experiments.isolation.worker_process import Answer, WorkerProcess
+from dubins_study.experiments.isolation.worker_process import WorkerProcess
 from dubins_study.solvers.protocol import Outcome
 from dubins_study.solvers.reply import Reply, no_answer
 
@@ -65,7 +65,11 @@ class WorkerPool:
         self._probed = probed
         self._workers: list[WorkerProcess | None] = [None] * workers
         self._monitor = Monitor(limits)
-        self._load_failures = LoadFailures(warm_up)
+        self._warm_up = warm_up
+        self._without_warm_up: set[SolverKey] = set()  # their warm-up ended a worker
+        self._answered: set[SolverKey] = set()
+        # solvers that end workers as they are loaded, and the reply to their other jobs
+        self._given_up: dict[SolverKey, Reply] = {}
         self._queue = JobQueue()
         self._false_starts = 0
         self._next_probe_s = monotonic()
@@ -128,14 +132,14 @@ class WorkerPool:
             if worker is not None and len(worker.pending) > share // 2:
                 continue
             while (job := self._queue.next()) and len(results) < _MAX_RESULTS:
-                reply = self._load_failures.reply(job.solver_key)
+                reply = self._given_up.get(job.solver_key)
                 if reply is not None:
                     results.append((self._queue.take(), WorkerReply(reply)))
                     continue
                 free = self._worker_for(job, place, share)
                 if free is None:
                     break
-                warm_up = self._load_failures.warms_up(job.solver_key)
+                warm_up = self._warm_up and job.solver_key not in self._without_warm_up
                 free.put(self._queue.take(), self.limits.time_s, warm_up)
         first = self._workers[0]
         if self._probed is not None and first is not None and monotonic() > self._next_probe_s:
@@ -196,31 +200,28 @@ class WorkerPool:
         """What a worker's answers bring."""
         results: Results = []
         try:
-            for answer in worker.answers(ready):
-                results += self._answered(worker, answer)
-                if answer.changed:
+            for number, value, changed in worker.answers(ready):
+                if not isinstance(value, float):
+                    results += self._job_answered(worker, number, value)
+                elif self._probed is not None:
+                    self._probed(value)
+                if changed:
+                    self._remove(worker)
                     break
         except MessageError as error:
             reply = no_answer(Outcome.CRASHED, f"stopped: its worker sent {error}")
             results += self._ended(worker, reply)
         return results
 
-    def _answered(self, worker: WorkerProcess, answer: Answer) -> Results:
-        reply = answer.value
-        if isinstance(reply, float):
-            if self._probed is not None:
-                self._probed(reply)
-            return []
+    def _job_answered(self, worker: WorkerProcess, number: int, reply: WorkerReply) -> Results:
         self._false_starts = 0
-        answered = worker.pending.pop(answer.number, None)
         worker.quick = (reply.reply.times.solve or 0) < _QUICK_S
-        if answer.changed:
-            self._replace(worker)
-        elif not worker.quick:
+        answered = worker.pending.pop(number, None)
+        if not worker.quick:
             self._queue.put_first(worker.withdraw())
         if answered is None:  # it was taken back
             return []
-        self._load_failures.note_answer(answered.job.solver_key)
+        self._answered.add(answered.job.solver_key)
         return [(answered.job, reply)]
 
     def _ended(self, worker: WorkerProcess, reply: Reply | None) -> Results:
@@ -230,7 +231,7 @@ class WorkerPool:
             worker.process.kill()
         code, output = worker.exit_code(), worker.last_output()
         current = None if number is None else worker.pending.pop(number)
-        self._replace(worker)
+        self._remove(worker)
         if current is None:
             self._false_starts += 1
             if self._false_starts >= _MAX_FALSE_STARTS:
@@ -242,17 +243,24 @@ class WorkerPool:
         self._false_starts = 0
         job, reply = current.job, reply or crashed(code, output)
         if phase in (Phase.LOADING, Phase.WARMING_UP):
-            reply = self._load_failures.note_failure(job.solver_key, current.warm_up, reply)
-        if reply is None:  # the solver is loaded once more, without a warm-up
-            self._queue.put_first([job])
-            return []
+            if current.warm_up:  # it may be to blame: the solver is loaded once more, without it
+                self._without_warm_up.add(job.solver_key)
+                self._queue.put_first([job])
+                return []
+            reply = self._load_failed(job.solver_key, reply)
         return [(job, WorkerReply(reply))]
 
-    def _replace(self, worker: WorkerProcess) -> None:
-        """End a worker, whose place another one takes; the jobs that it was given wait again."""
-        self._remove(worker)
-        self._queue.put_first(pending.job for pending in worker.pending.values())
+    def _load_failed(self, solver: SolverKey, reply: Reply) -> Reply:
+        """The reply to a job whose solver ended the worker while it was loaded."""
+        (outcome, solution, _), status = reply, reply.solution.native_status
+        message = f"{solution.message}, while it was loaded"
+        if solver not in self._answered:
+            again = f"{message} for another cell; not tried again"
+            self._given_up[solver] = no_answer(outcome, again, status=status)
+        return no_answer(outcome, message, status=status)
 
     def _remove(self, worker: WorkerProcess) -> None:
+        """End a worker, whose place another one may take; the jobs that it was given wait again."""
         self._workers[self._workers.index(worker)] = None
         worker.process.close()
+        self._queue.put_first(pending.job for pending in worker.pending.values())

@@ -58,7 +58,7 @@ def serve(channel: Channel, memory_limit: int, clock: int) -> None:
         message, changed = channel.receive(), False
         if message[0] == PROBE:
             answer: Any = probe()
-        elif message[0] < shared.withdrawn():
+        elif message[0] < shared.withdrawn:
             continue
         else:
             answer = worker.answer(_Job(*message))

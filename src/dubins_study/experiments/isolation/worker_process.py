@@ -38,16 +38,10 @@ class PendingJob(NamedTuple):
 
 
 class Answer(NamedTuple):
-    """A worker's answer: the reply to a job, or the seconds that the calibration probe took.
-
-    Args:
-        number: the job's.
-        value: the reply, or the seconds.
-        changed: whether the solve has changed the process; such a worker answers no more.
-    """
+    """A worker's answer to the job of a number; after a change of its process it gives no more."""
 
     number: int
-    value: WorkerReply | float
+    value: WorkerReply | float  # seconds, where the calibration's piece of work was timed
     changed: bool
 
 
@@ -92,7 +86,7 @@ class WorkerProcess:
         current = self.current_number()
         unbegun = [number for number in self.pending if number != current]
         if unbegun:
-            self.clock.withdraw(unbegun[-1] + 1)
+            self.clock.withdrawn = unbegun[-1] + 1
         return [self.pending.pop(number).job for number in unbegun]
 
     def register(self, poll: select.poll) -> None:
@@ -102,8 +96,9 @@ class WorkerProcess:
             sent = self.process.channel.flush()
         poll.register(self.process.status, select.POLLIN)
         for source in self._open:
-            writing = not sent and source != self.process.output
-            poll.register(source, select.POLLIN | (select.POLLOUT if writing else 0))
+            poll.register(source, select.POLLIN)
+        if not sent:  # the rest of a long message is sent as the worker reads it
+            poll.register(self.process.channel.line, select.POLLIN | select.POLLOUT)
 
     def answers(self, ready: set[int]) -> Iterator[Answer]:
         """The answers that have arrived, once some of the worker's descriptors are ready.
@@ -111,16 +106,16 @@ class WorkerProcess:
         Raises:
             MessageError: if what the worker sent is no answer.
         """
+        channel, line = self.process.channel, self.process.channel.line.fileno()
         if self.process.output in ready:
             self._read_output()
-        channel = self.process.channel
-        if channel.line.fileno() not in ready & self._open:
+        if line not in ready:
             return
         try:
             for message in channel.received():
                 yield _answer(message)
         except (EOFError, OSError):  # what becomes of the worker is told by its end or the monitor
-            self._open.discard(channel.line.fileno())
+            self._open.discard(line)
 
     def _read_output(self) -> None:
         """Read what the worker printed, and keep the end of it."""
