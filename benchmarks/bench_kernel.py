@@ -10,7 +10,8 @@ import numpy as np
 
 from benchmarks.harness import Measurement, absent, side_by_side
 from benchmarks.peers import CALLS, NAMES, NO_OMPL, ompl_distances, random_frame
-from dubins_study.study.closed_form.kernel import Rows, shortest_rows
+from dubins_study.study.closed_form.kernel import shortest_rows
+from dubins_study.study.closed_form.kernel_words import Rows
 
 N = 1_000_000
 CHUNKS = 100

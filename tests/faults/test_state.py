@@ -131,7 +131,8 @@ LINES = {
     "leaves": "os._exit(0)",
     "loops": "from collections import deque; deque(itertools.repeat(0), maxlen=0)",
     "taints": (
-        "import dubins_study.solvers.attempt, dubins_study.study.check.verdict; dubins_study.study.check.verdict.judge = dubins_study.solvers.attempt.judge = None"
+        "from dubins_study.solvers import attempt; from dubins_study.study.check import verdict; "
+        "verdict.judge = attempt.judge = None"
     ),
 }
 PLUGIN = """

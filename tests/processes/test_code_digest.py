@@ -268,7 +268,8 @@ def test_what_lies_beside_a_plugin_file_counts(tmp_path):
     (tmp_path / "beside.py").write_text("SCALE = 1.0\n")
     (tmp_path / "mine.py").write_text(
         "import sys\nfrom pathlib import Path\nsys.path.insert(0, str(Path(__file__).parent))\n"
-        "import beside\nfrom dubins_study.solvers.paper_nlp.slsqp import Slsqp\nclass Mine(Slsqp):\n    pass\n"
+        "import beside\nfrom dubins_study.solvers.paper_nlp.slsqp import Slsqp\n"
+        "class Mine(Slsqp):\n    pass\n"
     )
     spec = f"{tmp_path}/mine.py:Mine"
 

@@ -148,9 +148,7 @@ def test_orders_are_those_of_the_theory(convergence_folder):
     Half an order is allowed: where the switches fall between two steps moves medians of eight.
     """
     loaded = load([convergence_folder])
-    found = orders(refined(loaded.rows, loaded.settings)).set_index(
-        ["series", "place"]
-    )["order"]
+    found = orders(refined(loaded.rows, loaded.settings)).set_index(["series", "place"])["order"]
     raw = "collocation[points={},mesh=equal,correct=False]"
 
     assert found["turn-rate-qp", "outside"] == pytest.approx(3, abs=0.5)

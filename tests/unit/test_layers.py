@@ -36,7 +36,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     "study.check": ("study", "study.closed_form"),
     "study.rows": ("study", "study.check"),  # the tolerances that a verdict was found by
     "solvers": ("study.*",),
-    "solvers.ipopt_library": ("study.*",),
+    "solvers.ipopt_library": ("study.*", "solvers"),
     "solvers.paper_nlp": ("study.*", "solvers", "solvers.ipopt_library"),
     "solvers.optimal_control": (
         *("study.*", "solvers", "solvers.ipopt_library"),

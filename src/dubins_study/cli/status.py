@@ -39,9 +39,8 @@ def status_text(progress: Status) -> str:
     """A few lines and two tables for a person."""
     from dubins_study.study.rows.machine_noise import NOISY
 
-    lines = [
-        f"{plain(progress.folder)}: {progress.done} of {progress.cells} cells done, {_state(progress)}"
-    ]
+    done = f"{progress.done} of {progress.cells} cells done"
+    lines = [f"{plain(progress.folder)}: {done}, {_state(progress)}"]
     left = sum(progress.left.values())
     if left:
         lines.append(f"left      {left}: {_listed(progress.left)}")

@@ -42,9 +42,9 @@ class Analytic(Solver):
 
         from dubins_study.solvers.frame_solution import FrameSolution
         from dubins_study.study.check.verdict_frame import CLAIMS, Paths
-        from dubins_study.study.closed_form.kernel import Rows, shortest_rows
+        from dubins_study.study.closed_form.kernel import shortest_rows
         from dubins_study.study.closed_form.kernel_paths import curvatures
-        from dubins_study.study.closed_form.kernel_words import NO_PATH
+        from dubins_study.study.closed_form.kernel_words import NO_PATH, Rows
 
         n = len(frame)
         curvature, length = np.empty((2, n)), np.empty((2, n))

@@ -145,7 +145,7 @@ def solve(
 
 
 class QuestionError(DubinsStudyError, ValueError):
-    """A branch or time limit that no solver may be scenario."""
+    """A scenario, branch, initial guess or time limit that cannot be given to a solver."""
 
 
 def check_request(branch: str, limit: float) -> None:

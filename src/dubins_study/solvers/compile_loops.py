@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 
 from dubins_study.solvers.frame import solve_frame
-from dubins_study.study.closed_form.kernel import SMALL
+from dubins_study.study.closed_form.kernel_compile import SMALL
 
 
 def compile_loops() -> None:

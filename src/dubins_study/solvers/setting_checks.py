@@ -1,9 +1,18 @@
-"""Checks that solvers share on their settings."""
+"""Checks that solvers share on their settings and packages."""
 
 from __future__ import annotations
 
+import importlib.util
 import math
 from collections.abc import Collection
+
+
+def missing_package(*names: str) -> str | None:
+    """Which of some packages cannot be imported here, as a reason; None if all can."""
+    for name in names:
+        if importlib.util.find_spec(name) is None:
+            return f"the package {name} is not installed"
+    return None
 
 
 def one_of(**settings: tuple[str, Collection[str]]) -> None:

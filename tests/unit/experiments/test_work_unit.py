@@ -19,8 +19,8 @@ from dubins_study.experiments.engines.work_unit import (
 )
 from dubins_study.experiments.plan.cells import Cell
 from dubins_study.experiments.run_settings import RunSettings
-from dubins_study.solvers.reply import Reply, Times
 from dubins_study.solvers.protocol import Outcome, Solution
+from dubins_study.solvers.reply import Reply, Times
 from dubins_study.study.check.verdict import Claim
 from dubins_study.study.closed_form.shortest import shortest_path
 from dubins_study.study.path import Path

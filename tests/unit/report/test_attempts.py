@@ -30,6 +30,9 @@ REGIONS = ("outside", "left disc", "right disc", "circle")
 _GAPS = st.none() | st.sampled_from([0.0, 1e-16, 1e-4]) | st.floats(-1e-9, 10)
 _SIZES = st.none() | st.floats(0, 1e3)
 
+# loading a folder and asking for its tables takes half a second: a few examples by default
+FEW, MANY = settings(deadline=None, max_examples=12), settings(deadline=None, max_examples=100)
+
 
 @st.composite
 def attempts(draw):
@@ -102,9 +105,7 @@ def alike(one, two):
         assert np.array_equal(plane.largest, others[name].largest)
 
 
-@settings(deadline=None, max_examples=12)
-@given(attempts(), st.randoms(use_true_random=False), st.integers(1, 6))
-def test_any_split_in_any_order_is_the_whole(rows, random, parts):
+def any_split_in_any_order_is_the_whole(rows, random, parts):
     """Rows go to any parts, and experiments to folders in any order."""
     shuffled = rows.sample(frac=1, random_state=random.randrange(2**32))
     which = [random.randrange(parts) for _ in range(len(rows))]
@@ -113,9 +114,21 @@ def test_any_split_in_any_order_is_the_whole(rows, random, parts):
         alike(whole, attempts_of(Path(place, "split"), shuffled, which))
 
 
-@settings(deadline=None, max_examples=12)
-@given(attempts())
-def test_numbers_are_those_of_the_frame(rows):
+test_any_split_in_any_order_is_the_whole = FEW(
+    given(attempts(), st.randoms(use_true_random=False), st.integers(1, 6))(
+        any_split_in_any_order_is_the_whole
+    )
+)
+test_any_split_in_any_order_is_the_whole_often = pytest.mark.slow(
+    MANY(
+        given(attempts(), st.randoms(use_true_random=False), st.integers(1, 6))(
+            any_split_in_any_order_is_the_whole
+        )
+    )
+)
+
+
+def numbers_are_those_of_the_frame(rows):
     """Computed from the rows themselves, another way."""
     with tempfile.TemporaryDirectory() as place:
         found = attempts_of(Path(place), rows)
@@ -124,6 +137,12 @@ def test_numbers_are_those_of_the_frame(rows):
         assert one.count == (rows["experiment"] == "paper").sum()
         if one.count:
             numbers_are_those_of(one, rows[rows["experiment"] == "paper"])
+
+
+test_numbers_are_those_of_the_frame = FEW(given(attempts())(numbers_are_those_of_the_frame))
+test_numbers_are_those_of_the_frame_often = pytest.mark.slow(
+    MANY(given(attempts())(numbers_are_those_of_the_frame))
+)
 
 
 def numbers_are_those_of(found, rows):
@@ -195,9 +214,7 @@ gap = st.sampled_from([0.0, 1e-16, 1e-4]) | st.floats(0, 10)
 some_gaps = arrays.arrays(np.float64, st.integers(1, 60), elements=gap | st.just(np.inf))
 
 
-@settings(deadline=None, max_examples=12)
-@given(some_gaps, st.booleans())
-def test_gap_quantiles_are_exact_or_within_what_the_caption_says(gaps, exact):
+def gap_quantiles_are_exact_or_within_what_the_caption_says(gaps, exact):
     """Of few attempts to the last bit; of many at most 1.2 % too large, and never too small."""
     with tempfile.TemporaryDirectory() as place, pytest.MonkeyPatch.context() as patched:
         patched.setattr(attempts_module, "EXACT_ROWS", 10**7 if exact else 0)
@@ -215,6 +232,14 @@ def test_gap_quantiles_are_exact_or_within_what_the_caption_says(gaps, exact):
             # gaps below the least that is told apart count as that
             assert expected <= line[name] * (1 + 1e-12)
             assert line[name] <= max(1.012 * expected, 1e-16)
+
+
+test_gap_quantiles_are_exact_or_within_what_the_caption_says = FEW(
+    given(some_gaps, st.booleans())(gap_quantiles_are_exact_or_within_what_the_caption_says)
+)
+test_gap_quantiles_are_exact_or_within_what_the_caption_says_often = pytest.mark.slow(
+    MANY(given(some_gaps, st.booleans())(gap_quantiles_are_exact_or_within_what_the_caption_says))
+)
 
 
 def test_the_gap_profile_of_many_gaps_is_short_and_right_to_the_last_attempt(tmp_path):

@@ -151,7 +151,7 @@ def test_closed_form_comes_first_and_variants_after_their_solver():
 
 
 def test_circle_radius_of_problem_5():
-    """THEORY section 7: its target enters the left disc for R above 57.352960."""
+    """Test problem 5 of the paper: its target enters the left disc for R above 57.352960."""
     found = metrics.circle_radius(0, 0, 2 * math.pi / 3, -80, 20)
 
     assert found == pytest.approx(57.352960, abs=5e-7)

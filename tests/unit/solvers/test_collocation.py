@@ -145,7 +145,7 @@ def test_equal_elements_gain_with_their_number():
 
 
 def test_multipliers_of_two_arcs_point_along_the_chord():
-    """docs/derivation.md, section 9: -(nu1, nu2) / nu0 of RL is the second arc's chord / cos(a2 / 2), scaled."""
+    """-(nu1, nu2) / nu0 of RL is the second arc's chord / cos(a2 / 2) (derivation, section 9)."""
     scenario = Scenario(1, -2, 0, 1.1, -1.2, 1)
     first, second = shortest(scenario).segments
     switch = Path(scenario.start, [-1.0], [first]).end

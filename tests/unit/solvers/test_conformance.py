@@ -129,8 +129,8 @@ def test_profiles_are_accepted(name):
 def test_multipliers_are_the_costates(name):
     """Duals, where a solver has them, are the unit vector along the final heading.
 
-    docs/derivation.md, section 9: the multipliers of (4.12)'s equations are -(nu1, nu2)/nu0, which for a path
-    that ends straight is (cos, sin) of the final heading.
+    docs/derivation.md, section 9: the multipliers of (4.12)'s equations are
+    -(nu1, nu2)/nu0, which for a path that ends straight is (cos, sin) of the final heading.
     """
     problem = PAPER["problem 1"]
     answer = solve(problem, name)

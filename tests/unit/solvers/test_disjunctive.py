@@ -196,7 +196,7 @@ def test_settings_agree(problem):
 
 
 def test_far_away_nothing_is_claimed_to_be_proven():
-    """Here SCIP's bound is 2e-6 above the shortest length; see `solvers.global_minlp.disjunctive`."""
+    """Here SCIP's bound is 2e-6 above the shortest length (`solvers.global_minlp.disjunctive`)."""
     answer = ask(25.422563016520616, -2538547.0079247607)
 
     assert answer.claim is Claim.FEASIBLE

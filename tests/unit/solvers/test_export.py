@@ -240,7 +240,8 @@ def test_files_tell_nothing_of_the_machine(model, format, order, tmp_path):
     """The same text from another process in another folder, with no path of either in it."""
     text = export(CASES["problem 1"], model, format, order)
     call = (
-        "from dubins_study.solvers.export import export; from dubins_study.study.scenario import Scenario; import math;"
+        "from dubins_study.solvers.export import export;"
+        "from dubins_study.study.scenario import Scenario; import math;"
         "problem = Scenario(0, 0, 2 * math.pi / 3, 10, 5, 1);"
         f"print(export(problem, {model!r}, {format!r}, {order!r}), end='')"
     )

@@ -92,7 +92,7 @@ def test_ipopt_recognises_a_word_that_does_not_exist(branch):
 
 
 def test_the_papers_order_is_not_mirror_symmetric():
-    """docs/derivation.md, section 7: L R S does not contain RL, so it is wrong in the left disc only."""
+    """L R S does not contain RL: wrong in the left disc only (docs/derivation.md, section 7)."""
     left, right = Scenario(0, 0, 0, 0, 1, 1), Scenario(0, 0, 0, 0, -1, 1)
     paper = "ipopt[model=joint,order=LRS,initial_guess=random,count=40]"
     both = "ipopt[model=joint,order=both,initial_guess=random,count=40]"
@@ -107,7 +107,8 @@ def test_the_papers_order_is_not_mirror_symmetric():
 def test_an_interior_point_leaves_its_barrier_in_the_degenerate_arc(radius):
     """z2 is (mu R^2)^(1/3) with mu = 2.5e-9 at Ipopt's default tolerance, not zero.
 
-    In units of the radius that is 1.357e-3 (docs/derivation.md, section 7), and the length does not show it.
+    In units of the radius that is 1.357e-3 (docs/derivation.md, section 7), and the length does
+    not show it.
     """
     straight = Scenario(0, 0, 0, 2 * radius, 4 * radius, radius)
 
@@ -192,9 +193,9 @@ def test_without_executable_and_library_there_is_a_reason(monkeypatch):
 @pytest.mark.parametrize("mu", [1e-9, 1e-7, 1e-5])
 @pytest.mark.parametrize("radius", [0.5, 1.0, 20.0])
 def test_the_interior_point_bias_is_the_cube_root_of_mu_r_squared(mu, radius):
-    """docs/derivation.md, section 7: at LS the reduced cost of z2 is zero and f grows like z2^3 / (3 R^2), so a
-    barrier of mu leaves z2 = (mu R^2)^(1/3), in the paper's own units. To first order: the next
-    term is a share z2 / R smaller."""
+    """At LS the reduced cost of z2 is zero and f grows like z2^3 / (3 R^2) (docs/derivation.md,
+    section 7), so a barrier of mu leaves z2 = (mu R^2)^(1/3), in the paper's own units. To first
+    order: the next term is a share z2 / R smaller."""
     scenario = Scenario(0, 0, 0, -3 * radius, 4 * radius, radius)
     spec = f"ipopt[model=joint,order=LRS,units=scenario,mu_target={mu},tol=1e-12,bound_relax=1e-8]"
     answer = solve(scenario, spec)

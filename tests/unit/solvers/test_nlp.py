@@ -16,7 +16,7 @@ from stand_in import put_program, put_solver
 
 from dubins_study.solvers.attempt import attempt, solve
 from dubins_study.solvers.paper_nlp.ampl import read_sol
-from dubins_study.solvers.paper_nlp.ipopt import Case
+from dubins_study.solvers.paper_nlp.local_nlp import Case
 from dubins_study.solvers.paper_nlp.model import FULL_TURN, SUBPROBLEMS, hessian, jacobian, target
 from dubins_study.solvers.paper_nlp.nlp import Nlp
 from dubins_study.solvers.paper_nlp.pyomo_direct import knitro_unavailable
@@ -308,7 +308,7 @@ def test_knitro_without_a_licence_says_exactly_that(capfd):
 
 def _ls(scenario: Scenario) -> Case:
     upper = np.array((FULL_TURN, 0.0, math.inf))
-    return Case(SUBPROBLEMS["LS"], np.zeros(3), upper, target(scenario, False))
+    return Case(SUBPROBLEMS["LS"], upper, target(scenario, False))
 
 
 def test_knitros_route_with_a_solver_that_needs_no_licence():

@@ -122,7 +122,9 @@ def test_a_plug_in_from_a_file(plugin):
 
 
 def test_plug_ins_that_do_not_keep_the_promise(plugin, tmp_path):
-    with pytest.raises(SolverError, match="does not extend dubins_study.Solver; expected a frozen"):
+    with pytest.raises(
+        SolverError, match=r"does not extend dubins_study\.Solver; expected a frozen"
+    ):
         load(f"{plugin}:Stranger")
     with pytest.raises(SolverError, match="has no 'name'; expected a name and solve"):
         load(f"{plugin}:Nameless")

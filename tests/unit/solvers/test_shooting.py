@@ -113,7 +113,10 @@ def test_the_sign_condition_holds_between_the_ends_too(turns, durations, costate
 @settings(max_examples=200)
 @given(st.floats(0.01, 6.28), st.floats(0.01, 6.28))
 def test_two_arcs_are_an_extremal_where_theory_says(a1, a2):
-    """Extremal iff pi < a2 < 2 pi and a1 <= a2 (docs/derivation.md, section 9), from the sign of nu3 alone."""
+    """Extremal iff pi < a2 < 2 pi and a1 <= a2, from the sign of nu3 alone.
+
+    docs/derivation.md, section 9.
+    """
     assume(min(abs(a2 - math.pi), abs(a1 - a2)) > 1e-3)
     aimless = Structure((1.0, -1.0), 0.0, 0.0)
     end = aimless.pieces(a1, a2)[1]

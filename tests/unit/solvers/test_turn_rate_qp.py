@@ -208,7 +208,7 @@ def test_multipliers_are_the_final_heading() -> None:
 
 
 def test_multipliers_of_two_arcs_point_along_the_chord() -> None:
-    """docs/derivation.md, section 9: -(nu1, nu2) / nu0 of RL is the second arc's chord / cos(a2 / 2), scaled."""
+    """-(nu1, nu2) / nu0 of RL is the second arc's chord / cos(a2 / 2) (derivation, section 9)."""
     optimum = shortest(Scenario(0, 0, 0, 0.1, 0.8, 1))
     assert optimum is not None
     first, second = optimum.segments

@@ -13,9 +13,9 @@ import pytest
 from hard_cases import hard_frame
 
 from dubins_study.study.closed_form import kernel_math
-from dubins_study.study.closed_form.kernel import SMALL, WORDS, Rows, shortest_rows
-from dubins_study.study.closed_form.kernel_compile import compiled
-from dubins_study.study.closed_form.kernel_words import NO_PATH
+from dubins_study.study.closed_form.kernel import WORDS, shortest_rows
+from dubins_study.study.closed_form.kernel_compile import SMALL, compiled
+from dubins_study.study.closed_form.kernel_words import NO_PATH, Rows
 from dubins_study.study.closed_form.shortest import BRANCHES, Local, local, shortest_local
 from dubins_study.study.scenario import Scenario, scenarios
 
@@ -130,7 +130,8 @@ def test_bad_rows_yield_nan_and_no_word():
 
 FORK = """
 import os, numpy as np
-from dubins_study.study.closed_form.kernel import SMALL, shortest_rows
+from dubins_study.study.closed_form.kernel import shortest_rows
+from dubins_study.study.closed_form.kernel_compile import SMALL
 data = np.ones((6, SMALL))
 before = shortest_rows(*data).length
 child = os.fork()

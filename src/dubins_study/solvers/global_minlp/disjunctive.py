@@ -7,7 +7,6 @@ than its bound; its point, which meets the target only to a tolerance, is polish
 
 from __future__ import annotations
 
-import importlib.util
 import math
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar, NamedTuple
@@ -16,10 +15,10 @@ from dubins_study.solvers import library_versions
 from dubins_study.solvers.global_minlp.model import TRANSFORMATIONS, WORDS, gdp_model, transformed
 from dubins_study.solvers.global_minlp.polish import Polished, meet_target
 from dubins_study.solvers.global_minlp.scip import BROKEN, Native, ScipSettings, run_scip
-from dubins_study.solvers.paper_nlp.best_point import already_there
 from dubins_study.solvers.paper_nlp.model import SUBPROBLEMS, as_path
 from dubins_study.solvers.protocol import Guarantee, Question, Solution, Solver
-from dubins_study.solvers.setting_checks import one_of, within
+from dubins_study.solvers.setting_checks import missing_package, one_of, within
+from dubins_study.solvers.vehicle_frame import at_start
 from dubins_study.study.check.verdict import Claim
 
 EMPHASES = ("lean", "default")
@@ -97,10 +96,7 @@ class Disjunctive(Solver):
         within(gap=(self.gap, 1e-12, 1e-2), feastol=(self.feastol, 1e-12, 1e-5))
 
     def unavailable(self) -> str | None:
-        for package in ("pyomo", "pyscipopt"):
-            if importlib.util.find_spec(package) is None:
-                return f"the package {package} is not installed"
-        return None
+        return missing_package(*self.packages)
 
     def library_versions(self) -> dict[str, str]:
         return library_versions.scip()
@@ -111,7 +107,7 @@ class Disjunctive(Solver):
         return Model(question, words, program)
 
     def solve(self, model: Model, limit: float) -> Solution:
-        there = already_there(model.question)
+        there = at_start(model.question)
         if there is not None:
             return replace(there, claim=Claim.OPTIMAL, lower_bound=0.0)
         settings = ScipSettings(self.gap * _SHARE, self.feastol, self.emphasis == "lean", limit)

@@ -1,7 +1,7 @@
-"""The grids of `heading-milp`: where turns may end, where that leads, and which legs go with it.
+"""The grids of `heading-milp`: where turns may end, the end points, and the straight legs.
 
-In the vehicle's frame at unit radius. A choice says after how many steps each turn ends. With it
-go the straight legs that may be driven towards the ends of the turns, at headings on a grid too.
+In the vehicle's frame at unit radius. A choice is the number of steps after which each turn ends.
+Straight legs, whose headings lie on a grid too, may be driven near the end of every turn.
 """
 
 from __future__ import annotations
@@ -17,11 +17,11 @@ from numpy.typing import NDArray
 from dubins_study.study.path import FloatArray
 
 FULL_TURN = 2 * math.pi
-# A shortest CC path turns first by at most this and then by more than three times this, so that
-# its net turn is at least twice this (docs/derivation.md, section 4).
+# The first arc of a shortest CC path is at most pi/3 and the second one above pi, so that its net
+# turn is at least 2 pi/3 (docs/derivation.md, section 4).
 FIRST_ARC = math.pi / 3
 _PAIRS = 650  # all pairs of 72 headings
-_HALVINGS = 25  # of a step, down to where a target is on the circle for all that rounding tells
+_HALVINGS = 25  # of a step; after that many, rounding puts the target on the circle
 
 
 class Turns(NamedTuple):
@@ -29,10 +29,10 @@ class Turns(NamedTuple):
 
     Args:
         sign: 1 if it is to the family's side, -1 if away from it.
-        turn: shape (k,), rad, where it may end: the heading's angle, unsigned.
-        length: shape (k,), radii, what it adds to the path's length.
-        shift: shape (2, k), radii, what it adds to the end point, for a family to the left.
-        leg: shape (k, m), rad, headings of the legs at its end, unsigned.
+        turn: shape (k,), rad, unsigned: the headings at which it may end.
+        length: shape (k,), radii, the length that it adds to the path.
+        shift: shape (2, k), radii, the displacement that it adds, for a family to the left.
+        leg: shape (k, m), rad, unsigned: headings of the legs at its end.
     """
 
     sign: int
@@ -44,13 +44,13 @@ class Turns(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Family:
-    """The paths of one shape.
+    """The paths of one word: n choices of the ends of its turns.
 
     Args:
         name: the word.
-        side: 1 if its last turn is to the left, else -1.
-        turns: its turns, one after another.
-        pick: for every turn, shape (n,): which of its ends each of the n choices takes.
+        side: 1 if the last turn is to the left, else -1.
+        turns: the turns in driving order.
+        pick: for every turn, shape (n,): the index of its end in each choice.
     """
 
     name: str
@@ -84,7 +84,7 @@ def one_turn(side: int, headings: int, legs: int, X: float, Y: float) -> Family:
     """LS (`side` 1) or RS to a target at (X, Y) radii: one turn of up to a full circle."""
     step, left = FULL_TURN / headings, side * Y
     beyond = math.hypot(X, 1 - left) - 1
-    # nearer to the circle, the turn ends less than two steps before the place where it passes
+    # next to the circle the turn ends less than two steps before it passes the target
     passing = math.atan2(X, 1 - left) if abs(beyond) < 2 * step**2 else None
     return _one_turn(side, headings, legs, 0 < left < step * (X + step), passing)
 
@@ -93,14 +93,14 @@ def one_turn(side: int, headings: int, legs: int, X: float, Y: float) -> Family:
 def _one_turn(side: int, headings: int, legs: int, ahead: bool, passing: float | None) -> Family:
     """Equal steps up to a full turn, and shorter ones where a target needs them.
 
-    To a target outside a turning circle by e radii a turn ends h = sqrt(2 e) before the place where
-    it would pass the target, `passing` (rad). One that ends x before that place, h/2 < x <= h, gets
-    there with a leg (h^2 - x^2) / 2x before its end, which is less than 2x. So a step that is
-    halved again and again leads up to the place. To a target nearly `ahead` a turn is shorter than
-    a step, and a longer one passes it: there the halved steps lead down to the start.
+    A target e radii outside a turning circle is reached by a turn that ends h = sqrt(2 e) before
+    the angle `passing` (rad), at which it would pass the target. A turn that ends x before that
+    angle, h/2 < x <= h, also reaches it, with a leg (h^2 - x^2) / 2x before its end, which is less
+    than 2x. So steps that are halved again and again are added before `passing`. For a target
+    nearly `ahead` the turn is shorter than a step, and halved steps are added after the start.
 
-    Besides the legs within the last step there is one at the step before: if the shortest path
-    turns only just into a step, taking all of it calls for a leg a little before it.
+    Besides the legs within the last step there is one a step earlier: if the shortest path turns
+    only a little into a step, a turn of the whole step needs a leg a little before it.
     """
     step = FULL_TURN / headings
     short = np.append(step * 0.5 ** np.arange(_HALVINGS), 0.0)
@@ -119,15 +119,15 @@ def _one_turn(side: int, headings: int, legs: int, ahead: bool, passing: float |
 
 @lru_cache(maxsize=64)
 def two_turns(side: int, headings: int) -> tuple[Family, ...]:
-    """RL (`side` 1) or LR: a turn of up to a sixth of a circle, then one back past the start's.
+    """RL (`side` 1) or LR: a turn of up to a sixth of a circle, then a turn back beyond heading 0.
 
-    A choice is a pair of ends. The second turn begins at heading -a, where the first one ends:
-    its arc from there to heading 0 depends on the first turn alone and is counted with it. Legs
-    are driven at the ends of last steps; more of them would make no path shorter by much, since
-    it is in these places that a shortest CC path is lengthened at no cost of first order.
+    A choice is a pair of ends. The second turn begins at heading -a, where the first one ends; its
+    arc from there to heading 0 depends only on the first turn, and is counted as part of it. Legs
+    are driven at the ends of the turns' last steps. Legs elsewhere would hardly shorten a path: in
+    these places they cost nothing to first order.
 
-    The pairs come in families of up to `_PAIRS`, of a few ends of the first turn each: the time
-    and memory in which cvxpy compiles a family grow with the square of their number.
+    Each family has up to `_PAIRS` pairs, for a few ends of the first turn: the time and memory in
+    which cvxpy compiles a family grow with the square of their number.
     """
     step = FULL_TURN / headings
     away = step * np.arange(int(FIRST_ARC / step + 1e-9) + 1, dtype=np.float64)

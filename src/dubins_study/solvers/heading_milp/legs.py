@@ -1,4 +1,4 @@
-"""From the choice of a MILP of `heading-milp` to controls: its legs, freed of its tolerances."""
+"""From the MILP's choice to controls: the legs are computed anew, without HiGHS's tolerances."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ from dubins_study.solvers.heading_milp.grid import Family
 from dubins_study.study.closed_form.shortest import EPS
 from dubins_study.study.path import FloatArray
 
-# What may be left of an end point, in radii: two digits inside 1e-8, and far above rounding.
+# The largest miss in radii that counts as none: a hundredth of 1e-8, and far above rounding.
 ROUNDED = 1e-10
-_PARALLEL = 1e-15  # sine of an angle that is none
+_PARALLEL = 1e-15  # sine of the angle between two legs that count as parallel
 
 
 def rounding(bridged: FloatArray) -> FloatArray:
-    """The distance (radii) that is rounding beside legs that bridge so much."""
+    """The miss (radii) that rounding explains where legs bridge these distances (radii)."""
     return ROUNDED + 16 * EPS * bridged
 
 
@@ -24,9 +24,8 @@ class Legs(NamedTuple):
     """The straights of a path.
 
     Args:
-        length: shape (m,), radii, as the family's legs are ordered.
-        duals: how the least length changes with the target, (2,), vehicle's frame; None if there
-            is no leg to tell.
+        length: shape (m,), radii, in the order of the family's legs.
+        duals: gradient (2,) of the least length by the target, vehicle's frame; None without legs.
     """
 
     length: FloatArray
@@ -34,15 +33,15 @@ class Legs(NamedTuple):
 
 
 def least_legs(heading: FloatArray, gap: FloatArray) -> Legs | None:
-    """The legs of least sum that add up to a vector; None if none do.
+    """The shortest legs that together bridge a gap; None if no legs do.
 
-    A linear program in two equations, so two legs are enough: every pair is solved for. Its duals
-    are the lambda with lambda.u = 1 for the directions u of both, which for a leg at the switch
-    and one at the end is Pontryagin's condition on the costates of a CC path, and for two
-    neighbouring headings nearly the unit vector between them.
+    A linear program in two equations has a solution with two legs, so every pair is tried. The
+    duals are the vector whose product with both legs' directions is 1. For a leg at the switch and
+    one at the end that is Pontryagin's condition on the costates of a CC path; for two neighbouring
+    headings it is nearly the unit vector between them.
 
     Args:
-        heading: of the legs, shape (m,), rad.
+        heading: directions of the legs, shape (m,), rad.
         gap: from the end of the turns to the target, (2,), radii.
     """
     length = np.zeros(heading.size)
@@ -71,10 +70,7 @@ def least_legs(heading: FloatArray, gap: FloatArray) -> Legs | None:
 
 
 def controls(family: Family, choice: int, legs: FloatArray) -> tuple[list[float], list[float]]:
-    """Curvatures and lengths at unit radius of a choice with its legs (m,).
-
-    Pieces of no length are left out.
-    """
+    """Curvatures and lengths at unit radius of a choice and its legs (m,), without empty pieces."""
     pieces: list[tuple[float, float]] = []
     heading, done = 0.0, 0
     for turns, ends in zip(family.turns, family.pick, strict=True):

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import time
 from dataclasses import dataclass
-from importlib.util import find_spec
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
@@ -14,12 +13,16 @@ from dubins_study.solvers.heading_milp.grid import FULL_TURN, Family, one_turn, 
 from dubins_study.solvers.heading_milp.legs import ROUNDED, Legs, controls, least_legs, rounding
 from dubins_study.solvers.heading_milp.template import Template, template
 from dubins_study.solvers.protocol import Guarantee, Question, Solution, Solver
-from dubins_study.solvers.reach import unreachable
-from dubins_study.solvers.setting_checks import whole
+from dubins_study.solvers.setting_checks import missing_package, whole
+from dubins_study.solvers.vehicle_frame import (
+    at_start,
+    coordinate_rounding,
+    in_world,
+    unreachable,
+)
 from dubins_study.study.check.verdict import Claim
-from dubins_study.study.closed_form.shortest import EPS, local
+from dubins_study.study.closed_form.shortest import local
 from dubins_study.study.path import FloatArray, Path
-from dubins_study.study.scenario import Scenario
 
 BRANCHES = ("best", "LS", "RS")
 
@@ -34,8 +37,8 @@ class Case(NamedTuple):
 class MilpResult(NamedTuple):
     """The result of one MILP.
 
-    `length` and `bound` in radii, the bound for paths on this grid alone; without a path that
-    arrives `legs` is None and `length` infinite.
+    `length` and `bound` are in radii; the bound holds for paths on this grid only. Without a path
+    that arrives, `legs` is None and `length` infinite.
     """
 
     family: Family
@@ -60,17 +63,17 @@ class Model(NamedTuple):
 class HeadingMilp(Solver):
     """Full-rate turning steps between headings on a grid, and straight legs; optimal on that grid.
 
-    One binary for every turning step, continuous legs, and a MILP for each shape of path: LS and
-    RS, and for `best` near the start also RL and LR, with a binary for every pair of steps. The
-    optimum is that of the discretised problem, and so is the bound of HiGHS, told in the message.
-    The check's LR and RL allow two full-rate arcs and nothing else; on a grid of headings those
-    end in finitely many points, so they are not answered.
+    One MILP for each word: LS and RS with a binary for every turning step, and for `best` near the
+    start also RL and LR with a binary for every pair of steps. The legs are continuous. The
+    optimum is that of the discretised problem, and so is HiGHS's bound, which the message states.
+    LR and RL as branches allow nothing but two full-rate arcs. On a grid of headings these end in
+    finitely many points, so the two branches are not answered.
 
     Args:
-        headings: K, number of turning steps in a full circle.
-        legs: parts that the last step before a straight has; legs may be driven between them.
-            With 1 they are at the grid's headings alone. What it costs to drive between two of
-            these headings instead of along one falls with the square of headings * legs.
+        headings: number of turning steps in a full circle.
+        legs: number of parts of the last step before a straight; legs may be driven between them.
+            With 1 they have the grid's headings only. Driving between two of these headings
+            instead of along one costs a length that falls with the square of headings * legs.
         gap: relative gap at which HiGHS calls an answer optimal.
     """
 
@@ -90,33 +93,27 @@ class HeadingMilp(Solver):
     }
 
     def __post_init__(self) -> None:
-        # Steps of more than 30 degrees leave no first arc worth the name; cvxpy's memory grows with
-        # the square of the number of headings, to up to two gigabytes at the upper ends.
+        # With steps above 30 degrees a CC path has hardly a first arc. cvxpy's memory grows with
+        # the square of the number of headings, to two gigabytes at the upper ends.
         whole(headings=(self.headings, 12, 1000), legs=(self.legs, 1, 12))
         if not 0 < self.gap < 1:
             raise ValueError(f"gap is {self.gap!r}; expected a number from 0 to 1")
 
     def unavailable(self) -> str | None:
-        for package in self.packages:
-            if find_spec(package) is None:
-                return f"package {package} is not installed"
-        return None
+        return missing_package(*self.packages)
 
     def build(self, question: Question) -> Model:
-        if question.branch not in BRANCHES:
-            known = ", ".join(BRANCHES)
-            raise ValueError(f"branch is {question.branch!r}; expected one of {known}")
         target = np.array(question.scenario.local())
         families = self._families(question.branch, *map(float, target))
         cases = [Case(family, template(*family.heading.shape)) for family in families]
         return Model(question, target, cases)
 
     def _families(self, branch: str, X: float, Y: float) -> list[Family]:
-        """The shapes of a branch; the likelier side first, since it bounds what follows."""
-        sides = {"LS": (1,), "RS": (-1,)}.get(branch, (1, -1) if Y >= 0 else (-1, 1))
+        """The families of a branch; the likelier side first, since its length cuts off others."""
+        sides = {"LS": (1,), "RS": (-1,), "best": (1, -1) if Y >= 0 else (-1, 1)}[branch]
         families = [one_turn(side, self.headings, self.legs, X, Y) for side in sides]
         if branch == "best":
-            # the second arc's centre is 2 from the first one's, and a leg may start a step late
+            # the second arc's centre is 2 from the first one's; a leg may start a step late
             least = 1 - FULL_TURN / self.headings
             families += [
                 family
@@ -128,13 +125,10 @@ class HeadingMilp(Solver):
 
     def solve(self, model: Model, limit: float) -> Solution:
         deadline = time.perf_counter() + limit
-        scenario = model.question.scenario
-        X, Y = map(float, model.target)
-        if math.hypot(X, Y) <= 2 * EPS * scenario.extent / scenario.radius:
-            path = Path(scenario.start, [], [])
-            return Solution(Claim.LOCAL, path, 0.0, message="the target is at the start")
+        if answer := at_start(model.question, coordinate_rounding(model.question.scenario)):
+            return answer
         results: list[MilpResult] = []
-        cutoff = self._longest(math.hypot(X, Y))
+        cutoff = self._longest(math.hypot(*model.target))
         for case in model.cases:
             seconds = deadline - time.perf_counter()
             if seconds <= 0:
@@ -144,10 +138,10 @@ class HeadingMilp(Solver):
         return _solution(model, results, self.headings)
 
     def _longest(self, distance: float) -> float:
-        """Length (radii) above which no path needs to be looked for.
+        """An upper bound (radii) on the shortest length, with room to spare.
 
-        A full turn, and a straight that is longer than the distance by a radius and, between two
-        headings that are an angle b apart, by a factor of up to 1 / cos(b / 2); then some more.
+        A full turn and a straight. The straight is longer than the distance by a radius, and by a
+        factor of up to 1 / cos(b / 2) between two headings that are an angle b apart.
         """
         between = FULL_TURN / (self.headings * self.legs)
         return (distance + 3 * math.pi) / math.cos(between / 2)
@@ -156,18 +150,17 @@ class HeadingMilp(Solver):
 def _solved(
     case: Case, target: FloatArray, cutoff: float, gap: float, seconds: float
 ) -> MilpResult:
-    """The answer of one MILP to a target (2,) in radii; lengths above `cutoff` are not looked for.
+    """The answer of one MILP to a target (2,) in radii; longer paths than `cutoff` are ignored.
 
-    The objective is what a path is longer than the bee-line: the end point's equations turn
-    lengths into lengths less what they advance, so that a gap keeps its meaning however far the
-    target is.
+    The objective is a path's length less the distance of the target, so that a gap keeps its
+    meaning however far the target is.
     """
     family, milp = case
     distance = math.hypot(*target)
     gaps = target[:, None] - family.shift
     bridged = np.hypot(*gaps)
-    # the legs' directions as seen from the direction of what they bridge; across it in units of
-    # the largest, or a fan of directions is thinner than HiGHS's tolerance
+    # the legs' directions relative to the gap that they bridge; their parts across it are scaled
+    # to a largest of 1, or neighbouring directions would differ by less than HiGHS's tolerance
     seen = family.heading - np.arctan2(gaps[1], gaps[0])[:, None]
     seen[bridged <= ROUNDED] = 0.0
     across = np.sin(seen)
@@ -193,7 +186,7 @@ def _solved(
 
 
 def _solution(model: Model, results: list[MilpResult], headings: int) -> Solution:
-    """The shortest path found, with the claim that all MILPs together deserve."""
+    """The shortest path of all MILPs, and the claim that follows from their statuses."""
     scenario, R = model.question.scenario, model.question.scenario.radius
     counts: dict[str, Any] = {
         "iterations": sum(result.iterations for result in results),
@@ -213,8 +206,9 @@ def _solution(model: Model, results: list[MilpResult], headings: int) -> Solutio
         message = f"no path on the grid of {headings} headings was found"
         return Solution(Claim.LIMIT if stopped else Claim.FAILED, message=message, **counts)
     claim = Claim.LIMIT if stopped else Claim.LOCAL if done else Claim.FEASIBLE
+    duals = best.legs.duals
     curvature, length = controls(best.family, best.choice, best.legs.length)
-    # a shape without a path shorter than the best one has been cut off at its length
+    # "infeasible": the family has no path shorter than the best one, at whose length it is cut off
     bound = min(
         result.bound if result.status != "infeasible" else best.length for result in results
     )
@@ -222,16 +216,8 @@ def _solution(model: Model, results: list[MilpResult], headings: int) -> Solutio
         claim,
         path=Path(scenario.start, np.array(curvature) / R, np.array(length) * R),
         claimed_length=best.length * R,
-        multipliers=_in_world(scenario, best.legs.duals),
+        multipliers=None if duals is None else in_world(scenario, *map(float, duals)),
         message=f"{best.family.name}; HiGHS's bound {bound * R:.9g} holds for paths on the grid"
         f" of {headings} headings only, not for the scenario",
         **counts,
     )
-
-
-def _in_world(scenario: Scenario, duals: FloatArray | None) -> tuple[float, float] | None:
-    if duals is None:
-        return None
-    cos, sin = math.cos(scenario.heading), math.sin(scenario.heading)
-    along, left = map(float, duals)
-    return along * cos - left * sin, along * sin + left * cos

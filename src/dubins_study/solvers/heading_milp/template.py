@@ -1,4 +1,4 @@
-"""The MILP of `heading-milp`: stated in cvxpy, compiled once, then solved for new parameters."""
+"""The MILP of `heading-milp`: stated in cvxpy, compiled once, solved for many parameters."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from scipy.sparse import eye_array, kron
 from dubins_study.solvers.optimal_control.turn_rate_template import Compiled
 from dubins_study.study.path import FloatArray
 
-# The linear relaxation is nearly always integral. What HiGHS does before it solves that, to be
-# spared branching later, takes several times longer than the rest.
+# The linear relaxation is nearly always integral, so that HiGHS hardly branches. Presolving and
+# heuristics, which save branching, take several times longer than all the rest.
 _OPTIONS = {
     "threads": 1,
     "presolve": "off",
@@ -25,11 +25,7 @@ _OPTIONS = {
 
 
 class Answer(NamedTuple):
-    """HiGHS's answer.
-
-    Its status; the choice made, None without a point; the bound that it proved on the objective;
-    nodes; simplex iterations.
-    """
+    """HiGHS's answer; `choice` is None without a point, `bound` is proven on the objective."""
 
     status: str
     choice: int | None
@@ -46,12 +42,12 @@ class Template:
                     sum_r across_jr s_jr = 0      of its turns to the target
                     sum_j z_j = 1,  z binary,  s >= 0
 
-    `z_j` says that turning ends with step j. (The binary "step i is taken" is the sum of the z_j
-    from i on.) `along` and `across` are the legs' directions as seen from the one to the target,
-    legs counted in units of what they bridge. One pair of equations for every choice, instead of
-    one pair for all and legs bounded by a large multiple of z, makes the linear relaxation the
-    convex hull of the choices (Balas 1985, Disjunctive programming and a hierarchy of relaxations,
-    SIAM J. Algebraic Discrete Methods 6), so that HiGHS hardly branches.
+    z_j is 1 if turning ends with step j. (The binary "step i is taken" is the sum of the z_j from i
+    on.) `along` and `across` are the legs' directions relative to the gap between the end of the
+    turns and the target, and s_jr are lengths in units of that gap. A pair of equations for every
+    choice makes the linear relaxation the convex hull of the choices, which one pair for all, with
+    legs bounded by a large multiple of z, would not (Balas 1985, Disjunctive programming and a
+    hierarchy of relaxations, SIAM J. Algebraic Discrete Methods 6).
 
     The parameters toll (n,), slope, along and across (n m,) are attributes, arrays to be written
     into.
@@ -84,12 +80,12 @@ class Template:
 
         Args:
             gap: relative gap of bound and objective at which HiGHS calls it optimal.
-            cutoff: objective above which nothing is looked for.
+            cutoff: HiGHS ignores points with a larger objective.
             seconds: time limit.
         """
         import cvxpy as cp
 
-        self._compiled.memory.clear()  # or an answer would depend on the question before
+        self._compiled.memory.clear()  # or an answer would depend on the previous question
         options = {"mip_rel_gap": gap, "objective_bound": cutoff, "time_limit": seconds}
         try:
             self._compiled.solve(_OPTIONS | options)
@@ -97,7 +93,7 @@ class Template:
             return Answer(str(error), None, -np.inf, 0, 0)
         info = self.problem.solver_stats.extra_stats
         z = self.z.value
-        # stopped at its limit without a point, HiGHS leaves zeros
+        # HiGHS leaves zeros where it stopped at its limit without a point
         has_point = z is not None and z.max() > 0.5
         return Answer(
             str(self.problem.status),

@@ -1,4 +1,4 @@
-"""Whether a solution of the shooting equations is an extremal: miss, costates, sign of nu3."""
+"""Decide whether a solution of the shooting equations is an extremal: miss, costates, nu3."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ class Conditions:
         tol: largest residual of the costates' conditions, with (nu0, nu1, nu2) of length 1, and
             largest u nu3 on an arc.
         miss: largest distance from the end point to the target, radii.
-        prescribed: whether the controls are given, so that only the durations need be stationary
-            and (2.14) does not hold.
+        prescribed: whether the branch prescribes the controls: only the durations are then free,
+            and (2.14) need not hold.
     """
 
     tol: float
@@ -34,7 +34,7 @@ class Conditions:
 
 @dataclass(frozen=True, eq=False)
 class Candidate:
-    """Durations, none below zero, shape (2,), radii; and nu0 >= 0, nu1, nu2, nu3(0), shape (4,)."""
+    """Durations (2,) in radii, none negative, and costates (4,): nu0 >= 0, nu1, nu2, nu3(0)."""
 
     structure: Structure
     durations: FloatArray
@@ -46,12 +46,12 @@ class Candidate:
 
     @property
     def multipliers(self) -> tuple[float, float] | None:
-        """-(nu1, nu2)/nu0, how the length changes with the target; None if abnormal."""
+        """-(nu1, nu2)/nu0, the gradient of the length by the target; None if abnormal."""
         nu0, nu1, nu2, _ = self.costates.tolist()
         return (-nu1 / nu0, -nu2 / nu0) if self.normal else None
 
     def kind(self, conditions: Conditions) -> str:
-        """The kind of a candidate without fault, for messages."""
+        """The kind of an extremal, for messages."""
         structure = "bang-singular" if self.structure.singular else "bang-bang"
         wrong = self.structure.wrong_sign(self.costates, self.durations) > conditions.tol
         signs = ", against the sign of nu3: stationary, but no extremal" if wrong else ""
@@ -79,9 +79,9 @@ def examine(
 ) -> tuple[Candidate, str | None]:
     """The candidate that a solution v, shape (6,), of `Structure.residual` gives, and its fault.
 
-    Whole turns are dropped from arcs: the conditions have that period, and the path without them
-    is shorter. A piece of no length may have come out negative, or an arc as nearly a whole turn,
-    so the point without it is tried first.
+    Full turns are removed from arcs: the conditions have that period, and the path is shorter
+    without them. A piece of no length may come out as a negative one or nearly a full turn, so the
+    path without either piece is tried first.
     """
     durations = v[4:] * (1.0, structure.unit)
     for missing in (0, 1):
@@ -102,10 +102,10 @@ def _forwards(structure: Structure, durations: FloatArray) -> FloatArray:
 
 
 def _without(structure: Structure, durations: FloatArray, missing: int) -> FloatArray:
-    """Durations without one piece, what it had beyond whole turns given to the other.
+    """The durations with one piece removed; its length beyond full turns is added to the other.
 
-    Near a piece of no length the end point depends on the sum of the two durations alone, and on
-    their difference only to second order: a solution knows it to half its digits.
+    Near a piece of no length the end point depends on the sum of the two durations, and on their
+    difference only to second order: a solution has that difference to half of its digits.
     """
     moved = float(durations[missing])
     if not (structure.singular and missing == 1):
@@ -119,10 +119,10 @@ def _without(structure: Structure, durations: FloatArray, missing: int) -> Float
 def _signed(
     structure: Structure, durations: FloatArray, costates: FloatArray | None = None
 ) -> FloatArray:
-    """Costates, by default those of the durations, or their negative: nu0 >= 0 chooses."""
+    """The costates, by default those of the durations, with the sign that makes nu0 >= 0."""
     if costates is None:
         costates = structure.costates(durations)
     if abs(costates[0]) > _ABNORMAL:
         return costates * math.copysign(1.0, costates[0])
-    # nu0 is zero up to rounding, and either sign may be meant
+    # nu0 is zero up to rounding, and either sign may be right
     return min(costates, -costates, key=lambda c: structure.wrong_sign(c, durations))

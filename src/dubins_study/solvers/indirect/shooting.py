@@ -1,17 +1,17 @@
 """`shooting`: the indirect method, Pontryagin's system (2.3)-(2.15) solved as equations.
 
-The paper's conditions are completed by three that it omits: nu0 >= 0, (nu0, nu) not all zero, and
+Three conditions that the paper omits are added: nu0 >= 0, (nu0, nu) not all zero, and
 nu3(tf) = 0 because the final heading is free (docs/derivation.md, section 9).
 
-Plain single shooting, which guesses the costates and lets the sign of nu3 steer, cannot work here.
-A path that ends straight needs nu3 and its derivative to vanish together at the switch, so that
-the straight is a singular arc: any other costates, however near, cross zero or turn back and never
-drive straight. The remedy is structured (multiple-phase) shooting (Maurer 1976, Numerical solution
-of singular control problems using multiple shooting techniques, JOTA 18): a structure is assumed,
-bang-singular (LS, RS) or bang-bang (LR, RL), the switching time is an unknown beside the costates
-and the duration, and what must hold at the switch is an equation. The pieces are integrated in
-closed form. Afterwards the sign of nu3 is checked and a point that breaks (2.14) is rejected. One
-arc or one straight is either structure with a piece of no length.
+Plain single shooting, which guesses the costates and steers by the sign of nu3, cannot work here.
+A path that ends straight has a singular arc: nu3 and its derivative vanish together at the switch.
+With any other costates, however near, nu3 crosses zero or turns back, and the vehicle never drives
+straight. Structured (multiple-phase) shooting works (Maurer 1976, Numerical solution of singular
+control problems using multiple shooting techniques, JOTA 18): a structure is assumed, bang-singular
+(LS, RS) or bang-bang (LR, RL), the switching time is an unknown beside the costates and the
+duration, and the conditions at the switch are equations. The pieces are integrated in closed form.
+Afterwards the sign of nu3 is checked, and a point that violates (2.14) is rejected. One arc or one
+straight is either structure with a piece of no length.
 
 An extremal is only a candidate: LS where RS is best satisfies all conditions. So the claim is
 `local`, and `best` is the shortest extremal that the initial guesses lead to.
@@ -42,13 +42,14 @@ from dubins_study.solvers.paper_nlp.model import (
 )
 from dubins_study.solvers.protocol import Question, Solution, Solver
 from dubins_study.solvers.setting_checks import one_of, positive
+from dubins_study.solvers.vehicle_frame import at_start
 from dubins_study.study.check.verdict import Claim
-from dubins_study.study.path import FloatArray, Path
+from dubins_study.study.path import FloatArray
 
 ROOTS = ("hybr", "lm")
 
-# A step this much smaller than the residual asked for ends an iteration. By then it converges
-# superlinearly, save on a turning circle, where the equations are singular and it halves the error.
+# The iteration ends at steps smaller than `tol` by this factor. It converges superlinearly, except
+# on a turning circle, where the equations are singular and every step halves the error.
 _STEP = 1e-4
 
 
@@ -60,7 +61,7 @@ class Case(NamedTuple):
 
 
 class Model(NamedTuple):
-    """A question, and the words whose structure can reach the target."""
+    """A question, and the words whose structures may reach the target."""
 
     question: Question
     cases: list[Case]
@@ -79,7 +80,7 @@ class Shooting(Solver):
             (Levenberg-Marquardt).
         tol: largest residual of an extremal: the miss in radii, and every costate condition with
             (nu0, nu1, nu2) of length 1.
-        max_evaluations: most evaluations of the conditions from one initial guess.
+        max_evaluations: largest number of evaluations of the conditions from one initial guess.
     """
 
     initial_guess: str = "bearing"
@@ -118,9 +119,8 @@ class Shooting(Solver):
 
     def solve(self, model: Model, limit: float) -> Solution:
         question = model.question
-        if math.hypot(*question.scenario.local()) <= self.tol:
-            path = Path(question.scenario.start, [], [])
-            return Solution(Claim.LOCAL, path, 0.0, message="the target is the start")
+        if there := at_start(question, self.tol):
+            return there
         if not model.cases:
             reason = f"no path of the branch {question.branch} ends at the target"
             return Solution(Claim.INFEASIBLE, iterations=0, evaluations=0, message=reason)
@@ -152,15 +152,15 @@ class Shooting(Solver):
                 nu = 1.0, -math.cos(heading), -math.sin(heading)
             yield np.concatenate((z, structure.consistent(nu)))
 
-    def _from(self, case: Case, prescribed: bool, guess: FloatArray) -> Point:
-        """Solve from one initial guess; `prescribed` if the branch leaves no choice of controls."""
+    def _from(self, case: Case, prescribed: bool, guess: FloatArray, seconds: float) -> Point:
+        """Solve from one initial guess; `prescribed` if the branch prescribes the controls."""
         structure, free = case.structure, list(case.subproblem.free)
         v = structure.unknowns(guess[3:], guess[free])
         result = self._root(structure, v)
         evaluations = int(result.nfev)
         if structure.singular and result.x[-1] < 0:
-            # Driven backwards the straight belongs to another path; the one driven forwards lies
-            # on the other side of the turning circle, where the equations are singular.
+            # A straight driven backwards. The path with a straight driven forwards lies beyond the
+            # turning circle, on which the equations are singular: start again from there.
             result.x[-1] = -result.x[-1]
             result = self._root(structure, result.x)
             evaluations += int(result.nfev)
@@ -173,7 +173,7 @@ class Shooting(Solver):
             z,
             Claim.FAILED if fault else Claim.LOCAL,
             candidate.multipliers,
-            evaluations - 1,  # every evaluation but the first is a step tried
+            evaluations - 1,  # every evaluation but the first tries a step
             evaluations,
             f"{self.root} {result.status}",
             fault or candidate.kind(conditions),

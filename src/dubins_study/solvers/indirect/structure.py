@@ -18,13 +18,13 @@ import numpy as np
 from dubins_study.solvers.paper_nlp.model import FULL_TURN
 from dubins_study.study.path import FloatArray
 
-# Controls of the model's three lengths, seen in the mirror where the subproblem is mirrored.
+# Controls of the model's three lengths; mirrored together with the subproblem.
 TURNS = (1.0, -1.0, 0.0)
 
-# Relative error with which the end point of a long straight can be met: rounding of its heading.
+# Relative error of the end point of a long straight, from the rounding of its heading.
 ROUNDED = 16 * math.ulp(1.0)
 
-# costates of which all but nu3 are smaller than this are none: with H = 0 they are all zero
+# Costates with (nu0, nu1, nu2) shorter than this count as zero, as H = 0 makes nu3 zero too.
 _NO_COSTATES = 1e-3
 
 UNKNOWNS = 6  # nu0, nu1, nu2, nu3(0), then the durations of the two pieces
@@ -56,9 +56,9 @@ class Structure:
 
     @cached_property
     def scale(self) -> float:
-        """Unit of the end point's residual and of a straight, so that unknowns are of one size.
+        """Unit (radii) of the end point's residual and of a straight: the target's distance, or 1.
 
-        The target's distance in radii where that is above 1.
+        It makes the unknowns of similar size.
         """
         return max(1.0, math.hypot(self.X, self.Y))
 
@@ -68,7 +68,7 @@ class Structure:
 
     @property
     def unit(self) -> float:
-        """Radii that one unit of the second duration stands for among the unknowns."""
+        """Unit (radii) of the second duration among the unknowns."""
         return self.scale if self.singular else 1.0
 
     def unknowns(self, costates: FloatArray, durations: FloatArray) -> FloatArray:
@@ -76,16 +76,16 @@ class Structure:
         return np.concatenate((costates, durations / (1.0, self.unit)))
 
     def consistent(self, nu: tuple[float, float, float]) -> FloatArray:
-        """(nu0, nu1, nu2) made of length 1, with the nu3(0) that makes H(0) zero (2.15)."""
+        """(nu0, nu1, nu2) scaled to length 1, and the nu3(0) that makes H(0) zero (2.15)."""
         size = math.hypot(*nu)
         nu0, nu1, nu2 = (value / size for value in nu)
         return np.array((nu0, nu1, nu2, -self.turns[0] * (nu0 + nu1)))
 
     def short_of_reach(self) -> float:
-        """How far the target certainly lies from all that the structure reaches, in radii.
+        """A lower bound on the distance (radii) of the target from all reachable points.
 
-        Zero or below: it may be reached. One arc and its tangents lie nowhere inside the arc's
-        circle; a second arc starts on that circle and is nowhere further than 2 from there.
+        The target may be reachable if this is zero or negative. One arc and its tangents never
+        enter the arc's circle; a second arc starts on that circle and stays within 2 of its start.
         """
         distance = math.hypot(self.X, self.Y - self.turns[0])
         return 1 - distance if self.singular else max(1 - distance, distance - 3)
@@ -101,7 +101,7 @@ class Structure:
         chord = second if w == 0 else 2 * w * math.sin(half)
         end = turn + 2 * half
         dx, dy = chord * math.cos(turn + half), chord * math.sin(turn + half)
-        # turning the first piece on turns all that follows
+        # a longer first piece turns everything after it
         by_first = (c - u * dy, s + u * dx)
         by_second = (math.cos(end), math.sin(end))
         return switch, Piece(x + dx, y + dy, end, by_first, by_second)
@@ -152,7 +152,7 @@ class Structure:
         return J
 
     def costates(self, durations: FloatArray) -> FloatArray:
-        """Costates (4,) that go with durations (2,): the conditions on them are linear."""
+        """The costates (4,) of given durations (2,), from the conditions, linear in costates."""
         linear = self.jacobian(self.unknowns(np.zeros(4), durations))[2:5, :4]
         nu: FloatArray = np.linalg.svd(linear)[2][-1]
         nu /= max(math.hypot(*nu[:3]), _NO_COSTATES)
@@ -164,11 +164,11 @@ class Structure:
         return math.hypot(end.x - self.X, end.y - self.Y)
 
     def wrong_sign(self, costates: FloatArray, durations: FloatArray) -> float:
-        """By how much the arcs break the minimum condition (2.13); zero if they do not.
+        """The violation of the minimum condition (2.13) on the arcs; zero if it holds.
 
-        The largest u nu3 on them, which must not exceed zero (2.14). By (2.15) it equals
-        -(nu0 + rho cos(theta - phi)), so that its largest value on an arc lies at the arc's ends
-        or where theta = phi + pi.
+        It is the largest u nu3, which must not exceed zero (2.14). By (2.15) u nu3 equals
+        -(nu0 + rho cos(theta - phi)), which is largest at the ends of an arc or at
+        theta = phi + pi.
         """
         nu0, nu1, nu2, _ = costates.tolist()
         away = math.atan2(-nu2, -nu1)  # phi + pi

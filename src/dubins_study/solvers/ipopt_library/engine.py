@@ -7,7 +7,6 @@ wheel does, in process.
 
 from __future__ import annotations
 
-import importlib.util
 import math
 import os
 import shutil
@@ -20,6 +19,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from dubins_study.solvers.ipopt_library.deadline import Deadline
+from dubins_study.solvers.setting_checks import missing_package
 from dubins_study.study.check.verdict import Claim
 from dubins_study.study.path import FloatArray
 
@@ -72,17 +72,13 @@ Ask = Callable[[FloatArray, FloatArray, FloatArray], Result]
 
 def unavailable(via: str) -> str | None:
     """Why Ipopt cannot be reached this way, or None."""
-    if importlib.util.find_spec("pyomo") is None:
-        return "the package pyomo is not installed"
-    library = importlib.util.find_spec("casadi") is not None
-    reasons = {
-        "executable": None if on_path() else "no executable 'ipopt' on PATH",
-        "library": None if library else "the package casadi, which carries Ipopt, is missing",
-    }
+    if missing := missing_package("pyomo"):
+        return missing
+    no_executable = None if on_path() else "no executable 'ipopt' on PATH"
+    no_library = missing_package("casadi") and "the package casadi, which carries Ipopt, is missing"
     if via == "auto":
-        missing = [reason for reason in reasons.values() if reason]
-        return "; ".join(missing) if len(missing) == len(reasons) else None
-    return reasons[via]
+        return f"{no_executable}; {no_library}" if no_executable and no_library else None
+    return no_executable if via == "executable" else no_library
 
 
 def by_executable(via: str) -> bool:
@@ -101,14 +97,22 @@ def _on_path(path: str) -> bool:
     return shutil.which("ipopt", path=path) is not None
 
 
-def library(program: Program, options: Options, deadline: Deadline | None = None) -> Ask:
-    """Ipopt from the casadi wheel on the NL file that Pyomo writes; stopped at a deadline, if any.
+def compiled(
+    program: Program, options: Options, executable: bool, deadline: Deadline | None = None
+) -> Ask:
+    """A model to be solved by Ipopt again and again.
 
     Args:
-        program: the model to be compiled.
+        program: the model.
         options: Ipopt's own.
-        deadline: looked at after every iteration.
+        executable: whether the executable on PATH solves it, or else casadi's library.
+        deadline: when to stop, if ever; only the library looks at it, after every iteration.
     """
+    return _executable(program, options) if executable else _library(program, options, deadline)
+
+
+def _library(program: Program, options: Options, deadline: Deadline | None) -> Ask:
+    """Ipopt from the casadi wheel on the NL file that Pyomo writes."""
     import casadi
     from pyomo.repn.plugins.nl_writer import NLWriter
 
@@ -154,7 +158,7 @@ def library(program: Program, options: Options, deadline: Deadline | None = None
     return ask
 
 
-def executable(program: Program, options: Options) -> Ask:
+def _executable(program: Program, options: Options) -> Ask:
     """The `ipopt` executable on PATH, through Pyomo; the file is rewritten for every call."""
     from pyomo.environ import SolverFactory, Suffix
 

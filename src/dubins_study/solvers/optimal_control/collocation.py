@@ -20,16 +20,15 @@ from dubins_study.solvers.ipopt_library.engine import (
 from dubins_study.solvers.optimal_control.collocation_correction import closed, miss
 from dubins_study.solvers.optimal_control.collocation_guesses import guesses
 from dubins_study.solvers.optimal_control.collocation_model import Elements, Template, template
-from dubins_study.solvers.optimal_control.turn_rate_dynamics import Rates
+from dubins_study.solvers.optimal_control.turn_rate_dynamics import RATES, Rates
 from dubins_study.solvers.paper_nlp.best_point import total
 from dubins_study.solvers.protocol import Guarantee, Question, Solution, Solver
-from dubins_study.solvers.reach import unreachable
 from dubins_study.solvers.setting_checks import one_of, whole, within
+from dubins_study.solvers.vehicle_frame import in_world, staying, unreachable
 from dubins_study.study.check.verdict import Claim
 from dubins_study.study.closed_form.shortest import Local, local
 from dubins_study.study.path import FloatArray, Path
 
-RATES = {"best": Rates(-1.0, 1.0), "LS": Rates(0.0, 1.0), "RS": Rates(-1.0, 0.0)}
 MESHES = ("free", "equal")
 _ARRIVED = 1e-8  # radii; a hundredth of what the check allows
 _ROUNDED = 32 * math.ulp(1.0)  # of the target's distance
@@ -51,7 +50,7 @@ class Model(NamedTuple):
 
 
 class Run(NamedTuple):
-    """The end of one solve; misses (radii) before and after the correction."""
+    """One solve by Ipopt; `missed` and `miss` (radii) are before and after the correction."""
 
     claim: Claim
     elements: Elements
@@ -65,17 +64,17 @@ class Run(NamedTuple):
 class Collocation(Solver):
     """Problem (2.2) of the paper over n elements, each with a turn rate of its own, free in length.
 
-    The states are collocated at Legendre-Gauss-Radau points, the controls that come back are
-    integrated exactly, and the miss that shows is the transcription's own error; a last correction
-    closes it. `LS` and `RS` forbid turning the other way. `best` is the shortest path from
-    initial guesses shaped like each word.
+    The states are collocated at Legendre-Gauss-Radau points. Ipopt's controls are then integrated
+    exactly; the path misses by the transcription's own error, which a last correction removes.
+    `LS` and `RS` forbid turning the other way. For `best`, Ipopt starts from the shape of every
+    word, and the shortest path is the answer.
 
     Args:
         n: number of finite elements.
         points: collocation points in each.
         mesh: `free` elements, whose lengths are variables, so that a switch falls between two of
-            them and the gap is Ipopt's tolerance; or `equal` ones, whose gap falls like 1 / n^2
-        correct: whether the miss is closed; left open, it is for the check to see.
+            them and the gap is Ipopt's tolerance; or `equal` ones, whose gap falls like 1 / n^2.
+        correct: whether a last correction removes the miss.
         tol, max_iter: Ipopt's own.
         via: `executable`, `library` or `auto`: the executable if PATH has one.
     """
@@ -101,8 +100,8 @@ class Collocation(Solver):
     }
 
     def __post_init__(self) -> None:
-        # three elements hold every word: an arc of up to a full turn takes two of the free ones
-        # Radau's points of more than ten are lost in rounding, and a thousand elements take minutes
+        # Three elements hold every word: an arc of up to a full turn takes two free elements.
+        # More than ten Radau points are lost in rounding; a thousand elements take minutes.
         whole(n=(self.n, 3, 1000), points=(self.points, 1, 10), max_iter=(self.max_iter, 1, 10**6))
         one_of(mesh=(self.mesh, MESHES), via=(self.via, VIAS))
         within(tol=(self.tol, 1e-14, 1e-2))
@@ -114,8 +113,6 @@ class Collocation(Solver):
         return library_versions.ipopt(by_executable(self.via))
 
     def build(self, question: Question) -> Model:
-        if question.branch not in RATES:
-            raise ValueError(f"branch is {question.branch!r}; expected one of {', '.join(RATES)}")
         options = (("tol", self.tol), ("max_iter", self.max_iter), ("bound_relax_factor", 0.0))
         transcription = template(
             self.n, self.points, self.mesh == "equal", options, by_executable(self.via)
@@ -126,8 +123,7 @@ class Collocation(Solver):
     def solve(self, model: Model, limit: float) -> Solution:
         question, place = model.question, model.place
         if place.X == place.Y == 0:
-            stay = Path(question.scenario.start, [], [])
-            return Solution(Claim.LOCAL, stay, 0.0, message="the target is the start")
+            return staying(question)
         if reason := unreachable(place, question.branch):
             return Solution(Claim.INFEASIBLE, iterations=0, evaluations=0, message=reason)
         runs: list[Run] = []
@@ -161,9 +157,9 @@ def _arrives(off: float, target: FloatArray) -> bool:
 
 
 def _chosen(model: Model, runs: list[Run]) -> Run:
-    """The shortest that arrives, one that Ipopt calls a solution if there is a choice.
+    """The shortest run that arrives, or else the run that ends nearest to the target.
 
-    If none arrives, the one that ends nearest to the target.
+    Of runs that are equally short, one that Ipopt calls a solution goes first.
     """
     arrived = [run for run in runs if run.claim is Claim.LOCAL or _arrives(run.miss, model.target)]
     if not arrived:
@@ -181,13 +177,11 @@ def _answer(model: Model, runs: list[Run], in_time: bool) -> Solution:
     if not in_time:
         claim = Claim.LIMIT
     elif claim is not Claim.LOCAL:
-        # Ipopt gave up, or called infeasible what is not; the correction may have arrived
+        # Ipopt gave up, or wrongly called it infeasible; the corrected path may still arrive
         claim = Claim.FEASIBLE if _arrives(best.miss, model.target) else Claim.FAILED
     multipliers = None
     if best.native.duals is not None and claim is Claim.LOCAL:
-        cos, sin = math.cos(scenario.heading), math.sin(scenario.heading)
-        along, left = map(float, best.native.duals)
-        multipliers = (along * cos - left * sin, along * sin + left * cos)
+        multipliers = in_world(scenario, *map(float, best.native.duals))
     elements = best.elements
     rate = np.clip(elements.rate, model.rates.lower, model.rates.upper)
     return Solution(

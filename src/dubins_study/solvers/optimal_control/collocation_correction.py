@@ -14,8 +14,8 @@ from dubins_study.solvers.optimal_control.turn_rate_dynamics import (
 )
 from dubins_study.study.path import FloatArray
 
-_STEPS = 30  # Newton takes 1 to 4; the rest is for steps cut short at bounds
-_WITHIN = 0.9  # of the way to a bound that a step may go
+_STEPS = 30  # Newton's method takes 1 to 4; more are needed where bounds cut steps short
+_WITHIN = 0.9  # the share of the way to a bound that a step may go
 
 
 def miss(elements: Elements, target: FloatArray) -> float:
@@ -27,18 +27,18 @@ def miss(elements: Elements, target: FloatArray) -> float:
 def closed(
     elements: Elements, rates: Rates, target: FloatArray, equal: bool
 ) -> tuple[Elements, float, int]:
-    """The controls moved little, and only where they are free, so that the path ends at the target.
+    """Change the controls as little as needed for the path to end at the target.
 
-    Newton's method on the two equations of the end point, in the rates and the lengths (in the
-    whole length alone if all are `equal`). Of the steps that solve the linearised equations it
-    takes the least in units of every variable's distance from its bounds. What the solver
-    left at a bound thus stays there, and since its point is stationary in all else, the length
-    changes by no more than the target's own shift would change it, to first order. Where
-    that is not enough (nothing is free, as on a turning circle), the rates are moved as needed.
+    Newton's method on the two equations of the end point, in the rates and the lengths (only in
+    the whole length if all are `equal`). Every variable is measured in units of its distance from
+    its bounds, and the smallest step that solves the linearised equations is taken. So a variable
+    that the solver left at a bound stays there. The solver's point is stationary in the others:
+    to first order the length changes by no more than if the target had moved by the miss. Where no
+    variable is free, as on a turning circle, this does not arrive; the rates then change as needed.
 
     Returns the elements, the miss (radii) and the number of rollouts.
     """
-    # coordinates of this size cannot be met any closer
+    # rounding of such coordinates leaves a miss of this size
     close = max(CLOSE, 8 * np.finfo(float).eps * float(np.abs(target).sum()))
     moved, rollouts = elements, 0
     for _ in range(_STEPS):
@@ -63,7 +63,8 @@ def _step(elements: Elements, rates: Rates, target: FloatArray, equal: bool) -> 
     rate, total = elements.rate, elements.total
     rolled = rollout(Controls(np.cumsum(turn), total), length / total)
     by_turn = np.cumsum(rolled.gradient[:, ::-1], axis=1)[:, ::-1]
-    # in units of the distance to the nearer bound; by a length at a fixed rate
+    # derivatives by a rate in units of its distance to the nearer bound, and by a length at a
+    # fixed rate
     slack = np.minimum(rate - rates.lower, rates.upper - rate)
     by_rate = by_turn * (length * slack)
     by_length = rolled.chords + by_turn * turn

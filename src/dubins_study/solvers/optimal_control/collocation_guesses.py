@@ -11,7 +11,7 @@ import numpy as np
 from dubins_study.solvers.optimal_control.collocation_model import Elements
 from dubins_study.solvers.paper_nlp.model import FULL_TURN
 from dubins_study.solvers.protocol import Question
-from dubins_study.solvers.reach import unreachable
+from dubins_study.solvers.vehicle_frame import unreachable
 from dubins_study.study.check.verdict import drivable
 from dubins_study.study.closed_form.shortest import Local
 from dubins_study.study.path import Path
@@ -22,18 +22,18 @@ from dubins_study.study.scenario import Pose
 _TWO_ARCS = ((0.5, 4.5), (0.1, 6.0), (0.9, 3.5))
 # rad, added to the turn towards the target where the first guess fails
 _SWINGS = (0.7, -0.7)
-# rad, and as much as the coordinates' rounding turns the bearing: a bearing so near to a full turn
-# is straight ahead
+# rad, to which the rounding of the bearing is added: a bearing so near to a full turn is straight
+# ahead
 _STRAIGHT = 1e-9
-_LEAST = 1e-3  # radii; an arc of no length gives the elements upon it nothing to begin with
+_LEAST = 1e-3  # radii; elements of no length would be a poor guess
 _HERE = Pose(0.0, 0.0, 0.0)
 
 
 def guesses(question: Question, target: Local, n: int, equal: bool) -> Iterator[Iterator[Elements]]:
-    """Elements to begin from: some of each word, one after another.
+    """Initial guesses for a question: for each word, the guesses to try until one succeeds.
 
-    Those of a word after its first success may be left out. A path given, if it can be driven,
-    goes first: before a word's own guesses if one is asked for, else by itself.
+    The question's own path goes first if it can be driven: among the guesses of the word that is
+    asked for, or alone if the branch is `best`.
 
     Args:
         question: its branch says which words.
@@ -72,10 +72,10 @@ def _words(target: Local) -> Iterator[str]:
 
 
 def _shaped(word: str, target: Local) -> Iterator[Path]:
-    """Two arcs; or a turn towards the target and as far as it is away.
+    """Paths shaped like a word: two arcs, or a turn towards the target and a straight.
 
-    The turn faces the target, then goes on by half its turning circle's apparent size, which is
-    much where the target is near; some turns to either side follow.
+    The first turn faces the target. The second one is larger by half the apparent size of a
+    turning circle at the target, which is much where the target is near. Other turns follow.
     """
     sign = 1.0 if word[0] == "L" else -1.0
     if word[1] != "S":
@@ -96,9 +96,9 @@ def _shaped(word: str, target: Local) -> Iterator[Path]:
 def cut(path: Path, n: int, equal: bool) -> Elements:
     """A path in the vehicle's frame at unit radius as n elements, not all of them of length 0.
 
-    Equally long elements turn as the path does over their length. Others keep its arcs: each
-    is cut into equal parts, so many that the parts turn alike; a path of more than n arcs is
-    taken as equally long elements.
+    Equally long elements turn as the path does over their length. Otherwise every arc is cut into
+    equal parts, so many that the parts of all arcs turn by similar angles; a path of more than n
+    arcs becomes equally long elements.
     """
     some = path.length > 0
     curvature, length = path.curvature[some], path.length[some]

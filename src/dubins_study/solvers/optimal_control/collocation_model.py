@@ -21,22 +21,15 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from dubins_study.solvers.ipopt_library.deadline import Deadline
-from dubins_study.solvers.ipopt_library.engine import (
-    Ask,
-    Options,
-    Program,
-    Result,
-    executable,
-    library,
-)
+from dubins_study.solvers.ipopt_library.engine import Ask, Options, Program, Result, compiled
 from dubins_study.solvers.optimal_control.turn_rate_dynamics import Rates
 from dubins_study.study.path import FloatArray, Path
 from dubins_study.study.scenario import Pose
 
-# Bounds on turns (rad): without them the turning gathers in a few elements, whose quadrature is
-# then wrong to the path's gain. A shortest path turns by less than a full turn and, if it has two
-# arcs, by pi/3 at most the other way (docs/derivation.md, section 4), so that elements of free
-# length need no more than this all together. Of equal elements none needs more than half a turn.
+# Bounds on turns (rad). Without them a few elements take all the turning, and the error of their
+# quadrature makes the path shorter. A shortest path turns by less than a full turn and, if it has
+# two arcs, by pi/3 at most the other way (docs/derivation.md, section 4): elements of free length
+# share MOST_TURN. No equally long element needs more than half a turn.
 MOST_TURN = 3 * math.pi
 MOST_TURN_EACH = math.pi
 
@@ -64,7 +57,7 @@ class Elements(NamedTuple):
 
 
 class Transcribed(NamedTuple):
-    """A solution of the transcription as Ipopt found it."""
+    """Ipopt's solution of the transcription."""
 
     elements: Elements
     native: Result
@@ -79,7 +72,7 @@ class Template:
         element: which element a collocation point lies in, shape (m,), from 0.
         fraction: how far into it, shape (m,), in (0, 1].
         ask: the compiled program.
-        deadline: of one solve; the executable does not look at it.
+        deadline: when a solve stops; the executable does not look at it.
     """
 
     n: int
@@ -135,13 +128,9 @@ def _sided(rate: float) -> float:
 def template(n: int, points: int, equal: bool, options: Options, by_executable: bool) -> Template:
     """The transcription into n elements of so many points each, compiled once per setting."""
     transcribed, deadline = program(n, points, equal), Deadline()
-    ask = (
-        executable(transcribed, options)
-        if by_executable
-        else library(transcribed, options, deadline)
-    )
+    ask = compiled(transcribed, options, by_executable, deadline)
     element = np.repeat(np.arange(n), points)
-    # Pyomo rounds the points' labels, not the scheme's coefficients
+    # not from the points' labels in the model, which Pyomo rounds
     fraction = np.tile(transcribed.model.tau.get_discretization_info()["tau_points"][1:], n)
     return Template(n, equal, element, fraction, ask, deadline)
 

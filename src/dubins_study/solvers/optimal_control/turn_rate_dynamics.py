@@ -1,4 +1,4 @@
-"""A path of n arcs seen from its headings: end point, gradients, and the way back to a target.
+"""A path of n arcs described by its headings: end point, gradients, correction to a target.
 
 Everything in the vehicle's frame in units of the turning radius. Step k drives the length
 h_k = w_k T, where the shares w_k sum to 1 and T is the whole length, and turns by
@@ -17,7 +17,7 @@ import numpy as np
 from dubins_study.study.path import FloatArray
 
 CLOSE = 1e-10  # turning radii; two digits inside the 1e-8 promised, far above rounding
-_CORRECTIONS = 30  # Newton converges in 2 to 5; the rest is for steps that hit their bounds
+_CORRECTIONS = 30  # Newton's method takes 2 to 5; more are needed where rates reach their bounds
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,6 +40,10 @@ class Rates(NamedTuple):
 
     lower: float
     upper: float
+
+
+# by branch: LS and RS forbid turning the other way
+RATES = {"best": Rates(-1.0, 1.0), "LS": Rates(0.0, 1.0), "RS": Rates(-1.0, 0.0)}
 
 
 class Rollout(NamedTuple):
@@ -100,11 +104,11 @@ def clipped(controls: Controls, shares: FloatArray, rates: Rates) -> Controls:
 def corrected(
     controls: Controls, shares: FloatArray, rates: Rates, target: FloatArray, close: float = CLOSE
 ) -> tuple[Controls, float, int]:
-    """The controls moved as little as needed for the path to end at the target.
+    """Change the controls as little as needed for the path to end at the target.
 
-    Newton's method on the two equations of the end point in the turn rates and the length; of
-    all steps that solve the linearised equations the shortest is taken, with rates that
-    would leave their bounds put on them and kept there. Returns controls, miss, rollouts used.
+    Newton's method on the two equations of the end point, in the turn rates and the length. The
+    shortest step that solves the linearised equations is taken; a rate that would leave its
+    bounds is set to the bound. Returns the controls, the miss (radii) and the number of rollouts.
     """
     lengths = shares * controls.length
     rate = np.clip(controls.turns / lengths, rates.lower, rates.upper)

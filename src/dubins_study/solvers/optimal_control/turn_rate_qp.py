@@ -6,25 +6,23 @@ import math
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass
-from importlib.util import find_spec
 from typing import Any, ClassVar
 
 import numpy as np
 
-from dubins_study.solvers.optimal_control.turn_rate_dynamics import CLOSE, Controls, Rates
+from dubins_study.solvers.optimal_control.turn_rate_dynamics import CLOSE, RATES, Controls, Rates
 from dubins_study.solvers.optimal_control.turn_rate_sequence import Limits, Run, Sequence
 from dubins_study.solvers.optimal_control.turn_rate_template import ENGINES, Template, template
 from dubins_study.solvers.protocol import Guarantee, Question, Solution, Solver
-from dubins_study.solvers.reach import unreachable
-from dubins_study.solvers.setting_checks import one_of, whole
+from dubins_study.solvers.setting_checks import missing_package, one_of, whole
+from dubins_study.solvers.vehicle_frame import coordinate_rounding, in_world, unreachable
 from dubins_study.study.check.verdict import Claim, drivable
-from dubins_study.study.closed_form.shortest import EPS, local
+from dubins_study.study.closed_form.shortest import local
 from dubins_study.study.path import FloatArray, Path
 
-RATES = {"best": Rates(-1.0, 1.0), "LS": Rates(0.0, 1.0), "RS": Rates(-1.0, 0.0)}
 _PACKAGES = {"highs": "highspy"}
 MESHES = ("equal", "graded")
-_TURNING = 2 * math.pi  # radii; no turn towards a target far away is longer than a full circle
+_TURNING = 2 * math.pi  # radii; a turn towards a target far away is shorter than a full circle
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,15 +40,15 @@ class TurnRateModel:
 class TurnRateQp(Solver):
     """Problem (2.2) of the paper with n turn rates, each held for an equal part of a free duration.
 
-    Every step is an exact arc, so the path that comes back is one that can be driven; it is the
-    best of its n steps, not of all paths. `LS` and `RS` forbid turning the other way. `best` is
-    the shortest path from initial guesses shaped like each word.
+    Every step is an exact arc, so the path can be driven; it is the best of its n steps, not of
+    all paths. `LS` and `RS` forbid turning the other way. For `best`, a sequence of QPs starts from
+    the shape of every word, and the shortest path is the answer.
 
     Args:
         n: number of steps.
         engine: QP engine, one of clarabel, osqp, piqp, highs.
-        mesh: `equal` steps, or `graded`: for a far target half of them are kept for the turn,
-            which equal steps of many radii each can only follow coarsely.
+        mesh: `equal` steps, or `graded`: for a far target half of the steps share about a full
+            circle's length at the start, where the path turns.
         tolerance: a sequence has converged when a QP promises less than this times the length.
         max_qps: most QPs from one initial guess.
     """
@@ -72,21 +70,16 @@ class TurnRateQp(Solver):
     profiles: ClassVar[dict[str, dict[str, Any]]] = {"accurate": {"n": 640, "mesh": "graded"}}
 
     def __post_init__(self) -> None:
-        # the QPs are dense: beyond, one takes gigabytes
+        # the QPs are dense: a larger one takes gigabytes
         whole(n=(self.n, 2, 2000), max_qps=(self.max_qps, 1, 10**6))
         one_of(engine=(self.engine, ENGINES), mesh=(self.mesh, MESHES))
         if not 0 < self.tolerance < 1:
             raise ValueError(f"tolerance is {self.tolerance!r}; expected a number from 0 to 1")
 
     def unavailable(self) -> str | None:
-        for package in ("cvxpy", _PACKAGES.get(self.engine, self.engine)):
-            if find_spec(package) is None:
-                return f"package {package} is not installed"
-        return None
+        return missing_package("cvxpy", _PACKAGES.get(self.engine, self.engine))
 
     def build(self, question: Question) -> TurnRateModel:
-        if question.branch not in RATES:
-            raise ValueError(f"branch is {question.branch!r}; expected one of {', '.join(RATES)}")
         target = np.array(question.scenario.local())
         shares = _shares(self.n, self.mesh, math.hypot(*target))
         qp = template(self.n, self.engine)
@@ -95,8 +88,7 @@ class TurnRateQp(Solver):
     def solve(self, model: TurnRateModel, limit: float) -> Solution:
         deadline = time.perf_counter() + limit
         scenario, branch = model.question.scenario, model.question.branch
-        X, Y = model.target
-        if math.hypot(X, Y) <= 2 * EPS * scenario.extent / scenario.radius:
+        if math.hypot(*model.target) <= coordinate_rounding(scenario):
             stay = Controls(np.zeros(self.n), 0.0)
             run = Run(Claim.LOCAL, stay, 0.0, None, 0, 0, "the target is at the start")
             return _solution(model, [run])
@@ -125,8 +117,8 @@ def _guesses(model: TurnRateModel, runs: list[Run]) -> Iterator[Controls]:
     """Initial guesses in the order to be tried; `runs` are the answers so far.
 
     The question's own guess comes first, then one guess shaped like each word: a turn to the
-    target's bearing and a straight, or two arcs where two unit circles can bridge the distance.
-    `LS` and `RS` need only one guess that succeeds.
+    target's bearing and a straight, or two arcs where the target is near enough. `LS` and `RS`
+    end with the first guess that succeeds.
     """
     question, ends = model.question, np.cumsum(model.shares)
     X, Y = model.target
@@ -180,7 +172,7 @@ def _resampled(path: Path, model: TurnRateModel) -> Controls | None:
 
 
 def _solution(model: TurnRateModel, runs: list[Run]) -> Solution:
-    """The shortest answer that arrives, or the nearest to it, with the claim it deserves."""
+    """The shortest path that arrives, or else the nearest to the target, and its claim."""
     scenario = model.question.scenario
     arrived = [run for run in runs if run.miss <= CLOSE]
     if arrived:
@@ -198,9 +190,7 @@ def _solution(model: TurnRateModel, runs: list[Run]) -> Solution:
     rate = np.clip(rate, model.rates.lower, model.rates.upper)
     multipliers = None
     if best.duals is not None and claim is Claim.LOCAL:
-        cos, sin = math.cos(scenario.heading), math.sin(scenario.heading)
-        along, left = map(float, best.duals)
-        multipliers = (along * cos - left * sin, along * sin + left * cos)
+        multipliers = in_world(scenario, *map(float, best.duals))
     return Solution(
         claim,
         path=Path(scenario.start, rate / scenario.radius, steps * scenario.radius),

@@ -22,7 +22,11 @@ from dubins_study.study.path import FloatArray
 
 @dataclass(frozen=True)
 class Limits:
-    """When a sequence stops: a predicted gain (relative to the length), a number of QPs, a time."""
+    """When a sequence stops.
+
+    At a predicted gain relative to the length, after a number of QPs, or at a time (s, on
+    `perf_counter`).
+    """
 
     tolerance: float
     max_qps: int
@@ -42,18 +46,18 @@ class Run:
     status: str
 
 
-_RETRIES = 3  # a failing engine gets a smaller trust region this often before the guess is given up
-_ARRIVED = 1e-6  # of the length; the correction at the end closes less without costing length
-_LARGEST_PENALTY = 1e4  # above it the engines' tolerances no longer see the length
-_LEAST_CURVATURE = 1e-6  # keeps the QP's answer unique where the Lagrangian is not convex
+_RETRIES = 3  # with a smaller trust region each, after which a failing engine ends the sequence
+_ARRIVED = 1e-6  # of the length; the last correction closes such a miss at no cost of length
+_LARGEST_PENALTY = 1e4  # a larger one hides the length behind the engines' tolerances
+_LEAST_CURVATURE = 1e-6  # makes the QP's answer unique where the Lagrangian is not convex
 
 
 class Sequence:
     """Sl1QP with a trust region (Fletcher 1987, Practical Methods of Optimization, sec. 14.4).
 
-    The QP's curvature c_k is the Lagrangian's in the headings, its exact value lumped on the
-    diagonal: step k's chord along the multiplier. Where that is negative (a chord that drives
-    away from where the path is going) it is cut off, which keeps every QP convex.
+    The QP's curvature c_k is the Lagrangian's second derivative by the headings, lumped on the
+    diagonal: the part of step k's chord along the multiplier. A negative one (the chord leads
+    backwards) is replaced by zero, which keeps every QP convex.
     """
 
     def __init__(
@@ -105,7 +109,7 @@ class Sequence:
         return Run(claim, controls, miss, duals, self.qps, self.rollouts, status)
 
     def _ask(self) -> Answer:
-        """Put the linearisation about the present point into the QP, and solve it."""
+        """Write the linearisation at the present point into the QP, and solve it."""
         qp, now, T = self.qp, self.now, self.now.length
         self.unit = unit = min(1.0, T)  # a short path's headings change by about its length
         steps = self.shares * (T / unit)
@@ -129,7 +133,7 @@ class Sequence:
         return length + self.penalty * float(np.abs(end - self.target).sum())
 
     def _advance(self, answer: Answer) -> bool:
-        """Take the QP's step if the merit function agrees; True when there is nothing to gain."""
+        """Take the QP's step if it lowers the merit function; True if there is nothing to gain."""
         T = self.now.length
         before = self._merit(T, self.rolled.end)
         promised = before - T * (1.0 + answer.value)
@@ -139,7 +143,7 @@ class Sequence:
         self.rollouts += 1
         gain = before - self._merit(trial.length, rolled.end)
         if answer.slack < 1e-6 and gain < 0.7 * promised:
-            # second-order correction: the linearisation's miss must not veto a good step
+            # second-order correction: a good step must not fail for the linearisation's error
             closer, _, used = corrected(trial, self.shares, self.rates, self.target)
             bent = rollout(closer, self.shares)
             self.rollouts += used + 1
@@ -160,7 +164,7 @@ class Sequence:
         return off <= max(_ARRIVED * self.now.length, CLOSE)
 
     def _raise_penalty(self) -> bool:
-        """Weigh the end point more where missing it paid; False if that is not the reason.
+        """Raise the penalty on missing the target; False if it is at its largest.
 
         The penalty is exact only above the multipliers, which grow without bound where the second
         arc of RL or LR nears pi (docs/derivation.md, section 9).
@@ -172,7 +176,7 @@ class Sequence:
         return True
 
     def _restore(self) -> bool:
-        """Begin again, once, on the target, from a dead end where no small change comes nearer."""
+        """Restart once from a path that arrives, where no small change comes nearer; else False."""
         if self.restored:
             return False
         self.restored = True
@@ -184,13 +188,13 @@ class Sequence:
         return True
 
     def _adapt(self, answer: Answer, ratio: float) -> None:
-        """Widen or narrow the trust region, ease or restore the curvature, by gain over promise."""
+        """Adapt the trust region and the curvature to the ratio of gain to predicted gain."""
         turned, stretched = self.unit * float(np.abs(answer.z).max()), abs(answer.t)
         if ratio > 0.75 and max(turned, 2 * stretched) > 0.9 * self.reach:
             self.reach = min(2 * self.reach, 4.0)
         elif ratio < 0.25:
             self.reach = 0.3 * max(turned, stretched)
-        if ratio > 1.0:  # the curvature cut off was real: step further
+        if ratio > 1.0:  # the neglected negative curvature was real: step further
             self.ease = max(0.3 * self.ease, 1e-3)
         elif ratio < 0.75:
             self.ease = min(3 * self.ease, 1.0)

@@ -1,4 +1,4 @@
-"""The QP of `turn-rate-qp`: stated in cvxpy, compiled once, then solved for new parameters only."""
+"""The QP of `turn-rate-qp`: stated in cvxpy, compiled once, solved for many parameter values."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ ENGINES = ("piqp", "clarabel", "osqp", "highs")
 
 def _options(engine: str, n: int, seconds: float) -> dict[str, Any]:
     if engine == "piqp":
-        return {"compute_timings": True}  # its own limit of 250 iterations is short enough
+        return {"compute_timings": True}  # its limit of 250 iterations is short enough
     if engine == "clarabel":
         return {"time_limit": seconds}
     if engine == "osqp":
@@ -27,10 +27,9 @@ def _options(engine: str, n: int, seconds: float) -> dict[str, Any]:
 
 
 class Answer(NamedTuple):
-    """A QP's answer.
+    """A QP's solution: changes of the headings z (n,) and of the length t, duals (2,), objective.
 
-    Changes of the headings z (n,) and of the length t; the end point's duals (2,); the sum of the
-    slacks; the objective; whether the engine calls it solved (else it stopped at a limit).
+    `slack` is the sum of the slacks; `solved` is False if the engine stopped at a limit.
     """
 
     z: FloatArray
@@ -42,7 +41,7 @@ class Answer(NamedTuple):
 
 
 class EngineError(RuntimeError):
-    """The QP engine gave no usable answer; the message is its own word for it."""
+    """The QP engine gave no usable answer; the message is the engine's."""
 
 
 class Template:
@@ -110,14 +109,14 @@ class Template:
             setattr(self, name, view)
 
     def forget(self) -> None:
-        """Let the engine start cold, so that an answer does not depend on what was asked before."""
+        """Let the engine start cold, so that no answer depends on an earlier question."""
         self._compiled.memory.clear()
 
     def solve(self, seconds: float) -> Answer:
         """Solve the QP for the parameters' present values, in about `seconds` at most.
 
         Raises:
-            EngineError: if the engine fails, or says that a QP that always has a solution has none.
+            EngineError: if the engine fails, or returns no solution, though every QP has one.
         """
         import cvxpy as cp
 
@@ -137,14 +136,14 @@ class Template:
 
 
 class Compiled:
-    """A cvxpy problem in its engine's own form, with the places where every parameter stands.
+    """A cvxpy problem in its engine's own form, with the place of every parameter in it.
 
     `problem.solve()` rebuilds the engine's matrices through sparse tensors for every new value:
     1.2 ms at n = 50, six times what PIQP needs for the solve itself. Here the problem is
-    compiled for two sets of random values; what differs is a parameter, and which one is read off
-    its value. From then on new values are written straight into the engine's arrays.
+    compiled for two sets of random values: an entry that differs is a parameter, and its value
+    tells which. After that, new values are written straight into the engine's arrays.
 
-    Every entry of the engine's data must be a constant or one parameter, its sign apart.
+    Every entry of the engine's data must be a constant, or a parameter or its negative.
     """
 
     def __init__(self, problem: Any, parameters: list[Any], engine: str) -> None:
@@ -186,13 +185,13 @@ class Compiled:
             data, warm_start=True, verbose=False, solver_opts=options, solver_cache=self.memory
         )
         with warnings.catch_warnings():
-            # an answer at the engine's limit is judged by the caller, not announced
+            # the caller judges an answer at the engine's limit
             warnings.filterwarnings("ignore", "Solution may be inaccurate")
             self.problem.unpack_results(raw, self.chain, self.inverse)
 
 
 def _numbers(array: Any) -> Any:
-    """The floating-point numbers of a dense or sparse array, to be written to; None of others."""
+    """A writable view of the floating-point numbers of a dense or sparse array; else None."""
     numbers = array.data if issparse(array) else array
     floats = isinstance(numbers, np.ndarray) and numbers.dtype == np.float64
     return numbers if floats and numbers.size else None
@@ -201,7 +200,7 @@ def _numbers(array: Any) -> Any:
 def _places(
     old: FloatArray, new: FloatArray, first: FloatArray, second: FloatArray
 ) -> tuple[Any, Any, FloatArray]:
-    """Where parameters stand in an array compiled for `first` and for `second`: place, index, sign.
+    """Places, indices and signs of the parameters in an array compiled for two sets of values.
 
     Raises:
         AssertionError: if an entry is neither a constant nor one parameter.

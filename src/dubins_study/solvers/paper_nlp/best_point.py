@@ -4,30 +4,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable
-from functools import partial
 from time import perf_counter
-from typing import NamedTuple, Protocol, TypeVar
+from typing import NamedTuple
 
 import numpy as np
 
-from dubins_study.solvers.paper_nlp.initial_guesses import initial_guesses, needs_every_guess
-from dubins_study.solvers.paper_nlp.model import Subproblem, as_path, equations, in_world, target
+from dubins_study.solvers.paper_nlp.model import Subproblem, as_path, equations, target
 from dubins_study.solvers.protocol import Question, Solution
+from dubins_study.solvers.vehicle_frame import at_start, in_world
 from dubins_study.study.check.verdict import Claim
-from dubins_study.study.path import FloatArray, Path
+from dubins_study.study.path import FloatArray
 from dubins_study.study.scenario import Scenario
-
-
-def already_there(question: Question) -> Solution | None:
-    """The answer to a question whose target is the start position, where no path is needed.
-
-    None for any other question. At z = 0 no constraint qualification holds, so no NLP method can
-    certify this point.
-    """
-    if question.scenario.local() != (0.0, 0.0):
-        return None
-    path = Path(question.scenario.start, [], [])
-    return Solution(Claim.LOCAL, path=path, claimed_length=0.0, message="the target is the start")
 
 
 class Point(NamedTuple):
@@ -47,61 +34,34 @@ class Attempts(NamedTuple):
     """One subproblem and the initial guesses to solve it from.
 
     Args:
-        solve: solves the subproblem from an initial guess z, shape (3,).
+        solve: solves the subproblem from an initial guess in the seconds that are left.
         guesses: the initial guesses, computed one by one since mostly the first one succeeds.
         every: whether to solve from every guess, or only up to the first success.
     """
 
-    solve: Callable[[FloatArray], Point]
+    solve: Callable[[FloatArray, float], Point]
     guesses: Iterable[FloatArray]
     every: bool
-
-
-class Posed(Protocol):
-    """A subproblem as a solver takes it."""
-
-    @property
-    def subproblem(self) -> Subproblem: ...
-
-
-Case = TypeVar("Case", bound=Posed)
-
-
-def attempts(
-    question: Question,
-    cases: Iterable[Case],
-    solve: Callable[[Case, FloatArray], Point],
-    kind: str,
-    seed: int,
-    count: int,
-) -> list[Attempts]:
-    """The attempts at every case of a question; `initial_guesses` explains kind, seed, count."""
-    return [
-        Attempts(
-            partial(solve, case),
-            initial_guesses(question, case.subproblem, kind, seed, count),
-            needs_every_guess(case.subproblem, kind),
-        )
-        for case in cases
-    ]
 
 
 def answer(question: Question, attempts: list[Attempts], limit: float) -> Solution:
     """The answer to a question: each subproblem attempted in turn, the best point chosen.
 
-    No attempt begins after `limit` seconds.
+    No attempt begins after `limit` seconds. If the target is the start, nothing is attempted: at
+    z = 0 no constraint qualification holds, so that no NLP method can certify this point.
     """
-    return already_there(question) or choose(question, _points(attempts, limit))
+    return at_start(question) or choose(question, _points(attempts, limit))
 
 
 def _points(attempts: list[Attempts], limit: float) -> list[Point]:
-    began = perf_counter()
+    deadline = perf_counter() + limit
     points: list[Point] = []
     for solve, guesses, every in attempts:
         for guess in guesses:
-            if perf_counter() - began > limit:
+            left = deadline - perf_counter()
+            if left < 0:
                 return points
-            points.append(solve(guess))
+            points.append(solve(guess, left))
             if points[-1].claim is Claim.LOCAL and not every:
                 break
     return points
@@ -127,6 +87,7 @@ def choose(question: Question, points: list[Point]) -> Solution:
     else:
         return Solution(Claim.LIMIT, message="no time to begin")
     duals = best.multipliers
+    left = 0.0 if duals is None else -duals[1] if best.subproblem.mirrored else duals[1]
     # a point that its solver calls infeasible is no path, and some solvers return no numbers when
     # they fail
     pathless = claim is Claim.INFEASIBLE or bool(np.isnan(best.z).all())
@@ -134,7 +95,7 @@ def choose(question: Question, points: list[Point]) -> Solution:
         claim,
         path=None if pathless else as_path(scenario, best.subproblem, best.z),
         claimed_length=float(best.z.sum()) * scenario.radius if solved else None,
-        multipliers=None if duals is None else in_world(scenario, best.subproblem, duals),
+        multipliers=None if duals is None else in_world(scenario, duals[0], left),
         iterations=total([point.iterations for point in points]),
         evaluations=total([point.evaluations for point in points]),
         native_status=best.status,

@@ -142,14 +142,3 @@ def as_path(scenario: Scenario, subproblem: Subproblem, z: FloatArray) -> Path:
         if not length <= 0  # so that NaN stays and is seen by the check
     ]
     return Path(scenario.start, [k for k, _ in pieces], [length for _, length in pieces])
-
-
-def in_world(
-    scenario: Scenario, subproblem: Subproblem, multipliers: tuple[float, float]
-) -> tuple[float, float]:
-    """The duals of the two equations turned from the vehicle's frame to the world's."""
-    mx, my = multipliers
-    if subproblem.mirrored:
-        my = -my
-    cos, sin = math.cos(scenario.heading), math.sin(scenario.heading)
-    return mx * cos - my * sin, mx * sin + my * cos

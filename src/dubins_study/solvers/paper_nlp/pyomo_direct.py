@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import importlib.util
 from functools import cache
 from typing import Any
 
 import numpy as np
 
 from dubins_study.solvers.paper_nlp.best_point import Point
-from dubins_study.solvers.paper_nlp.ipopt import Case
+from dubins_study.solvers.paper_nlp.local_nlp import Case
 from dubins_study.solvers.paper_nlp.pyomo_case import no_point, posed
+from dubins_study.solvers.setting_checks import missing_package
 from dubins_study.study.check.verdict import Claim
 from dubins_study.study.path import FloatArray
 
@@ -27,11 +27,10 @@ _CLAIMS = {
 
 def knitro_unavailable() -> str | None:
     """Why KNITRO cannot solve here, or None."""
-    if importlib.util.find_spec("knitro") is None:
-        return "the package knitro is not installed"
-    if not _licensed():
+    missing = missing_package("knitro")
+    if missing is None and not _licensed():
         return "knitro is installed, but no licence was found (its wheel installs without one)"
-    return None
+    return missing
 
 
 @cache

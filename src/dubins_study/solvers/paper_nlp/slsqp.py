@@ -5,28 +5,18 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, ClassVar
 
 import numpy as np
 
-from dubins_study.solvers.paper_nlp.best_point import Point, answer, attempts
-from dubins_study.solvers.paper_nlp.initial_guesses import INITIAL_GUESSES
-from dubins_study.solvers.paper_nlp.model import (
-    FULL_TURN,
-    MODELS,
-    ORDERS,
-    UNITS,
-    Subproblem,
-    equations,
-    jacobian,
-    subproblems,
-    target,
-)
-from dubins_study.solvers.protocol import Question, Solution, Solver
+from dubins_study.solvers.paper_nlp.best_point import Point
+from dubins_study.solvers.paper_nlp.local_nlp import Case, LocalNlp, Run
+from dubins_study.solvers.paper_nlp.model import UNITS, equations, jacobian
 from dubins_study.solvers.setting_checks import one_of, positive, within
 from dubins_study.study.check.verdict import Claim
-from dubins_study.study.closed_form.shortest import BRANCHES, EPS
+from dubins_study.study.closed_form.shortest import EPS
 from dubins_study.study.path import FloatArray
+from dubins_study.study.scenario import Scenario
 
 _AT_BOUND = 1e-6  # radii or the scenario's unit: nearer to a bound, its own dual has a say
 _STATIONARY = 1e-3  # slopes of 1 in all: what is off by more is no stationary point
@@ -35,51 +25,24 @@ _STATIONARY = 1e-3  # slopes of 1 in all: what is off by more is no stationary p
 # the problem
 _CLAIMS = {0: Claim.LOCAL, 9: Claim.LIMIT}
 
-
-class Case(NamedTuple):
-    """A subproblem as SLSQP takes it: functions of the free lengths, a radius being `unit`."""
-
-    subproblem: Subproblem
-    constraint: dict[str, Any]
-    bounds: list[tuple[float, float]]
-    ftol: float
-    unit: float
-
-
-class Model(NamedTuple):
-    """A question, translated for `solve`."""
-
-    question: Question
-    cases: list[Case]
+Bounds = list[tuple[float, float]]
 
 
 @dataclass(frozen=True)
-class Slsqp(Solver):
-    """Model (4.12) by SLSQP.
+class Slsqp(LocalNlp):
+    """Model (4.12) by SLSQP; settings that are not explained here: `LocalNlp`.
 
-    `model` and `order` choose the subproblems (`paper_nlp.model.subproblems`); `initial_guess`,
-    `seed` and `count` choose where the search begins (`paper_nlp.initial_guesses`).
-    `capped` bounds arcs by a full turn, which the paper does not. `ftol` is SLSQP's tolerance
-    on the objective and the sum of constraint violations, in radii; it is multiplied by the
-    target's distance where that exceeds one radius, up to a thousand, since rounding grows with
-    it. `units` poses the model in turning radii, or as the paper does in the scenario's own unit;
-    so is `ftol` then.
+    `ftol` is SLSQP's tolerance on the objective and the sum of constraint violations, in radii; it
+    is multiplied by the target's distance where that exceeds one radius, up to a thousand, since
+    rounding grows with it. `units` poses the model in turning radii, or as the paper does in the
+    scenario's own unit; `ftol` is then in that unit too.
     """
 
-    model: str = "words"
-    order: str = "both"
-    initial_guess: str = "bearing"
-    seed: int = 0
-    count: int = 10
-    capped: bool = True
     ftol: float = 1e-10
     maxiter: int = 40
     units: str = "radius"
 
     name: ClassVar[str] = "slsqp"
-    method: ClassVar[str] = "local NLP"
-    branches: ClassVar[tuple[str, ...]] = BRANCHES
-    warm: ClassVar[bool] = True
     packages: ClassVar[tuple[str, ...]] = ("scipy",)
     summary: ClassVar[str] = "the paper's model (4.12) by SciPy's SLSQP"
     profiles: ClassVar[dict[str, dict[str, Any]]] = {
@@ -88,63 +51,38 @@ class Slsqp(Solver):
     }
 
     def __post_init__(self) -> None:
-        one_of(
-            model=(self.model, MODELS),
-            order=(self.order, ORDERS),
-            initial_guess=(self.initial_guess, INITIAL_GUESSES),
-        )
+        super().__post_init__()
         one_of(units=(self.units, UNITS))
-        positive(count=self.count, maxiter=self.maxiter)
+        positive(maxiter=self.maxiter)
         within(ftol=(self.ftol, 1e-16, 1e-2))
 
-    def build(self, question: Question) -> Model:
-        cases = [
-            self._case(question, subproblem)
-            for subproblem in subproblems(question, self.model, self.order)
-        ]
-        return Model(question, cases)
+    def unit(self, scenario: Scenario) -> float:
+        return scenario.radius if self.units == "scenario" else 1.0
 
-    def _case(self, question: Question, subproblem: Subproblem) -> Case:
-        X, Y = target(question.scenario, subproblem.mirrored)
-        free = list(subproblem.free)
-        unit = question.scenario.radius if self.units == "scenario" else 1.0
-        arc = unit * FULL_TURN if self.capped else math.inf
-        return Case(
-            subproblem,
-            {
-                "type": "eq",
-                **_functions(X, Y, free, unit),
-            },
-            [(0.0, math.inf if i == 2 else arc) for i in free],
-            _tolerance(self.ftol, unit * math.hypot(X, Y)),
-            unit,
-        )
+    def engine(self) -> Run:
+        return self._run
 
-    def solve(self, model: Model, limit: float) -> Solution:
-        question = model.question
-        tried = attempts(
-            question, model.cases, self._from, self.initial_guess, self.seed, self.count
-        )
-        return answer(question, tried, limit)
-
-    def _from(self, case: Case, guess: FloatArray) -> Point:
+    def _run(self, case: Case, guess: FloatArray, seconds: float) -> Point:
         from scipy.optimize import minimize
 
-        ones = np.ones(len(case.subproblem.free))
+        free, unit = list(case.subproblem.free), case.unit
+        ones = np.ones(len(free))
+        bounds = [(0.0, unit * float(case.upper[i])) for i in free]
+        constraint = _constraint(case, free)
         result = minimize(
             _sum,
-            case.unit * guess[list(case.subproblem.free)],
+            unit * guess[free],
             jac=lambda z: ones,
             method="SLSQP",
-            bounds=case.bounds,
-            constraints=case.constraint,
-            options={"ftol": case.ftol, "maxiter": self.maxiter},
+            bounds=bounds,
+            constraints=constraint,
+            options={"ftol": _tolerance(self.ftol, case), "maxiter": self.maxiter},
         )
         return Point(
             case.subproblem,
-            _full(result.x, list(case.subproblem.free)) / case.unit,
+            _full(result.x, free) / unit,
             _CLAIMS.get(int(result.status), Claim.FAILED),
-            _multipliers(result, case),
+            _multipliers(result, constraint["jac"], bounds),
             int(result.nit),
             int(result.nfev),
             f"mode {result.status}",
@@ -152,29 +90,35 @@ class Slsqp(Solver):
         )
 
 
-def _tolerance(ftol: float, distance: float) -> float:
-    """SLSQP's tolerance for a target so far away: grown with the rounding of such a distance.
+def _tolerance(ftol: float, case: Case) -> float:
+    """SLSQP's tolerance for the case's target: larger by the rounding of the target's distance.
 
-    By no more than a thousand times, since what it leaves of the equations is missed by; but
-    never less than the rounding of the sums themselves.
+    At most a thousand times larger, since the path misses by what SLSQP leaves of the equations;
+    but never below the rounding of the sums themselves.
     """
+    distance = case.unit * math.hypot(*case.target)
     return max(ftol * min(max(1.0, distance), 1e3), 64 * EPS * distance)
 
 
-def _functions(X: float, Y: float, free: list[int], unit: float) -> dict[str, Any]:
-    """The two equations of the free lengths and their Jacobian, a radius being `unit`."""
+def _constraint(case: Case, free: list[int]) -> dict[str, Any]:
+    """The two equations of the free lengths and their Jacobian, in the model's unit."""
+    (X, Y), unit = case.target, case.unit
     if unit == 1.0:
         return {
+            "type": "eq",
             "fun": lambda z: equations(_full(z, free), X, Y),
             "jac": lambda z: jacobian(_full(z, free))[:, free],
         }
     return {
+        "type": "eq",
         "fun": lambda z: unit * equations(_full(z, free) / unit, X, Y),
         "jac": lambda z: jacobian(_full(z, free) / unit)[:, free],
     }
 
 
-def _multipliers(result: Any, case: Case) -> tuple[float, float] | None:
+def _multipliers(
+    result: Any, jacobian: Callable[[FloatArray], FloatArray], bounds: Bounds
+) -> tuple[float, float] | None:
     """Duals of the two equations: SciPy's Lagrangian is f - m c, the paper's f + m c.
 
     At some optima, status 0 included, SciPy returns 1e8 and more (seen with 1.17.1). What is no
@@ -183,13 +127,12 @@ def _multipliers(result: Any, case: Case) -> tuple[float, float] | None:
     duals = result.get("multipliers")
     if duals is None or len(duals) != 2:
         return None
-    if math.hypot(*duals) < 2:  # a unit vector where the path ends straight: nothing to doubt
-        return -float(duals[0]), -float(duals[1])
-    slope = 1.0 - duals @ case.constraint["jac"](result.x)
-    low, high = np.array(case.bounds).T
-    between = (result.x > low + _AT_BOUND) & (result.x < high - _AT_BOUND)
-    if not (np.abs(slope[between]) <= _STATIONARY).all():
-        return None
+    if not math.hypot(*duals) < 2:  # else nearly a unit vector, as where the path ends straight
+        slope = 1.0 - duals @ jacobian(result.x)
+        low, high = np.array(bounds).T
+        between = (result.x > low + _AT_BOUND) & (result.x < high - _AT_BOUND)
+        if not (np.abs(slope[between]) <= _STATIONARY).all():
+            return None
     return -float(duals[0]), -float(duals[1])
 
 

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from dubins_study.solvers.paper_nlp.best_point import Point
-from dubins_study.solvers.paper_nlp.ipopt import Case
+from dubins_study.solvers.paper_nlp.local_nlp import Case
 from dubins_study.solvers.paper_nlp.model import equations, hessian, jacobian
 from dubins_study.study.check.verdict import Claim
 from dubins_study.study.closed_form.shortest import EPS
@@ -24,8 +24,8 @@ from dubins_study.study.path import FloatArray
 _CLAIMS = {0: Claim.LIMIT, 1: Claim.LOCAL, 2: Claim.LOCAL}
 
 # A run is stopped when its least violation has not halved in so many iterations. Of 302 runs that
-# found a solution, over all words and distances, none had needed more than 9.
-_PATIENCE = 20
+# reached a solution, over all words and distances, none had needed more than 9.
+_STALLED_ITERATIONS = 20
 
 # The projected gradient of half the squared violation, in units of the violation, below which a
 # point counts as stationary. None of those 302 runs passed such a point on its way.
@@ -54,7 +54,7 @@ class _Watch:
             self._stop(Claim.LIMIT, "out of time")
         if violation > _INFEASIBLE and _stationary(self.case, intermediate_result.x):
             self._stop(Claim.INFEASIBLE, "the constraint violation is stationary")
-        if violation > self.tolerance and self.since > _PATIENCE:
+        if violation > self.tolerance and self.since > _STALLED_ITERATIONS:
             self._stop(Claim.FAILED, "the constraint violation falls no more")
 
     def _stop(self, claim: Claim, message: str) -> None:
@@ -64,9 +64,9 @@ class _Watch:
 
 def _stationary(case: Case, free: FloatArray) -> bool:
     """Whether no small step within the bounds lessens the violation."""
-    z = np.clip(_full(case, free), case.lower, case.upper)
+    z = np.clip(_full(case, free), 0.0, case.upper)
     violation = equations(z, *case.target)
-    step = z - np.clip(z - jacobian(z).T @ violation, case.lower, case.upper)
+    step = z - np.clip(z - jacobian(z).T @ violation, 0.0, case.upper)
     return bool(np.abs(step).max() <= _STATIONARY * np.hypot(*violation))
 
 
@@ -87,8 +87,8 @@ def trust_constr(case: Case, guess: FloatArray, seconds: float, tol: float, max_
 
     mask = case.subproblem.mask
     block = np.ix_(mask, mask)
-    lower, upper = case.lower[mask], case.upper[mask]
-    ones, zeros = np.ones(lower.size), np.zeros((lower.size, lower.size))
+    upper = case.upper[mask]
+    ones, zeros = np.ones(upper.size), np.zeros((upper.size, upper.size))
     tolerance = max(tol, 16 * EPS * math.hypot(*case.target))
     watch = _Watch(case, perf_counter() + seconds, tolerance)
     result = minimize(
@@ -97,7 +97,7 @@ def trust_constr(case: Case, guess: FloatArray, seconds: float, tol: float, max_
         method="trust-constr",
         jac=lambda z: ones,
         hess=lambda z: zeros,
-        bounds=Bounds(lower, upper),
+        bounds=Bounds(np.zeros(upper.size), upper),
         constraints=NonlinearConstraint(
             lambda z: equations(_full(case, z), *case.target),
             0.0,

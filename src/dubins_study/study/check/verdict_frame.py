@@ -29,14 +29,12 @@ from dubins_study.study.check.verdict_kernel import (
     BoolArray,
     Findings,
     Limits,
-    Questions,
-    judge_alone,
-    judge_threads,
+    judge_rows,
 )
-from dubins_study.study.closed_form.kernel import SMALL, WORDS, Rows, shortest_rows
-from dubins_study.study.closed_form.kernel_compile import loop_input, may_use_threads
+from dubins_study.study.closed_form.kernel import WORDS, shortest_rows
+from dubins_study.study.closed_form.kernel_compile import loop_input
 from dubins_study.study.closed_form.kernel_paths import FIRST_TURN, LAST_TURN
-from dubins_study.study.closed_form.kernel_words import NO_PATH, CodeArray
+from dubins_study.study.closed_form.kernel_words import NO_PATH, CodeArray, Rows, ScenarioArrays
 from dubins_study.study.closed_form.shortest import BRANCHES, shortest
 from dubins_study.study.path import FloatArray, Path
 from dubins_study.study.scenario import NUMBERS, Scenario
@@ -128,15 +126,13 @@ def judge_frame(
         raise ValueError(f"there are {len(paths)} paths for {n} scenarios")
     codes = CLAIMS.index(claim) if isinstance(claim, Claim) else np.asarray(claim, np.intp)
     columns = {name: loop_input(frame[name]) for name in NUMBERS}
-    x, y, heading, tx, ty, radius, _ = columns.values()
-    best = shortest_rows(x, y, heading, tx, ty, radius, branch=branch)
-    questions = Questions(x, y, heading, tx, ty, radius, best.length)
+    scenarios = ScenarioArrays(*(columns[name] for name in ScenarioArrays._fields))
+    best = shortest_rows(*scenarios, branch=branch)
     findings = Findings.empty(n)
     (k1, k2), (l1, l2) = loop_input(paths.curvature), loop_input(paths.length)
     arcs = Arcs(k1, l1, k2, l2)
     limits = Limits(tolerances.miss, tolerances.curvature, tolerances.gap, BRANCHES.index(branch))
-    run = judge_threads if n >= SMALL and may_use_threads() else judge_alone
-    odd = run(questions, arcs, limits, findings)
+    odd = judge_rows(n)(scenarios, best.length, arcs, limits, findings)
     if paths.returned is not None:
         findings.verdict[~paths.returned] = ODD
         odd += n

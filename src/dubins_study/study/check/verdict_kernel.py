@@ -17,10 +17,10 @@ from numpy.typing import NDArray
 from dubins_study.study.check import two_arcs
 from dubins_study.study.check.relaxation import ROUNDED
 from dubins_study.study.check.verdict import Verdict
-from dubins_study.study.closed_form.kernel import CHUNK, chunks, to_local
-from dubins_study.study.closed_form.kernel_compile import compiled, inlined, threaded
+from dubins_study.study.closed_form.kernel import chunk_bounds, chunks, to_local
+from dubins_study.study.closed_form.kernel_compile import inlined, threaded
 from dubins_study.study.closed_form.kernel_math import LARGEST_ANGLE, sine_cosine
-from dubins_study.study.closed_form.kernel_words import CodeArray
+from dubins_study.study.closed_form.kernel_words import CodeArray, ScenarioArrays
 from dubins_study.study.closed_form.shortest import EPS
 from dubins_study.study.path import FloatArray
 
@@ -33,18 +33,6 @@ _OPTIMAL, _LONGER, _MISSES = (
 _LARGEST = np.finfo(np.float64).max
 
 BoolArray = NDArray[np.bool_]
-
-
-class Questions(NamedTuple):
-    """Scenarios and the shortest path of each: arrays of shape (n,), units as in `Scenario`."""
-
-    x: FloatArray
-    y: FloatArray
-    heading: FloatArray
-    target_x: FloatArray
-    target_y: FloatArray
-    radius: FloatArray
-    reference: FloatArray
 
 
 class Arcs(NamedTuple):
@@ -144,13 +132,17 @@ def _region_and_margin(X: float, Y: float, rounding: float) -> tuple[int, float]
 
 @inlined
 def _judge_chunk(
-    chunk: int, questions: Questions, arcs: Arcs, limits: Limits, findings: Findings
+    chunk: int,
+    scenarios: ScenarioArrays,
+    reference: FloatArray,
+    arcs: Arcs,
+    limits: Limits,
+    findings: Findings,
 ) -> int:
     """Judge one chunk of rows; returns how many are `ODD`."""
-    x, y, heading, tx, ty, radius, reference = questions
+    x, y, heading, tx, ty, radius = scenarios
     curvature1, length1, curvature2, length2 = arcs
-    low = np.uint64(chunk) * np.uint64(CHUNK)
-    high = min(low + np.uint64(CHUNK), np.uint64(x.size))
+    low, high = chunk_bounds(chunk, x.size)
     length, gap, miss, excess, margin, verdict, word, region = findings
     odd = 0
     for i in range(low, high):
@@ -188,18 +180,15 @@ def _judge_chunk(
 
 
 @threaded
-def judge_threads(questions: Questions, arcs: Arcs, limits: Limits, findings: Findings) -> int:
-    """Judge all rows in several threads; returns 0 if none is `ODD`."""
+def judge_rows(
+    scenarios: ScenarioArrays,
+    reference: FloatArray,
+    arcs: Arcs,
+    limits: Limits,
+    findings: Findings,
+) -> int:
+    """Judge all rows against their shortest lengths; returns 0 if none is `ODD`."""
     odd = 0
-    for chunk in numba.prange(chunks(questions.x.size)):
-        odd += _judge_chunk(chunk, questions, arcs, limits, findings)
-    return odd
-
-
-@compiled
-def judge_alone(questions: Questions, arcs: Arcs, limits: Limits, findings: Findings) -> int:
-    """Judge all rows in one thread; returns 0 if none is `ODD`."""
-    odd = 0
-    for chunk in range(chunks(questions.x.size)):
-        odd += _judge_chunk(chunk, questions, arcs, limits, findings)
+    for chunk in numba.prange(chunks(scenarios.x.size)):
+        odd += _judge_chunk(chunk, scenarios, reference, arcs, limits, findings)
     return odd

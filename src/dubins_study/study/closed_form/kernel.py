@@ -8,7 +8,7 @@ the last ulp decides whether a target is snapped to a circle or to the axis.
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
+from typing import Any
 
 import numba
 import numpy as np
@@ -18,7 +18,6 @@ from dubins_study.study.closed_form.kernel_compile import (
     compiled,
     inlined,
     loop_input,
-    may_use_threads,
     threaded,
 )
 from dubins_study.study.closed_form.kernel_math import (
@@ -29,39 +28,18 @@ from dubins_study.study.closed_form.kernel_math import (
 )
 from dubins_study.study.closed_form.kernel_words import (
     NO_PATH,
-    CodeArray,
+    Rows,
+    ScenarioArrays,
     to_local_exactly,
     word_rows,
 )
 from dubins_study.study.closed_form.shortest import BRANCHES, EPS
-from dubins_study.study.path import FloatArray
 
 WORDS = ("", "S", "L", "R", "LS", "RS", "LR", "RL")
 
 CHUNK = 512  # rows; what a chunk reads and writes stays in the first-level cache
-SMALL = 32768  # rows; below, waking a thread costs more than it saves
 _TWO_PI = 2 * math.pi
 _LARGEST = np.finfo(np.float64).max
-
-
-class Rows(NamedTuple):
-    """The shortest paths of n rows: arrays of shape (n,).
-
-    Args:
-        length: of the whole path, in the length unit; NaN where the branch has none.
-        first, second: lengths of its two segments, in the length unit; 0 for a letter left out.
-        word: index into `WORDS`, or `NO_PATH`.
-    """
-
-    length: FloatArray
-    first: FloatArray
-    second: FloatArray
-    word: CodeArray
-
-    @classmethod
-    def empty(cls, n: int) -> Rows:
-        """Room for n rows."""
-        return cls(np.empty(n), np.empty(n), np.empty(n), np.empty(n, np.uint8))
 
 
 def shortest_rows(
@@ -89,19 +67,17 @@ def shortest_rows(
     Raises:
         ValueError: if the shapes differ or there is no such branch.
     """
-    inputs: list[FloatArray]
-    inputs = [loop_input(a) for a in (x, y, heading, target_x, target_y, radius)]
-    n = inputs[0].size
+    scenarios = ScenarioArrays(*map(loop_input, (x, y, heading, target_x, target_y, radius)))
+    n = scenarios.x.size
     rows = Rows.empty(n) if out is None else out
-    arrays: list[NDArray[Any]] = [*inputs, *rows]
+    arrays: list[NDArray[Any]] = [*scenarios, *rows]
     for shape in {array.shape for array in arrays} - {(n,)}:
         raise ValueError(f"an array has shape {shape}; expected {(n,)} as x has")
     if branch == "best":
-        best = _best_threads if n >= SMALL and may_use_threads() else _best_alone
-        if best(*inputs, *rows):
-            _redo_unusual(*inputs, *rows)
+        if _best_rows(n)(scenarios, rows):
+            _redo_unusual(scenarios, rows)
     elif branch in BRANCHES:
-        word_rows(*inputs, branch in ("LR", "RL"), branch in ("RS", "LR"), *rows)
+        word_rows(scenarios, branch in ("LR", "RL"), branch in ("RS", "LR"), rows)
     else:
         raise ValueError(f"no branch {branch!r}; choose one of: {', '.join(BRANCHES)}")
     return rows
@@ -172,28 +148,32 @@ def _best(X: float, y: float, rounding: float, right: int) -> tuple[float, float
 
 
 @inlined
-def _best_chunk(
-    chunk: int,
-    n: int,
-    x: FloatArray,
-    y: FloatArray,
-    heading: FloatArray,
-    tx: FloatArray,
-    ty: FloatArray,
-    radius: FloatArray,
-    length: FloatArray,
-    first: FloatArray,
-    second: FloatArray,
-    word: CodeArray,
-) -> int:
+def chunks(n: int) -> int:
+    """The number of chunks of n rows."""
+    return (n + CHUNK - 1) // CHUNK
+
+
+@inlined
+def chunk_bounds(chunk: int, n: int) -> tuple[np.uint64, np.uint64]:
+    """The first row of a chunk of n rows and the row after its last.
+
+    Unsigned, so that the compiler knows that no index counts from the end.
+    """
+    low = np.uint64(chunk) * np.uint64(CHUNK)
+    return low, min(low + np.uint64(CHUNK), np.uint64(n))
+
+
+@inlined
+def _best_chunk(chunk: int, scenarios: ScenarioArrays, rows: Rows) -> int:
     """One chunk of rows in two loops, each small enough for the vector registers.
 
     Between them the target in the vehicle's frame lies in the output arrays. Returns how many
     rows are unusual. That count does a second service: LLVM interleaves two vectors only in loops
-    that have a reduction. Indices are unsigned so that none can count from the end.
+    that have a reduction.
     """
-    low = np.uint64(chunk) * np.uint64(CHUNK)
-    high = min(low + np.uint64(CHUNK), np.uint64(n))
+    x, y, heading, tx, ty, radius = scenarios
+    length, first, second, word = rows
+    low, high = chunk_bounds(chunk, x.size)
     unusual = 0
     for i in range(low, high):
         sine, cosine = sine_cosine(heading[i])
@@ -216,67 +196,18 @@ def _best_chunk(
 
 
 @threaded
-def _best_threads(
-    x: FloatArray,
-    y: FloatArray,
-    heading: FloatArray,
-    tx: FloatArray,
-    ty: FloatArray,
-    radius: FloatArray,
-    length: FloatArray,
-    first: FloatArray,
-    second: FloatArray,
-    word: CodeArray,
-) -> int:
+def _best_rows(scenarios: ScenarioArrays, rows: Rows) -> int:
     unusual = 0
-    for chunk in numba.prange(chunks(x.size)):
-        unusual += _best_chunk(
-            chunk, x.size, x, y, heading, tx, ty, radius, length, first, second, word
-        )
+    for chunk in numba.prange(chunks(scenarios.x.size)):
+        unusual += _best_chunk(chunk, scenarios, rows)
     return unusual
 
 
 @compiled
-def _best_alone(
-    x: FloatArray,
-    y: FloatArray,
-    heading: FloatArray,
-    tx: FloatArray,
-    ty: FloatArray,
-    radius: FloatArray,
-    length: FloatArray,
-    first: FloatArray,
-    second: FloatArray,
-    word: CodeArray,
-) -> int:
-    unusual = 0
-    for chunk in range(chunks(x.size)):
-        unusual += _best_chunk(
-            chunk, x.size, x, y, heading, tx, ty, radius, length, first, second, word
-        )
-    return unusual
-
-
-@inlined
-def chunks(n: int) -> int:
-    """The number of chunks of n rows."""
-    return (n + CHUNK - 1) // CHUNK
-
-
-@compiled
-def _redo_unusual(
-    x: FloatArray,
-    y: FloatArray,
-    heading: FloatArray,
-    tx: FloatArray,
-    ty: FloatArray,
-    radius: FloatArray,
-    length: FloatArray,
-    first: FloatArray,
-    second: FloatArray,
-    word: CodeArray,
-) -> None:
+def _redo_unusual(scenarios: ScenarioArrays, rows: Rows) -> None:
     """The rows that the vector loops cannot do: huge headings, and radii next to underflow."""
+    x, y, heading, tx, ty, radius = scenarios
+    length, first, second, word = rows
     for i in range(x.size):
         if abs(heading[i]) <= LARGEST_ANGLE and length[i] <= _LARGEST:
             continue

@@ -19,6 +19,8 @@ from numpy.typing import ArrayLike
 
 from dubins_study.study.path import FloatArray
 
+SMALL = 32768  # rows; below, waking a thread costs more than it saves
+
 Function = TypeVar("Function", bound=Callable[..., Any])
 Loop = Callable[..., Any]  # over arrays that callers unpack: no checker could count them
 
@@ -76,9 +78,13 @@ def compiled(function: Loop) -> Loop:
     return _kept(function, {})
 
 
-def threaded(function: Loop) -> Loop:
-    """Compiled by Numba; its `numba.prange` shares the work out among threads."""
-    return _kept(function, {"parallel": True})
+def threaded(function: Loop) -> Callable[[int], Loop]:
+    """Compiled by Numba with its `numba.prange` shared out among threads, and for one thread.
+
+    Returns the function that chooses between the two by the number of rows.
+    """
+    threads, alone = _kept(function, {"parallel": True}), _kept(function, {})
+    return lambda n: threads if n >= SMALL and may_use_threads() else alone
 
 
 def _kept(function: Loop, options: dict[str, Any]) -> Loop:

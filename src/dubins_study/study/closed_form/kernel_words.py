@@ -6,6 +6,7 @@ Nobody asks for speed here; only `best` has vector loops (`study.closed_form.ker
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +19,37 @@ CodeArray = NDArray[np.uint8]
 
 NO_PATH = 255  # the word code of a row whose branch has no path
 _TWO_PI = 2 * math.pi
+
+
+class ScenarioArrays(NamedTuple):
+    """n scenarios: arrays of shape (n,), units as in `study.scenario.Scenario`."""
+
+    x: FloatArray
+    y: FloatArray
+    heading: FloatArray
+    target_x: FloatArray
+    target_y: FloatArray
+    radius: FloatArray
+
+
+class Rows(NamedTuple):
+    """The shortest paths of n rows: arrays of shape (n,).
+
+    Args:
+        length: of the whole path, in the length unit; NaN where the branch has none.
+        first, second: lengths of its two segments, in the length unit; 0 for a letter left out.
+        word: index into `kernel.WORDS`, or `NO_PATH`.
+    """
+
+    length: FloatArray
+    first: FloatArray
+    second: FloatArray
+    word: CodeArray
+
+    @classmethod
+    def empty(cls, n: int) -> Rows:
+        """Room for n rows."""
+        return cls(np.empty(n), np.empty(n), np.empty(n), np.empty(n, np.uint8))
 
 
 @inlined
@@ -86,21 +118,10 @@ def _wrapped(angle: float) -> float:
 
 
 @compiled
-def word_rows(
-    x: FloatArray,
-    y: FloatArray,
-    heading: FloatArray,
-    tx: FloatArray,
-    ty: FloatArray,
-    radius: FloatArray,
-    arcs: bool,
-    right: bool,
-    length: FloatArray,
-    first: FloatArray,
-    second: FloatArray,
-    word: CodeArray,
-) -> None:
+def word_rows(scenarios: ScenarioArrays, arcs: bool, right: bool, rows: Rows) -> None:
     """LS, or RL if `arcs`; mirrored, RS or LR, if `right`. With libm."""
+    x, y, heading, tx, ty, radius = scenarios
+    length, first, second, word = rows
     for i in range(x.size):
         X, Y, rounding = to_local_exactly(x[i], y[i], heading[i], tx[i], ty[i], radius[i])
         if right:

@@ -1,0 +1,126 @@
+"""The settings and the loop that all adapters of the paper's model (4.12) share."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache, partial
+from typing import ClassVar, NamedTuple
+
+import numpy as np
+
+from dubins_study.solvers.paper_nlp.best_point import Attempts, Point, answer
+from dubins_study.solvers.paper_nlp.initial_guesses import (
+    INITIAL_GUESSES,
+    initial_guesses,
+    needs_every_guess,
+)
+from dubins_study.solvers.paper_nlp.model import (
+    FULL_TURN,
+    MODELS,
+    ORDERS,
+    Subproblem,
+    subproblems,
+    target,
+)
+from dubins_study.solvers.protocol import Question, Solution, Solver
+from dubins_study.solvers.setting_checks import one_of, positive
+from dubins_study.study.closed_form.shortest import BRANCHES
+from dubins_study.study.path import FloatArray
+from dubins_study.study.scenario import Scenario
+
+
+class Case(NamedTuple):
+    """A subproblem of a question.
+
+    Args:
+        upper: upper bounds of z, shape (3,), radii; the lower bounds are 0.
+        target: in the subproblem's frame, radii.
+        unit: length of a radius in the unit in which the model is posed.
+    """
+
+    subproblem: Subproblem
+    upper: FloatArray
+    target: tuple[float, float]
+    unit: float = 1.0
+
+
+# (the case, an initial guess z of shape (3,) in radii, the seconds left) -> the point reached
+Run = Callable[[Case, FloatArray, float], Point]
+
+
+class Model(NamedTuple):
+    """A question, translated for `solve`."""
+
+    question: Question
+    cases: list[Case]
+    run: Run
+
+
+@dataclass(frozen=True)
+class LocalNlp(Solver):
+    """Model (4.12) by a local NLP solver, which an adapter names in `engine`.
+
+    `model` and `order` choose the subproblems (`paper_nlp.model.subproblems`); `initial_guess`,
+    `seed` and `count` choose where the search begins (`paper_nlp.initial_guesses`).
+    `capped` bounds arcs by a full turn, which the paper does not.
+    """
+
+    model: str = "words"
+    order: str = "both"
+    initial_guess: str = "bearing"
+    seed: int = 0
+    count: int = 10
+    capped: bool = True
+
+    method: ClassVar[str] = "local NLP"
+    branches: ClassVar[tuple[str, ...]] = BRANCHES
+    warm: ClassVar[bool] = True
+
+    def __post_init__(self) -> None:
+        one_of(
+            model=(self.model, MODELS),
+            order=(self.order, ORDERS),
+            initial_guess=(self.initial_guess, INITIAL_GUESSES),
+        )
+        positive(count=self.count)
+
+    def engine(self) -> Run:
+        """The function that solves one case from one initial guess."""
+        raise NotImplementedError
+
+    def unit(self, scenario: Scenario) -> float:
+        """Length of a radius in the unit in which the model is posed."""
+        return 1.0
+
+    def build(self, question: Question) -> Model:
+        unit = self.unit(question.scenario)
+        cases = [
+            Case(
+                subproblem,
+                _upper(subproblem, self.capped),
+                target(question.scenario, subproblem.mirrored),
+                unit,
+            )
+            for subproblem in subproblems(question, self.model, self.order)
+        ]
+        return Model(question, cases, self.engine())
+
+    def solve(self, model: Model, limit: float) -> Solution:
+        question, kind = model.question, self.initial_guess
+        attempts = [
+            Attempts(
+                partial(model.run, case),
+                initial_guesses(question, case.subproblem, kind, self.seed, self.count),
+                needs_every_guess(case.subproblem, kind),
+            )
+            for case in model.cases
+        ]
+        return answer(question, attempts, limit)
+
+
+@cache
+def _upper(subproblem: Subproblem, capped: bool) -> FloatArray:
+    arc = FULL_TURN if capped else math.inf
+    return np.where(subproblem.mask, (arc, arc, math.inf), 0.0)
