@@ -82,6 +82,21 @@ class ForkedProcess(NamedTuple):
         os.close(self.status)
 
 
+def exit_status(code: int) -> tuple[str, str]:
+    """The end of a process in a word and in a sentence.
+
+    Args:
+        code: its exit code, or minus the number of the signal that ended it.
+    """
+    if code >= 0:
+        return f"exit {code}", f"its process ended itself with code {code}"
+    try:
+        name = signal.Signals(-code).name
+    except ValueError:
+        name = f"signal {-code}"
+    return name, f"its process was ended by {name}"
+
+
 def _readable(descriptor: int, timeout_s: float) -> bool:
     """Whether something can be read in time, if only that nothing will come any more."""
     poll = select.poll()  # `select.select` takes only the first thousand descriptors

@@ -33,8 +33,9 @@ _ROUNDS, _ROUND_S = 400, 0.005
 def serve() -> None:
     """Fork a process for every byte that comes down the socket on stdin, until that is closed."""
     control = socket.socket(fileno=os.dup(0))
-    os.close(0)
-    os.open(os.devnull, os.O_RDONLY)  # takes the lowest number, that of stdin
+    nothing = os.open(os.devnull, os.O_RDONLY)
+    os.dup2(nothing, 0)
+    os.close(nothing)
     for number in (signal.SIGTERM, signal.SIGHUP, signal.SIGINT):
         signal.signal(number, signal.SIG_IGN)
     _set_process_option(_PR_SET_CHILD_SUBREAPER, 1)

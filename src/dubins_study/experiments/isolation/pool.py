@@ -13,7 +13,6 @@ from typing import Self
 
 from dubins_study.errors import DubinsStudyError
 from dubins_study.experiments.interruption import Interruption
-from dubins_study.experiments.isolation.exit_status import crashed, exit_status
 from dubins_study.experiments.isolation.fork_server import ForkServerError
 from dubins_study.experiments.isolation.job_clock import Phase
 from dubins_study.experiments.isolation.job_queue import Job, JobQueue, SolverKey, worker_group
@@ -148,13 +147,7 @@ class WorkerPool:
         return results
 
     def _worker_for(self, job: Job, place: int, share: int) -> WorkerProcess | None:
-        """The worker of a place, if it may be given a job more; it is started where there is none.
-
-        Args:
-            job: the next.
-            place: among the workers; an idle worker of another group leaves it.
-            share: jobs that a quick worker has in advance.
-        """
+        """The worker of a place, if it may be given a job; it may replace an idle worker."""
         worker, group = self._workers[place], worker_group(job.solver)
         if worker is not None and worker.group != group:
             if worker.pending:
@@ -229,19 +222,19 @@ class WorkerPool:
         number, phase = worker.current_number(), worker.clock.read().phase
         if reply is not None:
             worker.process.kill()
-        code, output = worker.exit_code(), worker.last_output()
+        crash_reply = worker.crash_reply()
         current = None if number is None else worker.pending.pop(number)
         self._remove(worker)
         if current is None:
             self._false_starts += 1
             if self._false_starts >= _MAX_FALSE_STARTS:
                 raise RunError(
-                    f"worker processes end before they solve anything ({exit_status(code)[1]}"
-                    f"{': ' + output if output else ''}); the rows written so far are kept"
+                    "worker processes end before they solve anything "
+                    f"({crash_reply.solution.message}); the rows written so far are kept"
                 )
             return []
         self._false_starts = 0
-        job, reply = current.job, reply or crashed(code, output)
+        job, reply = current.job, reply or crash_reply
         if phase in (Phase.LOADING, Phase.WARMING_UP):
             if current.warm_up:  # it may be to blame: the solver is loaded once more, without it
                 self._without_warm_up.add(job.solver_key)

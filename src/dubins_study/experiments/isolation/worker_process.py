@@ -10,7 +10,7 @@ from contextlib import suppress
 from itertools import count
 from typing import Any, NamedTuple
 
-from dubins_study.experiments.isolation.fork_server import fork
+from dubins_study.experiments.isolation.fork_server import exit_status, fork
 from dubins_study.experiments.isolation.job_clock import JobClock, Phase, shared_memory
 from dubins_study.experiments.isolation.job_queue import Job
 from dubins_study.experiments.isolation.messages import (
@@ -20,6 +20,8 @@ from dubins_study.experiments.isolation.messages import (
     encode_question,
 )
 from dubins_study.experiments.isolation.worker import PROBE
+from dubins_study.solvers.protocol import Outcome
+from dubins_study.solvers.reply import Reply, no_answer
 
 _SERVE = "dubins_study.experiments.isolation.worker:serve"
 _OUTPUT_BYTES, _OUTPUT_CHARS = 400, 200
@@ -65,7 +67,6 @@ class WorkerProcess:
         self.quick = False
         self._output = b""
         self._open = {self.process.channel.line.fileno(), self.process.output}
-        self._exit_code: int | None = None
 
     def put(self, job: Job, time_limit: float, warm_up: bool) -> None:
         """Give the worker a job, which `register` sends."""
@@ -125,18 +126,19 @@ class WorkerProcess:
             if not data:
                 self._open.discard(self.process.output)
 
-    def last_output(self) -> str:
-        """What a worker that has ended printed last, on one line."""
+    def crash_reply(self) -> Reply:
+        """The reply to the job of a worker that has ended: how, and what it printed last."""
+        code = self.process.exit_code()
+        status, message = exit_status(-signal.SIGKILL if code is None else code)
         for _ in range(_MAX_READS):
             self._read_output()
-        return " ".join(self._output.decode("utf-8", "replace").split())[-_OUTPUT_CHARS:]
-
-    def exit_code(self) -> int:
-        """How the process ended: it is waited for, but not for longer than the kernel may take."""
-        if self._exit_code is None:
-            code = self.process.exit_code()
-            self._exit_code = -signal.SIGKILL if code is None else code
-        return self._exit_code
+        output = " ".join(self._output.decode("utf-8", "replace").split())[-_OUTPUT_CHARS:]
+        if output:
+            message = f"{message}; its last output: {output}"
+        # C++ ends a process so that may have no more memory
+        starved = code == -signal.SIGABRT and "bad_alloc" in output
+        outcome = Outcome.OUT_OF_MEMORY if starved else Outcome.CRASHED
+        return no_answer(outcome, message, status=status)
 
     def current_number(self) -> int | None:
         """The number of the job that the worker is at, or was at when it ended."""

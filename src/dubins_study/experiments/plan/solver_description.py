@@ -10,8 +10,7 @@ from functools import cache
 from typing import Any, NamedTuple
 
 from dubins_study.experiments.code_digest import code_digest, plain_settings
-from dubins_study.experiments.isolation.exit_status import exit_status
-from dubins_study.experiments.isolation.fork_server import fork
+from dubins_study.experiments.isolation.fork_server import exit_status, fork
 from dubins_study.experiments.isolation.messages import Channel, MessageError
 from dubins_study.experiments.provenance import versions_of
 from dubins_study.solvers.analytic import Analytic
