@@ -117,11 +117,11 @@ class _ForkServer:
         with self._lock:
             if self._control is None or self._process is None or self._process.poll() is not None:
                 self.stop()
-                self._control, theirs = socket.socketpair()
-                with theirs:
+                self._control, server_end = socket.socketpair()
+                with server_end:
                     self._process = subprocess.Popen(
                         [sys.executable, "-P", "-c", _PROGRAM, json.dumps(_search_path())],
-                        stdin=theirs.fileno(),
+                        stdin=server_end.fileno(),
                         stdout=subprocess.DEVNULL,
                         start_new_session=True,
                     )
@@ -178,18 +178,20 @@ def fork(function: str, arguments: list[Any], extra: tuple[int, ...] = ()) -> Fo
 
 
 def _forked(message: list[Any], extra: tuple[int, ...]) -> ForkedProcess:
-    with ExitStack() as theirs, ExitStack() as ours:
-        line, line_end = map(ExitStack.enter_context, (ours, theirs), socket.socketpair())
+    with ExitStack() as process_ends, ExitStack() as caller_ends:
+        line, line_end = socket.socketpair()
+        caller_ends.enter_context(line)
+        process_ends.enter_context(line_end)
         (output, output_end), (status, status_end) = os.pipe(), os.pipe()
         for pipe in (output, status):
-            ours.callback(os.close, pipe)
+            caller_ends.callback(os.close, pipe)
         for pipe in (output_end, status_end):
-            theirs.callback(os.close, pipe)
+            process_ends.callback(os.close, pipe)
         if hasattr(fcntl, "F_SETPIPE_SZ"):  # a solver that prints much seldom waits for us to read
             with suppress(OSError):
                 fcntl.fcntl(output_end, fcntl.F_SETPIPE_SZ, _OUTPUT_PIPE_BYTES)
         _server.request([status_end, output_end, line_end.fileno(), *extra])
-        theirs.close()
+        process_ends.close()
         pid = os.read(status, 8) if _readable(status, _START_UP_S) else b""
         if not pid:
             raise ConnectionError("it ended, or hangs")
@@ -199,7 +201,7 @@ def _forked(message: list[Any], extra: tuple[int, ...]) -> ForkedProcess:
             channel.flush()
         line.setblocking(False)
         os.set_blocking(output, False)
-        ours.pop_all()
+        caller_ends.pop_all()
         return ForkedProcess(int.from_bytes(pid), channel, output, status)
 
 
@@ -208,9 +210,9 @@ def _search_path() -> list[str]:
 
     The files that lie there by chance (`report.py`, `solvers/`) must not stand in for a package.
     """
-    kept = [os.path.abspath(entry) for entry in sys.path if entry]  # noqa: PTH100
-    kept = [entry for entry in kept if entry != _directory()]
-    return kept if _PACKAGE_FOLDER in kept else [*kept, _PACKAGE_FOLDER]
+    entries = [os.path.abspath(entry) for entry in sys.path if entry]  # noqa: PTH100
+    entries = [entry for entry in entries if entry != _directory()]
+    return entries if _PACKAGE_FOLDER in entries else [*entries, _PACKAGE_FOLDER]
 
 
 def _directory() -> str:
