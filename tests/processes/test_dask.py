@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import logging
+import pickle
 import socket
 from pathlib import Path
 
@@ -18,9 +19,8 @@ import dask_here as here
 from dubins_study import run
 from dubins_study.experiments.definition.experiment import ExperimentError
 from dubins_study.experiments.engines import dask_worker
-from dubins_study.experiments.engines.dask_client import mismatch
-from dubins_study.experiments.engines.dask_cluster import local_cluster
-from dubins_study.experiments.engines.work_unit import WorkUnit, encoded
+from dubins_study.experiments.engines.dask_cluster import local_cluster, mismatch
+from dubins_study.experiments.engines.engine import WorkUnit
 from dubins_study.experiments.isolation.pool import RunError
 from dubins_study.experiments.run_settings import RunSettings
 from dubins_study.experiments.store.folder import read_rows
@@ -226,9 +226,9 @@ def test_loggers_are_left_as_they_were(experiment, tmp_path, address):
 def test_a_worker_whose_files_were_changed_is_to_be_restarted(monkeypatch):
     """What it has imported is not what is on disk, whose digest it would tell."""
     monkeypatch.setattr(dask_worker, "_IMPORTED", frozenset())
-    reply = dask_worker.solve_unit(encoded(WorkUnit(RunSettings("r", 1.0), [], {})))
+    reply = dask_worker.solve_unit(pickle.dumps(WorkUnit(RunSettings("r", 1.0), [], {})))
 
-    assert reply.rows == b""
+    assert len(reply.rows) == 0
     assert reply.refusal.endswith("dubins-study was changed since the worker started; restart it")
 
 

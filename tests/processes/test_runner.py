@@ -12,7 +12,9 @@ import pytest
 
 from dubins_study import run
 from dubins_study.experiments.definition.experiment import ExperimentError, read
-from dubins_study.experiments.engines.local import LocalEngine, solve_chains
+from dubins_study.experiments.engines import local
+from dubins_study.experiments.engines.engine import WorkUnit
+from dubins_study.experiments.engines.local import solve_chains
 from dubins_study.experiments.interruption import Interruption
 from dubins_study.experiments.isolation.monitor import Limits
 from dubins_study.experiments.isolation.pool import WorkerPool
@@ -89,7 +91,7 @@ def test_a_finished_run_is_one_part_and_a_second_run_solves_nothing(small, tmp_p
     folder = run(small, tmp_path / "out")
     before = rows(folder)
     assert len(list((folder / "parts").iterdir())) == 1
-    monkeypatch.setattr(LocalEngine, "solve", lambda *a: pytest.fail("solved again"))
+    monkeypatch.setattr(local, "solve_chains", lambda *a: pytest.fail("solved again"))
 
     run(small, folder)
 
@@ -124,9 +126,10 @@ def test_rows_without_a_solve_are_interrupted_too(small):
     cells = chains(read(small).experiment) * 400
     reply = no_answer(Outcome.CRASHED, "no more")
     stop, rows = Interruption(), 0
+    unit = WorkUnit(RunSettings("r", 60.0), cells, {})
     with WorkerPool(1, Limits(60.0, 2**32)) as pool:
         pool._given_up |= {(chain[0].solver, chain[0].profile): reply for chain in cells}
-        for made in solve_chains(pool, cells, {}, RunSettings("r", 60.0), stop):
+        for made in solve_chains(pool, unit, stop):
             rows += len(made)
             stop.requested = rows >= 300
     assert 300 <= rows < 310
@@ -134,22 +137,22 @@ def test_rows_without_a_solve_are_interrupted_too(small):
     stop.requested, rows = False, 0
     with WorkerPool(1, Limits(60.0, 2**32)) as pool:
         pool._given_up |= {(chain[0].solver, chain[0].profile): reply for chain in cells}
-        rows = sum(map(len, solve_chains(pool, cells, {}, RunSettings("r", 60.0), stop)))
+        rows = sum(map(len, solve_chains(pool, unit, stop)))
     assert rows == sum(map(len, cells))
 
 
 def test_a_run_cut_short_is_completed(small, tmp_path, monkeypatch):
     """Whatever is done stays; the rest is added; a warm sweep goes on from its last path."""
     whole = rows(run(small, tmp_path / "whole"))
-    original = LocalEngine.solve
+    original = local.solve_chains
 
-    def cut_short(self, *arguments):
-        for rows in original(self, *arguments):
+    def cut_short(*arguments):
+        for rows in original(*arguments):
             yield rows
             if any(row["initial_guess"] == "warm" and row["radius"] > 1 for row in rows):
                 raise KeyboardInterrupt
 
-    monkeypatch.setattr(LocalEngine, "solve", cut_short)
+    monkeypatch.setattr(local, "solve_chains", cut_short)
     with pytest.raises(KeyboardInterrupt):
         run(small, tmp_path / "cut")
     monkeypatch.undo()

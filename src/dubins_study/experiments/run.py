@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import logging
+from contextlib import AbstractContextManager, closing
 from pathlib import Path as FilePath
-from typing import NamedTuple
 from uuid import uuid4
 
-from dubins_study.experiments.engines.engine import Engine, make_engine
-from dubins_study.experiments.engines.execution import solve_left
+from dubins_study.experiments.engines.engine import Engine, unfinished
+from dubins_study.experiments.engines.local import local_engine
 from dubins_study.experiments.engines.stream import solve_streams, streamed_totals, streams_done
 from dubins_study.experiments.interruption import Interruption
 from dubins_study.experiments.isolation.sandbox import THREADS, pinned_threads
@@ -19,12 +19,10 @@ from dubins_study.experiments.provenance import machine, now, source, versions
 from dubins_study.experiments.run_settings import BYTES_PER_GIB, RunSettings
 from dubins_study.experiments.store.folder import compact, done, open_folder, prepare_folder
 from dubins_study.experiments.store.lock import locked
-from dubins_study.experiments.store.manifest_changes import count_cells
+from dubins_study.experiments.store.manifest_changes import count_cells, recorded
 from dubins_study.experiments.store.part_writer import PartWriter, Progress
-from dubins_study.experiments.store.run_entry import recorded
 from dubins_study.solvers.profiles import tolerances
 from dubins_study.study.rows.manifest import Definition, Manifest, RunEntry, SolverEntry
-from dubins_study.study.rows.schema import Key
 
 _LOG = logging.getLogger(__name__)
 
@@ -89,83 +87,35 @@ def run(
     with Interruption() as stop:
         plan = plan_run(request)
         stop.check()
-        with make_engine(engine, jobs, scheduler) as entered_engine:
+        with _engine(request) as entered_engine:
             prepare_folder(plan.folder)
             with locked(plan.folder):
-                folder_state = _open_folder(plan, request)
-                _solve(plan, request, folder_state, entered_engine, progress, stop)
+                _solve(plan, request, entered_engine, progress, stop)
     return plan.folder
 
 
-class _FolderState(NamedTuple):
-    """A results folder at the beginning of a run.
+def _engine(request: Request) -> AbstractContextManager[Engine]:
+    if request.engine == "local":
+        return local_engine(request.jobs)
+    # only here: `distributed` is an extra, and takes half a second to import
+    from dubins_study.experiments.engines.dask_engine import dask_engine
 
-    Args:
-        manifest: of the run, joined with that of earlier runs.
-        done: the keys of the cells that the folder holds.
-        completes: whether the folder holds all its cells once the run has finished.
-        finished: whether there is nothing left to do.
-    """
-
-    manifest: Manifest
-    done: set[Key]
-    completes: bool
-    finished: bool
-
-
-def _open_folder(plan: RunPlan, request: Request) -> _FolderState:
-    """Mend the results folder, and find out what it holds already."""
-    manifest, repairs = open_folder(
-        plan.folder, _new_manifest(plan, request.command()), request.restart
-    )
-    for repair in repairs:
-        _LOG.warning("dubins-study: %s", repair)
-    done_keys = done(plan.folder)
-    totals = cell_counts(plan.keys | done_keys) + streamed_totals(plan.folder, plan.streams)
-    manifest, completes = count_cells(manifest, set(plan.solver_specs), totals)
-    all_done = plan.keys <= done_keys and streams_done(plan.folder, plan.streams)
-    recorded_as_finished = manifest.finished is not None or not completes
-    return _FolderState(manifest, done_keys, completes, all_done and recorded_as_finished)
+    return dask_engine(request.jobs, request.scheduler)
 
 
 def _solve(
     plan: RunPlan,
     request: Request,
-    folder_state: _FolderState,
     engine: Engine,
     progress: Progress | None,
     stop: Interruption,
 ) -> None:
     """Solve streams, then cells; write the rows as they come, at last into one part."""
-    settings = _run_settings(plan, request, engine)
-    writer = PartWriter(plan.folder, settings.run_id, plan.rows, progress)
-    if folder_state.finished:
-        writer.skip(plan.rows)
-        return
-    entry = _run_entry(settings, request, engine)
-    with recorded(plan.folder, folder_state.manifest, entry, folder_state.completes) as record:
-        writer.after_step = record.write_now_and_then
-        try:
-            with pinned_threads():
-                solve_streams(plan.folder, plan.streams, settings, writer, stop)
-            solve_left(
-                plan.folder,
-                plan.chains,
-                folder_state.done,
-                settings,
-                writer,
-                stop,
-                engine,
-                record.probe,
-            )
-        finally:
-            writer.flush()
-        compact(plan.folder, settings.run_id)
-
-
-def _run_settings(plan: RunPlan, request: Request, engine: Engine) -> RunSettings:
-    experiment = plan.experiment_file.experiment
-    return RunSettings(
+    folder, experiment = plan.folder, plan.experiment_file.experiment
+    manifest, repairs = open_folder(folder, _new_manifest(plan, request.command()), request.restart)
+    for repair in repairs:
+        _LOG.warning("dubins-study: %s", repair)
+    settings = RunSettings(
         run_id=uuid4().hex[:12],
         time_limit_s=experiment.time_limit_s,
         memory_limit_bytes=round(experiment.memory_limit_gib * BYTES_PER_GIB),
@@ -173,13 +123,37 @@ def _run_settings(plan: RunPlan, request: Request, engine: Engine) -> RunSetting
         engine=request.engine,
         seed=experiment.seed,
     )
+    done_keys = done(folder)
+    left = unfinished(folder, plan.chains, done_keys, settings)
+    totals = cell_counts(plan.keys | done_keys) + streamed_totals(folder, plan.streams)
+    manifest, completes = count_cells(manifest, set(plan.solver_specs), totals)
+    writer = PartWriter(folder, settings.run_id, plan.rows, progress)
+    recorded_as_finished = manifest.finished is not None or not completes
+    if recorded_as_finished and not left.chains and streams_done(folder, plan.streams):
+        writer.skip(plan.rows)
+        return
+    entry = _run_entry(settings, request.command(), engine)
+    with recorded(folder, manifest, entry, completes) as record:
+        writer.after_step = record.write_now_and_then
+        try:
+            with pinned_threads():
+                solve_streams(folder, plan.streams, settings, writer, stop)
+                writer.skip(sum(map(len, plan.chains)) - left.cells)
+                if left.chains:
+                    with closing(engine.solve(left, stop, record.probe)) as row_blocks:
+                        for rows in row_blocks:
+                            writer.add(rows)
+            stop.check()
+        finally:
+            writer.flush()
+        compact(folder, settings.run_id)
 
 
-def _run_entry(settings: RunSettings, request: Request, engine: Engine) -> RunEntry:
+def _run_entry(settings: RunSettings, command: str, engine: Engine) -> RunEntry:
     """What the manifest's entry of the run says about the request."""
     return RunEntry(
         run_id=settings.run_id,
-        command=request.command(),
+        command=command,
         engine=settings.engine,
         jobs=settings.jobs,
         time_limit_s=settings.time_limit_s,

@@ -16,6 +16,7 @@ from dubins_study.experiments.definition.axes import Linear, Log
 from dubins_study.experiments.definition.experiment import ExperimentError
 from dubins_study.experiments.definition.scenario_block import Block
 from dubins_study.experiments.plan import sample_points
+from dubins_study.experiments.plan.duplicates import marks_of
 from dubins_study.experiments.plan.scenario_columns import (
     axis_values,
     block_size,
@@ -23,7 +24,7 @@ from dubins_study.experiments.plan.scenario_columns import (
     tiled,
     windows,
 )
-from dubins_study.experiments.plan.scenario_ids import marks, scenario_id, scenario_ids
+from dubins_study.experiments.plan.scenario_ids import scenario_id, scenario_ids
 from dubins_study.study.scenario import NUMBERS, Scenario
 
 SOBOL = {
@@ -176,6 +177,6 @@ def test_marks_differ_where_scenarios_do():
     made["y"] = np.linspace(-1, 1, n)
     made["x"] = np.nextafter(np.ones(n), np.arange(n) % 2 * 2)
 
-    assert np.unique(marks(made)).size == n
+    assert np.unique(marks_of(made)).size == n
     zeros = {name: np.array([0.0, -0.0, 0.0]) for name in NUMBERS}
-    assert np.unique(marks(zeros)).size == 2
+    assert np.unique(marks_of(zeros)).size == 2

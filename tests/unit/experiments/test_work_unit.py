@@ -3,20 +3,15 @@
 from __future__ import annotations
 
 import math
+import pickle
 
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dubins_study.experiments.engines.chains import remaining_chains
+from dubins_study.experiments.engines.dask_worker import UnitReply
+from dubins_study.experiments.engines.engine import WorkUnit
 from dubins_study.experiments.engines.judging import row_of
-from dubins_study.experiments.engines.work_unit import (
-    WorkUnit,
-    decoded,
-    decoded_rows,
-    encoded,
-    encoded_rows,
-    first_cells,
-)
+from dubins_study.experiments.isolation.messages import WorkerReply
 from dubins_study.experiments.plan.cells import Cell
 from dubins_study.experiments.run_settings import RunSettings
 from dubins_study.solvers.protocol import Outcome, Solution
@@ -24,7 +19,7 @@ from dubins_study.solvers.reply import Reply, Times
 from dubins_study.study.check.verdict import Claim
 from dubins_study.study.closed_form.shortest import shortest_path
 from dubins_study.study.path import Path
-from dubins_study.study.rows.row_table import row_key, row_path
+from dubins_study.study.rows.row_table import row_key, row_path, rows_table
 from dubins_study.study.scenario import Scenario
 
 RUN = RunSettings("run", 60.0, 2**31, jobs=2, engine="dask")
@@ -54,19 +49,21 @@ def units(draw):
 
 @given(units())
 def test_a_work_unit_arrives_as_it_was_sent(unit):
-    assert decoded(encoded(unit)) == unit
+    assert pickle.loads(pickle.dumps(unit)) == unit
 
 
 def solved(one: Cell, arrives: bool = True):
     path = shortest_path(one.scenario)
     solution = Solution(Claim.LOCAL, path) if arrives else Solution(Claim.FAILED)
-    return row_of(one, None, RUN, Reply(Outcome.RETURNED, solution, Times(0.1, 0.2, math.nan)))[0]
+    reply = Reply(Outcome.RETURNED, solution, Times(0.1, 0.2, math.nan))
+    return row_of(one, None, RUN, WorkerReply(reply))[0]
 
 
 @given(scenarios)
 def test_rows_arrive_as_they_were_sent(scenario):
     row = solved(cell(0, scenario))
-    received = decoded_rows(encoded_rows([row, row]))
+    sent = UnitReply(rows_table([row, row]), "", "machine", [0.1])
+    received = pickle.loads(pickle.dumps(sent)).rows.to_pylist()  # as Dask sends it
 
     expected = {k: None if isinstance(v, float) and math.isnan(v) else v for k, v in row.items()}
     assert received == [expected, expected]
@@ -79,7 +76,9 @@ ALONE = (cell(9, Scenario(0, 0, 0, 5, 5, 1), "cold"),)
 
 def left_of(chains, before, rows):
     """What is left of chains once there are rows of some of their cells."""
-    return remaining_chains(chains, before, {row_key(row): row_path(row) for row in rows})
+    done = {row_key(row): row_path(row) for row in rows}
+    rest = WorkUnit(RUN, chains, before).remaining(done)
+    return rest.chains, rest.before
 
 
 def test_what_is_left_begins_after_the_last_row_with_its_path():
@@ -107,9 +106,8 @@ def test_pieces_make_up_the_whole(sizes, most):
     chains = [tuple(cell(10 * n + i, easy) for i in range(k)) for n, k in enumerate(sizes)]
     left, seen = chains, []
     while left:
-        piece = first_cells(left, most)
-        assert 0 < sum(map(len, piece)) <= most
-        rows = [solved(one) for chain in piece for one in chain]
+        first = [one for chain in left for one in chain][:most]
+        rows = [solved(one) for one in first]
         seen += [row_key(row) for row in rows]
         left, _ = left_of(left, {}, rows)
 

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, field_validator
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field
 
 from dubins_study.study.angle import parse_angle
 
@@ -30,6 +30,17 @@ SectionName = Annotated[str, Field(pattern=r"^[a-z][a-z0-9-]*$", max_length=40)]
 Seconds = Annotated[float, BeforeValidator(_refuse_boolean), Field(gt=0, allow_inf_nan=False)]
 
 
+def _above_zero(what: str) -> AfterValidator:
+    """Refuse a logarithmic sweep or range whose first two numbers are not above 0."""
+
+    def check(value: tuple[Any, ...]) -> tuple[Any, ...]:
+        if not (value[0] > 0 and value[1] > 0):
+            raise ValueError(f"a logarithmic {what} starts and ends above 0")
+        return value
+
+    return AfterValidator(check)
+
+
 class StrictModel(BaseModel):
     """A table of the TOML file; unknown keys are refused."""
 
@@ -45,14 +56,7 @@ class Linear(StrictModel):
 class Log(StrictModel):
     """`[first, last, count]`: `count` values whose logarithms are evenly spaced."""
 
-    log: tuple[Number, Number, Count]
-
-    @field_validator("log")
-    @classmethod
-    def _check_positive(cls, value: tuple[float, float, int]) -> tuple[float, float, int]:
-        if not (value[0] > 0 and value[1] > 0):
-            raise ValueError("a logarithmic sweep starts and ends above 0")
-        return value
+    log: Annotated[tuple[Number, Number, Count], _above_zero("sweep")]
 
 
 class LinearRange(StrictModel):
@@ -64,14 +68,7 @@ class LinearRange(StrictModel):
 class LogRange(StrictModel):
     """`[low, high]`: the logarithms of sampled values are spread uniformly; both are above 0."""
 
-    log: tuple[Number, Number]
-
-    @field_validator("log")
-    @classmethod
-    def _check_positive(cls, value: tuple[float, float]) -> tuple[float, float]:
-        if not (value[0] > 0 and value[1] > 0):
-            raise ValueError("a logarithmic range starts and ends above 0")
-        return value
+    log: Annotated[tuple[Number, Number], _above_zero("range")]
 
 
 # The values of one field: a number, a list of numbers, or evenly spaced numbers.

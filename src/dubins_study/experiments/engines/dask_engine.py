@@ -3,34 +3,27 @@
 from __future__ import annotations
 
 import logging
+import pickle
 from collections import deque
-from collections.abc import Callable, Generator, Iterator, Mapping
-from contextlib import ExitStack, suppress
+from collections.abc import Generator, Iterator
+from contextlib import ExitStack, closing, contextmanager, suppress
 from itertools import count
 from queue import Empty, SimpleQueue
-from threading import Thread
 from time import monotonic
-from typing import Any, Self
+from typing import Any
 
-from dubins_study.experiments.engines.chains import remaining_chains
-from dubins_study.experiments.engines.dask_client import (
-    connected,
-    in_worker,
-    installed_version,
-    quiet_loggers,
-)
-from dubins_study.experiments.engines.dask_cluster import local_cluster
-from dubins_study.experiments.engines.work_unit import UnitReply, WorkUnit, decoded_rows, encoded
+from dubins_study.experiments.engines.dask_cluster import connected, in_worker, local_cluster
+from dubins_study.experiments.engines.dask_worker import UnitReply
+from dubins_study.experiments.engines.engine import Engine, Probe, WorkUnit
 from dubins_study.experiments.interruption import Interruption
 from dubins_study.experiments.isolation.pool import RunError
 from dubins_study.experiments.plan.cells import Chain
-from dubins_study.experiments.run_settings import RunSettings
 from dubins_study.solvers.reply import exception_text
-from dubins_study.study.path import Path
 from dubins_study.study.rows.row_table import Row, row_key, row_path
-from dubins_study.study.rows.schema import Key
 
 _LOG = logging.getLogger(__name__)
+# Dask's loggers, which print what exceptions say as well
+_LOGGERS = ("distributed", "tornado", "asyncio")
 
 # A worker returns a unit after a second, with what is left of it: this many cells keep it busy for
 # so long where they take a few milliseconds. Fewer would cost more messages, more would move cells
@@ -50,70 +43,56 @@ _FETCH_WAIT_S, _CALL_WAIT_S = 30.0, 10.0
 _LOST = "the connection to the Dask scheduler is lost; the rows written so far are kept"
 
 
-class DaskEngine:
-    """A Dask cluster for as long as it is entered: that of an address, or one of this machine.
+@contextmanager
+def dask_engine(jobs: int, scheduler: str | None) -> Iterator[Engine]:
+    """A Dask cluster: that of an address, or one of this machine, started when cells are solved.
 
     Args:
         jobs: worker processes of this machine, where no address is given.
         scheduler: the address of a scheduler.
 
     Raises:
-        RunError: if `distributed` is not installed or the scheduler does not answer; on entering.
+        RunError: if `distributed` is not installed or the scheduler does not answer.
     """
+    try:
+        import distributed
+    except ImportError as error:
+        raise RunError(
+            f"engine 'dask' needs Dask: pip install 'dubins-study[dask]' ({error})"
+        ) from None
+    with ExitStack() as stack:
+        for name in _LOGGERS:  # they have their levels again at the end
+            logger = logging.getLogger(name)
+            stack.callback(logger.setLevel, logger.level)
+            logger.setLevel(logging.CRITICAL + 1)
+        client, workers = None, jobs
+        if scheduler is not None:
+            client = stack.enter_context(connected(scheduler))
+            threads = client.nthreads()
+            workers, jobs = len(threads), max(1, sum(threads.values()))
 
-    def __init__(self, jobs: int, scheduler: str | None):
-        self.jobs, self._scheduler = jobs, scheduler
-        self.run_entry: dict[str, Any] = {}
-        self._client: Any = None
-        self._exit_stack = ExitStack()
+        def solve(
+            unit: WorkUnit, stop: Interruption, probed: Probe | None
+        ) -> Generator[list[Row], None, None]:
+            cluster_client = client
+            if cluster_client is None:
+                cluster = stack.enter_context(local_cluster(jobs))
+                cluster_client = stack.enter_context(connected(cluster.address))
+                _LOG.warning("dubins-study: Dask's dashboard is at %s", cluster.dashboard)
+            with closing(_Submission(cluster_client, unit, probed)) as submission:
+                yield from submission.solve(stop)
 
-    def __enter__(self) -> Self:
-        with ExitStack() as stack:
-            version, workers = installed_version(), self.jobs
-            stack.enter_context(quiet_loggers())
-            if self._scheduler is not None:
-                self._client = stack.enter_context(connected(self._scheduler))
-                threads = self._client.nthreads()
-                workers, self.jobs = len(threads), max(1, sum(threads.values()))
-            self.run_entry = {"workers": workers, "distributed": version}
-            self._exit_stack = stack.pop_all()
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self._exit_stack.close()
-
-    def solve(
-        self,
-        chains: list[Chain],
-        before: Mapping[Key, Path],
-        settings: RunSettings,
-        stop: Interruption,
-        probed: Callable[[float, int], None] | None,
-    ) -> Generator[list[Row], None, None]:
-        """See `Engine.solve`. Without a scheduler's address, a cluster is started here."""
-        if self._client is None:
-            cluster = self._exit_stack.enter_context(local_cluster(self.jobs))
-            self._client = self._exit_stack.enter_context(connected(cluster.address))
-            _LOG.warning("dubins-study: Dask's dashboard is at %s", cluster.dashboard)
-        submission = _Submission(self._client, settings, probed)
-        try:
-            yield from submission.solve(chains, before, stop)
-        finally:
-            submission.close()
+        run_entry = {"workers": workers, "distributed": str(distributed.__version__)}
+        yield Engine(jobs, run_entry, solve)
 
 
 class _Submission:
-    """The work units of one run: those that wait, and those that the cluster holds."""
+    """The cells of one run: those that wait, and those that the cluster has as work units."""
 
-    def __init__(
-        self,
-        client: Any,
-        settings: RunSettings,
-        probed: Callable[[float, int], None] | None,
-    ):
-        self._client, self._settings, self._probed = client, settings, probed
-        self._waiting: deque[Chain] = deque()
-        self._before: dict[Key, Path] = {}
+    def __init__(self, client: Any, unit: WorkUnit, probed: Probe | None):
+        self._client, self._settings, self._probed = client, unit.settings, probed
+        self._waiting: deque[Chain] = deque(unit.chains)
+        self._before = dict(unit.before)
         self._units: dict[str, tuple[Any, WorkUnit]] = {}  # with their futures, by Dask's key
         self._ended: SimpleQueue[Any] = SimpleQueue()
         self._numbers = count()
@@ -122,24 +101,23 @@ class _Submission:
         # numbered as their first probes arrive, since their names are recorded nowhere
         self._machines: dict[str, int] = {}
 
-    def solve(
-        self, chains: list[Chain], before: Mapping[Key, Path], stop: Interruption
-    ) -> Iterator[list[Row]]:
+    def solve(self, stop: Interruption) -> Iterator[list[Row]]:
         """The rows of all cells as they come; an empty list now and then where none do.
 
         Raises:
             RunError: if a worker's code is not that of the cells, a unit ends every worker that
                 takes it, or the scheduler has gone.
         """
-        self._waiting, self._before = deque(chains), dict(before)
         stopping = False
         while self._waiting or self._units:
-            if stop.requested and not stopping:
+            if stop.requested and not stopping:  # workers finish the cells that they are solving
                 stopping = True
-                self._stop()
-                continue
-            if not stopping:
-                self._submit()
+                self._waiting.clear()
+                self._call_workers("stop_run")
+            self._count_threads()
+            if stopping and not self._threads:
+                return
+            self._submit()
             try:
                 future = self._ended.get(timeout=_NEWS_INTERVAL_S)
             except Empty:
@@ -153,26 +131,12 @@ class _Submission:
             yield rows
             if reply.refusal:
                 raise RunError(f"{reply.refusal}; the rows written so far are kept")
-            if not stopping:
+            if not (stopping or stop.requested):
                 self._take_back(unit, rows)
 
-    def _submit(self) -> None:
-        """Send units until every thread has its share of them."""
-        if monotonic() - self._counted_s > _COUNT_INTERVAL_S:
-            self._count_threads()
-        function = in_worker("solve_unit")
-        while self._waiting and len(self._units) < _UNITS_PER_THREAD * max(1, self._threads):
-            unit, key = (
-                self._next_unit(),
-                f"dubins-study-{self._settings.run_id}-{next(self._numbers)}",
-            )
-            future = self._client.submit(
-                function, encoded(unit), key=key, pure=False, retries=_RETRIES
-            )
-            self._units[key] = future, unit
-            future.add_done_callback(self._ended.put)
-
     def _count_threads(self) -> None:
+        if monotonic() - self._counted_s < _COUNT_INTERVAL_S:
+            return
         if self._client.status not in ("running", "connecting"):
             raise RunError(_LOST)
         with suppress(OSError, TimeoutError):  # lost, perhaps for a moment: counted again later
@@ -182,17 +146,25 @@ class _Submission:
             self._warned = True
             _LOG.warning("dubins-study: the Dask scheduler has no workers; waiting for the first")
 
-    def _next_unit(self) -> WorkUnit:
-        left = sum(map(len, self._waiting))
-        cells = max(1, min(_MAX_CELLS, left // (_SHARE * max(1, self._threads))))
-        chains: list[Chain] = []
-        while self._waiting and cells > 0:
-            chains.append(self._waiting.popleft())
-            cells -= len(chains[-1])
-        firsts = [chain[0].key for chain in chains]
-        return WorkUnit(
-            self._settings, chains, {k: self._before.pop(k) for k in firsts if k in self._before}
-        )
+    def _submit(self) -> None:
+        """Send units until every thread has its share of them."""
+        function, threads = in_worker("solve_unit"), max(1, self._threads)
+        while self._waiting and len(self._units) < _UNITS_PER_THREAD * threads:
+            share = sum(map(len, self._waiting)) // (_SHARE * threads)
+            cells = max(1, min(_MAX_CELLS, share))
+            chains: list[Chain] = []
+            while self._waiting and cells > 0:
+                chains.append(self._waiting.popleft())
+                cells -= len(chains[-1])
+            firsts = [chain[0].key for chain in chains]
+            before = {key: self._before.pop(key) for key in firsts if key in self._before}
+            unit = WorkUnit(self._settings, chains, before)
+            key = f"dubins-study-{self._settings.run_id}-{next(self._numbers)}"
+            future = self._client.submit(
+                function, pickle.dumps(unit), key=key, pure=False, retries=_RETRIES
+            )
+            self._units[key] = future, unit
+            future.add_done_callback(self._ended.put)
 
     def _reply(self, future: Any) -> UnitReply | None:
         """What a worker returned, or None if it did not arrive and will be returned again."""
@@ -204,8 +176,8 @@ class _Submission:
             raise RunError(_LOST)
         try:
             if future.done():
-                # made anew: a worker of another version may return something else
-                return UnitReply(*future.result(timeout=_FETCH_WAIT_S))
+                reply: UnitReply = future.result(timeout=_FETCH_WAIT_S)
+                return reply
         except TimeoutError:
             pass
         except KilledWorker as error:
@@ -217,13 +189,13 @@ class _Submission:
             ) from None
         except Exception as error:  # whatever Dask raises, here or there
             raise RunError(_explanation(error)) from None
-        # the worker that held the rows has died: another one solves the unit
+        # the worker that had the rows has died: another one solves the unit
         future.add_done_callback(self._ended.put)
         return None
 
     def _rows(self, unit: WorkUnit, reply: UnitReply) -> list[Row]:
-        """The rows of a reply: of the unit's own cells, each once. Its probes are passed on."""
-        rows = decoded_rows(reply.rows) if reply.rows else []
+        """The rows of a reply: only of the unit's cells, each once. Its probes are passed on."""
+        rows: list[Row] = reply.rows.to_pylist()
         keys = {row_key(row) for row in rows}
         if len(keys) < len(rows) or not keys <= {c.key for chain in unit.chains for c in chain}:
             raise RunError("a Dask worker returned rows that it was not asked for; none was kept")
@@ -235,36 +207,21 @@ class _Submission:
 
     def _take_back(self, unit: WorkUnit, rows: list[Row]) -> None:
         """Put the cells that a worker has left first in the queue."""
-        done = {row_key(row): row_path(row) for row in rows}
-        left, before = remaining_chains(unit.chains, unit.before, done)
-        if left and not rows:
+        rest = unit.remaining({row_key(row): row_path(row) for row in rows})
+        if rest.chains and not rows:
             raise RunError("a Dask worker solved nothing of what it was asked")
-        self._waiting.extendleft(reversed(left))
-        self._before |= before
-
-    def _stop(self) -> None:
-        """Let workers finish the cells that they are solving; forget all others."""
-        self._waiting.clear()
-        self._call_workers("stop_run")
-        with suppress(OSError, TimeoutError):
-            held = {str(key) for keys in self._client.processing().values() for key in keys}
-            for key in self._units.keys() - held:
-                if not self._units[key][0].done():
-                    self._units.pop(key)[0].cancel()
+        self._waiting.extendleft(reversed(rest.chains))
+        self._before |= rest.before
 
     def _call_workers(self, name: str) -> None:
-        """Call a function of `dask_worker` with the run's id in every worker.
-
-        In a thread, since a worker that does not answer is not waited for.
-        """
-
-        def call() -> None:
-            with suppress(Exception):  # workers that are going, or without this package
-                self._client.run(in_worker(name), self._settings.run_id, on_error="ignore")
-
-        thread = Thread(target=call, daemon=True)
-        thread.start()
-        thread.join(_CALL_WAIT_S)
+        """Call a function of `dask_worker` with the run's id in every worker that answers."""
+        with suppress(Exception):  # workers that are going, or without this package
+            self._client.run(
+                in_worker(name),
+                self._settings.run_id,
+                on_error="ignore",
+                callback_timeout=_CALL_WAIT_S,
+            )
 
     def close(self) -> None:
         """End what the cluster still solves for this run."""

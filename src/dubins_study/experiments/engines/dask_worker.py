@@ -1,39 +1,49 @@
 """What a Dask worker does: solve work units by pools of its own, kept from one unit to the next.
 
-The functions that a run calls in a worker: `solve_unit`, `stop_run` and `end_run`.
+The functions that a run calls in a worker: `solve_unit`, `stop_run` and `end_run`. A unit travels
+as bytes, which a worker without this package can receive, and rows travel as an Arrow table: no
+object of a plug-in travels.
 """
 
 from __future__ import annotations
 
+import pickle
 import socket
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from pathlib import Path as FilePath
-from queue import Empty, SimpleQueue
 from time import monotonic
 from typing import NamedTuple
 
-from dubins_study.experiments.engines.chains import remaining_chains
+import pyarrow as pa
+
+from dubins_study.experiments.engines.engine import WorkUnit
 from dubins_study.experiments.engines.local import limits, solve_chains
-from dubins_study.experiments.engines.work_unit import (
-    UnitReply,
-    WorkUnit,
-    decoded,
-    encoded_rows,
-    first_cells,
-)
 from dubins_study.experiments.interruption import Interruption
 from dubins_study.experiments.isolation.pool import RunError, WorkerPool
 from dubins_study.experiments.run_settings import RunSettings
-from dubins_study.study.rows.row_table import Row, row_key, row_path
+from dubins_study.study.rows.row_table import Row, rows_table
 
 # After this a unit is returned with what is left of it: rows are written every second, and a unit
 # of slow solvers must not keep other workers waiting at the end.
 _UNIT_S = 1.0
-# cells that are solved before the clock is read again: twice as many each time that they were quick
-_FIRST_CELLS, _QUICK_S = 8, 0.2
-
 _PACKAGE = FilePath(__file__).parents[2]
+
+
+class UnitReply(NamedTuple):
+    """What a Dask worker returns of a work unit.
+
+    Args:
+        rows: of some of the unit's cells.
+        refusal: why this worker solves no more of the unit; empty if it does.
+        machine: the name of the worker's machine.
+        probes_s: seconds that the calibration's piece of work took there.
+    """
+
+    rows: pa.Table
+    refusal: str
+    machine: str
+    probes_s: list[float]
 
 
 def _source_files() -> frozenset[tuple[str, int, int]]:
@@ -47,54 +57,40 @@ def _source_files() -> frozenset[tuple[str, int, int]]:
 _IMPORTED = _source_files()
 
 
-class _Pool(NamedTuple):
-    """One worker process, and the probes that were not returned yet."""
-
-    workers: WorkerPool
-    probes_s: list[float]
-
-
 class _Run:
     """The pools of one run in this process: one for every unit that is solved at the same time."""
 
     def __init__(self) -> None:
-        self.stop = Interruption()
-        self._pools: list[_Pool] = []
-        self._idle: SimpleQueue[_Pool] = SimpleQueue()
+        self.stopped = False
+        self.probes_s: list[float] = []
+        self._busy: list[WorkerPool] = []
+        self._idle: list[WorkerPool] = []
 
     @contextmanager
-    def pool(self, settings: RunSettings) -> Iterator[_Pool]:
-        """A pool that is idle, or a new one."""
+    def pool(self, settings: RunSettings) -> Iterator[WorkerPool]:
+        """A pool of one worker process that is idle, or a new one."""
         try:
-            pool = self._idle.get_nowait()
-        except Empty:
-            probes_s: list[float] = []
-            workers = WorkerPool(1, limits(settings), probed=probes_s.append)
-            pool = _Pool(workers.__enter__(), probes_s)
-            self._pools.append(pool)
+            pool = self._idle.pop()
+        except IndexError:
+            pool = WorkerPool(1, limits(settings), probed=self.probes_s.append)
+        self._busy.append(pool)
         usable = False
         try:
             yield pool
-            usable = not self.stop.requested
+            usable = not self.stopped
         finally:
+            self._busy.remove(pool)
             if usable:
-                self._idle.put(pool)
+                self._idle.append(pool)
             else:
-                pool.workers.__exit__()
-                self._pools.remove(pool)
+                pool.__exit__()
 
-    def close_idle(self) -> None:
-        """End the processes that solve nothing."""
-        with suppress(Empty):
-            while True:
-                pool = self._idle.get_nowait()
-                pool.workers.__exit__()
-                self._pools.remove(pool)
-
-    def kill(self) -> None:
-        """End all processes; those that solve something are closed by their own threads."""
-        for pool in list(self._pools):
-            pool.workers.kill_workers()
+    def end(self) -> None:
+        """End all idle processes; once the run is stopped, also those that solve something."""
+        while self._idle:
+            self._idle.pop().__exit__()
+        for pool in [*self._busy] if self.stopped else ():
+            pool.kill_workers()  # its own thread closes it
 
 
 _runs: dict[str, _Run] = {}
@@ -103,59 +99,41 @@ _runs: dict[str, _Run] = {}
 def _run(run_id: str) -> _Run:
     if run_id not in _runs:
         for other in list(_runs.values()):  # whose client may have been killed
-            other.close_idle()
+            other.end()
     return _runs.setdefault(run_id, _Run())
-
-
-def solve_unit(message: bytes) -> UnitReply:
-    """Solve the cells of an encoded work unit for about a second, at least one of them."""
-    unit, machine = decoded(message), socket.gethostname()
-    run = _run(unit.settings.run_id)
-    rows: list[Row] = []
-    probes_s: list[float] = []
-    refusal = _refusal(unit)
-    try:
-        if not refusal:
-            with run.pool(unit.settings) as pool:
-                for row_block in _solved(unit, pool.workers, run.stop):
-                    rows += row_block
-                probes_s += pool.probes_s
-                pool.probes_s.clear()
-    except RunError as error:
-        refusal = str(error)
-    if refusal:
-        refusal = f"on the Dask worker on {machine}, {refusal}"
-    return UnitReply(encoded_rows(rows) if rows else b"", refusal, machine, probes_s)
 
 
 def stop_run(run_id: str) -> None:
     """Finish the cells that are being solved for a run; start no other."""
-    _run(run_id).stop.requested = True
+    _run(run_id).stopped = True
 
 
 def end_run(run_id: str) -> None:
     """End what is being solved for a run, and its idle processes."""
-    run = _run(run_id)
-    run.stop.requested = True
-    run.close_idle()
-    run.kill()
+    stop_run(run_id)
+    _run(run_id).end()
 
 
-def _solved(unit: WorkUnit, workers: WorkerPool, stop: Interruption) -> Iterator[list[Row]]:
-    """Rows of a unit's first cells, piece by piece until its time is over."""
+def solve_unit(message: bytes) -> UnitReply:
+    """Solve the cells of a pickled work unit for about a second, at least one of them."""
+    unit: WorkUnit = pickle.loads(message)
+    run, stop, machine = _run(unit.settings.run_id), Interruption(), socket.gethostname()
+    rows: list[Row] = []
+    refusal = _refusal(unit)
     end_s = monotonic() + _UNIT_S
-    left, before, cells = unit.chains, dict(unit.before), _FIRST_CELLS
-    while left and not stop.requested and monotonic() < end_s:
-        began_s = monotonic()
-        rows: list[Row] = []
-        for row_block in solve_chains(
-            workers, first_cells(left, cells), before, unit.settings, stop
-        ):
-            rows += row_block
-        yield rows
-        done = {row_key(row): row_path(row) for row in rows}
-        left, before = remaining_chains(left, before, done)
-        cells *= 2 if monotonic() - began_s < _QUICK_S else 1
+    try:
+        if not refusal:
+            with run.pool(unit.settings) as pool:
+                stop.requested = run.stopped
+                for row_block in solve_chains(pool, unit, stop):
+                    rows += row_block
+                    stop.requested = run.stopped or (bool(rows) and monotonic() > end_s)
+    except RunError as error:
+        refusal = str(error)
+    if refusal:
+        refusal = f"on the Dask worker on {machine}, {refusal}"
+    probes_s, run.probes_s[:] = [*run.probes_s], []
+    return UnitReply(rows_table(rows), refusal, machine, probes_s)
 
 
 def _refusal(unit: WorkUnit) -> str:

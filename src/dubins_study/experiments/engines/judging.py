@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dubins_study.experiments.isolation.messages import WorkerReply
 from dubins_study.experiments.isolation.sandbox import THREADS
 from dubins_study.experiments.plan.cells import Cell
 from dubins_study.experiments.provenance import host, now
@@ -9,44 +10,38 @@ from dubins_study.experiments.run_settings import RunSettings
 from dubins_study.solvers.attempt import judged_row
 from dubins_study.solvers.profiles import tolerances
 from dubins_study.solvers.protocol import Question
-from dubins_study.solvers.reply import Reply, exception_text
+from dubins_study.solvers.reply import exception_text
 from dubins_study.study.path import Path
 from dubins_study.study.rows.row_table import Row, raised_row
 from dubins_study.study.rows.schema import KEY, SCENARIO, names
 
+_KEY, _SCENARIO = names(KEY), names(SCENARIO)
+
 
 def row_of(
-    cell: Cell,
-    initial_guess: Path | None,
-    run: RunSettings,
-    reply: Reply,
-    started: str = "",
-    versions: str = "",
+    cell: Cell, initial_guess: Path | None, settings: RunSettings, answer: WorkerReply
 ) -> tuple[Row, Path | None]:
     """The row of a reply to a cell's question, and its path if it arrived."""
     known = dict(zip(_KEY, cell.key, strict=True))
-    known |= shared(run, started or now(), versions)
+    known |= run_columns(settings, answer.started or now(), answer.versions)
     question = Question(cell.scenario, cell.branch, initial_guess)
     try:
-        row = judged_row(cell.solver, question, reply, tolerances(cell.profile))
+        row = judged_row(cell.solver, question, answer.reply, tolerances(cell.profile))
     except Exception as error:  # a path that the check cannot drive is a row too
         known |= {name: getattr(cell.scenario, name) for name in _SCENARIO}
         return raised_row(known, exception_text(error)), None
     row.update(known)
-    return row, reply.solution.path if row["gap"] is not None else None
+    return row, answer.reply.solution.path if row["gap"] is not None else None
 
 
-_KEY, _SCENARIO = names(KEY), names(SCENARIO)
-
-
-def shared(run: RunSettings, started: str, versions: str) -> Row:
+def run_columns(settings: RunSettings, started: str, versions: str) -> Row:
     """The columns that tell where a row came from."""
     return {
         "versions": versions,
         "machine": host(),
         "threads": THREADS,
-        "jobs": run.jobs,
-        "engine": run.engine,
-        "run_id": run.run_id,
+        "jobs": settings.jobs,
+        "engine": settings.engine,
+        "run_id": settings.run_id,
         "started": started,
     }

@@ -2,53 +2,34 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator, Mapping
-from typing import Any
+from collections.abc import Generator, Iterator
+from contextlib import contextmanager
 
-from dubins_study.experiments.engines.chains import ChainState
+from dubins_study.experiments.engines.engine import ChainState, Engine, Probe, WorkUnit
 from dubins_study.experiments.engines.judging import row_of
 from dubins_study.experiments.interruption import Interruption
 from dubins_study.experiments.isolation.job_queue import Job, worker_group
 from dubins_study.experiments.isolation.messages import WorkerReply
 from dubins_study.experiments.isolation.monitor import Limits
 from dubins_study.experiments.isolation.pool import RunError, WorkerPool
-from dubins_study.experiments.plan.cells import Cell, Chain
+from dubins_study.experiments.plan.cells import Cell
 from dubins_study.experiments.run_settings import RunSettings
 from dubins_study.solvers.protocol import Question
-from dubins_study.study.path import Path
 from dubins_study.study.rows.row_table import Row
-from dubins_study.study.rows.schema import Key
 
 
-class LocalEngine:
-    """Worker processes of this machine.
-
-    Args:
-        jobs: how many cells are solved side by side.
-    """
-
-    def __init__(self, jobs: int):
-        self.jobs = jobs
-        self.run_entry: dict[str, Any] = {}
-
-    def __enter__(self) -> LocalEngine:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        """Nothing outlives `solve`."""
+@contextmanager
+def local_engine(jobs: int) -> Iterator[Engine]:
+    """Worker processes of this machine: `jobs` of them, as long as cells are solved."""
 
     def solve(
-        self,
-        chains: list[Chain],
-        before: Mapping[Key, Path],
-        settings: RunSettings,
-        stop: Interruption,
-        probed: Callable[[float, int], None] | None,
+        unit: WorkUnit, stop: Interruption, probed: Probe | None
     ) -> Generator[list[Row], None, None]:
-        """See `Engine.solve`."""
-        told = None if probed is None else lambda seconds: probed(seconds, 0)
-        with WorkerPool(self.jobs, limits(settings), probed=told) as pool:
-            yield from solve_chains(pool, chains, before, settings, stop)
+        pool_probed = None if probed is None else lambda seconds: probed(seconds, 0)
+        with WorkerPool(jobs, limits(unit.settings), probed=pool_probed) as pool:
+            yield from solve_chains(pool, unit, stop)
+
+    yield Engine(jobs, {}, solve)
 
 
 def limits(settings: RunSettings) -> Limits:
@@ -57,11 +38,7 @@ def limits(settings: RunSettings) -> Limits:
 
 
 def solve_chains(
-    pool: WorkerPool,
-    chains: list[Chain],
-    before: Mapping[Key, Path],
-    settings: RunSettings,
-    stop: Interruption,
+    pool: WorkerPool, unit: WorkUnit, stop: Interruption
 ) -> Generator[list[Row], None, None]:
     """The judged rows of all cells as they come; an empty list now and then where none do.
 
@@ -69,31 +46,22 @@ def solve_chains(
 
     Args:
         pool: solves the cells.
-        chains: single cells, and sweeps whose warm cells each start from the path before.
-        before: the path before the first cell of a chain whose beginning was solved earlier.
-        settings: of the run.
-        stop: asked after every row.
+        unit: the cells.
+        stop: read after every row.
 
     Raises:
         RunError: if worker processes end before they have done anything, or the code of a solver
             is not that of its cells.
     """
     # our own solvers first, then each plug-in by itself, so that workers are seldom replaced
-    ordered = sorted(chains, key=lambda chain: worker_group(chain[0].solver))
-    jobs = (_job(ChainState(chain, 0, before.get(chain[0].key))) for chain in ordered)
+    ordered = sorted(unit.chains, key=lambda chain: worker_group(chain[0].solver))
+    jobs = (_job(ChainState(chain, 0, unit.before.get(chain[0].key))) for chain in ordered)
     for results in pool.solve(jobs, stop):
         rows = []
-        for job, sent in results:
+        for job, answer in results:
             state: ChainState = job.tag
-            check_code(state.cell, sent, settings.engine)
-            row, path = row_of(
-                state.cell,
-                job.question.initial_guess,
-                settings,
-                sent.reply,
-                sent.started,
-                sent.versions,
-            )
+            check_code(state.cell, answer, unit.settings.engine)
+            row, path = row_of(state.cell, job.question.initial_guess, unit.settings, answer)
             rows.append(row)
             following = state.after(path)
             if following is not None:
@@ -107,22 +75,22 @@ def _job(state: ChainState) -> Job:
     return Job(cell.solver, cell.profile, question, state)
 
 
-def check_code(cell: Cell, sent: WorkerReply, engine: str) -> None:
+def check_code(cell: Cell, answer: WorkerReply, engine: str) -> None:
     """Refuse a row under a digest that is not that of the code which replied.
 
     Raises:
         RunError: naming the solver and both digests.
     """
     # a solver that does not load here, where it does on the machine that asks, is other code too
-    known = sent.code_digest or engine != "local"
-    if not sent.started or sent.code_digest == cell.code_digest:
+    known = answer.code_digest or engine != "local"
+    if not answer.started or answer.code_digest == cell.code_digest:
         return
     if not (cell.code_digest and known):
         return
     digest = (
-        f"is {sent.code_digest} now"
-        if sent.code_digest
-        else f"does not load: {sent.reply.solution.message}"
+        f"is {answer.code_digest} now"
+        if answer.code_digest
+        else f"does not load: {answer.reply.solution.message}"
     )
     raise RunError(
         f"the code of {cell.solver} is not what was asked: its digest was {cell.code_digest} and "

@@ -60,12 +60,7 @@ def solve_streams(
 ) -> None:
     """Solve every chunk that the folder does not hold, and write each chunk as one part.
 
-    Args:
-        folder: the results folder.
-        streams: what to solve.
-        settings: the settings of the run.
-        writer: counts the rows.
-        stop: asked before every chunk.
+    The writer counts the rows.
 
     Raises:
         ExperimentError: if a chunk holds a scenario that is not valid; earlier chunks are kept.
@@ -95,12 +90,10 @@ def _solved_chunks(
 ) -> Iterator[tuple[Window, pa.Table]]:
     """The rows of the missing chunks of a stream, chunk by chunk."""
     columns_of = windows(stream.block, stream.block_key, missing)
-    warm = False
     for window, columns in zip(missing, columns_of, strict=True):
         stop.check()
-        if not warm:
+        if window == missing[0]:
             warm_up(columns, stream, settings)
-            warm = True
         table = chunk_table(columns, stream, settings)
         if stop.immediate:  # a library may have swallowed the interrupt and returned half an answer
             raise KeyboardInterrupt

@@ -10,7 +10,7 @@ import pandas as pd
 import pyarrow as pa
 import pyarrow.compute as pc
 
-from dubins_study.experiments.engines.judging import shared
+from dubins_study.experiments.engines.judging import run_columns
 from dubins_study.experiments.plan.scenario_columns import Columns
 from dubins_study.experiments.plan.scenario_ids import scenario_ids
 from dubins_study.experiments.plan.streams import Stream
@@ -29,8 +29,6 @@ def chunk_table(columns: Columns, stream: Stream, settings: RunSettings) -> pa.T
 
     Args:
         columns: the scenarios, arrays of shape (n,).
-        stream: the stream that the chunk belongs to.
-        settings: the settings of the run.
     """
     n, started = len(columns["x"]), now()
     answers = _answers(columns, stream, settings, enclosed=stream.proved)
@@ -39,8 +37,8 @@ def chunk_table(columns: Columns, stream: Stream, settings: RunSettings) -> pa.T
     by_name: dict[str, Any] = {name: table[name] for name in answer_names}
     by_name |= {name: pa.array(values) for name, values in columns.items()}
     by_name["scenario_id"] = scenario_ids(columns, stream.block.label)
-    run_columns = shared(settings, started, _versions(stream.solver))
-    constants = {**stream.key_columns, "label": stream.block.label, **run_columns}
+    run = run_columns(settings, started, _versions(stream.solver))
+    constants = {**stream.key_columns, "label": stream.block.label, **run}
     by_name |= {name: _repeated(value, n) for name, value in constants.items()}
     arrays = [_in_schema(by_name[field.name], field.type) for field in ARROW_SCHEMA]
     return pa.Table.from_arrays(arrays, names=ARROW_SCHEMA.names)

@@ -10,28 +10,17 @@ from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 import numpy as np
+import pandas as pd
 from numpy.typing import NDArray
 
 from dubins_study.experiments.definition.experiment import ExperimentError
 from dubins_study.experiments.definition.scenario_block import Block
-from dubins_study.experiments.plan.scenario_columns import (
-    Columns,
-    Window,
-    block_size,
-    tiled,
-    windows,
-)
-from dubins_study.experiments.plan.scenario_ids import marks
+from dubins_study.experiments.plan.scenario_columns import Columns, block_size, tiled, windows
 from dubins_study.study.scenario import NUMBERS
 
 # Blocks that have more rows than these together are not searched for duplicates.
 MOST_SEARCHED_ROWS = 10**7
 _WINDOW_ROWS = 2**17
-
-# the number of a block in the experiment, and the block
-_NumberedBlock = tuple[int, Block]
-# the bytes of a scenario's numbers
-_Bits = tuple[bytes, ...]
 
 
 def refuse_duplicates(blocks: Sequence[Block], overlaps: Mapping[int, Iterable[int]]) -> None:
@@ -55,52 +44,44 @@ def refuse_duplicates(blocks: Sequence[Block], overlaps: Mapping[int, Iterable[i
         group = frozenset({number, *(i for i in others if blocks[i].label == label)})
         streamed_by_group[group].add(number)
     for group, streamed in streamed_by_group.items():
-        numbered = [(number, blocks[number]) for number in sorted(group)]
-        if sum(block_size(block) for _, block in numbered) <= MOST_SEARCHED_ROWS:
+        numbered = {number: blocks[number] for number in sorted(group)}
+        if sum(map(block_size, numbered.values())) <= MOST_SEARCHED_ROWS:
             _search(numbered, streamed)
 
 
-def _search(numbered: list[_NumberedBlock], streamed: set[int]) -> None:
+def _search(numbered: Mapping[int, Block], streamed: set[int]) -> None:
     """Refuse the first duplicate in which a streamed block takes part."""
-    repeated = _repeated_marks(numbered)
+    marks = np.sort(np.concatenate([marks_of(columns) for _, _, columns in _windows(numbered)]))
+    repeated = np.unique(marks[1:][marks[1:] == marks[:-1]])
     if not repeated.size:
         return
-    first_rows: dict[_Bits, tuple[int, int]] = {}
-    for number, row, scenario in _marked_rows(numbered, repeated):
-        other = first_rows.setdefault(scenario, (number, row))
-        if other != (number, row) and streamed & {number, other[0]}:
-            raise ExperimentError(
-                f"scenarios.{number}, scenario {row}: the same as scenarios.{other[0]}, scenario "
-                f"{other[1]}; expected every scenario once where a block of so many goes to the "
-                "closed form: give one of two blocks a label of its own"
-            )
+    first_rows: dict[tuple[bytes, ...], tuple[int, int]] = {}  # by the bytes of a scenario
+    for number, first, columns in _windows(numbered):
+        for i in np.flatnonzero(np.isin(marks_of(columns), repeated)):
+            row = first + int(i)
+            scenario = tuple(columns[name][i].tobytes() for name in NUMBERS)
+            other = first_rows.setdefault(scenario, (number, row))
+            if other != (number, row) and streamed & {number, other[0]}:
+                raise ExperimentError(
+                    f"scenarios.{number}, scenario {row}: the same as scenarios.{other[0]}, "
+                    f"scenario {other[1]}; expected every scenario once where a block of so many "
+                    "goes to the closed form: give one of two blocks a label of its own"
+                )
 
 
-def _repeated_marks(numbered: list[_NumberedBlock]) -> NDArray[np.uint64]:
-    """The marks that two scenarios or more have; nearly always these scenarios are equal."""
-    all_marks = [
-        marks(columns)
-        for number, block in numbered
-        for columns in windows(block, f"scenarios.{number}", _all_windows(block))
-    ]
-    ordered = np.sort(np.concatenate(all_marks))
-    return np.unique(ordered[1:][ordered[1:] == ordered[:-1]])
+def _windows(numbered: Mapping[int, Block]) -> Iterator[tuple[int, int, Columns]]:
+    """The block's number, the first row and the columns of every window of some blocks."""
+    for number, block in numbered.items():
+        places = list(tiled(block_size(block), _WINDOW_ROWS))
+        columns_of = windows(block, f"scenarios.{number}", places)
+        for (first, _), columns in zip(places, columns_of, strict=True):
+            yield number, first, columns
 
 
-def _all_windows(block: Block) -> Iterator[Window]:
-    return tiled(block_size(block), _WINDOW_ROWS)
+def marks_of(columns: Columns) -> NDArray[np.uint64]:
+    """One 64-bit number for each scenario, much cheaper to compute than its id.
 
-
-def _marked_rows(
-    numbered: list[_NumberedBlock], wanted: NDArray[np.uint64]
-) -> Iterator[tuple[int, int, _Bits]]:
-    """The block's number, the row and the scenario's bytes of every row with one of the marks."""
-    for number, block in numbered:
-        columns_of = windows(block, f"scenarios.{number}", _all_windows(block))
-        for (first, _), columns in zip(_all_windows(block), columns_of, strict=True):
-            for i in np.flatnonzero(np.isin(marks(columns), wanted)):
-                yield number, first + int(i), _bits(columns, int(i))
-
-
-def _bits(columns: Columns, row: int) -> _Bits:
-    return tuple(columns[name][row].tobytes() for name in NUMBERS)
+    Scenarios that are equal to the last bit have equal marks; different scenarios hardly ever have.
+    """
+    bits = {name: columns[name].view(np.uint64) for name in NUMBERS}  # -0.0 is another number
+    return np.asarray(pd.util.hash_pandas_object(pd.DataFrame(bits, copy=False), index=False))

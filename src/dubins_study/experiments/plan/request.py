@@ -53,36 +53,39 @@ class Request(NamedTuple):
         Raises:
             ExperimentError: naming the argument, its value and what was expected.
         """
-        if not isinstance(self.experiment, str | FilePath):
-            raise ExperimentError(
-                f"experiment is {self.experiment!r}; expected a name or the path of a .toml file"
-            )
-        if not (self.out is None or isinstance(self.out, str | FilePath)):
-            raise ExperimentError(f"out is {self.out!r}; expected the path of a folder")
-        jobs = self.jobs
-        if isinstance(jobs, bool) or not isinstance(jobs, int) or jobs < 1:
-            raise ExperimentError(f"jobs is {jobs!r}; expected a whole number of processes above 0")
-        self._check_engine()
-
-    def _check_engine(self) -> None:
-        engine, scheduler = self.engine, self.scheduler
-        if not isinstance(engine, str) or engine not in ENGINE_NAMES:
-            raise ExperimentError(
-                f"engine is {engine!r}; expected one of: {', '.join(ENGINE_NAMES)}"
-            )
-        if scheduler is None:
-            return
-        if not (isinstance(scheduler, str) and scheduler):
-            raise ExperimentError(
-                f"scheduler is {scheduler!r}; expected an address such as tcp://127.0.0.1:8786"
-            )
-        if engine != "dask":
-            raise ExperimentError(
+        jobs, engine, scheduler = self.jobs, self.engine, self.scheduler
+        requirements = (
+            (
+                isinstance(self.experiment, str | FilePath),
+                f"experiment is {self.experiment!r}; expected a name or the path of a .toml file",
+            ),
+            (
+                self.out is None or isinstance(self.out, str | FilePath),
+                f"out is {self.out!r}; expected the path of a folder",
+            ),
+            (
+                isinstance(jobs, int) and not isinstance(jobs, bool) and jobs >= 1,
+                f"jobs is {jobs!r}; expected a whole number of processes above 0",
+            ),
+            (
+                engine in ENGINE_NAMES,
+                f"engine is {engine!r}; expected one of: {', '.join(ENGINE_NAMES)}",
+            ),
+            (
+                scheduler is None or (isinstance(scheduler, str) and scheduler != ""),
+                f"scheduler is {scheduler!r}; expected an address such as tcp://127.0.0.1:8786",
+            ),
+            (
+                scheduler is None or engine == "dask",
                 f"scheduler is {scheduler!r} and engine {engine!r}; only engine 'dask' has a "
-                "scheduler"
-            )
-        if self.jobs != 1:
-            raise ExperimentError(
-                f"jobs is {self.jobs}; how many cells are solved side by side is for the cluster "
-                f"of scheduler {scheduler!r} to say, so leave it out"
-            )
+                "scheduler",
+            ),
+            (
+                scheduler is None or jobs == 1,
+                f"jobs is {jobs}; how many cells are solved side by side is for the cluster of "
+                f"scheduler {scheduler!r} to say, so leave it out",
+            ),
+        )
+        for holds, problem in requirements:
+            if not holds:
+                raise ExperimentError(problem)

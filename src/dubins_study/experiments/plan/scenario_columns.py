@@ -1,9 +1,12 @@
-"""The scenarios of a block as columns: any window of its rows, computed without the other rows."""
+"""The scenarios of a block as columns: any window of its rows, computed without the other rows.
+
+Targets are computed where the block gives them by distance and bearing, or by arc and margin.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 
 import numpy as np
 import pandas as pd
@@ -11,9 +14,8 @@ from numpy.typing import NDArray
 
 from dubins_study.experiments.definition.axes import Axis, Linear, Log
 from dubins_study.experiments.definition.experiment import ExperimentError
-from dubins_study.experiments.definition.scenario_block import FIELDS, Block
+from dubins_study.experiments.definition.scenario_block import CIRCULAR, FIELDS, POLAR, Block
 from dubins_study.experiments.plan.sample_points import SamplePoints
-from dubins_study.experiments.plan.targets import target_columns
 from dubins_study.study.path import FloatArray
 from dubins_study.study.scenario import NUMBERS, Scenario, ScenarioError, check_frame
 
@@ -126,7 +128,7 @@ def _evenly_spaced(first: float, last: float, count: int, index: NDArray[np.int6
 
 def _checked(fields: Columns, key: str, first: int) -> Columns:
     """The columns of `NUMBERS`, targets computed, if every row is a valid scenario."""
-    columns = target_columns(fields)
+    columns = _target_columns(fields)
     try:
         if "arc" in fields and fields["margin"].size and fields["margin"].min() < -1:
             raise ScenarioError
@@ -147,3 +149,50 @@ def _refuse(fields: Columns, columns: Columns, key: str, first: int) -> None:
             Scenario(**{name: float(columns[name][i]) for name in NUMBERS}, label="")
         except ScenarioError as error:
             raise ExperimentError(f"{key}, scenario {first + i}: {error}") from None
+
+
+def _target_columns(fields: Columns) -> Columns:
+    """The columns of `NUMBERS`; the target is computed where the fields give it in another way.
+
+    Args:
+        fields: start, radius, speed and target (see `definition.scenario_block.Block`), one array
+            of shape (n,) each.
+    """
+    targets: Columns = {}
+    if "distance" in fields:
+        targets = _from_bearing(fields)
+    if "arc" in fields:
+        targets = _beside_circle(fields)
+    columns = {**fields, **targets}
+    return {name: columns[name] for name in NUMBERS}
+
+
+def _from_bearing(fields: Columns) -> Columns:
+    distance, bearing = (fields[name] for name in POLAR)
+    length, direction = distance * fields["radius"], fields["heading"] + bearing
+    return {
+        "target_x": fields["x"] + length * _each(math.cos, direction),
+        "target_y": fields["y"] + length * _each(math.sin, direction),
+    }
+
+
+def _beside_circle(fields: Columns) -> Columns:
+    """Targets at an angle along a turning circle and at a distance from it."""
+    arc, margin = (fields[name] for name in CIRCULAR)
+    r, side = 1 + margin, np.copysign(1.0, arc)
+    half = _each(math.sin, arc / 2)
+    # In the vehicle's frame and in radii. The offset to the side is 1 - r cos(arc), written so that
+    # a small arc keeps its digits: 1 - cos(arc) = 2 sin^2(arc / 2).
+    ahead = r * _each(math.sin, np.abs(arc))
+    left = 2 * (half * half) - margin * _each(math.cos, arc)
+    cos, sin = _each(math.cos, fields["heading"]), _each(math.sin, fields["heading"])
+    R = fields["radius"]
+    return {
+        "target_x": fields["x"] + R * (ahead * cos - side * left * sin),
+        "target_y": fields["y"] + R * (ahead * sin + side * left * cos),
+    }
+
+
+def _each(function: Callable[[float], float], values: FloatArray) -> FloatArray:
+    """A function of `math` at every value: numpy's functions may differ between machines."""
+    return np.fromiter(map(function, values.tolist()), np.float64, values.size)

@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 import pyarrow as pa
-from numpy.typing import NDArray
 
 from dubins_study.study.path import FloatArray
 from dubins_study.study.scenario import NUMBERS, Scenario
@@ -49,19 +48,3 @@ def scenario_ids(columns: Mapping[str, FloatArray], label: str) -> pa.StringArra
 
 def _utf8(label: str) -> bytes:
     return label.encode("utf-8", "replace")  # a lone surrogate cannot be encoded
-
-
-def marks(columns: Mapping[str, FloatArray]) -> NDArray[np.uint64]:
-    """One 64-bit number for each scenario, much cheaper to compute than its id.
-
-    Equal scenarios have equal marks; different scenarios hardly ever have.
-
-    Args:
-        columns: the fields of `NUMBERS`, arrays of shape (n,).
-    """
-    mixed = np.zeros(len(columns["x"]), np.uint64)
-    for name in NUMBERS:
-        mixed ^= np.ascontiguousarray(columns[name], np.float64).view(np.uint64)
-        mixed *= np.uint64(0x9E3779B97F4A7C15)
-        mixed ^= mixed >> np.uint64(31)
-    return mixed

@@ -135,6 +135,6 @@ def _overlaps(plans: list[BlockPlan], stream_list: list[Stream]) -> dict[int, se
     overlaps: dict[int, set[int]] = {}
     for stream in stream_list:
         question = (stream.solver, stream.branch)
-        others = {i for i, asked in enumerate(questions) if question in asked} - {stream.number}
-        overlaps.setdefault(stream.number, set()).update(others)
+        others = {i for i, all_asked in enumerate(questions) if question in all_asked}
+        overlaps.setdefault(stream.number, set()).update(others - {stream.number})
     return overlaps
