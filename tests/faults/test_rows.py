@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from pathlib import Path
 
 import psutil
 import pytest
@@ -102,7 +103,8 @@ def test_what_solvers_print_stays_theirs(shared):
 
     for theirs in ("flood", "licence", "Assertion", "<script>", "\x1b[31mred"):
         assert theirs not in out
-    assert len(out) < 10_000
+    # of a solver's name, the place of its file counts for nothing
+    assert len(out.replace(str(Path(__file__).parent), "")) < 10_000
     assert len(err) < 200_000
     assert "Traceback" not in err
 

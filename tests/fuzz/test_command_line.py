@@ -17,7 +17,7 @@ import dubins_study.cli.streams
 import dubins_study.report.page.render  # noqa: F401
 from tests.fuzz.hostile import HOSTILE, cases
 from tests.fuzz.page import check_json
-from tests.fuzz.watched import command, raw_controls, watched
+from tests.fuzz.watched import command, raw_controls, temporary_files_in, watched
 
 # what no argument of a process can hold
 _WORDS = [text for text in HOSTILE if "\x00" not in text] + ["\udcff", "x" * 300, "é\udc80"]
@@ -142,7 +142,7 @@ def place(tmp_path_factory, small_run, song):
 
 def answered_or_refused(words: list[str], place: Path, song: Path) -> None:
     outer = sorted(place.parent.iterdir())
-    with watched() as seen:
+    with watched() as seen, temporary_files_in(place):
         said = command(*words)
     assert said.code in (0, 1, 2)
     assert "Traceback" not in said.out + said.err

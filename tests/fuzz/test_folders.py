@@ -14,12 +14,12 @@ import dubins_study.report.page.render  # noqa: F401  its libraries write to pla
 from tests.fuzz.damage import spoil
 from tests.fuzz.hostile import cases
 from tests.fuzz.page import check_json, check_report
-from tests.fuzz.watched import command, raw_controls, watched
+from tests.fuzz.watched import command, raw_controls, temporary_files_in, watched
 
 
 def answered_or_refused(words: tuple[str, ...], inside: Path, song: Path) -> int:
     """The exit code; nothing but clean words is said, and nothing is written elsewhere."""
-    with watched() as seen:
+    with watched() as seen, temporary_files_in(inside):
         said = command(*words)
     assert said.code in (0, 2), said.err
     assert "Traceback" not in said.err

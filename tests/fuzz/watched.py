@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import contextlib
+import gc
 import io
 import os
 import sys
+import tempfile
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
+from unittest import mock
 
 _STARTS = {"subprocess.Popen", "os.system", "os.exec", "os.posix_spawn", "os.spawn", "os.fork"}
 # which arguments name places, and which the open folders that these may be relative to
@@ -43,12 +46,16 @@ class Seen(NamedTuple):
     changed: list[str]
 
     def outside(self, *folders: Path) -> list[str]:
-        """The places that lie in none of the folders, links followed up to the last step."""
+        """The places that lie in none of the folders, links followed up to the last step.
+
+        Byte code counts for nothing, which is kept of a module that is loaded for the first time.
+        """
         allowed = [os.path.realpath(folder) for folder in folders]
         return [
             place
             for place in self.changed
-            if not any(_lands(place) == a or _lands(place).startswith(a + os.sep) for a in allowed)
+            if "__pycache__" not in Path(place).parts
+            and not any(_lands(place) == a or _lands(place).startswith(a + os.sep) for a in allowed)
         ]
 
 
@@ -81,6 +88,17 @@ def watched() -> Iterator[Seen]:
         yield seen
     finally:
         _watchers.remove(watcher)
+
+
+@contextlib.contextmanager
+def temporary_files_in(folder: Path) -> Iterator[None]:
+    """Let temporary files lie in a folder, and see to it that none is left."""
+    scratch = folder / "temporary files"
+    scratch.mkdir()
+    with mock.patch.object(tempfile, "tempdir", str(scratch)):
+        yield
+        gc.collect()  # a database removes its files as it goes
+    scratch.rmdir()
 
 
 class Said(NamedTuple):

@@ -138,7 +138,7 @@ def test_status_and_report_tell_of_damage(folder):
     assert refused.returncode == 2
     (line,) = refused.stderr.strip().splitlines()
     assert "a.parquet" in line
-    assert "run it again" in line
+    assert "run again for its rows" in line
     assert not (folder / "report").exists()
 
 

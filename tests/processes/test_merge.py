@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from live_run import finished, manifest, parts, quick_experiment, slow_experiment, started, wait_for
 
 from dubins_study import merge, run, status
-from dubins_study.experiments.engines import stream
+from dubins_study.experiments.plan import streams
 from dubins_study.experiments.store import merge as union
 from dubins_study.experiments.store.folder import read_rows
 from dubins_study.experiments.store.merged_rows import merged_rows
@@ -268,7 +268,7 @@ target_y = { linear = [0.1, 5, 50] }
 @pytest.fixture
 def streamed(tmp_path, monkeypatch):
     """A run of 2500 rows in five chunks, three of them in one folder and three in the other."""
-    monkeypatch.setattr(stream, "_CHUNK_PROVED", 500)
+    monkeypatch.setattr(streams, "_PROVED_CHUNK_ROWS", 500)
     file = tmp_path / "streamed.toml"
     file.write_text(STREAMED)
     whole = run(str(file), tmp_path / "whole")

@@ -17,7 +17,7 @@ from dubins_study.experiments import provenance
 from dubins_study.experiments.isolation.calibration import probe
 from dubins_study.experiments.provenance import governor, load_average, machine
 from dubins_study.experiments.store.folder import read_rows
-from dubins_study.experiments.store.run_entry import recorded
+from dubins_study.experiments.store.manifest_changes import recorded
 from dubins_study.solvers import library_versions
 from dubins_study.solvers.library_versions import reported_versions
 from dubins_study.solvers.registry import load

@@ -18,9 +18,8 @@ from dubins_study.experiments.provenance import machine, now, source, versions
 from dubins_study.experiments.run_settings import BYTES_PER_GIB, RunSettings
 from dubins_study.experiments.store.folder import compact, done, open_folder, prepare_folder
 from dubins_study.experiments.store.lock import locked
-from dubins_study.experiments.store.manifest_changes import count_cells
+from dubins_study.experiments.store.manifest_changes import count_cells, recorded
 from dubins_study.experiments.store.part_writer import PartWriter, Progress
-from dubins_study.experiments.store.run_entry import recorded
 from dubins_study.solvers.profiles import tolerances
 from dubins_study.study.rows.manifest import Definition, Manifest, RunEntry, SolverEntry
 

@@ -13,16 +13,11 @@ from typing import NamedTuple
 from uuid import uuid4
 
 from dubins_study.experiments.provenance import now
-from dubins_study.experiments.store.folder import read_rows
+from dubins_study.experiments.store.folder import count_rows, read_rows
 from dubins_study.experiments.store.lock import LOCK, is_locked, locked
-from dubins_study.experiments.store.manifest_changes import (
-    check_same_experiment,
-    count_cells,
-    write_manifest,
-)
+from dubins_study.experiments.store.manifest_changes import count_cells, write_manifest
 from dubins_study.experiments.store.merged_rows import COLUMNS, merged_rows
 from dubins_study.experiments.store.part_writer import write_part
-from dubins_study.experiments.store.row_counts import count_rows
 from dubins_study.experiments.store.whole_file import sync_folder
 from dubins_study.study.rows.files import DamagedPartError, ResultsError, os_errors_as
 from dubins_study.study.rows.manifest import Manifest, RunEntry, SolverEntry, read_manifest
@@ -81,13 +76,12 @@ def _read_manifests(folders: Sequence[FilePath]) -> list[Manifest]:
     for folder, manifest in zip(folders, manifests, strict=True):
         if is_locked(folder):
             raise ResultsError(f"{folder} is in use by a run; merge it when that has ended")
-        try:
-            check_same_experiment(folder, manifest.experiment, first)
-        except ResultsError:
+        other = manifest.experiment
+        if (other.name, other.text) != (first.name, first.text):
             raise ResultsError(
-                f"{folder} holds experiment {manifest.experiment.name!r:.60}, {folders[0]} "
+                f"{folder} holds experiment {other.name!r:.60}, {folders[0]} "
                 f"holds {first.name!r:.60}; expected folders of one experiment, name and text"
-            ) from None
+            )
     return manifests
 
 

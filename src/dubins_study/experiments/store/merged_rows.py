@@ -43,14 +43,13 @@ def merged_rows(
     rows = table.select(COLUMNS).to_pandas()
     rows["folder"] = np.repeat([str(folder) for folder in folders], [len(each) for each in tables])
     rows = rows.sort_values("started", kind="stable")
-    attempts = compare_attempts(rows, names(KEY))
-    pairs = attempts.repeated
+    kept, pairs = compare_attempts(rows, names(KEY))
     if pairs.empty:
         return MergedRows(table, 0)
     _refuse_contradictions(pairs, differences(pairs, tolerance))
     copies = (pairs["run_id"] == pairs["run_id_kept"]) & (pairs["started"] == pairs["started_kept"])
-    kept = np.sort(rows.index.to_numpy()[attempts.kept])
-    return MergedRows(table.take(pa.array(kept)), int((~copies).sum()))
+    positions = np.sort(rows.index.to_numpy()[kept])
+    return MergedRows(table.take(pa.array(positions)), int((~copies).sum()))
 
 
 def _refuse_contradictions(pairs: pd.DataFrame, differ: pd.DataFrame) -> None:

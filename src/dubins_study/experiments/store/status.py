@@ -8,10 +8,9 @@ from dataclasses import dataclass
 from pathlib import Path as FilePath
 from typing import Any
 
-from dubins_study.experiments.store.folder import DAMAGED
+from dubins_study.experiments.store.folder import DAMAGED, RowCount, count_rows
 from dubins_study.experiments.store.lock import is_locked, lock_holder
-from dubins_study.experiments.store.row_counts import RowCount, count_rows
-from dubins_study.experiments.store.run_entry import KILLED, RUNNING
+from dubins_study.experiments.store.manifest_changes import KILLED, RUNNING
 from dubins_study.study.rows.files import ResultsError
 from dubins_study.study.rows.manifest import Manifest, RunEntry, read_manifest
 

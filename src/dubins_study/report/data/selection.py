@@ -148,10 +148,10 @@ def _earlier_codes(parts: Sequence[Part], sources: Sequence[Source]) -> dict[int
 def _leave_out_repeats(database: Database) -> pd.DataFrame:
     """Keep the first attempt at each cell; returns the others (see `compare_attempts`)."""
     repeated = database.frame(_REPEATED)
-    attempts = compare_attempts(repeated, _CELL)
-    _add(database, "repeats", repeated.drop(index=repeated.index[attempts.kept])[_ROW])
+    kept, pairs = compare_attempts(repeated, _CELL)
+    _add(database, "repeats", repeated.drop(index=repeated.index[kept])[_ROW])
     database.run(_COUNTED)
-    return attempts.repeated
+    return pairs
 
 
 def _mark_answerable(database: Database) -> None:

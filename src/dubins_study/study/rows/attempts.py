@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -14,29 +13,22 @@ from numpy.typing import NDArray
 JUDGED = ("outcome", "claim", "verdict", "word")
 
 
-class Attempts(NamedTuple):
-    """Rows by cell.
-
-    Args:
-        kept: the positions of the rows that are kept, one a cell, ascending.
-        repeated: a row for every other attempt: its columns, the kept attempt's columns with the
-            suffix `_kept`; the columns that name the cell stand once.
-    """
-
-    kept: NDArray[np.intp]
-    repeated: pd.DataFrame
-
-
-def compare_attempts(rows: pd.DataFrame, cell: Sequence[str]) -> Attempts:
+def compare_attempts(
+    rows: pd.DataFrame, cell: Sequence[str]
+) -> tuple[NDArray[np.intp], pd.DataFrame]:
     """Keep the first row of each cell, and put every other one beside it.
 
     Args:
         rows: in the order of preference.
         cell: the columns that name a cell.
+
+    Returns:
+        The positions of the rows that are kept, ascending, and a row for every other attempt: its
+        columns, and the kept attempt's with the suffix `_kept`; the columns of the cell stand once.
     """
     kept = ~rows.duplicated(list(cell)).to_numpy()
     pairs = rows[~kept].merge(rows[kept], on=list(cell), suffixes=("", "_kept"))
-    return Attempts(np.flatnonzero(kept), pairs)
+    return np.flatnonzero(kept), pairs
 
 
 def differences(pairs: pd.DataFrame, tolerance: float) -> pd.DataFrame:
@@ -50,12 +42,12 @@ def differences(pairs: pd.DataFrame, tolerance: float) -> pd.DataFrame:
         The columns of `JUDGED` and `gap`, true where they differ; a value that is missing in both
         attempts does not differ. The index is that of `pairs`.
     """
-    differ = {name: _differs(pairs[name], pairs[f"{name}_kept"]) for name in JUDGED}
-    near = (pairs["gap"] - pairs["gap_kept"]).abs() <= tolerance
-    differ["gap"] = ~near & ~(pairs["gap"].isna() & pairs["gap_kept"].isna())
+    differ = {}
+    for name in (*JUDGED, "gap"):
+        one, other = pairs[name], pairs[f"{name}_kept"]
+        if name == "gap":
+            agree = (one - other).abs() <= tolerance
+        else:
+            agree = one.astype(object) == other.astype(object)
+        differ[name] = ~agree & ~(one.isna() & other.isna())
     return pd.DataFrame(differ, index=pairs.index)
-
-
-def _differs(one: pd.Series, other: pd.Series) -> pd.Series[bool]:
-    one, other = one.astype(object), other.astype(object)
-    return (one != other) & ~(one.isna() & other.isna())

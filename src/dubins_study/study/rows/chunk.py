@@ -11,9 +11,8 @@ if TYPE_CHECKING:
 
 # how the names of streamed parts begin
 STREAM = "stream-"
-# the largest count: beyond it a float is no longer exact
-MAX_COUNT = 10**15
-Count = Annotated[int, Field(ge=0, le=MAX_COUNT)]
+# Beyond 10^15 a float is no longer exact.
+Count = Annotated[int, Field(ge=0, le=10**15)]
 
 
 class Kind(NamedTuple):
@@ -26,10 +25,10 @@ class Kind(NamedTuple):
 
 
 class Chunk(BaseModel):
-    """One chunk of a stream: a window of a block of scenarios, answered by one solver.
+    """What a streamed part says about its rows: a window of a stream, answered by one solver.
 
     Args:
-        stream: identifies the block, the solver and the code that made the rows.
+        stream: identifies the block of scenarios, the solver and the code that made the rows.
         question: identifies the block and the solver, whatever the code.
         solver, code_digest: of all rows.
         first, count: which rows of the stream the part holds.
@@ -59,10 +58,7 @@ class Chunk(BaseModel):
 
 def row_kinds(rows: pa.Table) -> tuple[Kind, ...]:
     """Count rows by outcome and verdict (columns `outcome`, `verdict`, `wall_s`)."""
-    grouped = rows.group_by(["outcome", "verdict"]).aggregate(
-        [([], "count_all"), ("wall_s", "sum")]
-    )
-    return tuple(
-        Kind(row["outcome"], row["verdict"], row["count_all"], row["wall_s_sum"] or 0.0)
-        for row in grouped.to_pylist()
-    )
+    kinds = rows.group_by(["outcome", "verdict"]).aggregate([([], "count_all"), ("wall_s", "sum")])
+    columns = ("outcome", "verdict", "count_all", "wall_s_sum")
+    counts = zip(*(kinds[name].to_pylist() for name in columns), strict=True)
+    return tuple(Kind(outcome, verdict, n, wall_s or 0.0) for outcome, verdict, n, wall_s in counts)

@@ -17,10 +17,6 @@ class ResultsError(DubinsStudyError, ValueError):
 class DamagedPartError(ResultsError):
     """A part that was cut off or changed after it was written."""
 
-    def __init__(self, part: FilePath, message: str) -> None:
-        super().__init__(message)
-        self.part = part
-
 
 def reason(error: OSError) -> str:
     """What went wrong, in the words of the system or of the library that raised the error."""
@@ -39,11 +35,9 @@ def os_errors_as(problem: str) -> Iterator[None]:
 
 
 def refuse_link(place: FilePath) -> None:
-    """Refuse a file or folder of a results folder that leads somewhere else.
+    """Raise a `ResultsError` if a file or folder of a results folder leads somewhere else.
 
-    Raises:
-        ResultsError: if it is a link. A stranger's folder may name any file of this machine, and
-            nothing outside a results folder is read or written.
+    A stranger's folder may name any file of this machine.
     """
     with os_errors_as(f"{place} cannot be read"):  # its name may be too long
         link = place.is_symlink()

@@ -51,17 +51,15 @@ def by_machine(probes: Sequence[Probe]) -> dict[int, list[Probe]]:
     machines: dict[int, list[Probe]] = {}
     for probe in probes:
         machines.setdefault(probe.machine, []).append(probe)
-    shares = {machine: _spread(each) for machine, each in machines.items()}
-    order = sorted(machines, key=lambda m: -1.0 if (s := shares[m]) is None else s, reverse=True)
-    return {machine: machines[machine] for machine in order}
+
+    def share(machine: int) -> float:
+        return -1.0 if (value := _spread(machines[machine])) is None else value
+
+    return {machine: machines[machine] for machine in sorted(machines, key=share, reverse=True)}
 
 
 def varied(probes: Sequence[Probe]) -> float | None:
-    """The spread of the machine that varied most: machines are not compared with each other.
-
-    Returns:
-        As `spread`; None if no machine has enough probes.
-    """
+    """The spread of the machine that varied most; None if no machine has enough probes."""
     return next(map(_spread, by_machine(probes).values()), None)
 
 

@@ -9,6 +9,7 @@ from typing import Annotated, Any, Self
 
 from pydantic import (
     BaseModel,
+    BeforeValidator,
     ConfigDict,
     Field,
     ValidationError,
@@ -69,8 +70,6 @@ class RunEntry(_Record):
 
     Args:
         run_id: stands in every row of the run.
-        command, engine, jobs, threads, time_limit_s, memory_limit_gib: what was asked.
-        machine, governor, thread_limits, git: where it ran, and of what source.
         load_start, load_end: processes that wanted a core in the last 1, 5 and 15 minutes.
         started, ended: UTC, ISO 8601.
         seconds: how long it took, or has taken so far.
@@ -117,6 +116,12 @@ class RunEntry(_Record):
         return [[*probe] if probe.machine else [probe.when, probe.took] for probe in probes]
 
 
+def _without_odd_entries(runs: Any) -> Any:
+    if not isinstance(runs, list):
+        return runs
+    return [entry for entry in runs if isinstance(entry, dict | RunEntry)]
+
+
 class Manifest(_Record):
     """What a results folder says about itself.
 
@@ -144,14 +149,7 @@ class Manifest(_Record):
     git: dict[str, Any] = {}
     created: str | None = None
     finished: str | None = None
-    runs: list[RunEntry] = []
-
-    @field_validator("runs", mode="before")
-    @classmethod
-    def _keep_objects(cls, value: Any) -> Any:
-        if not isinstance(value, list):
-            return value
-        return [entry for entry in value if isinstance(entry, dict | RunEntry)]
+    runs: Annotated[list[RunEntry], BeforeValidator(_without_odd_entries)] = []
 
     @property
     def code_digests(self) -> dict[str, str]:
@@ -160,35 +158,14 @@ class Manifest(_Record):
 
 
 def read_manifest(folder: FilePath, *, printable: bool = False) -> Manifest:
-    """The manifest of a results folder.
-
-    Args:
-        folder: the results folder.
-        printable: whether to write out what cannot be printed in its texts.
+    """The manifest of a results folder; `printable` writes out what its texts cannot print.
 
     Raises:
         ResultsError: if there is none, or it is of another schema, or holds something else than
             a run writes: the message names the key, its value and what was expected.
     """
     file = folder / MANIFEST
-    with os_errors_as(f"{file} cannot be read"):
-        if not folder.is_dir():
-            raise ResultsError(f"{folder} is no results folder: it is not a folder")
-        refuse_link(file)
-        if not file.exists():
-            raise ResultsError(f"{folder} is no results folder: it has no {MANIFEST}")
-        if not file.is_file():  # reading a pipe would block
-            raise ResultsError(f"{file} cannot be read: it is no file")
-        return _parse(file, file.read_bytes(), printable)
-
-
-def _parse(file: FilePath, encoded: bytes, printable: bool) -> Manifest:
-    try:
-        content = json.loads(encoded.decode(), parse_constant=_finite, parse_float=_finite)
-    except (ValueError, RecursionError) as error:
-        raise ResultsError(f"{file} cannot be read as JSON: {error}") from None
-    if not isinstance(content, dict):
-        raise ResultsError(f"{file} holds {content!r:.60}; expected an object")
+    content = _read_object(folder, file)
     version = content.get("schema")
     if version != VERSION or isinstance(version, bool):
         raise ResultsError(
@@ -203,6 +180,25 @@ def _parse(file: FilePath, encoded: bytes, printable: bool) -> Manifest:
         return Manifest.model_validate(printable_values(content) if printable else content)
     except ValidationError as error:
         raise ResultsError(f"{file}: {_problem(error)}") from None
+
+
+def _read_object(folder: FilePath, file: FilePath) -> dict[str, Any]:
+    with os_errors_as(f"{file} cannot be read"):
+        if not folder.is_dir():
+            raise ResultsError(f"{folder} is no results folder: it is not a folder")
+        refuse_link(file)
+        if not file.exists():
+            raise ResultsError(f"{folder} is no results folder: it has no {MANIFEST}")
+        if not file.is_file():  # reading a pipe would block
+            raise ResultsError(f"{file} cannot be read: it is no file")
+        text = file.read_bytes()
+    try:
+        content = json.loads(text.decode(), parse_constant=_finite, parse_float=_finite)
+    except (ValueError, RecursionError) as error:
+        raise ResultsError(f"{file} cannot be read as JSON: {error}") from None
+    if not isinstance(content, dict):
+        raise ResultsError(f"{file} holds {content!r:.60}; expected an object")
+    return content
 
 
 def _finite(text: str) -> float:

@@ -7,8 +7,9 @@ which chunk. `read_footer` reads and checks only them; `read_batches` and `read_
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from contextlib import ExitStack, contextmanager
 from pathlib import Path as FilePath
-from typing import Any, NamedTuple, NoReturn
+from typing import Any, NamedTuple
 
 import pyarrow as pa
 import pyarrow.parquet as pq
@@ -21,9 +22,6 @@ from dubins_study.study.rows.schema import CHUNK, RUN_ID, VERSION, VERSION_KEY
 
 PARTS = "parts"
 BATCH_ROWS = 2**17
-
-# What reading a file may raise: Arrow hands columns of foreign types to the code of their makers.
-_ANY = Exception
 _MOVE = "it is none of this folder's parts, move it elsewhere"
 
 
@@ -80,11 +78,7 @@ def read_footer(file: FilePath) -> Part:
 
 
 def read_chunks(folder: FilePath) -> dict[FilePath, Chunk]:
-    """The chunks of streams in a folder by file, in the order of the files' names.
-
-    Raises:
-        DamagedPartError, ResultsError: as `read_footer`.
-    """
+    """The chunks of streams in a folder, by file in the order of names; errors as `read_footer`."""
     parts = [read_footer(file) for file in part_files(folder) if is_stream(file)]
     return {part.file: part.chunk for part in parts if part.chunk is not None}
 
@@ -106,14 +100,13 @@ def read_batches(
     """
     wanted = list(columns or ARROW_SCHEMA.names)
     fields = [ARROW_SCHEMA.field(name) for name in wanted]
-    texts = [f.name for f in fields if f.type == pa.string() and f.name != "scenario_id"]
-    with _open(file) as content:
-        expected = _footer(file, content).rows
-        metadata = content.metadata
-    # opened again, since Arrow refuses to open a file that lacks a column to read as a dictionary
-    with _open(file, metadata, texts if dictionaries else None) as content:
+    with ExitStack() as opened:
+        content = opened.enter_context(_open(file))
+        expected, rows = _footer(file, content).rows, 0
+        if dictionaries:  # opened again: Arrow refuses to open a file that lacks such a column
+            texts = [f.name for f in fields if f.type == pa.string() and f.name != "scenario_id"]
+            content = opened.enter_context(_open(file, content.metadata, texts))
         batches = content.iter_batches(BATCH_ROWS, columns=wanted)
-        rows = 0
         while (batch := _next(file, batches)) is not None:
             arrays = [_cast(file, batch.column(f.name), f, dictionaries) for f in fields]
             rows += len(batch)
@@ -135,54 +128,53 @@ def check_part(file: FilePath) -> None:
         pass
 
 
+@contextmanager
+def _reading(file: FilePath) -> Iterator[None]:
+    """Raise whatever Arrow raises as the error of a results folder."""
+    try:
+        yield
+    except Exception as error:  # Arrow hands columns of foreign types to the code of their makers
+        if isinstance(error, OSError) and error.errno is not None:
+            raise ResultsError(f"{file} cannot be read: {reason(error)}") from None
+        raise _damaged(file, "it is no Parquet file, or damaged") from None
+
+
+def _damaged(file: FilePath, problem: str) -> DamagedPartError:
+    remedy = "delete it, and run again" if is_stream(file) else "run again"
+    return DamagedPartError(f"{file} cannot be read: {problem}; {remedy} for its rows")
+
+
 def _open(
     file: FilePath, metadata: pq.FileMetaData | None = None, dictionaries: list[str] | None = None
 ) -> pq.ParquetFile:
     refuse_link(file)
     if not file.is_file():  # opening a pipe would block
         raise ResultsError(f"{file} cannot be read: it is no file")
-    try:
+    with _reading(file):
         return pq.ParquetFile(
             file,
             metadata=metadata,
             read_dictionary=dictionaries,
             page_checksum_verification=True,
         )
-    except _ANY as error:
-        _unreadable(file, error)
 
 
 def _next(file: FilePath, batches: Iterator[pa.RecordBatch]) -> pa.RecordBatch | None:
     """The next batch, or None after the last."""
-    try:
+    with _reading(file):
         batch = next(batches, None)
         if batch is not None:
             batch.validate(full=True)  # nothing else notices texts that are not UTF-8
-    except _ANY as error:
-        _unreadable(file, error)
-    return batch
-
-
-def _unreadable(file: FilePath, error: Exception) -> NoReturn:
-    if isinstance(error, OSError) and error.errno is not None:
-        raise ResultsError(f"{file} cannot be read: {reason(error)}") from None
-    raise _damaged(file, "it is no Parquet file, or damaged") from None
-
-
-def _damaged(file: FilePath, problem: str) -> DamagedPartError:
-    remedy = "delete it, and run again" if is_stream(file) else "run again"
-    return DamagedPartError(file, f"{file} cannot be read: {problem}; {remedy} for its rows")
+        return batch
 
 
 def _footer(file: FilePath, content: pq.ParquetFile) -> Part:
-    try:
+    with _reading(file):
         columns, rows = content.schema_arrow.names, int(content.metadata.num_rows)
         texts = {
             key.decode("utf-8", "replace"): value.decode("utf-8", "replace")
             for key, value in (content.metadata.metadata or {}).items()
         }
-    except _ANY as error:
-        _unreadable(file, error)
     if CHUNK in texts and not is_stream(file):  # its rows would count twice, beside the original
         raise ResultsError(
             f"{file} holds a chunk of a stream under a name that is not its own: name it as it "

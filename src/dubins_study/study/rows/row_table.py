@@ -19,8 +19,10 @@ Row = dict[str, Any]
 ARROW_SCHEMA = arrow_schema()
 
 # Columns that no solver fills, which are kept of an answer that does not fit.
-_NOT_SOLVERS = (*names(KEY + SCENARIO + RUN), "region", "margin", "reference_word", "reference")
-_TIMES = ("build_s", "solve_s", "wall_s")
+_NOT_SOLVERS = (
+    *names(KEY + SCENARIO + RUN),
+    *("region", "margin", "reference_word", "reference", "build_s", "solve_s", "wall_s"),
+)
 
 
 def rows_table(rows: Iterable[Mapping[str, Any]]) -> pa.Table:
@@ -28,11 +30,11 @@ def rows_table(rows: Iterable[Mapping[str, Any]]) -> pa.Table:
 
     A row that does not fit becomes one whose outcome is `raised`, so that it spoils no other.
     """
-    given = list(rows)
+    rows = list(rows)
     try:
-        return _table(given)
+        return _table(rows)
     except Exception:  # `fitting` tells which row it was, and why
-        return _table([fitting(row) for row in given])
+        return _table([fitting(row) for row in rows])
 
 
 def _table(rows: list[Mapping[str, Any]]) -> pa.Table:
@@ -62,13 +64,8 @@ def fitting(row: Mapping[str, Any]) -> Row:
 
 
 def raised_row(known: Mapping[str, Any], message: str) -> Row:
-    """The row of an attempt that raised instead of answering.
-
-    Args:
-        known: columns of the row; those that no solver fills are kept.
-        message: what was raised.
-    """
-    kept = {name: known.get(name) for name in (*_NOT_SOLVERS, *_TIMES)}
+    """The row of an attempt that raised `message`; of the known columns, no solver's are kept."""
+    kept = {name: known.get(name) for name in _NOT_SOLVERS}
     ending = {"outcome": "raised", "claim": "none", "verdict": "none", "message": message}
     flags = {"false_claim": False, "wrong_basin": False, "native_status": ""}
     return dict.fromkeys(names(ROW)) | kept | flags | ending

@@ -29,16 +29,9 @@ KEY = (
     Column("solver", "string", "", "solver and its settings, e.g. turn-rate-qp[n=50]"),
     Column("profile", "string", "", "named settings and tolerances: default, fast, accurate"),
     Column("branch", "string", "", "best, LS, RS, LR or RL"),
-    Column(
-        "initial_guess", "string", "", "cold, warm from the neighbour in the sweep, or z1 z2 z3"
-    ),
+    Column("initial_guess", "string", "", "cold, warm from the sweep's neighbour, or z1 z2 z3"),
     Column("repeat", "int64", "", "0, 1, ... of the same cell"),
-    Column(
-        "code_digest",
-        "string",
-        "",
-        "digest of the solver's code, settings and libraries: 12 hex digits",
-    ),
+    Column("code_digest", "string", "", "of the solver's code, settings, libraries: 12 hex digits"),
 )
 # The values of the key columns.
 Key = tuple[str, str, str, str, str, int, str]

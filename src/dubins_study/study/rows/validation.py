@@ -16,12 +16,12 @@ from dubins_study.study.rows.schema import KEY, names
 from dubins_study.study.scenario import NUMBERS
 
 _POSITIVE = ("radius", "speed")
-_TIMES = ("build_s", "solve_s", "wall_s")
-_COUNTS = ("repeat", "threads", "jobs", "iterations", "evaluations")
 _REQUIRED = (*names(KEY), *NUMBERS)
 _CONTROLS = ("curvatures", "lengths")
-_MAX_TIME_S = 1e9  # thirty years
-_MAX_COUNT = 2**53
+# The largest number that a column may hold; no number in these columns is negative.
+_LARGEST = dict.fromkeys(("build_s", "solve_s", "wall_s"), 1e9) | dict.fromkeys(  # thirty years
+    ("repeat", "threads", "jobs", "iterations", "evaluations"), 2.0**53
+)
 
 
 def checked_batches(file: FilePath, columns: Sequence[str] | None = None) -> Iterator[pa.Table]:
@@ -44,20 +44,13 @@ def printable_rows(table: pa.Table) -> pa.Table:
     return pa.Table.from_arrays(columns, names=table.column_names)
 
 
-def _printable(column: pa.ChunkedArray[Any]) -> pa.ChunkedArray[Any]:
-    kind = column.type
-    has_texts = pa.types.is_string(kind) or pa.types.is_dictionary(kind)
-    if not has_texts:
-        return column
-    chunks = [_printable_array(chunk) for chunk in column.chunks]
-    return pa.chunked_array(chunks, kind)
-
-
-def _printable_array(column: Any) -> Any:
+def _printable(column: Any) -> Any:
+    if isinstance(column, pa.ChunkedArray):
+        return pa.chunked_array([_printable(chunk) for chunk in column.chunks], column.type)
     if pa.types.is_dictionary(column.type):
-        texts = _printable_array(column.dictionary)
-        return pa.DictionaryArray.from_arrays(column.indices, texts)
-    if pc.all(pc.utf8_is_printable(column)).as_py() is not False:
+        return pa.DictionaryArray.from_arrays(column.indices, _printable(column.dictionary))
+    is_text = pa.types.is_string(column.type)
+    if not is_text or pc.all(pc.utf8_is_printable(column)).as_py() is not False:
         return column
     texts = [None if text is None else printable_text(text) for text in column.to_pylist()]
     return pa.array(texts, column.type)
@@ -98,11 +91,10 @@ def _range_problem(name: str, column: pa.ChunkedArray[Any]) -> str | None:
     if name in _POSITIVE:
         least = pc.min(column).as_py()
         return None if least is None or least > 0 else f"{name} is {least}; expected above 0"
-    most = _MAX_TIME_S if name in _TIMES else _MAX_COUNT if name in _COUNTS else None
-    if most is None:
+    if name not in _LARGEST:
         return None
     bounds: Any = pc.min_max(column)
     low, high = bounds.as_py().values()
-    if low is None or (low >= 0 and high <= most):
+    if low is None or (low >= 0 and high <= _LARGEST[name]):
         return None
-    return f"{name} is {low if low < 0 else high}; expected a number from 0 to {most:g}"
+    return f"{name} is {low if low < 0 else high}; expected a number from 0 to {_LARGEST[name]:g}"
