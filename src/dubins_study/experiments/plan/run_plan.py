@@ -65,18 +65,19 @@ class Request(NamedTuple):
         Raises:
             ExperimentError: naming the argument, its value and what was expected.
         """
-        jobs, engine, scheduler = self.jobs, self.engine, self.scheduler
+        out, jobs, engine, scheduler = self.out, self.jobs, self.engine, self.scheduler
+        is_number = isinstance(jobs, int) and not isinstance(jobs, bool)
+        is_address = isinstance(scheduler, str) and scheduler != ""
+        no_scheduler = scheduler is None
+        name, is_name = self.experiment, isinstance(self.experiment, str | FilePath)
         requirements = (
+            (is_name, f"experiment is {name!r}; expected a name or the path of a .toml file"),
             (
-                isinstance(self.experiment, str | FilePath),
-                f"experiment is {self.experiment!r}; expected a name or the path of a .toml file",
+                out is None or isinstance(out, str | FilePath),
+                f"out is {out!r}; expected the path of a folder",
             ),
             (
-                self.out is None or isinstance(self.out, str | FilePath),
-                f"out is {self.out!r}; expected the path of a folder",
-            ),
-            (
-                isinstance(jobs, int) and not isinstance(jobs, bool) and jobs >= 1,
+                is_number and jobs >= 1,
                 f"jobs is {jobs!r}; expected a whole number of processes above 0",
             ),
             (
@@ -84,16 +85,16 @@ class Request(NamedTuple):
                 f"engine is {engine!r}; expected one of: {', '.join(ENGINE_NAMES)}",
             ),
             (
-                scheduler is None or (isinstance(scheduler, str) and scheduler != ""),
+                no_scheduler or is_address,
                 f"scheduler is {scheduler!r}; expected an address such as tcp://127.0.0.1:8786",
             ),
             (
-                scheduler is None or engine == "dask",
+                no_scheduler or engine == "dask",
                 f"scheduler is {scheduler!r} and engine {engine!r}; only engine 'dask' has a "
                 "scheduler",
             ),
             (
-                scheduler is None or jobs == 1,
+                no_scheduler or jobs == 1,
                 f"jobs is {jobs}; how many cells are solved side by side is for the cluster of "
                 f"scheduler {scheduler!r} to say, so leave it out",
             ),
