@@ -19,7 +19,7 @@ def audit(
 ) -> None:
     """Recompute the paper's tables; exit code 1 if the code contradicts the committed audit."""
     from dubins_study.report.paper.audit import audit as recompute
-    from dubins_study.report.paper.audit_check import contradictions
+    from dubins_study.report.paper.audit import contradictions
     from dubins_study.report.paper.audit_file import committed
 
     record = recompute()
