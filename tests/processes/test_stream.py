@@ -74,9 +74,9 @@ def experiment(tmp_path):
 @pytest.fixture
 def small_chunks(monkeypatch):
     """Chunks of 700 and of 1000 rows, proved up to 5000."""
-    monkeypatch.setattr(stream_plan, "_PROVED_CHUNK_ROWS", 700)
+    monkeypatch.setattr(stream_plan, "_ENCLOSED_CHUNK_ROWS", 700)
     monkeypatch.setattr(stream_plan, "_CHUNK_ROWS", 1000)
-    monkeypatch.setattr(stream_plan, "MOST_PROVED_ROWS", 5000)
+    monkeypatch.setattr(stream_plan, "MOST_ENCLOSED_ROWS", 5000)
 
 
 def held(folder):
@@ -213,7 +213,7 @@ def test_names_of_streams_depend_on_what_is_asked(monkeypatch):
     assert one.id == also.id == later.id
     assert len({one.id, *(other.id for other in others)}) == 1 + len(others)
     before = one.id
-    monkeypatch.setattr(stream_plan, "_PROVED_CHUNK_ROWS", 999)
+    monkeypatch.setattr(stream_plan, "_ENCLOSED_CHUNK_ROWS", 999)
     assert one.id != before
 
 

@@ -1,4 +1,4 @@
-"""The command line `dubins-study`, put together from one module for each command.
+"""The command line `dubins-study`: one module per command, joined here.
 
 Results go to stdout, everything else to stderr. Exit code 0: done; 1: done, but something is wrong;
 2: the request was bad; 130: interrupted.
@@ -50,9 +50,9 @@ def main() -> Any:
 
 
 def _visible(message: str) -> str:
-    """The message with its control characters, which may come from a file, made visible.
+    """The message with visible control characters; they may come from a file.
 
-    A line break is kept only before two spaces: there the message has a list.
+    A line break is kept only before two spaces, where the message starts the item of a list.
     """
     from dubins_study.study.printable import plain
 

@@ -24,7 +24,7 @@ Radius = Annotated[str, typer.Option(help="minimum turning radius")]
 
 
 class CommandError(DubinsStudyError, ValueError):
-    """A command line that cannot be read, or whose result cannot be printed or saved."""
+    """The command line cannot be read, or its result cannot be printed or saved."""
 
 
 def _check_rest(target: tuple[str, str], rest: list[str], command: str) -> None:
@@ -57,7 +57,7 @@ def scenario_of(
 
     Raises:
         CommandError, AngleError, ScenarioError: naming the field, its value and what was expected,
-            or the first unknown option or word after the target.
+            or naming the first unknown option or the first word after the target.
     """
     from dubins_study.study.angle import AngleError, parse_angle
     from dubins_study.study.scenario import Scenario

@@ -23,7 +23,7 @@ def audit(
     from dubins_study.report.paper.audit_file import committed
 
     record = recompute()
-    # flushed before the committed audit is read, which may be the file that this is written to
+    # Flush before the committed audit is read: stdout may be redirected into that file.
     committed_form = json.dumps(record, indent=1, ensure_ascii=False, allow_nan=False)
     print(committed_form if as_json else audit_text(record), flush=True)
     lines = contradictions(record, committed())
@@ -33,7 +33,7 @@ def audit(
 
 
 def audit_text(record: Record) -> str:
-    """Every part as a table or a list, below a line that sums it up."""
+    """Every part as a table or a list, below a line with its summary."""
     summary = record["summary"]
     counts = [f"{n} {verdict}" for verdict, n in summary["verdicts"].items() if n]
     parts = (

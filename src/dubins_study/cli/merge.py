@@ -1,4 +1,4 @@
-"""`dubins-study merge`: results folders of one experiment, united."""
+"""`dubins-study merge`: unite results folders of one experiment."""
 
 from __future__ import annotations
 

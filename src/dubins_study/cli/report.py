@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-# columns of the report's summary that fit a terminal, and their names there
+# Column of the report's summary -> its name in the terminal; only columns that fit a terminal.
 _SUMMARY = {
     "solver": "solver",
     "attempts": "asked",
@@ -38,7 +38,7 @@ def report(
 
 
 def report_text(page: FilePath) -> str:
-    """The summary that the report wrote, and where its page is."""
+    """The summary table of a report, and the path of its page."""
     import csv
 
     from dubins_study.cli.table import table

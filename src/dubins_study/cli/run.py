@@ -35,9 +35,9 @@ def run(
     """Run an experiment; cells that are done are skipped."""
     from dubins_study.experiments.interruption import Interruption
 
-    counts: list[int] = []  # cells done and in all, as last reported
+    counts: list[int] = []  # number of cells done, and of all cells, as last reported
     try:
-        # entered before the other imports: an interrupted library import raises odd errors
+        # Before the other imports: a library whose import is interrupted raises strange errors.
         with Interruption() as stop:
             from dubins_study.cli import streams
             from dubins_study.cli.status import status_text
@@ -62,7 +62,7 @@ def run(
                 )
             print(status_text(status_of(folder)))
     except KeyboardInterrupt:
-        again = "run the same command without --restart" if restart else "run the same command"
+        next_step = "run the same command without --restart" if restart else "run the same command"
         cells = " ({} of {} cells done)".format(*counts) if counts else ""
-        print(f"interrupted; what was done is kept, {again} to go on{cells}", file=sys.stderr)
+        print(f"interrupted; what was done is kept, {next_step} to go on{cells}", file=sys.stderr)
         raise typer.Exit(130) from None

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from dubins_study.solvers.attempt import Answer
     from dubins_study.study.scenario import Scenario
 
-# what the JSON object has of an answer, beside its segments and tied words
+# Fields of an answer in the JSON object, which also has `segments` and `tied_words`.
 _JSON = (
     *("word", "length", "travel_time", "gap", "verdict", "claim", "outcome", "solver", "branch"),
     *("miss", "region", "margin", "reference", "reference_word", "curvature_excess"),
@@ -78,7 +78,7 @@ def solve(
 
 
 def _answer(scenario: Scenario, solver: str, branch: str, profile: str, limit: float) -> Answer:
-    """The closed form's answer, or the answer of another solver from a process of its own."""
+    """The answer of a solver; every solver except the closed form runs in a separate process."""
     if solver == "analytic":
         from dubins_study.solvers.attempt import solve
 
@@ -89,7 +89,7 @@ def _answer(scenario: Scenario, solver: str, branch: str, profile: str, limit: f
 
 
 def _refusal(answer: Answer) -> str | None:
-    """Why the solver was not started, or None if it was."""
+    """Why the solver was not started; None if it was started."""
     from dubins_study.solvers.protocol import Outcome
     from dubins_study.study.printable import plain
 
@@ -115,7 +115,7 @@ def _letter(curvature: float) -> str:
 
 
 def answer_text(answer: Answer) -> str:
-    """A few lines for a person."""
+    """The answer as a few lines for the terminal."""
     from dubins_study.solvers.protocol import Outcome
     from dubins_study.study.printable import plain
 

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from dubins_study.experiments.store.status import Status
     from dubins_study.study.rows.manifest import RunEntry
 
-_MOST_RUNS = 10  # the last ones are listed
+_MOST_RUNS = 10  # only the last runs are listed
 
 
 def status(
@@ -34,7 +34,7 @@ def status(
 
 
 def status_text(progress: Status) -> str:
-    """A few lines and two tables for a person."""
+    """The status as a few lines and two tables for the terminal."""
     from dubins_study.study.rows.machine_noise import NOISY
 
     done = f"{progress.done} of {progress.cells} cells done"
@@ -85,7 +85,7 @@ def _time_left(progress: Status) -> str:
 
 
 def duration(seconds: float) -> str:
-    """A duration in the largest unit that it has two of, rounded to a few digits."""
+    """A duration in the largest unit of which it has at least two, rounded to a few digits."""
     for unit, length in (("d", 86400.0), ("h", 3600.0), ("min", 60.0)):
         if seconds >= 2 * length:
             return f"{seconds / length:.3g} {unit}"

@@ -1,4 +1,4 @@
-"""Output to stderr: progress, and whatever a solver prints."""
+"""Output to stderr: progress, and everything that a solver prints."""
 
 from __future__ import annotations
 
@@ -11,30 +11,30 @@ from contextlib import contextmanager, redirect_stdout
 @contextmanager
 def solvers_to_stderr() -> Iterator[None]:
     """Keep stdout for results: what solvers and their processes print goes to stderr."""
-    if sys.stdout is None or sys.stderr is None:  # one was closed by whoever started us
+    if sys.stdout is None or sys.stderr is None:  # our parent process closed one of them
         yield
         return
     sys.stdout.flush()
-    kept = os.dup(1)
+    saved_stdout = os.dup(1)
     os.dup2(2, 1)
     try:
         with redirect_stdout(sys.stderr):
             yield
     finally:
-        os.dup2(kept, 1)
-        os.close(kept)
+        os.dup2(saved_stdout, 1)
+        os.close(saved_stdout)
 
 
 @contextmanager
 def progress(what: str, counts: list[int]) -> Iterator[Callable[[int, int], None]]:
-    """A bar on stderr, moved by the function (done, total) that this gives; `counts` keeps both."""
+    """A progress bar on stderr. Yields a function (done, total) that moves it and sets `counts`."""
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
     from rich.progress import TimeRemainingColumn as Remaining
 
     from dubins_study.study.printable import plain
 
-    # a file's name may hold brackets
+    # No markup: a file's name may hold brackets.
     name = TextColumn("{task.description}", markup=False)
     columns = (name, BarColumn(), MofNCompleteColumn(), Remaining())
     bar = Progress(*columns, console=Console(stderr=True))
@@ -42,7 +42,7 @@ def progress(what: str, counts: list[int]) -> Iterator[Callable[[int, int], None
 
     def move(done: int, total: int) -> None:
         counts[:] = done, total
-        bar.start()  # only now is the request known to be a good one
+        bar.start()  # not earlier: the request may still be refused
         bar.update(task, completed=done, total=total)
 
     try:

@@ -7,7 +7,7 @@ from io import StringIO
 
 
 def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """Rows as aligned text, numbers to the right; as wide as it needs to be."""
+    """Rows as aligned text with numbers on the right; long lines are not wrapped."""
     from rich import box
     from rich.console import Console
     from rich.table import Table
@@ -17,7 +17,7 @@ def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     for place, name in enumerate(head):
         cells = [row[place] for row in rows]
         numbers = all(cell.replace(".", "").replace("e-", "").isdigit() for cell in cells if cell)
-        # `Text`, since a name that comes from a folder may look like markup
+        # `Text`, since a name from a results folder may look like markup.
         shown.add_column(Text(name), no_wrap=True, justify="right" if numbers else "left")
     for row in rows:
         shown.add_row(*(Text(cell) for cell in row))

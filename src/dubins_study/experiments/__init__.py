@@ -1,1 +1,1 @@
-"""Experiments: what is asked of which solver, and the code that asks and records."""
+"""Experiments: which questions go to which solvers, and the code that runs and records them."""

@@ -2,8 +2,8 @@
 
 A solver lies in a room: a folder of `solvers`, or a module directly in `solvers`. Its digest covers
 the source of the whole room, of every room that the room's text names, of the code that judges an
-answer, and of `study`. Rooms are found by their dotted names in the text, so that an import inside
-a function counts as well as one at the top of a file.
+answer, and of `study`. Rooms are found by their dotted names in the text. An import inside a
+function therefore counts, like one at the top of a file.
 """
 
 from __future__ import annotations
@@ -27,11 +27,11 @@ _DIGEST_DIGITS = 12
 _PACKAGE = FilePath(__file__).parents[1]
 _ROOM_NAME = re.compile(rb"dubins_study\.solvers(?:\.| import )(\w+)")
 _WORD = re.compile(rb"\w+")
-# the rooms that judge the answer of every solver
+# The rooms that judge the answers of all solvers.
 _JUDGES = ("attempt", "profiles")
 _ADDRESS = re.compile(r" at 0x[0-9a-fA-F]+")
 
-# the path of a file as it is hashed -> its bytes
+# Path of a file, as it enters the hash -> bytes of the file.
 Sources = dict[str, bytes]
 
 
@@ -40,7 +40,7 @@ def code_digest(spec: str, profile: str = "default") -> str:
     """The digest in the column `code_digest`: 12 hexadecimal digits.
 
     It covers the canonical spec, the values of all settings, the versions of the solver's packages,
-    and the sources that `solver_sources` lists. Files are read once in a process.
+    and the sources that `solver_sources` lists. Each file is read once per process.
 
     Raises:
         SolverError: as `solvers.registry.load`.
@@ -58,7 +58,7 @@ def code_digest(spec: str, profile: str = "default") -> str:
 
 
 def plain_settings(solver: Solver) -> dict[str, Any]:
-    """A solver's settings as values that JSON can hold; other values (a plug-in's) as text."""
+    """A solver's settings as values that JSON can hold; values of other types become text."""
     return {
         name: value if _is_plain(value) else _ADDRESS.sub("", str(value))
         for name, value in settings(solver).items()
@@ -74,8 +74,8 @@ def _is_plain(value: object) -> bool:
 def solver_sources(spec: str, solver_class: type[Any]) -> Sources:
     """The source files on which a solver's rows depend.
 
-    Of a plug-in they are its file with the modules beside it that it names, or its whole package,
-    and the rooms of `solvers` that these name.
+    For a plug-in these are its file and the modules in the same folder that the file names, or its
+    whole package, and in both cases the rooms of `solvers` that these sources name.
     """
     module = solver_class.__module__
     file, colon, _ = spec.partition("[")[0].strip().rpartition(":")
@@ -112,13 +112,13 @@ def _room(name: str) -> Sources:
 
 @cache
 def _study() -> Sources:
-    """All modules of `study`, which judges every answer, but for those of the results format."""
+    """All modules of `study`, which judges every answer, except those of the results format."""
     files = (_PACKAGE / "study").rglob("*.py")
     return _read_all(_PACKAGE, (file for file in files if file.parent.name != "rows"))
 
 
 def _plugin_file(file: FilePath) -> Sources:
-    """A plug-in's file, and the modules and packages beside it that it names, directly or not."""
+    """A plug-in's file, and the modules in its folder that it names, directly or indirectly."""
     sources = {"plug-in": _read(file)}
     folder = file.resolve().parent
     beside = {module.stem: module for module in folder.glob("*.py") if module.stem != file.stem}
@@ -135,7 +135,7 @@ def _plugin_file(file: FilePath) -> Sources:
 
 
 def _installed_plugin(package_name: str) -> Sources:
-    """All modules of the top-level package, or the one module, that an entry point names."""
+    """All modules of an entry point's top-level package, or its single module."""
     package = sys.modules[package_name]
     folders = [FilePath(folder) for folder in getattr(package, "__path__", ())]
     files = [file for folder in folders for file in folder.rglob("*.py")]

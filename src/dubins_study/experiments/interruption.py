@@ -1,4 +1,4 @@
-"""Ctrl-C or SIGTERM in a run: what is being solved is finished and kept; a second stops at once."""
+"""Ctrl-C or SIGTERM in a run: after the first, the current solve ends; the second aborts it."""
 
 from __future__ import annotations
 
@@ -11,17 +11,18 @@ _SIGNALS = (signal.SIGINT, signal.SIGTERM)
 
 
 class Interruption:
-    """While it is entered, a first signal only sets `requested`; the next raises KeyboardInterrupt.
+    """In the `with` block a first signal sets `requested`; the next raises KeyboardInterrupt.
 
     The signals are SIGINT (Ctrl-C) and SIGTERM, which a batch system sends before it kills.
-    A flag, since some libraries (casadi) turn a KeyboardInterrupt raised inside them into a
-    warning and go on. Leaving raises KeyboardInterrupt if one was requested meanwhile. Outside the
-    main thread, where Python handles no signals, and for a signal that is ignored, it does nothing.
+    The first signal only sets a flag, because some libraries (casadi) turn a KeyboardInterrupt
+    raised inside them into a warning and continue. If the flag is set, the end of the block raises
+    KeyboardInterrupt. Nothing is handled outside the main thread, where Python handles no signals,
+    nor for a signal that the process ignores.
     """
 
     def __init__(self) -> None:
         self.requested = False
-        # a library may have swallowed the second one too: what it returned then is no answer
+        # A library may have swallowed the second signal too: its result is then not an answer.
         self.immediate = False
         self._previous: dict[int, Any] = {}
 
@@ -33,7 +34,7 @@ class Interruption:
             if previous not in (None, signal.SIG_IGN):
                 self._previous[number] = previous
                 signal.signal(number, self._handle)
-                # within another, one that came just before counts as well
+                # In a nested block, a signal that the outer block has just received counts too.
                 outer = getattr(previous, "__self__", None)
                 if isinstance(outer, Interruption) and outer.requested:
                     self.requested = True

@@ -14,7 +14,7 @@ from pathlib import Path as FilePath
 import psutil
 
 THREAD_VARIABLES = tuple(f"{name}_NUM_THREADS" for name in ("OMP", "OPENBLAS", "MKL", "NUMBA"))
-# packages that every row depends on, whatever its solver
+# Packages that every row depends on, with any solver.
 _BASE_PACKAGES = ("dubins-study", "numpy", "pandas", "pyarrow", "numba")
 
 
@@ -31,7 +31,7 @@ def versions(packages: tuple[str, ...] = ()) -> dict[str, str]:
 
 @cache
 def versions_of(packages: tuple[str, ...]) -> dict[str, str]:
-    """Versions of installed packages, by name; `not installed` of the others."""
+    """Versions of packages, by name; `not installed` for a package that is missing."""
     return {package: _version(package) for package in packages}
 
 
@@ -44,7 +44,7 @@ def _version(package: str) -> str:
 
 @cache
 def machine() -> dict[str, str | int]:
-    """What kind of machine this is, without its name or any of its paths, which are private."""
+    """What kind of machine this is. Its name and its paths are private and left out."""
     return {
         "system": f"{platform.system()} {platform.machine()}",
         "processor": _processor(),
@@ -59,7 +59,7 @@ def _usable_cores() -> int:
     """How many cores this process may run on."""
     try:
         return len(os.sched_getaffinity(0))
-    except AttributeError:  # there is no affinity on this system
+    except AttributeError:  # this system cannot bind a process to cores
         return os.cpu_count() or 1
 
 
@@ -84,7 +84,7 @@ def governor(cpus: FilePath = FilePath("/sys/devices/system/cpu")) -> str:
 
 
 def load_average() -> list[float] | None:
-    """How many processes wanted a core over the last 1, 5 and 15 minutes, if that is known."""
+    """Mean number of processes that wanted a core in the last 1, 5 and 15 minutes, if known."""
     try:
         return [round(value, 2) for value in os.getloadavg()]
     except (OSError, AttributeError):
@@ -92,7 +92,7 @@ def load_average() -> list[float] | None:
 
 
 def thread_limits() -> dict[str, str]:
-    """Those environment variables that limit the threads of numerical libraries and are set."""
+    """The environment variables that are set and limit the threads of numerical libraries."""
     return {name: value for name in THREAD_VARIABLES if (value := os.environ.get(name))}
 
 
@@ -107,10 +107,7 @@ def _processor() -> str:
 
 @cache
 def source() -> dict[str, str | bool]:
-    """The commit of the source tree, and whether files were changed since.
-
-    Empty outside a checkout.
-    """
+    """The commit of the source tree, and whether files were changed since; empty without git."""
     root = FilePath(__file__).parents[3]
     if not (root / ".git").exists():
         return {}

@@ -43,21 +43,21 @@ def run(
 ) -> FilePath:
     """Run an experiment and return its results folder.
 
-    Cells whose rows the folder holds are skipped, so that a second run completes a first one that
-    was stopped. The default is one job: times are comparable only if cells are solved one by one.
+    Cells whose rows the folder holds are skipped, so a second run completes a run that was
+    stopped. The default is one job: times are comparable only if cells are solved one by one.
 
     Args:
         experiment: a name (`paper`, `radius-sweep`, ...) or the path of a TOML file.
         out: the results folder; `results/<name>` by default.
         solvers: specs that replace those of the experiment.
-        jobs: how many processes solve cells side by side.
+        jobs: how many processes solve cells at the same time.
         time_limit: seconds that a solve may take, instead of the experiment's limit.
         memory_limit: GiB that a worker process and its children may hold, instead of the
             experiment's limit.
         repeats: how often each question is asked, instead of the experiment's number.
-        restart: throw away the rows that the folder holds.
+        restart: delete the rows that the folder holds.
         trust_plugins: let the experiment's file name plug-in files and programs on PATH as
-            solvers. Those named in `solvers` are trusted anyway.
+            solvers. Those named in `solvers` are always trusted.
         engine: `local`, or `dask` for Dask workers, on this machine or on others.
         scheduler: the address of a Dask scheduler; without one, `jobs` Dask workers are started on
             this machine.
@@ -65,7 +65,7 @@ def run(
 
     Raises:
         ExperimentError, SolverError, ResultsError: if the request or the folder is not valid.
-        RunError: if worker processes end before they have done anything, or Dask fails.
+        RunError: if worker processes end before their first job, or Dask fails.
         KeyboardInterrupt: after SIGINT (Ctrl-C) or SIGTERM, once the cell that is being solved is
             finished and all rows are written; a second signal abandons that cell. The caller's
             signal handlers are restored. Signals are handled in the main thread only.
@@ -96,7 +96,7 @@ def run(
 def _engine(request: Request) -> AbstractContextManager[Engine]:
     if request.engine == "local":
         return local_engine(request.jobs)
-    # only here: `distributed` is an extra, and takes half a second to import
+    # Imported only if needed: `distributed` is an extra and takes half a second to import.
     from dubins_study.experiments.engines.dask_engine import dask_engine
 
     return dask_engine(request.jobs, request.scheduler)
@@ -109,7 +109,7 @@ def _solve(
     progress: Progress | None,
     stop: Interruption,
 ) -> None:
-    """Solve streams, then cells; write the rows as they come, at last into one part."""
+    """Solve streams, then cells; write the rows as they come, then unite them in one part."""
     folder, experiment = plan.folder, plan.experiment_file.experiment
     manifest, repairs = open_folder(folder, _new_manifest(plan, request.command()), request.restart)
     for repair in repairs:
@@ -149,7 +149,7 @@ def _solve(
 
 
 def _run_entry(settings: RunSettings, command: str, engine: Engine) -> RunEntry:
-    """What the manifest's entry of the run says about the request."""
+    """The manifest's entry for the run, with the fields that describe the request."""
     return RunEntry(
         run_id=settings.run_id,
         command=command,
@@ -163,7 +163,7 @@ def _run_entry(settings: RunSettings, command: str, engine: Engine) -> RunEntry:
 
 
 def _new_manifest(plan: RunPlan, command: str) -> Manifest:
-    """The manifest of a folder that holds this experiment alone; its cells are not counted yet."""
+    """The manifest of a folder that holds only this experiment; its cells are not counted yet."""
     file, experiment = plan.experiment_file, plan.experiment_file.experiment
     solvers = {spec: describe_solver(spec, experiment.profile) for spec in plan.solver_specs}
     packages = sorted({package for solver in solvers.values() for package in solver.packages})

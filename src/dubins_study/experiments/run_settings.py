@@ -1,11 +1,11 @@
-"""What holds for every cell of one run: its name, its limits, and how it is solved."""
+"""The settings of one run: its id, its limits, and the engine that solves the cells."""
 
 from __future__ import annotations
 
 from typing import NamedTuple
 
 BYTES_PER_GIB = 2**30
-# what may solve the cells: worker processes of this machine, or a Dask cluster
+# The engines that can solve cells: worker processes of this machine, or a Dask cluster.
 ENGINE_NAMES = ("local", "dask")
 
 
@@ -13,12 +13,12 @@ class RunSettings(NamedTuple):
     """The settings of one run, the same for all its cells and rows.
 
     Args:
-        run_id: the name of the run in its rows, its parts and the manifest.
+        run_id: identifies the run in its rows, its parts and the manifest.
         time_limit_s: seconds that one solve may take.
         memory_limit_bytes: bytes that a worker process and its children may hold.
-        jobs: how many cells are solved side by side.
+        jobs: how many cells are solved at the same time.
         engine: one of `ENGINE_NAMES`.
-        seed: the order of the cells is drawn from it.
+        seed: seed of the random order of the cells.
     """
 
     run_id: str

@@ -1,1 +1,1 @@
-"""What an experiment's TOML file may say, and the messages for what it may not."""
+"""What an experiment's TOML file may contain, and the messages for invalid files."""

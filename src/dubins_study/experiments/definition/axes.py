@@ -1,4 +1,4 @@
-"""How a TOML file writes numbers, and several values of one field of a scenario."""
+"""How a TOML file writes numbers, and how it gives one field of a scenario several values."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ Number = Annotated[float, BeforeValidator(_number_or_angle), Field(allow_inf_nan
 Count = Annotated[int, BeforeValidator(_refuse_boolean), Field(ge=1, le=10**9)]
 Seed = Annotated[int, BeforeValidator(_refuse_boolean), Field(ge=0, lt=2**63)]
 Gibibytes = Annotated[float, BeforeValidator(_refuse_boolean), Field(ge=0.25, le=2**20)]
-# The name of a section of the report; the report knows which sections exist.
+# Name of a section of the report. Only the report knows which sections exist.
 SectionName = Annotated[str, Field(pattern=r"^[a-z][a-z0-9-]*$", max_length=40)]
 Seconds = Annotated[float, BeforeValidator(_refuse_boolean), Field(gt=0, allow_inf_nan=False)]
 

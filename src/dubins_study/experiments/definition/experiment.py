@@ -30,8 +30,8 @@ class ExperimentError(DubinsStudyError, ValueError):
 class Experiment(StrictModel):
     """The keys of an experiment's TOML file.
 
-    `solvers` are specs: `*` stands for every registered solver, and `{a,b}` in a spec for one
-    solver with a and one with b. Where `initial_guesses` holds `warm`, the scenarios of each block
+    `solvers` are specs: `*` means every registered solver; a spec with `{a,b}` means one solver
+    with a and one with b. If `initial_guesses` holds `warm`, the scenarios of each block
     are solved one after another, each from the path of the scenario before it. A solve is stopped
     when it takes longer than `time_limit_s`, or when its process and the children of that process
     hold more than `memory_limit_gib`. `section` names the report's section about this experiment.
@@ -68,7 +68,7 @@ class ExperimentFile(NamedTuple):
 
     Args:
         name: the name of the packaged experiment, or the stem of the file's name.
-        path: the file as messages name it.
+        path: the file's path, as it appears in messages.
         text: the text of the file.
         experiment: what the text says.
     """
@@ -104,7 +104,7 @@ def read(name: str) -> ExperimentFile:
     if packaged_file is not None:
         return parse(name, packaged_file.name, packaged_file.read_text(encoding="utf-8"))
     path = FilePath(name)
-    # The results folder is named after the stem, and "." and ".." are no names of a new folder.
+    # The results folder is named after the stem; "." and ".." cannot name a new folder.
     if path.suffix != ".toml" or path.stem in (".", ".."):
         raise ExperimentError(
             f"no experiment named {name!r}; choose one of: {', '.join(packaged())}, "

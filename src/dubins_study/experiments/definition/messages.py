@@ -8,7 +8,7 @@ from typing import Any
 from pydantic import ValidationError
 
 _WHOLE, _NUMBER, _TEXT = "expected a whole number", "expected a number", "expected a text"
-# pydantic's type of error -> what the sentence says
+# pydantic's type of error -> the end of our sentence.
 _EXPECTED = {
     "too_short": "expected at least one",
     "string_too_short": "expected a text that is not empty",
@@ -41,9 +41,9 @@ _RANGE = "expected { linear = [low, high] } or { log = [low, high] }"
 
 
 def first_error(error: ValidationError) -> str:
-    """The key, its value and what was expected there, for one of the errors that pydantic found."""
-    # A value that fits no variant of a union causes one error for each variant. The variant that
-    # was meant is most likely the one whose value was looked at, or else the deepest one.
+    """The key, its value and what was expected, for one of the errors that pydantic found."""
+    # A value that fits no variant of a union causes one error per variant. The user most likely
+    # meant the variant whose value was checked, or else the deepest one.
     first = max(
         error.errors(), key=lambda e: (e["type"] in ("value_error", "too_short"), len(e["loc"]))
     )
@@ -70,7 +70,7 @@ def _union_error(kind: str, location: tuple[Any, ...], variant: int, value: obje
     Args:
         kind: pydantic's type of the error.
         location: the steps to the value; one of them names a variant of the union, not a key.
-        variant: where in `location` that step stands.
+        variant: index of that step in `location`.
         value: the value.
 
     Returns:

@@ -9,7 +9,7 @@ from pydantic import Field, field_validator, model_validator
 from dubins_study.experiments.definition.axes import Axis, Sample, StrictModel
 from dubins_study.study.closed_form.shortest import BRANCHES
 
-# the three ways to write a target
+# The fields of the three ways to write a target.
 CARTESIAN = ("target_x", "target_y")
 POLAR = ("distance", "bearing")
 CIRCULAR = ("arc", "margin")
@@ -35,7 +35,7 @@ class GuessLengths(StrictModel):
 class Block(StrictModel):
     """Scenarios: all combinations of the fields' values, or a sample.
 
-    The target is written in one of three ways:
+    The target is written in one of these ways:
     `target_x` and `target_y`;
     `distance` in radii and `bearing` in radians from the start's heading;
     `arc` and `margin`: `arc` radians along a turning circle from the start (positive on the left

@@ -1,1 +1,1 @@
-"""Plans in, judged rows out: local workers, Dask, and streamed frames."""
+"""Engines turn a plan into judged rows: local workers, Dask, and streamed frames."""

@@ -1,8 +1,9 @@
-"""A connection to a Dask scheduler: that of an address, or of a cluster on this machine.
+"""A connection to a Dask scheduler: at a given address, or in a cluster on this machine.
 
-The cluster on this machine is Dask's LocalCluster in a process of its own. In the caller's process
+The cluster on this machine is Dask's LocalCluster in a separate process. In the caller's process
 it would import the caller's main module again in every worker, change the environment, and end its
-workers at Ctrl-C. Here it leads a session, and ends when its standard input does: with its caller.
+workers at Ctrl-C. The separate process leads its own session and ends when the caller ends, because
+its standard input closes then.
 """
 
 from __future__ import annotations
@@ -22,10 +23,11 @@ from typing import Any, NamedTuple
 from dubins_study.experiments.isolation.pool import RunError
 from dubins_study.solvers.reply import exception_text
 
+# Seconds to wait for the scheduler's answer, and for the end of the local cluster.
 _ANSWER_WAIT_S, _EXIT_WAIT_S = 10.0, 5.0
 _MAX_MESSAGE_CHARS = 500
 _LOOPBACK = "127.0.0.1"
-# with the caller's search path; -P: no other folder is searched
+# The program of the cluster's process. It gets the caller's search path; -P adds no other folder.
 _PROGRAM = (
     "import sys, json; sys.path[:] = json.loads(sys.stdin.readline()); "
     "from dubins_study.experiments.engines.dask_cluster import main; main()"
@@ -61,7 +63,7 @@ def local_cluster(workers: int) -> Iterator[Cluster]:
         assert process.stdin is not None
         assert process.stdout is not None
         try:
-            with suppress(BrokenPipeError):  # its output says why it has ended
+            with suppress(BrokenPipeError):  # the process has ended; its output says why
                 print(json.dumps(sys.path), file=process.stdin)
                 print(json.dumps([workers, scratch]), file=process.stdin, flush=True)
             line = process.stdout.readline()
@@ -75,7 +77,7 @@ def local_cluster(workers: int) -> Iterator[Cluster]:
                 process.stdin.close()
             with suppress(subprocess.TimeoutExpired):
                 process.wait(_EXIT_WAIT_S)
-            with suppress(ProcessLookupError):  # whatever is left of its session
+            with suppress(ProcessLookupError):  # the session has no process left
                 os.killpg(process.pid, signal.SIGKILL)
 
 
@@ -87,9 +89,9 @@ def main() -> None:
     workers, scratch = json.loads(sys.stdin.readline())
     settings = {
         "distributed.worker.daemon": False,
-        # solvers get the environment that they always get
+        # Dask must not change the environment of the solvers.
         "distributed.nanny.pre-spawn-environ": {},
-        # a worker that dies again while it is started anew must not be given up
+        # Dask must not give up a worker that dies again while it restarts.
         "distributed.deploy.lost-worker-timeout": "1 day",
     }
     with (
@@ -112,22 +114,22 @@ def connected(address: str) -> Iterator[Any]:
     """A client of a scheduler.
 
     Raises:
-        RunError: if no scheduler answers, or one of other versions.
+        RunError: if no scheduler answers, or if the versions of Python or Dask differ.
     """
     from distributed import Client
 
     try:
-        # A Client without a scheduler tries for twenty seconds and prints. The check has a thread
-        # of its own, since an event loop may be running in the caller's.
+        # Check the address first: a Client without a scheduler tries for twenty seconds and prints.
+        # The check runs in its own thread, since the caller's may already run an event loop.
         with ThreadPoolExecutor(1) as thread:
             kind = thread.submit(asyncio.run, _kind(address)).result()
         if kind != "Scheduler":
             raise ValueError(f"it is a {kind}")
         client = Client(address, timeout=_ANSWER_WAIT_S, set_as_default=False)
-    except Exception as error:  # of every layer below: names, sockets, certificates, protocols
+    except Exception as error:  # any lower layer: names, sockets, certificates, protocols
         cause: BaseException = error
         while cause.__cause__ is not None and str(cause.__cause__):
-            cause = cause.__cause__  # the lowest layer names the problem, the others the call
+            cause = cause.__cause__  # only the lowest layer names the problem
         text = exception_text(cause) if str(cause) else f"nothing came within {_ANSWER_WAIT_S:g} s"
         raise RunError(
             f"no Dask scheduler answers at {address!r} ({text}); expected an address such "
@@ -155,11 +157,11 @@ async def _kind(address: str) -> str:
 
 
 def in_worker(name: str) -> Callable[[Any], Any]:
-    """A function of `dask_worker`, as a worker without this package can receive it.
+    """A function of `dask_worker`, in a form that a worker without this package can receive.
 
-    Dask sends a module's function by its name, and a worker that cannot import the module ends the
-    connection: the run would wait for ever. A nested function is sent as code, and raises an
-    ImportError there.
+    Dask sends a module's function by its name. A worker that cannot import the module ends the
+    connection, and the run would wait forever. A nested function is sent as code, and raises an
+    ImportError in such a worker.
     """
 
     def call(argument: Any) -> Any:
@@ -172,7 +174,7 @@ def in_worker(name: str) -> Callable[[Any], Any]:
 
 
 def mismatch(versions: Mapping[str, Any]) -> str | None:
-    """Why the machines of a cluster cannot work with this one: Python's or Dask's versions.
+    """The difference in Python's or Dask's version between a cluster and this machine, or None.
 
     Args:
         versions: as `distributed.Client.get_versions` returns them.

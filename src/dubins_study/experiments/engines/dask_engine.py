@@ -1,4 +1,4 @@
-"""The cells of a run solved by a Dask cluster: work units out, judged rows back."""
+"""Solve the cells of a run on a Dask cluster: send work units, receive judged rows."""
 
 from __future__ import annotations
 
@@ -22,34 +22,37 @@ from dubins_study.solvers.reply import exception_text
 from dubins_study.study.rows.row_table import Row, row_key, row_path
 
 _LOG = logging.getLogger(__name__)
-# Dask's loggers, which print what exceptions say as well
+# Dask's loggers. They are silenced, because they repeat what the exceptions say.
 _LOGGERS = ("distributed", "tornado", "asyncio")
 
-# A worker returns a unit after a second, with what is left of it: this many cells keep it busy for
-# so long where they take a few milliseconds. Fewer would cost more messages, more would move cells
-# to and fro where solves are slow.
+# Cells per unit. A worker returns a unit after a second, solved or not. If a cell takes a few
+# milliseconds, this many cells fill the second. With fewer cells there would be more messages; with
+# more, unsolved cells would travel back and forth if solves are slow.
 _MAX_CELLS = 256
-# towards the end a unit is this share of what each thread has left, so that all end together
-_SHARE = 4
-# units sent for every thread: one that is being solved, and the next
+# Near the end of a run, a unit holds one part in this many of the cells left per thread, so that
+# all threads finish at about the same time.
+_PARTS_PER_THREAD = 4
+# Units sent per thread: the one that is being solved, and the next.
 _UNITS_PER_THREAD = 2
-# of a unit whose solving raised; Dask counts workers that die by itself (`allowed-failures`)
+# Retries of a unit that raised an exception. Dask itself counts workers that die
+# (`allowed-failures`).
 _RETRIES = 1
-# without a reply, after which whoever writes the rows is given a turn
-_NEWS_INTERVAL_S = 0.2
-# between two counts of the threads, since workers come and go
+# After this many seconds without a reply, yield an empty list, so that the caller can write rows.
+_YIELD_INTERVAL_S = 0.2
+# Seconds between two counts of the threads, since workers come and go.
 _COUNT_INTERVAL_S = 1.0
+# Seconds to wait for a result, and for a call in every worker.
 _FETCH_WAIT_S, _CALL_WAIT_S = 30.0, 10.0
 _LOST = "the connection to the Dask scheduler is lost; the rows written so far are kept"
 
 
 @contextmanager
 def dask_engine(jobs: int, scheduler: str | None) -> Iterator[Engine]:
-    """A Dask cluster: that of an address, or one of this machine, started when cells are solved.
+    """A Dask cluster at an address, or one on this machine that starts with the first solve.
 
     Args:
-        jobs: worker processes of this machine, where no address is given.
-        scheduler: the address of a scheduler.
+        jobs: number of worker processes on this machine, if there is no `scheduler`.
+        scheduler: the address of a scheduler, or None.
 
     Raises:
         RunError: if `distributed` is not installed or the scheduler does not answer.
@@ -61,7 +64,7 @@ def dask_engine(jobs: int, scheduler: str | None) -> Iterator[Engine]:
             f"engine 'dask' needs Dask: pip install 'dubins-study[dask]' ({error})"
         ) from None
     with ExitStack() as stack:
-        for name in _LOGGERS:  # they have their levels again at the end
+        for name in _LOGGERS:  # the stack restores their levels at the end
             logger = logging.getLogger(name)
             stack.callback(logger.setLevel, logger.level)
             logger.setLevel(logging.CRITICAL + 1)
@@ -87,26 +90,26 @@ def dask_engine(jobs: int, scheduler: str | None) -> Iterator[Engine]:
 
 
 class _Submission:
-    """The cells of one run: those that wait, and those that the cluster has as work units."""
+    """The cells of one run: those that wait here, and those that the cluster holds as units."""
 
     def __init__(self, client: Any, unit: WorkUnit, probed: Probe | None):
         self._client, self._settings, self._probed = client, unit.settings, probed
         self._waiting: deque[Chain] = deque(unit.chains)
         self._before = dict(unit.before)
-        self._units: dict[str, tuple[Any, WorkUnit]] = {}  # with their futures, by Dask's key
+        self._units: dict[str, tuple[Any, WorkUnit]] = {}  # Dask's key -> (future, unit)
         self._ended: SimpleQueue[Any] = SimpleQueue()
         self._numbers = count()
         self._threads, self._counted_s = 0, float("-inf")
         self._warned = False
-        # numbered as their first probes arrive, since their names are recorded nowhere
+        # A machine's name -> its number, in the order of first probes; names are not recorded.
         self._machines: dict[str, int] = {}
 
     def solve(self, stop: Interruption) -> Iterator[list[Row]]:
-        """The rows of all cells as they come; an empty list now and then where none do.
+        """Yield the rows of all cells as they come, and an empty list if none come for a while.
 
         Raises:
-            RunError: if a worker's code is not that of the cells, a unit ends every worker that
-                takes it, or the scheduler has gone.
+            RunError: if a worker's code differs from the code of the cells, if a unit ends every
+                worker that takes it, or if the scheduler has gone.
         """
         stopping = False
         while self._waiting or self._units:
@@ -119,7 +122,7 @@ class _Submission:
                 return
             self._submit()
             try:
-                future = self._ended.get(timeout=_NEWS_INTERVAL_S)
+                future = self._ended.get(timeout=_YIELD_INTERVAL_S)
             except Empty:
                 yield []
                 continue
@@ -139,7 +142,7 @@ class _Submission:
             return
         if self._client.status not in ("running", "connecting"):
             raise RunError(_LOST)
-        with suppress(OSError, TimeoutError):  # lost, perhaps for a moment: counted again later
+        with suppress(OSError, TimeoutError):  # perhaps lost for a moment: count again later
             self._threads = sum(self._client.nthreads().values())
         self._counted_s = monotonic()
         if self._threads == 0 and not self._warned:
@@ -147,10 +150,10 @@ class _Submission:
             _LOG.warning("dubins-study: the Dask scheduler has no workers; waiting for the first")
 
     def _submit(self) -> None:
-        """Send units until every thread has its share of them."""
+        """Send units until there are `_UNITS_PER_THREAD` for every thread."""
         function, threads = in_worker("solve_unit"), max(1, self._threads)
         while self._waiting and len(self._units) < _UNITS_PER_THREAD * threads:
-            share = sum(map(len, self._waiting)) // (_SHARE * threads)
+            share = sum(map(len, self._waiting)) // (_PARTS_PER_THREAD * threads)
             cells = max(1, min(_MAX_CELLS, share))
             chains: list[Chain] = []
             while self._waiting and cells > 0:
@@ -167,7 +170,7 @@ class _Submission:
             future.add_done_callback(self._ended.put)
 
     def _reply(self, future: Any) -> UnitReply | None:
-        """What a worker returned, or None if it did not arrive and will be returned again."""
+        """A worker's reply; None if it did not arrive, in which case another reply will come."""
         from distributed import KilledWorker
 
         if future.key not in self._units:
@@ -187,14 +190,14 @@ class _Submission:
                 f"unit of {unit.cells} cells, the last one at {error.last_worker.address}; "
                 "the rows written so far are kept"
             ) from None
-        except Exception as error:  # whatever Dask raises, here or there
+        except Exception as error:  # any error of Dask, in this process or in a worker
             raise RunError(_explanation(error)) from None
-        # the worker that had the rows has died: another one solves the unit
+        # The worker that held the rows has died: another worker solves the unit.
         future.add_done_callback(self._ended.put)
         return None
 
     def _rows(self, unit: WorkUnit, reply: UnitReply) -> list[Row]:
-        """The rows of a reply: only of the unit's cells, each once. Its probes are passed on."""
+        """Pass on a reply's probes and return its rows; refuse rows that are not of the unit."""
         rows: list[Row] = reply.rows.to_pylist()
         keys = {row_key(row) for row in rows}
         if len(keys) < len(rows) or not keys <= {c.key for chain in unit.chains for c in chain}:
@@ -206,7 +209,7 @@ class _Submission:
         return rows
 
     def _take_back(self, unit: WorkUnit, rows: list[Row]) -> None:
-        """Put the cells that a worker has left first in the queue."""
+        """Put the cells that a worker has not solved at the front of the queue."""
         rest = unit.remaining({row_key(row): row_path(row) for row in rows})
         if rest.chains and not rows:
             raise RunError("a Dask worker solved nothing of what it was asked")
@@ -215,7 +218,7 @@ class _Submission:
 
     def _call_workers(self, name: str) -> None:
         """Call a function of `dask_worker` with the run's id in every worker that answers."""
-        with suppress(Exception):  # workers that are going, or without this package
+        with suppress(Exception):  # workers that are ending, or that lack this package
             self._client.run(
                 in_worker(name),
                 self._settings.run_id,
@@ -224,7 +227,7 @@ class _Submission:
             )
 
     def close(self) -> None:
-        """End what the cluster still solves for this run."""
+        """Stop all solves of this run on the cluster."""
         if self._units:
             with suppress(Exception):
                 self._client.cancel([future for future, _ in self._units.values()])

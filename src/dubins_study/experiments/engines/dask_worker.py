@@ -1,8 +1,8 @@
-"""What a Dask worker does: solve work units by pools of its own, kept from one unit to the next.
+"""The code in a Dask worker: solve work units with its own pools, which are kept between units.
 
-The functions that a run calls in a worker: `solve_unit`, `stop_run` and `end_run`. A unit travels
-as bytes, which a worker without this package can receive, and rows travel as an Arrow table: no
-object of a plug-in travels.
+A run calls `solve_unit`, `stop_run` and `end_run` in a worker. A unit travels as bytes, which a
+worker without this package can receive, and rows travel as an Arrow table. No object of a plug-in's
+classes travels.
 """
 
 from __future__ import annotations
@@ -24,20 +24,20 @@ from dubins_study.experiments.isolation.pool import RunError, WorkerPool
 from dubins_study.experiments.run_settings import RunSettings
 from dubins_study.study.rows.row_table import Row, rows_table
 
-# After this a unit is returned with what is left of it: rows are written every second, and a unit
-# of slow solvers must not keep other workers waiting at the end.
+# Seconds after which a unit is returned, even if cells are left: rows are written every second, and
+# a unit of slow solvers must not keep other workers waiting at the end.
 _UNIT_S = 1.0
 _PACKAGE = FilePath(__file__).parents[2]
 
 
 class UnitReply(NamedTuple):
-    """What a Dask worker returns of a work unit.
+    """What a Dask worker returns for a work unit.
 
     Args:
-        rows: of some of the unit's cells.
-        refusal: why this worker solves no more of the unit; empty if it does.
+        rows: the rows of the cells that were solved.
+        refusal: why this worker must not solve the rest of the unit; empty if it may.
         machine: the name of the worker's machine.
-        probes_s: seconds that the calibration's piece of work took there.
+        probes_s: seconds that each calibration probe took on that machine.
     """
 
     rows: pa.Table
@@ -47,13 +47,13 @@ class UnitReply(NamedTuple):
 
 
 def _source_files() -> frozenset[tuple[str, int, int]]:
-    """Name, time and size of the files that answers depend on, as they are on disk."""
+    """Name, modification time (ns) and size (bytes) of the files that answers depend on."""
     rooms = ("study", "solvers", "experiments")
     files = [file for room in rooms for file in (_PACKAGE / room).rglob("*.py")]
     return frozenset((f.name, f.stat().st_mtime_ns, f.stat().st_size) for f in files)
 
 
-# as this process imported them; a Dask worker may live for weeks
+# The files as this process imported them: they may change while a Dask worker lives for weeks.
 _IMPORTED = _source_files()
 
 
@@ -86,11 +86,11 @@ class _Run:
                 pool.__exit__()
 
     def end(self) -> None:
-        """End all idle processes; once the run is stopped, also those that solve something."""
+        """End all idle processes; once the run is stopped, also those that are solving."""
         while self._idle:
             self._idle.pop().__exit__()
         for pool in [*self._busy] if self.stopped else ():
-            pool.kill_workers()  # its own thread closes it
+            pool.kill_workers()  # the thread that uses the pool closes it
 
 
 _runs: dict[str, _Run] = {}
@@ -98,24 +98,24 @@ _runs: dict[str, _Run] = {}
 
 def _run(run_id: str) -> _Run:
     if run_id not in _runs:
-        for other in list(_runs.values()):  # whose client may have been killed
+        for other in list(_runs.values()):  # the client of an earlier run may have been killed
             other.end()
     return _runs.setdefault(run_id, _Run())
 
 
 def stop_run(run_id: str) -> None:
-    """Finish the cells that are being solved for a run; start no other."""
+    """Let a run's current solves finish; start no further cell of the run."""
     _run(run_id).stopped = True
 
 
 def end_run(run_id: str) -> None:
-    """End what is being solved for a run, and its idle processes."""
+    """Kill a run's current solves and end its idle processes."""
     stop_run(run_id)
     _run(run_id).end()
 
 
 def solve_unit(message: bytes) -> UnitReply:
-    """Solve the cells of a pickled work unit for about a second, at least one of them."""
+    """Solve cells of a pickled work unit for about a second, and at least one cell."""
     unit: WorkUnit = pickle.loads(message)
     run, stop, machine = _run(unit.settings.run_id), Interruption(), socket.gethostname()
     rows: list[Row] = []

@@ -1,4 +1,4 @@
-"""What an engine is, and what it solves: chains of cells, and what is left of them."""
+"""What an engine is, and what it solves: work units, which hold chains of cells."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ from dubins_study.study.rows.schema import Key
 
 
 class WorkUnit(NamedTuple):
-    """Cells of one run: all that are left, or as many as one Dask task solves.
+    """Cells of one run: all unsolved cells, or as many as one Dask task gets.
 
     Args:
-        settings: of the run.
-        chains: single cells, and sweeps whose warm cells each start from the path before.
-        before: the path before the first cell of a chain, by that cell's key, where there is one.
+        settings: the settings of the run.
+        chains: single cells, and sweeps, in which each warm cell starts from the previous path.
+        before: key of a chain's first cell -> last path earlier in its sweep, if there is one.
     """
 
     settings: RunSettings
@@ -35,11 +35,11 @@ class WorkUnit(NamedTuple):
         return sum(map(len, self.chains))
 
     def remaining(self, done: Mapping[Key, Path | None]) -> WorkUnit:
-        """What is left of the chains, in pieces where cells between are done.
+        """The cells that are not done. A chain with done cells in between is cut into pieces.
 
         Args:
-            done: the cells that are done, by their keys, with their paths if they arrived. After
-                a failure the last path that arrived serves on, as in a run without interruption.
+            done: key of a cell that is done -> its path, or None if the path did not arrive. After
+                such a failure the earlier path stays the initial guess, as in an uninterrupted run.
         """
         pieces: list[Chain] = []
         before: dict[Key, Path] = {}
@@ -57,7 +57,7 @@ class WorkUnit(NamedTuple):
 
 
 class ChainState(NamedTuple):
-    """The place of a chain's next cell, and the last path that arrived before it."""
+    """The index of a chain's next cell, and the last path that arrived before that cell."""
 
     chain: Chain
     place: int
@@ -71,29 +71,28 @@ class ChainState(NamedTuple):
         return self.path if self.cell.initial_guess == "warm" else given_guess(self.cell)
 
     def after(self, path: Path | None) -> ChainState | None:
-        """The state once the cell is attempted, if another one follows.
+        """The state after an attempt at the current cell; None at the end of the chain.
 
         Args:
-            path: the cell's, if it arrived; after a failure the last path before serves on.
+            path: the path of the current cell; None if it did not arrive, so `self.path` stays.
         """
         if self.place + 1 == len(self.chain):
             return None
         return ChainState(self.chain, self.place + 1, path or self.path)
 
 
-# called with the seconds that a fixed piece of work took, and the number of the machine that did it
-# (0 for this one)
+# Called with the duration (s) of a calibration probe and the number of its machine (0: this one).
 Probe = Callable[[float, int], None]
 
 
 class Engine(NamedTuple):
-    """Where a run's cells are solved, as long as the context that yields it is entered.
+    """What solves a run's cells; usable until the `with` block that provides it ends.
 
     Args:
-        jobs: how many cells are solved side by side.
-        run_entry: what the run's entry in the manifest holds of it.
-        solve: the rows of all cells of a unit as they come; see `local.solve_chains`. The probe is
-            called every few seconds, if it is given.
+        jobs: how many cells are solved at the same time.
+        run_entry: fields about the engine for the run's entry in the manifest.
+        solve: yields the rows of a unit's cells as they come; see `local.solve_chains`. It calls
+            the probe every few seconds, if there is one.
     """
 
     jobs: int
@@ -104,7 +103,7 @@ class Engine(NamedTuple):
 def unfinished(
     folder: FilePath, chains: list[Chain], finished: set[Key], settings: RunSettings
 ) -> WorkUnit:
-    """What a results folder lacks of every chain, in the order of the run, and the paths before.
+    """The cells that a results folder lacks, in the order of the run, with their initial paths.
 
     Args:
         finished: the keys of the cells that the folder holds.

@@ -1,4 +1,4 @@
-"""One question, asked in a worker process of its own."""
+"""One question, solved in a separate worker process."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from dubins_study.solvers.protocol import Outcome, Question
 from dubins_study.solvers.reply import DEFAULT_LIMIT, exception_text, no_answer
 from dubins_study.study.scenario import Scenario
 
-MEMORY = 4.0  # GiB
+MEMORY = 4.0  # GiB that the worker and its children may hold
 
 
 def solve_isolated(
@@ -27,10 +27,10 @@ def solve_isolated(
     limit: float = DEFAULT_LIMIT,
     memory: float = MEMORY,
 ) -> Answer:
-    """Solve one scenario as a run does: whatever the solver does to its process is an answer.
+    """Solve one scenario as a run does: if the solver ends its process, that is an answer too.
 
-    Args and Raises as `solvers.solve`, where the caller's own process is asked; `memory` is in
-    GiB. Interrupted once, it waits for the answer; twice, it does not.
+    Args and Raises as `solvers.solve`, which solves in the caller's process; `memory` is in GiB.
+    After a first interruption it waits for the answer; a second one ends it at once.
     """
     check_request(branch, limit)
     allowed = tolerances(profile)
@@ -45,5 +45,5 @@ def solve_isolated(
     reply = results[0][1].reply
     try:
         return judged(solver, question, reply, allowed)
-    except Exception as error:  # a path that the check cannot drive, as in a run
+    except Exception as error:  # the check cannot drive the path: an answer too, as in a run
         return judged(solver, question, no_answer(Outcome.RAISED, exception_text(error)), allowed)

@@ -21,13 +21,13 @@ _KEY, _SCENARIO = names(KEY), names(SCENARIO)
 def row_of(
     cell: Cell, initial_guess: Path | None, settings: RunSettings, answer: WorkerReply
 ) -> tuple[Row, Path | None]:
-    """The row of a reply to a cell's question, and its path if it arrived."""
+    """The row for a worker's reply to a cell, and the path if it reaches the target."""
     known = dict(zip(_KEY, cell.key, strict=True))
     known |= run_columns(settings, answer.started or now(), answer.versions)
     question = Question(cell.scenario, cell.branch, initial_guess)
     try:
         row = judged_row(cell.solver, question, answer.reply, tolerances(cell.profile))
-    except Exception as error:  # a path that the check cannot drive is a row too
+    except Exception as error:  # the check cannot drive the path: recorded as a row too
         known |= {name: getattr(cell.scenario, name) for name in _SCENARIO}
         return raised_row(known, exception_text(error)), None
     row.update(known)
@@ -35,7 +35,7 @@ def row_of(
 
 
 def run_columns(settings: RunSettings, started: str, versions: str) -> Row:
-    """The columns that tell where a row came from."""
+    """The columns that say in which run, when and where a row was solved."""
     return {
         "versions": versions,
         "machine": host(),

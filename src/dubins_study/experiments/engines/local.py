@@ -1,4 +1,4 @@
-"""Chains of cells solved by a pool of this machine, and judged in this process."""
+"""Solve chains of cells with a worker pool on this machine; judge the replies in this process."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from dubins_study.study.rows.row_table import Row
 
 @contextmanager
 def local_engine(jobs: int) -> Iterator[Engine]:
-    """Worker processes of this machine: `jobs` of them, as long as cells are solved."""
+    """An engine with `jobs` worker processes on this machine, which run while cells are solved."""
 
     def solve(
         unit: WorkUnit, stop: Interruption, probed: Probe | None
@@ -33,16 +33,16 @@ def local_engine(jobs: int) -> Iterator[Engine]:
 
 
 def limits(settings: RunSettings) -> Limits:
-    """What a run allows each solve, as a pool takes it."""
+    """The limits of each solve in a run, as a pool expects them."""
     return Limits(settings.time_limit_s, settings.memory_limit_bytes)
 
 
 def solve_chains(
     pool: WorkerPool, unit: WorkUnit, stop: Interruption
 ) -> Generator[list[Row], None, None]:
-    """The judged rows of all cells as they come; an empty list now and then where none do.
+    """Yield the judged rows of all cells as they come, and an empty list if none come for a while.
 
-    Once the run is interrupted, only what is being solved is finished.
+    After an interruption only the current solves are finished.
 
     Args:
         pool: solves the cells.
@@ -50,10 +50,10 @@ def solve_chains(
         stop: read after every row.
 
     Raises:
-        RunError: if worker processes end before they have done anything, or the code of a solver
-            is not that of its cells.
+        RunError: if worker processes end before their first job, or if the code of a solver differs
+            from the code of its cells.
     """
-    # our own solvers first, then each plug-in by itself, so that workers are seldom replaced
+    # Our own solvers first, then plug-in by plug-in, so that workers are rarely replaced.
     ordered = sorted(unit.chains, key=lambda chain: worker_group(chain[0].solver))
     jobs = (_job(ChainState(chain, 0, unit.before.get(chain[0].key))) for chain in ordered)
     for results in pool.solve(jobs, stop):
@@ -76,12 +76,12 @@ def _job(state: ChainState) -> Job:
 
 
 def check_code(cell: Cell, answer: WorkerReply, engine: str) -> None:
-    """Refuse a row under a digest that is not that of the code which replied.
+    """Refuse a reply whose code has another digest than its cell.
 
     Raises:
         RunError: naming the solver and both digests.
     """
-    # a solver that does not load here, where it does on the machine that asks, is other code too
+    # A solver that loads on the asking machine but not on the Dask worker is different code too.
     known = answer.code_digest or engine != "local"
     if not answer.started or answer.code_digest == cell.code_digest:
         return

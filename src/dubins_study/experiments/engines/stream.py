@@ -65,8 +65,7 @@ def solve_streams(
     Raises:
         ExperimentError: if a chunk holds a scenario that is not valid; earlier chunks are kept.
         ResultsError: if the folder cannot be written.
-        KeyboardInterrupt: if the run is interrupted, once the chunk that is being solved is
-            written.
+        KeyboardInterrupt: if the run is interrupted; the current chunk is written before.
     """
     if not streams:  # numba takes half a second to import
         return
@@ -79,7 +78,7 @@ def solve_streams(
             writing: Future[int] | None = None
             try:
                 for window, table in _solved_chunks(stream, missing, settings, stop):
-                    # memory holds two chunks at most: the one solved now and the one written
+                    # Memory holds at most two chunks: one that was solved, one that is written.
                     _wait(writing, writer)
                     writing = pool.submit(_write, folder, stream, window, table, settings.run_id)
             finally:
@@ -97,7 +96,7 @@ def _solved_chunks(
         if window == missing[0]:
             warm_up(columns, stream, settings)
         table = chunk_table(columns, stream, settings)
-        if stop.immediate:  # a library may have swallowed the interrupt and returned half an answer
+        if stop.immediate:  # a library may have swallowed the interrupt: the table may be wrong
             raise KeyboardInterrupt
         yield window, table
 
@@ -109,7 +108,7 @@ def _wait(writing: Future[int] | None, writer: PartWriter) -> None:
 
 
 def _write(folder: FilePath, stream: Stream, window: Window, table: pa.Table, run_id: str) -> int:
-    """Write a chunk as a part; returns how many rows it has."""
+    """Write a chunk as a part; return its number of rows."""
     first, count = window
     chunk = Chunk(
         stream=stream.id,
@@ -126,7 +125,7 @@ def _write(folder: FilePath, stream: Stream, window: Window, table: pa.Table, ru
 
 @contextmanager
 def _one_thread() -> Iterator[None]:
-    """Let numba's kernels use one thread, the number that the rows record."""
+    """Limit numba's kernels to `THREADS`, the number of threads that the rows record."""
     import numba
 
     threads = numba.get_num_threads()

@@ -1,4 +1,4 @@
-"""One chunk of a stream: scenarios as columns in, judged rows as an Arrow table out."""
+"""Solve one chunk of a stream: take scenarios as columns, return judged rows as an Arrow table."""
 
 from __future__ import annotations
 
@@ -25,20 +25,20 @@ def chunk_table(columns: Columns, stream: Stream, settings: RunSettings) -> pa.T
     """The rows of a chunk, with the schema's columns.
 
     The times in each row are those of the whole chunk divided by its number of rows. Text columns
-    are dictionary arrays: a column with the same text in every row then takes next to no memory.
+    are dictionary arrays: a column with the same text in every row then takes almost no memory.
 
     Args:
         columns: the scenarios, arrays of shape (n,).
     """
     n, started = len(columns["x"]), now()
-    answers = _answers(columns, stream, settings, enclosed=stream.proved)
+    answers = _answers(columns, stream, settings, enclosed=stream.enclosed)
     answer_names = [name for name in answers.columns if name not in names(SCENARIO)]
     table = pa.Table.from_pandas(answers[answer_names], preserve_index=False)
     by_name: dict[str, Any] = {name: table[name] for name in answer_names}
     by_name |= {name: pa.array(values) for name, values in columns.items()}
     by_name["scenario_id"] = scenario_ids(columns, stream.block.label)
-    run = run_columns(settings, started, _versions(stream.solver))
-    constants = {**stream.key_columns, "label": stream.block.label, **run}
+    run_values = run_columns(settings, started, _versions(stream.solver))
+    constants = {**stream.key_columns, "label": stream.block.label, **run_values}
     by_name |= {name: _repeated(value, n) for name, value in constants.items()}
     arrays = [_in_schema(by_name[field.name], field.type) for field in ARROW_SCHEMA]
     return pa.Table.from_arrays(arrays, names=ARROW_SCHEMA.names)
@@ -52,7 +52,7 @@ def warm_up(columns: Columns, stream: Stream, settings: RunSettings) -> None:
 def _answers(
     columns: Columns, stream: Stream, settings: RunSettings, enclosed: bool
 ) -> pd.DataFrame:
-    from dubins_study.solvers.frame import solve_frame  # loads numba: only where there are streams
+    from dubins_study.solvers.frame import solve_frame  # loads numba, which only streams need
 
     return solve_frame(
         pd.DataFrame(columns, copy=False),
@@ -78,7 +78,7 @@ def _repeated(value: Any, n: int) -> Any:
 
 
 def _in_schema(column: Any, kind: pa.DataType) -> Any:
-    """A column of the schema's type; dictionaries stay, numbers that are not finite become null."""
+    """A column with the schema's type; dictionaries stay, non-finite numbers become null."""
     if pa.types.is_dictionary(column.type):
         return column
     if pa.types.is_float64(kind) and column.type == kind:

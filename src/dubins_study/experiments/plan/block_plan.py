@@ -1,4 +1,4 @@
-"""What an experiment asks about the scenarios of each of its blocks, and how much that is."""
+"""The questions that an experiment asks about each block of scenarios, and their number."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from dubins_study.experiments.plan.solver_description import SolverDescription, 
 from dubins_study.experiments.plan.solver_specs import expand_solvers
 from dubins_study.solvers.registry import SolverError
 
-_MAX_GUESS_LENGTH = 1e6  # radii; no path of use is longer
+_MAX_GUESS_LENGTH = 1e6  # radii; longer than any useful path
 # A cell takes about 700 bytes of memory until its row is written.
 MOST_CELLS = 2_000_000
-# Streamed rows are not kept in memory; they have to fit on a disk.
+# Streamed rows are not kept in memory, but they must fit on a disk.
 MOST_ROWS = 10**10
-# The id of each stream is a hash over its whole block.
+# Each stream costs a hash over its whole block.
 MOST_STREAMS = 10_000
-# The scenarios of a smaller block are solved cell by cell, and each row has a time of its own.
+# A block with fewer scenarios is solved cell by cell, and each row has its own measured time.
 FEWEST_STREAMED = 2000
 
 
@@ -35,7 +35,7 @@ class BlockPlan(NamedTuple):
         block: the scenarios.
         branches: the branches that are asked for.
         initial_guesses: `cold`, `warm`, or both; not used where the block has `guess_lengths`.
-        repeats: how often every question is asked.
+        repeats: how many times every question is asked.
         cell_solvers: the solvers that answer one scenario at a time.
         stream_solvers: the solvers that answer many scenarios at a time (see `plan.streams`).
     """
@@ -54,7 +54,7 @@ class BlockPlan(NamedTuple):
         return f"scenarios.{self.number}"
 
     def guess_count(self, solver: SolverDescription) -> int:
-        """From how many initial guesses a solver is asked each question."""
+        """Number of initial guesses from which a solver is asked each question."""
         lengths = self.block.guess_lengths
         if lengths is None:
             return sum(solver.warm or guess == "cold" for guess in self.initial_guesses)
@@ -63,10 +63,10 @@ class BlockPlan(NamedTuple):
     def guesses(self, solver: SolverDescription) -> Iterator[str]:
         """The initial guesses as the column `initial_guess` holds them.
 
-        They are `cold`, `warm`, or the lengths z1, z2 and z3 in radii, to the last bit.
+        Each is `cold`, `warm`, or the lengths z1, z2 and z3 in radii, exact to the last bit.
 
         Raises:
-            ExperimentError: if a length is negative or beyond all use.
+            ExperimentError: if a length is negative or above a million radii.
         """
         lengths = self.block.guess_lengths
         if lengths is None:
@@ -85,7 +85,7 @@ class BlockPlan(NamedTuple):
 
 
 def block_plans(experiment: Experiment) -> list[BlockPlan]:
-    """What an experiment asks, block by block.
+    """The plans of all blocks of an experiment.
 
     Raises:
         ExperimentError: if there are more than `MOST_CELLS` cells, `MOST_ROWS` streamed rows or
@@ -102,7 +102,7 @@ def block_plans(experiment: Experiment) -> list[BlockPlan]:
 def _block_plan(number: int, block: Block, experiment: Experiment) -> BlockPlan:
     solvers = _solvers(number, block, experiment)
     large = block.guess_lengths is None and block_size(block) >= FEWEST_STREAMED
-    # Only our own closed form: the code of a plug-in must not run in the process of the run.
+    # Only our own closed form is streamed: a plug-in's code must not run in the run's process.
     streamed = tuple(solver for solver in solvers if large and solver.closed_form)
     return BlockPlan(
         number,
@@ -119,8 +119,8 @@ def _solvers(number: int, block: Block, experiment: Experiment) -> list[SolverDe
     """The solvers of a block.
 
     Raises:
-        SolverError: naming the key, if a spec is not valid, or if a solver named beside
-            `guess_lengths` takes no initial guess.
+        SolverError: naming the key, if a spec is not valid, or if the block has `guess_lengths`
+            and names a solver that takes no initial guess.
     """
     key, specs = "solvers", experiment.solvers
     if block.solvers is not None:
@@ -130,7 +130,7 @@ def _solvers(number: int, block: Block, experiment: Experiment) -> list[SolverDe
     except SolverError as error:
         raise SolverError(f"{key}: {error}") from None
     solvers = [describe_solver(spec, experiment.profile) for spec in expanded]
-    # `*` means all solvers that take an initial guess; a solver named by the user is a mistake.
+    # `*` selects the solvers that take an initial guess; any other solver named here is a mistake.
     if block.guess_lengths is not None and "*" not in specs:
         for solver in solvers:
             if not solver.warm:
@@ -142,7 +142,7 @@ def _solvers(number: int, block: Block, experiment: Experiment) -> list[SolverDe
 
 
 def _check_size(plans: list[BlockPlan]) -> None:
-    """Refuse an experiment that no memory and no disk would hold, before it is expanded."""
+    """Refuse an experiment that is too large for the memory or the disk, before it is expanded."""
     total_cells = total_rows = total_streams = 0
     for plan in plans:
         scenarios = block_size(plan.block)

@@ -18,7 +18,7 @@ from dubins_study.study.scenario import Scenario
 
 
 class Cell(NamedTuple):
-    """One question to one solver; all fields but the scenario are the key of its row."""
+    """One question to one solver; all fields except the scenario form the key of its row."""
 
     scenario_id: str
     solver: str
@@ -42,8 +42,8 @@ Chain = tuple[Cell, ...]
 def chains(experiment: Experiment) -> list[Chain]:
     """All cells of an experiment in the order of its file, grouped into chains.
 
-    A cell that several blocks ask for is listed once. Streamed scenarios (see `plan.streams`) are
-    no cells.
+    A cell that several blocks ask for is listed once. Streamed scenarios (see `plan.streams`) do
+    not become cells.
 
     Raises:
         ExperimentError: if a block holds a scenario that is not valid, if two sweeps give one warm
@@ -84,7 +84,7 @@ def _block_chains(plan: BlockPlan, profile: str) -> Iterator[Chain]:
 
 
 def _add_sweep(sweeps: dict[Key, str], keys: tuple[Key, ...], block_key: str) -> None:
-    """Note the cells of a warm sweep; each may have one predecessor only, so be in one sweep.
+    """Note the cells of a warm sweep. A cell has one predecessor, so it may be in one sweep only.
 
     Raises:
         ExperimentError: if a cell is in a sweep already.
@@ -111,7 +111,7 @@ def given_guess(cell: Cell) -> Path | None:
 def shuffled(chain_list: list[Chain], seed: int) -> list[Chain]:
     """The chains in an order drawn from the seed.
 
-    A machine that is slower for a while then slows cells of all solvers, and not of one.
+    If the machine is slower for a while, this affects cells of all solvers instead of only one.
     """
     order = np.random.default_rng(seed).permutation(len(chain_list))
     return [chain_list[i] for i in order]

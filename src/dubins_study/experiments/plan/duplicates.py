@@ -1,7 +1,7 @@
 """Scenarios that a streamed block holds twice, or shares with another block.
 
-A streamed row is not looked up by its key when it is solved, so that a scenario asked for twice
-would have two rows. Duplicates are therefore refused before the run.
+Before a streamed row is solved, nothing checks whether its key exists already, so a scenario that
+is asked for twice would have two rows. Duplicates are therefore refused before the run.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from dubins_study.experiments.definition.scenario_block import Block
 from dubins_study.experiments.plan.scenario_columns import Columns, block_size, tiled, windows
 from dubins_study.study.scenario import NUMBERS
 
-# Blocks that have more rows than these together are not searched for duplicates.
+# Blocks with more rows than this in total are not searched for duplicates.
 MOST_SEARCHED_ROWS = 10**7
 _WINDOW_ROWS = 2**17
 
@@ -26,8 +26,8 @@ _WINDOW_ROWS = 2**17
 def refuse_duplicates(blocks: Sequence[Block], overlaps: Mapping[int, Iterable[int]]) -> None:
     """Refuse a streamed block that holds a scenario twice, or one that another block holds.
 
-    Blocks with different labels share no scenario. Blocks of more than `MOST_SEARCHED_ROWS` rows
-    together are not searched: an invalid scenario in them is refused when the run comes to it, and
+    Blocks with different labels share no scenario. Blocks with more than `MOST_SEARCHED_ROWS` rows
+    in total are not searched: an invalid scenario in them is refused when the run reaches it, and
     a scenario that is asked for twice has two rows.
 
     Args:
@@ -36,7 +36,7 @@ def refuse_duplicates(blocks: Sequence[Block], overlaps: Mapping[int, Iterable[i
             the same solver for the same branch.
 
     Raises:
-        ExperimentError: naming both blocks and rows, or as `scenario_columns.windows`.
+        ExperimentError: naming both blocks and rows; or an error of `scenario_columns.windows`.
     """
     streamed_by_group: dict[frozenset[int], set[int]] = defaultdict(set)
     for number, others in overlaps.items():
@@ -50,7 +50,7 @@ def refuse_duplicates(blocks: Sequence[Block], overlaps: Mapping[int, Iterable[i
 
 
 def _search(numbered: Mapping[int, Block], streamed: set[int]) -> None:
-    """Refuse the first duplicate in which a streamed block takes part."""
+    """Raise an error for the first duplicate that lies in at least one streamed block."""
     marks = np.sort(np.concatenate([marks_of(columns) for _, _, columns in _windows(numbered)]))
     repeated = np.unique(marks[1:][marks[1:] == marks[:-1]])
     if not repeated.size:
@@ -70,7 +70,7 @@ def _search(numbered: Mapping[int, Block], streamed: set[int]) -> None:
 
 
 def _windows(numbered: Mapping[int, Block]) -> Iterator[tuple[int, int, Columns]]:
-    """The block's number, the first row and the columns of every window of some blocks."""
+    """Block number, first row and columns of every window of the blocks."""
     for number, block in numbered.items():
         places = list(tiled(block_size(block), _WINDOW_ROWS))
         columns_of = windows(block, f"scenarios.{number}", places)
@@ -81,7 +81,7 @@ def _windows(numbered: Mapping[int, Block]) -> Iterator[tuple[int, int, Columns]
 def marks_of(columns: Columns) -> NDArray[np.uint64]:
     """One 64-bit number for each scenario, much cheaper to compute than its id.
 
-    Scenarios that are equal to the last bit have equal marks; different scenarios hardly ever have.
+    Scenarios that are equal to the last bit have equal marks; different scenarios almost never do.
     """
-    bits = {name: columns[name].view(np.uint64) for name in NUMBERS}  # -0.0 is another number
+    bits = {name: columns[name].view(np.uint64) for name in NUMBERS}  # -0.0 differs from 0.0
     return np.asarray(pd.util.hash_pandas_object(pd.DataFrame(bits, copy=False), index=False))

@@ -1,4 +1,4 @@
-"""From a request, which is checked, to the cells and streams of a run."""
+"""Check a request, and list the cells and streams of its run."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from dubins_study.study.rows.schema import Key
 
 
 class Request(NamedTuple):
-    """The arguments of `experiments.run.run`; None where the experiment's own value holds."""
+    """The arguments of `experiments.run.run`; None means the value in the experiment's file."""
 
     experiment: str | FilePath
     out: str | FilePath | None = None
@@ -40,7 +40,7 @@ class Request(NamedTuple):
     def command(self) -> str:
         """The command line that asks for the same rows.
 
-        It leaves out where the rows are put, and the address of a scheduler, which is private.
+        It leaves out the results folder and the address of a scheduler, which is private.
         """
         arguments = ["dubins-study", "run", str(self.experiment)]
         for spec in self.solvers or ():
@@ -60,7 +60,7 @@ class Request(NamedTuple):
         return shlex.join(arguments)
 
     def check(self) -> None:
-        """Refuse arguments of the wrong type, and engines and schedulers that do not fit together.
+        """Refuse arguments of the wrong type, and a scheduler for an engine that uses none.
 
         Raises:
             ExperimentError: naming the argument, its value and what was expected.
@@ -108,9 +108,9 @@ class RunPlan(NamedTuple):
     """Everything that a run has to solve.
 
     Args:
-        experiment_file: the experiment as the request changes it.
+        experiment_file: the experiment with the changes of the request.
         folder: the results folder.
-        chains: all cells, whether solved already or not.
+        chains: all cells, solved already or not.
         streams: the blocks that the closed form answers in chunks.
     """
 
@@ -153,7 +153,7 @@ def plan_run(request: Request) -> RunPlan:
     experiment_file = _changed(read(str(request.experiment)), request)
     experiment = experiment_file.experiment
     if request.solvers is not None:
-        # here, where a message does not name the experiment's file
+        # Checked here so that an error message does not name the experiment's file.
         expand_solvers(request.solvers, experiment.profile)
     try:
         if request.solvers is None and not request.trust_plugins:
@@ -168,7 +168,7 @@ def plan_run(request: Request) -> RunPlan:
 
 
 def _changed(experiment_file: ExperimentFile, request: Request) -> ExperimentFile:
-    """The experiment with the solvers, limits and repeats of the request, checked as the file's."""
+    """The experiment with the request's solvers, limits and repeats, checked like the file's."""
     requested = {
         "solvers": request.solvers,
         "time_limit_s": request.time_limit_s,

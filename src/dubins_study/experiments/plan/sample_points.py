@@ -12,7 +12,7 @@ from dubins_study.experiments.definition.axes import LinearRange, Range, Sample
 from dubins_study.experiments.definition.experiment import ExperimentError
 from dubins_study.study.path import FloatArray
 
-# Every point of a Latin hypercube depends on how many points there are, so all are drawn at once.
+# All points of a Latin hypercube are drawn at once, because each depends on their number.
 MOST_LATIN = 2_000_000
 
 
@@ -29,7 +29,7 @@ class SamplePoints:
 
     def __init__(self, sample: Sample | None, key: str) -> None:
         self._sample = sample
-        # points in the unit cube: row i of `_drawn` is point number `_first + i`
+        # Points in the unit cube: row i of `_drawn` is the point with number `_first + i`.
         self._first, self._drawn = 0, np.empty((0, len(sample.ranges) if sample else 0))
         self._sobol: Any = None
         if sample is not None and sample.method == "latin hypercube":
@@ -38,16 +38,16 @@ class SamplePoints:
                     f"{key}: sample.count is {sample.count}; expected at most {MOST_LATIN} for "
                     "method 'latin hypercube', which is drawn whole: 'sobol' takes more"
                 )
-            from scipy.stats import qmc  # half a second, and most experiments have no sample
+            from scipy.stats import qmc  # takes half a second; most experiments have no sample
 
             rng = np.random.default_rng(sample.seed)
             self._drawn = qmc.LatinHypercube(len(sample.ranges), rng=rng).random(sample.count)
 
     def at(self, index: NDArray[np.int64]) -> dict[str, FloatArray]:
-        """The sampled fields at points counted from 0.
+        """The sampled fields at some points.
 
         Args:
-            index: shape (n,), ascending.
+            index: numbers of the points, from 0; shape (n,), ascending.
 
         Returns:
             One array of shape (n,) for each sampled field.
@@ -63,8 +63,8 @@ class SamplePoints:
     def _draw_sobol(self, sample: Sample, first: int, end: int) -> None:
         """Hold the points from `first` up to `end`, `end` not included.
 
-        A Sobol sequence is drawn forward only. Points behind the last ones drawn are skipped, and
-        for points before the first one held the sequence starts again.
+        A Sobol sequence can only be drawn forward. Points that nobody needs are skipped; for points
+        before `_first` the sequence starts again.
         """
         if self._sobol is None or first < self._first:
             from scipy.stats import qmc  # only where there is a sample
@@ -78,15 +78,15 @@ class SamplePoints:
             next_point = first
         kept = self._drawn[first - self._first :] if first < next_point else self._drawn[:0]
         with warnings.catch_warnings():
-            # scipy warns when it draws a number of points that is no power of 2; the size of a
-            # window says nothing about the whole sample
+            # scipy warns if the number of points drawn is not a power of 2. The warning is wrong
+            # here: a window is only a piece of the sample.
             warnings.simplefilter("ignore", UserWarning)
             more = [self._sobol.random(end - next_point)] if end > next_point else []
         self._first, self._drawn = first, np.concatenate([kept, *more])
 
 
 def _scaled(unit: FloatArray, over: Range) -> FloatArray:
-    """Points of the unit interval, spread over a range."""
+    """Scale points of the unit interval to a range."""
     if isinstance(over, LinearRange):
         low, high = over.linear
         return low + unit * (high - low)

@@ -1,6 +1,6 @@
 """The scenarios of a block as columns: any window of its rows, computed without the other rows.
 
-Targets are computed where the block gives them by distance and bearing, or by arc and margin.
+If a block gives targets by distance and bearing, or by arc and margin, x and y are computed here.
 """
 
 from __future__ import annotations
@@ -19,12 +19,12 @@ from dubins_study.experiments.plan.sample_points import SamplePoints
 from dubins_study.study.path import FloatArray
 from dubins_study.study.scenario import NUMBERS, Scenario, ScenarioError, check_frame
 
-# one array of shape (rows of the window,) for each of the names in `NUMBERS`
+# One array of shape (rows of the window,) for each name in `NUMBERS`.
 Columns = dict[str, FloatArray]
-# the number of the first row, and how many rows
+# Number of the first row, number of rows.
 Window = tuple[int, int]
 
-_WINDOW_ROWS = 2**15  # where the caller wants all rows
+_WINDOW_ROWS = 2**15  # if the caller wants all rows
 
 
 def block_size(block: Block) -> int:
@@ -33,12 +33,12 @@ def block_size(block: Block) -> int:
 
 
 def _combinations(block: Block) -> int:
-    """How many combinations the values of a block's own fields have, the sample left out."""
+    """Number of combinations of the block's own fields, without the sample."""
     return math.prod(axis_size(block.axis(field)) for field in FIELDS)
 
 
 def axis_size(axis: Axis | None) -> int:
-    """How many values an axis has; 1 for a field that the block does not give."""
+    """Number of values of an axis; 1 for a field that the block does not give."""
     if isinstance(axis, Linear):
         return axis.linear[2]
     if isinstance(axis, Log):
@@ -55,8 +55,8 @@ def tiled(rows: int, window_rows: int) -> Iterator[Window]:
 def windows(block: Block, key: str, wanted: Iterable[Window]) -> Iterator[Columns]:
     """The scenarios in windows of a block's rows; ascending windows are the cheapest.
 
-    From row to row the last of `FIELDS` varies fastest, and the sample's point slowest. The numbers
-    of a row are the same to the last bit in every window that holds it.
+    From row to row the last of `FIELDS` varies fastest, and the sample's point slowest. A row has
+    the same numbers, to the last bit, in every window that holds it.
 
     Args:
         block: the scenarios.
@@ -88,7 +88,7 @@ def scenarios(block: Block, key: str) -> Iterator[Scenario]:
 
 
 def _combined(block: Block, row: NDArray[np.int64]) -> Columns:
-    """The values of the block's own fields at numbered combinations."""
+    """The values of the block's own fields at combinations given by their numbers."""
     columns = {}
     for field in reversed(FIELDS):
         axis = block.axis(field)
@@ -99,7 +99,7 @@ def _combined(block: Block, row: NDArray[np.int64]) -> Columns:
 
 
 def axis_values(axis: Axis, index: NDArray[np.int64]) -> FloatArray:
-    """The values of an axis at indices counted from 0, as `np.linspace` and `np.geomspace` give."""
+    """The values of an axis at indices from 0, equal to those of np.linspace and np.geomspace."""
     if isinstance(axis, Linear):
         return _evenly_spaced(*axis.linear, index)
     if isinstance(axis, Log):
@@ -112,7 +112,7 @@ def axis_values(axis: Axis, index: NDArray[np.int64]) -> FloatArray:
 
 
 def _evenly_spaced(first: float, last: float, count: int, index: NDArray[np.int64]) -> FloatArray:
-    """What `np.linspace(first, last, count)[index]` is, to the last bit."""
+    """`np.linspace(first, last, count)[index]`, equal to the last bit."""
     span, steps = last - first, max(1, count - 1)
     step = span / steps
     values = index.astype(np.float64)
@@ -127,7 +127,7 @@ def _evenly_spaced(first: float, last: float, count: int, index: NDArray[np.int6
 
 
 def _checked(fields: Columns, key: str, first: int) -> Columns:
-    """The columns of `NUMBERS`, targets computed, if every row is a valid scenario."""
+    """The columns of `NUMBERS` with computed targets; an error if a row is not valid."""
     columns = _target_columns(fields)
     try:
         if "arc" in fields and fields["margin"].size and fields["margin"].min() < -1:
@@ -152,11 +152,11 @@ def _refuse(fields: Columns, columns: Columns, key: str, first: int) -> None:
 
 
 def _target_columns(fields: Columns) -> Columns:
-    """The columns of `NUMBERS`; the target is computed where the fields give it in another way.
+    """The columns of `NUMBERS`; the target is computed if the fields give it in another way.
 
     Args:
         fields: start, radius, speed and target (see `definition.scenario_block.Block`), one array
-            of shape (n,) each.
+            of shape (n,) per field.
     """
     targets: Columns = {}
     if "distance" in fields:
@@ -181,8 +181,8 @@ def _beside_circle(fields: Columns) -> Columns:
     arc, margin = (fields[name] for name in CIRCULAR)
     r, side = 1 + margin, np.copysign(1.0, arc)
     half = _each(math.sin, arc / 2)
-    # In the vehicle's frame and in radii. The offset to the side is 1 - r cos(arc), written so that
-    # a small arc keeps its digits: 1 - cos(arc) = 2 sin^2(arc / 2).
+    # In the vehicle's frame and in radii. The offset to the side is 1 - r cos(arc). It is computed
+    # with 1 - cos(arc) = 2 sin^2(arc / 2), which is accurate for a small arc.
     ahead = r * _each(math.sin, np.abs(arc))
     left = 2 * (half * half) - margin * _each(math.cos, arc)
     cos, sin = _each(math.cos, fields["heading"]), _each(math.sin, fields["heading"])
@@ -194,5 +194,5 @@ def _beside_circle(fields: Columns) -> Columns:
 
 
 def _each(function: Callable[[float], float], values: FloatArray) -> FloatArray:
-    """A function of `math` at every value: numpy's functions may differ between machines."""
+    """A function of `math` at every value. numpy's functions may differ between machines."""
     return np.fromiter(map(function, values.tolist()), np.float64, values.size)

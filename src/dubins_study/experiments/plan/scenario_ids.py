@@ -1,4 +1,4 @@
-"""Ids of scenarios: equal for equal numbers and labels, to the last bit, on every machine."""
+"""Ids of scenarios: the same on every machine for numbers and labels that are bitwise equal."""
 
 from __future__ import annotations
 
@@ -28,11 +28,11 @@ def scenario_id(scenario: Scenario) -> str:
 
 
 def scenario_ids(columns: Mapping[str, FloatArray], label: str) -> pa.StringArray:
-    """The ids of many scenarios with one label, each as `scenario_id` gives it.
+    """The ids of many scenarios with one label, equal to those of `scenario_id`.
 
     Args:
         columns: the fields of `NUMBERS`, arrays of shape (n,).
-        label: the label of all of them.
+        label: the label of all scenarios.
     """
     n = len(columns["x"])
     packed = np.stack([columns[name] for name in NUMBERS], axis=1).astype("<f8").tobytes()

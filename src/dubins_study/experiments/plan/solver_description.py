@@ -1,7 +1,7 @@
 """What a run must know about a solver, without running other people's code in the run's process.
 
-Our own solvers are loaded in this process. A plug-in, which is a file or another package's entry
-point, is loaded in a process of its own: it may hang, crash, or change its process.
+Our own solvers are loaded in this process. A plug-in (a file, or another package's entry point) is
+loaded in a separate process, because it may hang, crash, or change its process.
 """
 
 from __future__ import annotations
@@ -17,19 +17,19 @@ from dubins_study.solvers.analytic import Analytic
 from dubins_study.solvers.registry import SolverError, canonical, load, ours
 from dubins_study.solvers.reply import exception_text
 
-_LOAD_LIMIT_S = 60.0  # for a plug-in to be imported
+_LOAD_LIMIT_S = 60.0  # Seconds that the import of a plug-in may take.
 
 
 class SolverDescription(NamedTuple):
     """A solver under a profile.
 
     Args:
-        spec: its canonical spec, as rows hold it.
+        spec: its canonical spec, as in rows.
         code_digest: see `code_digest.code_digest`.
         settings: its settings as values that JSON can hold.
         packages: the distributions that it uses.
         warm: whether it uses an initial guess.
-        closed_form: whether it is our own closed form, which may answer whole frames of scenarios
+        closed_form: whether it is our own closed form, which may solve whole frames of scenarios
             in the process of the run.
         runs: the name of the program on PATH that it starts, if any.
     """
@@ -53,8 +53,8 @@ def describe_solver(spec: str, profile: str = "default") -> SolverDescription:
     """Describe the solver of a spec.
 
     Raises:
-        SolverError: as `solvers.registry.load`, and if the process that loads a plug-in ends or
-            takes longer than a minute.
+        SolverError: as `solvers.registry.load`; also if the process that loads a plug-in ends
+            without an answer or takes longer than a minute.
     """
     if ours(spec):
         return _describe(spec, profile)
@@ -63,7 +63,7 @@ def describe_solver(spec: str, profile: str = "default") -> SolverDescription:
 
 
 def _fields_from_elsewhere(spec: str, profile: str) -> dict[str, Any]:
-    """The fields of a plug-in's description, found by a process of its own."""
+    """The fields of a plug-in's description, determined in a separate process."""
     process = fork(f"{__name__}:send_description", [spec, profile])
     try:
         exit_code = process.exit_code(_LOAD_LIMIT_S)
@@ -99,8 +99,8 @@ def _describe(spec: str, profile: str) -> SolverDescription:
 def send_description(channel: Channel, spec: str, profile: str) -> None:
     """Describe a plug-in in the process that loads it.
 
-    What is sent is the description's fields and None, or None and what is wrong with the solver:
-    plain values, so that no object of the plug-in's classes reaches the run.
+    The message is [fields, None], or [None, what is wrong with the solver]. It holds plain values,
+    so that no object of the plug-in's classes reaches the run.
     """
     try:
         channel.put([_describe(spec, profile)._asdict(), None])

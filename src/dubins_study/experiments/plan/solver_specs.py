@@ -10,13 +10,13 @@ from dubins_study.solvers.registry import SolverError, ours, registered
 
 _BRACES = re.compile(r"\{([^{}]*)\}")
 _OPENING = {"}": "{", "]": "["}  # closing bracket -> opening bracket
-# Each pair of braces multiplies the number of specs, so that a short line could fill the memory.
+# Each pair of braces multiplies the number of specs, so a short line could fill the memory.
 MOST_SPECS = 1000
 _MAX_SPEC_CHARS = 500
 
 
 def expand_solvers(specs: list[str], profile: str = "default") -> list[str]:
-    """Canonical specs under a profile, each once; `*` and `{a,b}` are expanded.
+    """Canonical specs under a profile, without duplicates; `*` and `{a,b}` are expanded.
 
     Raises:
         SolverError: if a spec is not valid, or there are more than `MOST_SPECS`.
@@ -28,9 +28,9 @@ def expand_solvers(specs: list[str], profile: str = "default") -> list[str]:
 
 
 def untrusted_spec(specs: list[str], profile: str = "default") -> str | None:
-    """The first spec that runs a plug-in file or a program on PATH; None if there is none.
+    """The first spec that would run a plug-in file or a program on PATH; None if no spec does.
 
-    Neither the file nor the program is run to find that out.
+    The check runs neither the file nor the program.
 
     Raises:
         SolverError: if the spec of one of this package's solvers is not valid.
@@ -42,7 +42,7 @@ def untrusted_spec(specs: list[str], profile: str = "default") -> str | None:
 
 
 def _expanded(specs: Iterable[str], all_specs: Iterable[str]) -> Iterator[str]:
-    """Specs without braces; `all_specs` stand where `*` is given.
+    """Specs with their braces expanded; `*` is replaced by `all_specs`.
 
     Raises:
         SolverError: if a spec's brackets do not match, or as soon as there are more than

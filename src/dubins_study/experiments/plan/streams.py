@@ -1,7 +1,7 @@
-"""Streams: blocks of so many scenarios that the closed form answers them in chunks, as frames.
+"""Streams: large blocks of scenarios, which the closed form solves chunk by chunk as frames.
 
-No cell is made for a streamed scenario, and the memory that a stream needs does not depend on its
-number of rows.
+A streamed scenario has no cell, and the memory that a stream needs does not depend on its number of
+rows.
 """
 
 from __future__ import annotations
@@ -18,15 +18,15 @@ from dubins_study.experiments.plan.block_plan import BlockPlan, block_plans
 from dubins_study.experiments.plan.duplicates import refuse_duplicates
 from dubins_study.experiments.plan.scenario_columns import Window, block_size, tiled
 
-# Enclosing a reference length takes 40 microseconds a row, and everything else together 4. The
-# references of a stream with more rows than this are not enclosed.
-MOST_PROVED_ROWS = 2**20
-# A chunk takes about half a second to solve, with or without enclosures.
-_CHUNK_ROWS, _PROVED_CHUNK_ROWS = 2**17, 2**14
+# If a stream has more rows than this, its reference lengths are not enclosed. An enclosure takes
+# 40 microseconds per row, everything else 4.
+MOST_ENCLOSED_ROWS = 2**20
+# Rows per chunk, without and with enclosures: both take about half a second to solve.
+_CHUNK_ROWS, _ENCLOSED_CHUNK_ROWS = 2**17, 2**14
 
 
 class Stream(NamedTuple):
-    """All scenarios of a block as questions to the closed form: one branch, one repeat, cold.
+    """All scenarios of a block as cold questions to the closed form, for one branch and repeat.
 
     Args:
         number: the number of the block in the experiment.
@@ -53,9 +53,9 @@ class Stream(NamedTuple):
         return block_size(self.block)
 
     @property
-    def proved(self) -> bool:
+    def enclosed(self) -> bool:
         """Whether the reference length of every row is enclosed."""
-        return self.rows <= MOST_PROVED_ROWS
+        return self.rows <= MOST_ENCLOSED_ROWS
 
     @property
     def key_columns(self) -> dict[str, Any]:
@@ -72,7 +72,7 @@ class Stream(NamedTuple):
     @property
     def chunk_rows(self) -> int:
         """How many rows a chunk has; the last one may have fewer."""
-        return _PROVED_CHUNK_ROWS if self.proved else _CHUNK_ROWS
+        return _ENCLOSED_CHUNK_ROWS if self.enclosed else _CHUNK_ROWS
 
     def chunks(self) -> Iterator[Window]:
         """The windows of all chunks, ascending."""
@@ -81,7 +81,7 @@ class Stream(NamedTuple):
     @property
     def id(self) -> str:
         """A hash of everything that the chunks and their rows depend on: 12 hexadecimal digits."""
-        # the scenarios only: not which other solvers the block asks, nor its place in the file
+        # Only the scenarios count: neither the block's other solvers nor its place in the file.
         block = self.block.model_dump(mode="json", exclude={"solvers", "branches", "guess_lengths"})
         text = json.dumps([self.chunk_rows, block, *self[2:]], sort_keys=True)
         return hashlib.sha256(text.encode("utf-8", "replace")).hexdigest()[:12]
@@ -93,11 +93,11 @@ class Stream(NamedTuple):
 
 
 def streams(experiment: Experiment) -> list[Stream]:
-    """The streams of an experiment, each once.
+    """The streams of an experiment, without duplicates.
 
     Raises:
-        ExperimentError: if a block holds a scenario that is not valid, or one twice (searched for
-            in up to `duplicates.MOST_SEARCHED_ROWS` rows).
+        ExperimentError: if a block holds an invalid scenario, or a scenario twice (both are
+            searched for in up to `duplicates.MOST_SEARCHED_ROWS` rows).
         SolverError: if a solver's spec is not valid.
     """
     if "cold" not in experiment.initial_guesses:
