@@ -22,6 +22,8 @@ from dubins_study.study.rows.schema import CHUNK, RUN_ID, VERSION, VERSION_KEY
 
 PARTS = "parts"
 BATCH_ROWS = 2**17
+# Threads take longer to start than such a part takes to read.
+_SMALL_PART_ROWS = 2**12
 _MOVE = "it is none of this folder's parts, move it elsewhere"
 
 
@@ -95,7 +97,8 @@ def read_batches(
         if dictionaries:  # opened again: Arrow refuses to open a file that lacks such a column
             texts = [f.name for f in fields if f.type == pa.string() and f.name != "scenario_id"]
             content = opened.enter_context(_open(file, content.metadata, texts))
-        batches = content.iter_batches(BATCH_ROWS, columns=wanted)
+        threads = expected > _SMALL_PART_ROWS
+        batches = content.iter_batches(BATCH_ROWS, columns=wanted, use_threads=threads)
         while (batch := _next(file, batches)) is not None:
             arrays = [_cast(file, batch.column(f.name), f, dictionaries) for f in fields]
             rows += len(batch)
