@@ -14,7 +14,6 @@ from pathlib import Path
 import pandas as pd
 import psutil
 
-from dubins_study.experiments.isolation import process_tree
 from dubins_study.experiments.store.folder import read_rows
 from dubins_study.study.rows.schema import KEY, ROW, names
 
@@ -27,7 +26,7 @@ def table(folder: Path) -> pd.DataFrame:
     """The rows of a folder in the order of their keys: the columns that must not differ."""
     frame = read_rows(folder).to_pandas().sort_values(names(KEY), ignore_index=True)
     for column in ("curvatures", "lengths"):
-        frame[column] = frame[column].map(lambda held: held if held is None else tuple(held))
+        frame[column] = frame[column].map(lambda value: value if value is None else tuple(value))
     return frame[[name for name in names(ROW) if name not in OF_THE_RUN]]
 
 
@@ -65,8 +64,16 @@ def gone(pids: list[int]) -> bool:
 def scheduler(folder: Path, *options: str, **environment: str) -> Iterator[str]:
     """A scheduler started as its own users do; its address."""
     file = folder / "scheduler.json"
-    asked = ("--host", "127.0.0.1", "--port", "0", "--no-dashboard", "--scheduler-file", str(file))
-    with _running("distributed.cli.dask_scheduler", *asked, *options, **environment) as process:
+    arguments = (
+        "--host",
+        "127.0.0.1",
+        "--port",
+        "0",
+        "--no-dashboard",
+        "--scheduler-file",
+        str(file),
+    )
+    with _running("distributed.cli.dask_scheduler", *arguments, *options, **environment) as process:
         until(lambda: file.is_file() or process.poll() is not None, "the scheduler starts")
         until(lambda: bool(file.read_text()), "the scheduler says where it is")
         yield json.loads(file.read_text())["address"]
@@ -75,8 +82,8 @@ def scheduler(folder: Path, *options: str, **environment: str) -> Iterator[str]:
 @contextmanager
 def worker(address: str, *options: str, **environment: str) -> Iterator[subprocess.Popen[str]]:
     """A worker started as its own users do: a nanny and its process."""
-    asked = (address, "--host", "127.0.0.1", "--no-dashboard", *options)
-    with _running("distributed.cli.dask_worker", *asked, **environment) as process:
+    arguments = (address, "--host", "127.0.0.1", "--no-dashboard", *options)
+    with _running("distributed.cli.dask_worker", *arguments, **environment) as process:
         yield process
 
 
@@ -94,5 +101,7 @@ def _running(module: str, *options: str, **environment: str) -> Iterator[subproc
     try:
         yield process
     finally:
-        process_tree.end(process.pid)
+        for member in reversed(family(process.pid)):
+            with suppress(psutil.NoSuchProcess):
+                member.kill()
         process.wait()

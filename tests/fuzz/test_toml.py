@@ -9,8 +9,7 @@ from hypothesis import given
 
 from dubins_study.experiments.definition.experiment import ExperimentError, packaged, parse
 from dubins_study.experiments.plan import block_plan
-from dubins_study.experiments.plan.request import Request
-from dubins_study.experiments.plan.run_plan import plan_run
+from dubins_study.experiments.plan.run_plan import Request, plan_run
 from dubins_study.solvers.registry import SolverError
 from tests.fuzz.hostile import MARK, cases
 from tests.fuzz.toml_text import experiments, mutilated, text_of

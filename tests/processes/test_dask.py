@@ -93,15 +93,15 @@ def test_the_rows_are_those_of_a_serial_run(experiment, tmp_path, address):
 def test_probes_come_from_the_machines_that_solve(experiment, tmp_path, address):
     """Known by a number; their names are recorded nowhere."""
     solver = plugin(tmp_path, "time.sleep(0.4)")
-    asked = {"solvers": [solver], "engine": "dask", "scheduler": address}
-    out = run(experiment, tmp_path / "out", **asked)
-    held = (out / "manifest.json").read_text()
-    entry = json.loads(held)["runs"][-1]
+    arguments = {"solvers": [solver], "engine": "dask", "scheduler": address}
+    out = run(experiment, tmp_path / "out", **arguments)
+    manifest = (out / "manifest.json").read_text()
+    entry = json.loads(manifest)["runs"][-1]
 
     assert entry["probes"]
     assert {machine for _, _, machine in entry["probes"]} == {1}
     assert all(0 <= when <= entry["seconds"] and 0 < took < 1 for when, took, _ in entry["probes"])
-    assert json.dumps(socket.gethostname()) not in held
+    assert json.dumps(socket.gethostname()) not in manifest
 
 
 # the first to come by here ends the Dask worker that it works for
@@ -116,11 +116,11 @@ ONCE = (
 def test_a_worker_killed_in_the_middle_of_a_work_unit_costs_no_row(experiment, tmp_path, address):
     """What it had not delivered is solved again by others; none is there twice."""
     solver = plugin(tmp_path, ONCE)
-    asked = {"solvers": [solver, "analytic"], "time_limit": 90.0}
-    one = run(experiment, tmp_path / "one", **asked)
+    arguments = {"solvers": [solver, "analytic"], "time_limit": 90.0}
+    one = run(experiment, tmp_path / "one", **arguments)
     (tmp_path / "engine").write_text("dask")
     (tmp_path / "armed").touch()
-    other = run(experiment, tmp_path / "other", engine="dask", scheduler=address, **asked)
+    other = run(experiment, tmp_path / "other", engine="dask", scheduler=address, **arguments)
 
     assert not (tmp_path / "armed").exists()
     assert here.gone([int((tmp_path / "killed").read_text())])
@@ -150,8 +150,8 @@ def test_what_a_dead_worker_was_solving_dies_with_it(experiment, tmp_path, addre
             pids.extend(map(int, (tmp_path / "pids").read_text().split()))
             psutil.Process(pids[0]).kill()
 
-    asked = {"solvers": [solver, "analytic"], "time_limit": 3000.0, "progress": kill}
-    run(experiment, tmp_path / "out", engine="dask", scheduler=address, **asked)
+    arguments = {"solvers": [solver, "analytic"], "time_limit": 3000.0, "progress": kill}
+    run(experiment, tmp_path / "out", engine="dask", scheduler=address, **arguments)
 
     assert len(set(pids)) == 3
     here.until(lambda: here.gone(pids), "all three end")
@@ -185,9 +185,9 @@ HOSTILE = {
 def test_hostile_solvers_come_to_the_same_end(experiment, tmp_path, address, kind):
     """Outcome and status, cell by cell; their neighbours' rows are whole."""
     solver = plugin(tmp_path, f"if question.branch == 'LS': {HOSTILE[kind]}")
-    asked = {"solvers": [solver, "slsqp"], "time_limit": 1.5}
-    one = here.table(run(experiment, tmp_path / "one", **asked))
-    other = run(experiment, tmp_path / "other", engine="dask", scheduler=address, **asked)
+    arguments = {"solvers": [solver, "slsqp"], "time_limit": 1.5}
+    one = here.table(run(experiment, tmp_path / "one", **arguments))
+    other = run(experiment, tmp_path / "other", engine="dask", scheduler=address, **arguments)
     other = here.table(other)
 
     columns = ["solver", "branch", "outcome", "native_status", "verdict", "claim", "gap"]
@@ -249,18 +249,22 @@ def test_requests_that_are_refused_leave_no_folder(experiment, tmp_path, change,
     assert not (tmp_path / "out").exists()
 
 
-def found(python: str, distributed: str) -> dict:
+def node_versions(python: str, distributed: str) -> dict:
     return {"packages": {"python": python, "distributed": distributed, "numpy": "2"}}
 
 
 def test_other_versions_of_python_and_dask_are_told():
     """The last digit of Python's does not matter; a worker that does not say is not judged."""
-    own = found("3.11.7.final.0", "2026.8.0")
-    same = {"client": own, "scheduler": found("3.11.9.final.0", "2026.8.0"), "workers": {"a": {}}}
+    here_versions = node_versions("3.11.7.final.0", "2026.8.0")
+    same = {
+        "client": here_versions,
+        "scheduler": node_versions("3.11.9.final.0", "2026.8.0"),
+        "workers": {"a": {}},
+    }
     assert mismatch(same) is None
-    older = same | {"workers": {"tcp://a:1": found("3.11.7.final.0", "2026.1.0")}}
+    older = same | {"workers": {"tcp://a:1": node_versions("3.11.7.final.0", "2026.1.0")}}
     assert mismatch(older) == (
         "the Dask worker tcp://a:1 has distributed 2026.1.0; expected 2026.8.0, as here"
     )
-    other = same | {"scheduler": found("3.12.1.final.0", "2026.8.0")}
+    other = same | {"scheduler": node_versions("3.12.1.final.0", "2026.8.0")}
     assert mismatch(other) == "the Dask scheduler has Python 3.12; expected 3.11, as here"

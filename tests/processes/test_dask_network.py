@@ -69,23 +69,23 @@ def test_a_cluster_of_users_own_is_found_by_its_address(experiment, tmp_path):
 
 
 def test_a_worker_that_comes_late_is_waited_for(experiment, tmp_path, caplog):
-    told = []
+    steps = []
     with here.scheduler(tmp_path) as address:
         late = []
 
         def come(done, total):
-            told.append(done)
+            steps.append(done)
             if not late:
                 late.append(here.worker(address, "--nthreads", "1"))
                 late[0].__enter__()
 
         try:
-            asked = {"engine": "dask", "scheduler": address, "progress": come}
-            run(experiment, tmp_path / "out", **asked)
+            arguments = {"engine": "dask", "scheduler": address, "progress": come}
+            run(experiment, tmp_path / "out", **arguments)
         finally:
             late[0].__exit__(None, None, None)
 
-    assert told[-1] == 30
+    assert steps[-1] == 30
     waiting = [line for line in caplog.messages if "has no workers" in line]
     assert waiting == ["dubins-study: the Dask scheduler has no workers; waiting for the first"]
 
@@ -93,9 +93,11 @@ def test_a_worker_that_comes_late_is_waited_for(experiment, tmp_path, caplog):
 def test_nothing_listens_beyond_the_loopback():
     """Scheduler, workers and their pages, as they are while a run is on."""
     with local_cluster(2) as host:
-        mine = [p for p in psutil.Process().children() if "dask_cluster" in " ".join(p.cmdline())]
-        processes = here.family(mine[0].pid)
-        found = [
+        processes_before = [
+            p for p in psutil.Process().children() if "dask_cluster" in " ".join(p.cmdline())
+        ]
+        processes = here.family(processes_before[0].pid)
+        addresses = [
             connection.laddr.ip
             for process in processes
             for connection in process.net_connections("inet")
@@ -104,8 +106,8 @@ def test_nothing_listens_beyond_the_loopback():
         assert host.address.startswith("tcp://127.0.0.1:")
         assert host.dashboard.startswith("http://127.0.0.1:")
 
-    assert len(found) >= 4  # scheduler and its page, two workers and their nannies
-    assert set(found) == {"127.0.0.1"}
+    assert len(addresses) >= 4  # scheduler and its page, two workers and their nannies
+    assert set(addresses) == {"127.0.0.1"}
     here.until(lambda: here.gone([process.pid for process in processes]), "all end")
 
 
@@ -167,8 +169,15 @@ def study(*arguments: str, **environment: str) -> subprocess.Popen[str]:
 
 
 def test_a_scheduler_that_does_not_answer(experiment, tmp_path):
-    asked = ("--engine", "dask", "--scheduler", "tcp://127.0.0.1:1", "--out", str(tmp_path / "out"))
-    process = study(experiment, *asked)
+    arguments = (
+        "--engine",
+        "dask",
+        "--scheduler",
+        "tcp://127.0.0.1:1",
+        "--out",
+        str(tmp_path / "out"),
+    )
+    process = study(experiment, *arguments)
     printed, err = process.communicate(timeout=120)
 
     assert process.returncode == 2
@@ -181,12 +190,12 @@ def test_a_scheduler_that_does_not_answer(experiment, tmp_path):
 def test_ctrl_c(experiment, tmp_path, signals):
     """Once: what is being solved is finished. Twice: at once. No process and no noise is left."""
     (tmp_path / "slow.py").write_text(SLOW)
-    asked = ("--solver", f"{tmp_path}/slow.py:Slow", "--out", str(tmp_path / "out"))
+    arguments = ("--solver", f"{tmp_path}/slow.py:Slow", "--out", str(tmp_path / "out"))
     nap = "0.5" if signals == 1 else "50"
-    process = study(experiment, *asked, "--engine", "dask", "--jobs", "2", NAP=nap)
+    process = study(experiment, *arguments, "--engine", "dask", "--jobs", "2", NAP=nap)
     here.until(lambda: (tmp_path / "asked").exists(), "a solver is asked")
-    mine = [one.pid for one in here.family(process.pid)]
-    assert len(mine) > 5
+    processes_before = [one.pid for one in here.family(process.pid)]
+    assert len(processes_before) > 5
     began = time.monotonic()
     for _ in range(signals):
         os.killpg(process.pid, signal.SIGINT)
@@ -201,20 +210,20 @@ def test_ctrl_c(experiment, tmp_path, signals):
     assert "Traceback" not in err
     assert "distributed" not in err
     assert printed == ""
-    here.until(lambda: here.gone(mine), "all end")
+    here.until(lambda: here.gone(processes_before), "all end")
 
 
 def test_nothing_outlives_a_run_that_is_killed(experiment, tmp_path):
     """Its cluster, their fork servers and their solvers end by themselves."""
     (tmp_path / "slow.py").write_text(SLOW)
-    asked = ("--solver", f"{tmp_path}/slow.py:Slow", "--out", str(tmp_path / "out"))
-    process = study(experiment, *asked, "--engine", "dask", "--jobs", "2", NAP="3600")
+    arguments = ("--solver", f"{tmp_path}/slow.py:Slow", "--out", str(tmp_path / "out"))
+    process = study(experiment, *arguments, "--engine", "dask", "--jobs", "2", NAP="3600")
     here.until(lambda: (tmp_path / "asked").exists(), "a solver is asked")
-    mine = [one.pid for one in here.family(process.pid)]
+    processes_before = [one.pid for one in here.family(process.pid)]
     process.kill()
     process.communicate()
 
-    here.until(lambda: here.gone(mine), "all end")
+    here.until(lambda: here.gone(processes_before), "all end")
 
 
 def certificates(folder: Path) -> dict[str, str]:

@@ -28,3 +28,12 @@ def test_the_face_is_lazy():
     """Importing the package imports nothing heavy; every public name is there when asked for."""
     assert not loaded_by("import dubins_study.cli.app") & {"numpy", "pandas", "numba", "matplotlib"}
     loaded_by("import dubins_study as d; [getattr(d, name) for name in d.__all__]")
+
+
+def test_a_run_without_streams_loads_no_numba(tmp_path):
+    """Rows are judged one at a time; the compiled kernels take half a second to load."""
+    loaded = loaded_by(
+        f"from dubins_study import run; run('paper', {str(tmp_path / 'out')!r}, solvers=['slsqp'])"
+    )
+
+    assert "numba" not in loaded

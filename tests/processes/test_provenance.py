@@ -14,7 +14,7 @@ from live_run import manifest, quick_experiment
 
 from dubins_study import run
 from dubins_study.experiments import provenance
-from dubins_study.experiments.isolation.calibration import probe
+from dubins_study.experiments.isolation.worker import probe
 from dubins_study.experiments.provenance import governor, load_average, machine
 from dubins_study.experiments.store.folder import read_rows
 from dubins_study.experiments.store.manifest_changes import recorded

@@ -121,14 +121,14 @@ def test_adding_a_solver_keeps_what_is_there(small, tmp_path):
     assert manifest["finished"] > first["finished"]
 
 
-def test_rows_without_a_solve_are_interrupted_too(small, monkeypatch):
+def test_rows_without_a_solve_are_interrupted_too(small):
     """Of a solver that is not tried again: thousands of rows hold up neither Ctrl-C nor news."""
     cells = chains(read(small).experiment) * 400
     reply = no_answer(Outcome.CRASHED, "no more")
     stop, rows = Interruption(), 0
     unit = WorkUnit(RunSettings("r", 60.0), cells, {})
     with WorkerPool(1, Limits(60.0, 2**32)) as pool:
-        monkeypatch.setattr(pool._load_failures, "reply", lambda solver: reply)
+        pool._given_up |= {(chain[0].solver, chain[0].profile): reply for chain in cells}
         for made in solve_chains(pool, unit, stop):
             rows += len(made)
             stop.requested = rows >= 300
@@ -136,7 +136,7 @@ def test_rows_without_a_solve_are_interrupted_too(small, monkeypatch):
 
     stop.requested, rows = False, 0
     with WorkerPool(1, Limits(60.0, 2**32)) as pool:
-        monkeypatch.setattr(pool._load_failures, "reply", lambda solver: reply)
+        pool._given_up |= {(chain[0].solver, chain[0].profile): reply for chain in cells}
         rows = sum(map(len, solve_chains(pool, unit, stop)))
     assert rows == sum(map(len, cells))
 

@@ -12,8 +12,7 @@ from dubins_study.experiments.engines.local import local_engine
 from dubins_study.experiments.engines.stream import solve_streams, streamed_totals, streams_done
 from dubins_study.experiments.interruption import Interruption
 from dubins_study.experiments.isolation.sandbox import THREADS, pinned_threads
-from dubins_study.experiments.plan.request import Request
-from dubins_study.experiments.plan.run_plan import RunPlan, cell_counts, plan_run
+from dubins_study.experiments.plan.run_plan import Request, RunPlan, cell_counts, plan_run
 from dubins_study.experiments.plan.solver_description import describe_solver
 from dubins_study.experiments.provenance import machine, now, source, versions
 from dubins_study.experiments.run_settings import BYTES_PER_GIB, RunSettings

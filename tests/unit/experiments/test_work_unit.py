@@ -42,8 +42,10 @@ def units(draw):
     before = {}
     for chain in cells:
         if draw(st.booleans()):
-            held = draw(lengths)
-            before[chain[0].key] = Path(chain[0].scenario.start, [0.1] * len(held), held)
+            path_lengths = draw(lengths)
+            before[chain[0].key] = Path(
+                chain[0].scenario.start, [0.1] * len(path_lengths), path_lengths
+            )
     return WorkUnit(RUN, cells, before)
 
 
@@ -91,12 +93,12 @@ def test_what_is_left_begins_after_the_last_row_with_its_path():
 
 def test_after_a_failure_the_last_path_serves_on():
     """As it does where one pool solves the whole chain."""
-    given_before = shortest_path(SWEEP[3].scenario)
+    path_before = shortest_path(SWEEP[3].scenario)
     failed = [solved(SWEEP[0], arrives=False)]
 
     assert left_of([SWEEP], {}, failed) == ([SWEEP[1:]], {})
-    left, before = left_of([SWEEP], {SWEEP[0].key: given_before}, failed)
-    assert (left, before) == ([SWEEP[1:]], {SWEEP[1].key: given_before})
+    left, before = left_of([SWEEP], {SWEEP[0].key: path_before}, failed)
+    assert (left, before) == ([SWEEP[1:]], {SWEEP[1].key: path_before})
 
 
 @given(st.lists(st.integers(1, 5), max_size=6), st.integers(1, 8))

@@ -27,6 +27,10 @@ class GuessLengths(StrictModel):
     z2: Axis
     z3: Axis
 
+    @property
+    def axes(self) -> tuple[Axis, Axis, Axis]:
+        return self.z1, self.z2, self.z3
+
 
 class Block(StrictModel):
     """Scenarios: all combinations of the fields' values, or a sample.

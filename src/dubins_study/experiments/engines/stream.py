@@ -68,6 +68,8 @@ def solve_streams(
         KeyboardInterrupt: if the run is interrupted, once the chunk that is being solved is
             written.
     """
+    if not streams:  # numba takes half a second to import
+        return
     done = _done_chunks(folder)
     with _one_thread(), ThreadPoolExecutor(1) as pool:
         for stream in streams:

@@ -8,6 +8,7 @@ every worker. multiprocessing's fork server is one for the whole process: what w
 from __future__ import annotations
 
 import atexit
+import fcntl
 import json
 import os
 import select
@@ -16,7 +17,7 @@ import socket
 import subprocess
 import sys
 import threading
-from contextlib import suppress
+from contextlib import ExitStack, suppress
 from pathlib import Path as FilePath
 from typing import Any, NamedTuple
 
@@ -31,10 +32,9 @@ _PROGRAM = (
 )
 # to import our modules on a busy machine
 _START_UP_S = 120.0
-# to kill every process that is left when the caller ends
-_EXIT_WAIT_S = 5.0
+# for the kernel to end a process that was killed, and for the server to kill all that is left
+_KILL_WAIT_S, _STOP_WAIT_S = 2.0, 5.0
 _OUTPUT_PIPE_BYTES = 2**20
-_F_SETPIPE_SZ = 1031
 
 
 class ForkServerError(DubinsStudyError, RuntimeError):
@@ -46,7 +46,7 @@ class ForkedProcess(NamedTuple):
 
     Args:
         pid: its process id; it leads a session of its own.
-        channel: messages to and from it.
+        channel: messages to and from it; does not block.
         output: read end of the pipe that is its stdout and stderr; does not block.
         status: read end of a pipe; readable once the process, and what it has left behind, ended.
     """
@@ -56,26 +56,52 @@ class ForkedProcess(NamedTuple):
     output: int
     status: int
 
-    def exit_code(self) -> int:
-        """How the process ended, once `status` is readable; minus the number of a signal."""
+    def exit_code(self, timeout_s: float = _KILL_WAIT_S) -> int | None:
+        """How the process ended, or None if it has not ended in time; to be read once.
+
+        Minus the number of the signal that ended it.
+        """
+        if not _readable(self.status, timeout_s):
+            return None
         text = os.read(self.status, 32)
         # the kernel kills the processes of a server that was killed itself
         return int(text) if text else -signal.SIGKILL
 
-    def wait(self, timeout_s: float) -> bool:
-        """Whether the process ends in time."""
-        return bool(select.select([self.status], [], [], timeout_s)[0])
-
     def kill(self) -> None:
-        """Kill it; the server kills what it leaves behind."""
-        with suppress(OSError):
-            os.kill(self.pid, signal.SIGKILL)
+        """Kill it, if it has not ended; the server kills what it leaves behind."""
+        if not _readable(self.status, 0):
+            with suppress(OSError):
+                os.kill(self.pid, signal.SIGKILL)
 
     def close(self) -> None:
-        """Forget a process that has ended."""
-        self.channel.close()
+        """Kill it, wait for its end, and close what leads to it."""
+        self.kill()
+        _readable(self.status, _KILL_WAIT_S)
+        self.channel.line.close()
         os.close(self.output)
         os.close(self.status)
+
+
+def exit_status(code: int) -> tuple[str, str]:
+    """The end of a process in a word and in a sentence.
+
+    Args:
+        code: its exit code, or minus the number of the signal that ended it.
+    """
+    if code >= 0:
+        return f"exit {code}", f"its process ended itself with code {code}"
+    try:
+        name = signal.Signals(-code).name
+    except ValueError:
+        name = f"signal {-code}"
+    return name, f"its process was ended by {name}"
+
+
+def _readable(descriptor: int, timeout_s: float) -> bool:
+    """Whether something can be read in time, if only that nothing will come any more."""
+    poll = select.poll()  # `select.select` takes only the first thousand descriptors
+    poll.register(descriptor, select.POLLIN)
+    return bool(poll.poll(1000 * timeout_s))
 
 
 class _ForkServer:
@@ -86,109 +112,39 @@ class _ForkServer:
         self._process: subprocess.Popen[bytes] | None = None
         self._control: socket.socket | None = None
 
-    def fork(self, function: str, arguments: list[Any], extra: list[int]) -> ForkedProcess:
-        """See `fork`."""
-        ours, theirs = socket.socketpair()
-        output, output_end = os.pipe()
-        status, status_end = os.pipe()
-        _enlarge(output_end)
-        with theirs:
-            try:
-                pid = self._request([status_end, output_end, theirs.fileno(), *extra])
-            except BaseException:
-                ours.close()
-                os.close(output)
-                os.close(status)
-                raise
-            finally:
-                os.close(output_end)
-                os.close(status_end)
-        os.set_blocking(output, False)
-        channel = Channel(ours)
-        with suppress(OSError):  # the process was killed at once; its end is seen by its status
-            channel.send([function, arguments, search_path(), dict(os.environ), _directory()])
-        ours.setblocking(False)
-        return ForkedProcess(pid, channel, output, status)
-
-    def _request(self, descriptors: list[int]) -> int:
+    def request(self, descriptors: list[int]) -> None:
+        """Have a process forked, which is given descriptors."""
         with self._lock:
-            for attempts_left in (1, 0):
-                try:
-                    control = self._running()
-                    socket.send_fds(control, [b"f"], descriptors)
-                    pid = control.recv(8)
-                    if pid:
-                        return int.from_bytes(pid)
-                except OSError as error:
-                    if not attempts_left:
-                        raise ForkServerError(f"the fork server does not answer: {error}") from None
-                except BaseException:  # interrupted between a request and its answer
-                    self._forget()
-                    raise
-                self._forget()
-        raise ForkServerError("the fork server ends before it has forked a process")
+            if self._control is None or self._process is None or self._process.poll() is not None:
+                self.stop()
+                self._control, server_end = socket.socketpair()
+                with server_end:
+                    self._process = subprocess.Popen(
+                        [sys.executable, "-P", "-c", _PROGRAM, json.dumps(_search_path())],
+                        stdin=server_end.fileno(),
+                        stdout=subprocess.DEVNULL,
+                        start_new_session=True,
+                    )
+            socket.send_fds(self._control, [b"f"], descriptors)
 
-    def _running(self) -> socket.socket:
-        if self._control is None:
-            self._control, theirs = socket.socketpair()
-            self._control.settimeout(_START_UP_S)
-            with theirs:
-                self._process = subprocess.Popen(
-                    [sys.executable, "-P", "-c", _PROGRAM, json.dumps(search_path())],
-                    stdin=theirs.fileno(),
-                    stdout=subprocess.DEVNULL,
-                    start_new_session=True,
-                )
-        return self._control
-
-    def _forget(self) -> None:
-        if self._control is not None:
-            self._control.close()
+    def wait(self) -> None:
+        """Wait a few seconds for the end of the server."""
         if self._process is not None:
             with suppress(subprocess.TimeoutExpired):
-                self._process.wait(_EXIT_WAIT_S)
-        self._control = self._process = None
+                self._process.wait(_STOP_WAIT_S)
 
     def stop(self) -> None:
         """End the server, and with it every process that it has forked."""
-        with self._lock:
-            self._forget()
+        if self._control is not None:
+            self._control.close()
+        self.wait()
 
     def forget_in_child(self) -> None:
         """In a process that the caller has forked: the server is its parent's."""
-        self._lock = threading.Lock()
-        if self._control is not None:
-            self._control.close()
         if self._process is not None:
             self._process.returncode = 0  # it is no child of this process to wait for
-        self._control = self._process = None
-
-
-def search_path() -> list[str]:
-    """The caller's `sys.path` without its working directory.
-
-    The files that lie there by chance (`report.py`, `solvers/`) must not stand in for a package.
-    """
-    here = _directory()
-    kept = [os.path.abspath(entry) for entry in sys.path if entry]  # noqa: PTH100
-    kept = [entry for entry in kept if entry != here]
-    return kept if _PACKAGE_FOLDER in kept else [*kept, _PACKAGE_FOLDER]
-
-
-def _directory() -> str:
-    try:
-        return os.getcwd()  # noqa: PTH109
-    except OSError:  # it was removed
-        return "/"
-
-
-def _enlarge(pipe: int) -> None:
-    """Let a solver that prints much seldom wait for us to read it."""
-    if sys.platform == "linux":
-        import fcntl
-
-        with suppress(OSError):
-            fcntl.fcntl(pipe, _F_SETPIPE_SZ, _OUTPUT_PIPE_BYTES)
+        self.stop()
+        self._lock, self._process, self._control = threading.Lock(), None, None
 
 
 _server = _ForkServer()
@@ -199,6 +155,8 @@ atexit.register(_server.stop)
 def fork(function: str, arguments: list[Any], extra: tuple[int, ...] = ()) -> ForkedProcess:
     """Call a function in a process that is forked from the server.
 
+    The caller's environment and working directory, and its `sys.path` without that, go with it.
+
     Args:
         function: `module:name`, called as `name(channel, *arguments, *descriptors)`. Its process
             ends when it returns.
@@ -208,4 +166,57 @@ def fork(function: str, arguments: list[Any], extra: tuple[int, ...] = ()) -> Fo
     Raises:
         ForkServerError: if the server does not start or does not answer.
     """
-    return _server.fork(function, arguments, list(extra))
+    message = [function, arguments, _search_path(), dict(os.environ), _directory()]
+    reason: OSError | None = None
+    for _attempt in range(2):  # the server may have been killed just now
+        try:
+            return _forked(message, extra)
+        except OSError as error:
+            reason = error
+            _server.wait()
+    raise ForkServerError(f"the fork server does not answer: {reason}")
+
+
+def _forked(message: list[Any], extra: tuple[int, ...]) -> ForkedProcess:
+    with ExitStack() as process_ends, ExitStack() as caller_ends:
+        line, line_end = socket.socketpair()
+        caller_ends.enter_context(line)
+        process_ends.enter_context(line_end)
+        (output, output_end), (status, status_end) = os.pipe(), os.pipe()
+        for pipe in (output, status):
+            caller_ends.callback(os.close, pipe)
+        for pipe in (output_end, status_end):
+            process_ends.callback(os.close, pipe)
+        if hasattr(fcntl, "F_SETPIPE_SZ"):  # a solver that prints much seldom waits for us to read
+            with suppress(OSError):
+                fcntl.fcntl(output_end, fcntl.F_SETPIPE_SZ, _OUTPUT_PIPE_BYTES)
+        _server.request([status_end, output_end, line_end.fileno(), *extra])
+        process_ends.close()
+        pid = os.read(status, 8) if _readable(status, _START_UP_S) else b""
+        if not pid:
+            raise ConnectionError("it ended, or hangs")
+        channel = Channel(line)
+        channel.put(message)
+        with suppress(OSError):  # the process was killed at once; its end is seen by its status
+            channel.flush()
+        line.setblocking(False)
+        os.set_blocking(output, False)
+        caller_ends.pop_all()
+        return ForkedProcess(int.from_bytes(pid), channel, output, status)
+
+
+def _search_path() -> list[str]:
+    """The caller's `sys.path` without its working directory.
+
+    The files that lie there by chance (`report.py`, `solvers/`) must not stand in for a package.
+    """
+    entries = [os.path.abspath(entry) for entry in sys.path if entry]  # noqa: PTH100
+    entries = [entry for entry in entries if entry != _directory()]
+    return entries if _PACKAGE_FOLDER in entries else [*entries, _PACKAGE_FOLDER]
+
+
+def _directory() -> str:
+    try:
+        return os.getcwd()  # noqa: PTH109
+    except OSError:  # it was removed
+        return "/"

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import mmap
 import os
-import struct
 import sys
 from enum import IntEnum
 from tempfile import TemporaryFile
@@ -24,57 +23,51 @@ class Phase(IntEnum):
 
 
 class Reading(NamedTuple):
-    """The job's number (-1: none), the phase, and since when (s, `time.monotonic`)."""
+    """The job's number (0: none yet), the phase, and since when (s, `time.monotonic`)."""
 
-    pid: int
     job: int
     phase: Phase
     since_s: float
 
 
-_NUMBERS, _WITHDRAWN = struct.Struct("dddd"), struct.Struct("q")
-_WITHDRAWN_PLACE = 64
-_LOST = Reading(0, -1, Phase.LOST, 0.0)
+# in the memory, apart from what the worker writes
+_WITHDRAWN_PLACE = 8
 
 
 class JobClock:
     """Written by a worker, read by its pool; survives the worker.
 
     Args:
-        descriptor: of memory that another process shares; a new piece of memory without one.
+        descriptor: of the memory that both share, see `shared_memory`. It is closed here, so that
+            nobody can make the memory shorter.
     """
 
-    def __init__(self, descriptor: int | None = None):
-        self.descriptor = _shared_memory() if descriptor is None else descriptor
-        self._memory = mmap.mmap(self.descriptor, mmap.PAGESIZE)
-        if descriptor is None:
-            self.write(0, -1, Phase.STARTING)
+    def __init__(self, descriptor: int):
+        self._numbers = memoryview(mmap.mmap(descriptor, mmap.PAGESIZE)).cast("d")
+        os.close(descriptor)
 
-    def close_descriptor(self) -> None:
-        """The memory stays; its file is needed no more, and nobody can make it shorter."""
-        os.close(self.descriptor)
-
-    def write(self, pid: int, job: int, phase: Phase) -> None:
-        _NUMBERS.pack_into(self._memory, 0, pid, job, phase, monotonic())
+    def write(self, job: int, phase: Phase) -> None:
+        self._numbers[0], self._numbers[1], self._numbers[2] = job, phase, monotonic()
 
     def read(self) -> Reading:
-        pid, job, phase, since_s = _NUMBERS.unpack_from(self._memory)
+        job, phase, since_s = self._numbers[:3]
         try:
-            return Reading(int(pid), int(job), Phase(int(phase)), since_s)
+            return Reading(int(job), Phase(int(phase)), since_s)
         except (ValueError, OverflowError):
-            return _LOST
+            return Reading(0, Phase.LOST, 0.0)
 
-    def withdraw(self, below: int) -> None:
-        """Tell the worker to pass over every job with a lower number that it has not begun."""
-        _WITHDRAWN.pack_into(self._memory, _WITHDRAWN_PLACE, below)
+    @property
+    def withdrawn(self) -> float:
+        """The worker passes over every job with a lower number that it has not begun."""
+        return self._numbers[_WITHDRAWN_PLACE]
 
-    def withdrawn(self) -> int:
-        """The number below which jobs are passed over."""
-        below: int = _WITHDRAWN.unpack_from(self._memory, _WITHDRAWN_PLACE)[0]
-        return below
+    @withdrawn.setter
+    def withdrawn(self, number: float) -> None:
+        self._numbers[_WITHDRAWN_PLACE] = number
 
 
-def _shared_memory() -> int:
+def shared_memory() -> int:
+    """The descriptor of new memory that another process can share."""
     if sys.platform == "linux":
         descriptor = os.memfd_create("job-clock")
     else:

@@ -1,15 +1,18 @@
-"""Jobs on their way through a pool: each one waits, or is with a worker under a number."""
+"""Jobs for a pool, and the order in which its workers are given them."""
 
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from functools import cache
-from itertools import count, islice
+from itertools import islice
 from typing import Any, NamedTuple
 
 from dubins_study.solvers.protocol import Question
 from dubins_study.solvers.registry import ours
+
+# a solver's spec and profile
+SolverKey = tuple[str, str]
 
 
 class Job(NamedTuple):
@@ -21,7 +24,7 @@ class Job(NamedTuple):
     tag: Any = None
 
     @property
-    def solver_key(self) -> tuple[str, str]:
+    def solver_key(self) -> SolverKey:
         """What a worker loads once for all jobs that share it."""
         return self.solver, self.profile
 
@@ -35,10 +38,6 @@ def worker_group(solver: str) -> str:
     return "" if ours(solver) else solver
 
 
-# never the same number twice, so that no late reply of a worker passes for another job's
-_numbers = count()
-
-
 class JobQueue:
     """Jobs in the caller's order, but for those that are put first.
 
@@ -47,12 +46,8 @@ class JobQueue:
     """
 
     def __init__(self, jobs: Iterable[Job] = ()):
-        self._later: Iterator[Job] = iter(jobs)
         self._first: deque[Job] = deque()
-        self._given: dict[int, Job] = {}
-
-    def __bool__(self) -> bool:
-        return bool(self._given or self.waiting(1))
+        self._later = iter(jobs)
 
     def waiting(self, most: int) -> int:
         """How many jobs wait, counted up to a number."""
@@ -64,29 +59,10 @@ class JobQueue:
         """The next job, which still waits."""
         return self._first[0] if self.waiting(1) else None
 
+    def take(self) -> Job:
+        """The next job, which waits no more."""
+        return self._first.popleft()
+
     def put_first(self, jobs: Iterable[Job]) -> None:
         """Let jobs wait before all others, in their order."""
         self._first.extendleft(reversed(list(jobs)))
-
-    def skip(self) -> None:
-        """The next job needs no worker."""
-        self._first.popleft()
-
-    def give(self) -> int:
-        """The number under which a worker is given the next job."""
-        number = next(_numbers)
-        self._given[number] = self._first.popleft()
-        return number
-
-    def done(self, number: int) -> Job:
-        """The job of a number that a worker is through with."""
-        return self._given.pop(number)
-
-    def take_back(self, numbers: Iterable[int]) -> None:
-        """Let jobs that no worker has begun wait again, before all others and in their order."""
-        self.put_first([self._given.pop(number) for number in numbers])
-
-    def forget_waiting(self) -> None:
-        """Forget every job that is not with a worker."""
-        self._first.clear()
-        self._later = iter(())

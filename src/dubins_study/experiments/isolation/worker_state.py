@@ -16,7 +16,6 @@ import signal
 import sys
 import threading
 import warnings
-from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path as FilePath
 from time import monotonic
@@ -42,52 +41,34 @@ _LEAK_INTERVAL_S = 0.02
 _PAGE_BYTES = os.sysconf("SC_PAGE_SIZE")
 
 
-def _umask() -> int:
-    mask = os.umask(0)
+def _state() -> tuple[Any, ...]:
+    """What a solve must leave as it is; the threads of numerical libraries are looked at apart."""
+    context, mask = decimal.getcontext(), os.umask(0)
     os.umask(mask)
-    return mask
+    return (
+        *(os.getcwd(), mask, os.getpriority(os.PRIO_PROCESS, 0)),  # noqa: PTH109
+        *(id(os.environ), _ENVIRONMENT.copy(), id(sys.path), sys.path.copy()),
+        *(warnings.filters[:], np.geterr(), locale.setlocale(locale.LC_ALL)),
+        *(id(context), context.prec, context.rounding, context.Emin, context.Emax),
+        *(sys.getrecursionlimit(), sys.getswitchinterval(), gc.isenabled()),
+        *(sys.excepthook, sys.unraisablehook, threading.excepthook),
+        *(sys.gettrace(), sys.getprofile(), threading.enumerate()),
+        # without the enumerations that `signal` makes of numbers
+        [_signal.getsignal(number) for number in _SIGNALS],
+        _signal.pthread_sigmask(signal.SIG_BLOCK, ()),
+        [signal.getitimer(timer)[0] > 0 for timer in _TIMERS],
+        [resource.getrlimit(number) for number in _RLIMITS],
+        *(sys.stdin, sys.stdout, sys.stderr, *map(_file, range(3))),
+        os.sched_getaffinity(0) if hasattr(os, "sched_getaffinity") else None,
+    )
 
 
-def _stream(number: int) -> tuple[int, int] | None:
+def _file(number: int) -> tuple[int, int] | None:
+    """The device and the number of the file that a descriptor leads to."""
     with suppress(OSError):
         status = os.fstat(number)
         return status.st_dev, status.st_ino
     return None
-
-
-def _decimal() -> tuple[Any, ...]:
-    context = decimal.getcontext()
-    return id(context), context.prec, context.rounding, context.Emin, context.Emax
-
-
-# how each piece of state is read; the numbers of numerical libraries' threads are looked at apart
-_STATE: dict[str, Callable[[], Any]] = {
-    "working directory": os.getcwd,
-    "environment": lambda: (id(os.environ), _ENVIRONMENT.copy()),
-    "module search path": lambda: (id(sys.path), sys.path.copy()),
-    "warning filters": lambda: warnings.filters[:],
-    "numpy's error handling": np.geterr,
-    "decimal context": _decimal,
-    "locale": lambda: locale.setlocale(locale.LC_ALL),
-    "recursion limit": sys.getrecursionlimit,
-    "switch interval": sys.getswitchinterval,
-    "garbage collection": gc.isenabled,
-    "hooks": lambda: (
-        *(sys.excepthook, sys.unraisablehook, threading.excepthook),
-        *(sys.gettrace(), sys.getprofile()),
-    ),
-    "file mode mask": _umask,
-    # without the enumerations that `signal` makes of numbers
-    "signal handlers": lambda: [_signal.getsignal(number) for number in _SIGNALS],
-    "blocked signals": lambda: _signal.pthread_sigmask(signal.SIG_BLOCK, ()),
-    "timers": lambda: [signal.getitimer(timer)[0] > 0 for timer in _TIMERS],
-    "resource limits": lambda: [resource.getrlimit(number) for number in _RLIMITS],
-    "priority": lambda: os.getpriority(os.PRIO_PROCESS, 0),
-    "standard streams": lambda: (sys.stdin, sys.stdout, sys.stderr, *map(_stream, range(3))),
-    "threads": threading.enumerate,
-}
-if hasattr(os, "sched_getaffinity"):
-    _STATE["processor affinity"] = lambda: os.sched_getaffinity(0)
 
 
 def seed() -> None:
@@ -97,7 +78,7 @@ def seed() -> None:
 
 
 class WorkerState:
-    """The state of this process as it is accepted; see `changes`.
+    """The state of this process as it is accepted; see `changed`.
 
     Args:
         memory_limit: bytes that the process may hold.
@@ -105,26 +86,23 @@ class WorkerState:
 
     def __init__(self, memory_limit: float):
         self._max_leak = _MAX_LEAK_SHARE * memory_limit
-        self._accepted: dict[str, Any] = {}
         self._modules, self._libraries = 0, ThreadpoolController()
-        self._resident, self._files = 0, 0
         self._next_leak_check = 0.0
         self.accept()
 
     def accept(self) -> None:
         """Take the state as it is now: what a solver's libraries do while they are loaded stays."""
         self._pin_new_libraries()
-        self._accepted = {name: read() for name, read in _STATE.items()}
+        self._accepted = _state()
         self._resident, self._files = _leakable()
 
-    def changes(self) -> list[str]:
-        """What is no longer as it was accepted, and cannot be relied on in another solve."""
-        changed = [name for name, accepted in self._accepted.items() if _read(name) != accepted]
-        if "resource limits" not in changed and self._threads_changed():
-            changed.append("threads of numerical libraries")
-        if self._leaks():
-            changed.append("memory or open files")
-        return changed
+    def changed(self) -> bool:
+        """Whether the state is no longer as it was accepted: another solve could not rely on it."""
+        try:
+            state = _state()
+        except Exception:  # e.g. the working directory was removed
+            return True
+        return state != self._accepted or self._threads_changed() or self._leaks()
 
     def _pin_new_libraries(self) -> None:
         """Keep the libraries that were loaded since to one thread."""
@@ -144,13 +122,6 @@ class WorkerState:
         self._next_leak_check = monotonic() + _LEAK_INTERVAL_S
         resident, files = _leakable()
         return resident - self._resident > self._max_leak or files - self._files > _MAX_OPEN_FILES
-
-
-def _read(name: str) -> Any:
-    try:
-        return _STATE[name]()
-    except Exception as error:  # e.g. a working directory that was removed
-        return type(error)
 
 
 def _leakable() -> tuple[int, int]:

@@ -9,7 +9,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dubins_study.experiments.definition.axes import Axis
 from dubins_study.experiments.definition.experiment import Experiment, ExperimentError
 from dubins_study.experiments.definition.scenario_block import Block
 from dubins_study.experiments.plan.scenario_columns import axis_size, axis_values, block_size
@@ -59,7 +58,7 @@ class BlockPlan(NamedTuple):
         lengths = self.block.guess_lengths
         if lengths is None:
             return sum(solver.warm or guess == "cold" for guess in self.initial_guesses)
-        return solver.warm * math.prod(map(axis_size, (lengths.z1, lengths.z2, lengths.z3)))
+        return solver.warm * math.prod(map(axis_size, lengths.axes))
 
     def guesses(self, solver: SolverDescription) -> Iterator[str]:
         """The initial guesses as the column `initial_guess` holds them.
@@ -75,17 +74,14 @@ class BlockPlan(NamedTuple):
             return
         if not solver.warm:
             return
-        for point in itertools.product(*map(_values, (lengths.z1, lengths.z2, lengths.z3))):
+        values = (axis_values(axis, np.arange(axis_size(axis))).tolist() for axis in lengths.axes)
+        for point in itertools.product(*values):
             if not all(0 <= length <= _MAX_GUESS_LENGTH for length in point):
                 raise ExperimentError(
                     f"guess_lengths is {point}; expected lengths from 0 to "
                     f"{_MAX_GUESS_LENGTH:g} radii: z1, z2, z3"
                 )
             yield " ".join(repr(length) for length in point)
-
-
-def _values(axis: Axis) -> list[float]:
-    return [float(value) for value in axis_values(axis, np.arange(axis_size(axis)))]
 
 
 def block_plans(experiment: Experiment) -> list[BlockPlan]:

@@ -1,7 +1,8 @@
-"""From a request to the cells and streams of a run."""
+"""From a request, which is checked, to the cells and streams of a run."""
 
 from __future__ import annotations
 
+import shlex
 from collections import Counter
 from pathlib import Path as FilePath
 from typing import NamedTuple
@@ -14,11 +15,93 @@ from dubins_study.experiments.definition.experiment import (
     validated,
 )
 from dubins_study.experiments.plan.cells import Chain, chains
-from dubins_study.experiments.plan.request import Request
 from dubins_study.experiments.plan.solver_specs import expand_solvers, untrusted_spec
 from dubins_study.experiments.plan.streams import Stream, streams
+from dubins_study.experiments.run_settings import ENGINE_NAMES
 from dubins_study.solvers.registry import SolverError
 from dubins_study.study.rows.schema import Key
+
+
+class Request(NamedTuple):
+    """The arguments of `experiments.run.run`; None where the experiment's own value holds."""
+
+    experiment: str | FilePath
+    out: str | FilePath | None = None
+    solvers: list[str] | None = None
+    jobs: int = 1
+    time_limit_s: float | None = None
+    memory_limit_gib: float | None = None
+    repeats: int | None = None
+    restart: bool = False
+    trust_plugins: bool = False
+    engine: str = "local"
+    scheduler: str | None = None
+
+    def command(self) -> str:
+        """The command line that asks for the same rows.
+
+        It leaves out where the rows are put, and the address of a scheduler, which is private.
+        """
+        arguments = ["dubins-study", "run", str(self.experiment)]
+        for spec in self.solvers or ():
+            arguments += ["--solver", spec]
+        options = {
+            "--jobs": self.jobs,
+            "--time-limit": self.time_limit_s,
+            "--memory-limit": self.memory_limit_gib,
+            "--repeats": self.repeats,
+            "--engine": self.engine if self.engine != "local" else None,
+        }
+        for option, value in options.items():
+            if value:
+                arguments += [option, str(value)]
+        if self.trust_plugins:
+            arguments.append("--trust-plugins")
+        return shlex.join(arguments)
+
+    def check(self) -> None:
+        """Refuse arguments of the wrong type, and engines and schedulers that do not fit together.
+
+        Raises:
+            ExperimentError: naming the argument, its value and what was expected.
+        """
+        out, jobs, engine, scheduler = self.out, self.jobs, self.engine, self.scheduler
+        is_number = isinstance(jobs, int) and not isinstance(jobs, bool)
+        is_address = isinstance(scheduler, str) and scheduler != ""
+        no_scheduler = scheduler is None
+        name, is_name = self.experiment, isinstance(self.experiment, str | FilePath)
+        requirements = (
+            (is_name, f"experiment is {name!r}; expected a name or the path of a .toml file"),
+            (
+                out is None or isinstance(out, str | FilePath),
+                f"out is {out!r}; expected the path of a folder",
+            ),
+            (
+                is_number and jobs >= 1,
+                f"jobs is {jobs!r}; expected a whole number of processes above 0",
+            ),
+            (
+                engine in ENGINE_NAMES,
+                f"engine is {engine!r}; expected one of: {', '.join(ENGINE_NAMES)}",
+            ),
+            (
+                no_scheduler or is_address,
+                f"scheduler is {scheduler!r}; expected an address such as tcp://127.0.0.1:8786",
+            ),
+            (
+                no_scheduler or engine == "dask",
+                f"scheduler is {scheduler!r} and engine {engine!r}; only engine 'dask' has a "
+                "scheduler",
+            ),
+            (
+                no_scheduler or jobs == 1,
+                f"jobs is {jobs}; how many cells are solved side by side is for the cluster of "
+                f"scheduler {scheduler!r} to say, so leave it out",
+            ),
+        )
+        for holds, problem in requirements:
+            if not holds:
+                raise ExperimentError(problem)
 
 
 class RunPlan(NamedTuple):

@@ -10,16 +10,14 @@ from functools import cache
 from typing import Any, NamedTuple
 
 from dubins_study.experiments.code_digest import code_digest, plain_settings
-from dubins_study.experiments.isolation.fork_server import fork
+from dubins_study.experiments.isolation.fork_server import exit_status, fork
 from dubins_study.experiments.isolation.messages import Channel, MessageError
-from dubins_study.experiments.isolation.worker_failures import exit_status
 from dubins_study.experiments.provenance import versions_of
 from dubins_study.solvers.analytic import Analytic
 from dubins_study.solvers.registry import SolverError, canonical, load, ours
 from dubins_study.solvers.reply import exception_text
 
 _LOAD_LIMIT_S = 60.0  # for a plug-in to be imported
-_EXIT_WAIT_S = 2.0  # for the kernel to end a killed process
 
 
 class SolverDescription(NamedTuple):
@@ -68,20 +66,18 @@ def _fields_from_elsewhere(spec: str, profile: str) -> dict[str, Any]:
     """The fields of a plug-in's description, found by a process of its own."""
     process = fork(f"{__name__}:send_description", [spec, profile])
     try:
-        if not process.wait(_LOAD_LIMIT_S):
-            raise SolverError(f"solver {spec!r} takes longer than {_LOAD_LIMIT_S:g} s to load")
+        exit_code = process.exit_code(_LOAD_LIMIT_S)
         answer = next(process.channel.received(), None)
     except (EOFError, OSError, MessageError):
         answer = None
     finally:
-        process.kill()
-        process.wait(_EXIT_WAIT_S)
-        exit_code = process.exit_code()
         process.close()
+    if exit_code is None:
+        raise SolverError(f"solver {spec!r} takes longer than {_LOAD_LIMIT_S:g} s to load")
     if answer is None:
         status = exit_status(exit_code)[0]
         raise SolverError(f"solver {spec!r} ends the process that loads it: {status}")
-    fields, message = answer[0]
+    fields, message = answer
     if message is not None:
         raise SolverError(str(message))
     return dict(fields)
@@ -107,8 +103,9 @@ def send_description(channel: Channel, spec: str, profile: str) -> None:
     plain values, so that no object of the plug-in's classes reaches the run.
     """
     try:
-        channel.send([_describe(spec, profile)._asdict(), None])
+        channel.put([_describe(spec, profile)._asdict(), None])
     except SolverError as error:
-        channel.send([None, str(error)])
+        channel.put([None, str(error)])
     except BaseException as error:  # a plug-in may raise anything
-        channel.send([None, f"solver {spec!r} cannot be described: {exception_text(error)}"])
+        channel.put([None, f"solver {spec!r} cannot be described: {exception_text(error)}"])
+    channel.flush()

@@ -1,6 +1,6 @@
 """How steady a machine was during a run, from a small piece of work timed now and then.
 
-`experiments.engines.calibration` times the work; the run's entry in the manifest holds the times.
+`experiments.isolation.worker` times the work; the run's entry in the manifest holds the times.
 """
 
 from __future__ import annotations
