@@ -64,6 +64,17 @@ def scenario_frame(scenarios: Iterable[Scenario]) -> pd.DataFrame:
     return pd.DataFrame(columns).astype(dict.fromkeys(NUMBERS, float))
 
 
+def mirrored(scenario: Scenario) -> Scenario:
+    """The scenario seen in a mirror lying on the x axis: left and right change places."""
+    return replace(scenario, y=-scenario.y, heading=-scenario.heading, target_y=-scenario.target_y)
+
+
+def scaled(scenario: Scenario, factor: float) -> Scenario:
+    """Every length times `factor` > 0; the shortest length scales with it."""
+    names = ("x", "y", "target_x", "target_y", "radius")
+    return replace(scenario, **{name: getattr(scenario, name) * factor for name in names})
+
+
 def rotated(scenario: Scenario, angle: float) -> Scenario:
     """The start and the target turned by `angle` (rad) about the origin."""
     cos, sin = math.cos(angle), math.sin(angle)

@@ -11,7 +11,7 @@ from dubins_study.errors import DubinsStudyError
 if TYPE_CHECKING:
     from dubins_study.study.scenario import Scenario
 
-# A target such as -6 3 must not be read as options. `check_rest` refuses what is no option of ours.
+# A target such as -6 3 must not be read as options. `_check_rest` refuses unknown options.
 NEGATIVE_NUMBERS: dict[str, Any] = {"ignore_unknown_options": True, "allow_extra_args": True}
 
 TargetX = Annotated[str, typer.Argument(metavar="X", help="target position")]
@@ -27,12 +27,8 @@ class CommandError(DubinsStudyError, ValueError):
     """A command line that cannot be read, or whose result cannot be printed or saved."""
 
 
-def check_rest(target: list[str], rest: list[str], command: str) -> None:
-    """Refuse unknown options, and words after the target.
-
-    Raises:
-        CommandError: naming the first of them.
-    """
+def _check_rest(target: tuple[str, str], rest: list[str], command: str) -> None:
+    """Refuse unknown options, and words after the target."""
     for word in (*target, *rest):
         if word.startswith("-") and not _is_number(word):
             raise CommandError(f"no such option: {word}; see dubins-study {command} --help")
@@ -51,16 +47,22 @@ def _is_number(text: str) -> bool:
 
 
 def scenario_of(
-    target: tuple[str, str], start: tuple[str, str, str], radius: str, speed: str = "1"
+    context: typer.Context,
+    target: tuple[str, str],
+    start: tuple[str, str, str],
+    radius: str,
+    speed: str = "1",
 ) -> Scenario:
     """A scenario from the texts of the command line.
 
     Raises:
-        CommandError, AngleError, ScenarioError: naming the field, its value and what was expected.
+        CommandError, AngleError, ScenarioError: naming the field, its value and what was expected,
+            or the first unknown option or word after the target.
     """
     from dubins_study.study.angle import AngleError, parse_angle
     from dubins_study.study.scenario import Scenario
 
+    _check_rest(target, context.args, str(context.info_name))
     try:
         heading = parse_angle(start[2])
     except AngleError as error:

@@ -19,21 +19,17 @@ def audit(
 ) -> None:
     """Recompute the paper's tables; exit code 1 if the code contradicts the committed audit."""
     from dubins_study.report.paper.audit import audit as recompute
-    from dubins_study.report.paper.audit_check import contradictions
+    from dubins_study.report.paper.audit import contradictions
     from dubins_study.report.paper.audit_file import committed
 
     record = recompute()
     # flushed before the committed audit is read, which may be the file that this is written to
-    print(audit_json(record) if as_json else audit_text(record), flush=True)
+    committed_form = json.dumps(record, indent=1, ensure_ascii=False, allow_nan=False)
+    print(committed_form if as_json else audit_text(record), flush=True)
     lines = contradictions(record, committed())
     for line in lines:
         print(f"dubins-study: contradiction: {line}", file=sys.stderr)
     raise typer.Exit(1 if lines else 0)
-
-
-def audit_json(record: Record) -> str:
-    """One object, as it is committed."""
-    return json.dumps(record, indent=1, ensure_ascii=False, allow_nan=False)
 
 
 def audit_text(record: Record) -> str:

@@ -13,7 +13,6 @@ from dubins_study.cli.arguments import (
     StartPose,
     TargetX,
     TargetY,
-    check_rest,
     scenario_of,
 )
 
@@ -36,8 +35,8 @@ def export(
     """Write a model of one scenario for other people's solvers."""
     from dubins_study.solvers.export import export as export_model
 
-    check_rest([x, y], context.args, "export")
-    text = export_model(scenario_of((x, y), start, radius), model, file_format, order)
+    scenario = scenario_of(context, (x, y), start, radius)
+    text = export_model(scenario, model, file_format, order)
     if out is None:
         print(text, end="")
         return

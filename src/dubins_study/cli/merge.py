@@ -3,12 +3,9 @@
 from __future__ import annotations
 
 from pathlib import Path as FilePath
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
-
-if TYPE_CHECKING:
-    from dubins_study.experiments.store.merge import Union
 
 
 def merge(
@@ -17,14 +14,9 @@ def merge(
 ) -> None:
     """Unite results folders of one experiment; refused if they contradict each other."""
     from dubins_study.experiments.store.merge import merge as unite
-
-    print(merge_text(unite(folders, out)))
-
-
-def merge_text(union: Union) -> str:
-    """The number of rows that a merge wrote, in one to three lines."""
     from dubins_study.study.printable import plain
 
+    union = unite(folders, out)
     lines = [f"{plain(str(union.folder))}: {union.rows} rows"]
     if union.again:
         lines.append(
@@ -32,4 +24,4 @@ def merge_text(union: Union) -> str:
         )
     if union.stale:
         lines.append(f"{union.stale} rows are of another code than the first folder's, thus stale")
-    return "\n".join(lines)
+    print("\n".join(lines))

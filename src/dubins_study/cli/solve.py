@@ -15,7 +15,6 @@ from dubins_study.cli.arguments import (
     StartPose,
     TargetX,
     TargetY,
-    check_rest,
     scenario_of,
 )
 
@@ -55,8 +54,7 @@ def solve(
     """Solve one scenario and judge the answer."""
     from dubins_study.cli import streams
 
-    check_rest([x, y], context.args, "solve")
-    scenario = scenario_of((x, y), start, radius, speed)
+    scenario = scenario_of(context, (x, y), start, radius, speed)
     if plot is not None:
         from dubins_study.report.path_plot import check_format
 

@@ -17,13 +17,11 @@ def solvers(
     """List every solver: available, or why not."""
     from dubins_study.solvers.registry import entries
 
-    print(solvers_json(entries()) if as_json else solvers_text(entries()))
-
-
-def solvers_json(entries: list[Entry]) -> str:
-    """A list of objects; `reason` is null for a solver that is available."""
-    listed = [entry._asdict() | {"available": entry.reason is None} for entry in entries]
-    return json.dumps(listed, indent=2)
+    if as_json:  # `reason` is null for a solver that is available
+        listed = [entry._asdict() | {"available": entry.reason is None} for entry in entries()]
+        print(json.dumps(listed, indent=2))
+    else:
+        print(solvers_text(entries()))
 
 
 def solvers_text(entries: list[Entry]) -> str:

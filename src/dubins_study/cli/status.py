@@ -27,12 +27,10 @@ def status(
     from dubins_study.experiments.store.status import status as status_of
 
     folder_status = status_of(folder)
-    print(status_json(folder_status) if as_json else status_text(folder_status))
-
-
-def status_json(progress: Status) -> str:
-    """One object."""
-    return json.dumps(progress.as_json(), indent=2)
+    as_text = (
+        json.dumps(folder_status.as_json(), indent=2) if as_json else status_text(folder_status)
+    )
+    print(as_text)
 
 
 def status_text(progress: Status) -> str:

@@ -54,19 +54,9 @@ def plot_path(drawn: Answered | Path, file: str | FilePath | None = None) -> Fig
     """
     place = None if file is None else check_format(file)
     name, path, scenario = _subject(drawn)
-    paths = pd.DataFrame(
-        [
-            {
-                "branch": path.word(1e-2) or "–",
-                "path": path,
-                "length": path.total_length,
-                "rank": 1,
-                "target_x": scenario.target_x,
-                "target_y": scenario.target_y,
-                "radius": scenario.radius,
-            }
-        ]
-    )
+    drawn_path = {"branch": path.word(1e-2) or "–", "path": path, "length": path.total_length}
+    target = {"target_x": scenario.target_x, "target_y": scenario.target_y}
+    paths = pd.DataFrame([{**drawn_path, "rank": 1, **target, "radius": scenario.radius}])
     with drawing():
         height = min(max(_WIDTH * aspect_of(paths) + 0.6, _HEIGHT[0]), _HEIGHT[1])
         figure = new_figure(_WIDTH, height)

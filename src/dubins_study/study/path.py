@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import groupby
-from typing import Any, Self
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -122,16 +122,6 @@ class Path:
         least = tolerance * self.total_length
         letters = ("SLR"[side] for side, _, length in _joined(runs) if side or length > least)
         return "".join(letter for letter, _ in groupby(letters))
-
-    def mirrored(self) -> Self:
-        """The path seen in a mirror lying on the x axis."""
-        start = Pose(self.start.x, -self.start.y, -self.start.heading)
-        return type(self)(start, -self.curvature, self.length)
-
-    def scaled(self, factor: float) -> Self:
-        """Every length times `factor` > 0."""
-        start = Pose(self.start.x * factor, self.start.y * factor, self.start.heading)
-        return type(self)(start, self.curvature / factor, self.length * factor)
 
 
 def rollout(start: Pose, curvature: FloatArray, length: FloatArray) -> FloatArray:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, fields, replace
-from typing import TYPE_CHECKING, Any, NamedTuple, Self
+from dataclasses import dataclass, fields
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -91,21 +91,6 @@ class Scenario:
         dx, dy = self.target_x - self.x, self.target_y - self.y
         cos, sin = math.cos(self.heading), math.sin(self.heading)
         return (dx * cos + dy * sin) / self.radius, (dy * cos - dx * sin) / self.radius
-
-    def mirrored(self) -> Self:
-        """The scenario seen in a mirror lying on the x axis: left and right change places."""
-        return replace(self, y=-self.y, heading=-self.heading, target_y=-self.target_y)
-
-    def scaled(self, factor: float) -> Self:
-        """Every length times `factor` > 0; the shortest length scales with it."""
-        return replace(
-            self,
-            x=self.x * factor,
-            y=self.y * factor,
-            target_x=self.target_x * factor,
-            target_y=self.target_y * factor,
-            radius=self.radius * factor,
-        )
 
 
 COLUMNS = tuple(field.name for field in fields(Scenario))

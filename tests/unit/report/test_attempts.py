@@ -174,7 +174,7 @@ def numbers_are_those_of(found, rows):
         m if isinstance(m, str) and m else s
         for m, s in zip(bad.message, bad.native_status, strict=True)
     ]
-    assert set(table["said"]) == set(map(gist, said))
+    assert set(table["message"]) == set(map(gist, said))
 
 
 def test_texts_as_dictionaries_are_texts(tmp_path):

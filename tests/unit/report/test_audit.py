@@ -13,8 +13,7 @@ import pytest
 from flint import ctx
 
 from dubins_study.report.paper import audit_exact, audit_file
-from dubins_study.report.paper.audit import audit
-from dubins_study.report.paper.audit_check import contradictions
+from dubins_study.report.paper.audit import audit, contradictions
 from dubins_study.report.paper.audit_file import AuditError, committed, misprints
 from dubins_study.report.paper.printed import PRINTED, PROBLEMS, QUANTITIES
 from dubins_study.study.closed_form.shortest import shortest, shortest_path

@@ -211,7 +211,7 @@ def test_messages_that_differ_in_numbers_are_one(tmp_path):
     rows = frame(verdict="none", message=["off by 2.3e-01; off by 1.1e+02", "off by 7; off by 0.5"])
     table = failures(attempts_of(tmp_path, rows).failures())
 
-    assert table[["said", "attempts"]].to_numpy().tolist() == [["off by #", 2]]
+    assert table[["message", "attempts"]].to_numpy().tolist() == [["off by #", 2]]
 
 
 def test_warm_starts_are_compared_question_by_question():

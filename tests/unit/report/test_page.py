@@ -8,7 +8,9 @@ from html.parser import HTMLParser
 import pytest
 
 from dubins_study import render
-from dubins_study.report.elements.content import Column, Table, count, digits, seconds, share
+from dubins_study.report.elements.columns import Column
+from dubins_study.report.elements.content import Table
+from dubins_study.report.elements.formats import count, digits, seconds, share
 from dubins_study.report.page.markup import markdown, tex, to_csv, to_markdown, to_tex
 from dubins_study.report.page.render import ReportError
 from dubins_study.report.page.sections import TOPICS

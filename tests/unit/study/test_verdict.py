@@ -12,7 +12,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from dubins_study.study.check.verdict import Claim, Tolerances, Verdict, judge
-from dubins_study.study.closed_form.shortest import as_path, local, right_left_pair, shortest_path
+from dubins_study.study.closed_form.shortest import (
+    Segments,
+    as_path,
+    local,
+    right_left_pair,
+    shortest_path,
+)
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
 
@@ -273,9 +279,9 @@ def test_margin_is_the_distance_to_the_nearer_circle(scenario):
 def test_another_word_far_off_is_a_wrong_basin_though_it_turns_as_far():
     """Found in review: RL beside the rear of a circle's front turns as LS does, a third longer."""
     scenario = on_left_circle(2.8, inside=-1e-5)
-    pair = right_left_pair(local(scenario))
-    assert pair is not None
-    path = as_path(scenario, "RL", pair[0])
+    target = local(scenario)
+    first, second, _, _ = right_left_pair(target.X, target.Y, target.w, target.rounding)
+    path = as_path(scenario, "RL", Segments(first, second))
     found = judge(scenario, path, Claim.LOCAL)
 
     assert found.gap > 0.3

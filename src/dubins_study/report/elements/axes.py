@@ -7,7 +7,10 @@ from typing import Any
 
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
+from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
+from dubins_study.report.elements.style import MUTED
 
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
@@ -48,3 +51,14 @@ def only_grid(ax: Axes, which: str) -> None:
     """Keep the rules of one axis: `x` or `y`."""
     ax.grid(False)
     ax.grid(True, axis="x" if which == "x" else "y")
+
+
+def mark_limit(ax: Axes, place: float, across: str = "x") -> Line2D:
+    """Draw a thin dotted line at a limit: vertical at an `x`, level at a `y`."""
+    draw = ax.axvline if across == "x" else ax.axhline
+    return draw(place, color=MUTED, linewidth=0.8, linestyle=(0, (1, 2)))
+
+
+def percent_axis(axis: Axis) -> None:
+    """Label shares as percentages."""
+    axis.set_major_formatter(lambda value, _: f"{100 * value:.0f} %")

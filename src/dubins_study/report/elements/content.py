@@ -2,40 +2,16 @@
 
 from __future__ import annotations
 
-import math
-import re
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
 import pandas as pd
+from matplotlib.artist import Artist
 from matplotlib.figure import Figure
 
-Format: TypeAlias = Callable[[Any], str]
-ABSENT = "–"
-
-
-@dataclass(frozen=True)
-class Column:
-    """How one column of a frame is shown.
-
-    Args:
-        key: its name in the frame; the CSV file keeps it.
-        title: its heading, with the unit.
-        show: value to text; missing values never reach it: they are shown as a dash.
-        kind: `number` (aligned right), `text`, `prose` (long text), or `code` (a name that a
-            program knows).
-    """
-
-    key: str
-    title: str
-    show: Format = str
-    kind: str = "number"
-
-    def text(self, value: Any) -> str:
-        """The value as it is shown."""
-        missing = value is None or value is pd.NA or (isinstance(value, float) and value != value)
-        return ABSENT if missing else self.show(value)
+from dubins_study.report.elements.columns import Column
+from dubins_study.report.elements.style import HALF, Style, new_figure
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,6 +64,33 @@ class Picture:
     half: bool = False
 
 
+def picture(
+    name: str,
+    plot: Callable[..., list[Artist] | None],
+    *data: object,
+    caption: str,
+    alt: str,
+    height: float,
+    width: float = HALF,
+    legend: int = 0,
+) -> Picture:
+    """A figure of one panel, which `plot(ax, *data)` draws.
+
+    Args:
+        name, caption, alt: as in `Picture`.
+        plot, data: the drawing function, and what it is given after the axes; it may return the
+            legend's entries.
+        height, width: inches.
+        legend: columns of the legend below the panel; 0 for none.
+    """
+    figure = new_figure(width, height)
+    entries = plot(figure.add_subplot(), *data)
+    if legend:
+        below: Style = {"loc": "outside lower left", "ncols": legend, "fontsize": 7.5}
+        figure.legend(**below if entries is None else below | {"handles": entries})
+    return Picture(name, caption, figure, alt, width == HALF)
+
+
 Block: TypeAlias = Table | Picture
 
 
@@ -99,55 +102,3 @@ class Section:
     title: str
     text: str
     blocks: tuple[Block, ...]
-
-
-def slug(text: str) -> str:
-    """A name from outside as part of a file's name: letters, digits, dashes."""
-    return re.sub(r"[^a-z0-9]+", "-", text.lower()).strip("-")[:60] or "unnamed"
-
-
-def digits(n: int) -> Format:
-    """Shows `n` significant digits, in plain notation between 1e-3 and 1e6."""
-
-    def show(value: Any) -> str:
-        number = float(value)
-        if number == 0:
-            return "0"
-        if not math.isfinite(number):
-            return "∞" if number > 0 else ABSENT
-        exponent = math.floor(math.log10(abs(float(f"{number:.{n - 1}e}"))))
-        if -4 < exponent < 6:
-            return f"{number:.{max(0, n - 1 - exponent)}f}".replace("-", "−")
-        mantissa, _, power = f"{number:.{n - 1}e}".partition("e")
-        return f"{mantissa}e{int(power)}".replace("-", "−")
-
-    return show
-
-
-def share(value: Any) -> str:
-    """A share as a percentage; only all is 100 % and only none is 0 %."""
-    percent = 100 * float(value)
-    if 0 < percent < 0.1:
-        return "<0.1 %"
-    if 99.9 < percent < 100:
-        return ">99.9 %"
-    return f"{percent:.0f} %" if percent in (0, 100) else f"{percent:.1f} %"
-
-
-def count(value: Any) -> str:
-    """A whole number with thin spaces between thousands."""
-    return f"{int(value):,}".replace(",", "\u202f")
-
-
-def some(number: int, noun: str) -> str:
-    """A number and what is counted, in the singular or the plural."""
-    return f"{count(number)} {noun}{'' if number == 1 else 's'}"
-
-
-def seconds(value: Any) -> str:
-    """A duration with three digits and its own unit."""
-    number = float(value)
-    for factor, unit in ((1.0, "s"), (1e-3, "ms"), (1e-6, "µs")):
-        if number >= factor:
-            return f"{digits(3)(number / factor)} {unit}"
-    return f"{digits(3)(number / 1e-9)} ns"

@@ -8,23 +8,14 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple, Self
 
 from dubins_study.report.data.attempts import EXACT
-from dubins_study.report.elements.style import (
-    BLUE,
-    BROWN,
-    GREEN,
-    INK,
-    OLIVE,
-    ORANGE,
-    PURPLE,
-    SKY,
-    VERMILION,
-)
+from dubins_study.report.elements import style
 from dubins_study.report.statistics.metrics import parse_spec, solver_order
 
 LineStyle = str | tuple[int, tuple[float, ...]]
 LINES: tuple[LineStyle, ...] = ("-", (0, (4, 1.5)), (0, (1, 1.2)), (0, (5, 1.5, 1, 1.5)))
 # eight hues and eleven markers: their pairs repeat only after 88 solvers
-_HUES = (BLUE, VERMILION, GREEN, ORANGE, PURPLE, SKY, BROWN, OLIVE)
+_OKABE_ITO = (style.BLUE, style.VERMILION, style.GREEN, style.ORANGE, style.PURPLE, style.SKY)
+_HUES = (*_OKABE_ITO, style.BROWN, style.OLIVE)
 _MARKERS = ("^", "s", "D", "v", "P", "X", "p", "*", "<", ">", "h")
 
 
@@ -77,7 +68,7 @@ class Palette:
             name: (_HUES[i % len(_HUES)], _MARKERS[i % len(_MARKERS)])
             for i, name in enumerate(others)
         }
-        return cls({EXACT: (INK, "o")} | hues)
+        return cls({EXACT: (style.INK, "o")} | hues)
 
     def looks(self, specs: Iterable[str]) -> dict[str, Look]:
         """A look for each solver of a figure; line styles tell the variants of one solver apart."""
@@ -102,6 +93,11 @@ def name_of(solver: str, width: int = 26) -> str:
         else:
             line = f"{line}, {item}" if line else item
     return "\n".join(part[:60] for part in (*lines, line) if part)
+
+
+def lines_of_names(solvers: Iterable[str]) -> int:
+    """How many lines the longest of the names takes."""
+    return max(name_of(solver).count("\n") + 1 for solver in solvers)
 
 
 def legend_lines(solvers: Iterable[str], width: int = 26, columns: int = 1) -> int:

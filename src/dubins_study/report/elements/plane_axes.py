@@ -7,14 +7,31 @@ from __future__ import annotations
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import ListedColormap
 from matplotlib.patches import Arc, Circle
 from numpy.typing import NDArray
 
-from dubins_study.report.elements.style import MAP_PAPER, ON_MAP
+from dubins_study.report.elements.style import MAP_PAPER, ON_MAP, Style
 
 # a light and a dark shade of two hues: apart in hue for the eye, apart in lightness for grey
 WORD_COLOURS = {"LS": "#cfe3f1", "RS": "#fbe6c8", "RL": "#5d9cc6", "LR": "#d69a3c"}
 OTHER_COLOUR = "#8a8f96"
+
+
+def plot_word_cells(
+    ax: Axes, words: NDArray[np.float64], extent: tuple[float, float, float, float]
+) -> None:
+    """Fill each cell with the colour of its word.
+
+    Args:
+        ax: where to draw.
+        words: shape (m, n), each a position in `WORD_COLOURS`, one more for other words; NaN: none.
+        extent: of the cells along x and y.
+    """
+    colours = ListedColormap([*WORD_COLOURS.values(), OTHER_COLOUR])
+    limits: Style = {"vmin": -0.5, "vmax": len(WORD_COLOURS) + 0.5}
+    ax.imshow(words, origin="lower", extent=extent, cmap=colours, interpolation="nearest", **limits)
 
 
 def label_region(
@@ -59,3 +76,12 @@ def draw_circles(
     ax.set(xlim=(x[0], x[-1]), ylim=(y[0], y[-1]), xlabel="target x / R", ylabel="target y / R")
     ax.set_aspect("equal")
     ax.grid(False)
+
+
+def add_colour_bar(ax: Axes, image: ScalarMappable, label: str) -> None:
+    """The scale of a map's colours, below it."""
+    figure = ax.figure
+    assert figure is not None
+    bar = figure.colorbar(image, ax=ax, location="bottom", shrink=0.7, pad=0.02, aspect=28)
+    bar.outline.set_visible(False)
+    bar.set_label(label)

@@ -6,41 +6,14 @@ import re
 
 from dubins_study.report.elements.content import Table
 
-_TEX = {
+_TEX = {symbol: f"\\{symbol}" for symbol in "&%$#_{}"} | {
     "\\": r"\textbackslash{}",
-    "&": r"\&",
-    "%": r"\%",
-    "$": r"\$",
-    "#": r"\#",
-    "_": r"\_",
-    "{": r"\{",
-    "}": r"\}",
-    "~": r"\textasciitilde{}",
-    "^": r"\textasciicircum{}",
-    "<": r"\textless{}",
-    ">": r"\textgreater{}",
-    "|": r"\textbar{}",
-    "−": r"$-$",
-    "–": "--",
-    "≤": r"$\leq$",
-    "≥": r"$\geq$",
-    "∞": r"$\infty$",
-    "×": r"$\times$",
-    "·": r"$\cdot$",
-    "µ": r"$\mu$",
-    "π": r"$\pi$",
-    "ζ": r"$\zeta$",
-    "√": r"$\surd$",
-    "✓": r"\checkmark{}",
-    "✗": r"$\times$",
-    "½": r"$\frac12$",
-    "₁": r"$_1$",
-    "₂": r"$_2$",
-    "₃": r"$_3$",
-    "⁻": r"$^{-}$",
-    "²": r"$^2$",
-    "\u202f": r"\,",
-    "\u00a0": "~",
+    **{"~": r"\textasciitilde{}", "^": r"\textasciicircum{}", "|": r"\textbar{}"},
+    **{"<": r"\textless{}", ">": r"\textgreater{}", "≤": r"$\leq$", "≥": r"$\geq$"},
+    **{"−": r"$-$", "–": "--", "∞": r"$\infty$", "×": r"$\times$", "·": r"$\cdot$"},
+    **{"µ": r"$\mu$", "π": r"$\pi$", "ζ": r"$\zeta$", "√": r"$\surd$", "½": r"$\frac12$"},
+    **{"✓": r"\checkmark{}", "✗": r"$\times$", "⁻": r"$^{-}$", "²": r"$^2$"},
+    **{"₁": r"$_1$", "₂": r"$_2$", "₃": r"$_3$", "\u202f": r"\,", "\u00a0": "~"},
 }
 # what means something anywhere, what does at the start of a line, and what makes a list there
 _MARKDOWN = re.compile(r"([\\`*_\[\]|~$]|^[#+=-]|(?<=^\d)[.)](?=\s))")

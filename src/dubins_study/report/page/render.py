@@ -13,18 +13,10 @@ from markupsafe import Markup
 
 from dubins_study.errors import DubinsStudyError
 from dubins_study.report.data.results import Folder, Results, load
-from dubins_study.report.elements.content import Picture, Section, Table, some
+from dubins_study.report.elements import style
+from dubins_study.report.elements.content import Picture, Section, Table
 from dubins_study.report.elements.figure_file import figure_bytes, fix_layout
-from dubins_study.report.elements.style import (
-    BLUE,
-    GREEN,
-    INK,
-    MUTED,
-    PAPER,
-    RULE,
-    VERMILION,
-    drawing,
-)
+from dubins_study.report.elements.formats import some
 from dubins_study.report.page.markup import markdown, to_csv, to_markdown, to_tex
 from dubins_study.report.page.sections import KEYS, TOPICS, sections_of
 
@@ -59,7 +51,7 @@ def render(
         _check_target(target)
     except OSError as error:  # a name that is too long, a folder that nobody may look into
         raise _unwritable(target, error) from None
-    with drawing():
+    with style.drawing():
         sections = _sections(results, progress)
         try:
             target.parent.mkdir(parents=True, exist_ok=True)
@@ -138,13 +130,13 @@ def _write(folder: FilePath, sections: Sequence[Section], runs: Sequence[Folder]
 
 # The page is light or dark as its reader likes; figures follow through these variables.
 _VARIABLES = {
-    INK: "--ink",
-    MUTED: "--muted",
-    RULE: "--rule",
-    PAPER: "--paper",
-    BLUE: "--blue",
-    GREEN: "--green",
-    VERMILION: "--vermilion",
+    style.INK: "--ink",
+    style.MUTED: "--muted",
+    style.RULE: "--rule",
+    style.PAPER: "--paper",
+    style.BLUE: "--blue",
+    style.GREEN: "--green",
+    style.VERMILION: "--vermilion",
 }
 _GROUP_ID = re.compile(r' id="(?:figure|axes|patch|line2d|text|matplotlib\.axis|xtick|ytick)[^"]*"')
 

@@ -8,7 +8,8 @@ from enum import Enum, auto
 from typing import NamedTuple
 
 from dubins_study.report.data.results import Results
-from dubins_study.report.elements.content import Section, count, slug
+from dubins_study.report.elements.content import Section
+from dubins_study.report.elements.formats import count, slug
 from dubins_study.report.topics.agreement.section import agreement_section
 from dubins_study.report.topics.audit.section import audit_section
 from dubins_study.report.topics.basins.section import basins_section

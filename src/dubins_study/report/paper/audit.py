@@ -1,8 +1,7 @@
 """The audit of the paper: every printed number recomputed, and what follows from it.
 
 `audit` gives one object of plain values, the same on every machine, since every number is proven
-to its last digit before it is rounded; `report.paper.audit_check` compares it with the committed
-one.
+to its last digit before it is rounded; `contradictions` compares it with the committed one.
 """
 
 from __future__ import annotations
@@ -38,9 +37,13 @@ from dubins_study.report.paper.printed import (
     PrintedRow,
     Problem,
 )
+from dubins_study.study.angle import parse_angle
+from dubins_study.study.closed_form.shortest import shortest
+from dubins_study.study.scenario import Scenario
 
 Record = dict[str, Any]
 _WORDS = ("LS", "RS")
+_AGREES = 1e-13  # of the larger of length and radius: some hundred roundings of a double
 _ARRIVES = Fraction(1, 10**60)  # length unit: far below the 40 digits that are kept
 
 
@@ -96,22 +99,17 @@ def _cells(row: PrintedRow, mu: arb) -> list[Record]:
         if text == "0":
             continue
         printed = Fraction(Decimal(text))
-        records.append(
-            {
-                "table": row.table,
-                "label": row.label,
-                "path": row.path,
-                "word": row.word,
-                "quantity": quantity,
-                "printed": text,
-                "exact": value.text(),
-                "difference": float(Number(printed - value.high, printed - value.low)),
-                "biased": biased_value.text(10),
-                "bias_prints": str(biased_value.decide(lambda v: rounded(v, places))),
-                "verdict": finding.verdict,
-                "reason": finding.reason + _impossible(row, quantity, exact),
-            }
-        )
+        derived = {
+            "quantity": quantity,
+            "printed": text,
+            "exact": value.text(),
+            "difference": float(Number(printed - value.high, printed - value.low)),
+            "biased": biased_value.text(10),
+            "bias_prints": str(biased_value.decide(lambda v: rounded(v, places))),
+            "verdict": finding.verdict,
+            "reason": finding.reason + _impossible(row, quantity, exact),
+        }
+        records.append(row.record() | derived)
     return records
 
 
@@ -128,13 +126,10 @@ def _path(row: PrintedRow) -> Record:
     z, exact = _exact(problem, row.word)
     places = places_of(row.cells[-1])
     printed = [Decimal(text) for text in row.cells]
-    miss = number(distance(offset(problem, _balls(printed[:3]))))
+    z1, z2, z3 = map(ball, printed[:3])
+    miss = number(distance(offset(problem, (z1, z2, z3))))
     correct = rules.rounded_row(exact, places)
-    return {
-        "table": row.table,
-        "label": row.label,
-        "path": row.path,
-        "word": row.word,
+    return row.record() | {
         "miss": float(miss),
         "rounding_allows": _allowed(problem, z, places),
         "sum_of_parts": str(sum(printed[:3])),
@@ -145,11 +140,6 @@ def _path(row: PrintedRow) -> Record:
     }
 
 
-def _balls(values: list[Decimal]) -> Pieces:
-    first, second, third = (ball(value) for value in values)
-    return first, second, third
-
-
 def _allowed(problem: Problem, z: Pieces, places: int) -> float:
     """The largest miss of a path whose parts are each within half a unit of the exact ones.
 
@@ -157,25 +147,17 @@ def _allowed(problem: Problem, z: Pieces, places: int) -> float:
     from the best angle, so it is largest at a corner of the box.
     """
     half = ball(half_unit(places))
-    shifts = [(0,) if value == 0 else (-1, 1) for value in z]
-    corners = [
-        [value + sign * half for value, sign in zip(z, signs, strict=True)]
-        for signs in product(*shifts)
-    ]
+    corners = product(*((v,) if v == 0 else (v - half, v + half) for v in z))
     return max(float(number(distance(offset(problem, (a, b, c))))) for a, b, c in corners)
 
 
 def _omitted() -> list[Record]:
     """Paths of the paper's scenarios that its tables have no row for."""
     printed = {(row.label, row.word) for row in PRINTED}
-    left_out = [
-        (problem, word)
-        for problem in PROBLEMS.values()
-        for word in _WORDS
-        if (problem.label, word) not in printed
-    ]
     records = []
-    for problem, word in left_out:
+    for problem, word in product(PROBLEMS.values(), _WORDS):
+        if (problem.label, word) in printed:
+            continue
         _, exact = _exact(problem, word)
         values = {q: value.text() for q, value in zip(QUANTITIES, exact, strict=True)}
         path = _rank(problem, word)
@@ -195,16 +177,9 @@ def _times() -> list[Record]:
     records = []
     for label, path, text in TIMES:
         ticks = round(Fraction(Decimal(text)) * 64)
-        tick_time = rounded(Fraction(ticks, 64), places_of(text))
-        records.append(
-            {
-                "label": label,
-                "path": path,
-                "printed": text,
-                "ticks": ticks,
-                "is_ticks": tick_time == Decimal(text),
-            }
-        )
+        is_ticks = rounded(Fraction(ticks, 64), places_of(text)) == Decimal(text)
+        record = {"label": label, "path": path, "printed": text}
+        records.append(record | {"ticks": ticks, "is_ticks": is_ticks})
     return records
 
 
@@ -222,3 +197,52 @@ def _summary(parts: Record) -> Record:
         "omitted_paths": len(parts["omitted"]),
         "times_that_are_ticks": sum(time["is_ticks"] for time in parts["times"]),
     }
+
+
+def contradictions(computed: Record, committed: Record) -> list[str]:
+    """The numbers on which the code and the committed audit differ, one line each."""
+    return [*_differences(computed, committed), *closed_form_differences(committed)]
+
+
+def _differences(computed: Any, committed: Any, where: str = "") -> list[str]:
+    if isinstance(computed, dict) and isinstance(committed, dict):
+        pairs = [
+            (computed.get(key), committed.get(key), f"{where}{'.' if where else ''}{key}")
+            for key in dict.fromkeys((*computed, *committed))
+        ]
+    elif isinstance(computed, list) and isinstance(committed, list):
+        if len(computed) != len(committed):
+            return [f"{where}: {len(computed)} computed, {len(committed)} committed"]
+        pairs = [
+            (ours, theirs, f"{where}[{_name(ours, i)}]")
+            for i, (ours, theirs) in enumerate(zip(computed, committed, strict=True))
+        ]
+    else:
+        same = computed == committed
+        return [] if same else [f"{where}: computed {computed!r}, committed {committed!r}"]
+    return [line for pair in pairs for line in _differences(*pair)]
+
+
+def _name(record: Any, place: int) -> str:
+    """What a person calls an entry of a list."""
+    keys = ("table", "label", "path", "quantity", "where")
+    named = [str(record[key]) for key in keys if key in record] if isinstance(record, dict) else []
+    return ", ".join(named) or str(place)
+
+
+def closed_form_differences(committed: Record) -> list[str]:
+    """Cells whose committed value is not what `study.closed_form.shortest` computes."""
+    lines = []
+    for cell in committed.get("cells", ()):
+        problem = PROBLEMS[cell["label"]]
+        heading = parse_angle(f"{problem.heading.numerator}pi/{problem.heading.denominator}")
+        scenario = Scenario(0, 0, heading, *problem.target, problem.radius)
+        word = shortest(scenario, cell["word"])
+        turn, straight = (length * problem.radius for length in word.segments) if word else (0, 0)
+        lengths = {"z3": straight, "f": turn + straight}
+        ours = lengths.get(cell["quantity"], turn) if word else None
+        exact = float(cell["exact"])
+        if ours is None or abs(ours - exact) > _AGREES * max(exact, problem.radius):
+            where = f"cells[{_name(cell, 0)}]"
+            lines.append(f"{where}: the closed form has {ours!r}, committed {cell['exact']}")
+    return lines

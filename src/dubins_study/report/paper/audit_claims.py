@@ -231,17 +231,14 @@ def _quadrant(paths: list[Extremal]) -> Record:
 
 
 def _range(paths: list[Extremal]) -> Record:
-    off = [path for path in paths if not _in_first_turn(path.end)]
+    inside = [path for path in paths if positive(path.end) and positive(2 * arb.pi() - path.end)]
+    outside = len(paths) - len(inside)
     return _statement(
         "section 2, (4.7)",
         "theta in [0, 2 pi], and theta1 = theta0 + b z1, theta2 = theta1 - b z2",
         False,
-        f"both cannot hold: {len(off)} of the {len(paths)} exact paths end outside [0, 2 pi]",
+        f"both cannot hold: {outside} of the {len(paths)} exact paths end outside [0, 2 pi]",
     )
-
-
-def _in_first_turn(angle: arb) -> bool:
-    return positive(angle) and positive(2 * arb.pi() - angle)
 
 
 def _percent(share: float) -> str:

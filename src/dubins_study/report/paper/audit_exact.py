@@ -172,15 +172,13 @@ def biased(problem: Problem, word: str, mu: arb) -> Pieces:
         pull = 1 / z1 + (1 - 2 * z2.cos() + drift) / z2 - drift / z3
         return z1, z2, z3, slope - weight * pull
 
-    # R S begins with the turn; in L S the second turn is what the barrier adds behind the first
-    base, guess = (turn, weight ** ball(Fraction(1, 3))) if word == "LS" else _strict(turn, weight)
+    # R S begins with the turn; in L S the second turn is what the barrier adds behind the first.
+    # At RS the minimum is strict: z1 rises from zero to about mu over the model's slope.
+    base, guess = turn, weight ** ball(Fraction(1, 3))
+    if word == "RS":
+        base, guess = arb(0), weight / (2 * (1 - turn.cos()))
     z1, z2, z3, _ = after(base + _root(lambda t: after(base + t)[3], guess / 4, guess * 4))
     return z1 * R, z2 * R, z3 * R
-
-
-def _strict(turn: arb, weight: arb) -> tuple[arb, arb]:
-    """At RS the model's minimum is strict: z1 rises from zero to about mu over its slope."""
-    return arb(0), weight / (2 * (1 - turn.cos()))
 
 
 def _root(function: Callable[[arb], arb], low: arb, high: arb) -> arb:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from fractions import Fraction
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import pandas as pd
 
@@ -69,6 +69,10 @@ class PrintedRow(NamedTuple):
     def word(self) -> str:
         """`LS` or `RS`, by the turn that is not there."""
         return "RS" if self.cells[0] == "0" else "LS"
+
+    def record(self) -> dict[str, Any]:
+        """What names the row in a record."""
+        return {"table": self.table, "label": self.label, "path": self.path, "word": self.word}
 
 
 PRINTED = (
@@ -144,19 +148,9 @@ def compare(paths: dict[tuple[str, str], Path]) -> pd.DataFrame:
             printed = float(text)
             value = None if ours is None else ours[position]
             misprint = (row.label, row.path, quantity) in known
-            records.append(
-                {
-                    "table": row.table,
-                    "label": row.label,
-                    "path": row.path,
-                    "word": word,
-                    "quantity": quantity,
-                    "printed": printed,
-                    "ours": value,
-                    "difference": None if value is None else printed - value,
-                    "verdict": _verdict(printed, value, misprint),
-                }
-            )
+            record = row.record() | {"word": word, "quantity": quantity, "printed": printed}
+            record |= {"ours": value, "difference": None if value is None else printed - value}
+            records.append(record | {"verdict": _verdict(printed, value, misprint)})
     frame = pd.DataFrame.from_records(records)
     return frame.astype({"ours": float, "difference": float})
 

@@ -14,12 +14,7 @@ from dubins_study.solvers.heading_milp.legs import ROUNDED, Legs, controls, leas
 from dubins_study.solvers.heading_milp.template import Template, template
 from dubins_study.solvers.protocol import Guarantee, Question, Solution, Solver
 from dubins_study.solvers.setting_checks import missing_package, whole
-from dubins_study.solvers.vehicle_frame import (
-    at_start,
-    coordinate_rounding,
-    in_world,
-    unreachable,
-)
+from dubins_study.solvers.vehicle_frame import at_start, coordinate_rounding, in_world, unreachable
 from dubins_study.study.check.verdict import Claim
 from dubins_study.study.closed_form.shortest import local
 from dubins_study.study.path import FloatArray, Path

@@ -35,11 +35,7 @@ from dubins_study.solvers.paper_nlp.initial_guesses import (
     initial_guesses,
     needs_every_guess,
 )
-from dubins_study.solvers.paper_nlp.model import (
-    Subproblem,
-    subproblems,
-    target,
-)
+from dubins_study.solvers.paper_nlp.model import Subproblem, subproblems, target
 from dubins_study.solvers.protocol import Question, Solution, Solver
 from dubins_study.solvers.setting_checks import one_of, positive
 from dubins_study.solvers.vehicle_frame import at_start

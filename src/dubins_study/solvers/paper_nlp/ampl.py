@@ -27,14 +27,7 @@ _STUB = "model"
 
 # AMPL's solve_result_num by the hundred (Fourer, Gay and Kernighan, AMPL, 2nd ed., sec. 14.2):
 # solved, solved with a warning, infeasible, unbounded, limit, failure
-_CLAIMS = (
-    Claim.LOCAL,
-    Claim.FEASIBLE,
-    Claim.INFEASIBLE,
-    Claim.FAILED,
-    Claim.LIMIT,
-    Claim.FAILED,
-)
+_CLAIMS = (Claim.LOCAL, Claim.FEASIBLE, Claim.INFEASIBLE, Claim.FAILED, Claim.LIMIT, Claim.FAILED)
 
 
 class SolFile(NamedTuple):

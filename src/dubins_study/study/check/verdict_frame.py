@@ -5,7 +5,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -137,24 +137,19 @@ def judge_frame(
         findings.verdict[~paths.returned] = ODD
         odd += n
     result = FrameJudgement(
-        verdict=findings.verdict,
-        word=findings.word,
+        **findings._asdict(),
         reference_word=best.word,
-        length=findings.length,
         travel_time=findings.length / columns["speed"],
         reference=best.length,
-        gap=findings.gap,
-        miss=findings.miss,
-        curvature_excess=findings.curvature_excess,
         false_claim=np.zeros(0, np.bool_),
         wrong_basin=_wrong_basins(arcs, best, findings, columns),
-        region=findings.region,
-        margin=findings.margin,
     )
     if odd:
         _judge_odd_rows(result, columns, paths, codes, branch, tolerances)
-    object.__setattr__(result, "false_claim", _false_claims(codes, result.verdict))
-    return result
+    # np.take is quicker than indexing where one claim holds for all rows
+    one = isinstance(codes, int)
+    false = np.take(_FALSE[codes], result.verdict) if one else _FALSE[codes, result.verdict]
+    return replace(result, false_claim=false)
 
 
 def _wrong_basins(
@@ -179,13 +174,6 @@ def _wrong_basins(
         other = findings.gap[row] > COARSE and PATH_WORDS[findings.word[row]] not in words
         wrong[row] = len(words) < 2 or other
     return wrong
-
-
-def _false_claims(codes: int | NDArray[np.intp], verdict: CodeArray) -> BoolArray:
-    if isinstance(codes, int):
-        false: BoolArray = np.take(_FALSE[codes], verdict)
-        return false
-    return np.asarray(_FALSE[codes, verdict])
 
 
 def _judge_odd_rows(

@@ -1,4 +1,4 @@
-"""One word over arrays: `shortest.left_straight` and `right_left`, line by line, with libm.
+"""One word over arrays: `shortest.left_straight` and `right_left`, compiled, with libm.
 
 Nobody asks for speed here; only `best` has vector loops (`study.closed_form.kernel`).
 """
@@ -9,16 +9,23 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+from numba.extending import register_jitable
 from numpy.typing import NDArray
 
 from dubins_study.study.closed_form.kernel_compile import compiled, inlined
-from dubins_study.study.closed_form.shortest import EPS
+from dubins_study.study.closed_form.shortest import (
+    EPS,
+    left_straight,
+    power,
+    right_left,
+    right_left_pair,
+    wrapped,
+)
 from dubins_study.study.path import FloatArray
 
 CodeArray = NDArray[np.uint8]
 
 NO_PATH = 255  # the word code of a row whose branch has no path
-_TWO_PI = 2 * math.pi
 
 
 class ScenarioArrays(NamedTuple):
@@ -66,55 +73,10 @@ def to_local_exactly(
     return X, 0.0 if abs(Y) <= rounding else Y, rounding
 
 
-@inlined
-def _left_straight(X: float, Y: float, rounding: float) -> tuple[float, float]:
-    """`shortest.left_straight`; NaN where there is none."""
-    w = _snapped(X, Y, rounding)
-    if w > 0.0:
-        return math.nan, math.nan
-    s = math.sqrt(-w)
-    if s == 0.0:
-        a = math.atan2(X, 1.0 - Y)
-    else:
-        a = 2.0 * math.atan2(Y, X + s) if X >= 0.0 else 2.0 * math.atan2(s - X, Y - 2.0)
-    return a if a >= 0.0 else a + _TWO_PI, s
-
-
-@inlined
-def _right_left(X: float, Y: float, rounding: float) -> tuple[float, float]:
-    """`shortest.right_left`; NaN where there is none."""
-    w = _snapped(X, Y, rounding)
-    p = X * X + Y * (Y + 2.0)
-    q = 4.0 * (2.0 - Y) + w
-    slack = 8.0 * rounding * (1.0 + abs(X) + abs(Y))
-    if p < -slack or q < -slack:
-        return math.nan, math.nan
-    A = p + 4.0 * Y + 8.0
-    D = math.sqrt(max(0.0, p * q))
-    bend = 2.0 * math.atan2(math.sqrt(max(0.0, p)), math.sqrt(max(0.0, q)))
-    if A > 1.0:
-        plus = 2.0 * (math.atan2(4.0 * X + D, A) if X >= 0.0 else math.atan2(w, D - 4.0 * X))
-        minus = 2.0 * (math.atan2(4.0 * X - D, A) if X < 0.0 else math.atan2(-w, D + 4.0 * X))
-    else:
-        bearing, between = math.atan2(X, 1.0 + Y), math.atan2(D, p + 4.0)
-        plus, minus = bearing + between, bearing - between
-    long, short = _wrapped(plus), _wrapped(minus)
-    if long + (_TWO_PI - bend) <= short + bend:
-        return long, _TWO_PI - bend
-    return short, bend
-
-
-@inlined
-def _snapped(X: float, Y: float, rounding: float) -> float:
-    """`shortest.Local.w`."""
-    w = Y * (2.0 - Y) - X * X
-    return 0.0 if abs(w) <= 8.0 * rounding * (1.0 + abs(X) + abs(Y)) else w
-
-
-@inlined
-def _wrapped(angle: float) -> float:
-    wrapped = angle % _TWO_PI
-    return 0.0 if wrapped >= _TWO_PI else wrapped
+_left_straight, _right_left = inlined(left_straight), inlined(right_left)
+_power = inlined(power)
+for _called in (right_left_pair, wrapped):
+    register_jitable(_called)
 
 
 @compiled
@@ -126,7 +88,8 @@ def word_rows(scenarios: ScenarioArrays, arcs: bool, right: bool, rows: Rows) ->
         X, Y, rounding = to_local_exactly(x[i], y[i], heading[i], tx[i], ty[i], radius[i])
         if right:
             Y = -Y
-        a, b = _right_left(X, Y, rounding) if arcs else _left_straight(X, Y, rounding)
+        w = _power(X, Y, rounding)
+        a, b = _right_left(X, Y, w, rounding) if arcs else _left_straight(X, Y, w)
         first[i], second[i] = a * radius[i], b * radius[i]
         length[i] = first[i] + second[i]
         word[i] = _word(a, b, arcs, right)

@@ -7,7 +7,6 @@ Everything is in the vehicle's frame in units of the radius: target (X, Y), X fo
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from typing import NamedTuple
 
 from dubins_study.study.path import Path
@@ -16,6 +15,7 @@ from dubins_study.study.scenario import Scenario
 EPS = math.ulp(1.0)
 TURN = {"L": 1.0, "S": 0.0, "R": -1.0}
 BRANCHES = ("best", "LS", "RS", "LR", "RL")
+_TWO_PI = 2 * math.pi
 
 
 class Segments(NamedTuple):
@@ -50,9 +50,13 @@ class Local(NamedTuple):
         Equals 2Y - r2, written so that it keeps its digits near the start and near (0, 2).
         The width of the snap is 4 times what `rounding` does to w.
         """
-        w = self.Y * (2.0 - self.Y) - self.X * self.X
-        reach = 1.0 + abs(self.X) + abs(self.Y)
-        return 0.0 if abs(w) <= 8.0 * self.rounding * reach else w
+        return power(*self)
+
+
+def power(X: float, Y: float, rounding: float) -> float:
+    """`Local.w` of a target."""
+    w = Y * (2.0 - Y) - X * X
+    return 0.0 if abs(w) <= 8.0 * rounding * (1.0 + abs(X) + abs(Y)) else w
 
 
 class Shortest(NamedTuple):
@@ -82,51 +86,59 @@ def local(scenario: Scenario) -> Local:
     return Local(X, 0.0 if abs(Y) <= rounding else Y, rounding)
 
 
-def left_straight(target: Local) -> Segments | None:
-    """The shortest LS path; None inside the left disc."""
-    X, Y, w = target.X, target.Y, target.w
-    if w > 0:
-        return None
+# Python runs the next four functions for one target; `kernel_words` compiles them for arrays. So
+# they take and return plain numbers: X, Y and `rounding` of a `Local`, and its w.
+
+
+def left_straight(X: float, Y: float, w: float) -> tuple[float, float]:
+    """Arc (rad) and straight (radii) of the shortest LS path; NaN inside the left disc."""
+    if w > 0.0:
+        return math.nan, math.nan
     s = math.sqrt(-w)
-    if s == 0:  # on the circle: the arc's angle at its centre
-        a = math.atan2(X, 1 - Y)
+    if s == 0.0:  # on the circle: the arc's angle at its centre
+        a = math.atan2(X, 1.0 - Y)
     else:  # two forms of tan(a/2), each free of cancellation on its side
-        a = 2 * math.atan2(Y, X + s) if X >= 0 else 2 * math.atan2(s - X, Y - 2)
-    return Segments(a if a >= 0 else a + 2 * math.pi, s)
+        a = 2.0 * math.atan2(Y, X + s) if X >= 0.0 else 2.0 * math.atan2(s - X, Y - 2.0)
+    return a if a >= 0.0 else a + _TWO_PI, s
 
 
-def right_left(target: Local) -> Segments | None:
-    """The shortest RL path; None unless the target is 1 to 3 from the right circle's centre."""
-    solutions = right_left_pair(target)
-    return min(solutions, key=lambda s: s.total) if solutions else None
+def right_left(X: float, Y: float, w: float, rounding: float) -> tuple[float, float]:
+    """Both arcs (rad) of the shortest RL path.
+
+    NaN unless the target is 1 to 3 radii from the right circle's centre.
+    """
+    a, b, other_a, other_b = right_left_pair(X, Y, w, rounding)
+    return (other_a, other_b) if other_a + other_b < a + b else (a, b)
 
 
-def right_left_pair(target: Local) -> tuple[Segments, Segments] | None:
-    """Both RL paths, second arc above pi first; equal where the second arc is pi."""
-    X, Y, w = target.X, target.Y, target.w
-    p = X * X + Y * (Y + 2)  # |T - C_R|^2 - 1
-    q = 4 * (2 - Y) + w  # 9 - |T - C_R|^2
-    slack = 8 * target.rounding * (1 + abs(X) + abs(Y))
+def right_left_pair(
+    X: float, Y: float, w: float, rounding: float
+) -> tuple[float, float, float, float]:
+    """The arcs of both RL paths, second arc above pi first; equal where the second arc is pi."""
+    p = X * X + Y * (Y + 2.0)  # |T - C_R|^2 - 1
+    q = 4.0 * (2.0 - Y) + w  # 9 - |T - C_R|^2
+    slack = 8.0 * rounding * (1.0 + abs(X) + abs(Y))
     if p < -slack or q < -slack:
-        return None
-    A = p + 4 * Y + 8
+        return math.nan, math.nan, math.nan, math.nan
+    A = p + 4.0 * Y + 8.0
     D = math.sqrt(max(0.0, p * q))  # 16 X^2 + A w, 4 x the area of C_R, second centre, T
-    bend = 2 * math.atan2(math.sqrt(max(0.0, p)), math.sqrt(max(0.0, q)))
-    if A > 1:
+    bend = 2.0 * math.atan2(math.sqrt(max(0.0, p)), math.sqrt(max(0.0, q)))
+    if A > 1.0:
         # the roots of A t^2 - 8 X t - w = 0 with t = tan(a1/2), each in its stable form
-        plus = 2 * (math.atan2(4 * X + D, A) if X >= 0 else math.atan2(w, D - 4 * X))
-        minus = 2 * (math.atan2(4 * X - D, A) if X < 0 else math.atan2(-w, D + 4 * X))
+        plus = 2.0 * (math.atan2(4.0 * X + D, A) if X >= 0.0 else math.atan2(w, D - 4.0 * X))
+        minus = 2.0 * (math.atan2(4.0 * X - D, A) if X < 0.0 else math.atan2(-w, D + 4.0 * X))
     else:
         # A and X vanish at (0, -2) and (0, -4); there: the bearing of T from C_R, and the angle
         # between T and the second circle's centre
-        bearing, between = math.atan2(X, 1 + Y), math.atan2(D, p + 4)
+        bearing, between = math.atan2(X, 1.0 + Y), math.atan2(D, p + 4.0)
         plus, minus = bearing + between, bearing - between
-    return Segments(_wrap(plus), 2 * math.pi - bend), Segments(_wrap(minus), bend)
+    return wrapped(plus), _TWO_PI - bend, wrapped(minus), bend
 
 
-def _wrap(angle: float) -> float:
-    wrapped = angle % (2 * math.pi)
-    return 0.0 if wrapped >= 2 * math.pi else wrapped
+def wrapped(angle: float) -> float:
+    """The angle (rad) brought to [0, 2 pi)."""
+    turned = angle % _TWO_PI
+    return 0.0 if turned >= _TWO_PI else turned
 
 
 def shortest_local(target: Local, branch: str = "best") -> Shortest | None:
@@ -135,29 +147,21 @@ def shortest_local(target: Local, branch: str = "best") -> Shortest | None:
     The rule for the only tie of two different paths, straight behind: LS is chosen.
     """
     if branch != "best":
-        find, mirror = _WORDS[branch]
-        segments = find(target.mirrored if mirror else target)
-        return None if segments is None else _named(branch, segments)
+        X, Y, rounding = target.mirrored if branch in ("RS", "LR") else target
+        w = power(X, Y, rounding)
+        straight = branch in ("LS", "RS")
+        arcs = left_straight(X, Y, w) if straight else right_left(X, Y, w, rounding)
+        return None if math.isnan(arcs[0]) else _named(branch, Segments(*arcs))
     left = target.Y >= 0
-    near = target if left else target.mirrored
-    if near.w > 0:
-        pair = right_left_pair(near)
+    X, Y, rounding = target if left else target.mirrored
+    w = power(X, Y, rounding)
+    if w > 0:
         # inside a disc |T - C| of the other circle lies strictly between 1 and 3
-        assert pair is not None
-        return _named("RL" if left else "LR", pair[0])
-    segments = left_straight(near)
-    assert segments is not None  # w <= 0
-    shortest = _named("LS" if left else "RS", segments)
+        first, second, _, _ = right_left_pair(X, Y, w, rounding)
+        return _named("RL" if left else "LR", Segments(first, second))
+    shortest = _named("LS" if left else "RS", Segments(*left_straight(X, Y, w)))
     tie = target.Y == 0 and target.X < 0
     return shortest._replace(words=("LS", "RS")) if tie else shortest
-
-
-_WORDS: dict[str, tuple[Callable[[Local], Segments | None], bool]] = {
-    "LS": (left_straight, False),
-    "RS": (left_straight, True),
-    "RL": (right_left, False),
-    "LR": (right_left, True),
-}
 
 
 def _named(letters: str, segments: Segments) -> Shortest:
@@ -188,14 +192,8 @@ def as_path(scenario: Scenario, word: str, segments: Segments) -> Path:
     return Path(scenario.start, [TURN[letter] / scenario.radius for letter in word], driven)
 
 
-def region(scenario: Scenario) -> str:
-    """Where the target lies: `outside`, `left disc`, `right disc` or `circle`."""
-    target = local(scenario)
-    return region_of(target.w, target.mirrored.w)
-
-
 def region_of(left: float, right: float) -> str:
-    """The region from w of both discs."""
+    """The target's region from w of both discs: `outside`, `circle`, `left disc`, `right disc`."""
     if left > 0:
         return "left disc"
     if right > 0:

@@ -7,7 +7,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.colors import LinearSegmentedColormap, LogNorm
 
-from dubins_study.report.elements.content import digits, share
+from dubins_study.report.elements.formats import digits, share
 from dubins_study.report.elements.looks import name_of
 from dubins_study.report.elements.style import BLUE, INK, MAP_PAPER, MUTED, ON_MAP
 from dubins_study.report.statistics.metrics import solver_order
@@ -24,25 +24,17 @@ def plot_agreement(ax: Axes, pairs: pd.DataFrame) -> None:
     """
     solvers = solver_order([*pairs["first"], *pairs["second"]])
     n = len(solvers)
-    place = {solver: i for i, solver in enumerate(solvers)}
     depth = np.full((n, n), np.nan)
     for row in pairs[pairs["both"] > 0].to_dict("records"):
-        i, j = sorted((place[row["first"]], place[row["second"]]))
+        i, j = sorted((solvers.index(row["first"]), solvers.index(row["second"])))
         depth[j, i] = min(max(row["largest"], _SMALLEST), _LARGEST)
-        dark = depth[j, i] > 1e-6
-        ax.text(
-            i,
-            j,
-            digits(2)(row["largest"]),
-            ha="center",
-            va="center",
-            color=MAP_PAPER if dark else ON_MAP,
-        )
+        ink = MAP_PAPER if depth[j, i] > 1e-6 else ON_MAP
+        ax.text(i, j, digits(2)(row["largest"]), ha="center", va="center", color=ink)
         ax.text(j, i, share(row["within"]), ha="center", va="center", color=INK)
     norm = LogNorm(_SMALLEST, _LARGEST)
     ax.imshow(depth, cmap=_DEPTH, norm=norm, interpolation="nearest", aspect="auto")
-    names = [name_of(solver) for solver in solvers]
-    ax.set_yticks(range(n), [f"{i}   {name}" for i, name in enumerate(names, 1)], color=INK)
+    names = [f"{i}   {name_of(solver)}" for i, solver in enumerate(solvers, 1)]
+    ax.set_yticks(range(n), names, color=INK)
     ax.set_xticks(range(n), [str(i) for i in range(1, n + 1)], color=INK)
     ax.xaxis.tick_top()
     ax.tick_params(length=0)

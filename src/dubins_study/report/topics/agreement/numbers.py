@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from itertools import combinations
 
-import numpy as np
 import pandas as pd
 
 from dubins_study.report.statistics.metrics import solver_order
@@ -14,15 +13,8 @@ from dubins_study.study.path import Path, largest_distance
 CLOSE = 1e-6
 _KEY = ["experiment", "scenario_id", "branch"]
 _COLUMNS = (
-    "first",
-    "second",
-    "questions",
-    "both",
-    "median",
-    "largest",
-    "within",
-    "apart_median",
-    "apart_largest",
+    *("first", "second", "questions", "both"),
+    *("median", "largest", "within", "apart_median", "apart_largest"),
 )
 _SAMPLES = 65  # along each path; a turn is longer than a 64th of all but long paths
 
@@ -70,22 +62,13 @@ def agreement(rows: pd.DataFrame, path_of: Callable[[int], Path | None]) -> pd.D
     for first, second in combinations(solver_order(list(length.columns)), 2):
         both = length[[first, second]].dropna()
         over = scale.loc[both.index].to_numpy()
-        difference = (both[first] - both[second]).abs().to_numpy() / over
+        difference = (both[first] - both[second]).abs() / over
         pairs = index.loc[both.index, [first, second]].astype(int).itertuples(index=False)
-        apart = np.array([_apart(path_of(a), path_of(b)) for a, b in pairs]) / over
-        records.append(
-            {
-                "first": first,
-                "second": second,
-                "questions": int((posed[first] & posed[second]).sum()),
-                "both": len(both),
-                "median": _or_nan(np.median, difference),
-                "largest": _or_nan(np.max, difference),
-                "within": float((difference <= CLOSE).mean()) if difference.size else float("nan"),
-                "apart_median": _or_nan(np.median, apart),
-                "apart_largest": _or_nan(np.max, apart),
-            }
-        )
+        apart = pd.Series([_apart(path_of(a), path_of(b)) for a, b in pairs], dtype=float) / over
+        questions = int((posed[first] & posed[second]).sum())
+        within = (difference <= CLOSE).mean()
+        measures = (difference.median(), difference.max(), within, apart.median(), apart.max())
+        records.append((first, second, questions, len(both), *measures))
     return pd.DataFrame.from_records(records, columns=list(_COLUMNS))
 
 
@@ -93,7 +76,3 @@ def _apart(first: Path | None, second: Path | None) -> float:
     assert first is not None  # both have a gap, so both have a path
     assert second is not None
     return largest_distance(first, second, _SAMPLES)
-
-
-def _or_nan(reduce: Callable[[np.ndarray], np.floating], values: np.ndarray) -> float:
-    return float(reduce(values)) if values.size else float("nan")

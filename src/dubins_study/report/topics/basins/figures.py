@@ -14,44 +14,36 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from dubins_study.report.elements.style import MAP_PAPER, ON_MAP
-from dubins_study.report.topics.basins.numbers import (
-    ENDS,
-    GIVES_UP,
-    INFEASIBLE,
-    MISSES,
-    NOWHERE,
-    OPTIMUM,
-    OTHER,
-    TURNS,
-)
+from dubins_study.report.topics.basins import numbers
 
-# from light to dark, so that grey print keeps the ends apart; lies stand on white with a mark
+# from light to dark, so that grey print keeps the ends apart; refuted claims are marks on white
 _FILL = {
-    OPTIMUM: "#d9ecdf",
-    TURNS: "#6fb6dd",
-    OTHER: "#d68a1c",
-    NOWHERE: MAP_PAPER,
-    INFEASIBLE: MAP_PAPER,
-    MISSES: MAP_PAPER,
-    GIVES_UP: "#8a8f96",
+    numbers.OPTIMUM: "#d9ecdf",
+    numbers.TURNS: "#6fb6dd",
+    numbers.OTHER: "#d68a1c",
+    numbers.NOWHERE: MAP_PAPER,
+    numbers.INFEASIBLE: MAP_PAPER,
+    numbers.MISSES: MAP_PAPER,
+    numbers.GIVES_UP: "#8a8f96",
 }
 _MARK: dict[str, dict[str, Any]] = {
-    TURNS: {"marker": ".", "markersize": 1.8},
-    NOWHERE: {"marker": "^", "markersize": 4, "markerfacecolor": "none"},
-    INFEASIBLE: {"marker": "x", "markersize": 4},
-    MISSES: {"marker": "s", "markersize": 3.5, "markerfacecolor": "none"},
-    GIVES_UP: {"marker": "_", "markersize": 3},
+    numbers.TURNS: {"marker": ".", "markersize": 1.8},
+    numbers.NOWHERE: {"marker": "^", "markersize": 4, "markerfacecolor": "none"},
+    numbers.INFEASIBLE: {"marker": "x", "markersize": 4},
+    numbers.MISSES: {"marker": "s", "markersize": 3.5, "markerfacecolor": "none"},
+    numbers.GIVES_UP: {"marker": "_", "markersize": 3},
 }
 _TICKS = np.arange(5) * np.pi / 2
 _TICK_TEXTS = ("0", "π/2", "π", "3π/2", "2π")
 
 
-def plot_ends(ax: Axes, table: pd.DataFrame, listed: Sequence[str] = ENDS) -> list[Artist]:
+def plot_ends(ax: Axes, table: pd.DataFrame, title: str, listed: Sequence[str]) -> list[Artist]:
     """One solver's ends over the two turns of its initial guesses; returns the legend's entries.
 
-    Columns: z1, z2 (rad, on a grid), end. `listed`: the ends that the legend counts.
+    Columns: z1, z2 (rad, on a grid), end. `title`: of the panel; `listed`: the ends that the
+    legend counts.
     """
-    codes = {end: float(i) for i, end in enumerate(ENDS)}
+    codes = {end: float(i) for i, end in enumerate(numbers.ENDS)}
     grid = table.assign(code=table["end"].map(codes)).pivot_table(
         index="z2", columns="z1", values="code", aggfunc="first"
     )
@@ -63,7 +55,7 @@ def plot_ends(ax: Axes, table: pd.DataFrame, listed: Sequence[str] = ENDS) -> li
         extent=(x[0] - dx, x[-1] + dx, y[0] - dy, y[-1] + dy),
         cmap=ListedColormap(list(_FILL.values())),
         vmin=-0.5,
-        vmax=len(ENDS) - 0.5,
+        vmax=len(numbers.ENDS) - 0.5,
         interpolation="nearest",
     )
     handles = []
@@ -74,6 +66,7 @@ def plot_ends(ax: Axes, table: pd.DataFrame, listed: Sequence[str] = ENDS) -> li
             ax.plot(group["z1"], group["z2"], **style | _MARK[end])
         handles.append(_entry(end, len(group), style))
     ax.set(xlabel="left turn of the guess, z₁ (rad)", ylabel="right turn of the guess, z₂ (rad)")
+    ax.set_title(title)
     ax.set_xticks(_TICKS, _TICK_TEXTS)
     ax.set_yticks(_TICKS, _TICK_TEXTS)
     ax.grid(False)

@@ -7,7 +7,7 @@ turns added (docs/derivation.md, section 7). The length alone therefore names th
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
+from typing import Any
 
 import pandas as pd
 
@@ -30,13 +30,6 @@ REFUTED = (NOWHERE, INFEASIBLE, MISSES)  # claims that the check refutes
 _WORDS = ("LS", "RS", "LR")  # the joint model in the order LRS has no RL
 
 
-class End(NamedTuple):
-    """Where an attempt ended, and how many full turns its path has more than it needs."""
-
-    end: str
-    turns: int | None = None
-
-
 def minimum(scenario: Scenario, length: float) -> tuple[str, int] | None:
     """The local minimum of the joint model that has this length: word and full turns, or None.
 
@@ -57,24 +50,25 @@ def minimum(scenario: Scenario, length: float) -> tuple[str, int] | None:
     return None
 
 
-def end_of(row: pd.Series) -> End:
-    """How one attempt ended.
+def end_of(row: pd.Series) -> tuple[str, float]:
+    """How one attempt ended, and how many full turns its path has more than it needs.
 
-    A path that arrives and is shortest ends at the optimum, whatever is claimed of it. Columns: the
-    scenario, reference_word, claim, verdict, false_claim, length.
+    The turns are NaN where the end is no minimum. A path that arrives and is shortest ends at the
+    optimum, whatever is claimed of it. Columns: the scenario, reference_word, claim, verdict,
+    false_claim, length.
     """
     if row["verdict"] == "optimal":
-        return End(OPTIMUM, 0)
+        return OPTIMUM, 0
     if row["false_claim"]:
-        return End(INFEASIBLE if row["claim"] == "infeasible" else MISSES)
+        return (INFEASIBLE if row["claim"] == "infeasible" else MISSES), math.nan
     if row["verdict"] != "longer" or row["claim"] not in ("optimal", "local"):
-        return End(GIVES_UP)
+        return GIVES_UP, math.nan
     scenario = Scenario(**{name: row[name] for name in names(SCENARIO)})
     local_minimum = minimum(scenario, float(row["length"]))
     if local_minimum is None:
-        return End(NOWHERE)
+        return NOWHERE, math.nan
     word, turns = local_minimum
-    return End(TURNS if word == row["reference_word"] and turns else OTHER, turns)
+    return (TURNS if word == row["reference_word"] and turns else OTHER), turns
 
 
 def ends(rows: pd.DataFrame) -> pd.DataFrame:
@@ -87,14 +81,9 @@ def ends(rows: pd.DataFrame) -> pd.DataFrame:
     if guessed.empty:
         return guessed.assign(z1=[], z2=[], z3=[], end=[], turns=[])
     points = guessed["initial_guess"].str.split(expand=True).astype(float)
-    all_ends = [end_of(row) for _, row in guessed.iterrows()]
-    return guessed.assign(
-        z1=points[0],
-        z2=points[1],
-        z3=points[2],
-        end=[one.end for one in all_ends],
-        turns=[math.nan if one.turns is None else float(one.turns) for one in all_ends],
-    )
+    frame = guessed.assign(z1=points[0], z2=points[1], z3=points[2])
+    frame[["end", "turns"]] = [end_of(row) for _, row in guessed.iterrows()]
+    return frame.astype({"turns": float})
 
 
 def is_capped(solver: str) -> bool:
@@ -110,14 +99,9 @@ def capping(table: pd.DataFrame) -> pd.DataFrame:
     """
     both = table.groupby("name")["capped"].transform("nunique") == 2
     total = table[both].groupby("capped").sum(numeric_only=True)
-    turned = total["turns_1"] + total["turns_2"] + total["turns_more"]
-    return pd.DataFrame(
-        {
-            "optimal": total[OPTIMUM] / total["guesses"],
-            "turned": turned / total["guesses"],
-            "refuted": total["refuted"],
-        }
-    )
+    turned = total[["turns_1", "turns_2", "turns_more"]].sum(axis="columns")
+    optimal, turned = total[OPTIMUM] / total["guesses"], turned / total["guesses"]
+    return pd.DataFrame({"optimal": optimal, "turned": turned, "refuted": total["refuted"]})
 
 
 def shares(table: pd.DataFrame) -> pd.DataFrame:
@@ -133,51 +117,31 @@ def shares(table: pd.DataFrame) -> pd.DataFrame:
         for solver in solver_order(group["solver"].tolist()):
             attempts = group[group["solver"] == solver]
             counts = {end: int((attempts["end"] == end).sum()) for end in ENDS}
-            minima = attempts[attempts["turns"].notna()]
-            records.append(
-                {
-                    "label": label,
-                    "reference_word": attempts["reference_word"].iloc[0],
-                    "solver": solver,
-                }
-                | {"name": parse_spec(solver)[0], "capped": is_capped(solver)}
-                | {"guesses": len(attempts), **counts, "optimal": counts[OPTIMUM] / len(attempts)}
-                | {
-                    "turns_1": int((attempts["turns"] == 1).sum()),
-                    "turns_2": int((attempts["turns"] == 2).sum()),
-                    "turns_more": int((attempts["turns"] > 2).sum()),
-                    "most_turns": int(minima["turns"].max()) if len(minima) else 0,
-                    "refuted": sum(counts[end] for end in REFUTED),
-                }
-            )
+            word, turns = attempts["reference_word"].iloc[0], attempts["turns"].fillna(0)
+            record = {"label": label, "reference_word": word, "solver": solver}
+            record |= {"name": parse_spec(solver)[0], "capped": is_capped(solver)}
+            record |= {"guesses": len(attempts), **counts}
+            record |= {"optimal": counts[OPTIMUM] / len(attempts)}
+            record |= {"turns_1": (turns == 1).sum(), "turns_2": (turns == 2).sum()}
+            record |= {"turns_more": (turns > 2).sum(), "most_turns": int(turns.max())}
+            records.append(record | {"refuted": sum(counts[end] for end in REFUTED)})
     return pd.DataFrame.from_records(records)
 
 
-class Extremes(NamedTuple):
-    """What stands out among the rows of `shares`.
+def extremes(table: pd.DataFrame) -> list[pd.Series[Any]]:
+    """The rows of `shares` that stand out.
 
-    Args:
-        least, most: the rows with the least and the largest share of shortest paths.
-        farthest: the row with the most full turns in one path.
-        worst: the row with the largest share of refuted claims.
-        turned: share of all attempts that end in a minimum with full turns.
+    Returns:
+        The rows with the least and the most shortest paths, with the most full turns in one path,
+        and with the largest share of refuted claims.
     """
-
-    least: pd.Series[Any]
-    most: pd.Series[Any]
-    farthest: pd.Series[Any]
-    worst: pd.Series[Any]
-    turned: float
+    optimal, refuted = table["optimal"].to_numpy(), (table["refuted"] / table["guesses"]).to_numpy()
+    turns = table["most_turns"].to_numpy()
+    places = optimal.argmin(), optimal.argmax(), turns.argmax(), refuted.argmax()
+    return [table.iloc[int(place)] for place in places]
 
 
-def extremes(table: pd.DataFrame) -> Extremes:
-    """The extremes of `shares`."""
-    optimal, refuted = table["optimal"].to_numpy(), table["refuted"] / table["guesses"]
+def turned_share(table: pd.DataFrame) -> float:
+    """Share of all attempts in `shares` that end in a minimum with full turns."""
     turned = table[["turns_1", "turns_2", "turns_more"]].to_numpy().sum()
-    return Extremes(
-        least=table.iloc[int(optimal.argmin())],
-        most=table.iloc[int(optimal.argmax())],
-        farthest=table.iloc[int(table["most_turns"].to_numpy().argmax())],
-        worst=table.iloc[int(refuted.to_numpy().argmax())],
-        turned=float(turned / table["guesses"].sum()),
-    )
+    return float(turned / table["guesses"].sum())

@@ -5,25 +5,12 @@ from __future__ import annotations
 import pandas as pd
 
 from dubins_study.report.data.results import Results
-from dubins_study.report.elements.content import Column, Picture, Section, Table, count, share, slug
-from dubins_study.report.elements.style import HALF, new_figure
+from dubins_study.report.elements.columns import columns, marks
+from dubins_study.report.elements.content import Picture, Section, Table, picture
+from dubins_study.report.elements.formats import count, sentences, share, slug
 from dubins_study.report.statistics.metrics import parse_spec, solver_order
+from dubins_study.report.topics.basins import numbers
 from dubins_study.report.topics.basins.figures import plot_ends
-from dubins_study.report.topics.basins.numbers import (
-    ENDS,
-    GIVES_UP,
-    INFEASIBLE,
-    MISSES,
-    NOWHERE,
-    OTHER,
-    REFUTED,
-    TURNS,
-    capping,
-    ends,
-    extremes,
-    is_capped,
-    shares,
-)
 
 
 def basins_section(results: Results) -> Section | None:
@@ -32,21 +19,21 @@ def basins_section(results: Results) -> Section | None:
     Maps and sentences are of the solvers with unbounded turns, if there are any, since that is the
     paper's model; the table has them all.
     """
-    table = ends(results.rows[results.rows["branch"] == "best"])
-    if table.empty:
+    ends = numbers.ends(results.rows[results.rows["branch"] == "best"])
+    if ends.empty:
         return None
-    capped = table["solver"].map(is_capped)
-    mapped = table if capped.all() else table[~capped]
-    listed = [end for end in ENDS if (mapped["end"] == end).any()]
+    capped = ends["solver"].map(numbers.is_capped)
+    mapped = ends if capped.all() else ends[~capped]
+    present = [end for end in numbers.ENDS if (mapped["end"] == end).any()]
     pictures = [
-        _picture(label, solver, group, listed)
+        _picture(label, solver, group, present)
         for solver in solver_order(mapped["solver"].tolist())
         for label, group in mapped[mapped["solver"] == solver].groupby("label", sort=True)
     ]
-    text = " ".join((_method(table), *_findings(shares(mapped)), _cap(capping(shares(table)))))
-    return Section(
-        "basins", "Where initial guesses lead", text.strip(), (*pictures, _table(shares(table)))
-    )
+    table = numbers.shares(ends)
+    findings = _findings(numbers.shares(mapped))
+    text = sentences(_method(ends), *findings, _cap(numbers.capping(table)))
+    return Section("basins", "Where initial guesses lead", text, (*pictures, _table(table)))
 
 
 def _method(table: pd.DataFrame) -> str:
@@ -61,16 +48,17 @@ def _method(table: pd.DataFrame) -> str:
 
 def _findings(table: pd.DataFrame) -> list[str]:
     """Three sentences: how often the optimum is reached, what other minima are, false claims."""
-    row = extremes(table)
+    least, most, farthest, worst = numbers.extremes(table)
+    turned = numbers.turned_share(table)
     first = (
-        f"The shortest path is found from {share(row.least['optimal'])} of the initial guesses at "
-        f"worst ({_who(row.least)}) and from {share(row.most['optimal'])} at best "
-        f"({_who(row.most)})."
+        f"The shortest path is found from {share(least['optimal'])} of the initial guesses at "
+        f"worst ({_who(least)}) and from {share(most['optimal'])} at best "
+        f"({_who(most)})."
     )
-    second = f"{share(row.turned)} of all attempts end in a minimum with full turns in it"
-    if row.turned:
+    second = f"{share(turned)} of all attempts end in a minimum with full turns in it"
+    if turned:
         second += (
-            f", with up to {count(row.farthest['most_turns'])} of them ({_who(row.farthest)}); "
+            f", with up to {count(farthest['most_turns'])} of them ({_who(farthest)}); "
             "nothing in the model says that these are useless"
         )
     refuted = int(table["refuted"].sum())
@@ -79,15 +67,15 @@ def _findings(table: pd.DataFrame) -> list[str]:
     parts = [
         f"{count(table[end].sum())} times {claim}"
         for end, claim in (
-            (INFEASIBLE, "that no path exists where one does"),
-            (NOWHERE, "that a point is a minimum whose length is that of none"),
-            (MISSES, "that a path arrives which misses"),
+            (numbers.INFEASIBLE, "that no path exists where one does"),
+            (numbers.NOWHERE, "that a point is a minimum whose length is that of none"),
+            (numbers.MISSES, "that a path arrives which misses"),
         )
         if table[end].sum()
     ]
     third = (
         f"{count(refuted)} statements are refuted: {'; '.join(parts)}. The worst is "
-        f"{_who(row.worst)}, with {share(row.worst['refuted'] / row.worst['guesses'])} of its "
+        f"{_who(worst)}, with {share(worst['refuted'] / worst['guesses'])} of its "
         "initial guesses."
     )
     return [first, f"{second}.", third]
@@ -110,37 +98,28 @@ def _who(row: pd.Series) -> str:
     return f"{parse_spec(row['solver'])[0]}, {row['label']}"
 
 
-def _picture(label: object, solver: str, table: pd.DataFrame, listed: list[str]) -> Picture:
+def _picture(label: object, solver: str, table: pd.DataFrame, shown: list[str]) -> Picture:
     title = f"{parse_spec(solver)[0]}, {label}"
-    figure = new_figure(HALF, 3.8 + 0.16 * len(listed))
-    ax = figure.add_subplot()
-    handles = plot_ends(ax, table, listed)
-    ax.set_title(title)
-    figure.legend(handles=handles, loc="outside lower left", ncols=1, fontsize=7.5)
     caption = (
         f"{title}: where each of {count(len(table))} initial guesses leads; in brackets how many. "
         "White cells with a mark are statements that the check refutes."
     )
-    stem = slug(f"basins-{label}-{solver}")
-    return Picture(stem, caption, figure, f"Map of initial guesses by end, {title}", True)
+    stem, alt = slug(f"basins-{label}-{solver}"), f"Map of initial guesses by end, {title}"
+    data, height = (table, title, shown), 3.8 + 0.16 * len(shown)
+    return picture(stem, plot_ends, *data, caption=caption, alt=alt, height=height, legend=1)
 
 
 def _table(table: pd.DataFrame) -> Table:
-    columns = (
-        Column("label", "scenario", kind="text"),
-        Column("name", "solver", kind="code"),
-        Column("capped", "turns", lambda capped: "≤ 2π" if capped else "free", kind="text"),
-        Column("guesses", "guesses", count),
-        Column("optimal", "shortest", share),
-        Column(TURNS, "with full turns", count),
-        Column(OTHER, "other minimum", count),
-        Column("turns_1", "1 turn too many", count),
-        Column("turns_2", "2", count),
-        Column("turns_more", "more", count),
-        Column(INFEASIBLE, "“no path”", count),
-        Column(NOWHERE, "“minimum”", count),
-        Column(MISSES, "“path”", count),
-        Column(GIVES_UP, "gives up", count),
+    shown = (
+        *columns(kind="text", label="scenario"),
+        *columns(kind="code", name="solver"),
+        *columns(lambda capped: "≤ 2π" if capped else "free", kind="text", capped="turns"),
+        *columns(count, guesses="guesses"),
+        *columns(share, optimal="shortest"),
+        *columns(count, **{numbers.TURNS: "with full turns", numbers.OTHER: "other minimum"}),
+        *columns(count, turns_1="1 turn too many", turns_2="2", turns_more="more"),
+        *columns(count, **{numbers.INFEASIBLE: "“no path”", numbers.NOWHERE: "“minimum”"}),
+        *columns(count, **{numbers.MISSES: "“path”", numbers.GIVES_UP: "gives up"}),
     )
     caption = (
         "Ends by solver and scenario. Turns too many are counted in minima of any word. In "
@@ -148,6 +127,4 @@ def _table(table: pd.DataFrame) -> Table:
         "point is a minimum, that a path arrives. A point that its solver does not call a solution "
         "counts as giving up, unless it is the shortest path."
     )
-    rows = table.to_dict("records")
-    marks = {(i, end): "bad" for i, row in enumerate(rows) for end in REFUTED if row[end]}
-    return Table("basins", caption, table, columns, marks)
+    return Table("basins", caption, table, shown, marks(table, *numbers.REFUTED))

@@ -24,20 +24,11 @@ def plot_bias(ax: Axes, table: pd.DataFrame) -> None:
     hollow: dict[str, Any] = {"linestyle": "none", "markerfacecolor": "none"}
     with_barrier, default = table[table["barrier_set"]], table[~table["barrier_set"]]
     if len(with_barrier):
-        label = "Ipopt told to stop at μ"
-        ax.plot(
-            with_barrier["predicted"], with_barrier["z2"], "o", color=BLUE, label=label, **hollow
-        )
+        look = {"color": BLUE, "label": "Ipopt told to stop at μ", **hollow}
+        ax.plot(with_barrier["predicted"], with_barrier["z2"], "o", **look)
     if len(default):
-        ax.plot(
-            default["predicted"],
-            default["z2"],
-            "x",
-            color=VERMILION,
-            markersize=6,
-            markeredgewidth=1.4,
-            label="Ipopt by its defaults",
-        )
+        look = {"color": VERMILION, "markersize": 6, "markeredgewidth": 1.4}
+        ax.plot(default["predicted"], default["z2"], "x", label="Ipopt by its defaults", **look)
     ax.set(xscale="log", yscale="log", xlim=tuple(ends), ylim=tuple(ends))
     ax.set(xlabel="(μ R²)^(1/3)  (length unit)", ylabel="right turn left over, z₂ (length unit)")
     log_axis(ax.xaxis)

@@ -10,13 +10,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import pandas as pd
 
 from dubins_study.report.data.results import Results
-from dubins_study.report.statistics.metrics import FloatArray, parse_spec
+from dubins_study.report.statistics.metrics import FloatArray, fitted_order, parse_spec
 
 # Ipopt's own constants (Waechter and Biegler 2006, sec. 2 and 3): the first barrier, how it falls
 # (min of a share of it and a power of it) and its floor, a share of the tolerance
@@ -87,30 +87,18 @@ def _right_turn(results: Results, index: int) -> float:
 
 def slope(x: FloatArray, y: FloatArray) -> float:
     """Slope of log y against log x by least squares; NaN with fewer than two points to fit."""
-    keep = np.isfinite(x) & np.isfinite(y) & (x > 0) & (y > 0)
-    if np.unique(x[keep]).size < 2:
-        return math.nan
-    return float(np.polyfit(np.log(x[keep]), np.log(y[keep]), 1)[0])
+    keep = np.isfinite(x) & (x > 0)
+    return -fitted_order(x[keep], y[keep], floor=0.0)
 
 
-class Fit(NamedTuple):
-    """How well the prediction of the turn left over holds.
+def prediction_fit(with_barrier: pd.DataFrame) -> tuple[float, float]:
+    """How well z2 is predicted, of attempts of `left_over` that have a barrier.
 
-    Args:
-        deviation: the largest |z2 / predicted - 1|.
-        slope: of log z2 against log predicted.
+    Returns:
+        The largest |z2 / predicted - 1|, and the slope of log z2 against log predicted.
     """
-
-    deviation: float
-    slope: float
-
-
-def prediction_fit(with_barrier: pd.DataFrame) -> Fit:
-    """The fit of the attempts of `left_over` that have a barrier."""
-    deviation = float((with_barrier["ratio"] - 1).abs().max())
-    return Fit(
-        deviation, slope(with_barrier["predicted"].to_numpy(), with_barrier["z2"].to_numpy())
-    )
+    predicted, z2 = (with_barrier[name].to_numpy() for name in ("predicted", "z2"))
+    return float((with_barrier["ratio"] - 1).abs().max()), slope(predicted, z2)
 
 
 def default_attempt(with_barrier: pd.DataFrame) -> pd.Series[Any] | None:
@@ -128,25 +116,14 @@ def by_barrier(table: pd.DataFrame) -> pd.DataFrame:
     radii), ratio_low, ratio_high (of z2 / predicted), excess_low, excess_high (of the excess of the
     length over mu / 3), failed (attempts that the solver calls failed).
     """
-    records = []
-    for solver, group in table[table["mu"].notna()].groupby("solver", sort=False):
-        first = group.iloc[0]
-        records.append(
-            {
-                "solver": solver,
-                "mu": float(first["mu"]),
-                "barrier_set": bool(first["barrier_set"]),
-                "attempts": len(group),
-                "slope": slope(group["predicted"].to_numpy(), group["z2"].to_numpy()),
-                "ratio_low": float(group["ratio"].min()),
-                "ratio_high": float(group["ratio"].max()),
-                "excess_low": float(group["excess_ratio"].min()),
-                "excess_high": float(group["excess_ratio"].max()),
-                "failed": int((group["claim"] == "failed").sum()),
-            }
-        )
-    frame = pd.DataFrame.from_records(records)
-    return frame if frame.empty else frame.sort_values("mu", ascending=False, ignore_index=True)
+    known = table[table["mu"].notna()]
+    groups = known.assign(failed=known["claim"] == "failed").groupby("solver", sort=False)
+    slopes = pd.Series({solver: prediction_fit(group)[1] for solver, group in groups}, dtype=float)
+    frame = groups[["mu", "barrier_set"]].first().assign(attempts=groups.size(), slope=slopes)
+    for name, column in (("ratio", "ratio"), ("excess", "excess_ratio")):
+        frame[f"{name}_low"], frame[f"{name}_high"] = groups[column].min(), groups[column].max()
+    frame = frame.assign(failed=groups["failed"].sum()).reset_index()
+    return frame.sort_values("mu", ascending=False, ignore_index=True)
 
 
 def without_barrier(table: pd.DataFrame) -> pd.DataFrame:
@@ -155,19 +132,9 @@ def without_barrier(table: pd.DataFrame) -> pd.DataFrame:
     Columns: solver, joint, attempts, exact (attempts with no turn to the right at all), least and
     most (z2 / R), gap (largest), limits (attempts stopped by a limit).
     """
-    records = []
-    for solver, group in table[table["mu"].isna()].groupby("solver", sort=True):
-        relative = group["z2"] / group["radius"]
-        records.append(
-            {
-                "solver": solver,
-                "joint": bool(group["joint"].iloc[0]),
-                "attempts": len(group),
-                "exact": int((relative == 0).sum()),
-                "least": float(relative.min()),
-                "most": float(relative.max()),
-                "gap": float(group["gap"].max()),
-                "limits": int((group["claim"] == "limit").sum()),
-            }
-        )
-    return pd.DataFrame.from_records(records)
+    others = table[table["mu"].isna()]
+    others = others.assign(turn=others["z2"] / others["radius"], limits=others["claim"] == "limit")
+    groups = others.assign(exact=others["turn"] == 0).groupby("solver")
+    turn, frame = groups["turn"], groups[["joint"]].first().assign(attempts=groups.size())
+    frame = frame.assign(exact=groups["exact"].sum(), least=turn.min(), most=turn.max())
+    return frame.assign(gap=groups["gap"].max(), limits=groups["limits"].sum()).reset_index()

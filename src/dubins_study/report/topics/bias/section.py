@@ -5,30 +5,25 @@ from __future__ import annotations
 import pandas as pd
 
 from dubins_study.report.data.results import Results
-from dubins_study.report.elements.content import Column, Picture, Section, Table, count, digits
+from dubins_study.report.elements.columns import SOLVER, columns
+from dubins_study.report.elements.content import Picture, Section, Table, picture
+from dubins_study.report.elements.formats import count, digits
 from dubins_study.report.elements.looks import Palette, legend_lines
-from dubins_study.report.elements.style import HALF, new_figure
 from dubins_study.report.statistics.metrics import parse_spec
+from dubins_study.report.topics.bias import numbers
 from dubins_study.report.topics.bias.figures import plot_bias, plot_left_over
-from dubins_study.report.topics.bias.numbers import (
-    by_barrier,
-    default_attempt,
-    left_over,
-    prediction_fit,
-    without_barrier,
-)
 
 _FOLLOWS = 0.1  # a ratio further than this from 1 does not bear the prediction out
 
 
 def bias_section(results: Results) -> Section | None:
     """The turn left over against its prediction, and what other methods leave."""
-    table = left_over(results)
+    table = numbers.left_over(results)
     table = table[(table["branch"] == "best") & table["z2"].notna()]
     with_barrier = table[table["mu"].notna()]
     if with_barrier.empty:
         return None
-    barriers, others = by_barrier(table), without_barrier(table)
+    barriers, others = numbers.by_barrier(table), numbers.without_barrier(table)
     sentences = [_prediction(with_barrier, barriers), *_default(with_barrier), *_others(others)]
     text = (
         "The shortest path to this target is LS, and the paper's model L(z₁) R(z₂) S(z₃) should "
@@ -47,22 +42,22 @@ def bias_section(results: Results) -> Section | None:
 
 
 def _prediction(with_barrier: pd.DataFrame, barriers: pd.DataFrame) -> str:
-    fit = prediction_fit(with_barrier)
-    deviation = digits(2)(fit.deviation)
-    comparison = f"is within a relative {deviation} of this"
-    if fit.deviation > _FOLLOWS:
-        comparison = f"does not follow this everywhere: it is up to a relative {deviation} away"
+    deviation, slope = numbers.prediction_fit(with_barrier)
+    comparison = f"is within a relative {digits(2)(deviation)} of this"
+    if deviation > _FOLLOWS:
+        away = f"up to a relative {digits(2)(deviation)} away"
+        comparison = f"does not follow this everywhere: it is {away}"
     failed = int(barriers["failed"].sum())
     failures = f", though the solver calls {failed} of them failures" if failed else ""
     return (
         f"Over {count(len(with_barrier))} attempts z₂ {comparison}; the slope in logarithms is "
-        f"{digits(5)(fit.slope)}{failures}."
+        f"{digits(5)(slope)}{failures}."
     )
 
 
 def _default(with_barrier: pd.DataFrame) -> list[str]:
     """One sentence on the radius nearest to 1, if the defaults were tried."""
-    row = default_attempt(with_barrier)
+    row = numbers.default_attempt(with_barrier)
     if row is None:
         return []
     return [
@@ -96,60 +91,54 @@ def _others(others: pd.DataFrame) -> list[str]:
 
 
 def _bias_picture(with_barrier: pd.DataFrame) -> Picture:
-    figure = new_figure(HALF, 3.9)
-    plot_bias(figure.add_subplot(), with_barrier)
-    figure.legend(loc="outside lower left", ncols=1, fontsize=7.5)
     caption = (
         "The turn that Ipopt leaves, against the cube root of barrier times radius squared; one "
         "mark an attempt. On the dashed line they are equal."
     )
-    return Picture("bias", caption, figure, "Turn left over against its prediction", True)
+    alt = "Turn left over against its prediction"
+    return picture("bias", plot_bias, with_barrier, caption=caption, alt=alt, height=3.9, legend=1)
 
 
 def _left_over_picture(compared: pd.DataFrame, palette: Palette) -> Picture:
-    figure = new_figure(HALF, 2.9 + 0.15 * legend_lines(compared["solver"].unique(), 24))
-    plot_left_over(figure.add_subplot(), compared, palette)
-    figure.legend(loc="outside lower left", ncols=1, fontsize=7.5)
-    caption = (
-        "What methods leave that are told no barrier, in radii; at the foot those that leave no "
-        "such turn at all."
+    return picture(
+        "bias-methods",
+        plot_left_over,
+        *(compared, palette),
+        caption="What methods leave that are told no barrier, in radii; at the foot those that "
+        "leave no such turn at all.",
+        alt="Turn left over by method and radius",
+        height=2.9 + 0.15 * legend_lines(compared["solver"].unique(), 24),
+        legend=1,
     )
-    return Picture("bias-methods", caption, figure, "Turn left over by method and radius", True)
 
 
 def _barrier_table(barriers: pd.DataFrame) -> Table:
     table = barriers.assign(by=barriers["barrier_set"].map({True: "told", False: "its defaults"}))
-    columns = (
-        Column("mu", "μ", digits(3)),
-        Column("by", "chosen by", kind="text"),
-        Column("attempts", "radii", count),
-        Column("slope", "slope", digits(5)),
-        Column("ratio_low", "z₂ / predicted, least", digits(5)),
-        Column("ratio_high", "most", digits(5)),
-        Column("excess_low", "excess / (μ/3), least", digits(3)),
-        Column("excess_high", "most", digits(3)),
-        Column("failed", "“failed”", count),
+    shown = (
+        *columns(digits(3), mu="μ"),
+        *columns(kind="text", by="chosen by"),
+        *columns(count, attempts="radii"),
+        *columns(digits(5), slope="slope", ratio_low="z₂ / predicted, least", ratio_high="most"),
+        *columns(digits(3), excess_low="excess / (μ/3), least", excess_high="most"),
+        *columns(count, failed="“failed”"),
     )
     caption = (
         "Ipopt by the barrier that it stops at, over the radii: slope of log z₂ against the "
         "prediction's logarithm, ratio of z₂ to it, and by how much the path is longer than the "
         "shortest, over μ / 3. In quotation marks: attempts that the solver calls failed."
     )
-    return Table("bias", caption, table, columns)
+    return Table("bias", caption, table, shown)
 
 
 def _other_table(others: pd.DataFrame) -> Table:
-    columns = (
-        Column("solver", "solver", kind="code"),
-        Column("attempts", "radii", count),
-        Column("exact", "no turn at all", count),
-        Column("least", "least z₂ / R", digits(2)),
-        Column("most", "most", digits(2)),
-        Column("gap", "largest gap", digits(2)),
-        Column("limits", "stopped by a limit", count),
+    shown = (
+        SOLVER,
+        *columns(count, attempts="radii", exact="no turn at all"),
+        *columns(digits(2), least="least z₂ / R", most="most", gap="largest gap"),
+        *columns(count, limits="stopped by a limit"),
     )
     caption = (
         "Methods that are told no barrier. On the unsplit model (joint) a multiplier of zero gives "
         "an active-set method no reason to put the turn at its bound."
     )
-    return Table("bias-methods", caption, others, columns)
+    return Table("bias-methods", caption, others, shown)

@@ -1,1 +1,1 @@
-"""The topic `certificates` of the report."""
+"""The topic `certificates` of the report; its one small figure is drawn in `section`."""

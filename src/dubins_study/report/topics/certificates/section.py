@@ -3,22 +3,17 @@
 from __future__ import annotations
 
 import pandas as pd
+from matplotlib.axes import Axes
 
 from dubins_study.report.data.attempts import PROOFS
 from dubins_study.report.data.results import Results
-from dubins_study.report.elements.content import (
-    Column,
-    Picture,
-    Section,
-    Table,
-    count,
-    digits,
-    share,
-)
-from dubins_study.report.elements.looks import name_of
-from dubins_study.report.elements.style import WIDE, new_figure
+from dubins_study.report.elements.columns import SOLVER, Column, columns, marks
+from dubins_study.report.elements.content import Picture, Section, Table, picture
+from dubins_study.report.elements.formats import count, digits, sentences, share
+from dubins_study.report.elements.looks import lines_of_names
+from dubins_study.report.elements.solver_lines import plot_shares
+from dubins_study.report.elements.style import BLUE, ORANGE, RULE, SKY, WIDE
 from dubins_study.report.statistics.metrics import by_solver
-from dubins_study.report.topics.certificates.figures import plot_proofs
 
 _NOT_ENCLOSED = (
     "No reference length was enclosed, so that no answer can be proved or bounded: where a block "
@@ -39,16 +34,11 @@ def certificates_section(results: Results) -> Section | None:
         "branch best the cut margin too; or there is provably no path, and none was returned. "
         "Bounded: the solver's own "
         "bound is within the tolerance. Extremal: Pontryagin's conditions alone, which are "
-        f"necessary and not sufficient. {sentences(frame)}"
+        "necessary and not sufficient."
     )
+    text = sentences(text, _proved(frame), _enclosed(frame), _reported(frame))
     blocks = (_picture(frame), _proofs_table(frame), _table(frame, results.attempts.precision))
     return Section("certificates", "Certificates", text, blocks)
-
-
-def sentences(frame: pd.DataFrame) -> str:
-    """What the certificates say; `frame` is of `report.data.attempts.Attempts.proofs`."""
-    each = (_proved(frame), _enclosed(frame), _reported(frame))
-    return " ".join(sentence for sentence in each if sentence)
 
 
 def _proved(frame: pd.DataFrame) -> str:
@@ -94,43 +84,55 @@ def _reported(frame: pd.DataFrame) -> str:
 
 
 def _picture(frame: pd.DataFrame) -> Picture:
-    lines = max(name_of(solver).count("\n") + 1 for solver in frame["solver"])
-    figure = new_figure(WIDE, 0.9 + max(0.34, 0.14 * lines) * len(frame))
-    plot_proofs(figure.add_subplot(), frame)
-    figure.legend(loc="outside lower left", ncols=4)
-    caption = (
-        "How far the proof of each attempt goes, as shares of all attempts. A failed or coarse "
-        "answer has none, nor has one whose controls ripple about an extremal's."
+    return picture(
+        "certificates",
+        plot_proofs,
+        frame,
+        caption="How far the proof of each attempt goes, as shares of all attempts. A failed or "
+        "coarse answer has none, nor has one whose controls ripple about an extremal's.",
+        alt="Stacked bars of proofs, one a solver",
+        height=0.9 + max(0.34, 0.14 * lines_of_names(frame["solver"])) * len(frame),
+        width=WIDE,
     )
-    return Picture("certificates", caption, figure, "Stacked bars of proofs, one a solver")
+
+
+# dark to light, the weaker ones hatched, so that the order survives grey printing
+_LOOK = {
+    "proved": (BLUE, ""),
+    "bounded": (SKY, "..."),
+    "extremal": (ORANGE, "///"),
+    "none": (RULE, "xx"),
+}
+
+
+def plot_proofs(ax: Axes, table: pd.DataFrame) -> None:
+    """Share of each proof, one bar a solver. Columns solver, attempts, one count per proof."""
+    look = {name: _LOOK[name] for name in PROOFS}
+    plot_shares(ax, table, look, [f"of {count(attempts)}" for attempts in table["attempts"]])
+    ax.figure.legend(loc="outside lower left", ncols=4)
 
 
 def _proofs_table(frame: pd.DataFrame) -> Table:
-    columns = (
-        Column("solver", "solver", kind="code"),
-        Column("attempts", "attempts", count),
+    shown = (
+        SOLVER,
+        *columns(count, attempts="attempts"),
         *(Column(name, name, count) for name in PROOFS),
-        Column("bounds", "lower bounds", count),
-        Column("false_bounds", "false bounds", count),
+        *columns(count, bounds="lower bounds", false_bounds="false bounds"),
     )
     caption = (
         "Attempts by how far their proof goes; bounds that solvers report, and how many of them "
         "lie above the shortest length."
     )
-    rows = frame.to_dict("records")
-    marks = {(i, "false_bounds"): "bad" for i, row in enumerate(rows) if row["false_bounds"]}
-    return Table("proof-counts", caption, frame, columns, marks)
+    return Table("proof-counts", caption, frame, shown, marks(frame, "false_bounds"))
 
 
 def _table(frame: pd.DataFrame, precision: str) -> Table:
     number = digits(2)
-    columns = (
-        Column("solver", "solver", kind="code"),
-        Column("pmp_residual", "worst residual", number),
-        Column("cut_margin", "least cut margin, rad", number),
-        Column("multipliers", "multipliers", count),
-        Column("costate_median", "costate error, median", number),
-        Column("costate_error", "worst", number),
+    shown = (
+        SOLVER,
+        *columns(number, pmp_residual="worst residual", cut_margin="least cut margin, rad"),
+        *columns(count, multipliers="multipliers"),
+        *columns(number, costate_median="costate error, median", costate_error="worst"),
     )
     caption = (
         "Residual: the worst violation of Pontryagin's conditions among the optimal answers. Cut "
@@ -139,4 +141,4 @@ def _table(frame: pd.DataFrame, precision: str) -> Table:
         "the costates of its own path, where that arrives and is an extremal of more than one "
         f"arc: a single arc does not determine them.{precision}"
     )
-    return Table("certificates", caption, frame, columns)
+    return Table("certificates", caption, frame, shown)

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
 from dubins_study.report.elements.axes import duration, log_axis, plain_log_axis
-from dubins_study.report.elements.content import digits
+from dubins_study.report.elements.formats import digits
 from dubins_study.report.elements.looks import LINES, Look, Palette
+from dubins_study.report.elements.style import Style
 from dubins_study.report.statistics.metrics import parse_spec, solver_order
 
 # The hue tells the method, marker and line style its variant: grey print keeps these two.
@@ -43,37 +43,29 @@ def plot_orders(
         orders: series -> its fitted p, NaN if there is none.
         ylabel: what `value` is.
     """
-    looks = line_looks(table["series"].tolist(), palette)
-    for place, (name, group) in enumerate(_drawable(table).groupby("series", sort=False)):
-        look = looks[str(name)]
-        order = orders.get(str(name), float("nan"))
-        text = str(name) if np.isnan(order) else f"{name}: p = {digits(3)(order)}"
-        ax.plot(group["size"], group["value"], label=text, **look.lines, **_mark(look, place))
-    ax.set(xscale="log", yscale="log", xlabel="steps, headings or elements N", ylabel=ylabel)
+    fitted = {name: f"{name}: p = {digits(3)(p)}" for name, p in orders.items() if not np.isnan(p)}
+    _plot_series(ax, table, palette, "size", fitted)
+    ax.set(xlabel="steps, headings or elements N", ylabel=ylabel)
     plain_log_axis(ax.xaxis)
-    log_axis(ax.yaxis)
 
 
 def plot_cost(ax: Axes, table: pd.DataFrame, palette: Palette) -> None:
     """Median gap against median time. Columns series, size, value, wall_s (s)."""
-    looks = line_looks(table["series"].tolist(), palette)
-    for place, (name, group) in enumerate(_drawable(table).groupby("series", sort=False)):
-        look = looks[str(name)]
-        ax.plot(
-            group["wall_s"], group["value"], label=str(name), **look.lines, **_mark(look, place)
-        )
-    ax.set(xscale="log", yscale="log", xlabel="median time of one attempt", ylabel="median gap")
+    _plot_series(ax, table, palette, "wall_s", {})
+    ax.set(xlabel="median time of one attempt", ylabel="median gap")
     log_axis(ax.xaxis, duration)
-    log_axis(ax.yaxis)
 
 
-def _mark(look: Look, place: int) -> dict[str, Any]:
+def _plot_series(
+    ax: Axes, table: pd.DataFrame, palette: Palette, x: str, labels: dict[str, str]
+) -> None:
     """Open marks, each larger than the one before, so that lines that coincide are all seen."""
-    size = 3.5 + 2.0 * place
-    return {"marker": look.marker, "markersize": size, "markerfacecolor": "none"}
-
-
-def _drawable(table: pd.DataFrame) -> pd.DataFrame:
-    """Rows with a value that logarithmic axes can show, by size."""
-    shown: pd.DataFrame = table[np.isfinite(table["value"]) & (table["value"] > 0)]
-    return shown.sort_values(["series", "size"], kind="stable")
+    looks = line_looks(table["series"].tolist(), palette)
+    shown = table[np.isfinite(table["value"]) & (table["value"] > 0)]
+    groups = shown.sort_values(["series", "size"], kind="stable").groupby("series", sort=False)
+    for place, (name, group) in enumerate(groups):
+        look, label = looks[str(name)], labels.get(str(name), str(name))
+        mark: Style = {"marker": look.marker, "markersize": 3.5 + 2.0 * place, "label": label}
+        ax.plot(group[x], group["value"], markerfacecolor="none", **look.lines, **mark)
+    ax.set(xscale="log", yscale="log")
+    log_axis(ax.yaxis)

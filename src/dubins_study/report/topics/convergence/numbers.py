@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from itertools import product
 from typing import Any
@@ -9,13 +10,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from dubins_study.report.statistics.metrics import (
-    FloatArray,
-    fitted_order,
-    parse_spec,
-    solver_order,
-    upper_quantile,
-)
+from dubins_study.report.statistics import metrics
 
 # the setting that says how fine each method is
 SIZES = {"turn-rate-qp": "n", "heading-milp": "headings", "collocation": "n"}
@@ -39,7 +34,7 @@ def refined(rows: pd.DataFrame, settings: Settings) -> pd.DataFrame:
         value (infinite if there is none), wrong_basin and wall_s (s).
     """
     specs = {str(spec): settings.get(str(spec), {}) for spec in rows["solver"].unique()}
-    sizes = {spec: own.get(SIZES.get(parse_spec(spec)[0], "")) for spec, own in specs.items()}
+    sizes = {spec: specs[spec].get(SIZES.get(metrics.parse_spec(spec)[0], "")) for spec in specs}
     refinable = [spec for spec, size in sizes.items() if isinstance(size, int)]
     group = rows[rows["solver"].isin(refinable) & rows["region"].notna()]
     raw = group["solver"].map({spec: specs[spec].get("correct") is False for spec in refinable})
@@ -61,7 +56,7 @@ def refined(rows: pd.DataFrame, settings: Settings) -> pd.DataFrame:
 
 def series(spec: str) -> str:
     """A spec without its size: `collocation[n=20,mesh=equal]` -> `collocation[mesh=equal]`."""
-    name, settings = parse_spec(spec)
+    name, settings = metrics.parse_spec(spec)
     others = [f"{key}={value}" for key, value in settings.items() if key != SIZES.get(name)]
     return f"{name}[{','.join(others)}]" if others else name
 
@@ -72,18 +67,11 @@ def medians(attempts: pd.DataFrame) -> pd.DataFrame:
     Columns measure, series, place, size, attempts, arrived (share with a value), value (median,
     infinite if half have none) and wall_s (median, s).
     """
-    keys = ["measure", "series", "place", "size"]
-    records = [
-        {
-            **dict(zip(keys, key, strict=True)),
-            "attempts": len(group),
-            "arrived": float(np.isfinite(group["value"]).mean()),
-            "value": upper_quantile(group["value"], 0.5),
-            "wall_s": group["wall_s"].median(),
-        }
-        for key, group in attempts.groupby(keys)
-    ]
-    return pd.DataFrame.from_records(records)
+    arrived = attempts.assign(arrived=np.isfinite(attempts["value"]))
+    groups = arrived.groupby(["measure", "series", "place", "size"])
+    frame = pd.DataFrame({"attempts": groups.size(), "arrived": groups["arrived"].mean()})
+    frame["value"] = groups["value"].agg(lambda values: metrics.upper_quantile(values, 0.5))
+    return frame.assign(wall_s=groups["wall_s"].median()).reset_index()
 
 
 def orders(attempts: pd.DataFrame) -> pd.DataFrame:
@@ -98,7 +86,7 @@ def orders(attempts: pd.DataFrame) -> pd.DataFrame:
     table, keys = medians(attempts), ["measure", "series", "place"]
     lines = dict(list(table.groupby(keys)))
     attempts_of = dict(list(attempts.groupby(keys)))
-    series_names = solver_order(table["series"].tolist())
+    series_names = metrics.solver_order(table["series"].tolist())
     places = product(sorted(table["measure"].unique()), series_names, PLACES)
     records = [
         _order(lines[key].sort_values("size"), attempts_of[key]) for key in places if key in lines
@@ -112,17 +100,15 @@ def _order(line: pd.DataFrame, attempts: pd.DataFrame) -> dict[str, object]:
     falling = line.iloc[: int(value.argmin()) + 1]
     fitted = attempts[attempts["size"].isin(falling["size"]) & ~attempts["wrong_basin"]]
     scenarios = fitted.groupby("scenario_id")
-    singly = [fitted_order(rows["size"], rows["value"], floor) for _, rows in scenarios]
-    finite = np.array([order for order in singly if np.isfinite(order)])
+    orders = [metrics.fitted_order(rows["size"], rows["value"], floor) for _, rows in scenarios]
+    singly = [order for order in orders if math.isfinite(order)]
     last = line.iloc[-1]
     return {
-        "measure": last["measure"],
-        "series": last["series"],
-        "place": last["place"],
+        **last[["measure", "series", "place"]],
         "scenarios": attempts["scenario_id"].nunique(),
-        "order": fitted_order(falling["size"], falling["value"], floor),
-        "least": float(finite.min()) if finite.size else float("nan"),
-        "most": float(finite.max()) if finite.size else float("nan"),
+        "order": metrics.fitted_order(falling["size"], falling["value"], floor),
+        "least": min(singly, default=math.nan),
+        "most": max(singly, default=math.nan),
         "wrong": int(attempts["wrong_basin"].sum()),
         "finest": int(last["size"]),
         "value": last["value"],
@@ -131,7 +117,7 @@ def _order(line: pd.DataFrame, attempts: pd.DataFrame) -> dict[str, object]:
     }
 
 
-def _goal(value: FloatArray, seconds: FloatArray) -> float:
+def _goal(value: metrics.FloatArray, seconds: metrics.FloatArray) -> float:
     """Time at the first size from which on every value is within the goal."""
     above = np.flatnonzero(~(value <= GOAL))
     first = int(above[-1]) + 1 if above.size else 0

@@ -2,31 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from itertools import product
+
 import numpy as np
 import pandas as pd
-from matplotlib.figure import Figure
 
 from dubins_study.report.data.results import Results
-from dubins_study.report.elements.content import (
-    Column,
-    Picture,
-    Section,
-    Table,
-    count,
-    digits,
-    seconds,
-    slug,
-)
+from dubins_study.report.elements.columns import columns
+from dubins_study.report.elements.content import Picture, Section, Table, picture
+from dubins_study.report.elements.formats import count, digits, seconds, sentences, slug
 from dubins_study.report.elements.looks import Palette
-from dubins_study.report.elements.style import HALF, new_figure
 from dubins_study.report.statistics.metrics import parse_spec
 from dubins_study.report.topics.convergence.figures import plot_cost, plot_orders
-from dubins_study.report.topics.convergence.numbers import (
-    PLACES,
-    medians,
-    orders,
-    refined,
-)
+from dubins_study.report.topics.convergence.numbers import PLACES, medians, orders, refined
 
 _WHERE = {"outside": "outside the discs", "in a disc": "in a disc"}
 
@@ -43,15 +32,10 @@ def convergence_section(results: Results) -> Section | None:
         "A held turn rate costs the integral of |ν₃ Δu| over the steps in which it should have "
         "switched. ν₃ leaves zero quadratically where an arc meets a straight and linearly where "
         "two arcs meet, so steps of 1/N should cost 1/N³ outside the discs and 1/N² inside; a "
-        f"grid of headings should cost 1/N² in both. {sentences(fits)}"
+        "grid of headings should cost 1/N² in both."
     )
+    text = sentences(text, _falling(fits), _cheapest(fits), _collocated(fits))
     return Section("convergence", "Order of convergence", text, blocks)
-
-
-def sentences(fits: pd.DataFrame) -> str:
-    """What the orders say; `fits` is the frame of `orders`."""
-    each = (_falling(fits), _cheapest(fits), _collocated(fits))
-    return " ".join(sentence for sentence in each if sentence)
 
 
 def _falling(fits: pd.DataFrame) -> str:
@@ -109,87 +93,64 @@ def _points(series: str) -> str:
     return series if points is None else f"p = {points}"
 
 
+_ORDERS = {
+    "gap": (
+        "convergence",
+        "median gap",
+        "median gap against the number of steps, headings or elements, and the order p fitted as "
+        "far as it falls. Steeper is better; marks inside each other are lines that coincide.",
+    ),
+    "miss": (
+        "convergence-miss",
+        "median miss / R",
+        "by how much collocation misses if nothing corrects it. Nothing is fitted below 1e-9, "
+        "Ipopt's own tolerance.",
+    ),
+}
+_COST = (
+    "the same gaps against what they cost. Lower left is better; along each line N doubles from "
+    "mark to mark."
+)
+
+
 def _pictures(table: pd.DataFrame, fits: pd.DataFrame, palette: Palette) -> list[Picture]:
-    drawable = table[np.isfinite(table["value"]) & (table["value"] > 0)]
-    gaps, misses = (drawable[drawable["measure"] == measure] for measure in ("gap", "miss"))
-    pictures: list[Picture] = []
-    for place in PLACES:
-        group = gaps[gaps["place"] == place]
-        if len(group):
-            orders = _order_picture(group, _orders_of(fits, "gap", place), place, palette)
-            pictures += [orders, _cost_picture(group, place, palette)]
-    for place in PLACES:
-        group = misses[misses["place"] == place]
-        if len(group):
-            fitted = _orders_of(fits, "miss", place)
-            pictures.append(_miss_picture(group, fitted, place, palette))
+    table = table[np.isfinite(table["value"]) & (table["value"] > 0)]
+    pictures = []
+    for measure, place in product(_ORDERS, PLACES):
+        group = table[(table["measure"] == measure) & (table["place"] == place)]
+        if group.empty:
+            continue
+        fitted = fits[(fits["measure"] == measure) & (fits["place"] == place)]
+        orders = dict(zip(fitted["series"], fitted["order"].astype(float), strict=True))
+        name, ylabel, text = _ORDERS[measure]
+        data = group, palette, orders, ylabel
+        pictures.append(_picture(f"{name}-{slug(place)}", place, text, text, plot_orders, *data))
+        if measure == "gap":
+            name, alt = f"convergence-time-{slug(place)}", "Median gap against median time"
+            pictures.append(_picture(name, place, _COST, alt, plot_cost, group, palette))
     return pictures
 
 
-def _orders_of(fits: pd.DataFrame, measure: str, place: str) -> dict[str, float]:
-    group = fits[(fits["measure"] == measure) & (fits["place"] == place)]
-    return dict(zip(group["series"], group["order"].astype(float), strict=True))
-
-
-def _order_picture(
-    table: pd.DataFrame, fitted: dict[str, float], place: str, palette: Palette
+def _picture(
+    name: str, place: str, text: str, alt: str, plot: Callable[..., None], *data: object
 ) -> Picture:
-    figure = new_figure(HALF, 3.7)
-    plot_orders(figure.add_subplot(), table, palette, fitted, "median gap")
-    caption = (
-        f"Targets {_WHERE[place]}: median gap against the number of steps, headings or elements, "
-        "and the order p fitted as far as it falls. Steeper is better; marks inside each other are "
-        "lines that coincide."
-    )
-    return _picture(f"convergence-{slug(place)}", figure, caption)
-
-
-def _cost_picture(table: pd.DataFrame, place: str, palette: Palette) -> Picture:
-    figure = new_figure(HALF, 3.7)
-    plot_cost(figure.add_subplot(), table, palette)
-    caption = (
-        f"Targets {_WHERE[place]}: the same gaps against what they cost. Lower left is better; "
-        "along each line N doubles from mark to mark."
-    )
-    name, alt = f"convergence-time-{slug(place)}", "Median gap against median time"
-    return _picture(name, figure, caption, alt)
-
-
-def _miss_picture(
-    table: pd.DataFrame, fitted: dict[str, float], place: str, palette: Palette
-) -> Picture:
-    figure = new_figure(HALF, 3.7)
-    plot_orders(figure.add_subplot(), table, palette, fitted, "median miss / R")
-    caption = (
-        f"Targets {_WHERE[place]}: by how much collocation misses if nothing corrects it. Nothing "
-        "is fitted below 1e-9, Ipopt's own tolerance."
-    )
-    return _picture(f"convergence-miss-{slug(place)}", figure, caption)
-
-
-def _picture(name: str, figure: Figure, caption: str, alt: str = "") -> Picture:
-    figure.legend(loc="outside lower left", ncols=1, fontsize=7.5)
-    return Picture(name, caption, figure, alt or caption.partition(":")[2].strip(), True)
+    caption = f"Targets {_WHERE[place]}: {text}"
+    return picture(name, plot, *data, caption=caption, alt=alt, height=3.7, legend=1)
 
 
 def _table(fits: pd.DataFrame) -> Table:
-    columns = (
-        Column("series", "method", kind="code"),
-        Column("place", "where", kind="text"),
-        Column("measure", "of the", kind="text"),
-        Column("scenarios", "targets", count),
-        Column("order", "order p", digits(3)),
-        Column("least", "least", digits(3)),
-        Column("most", "most", digits(3)),
-        Column("wrong", "wrong basins", count),
-        Column("finest", "finest N", count),
-        Column("value", "median there", digits(3)),
-        Column("wall_s", "median time", seconds),
-        Column("goal_s", "time to 1e-4", seconds),
+    shown = (
+        *columns(kind="code", series="method"),
+        *columns(kind="text", place="where", measure="of the"),
+        *columns(count, scenarios="targets"),
+        *columns(digits(3), order="order p", least="least", most="most"),
+        *columns(count, wrong="wrong basins", finest="finest N"),
+        *columns(digits(3), value="median there"),
+        *columns(seconds, wall_s="median time", goal_s="time to 1e-4"),
     )
     caption = (
         "Order p of median ~ 1/N^p, and the least and largest order of single targets over the "
         "same N: where a switch falls between two steps moves every single gap. Answers in a "
         "wrong basin, counted for all N, measure no order and only enter the medians."
     )
-    return Table("convergence", caption, fits, columns)
+    return Table("convergence", caption, fits, shown)

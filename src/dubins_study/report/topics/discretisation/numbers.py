@@ -8,13 +8,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from dubins_study.report.statistics.metrics import (
-    fitted_order,
-    gaps,
-    parse_spec,
-    success,
-    upper_quantile,
-)
+from dubins_study.report.statistics import metrics
 
 SOLVER = "turn-rate-qp"
 Settings = Mapping[str, Mapping[str, Any]]
@@ -34,48 +28,42 @@ def work_precision(rows: pd.DataFrame, settings: Settings) -> pd.DataFrame:
         engine's least gap).
     """
     steps = {spec: _steps(spec, settings) for spec in rows["solver"].unique()}
-    own = rows[rows["solver"].map(steps) > 0]
-    if own.empty:
+    refined = rows[rows["solver"].map(steps) > 0]
+    if refined.empty:
         return pd.DataFrame()
-    engines = {spec: _engine(spec, settings) for spec in own["solver"].unique()}
-    own = own.assign(engine=own["solver"].map(engines), n=own["solver"].map(steps))
-    records = [
-        _record(str(e), int(n), group)  # type: ignore[call-overload]  # pandas says Hashable
-        for (e, n), group in own.groupby(["engine", "n"])
-    ]
-    frame = pd.DataFrame.from_records(records)
-    orders = {engine: _order(own) for engine, own in frame.groupby("engine")}
+    engines = {spec: _engine(spec, settings) for spec in refined["solver"].unique()}
+    refined = refined.assign(engine=refined["solver"].map(engines), n=refined["solver"].map(steps))
+    frame = _measures(refined).reset_index()
+    orders = {engine: _order(group) for engine, group in frame.groupby("engine")}
     return frame.assign(order=frame["engine"].map(orders))
 
 
 def _order(rows: pd.DataFrame) -> float:
     falling = rows.sort_values("n").reset_index(drop=True)
     falling = falling.loc[: int(falling["gap"].to_numpy().argmin())]
-    return fitted_order(falling["n"], falling["gap"])
+    return metrics.fitted_order(falling["n"], falling["gap"])
 
 
 def _steps(spec: str, settings: Settings) -> int:
     """n of a spec; 0 of another solver, or if it is no number, as in a row that no solver wrote."""
     n = settings.get(spec, {}).get("n")
-    return n if parse_spec(spec)[0] == SOLVER and isinstance(n, int) else 0
+    return n if metrics.parse_spec(spec)[0] == SOLVER and isinstance(n, int) else 0
 
 
 def _engine(spec: str, settings: Settings) -> str:
     engine = str(settings.get(spec, {}).get("engine"))
-    others = [f"{k}={v}" for k, v in parse_spec(spec)[1].items() if k not in ("n", "engine")]
+    others = [
+        f"{k}={v}" for k, v in metrics.parse_spec(spec)[1].items() if k not in ("n", "engine")
+    ]
     return ", ".join([engine, *others])
 
 
-def _record(engine: str, n: int, rows: pd.DataFrame) -> dict[str, object]:
-    gap = gaps(rows)
-    return {
-        "engine": engine,
-        "n": n,
-        "attempts": len(rows),
-        "arrived": float(np.isfinite(gap).mean()),
-        "success": float(success(rows).mean()),
-        "gap": upper_quantile(gap, 0.5),
-        "gap_q90": upper_quantile(gap, 0.9),
-        "wall_s": rows["wall_s"].median(),
-        "iterations": rows["iterations"].median(),
-    }
+def _measures(rows: pd.DataFrame) -> pd.DataFrame:
+    measured = rows.assign(value=metrics.gaps(rows), success=metrics.success(rows))
+    groups = measured.groupby(["engine", "n"])
+    arrived = groups["value"].agg(lambda gaps: np.isfinite(gaps.dropna()).mean())
+    frame = pd.DataFrame({"attempts": groups.size(), "arrived": arrived})
+    frame = frame.assign(success=groups["success"].mean(), wall_s=groups["wall_s"].median())
+    for name, q in (("gap", 0.5), ("gap_q90", 0.9)):
+        frame[name] = groups["value"].agg(metrics.upper_quantile, q=q)
+    return frame.assign(iterations=groups["iterations"].median())

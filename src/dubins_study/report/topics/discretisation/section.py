@@ -6,17 +6,9 @@ import numpy as np
 import pandas as pd
 
 from dubins_study.report.data.results import Results
-from dubins_study.report.elements.content import (
-    Column,
-    Picture,
-    Section,
-    Table,
-    count,
-    digits,
-    seconds,
-    share,
-)
-from dubins_study.report.elements.style import HALF, new_figure
+from dubins_study.report.elements.columns import columns
+from dubins_study.report.elements.content import Picture, Section, Table, picture
+from dubins_study.report.elements.formats import count, digits, seconds, share
 from dubins_study.report.topics.discretisation.figures import plot_gap_order, plot_work_precision
 from dubins_study.report.topics.discretisation.numbers import work_precision
 
@@ -37,44 +29,40 @@ def discretisation_section(results: Results) -> Section | None:
 
 
 def _precision_pictures(table: pd.DataFrame) -> tuple[Picture, Picture]:
-    left, right = new_figure(HALF, 3.7), new_figure(HALF, 3.7)
-    plot_work_precision(left.add_subplot(), table)
-    plot_gap_order(right.add_subplot(), table)
-    for figure in (left, right):
-        figure.legend(loc="outside lower left", ncols=2, fontsize=7.5)
     return (
-        Picture(
+        picture(
             "work-precision",
-            "Median time against median gap; the numbers are n. Lower left is better.",
-            left,
-            "Time against gap for each engine",
-            True,
+            plot_work_precision,
+            table,
+            caption="Median time against median gap; the numbers are n. Lower left is better.",
+            alt="Time against gap for each engine",
+            height=3.7,
+            legend=2,
         ),
-        Picture(
+        picture(
             "gap-order",
-            "Median gap against the number of steps, and the order p fitted to it as far as it "
-            "falls: beyond its least value the engine's own accuracy decides.",
-            right,
-            "Gap against number of steps for each engine",
-            True,
+            plot_gap_order,
+            table,
+            caption="Median gap against the number of steps, and the order p fitted to it as far "
+            "as it falls: beyond its least value the engine's own accuracy decides.",
+            alt="Gap against number of steps for each engine",
+            height=3.7,
+            legend=2,
         ),
     )
 
 
 def _precision_table(frame: pd.DataFrame) -> Table:
-    columns = (
-        Column("engine", "engine", kind="code"),
-        Column("n", "n", count),
-        Column("attempts", "attempts", count),
-        Column("arrived", "arrive", share),
-        Column("success", "success", share),
-        Column("gap", "median gap", digits(3)),
-        Column("gap_q90", "90 %", digits(3)),
-        Column("wall_s", "median time", seconds),
-        Column("iterations", "QPs", digits(3)),
+    shown = (
+        *columns(kind="code", engine="engine"),
+        *columns(count, n="n", attempts="attempts"),
+        *columns(share, arrived="arrive", success="success"),
+        *columns(digits(3), gap="median gap", gap_q90="90 %"),
+        *columns(seconds, wall_s="median time"),
+        *columns(digits(3), iterations="QPs"),
     )
     caption = (
         "Every engine at every n. Gap quantiles count an attempt that does not arrive as ∞. QPs: "
         "median number of QPs solved in one attempt."
     )
-    return Table("discretisation", caption, frame, columns)
+    return Table("discretisation", caption, frame, shown)

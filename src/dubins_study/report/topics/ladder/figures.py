@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
-from dubins_study.report.elements.axes import power
-from dubins_study.report.elements.looks import name_of
-from dubins_study.report.elements.style import BLUE, INK, MUTED, ORANGE, RULE, VERMILION
+from dubins_study.report.elements.axes import mark_limit, power
+from dubins_study.report.elements.solver_lines import label_lines
+from dubins_study.report.elements.style import BLUE, INK, ORANGE, RULE, VERMILION
 from dubins_study.report.statistics.metrics import solver_order
 from dubins_study.report.topics.ladder.numbers import FINDINGS
 
@@ -33,53 +35,35 @@ def plot_ladder(ax: Axes, table: pd.DataFrame, solvers: list[str], arrives: int)
     """
     lines = {solver: i for i, solver in enumerate(solver_order(solvers)[::-1])}
     for finding in FINDINGS:
-        colour, marker, filled = _LOOK[finding]
         group = table[table["finding"] == finding]
-        ax.plot(
-            group["rung"],
-            group["solver"].map(lines),
-            linestyle="none",
-            marker=marker,
-            color=colour,
-            markersize=5,
-            markerfacecolor=colour if filled else "none",
-        )
+        look = {"markersize": 5, **_mark(*_LOOK[finding])}
+        ax.plot(group["rung"], group["solver"].map(lines), **look)
     false = table[table["false_claims"] > 0]
-    ax.plot(
-        false["rung"],
-        false["solver"].map(lines),
-        linestyle="none",
-        marker="o",
-        markersize=9,
-        markerfacecolor="none",
-        color=VERMILION,
-    )
-    ax.axvline(arrives, color=MUTED, linewidth=0.8, linestyle=(0, (1, 2)), zorder=0)
+    ax.plot(false["rung"], false["solver"].map(lines), **_FALSE_CLAIM)
+    mark_limit(ax, arrives).set_zorder(0)
     rungs = sorted(table["rung"].unique())
     ax.set_xticks(rungs, [power(10.0**r) if r % 3 == 0 else "" for r in rungs])
-    ax.set_yticks(list(lines.values()), [name_of(solver) for solver in lines], color=INK)
-    ax.set_xlabel("margin / R")
-    ax.set(xlim=(max(rungs) + 0.6, min(rungs) - 0.6), ylim=(-0.6, len(lines) - 0.4))
+    ax.set(xlabel="margin / R", xlim=(max(rungs) + 0.6, min(rungs) - 0.6))
+    label_lines(ax, lines, list(lines.values()))
     ax.grid(False)
     ax.grid(True, axis="y", color=RULE)
-    ax.spines["left"].set_visible(False)
-    ax.tick_params(axis="y", length=0)
+
+
+def _mark(colour: str, marker: str, filled: bool) -> dict[str, Any]:
+    face = colour if filled else "none"
+    return {"linestyle": "none", "color": colour, "marker": marker, "markerfacecolor": face}
+
+
+_FALSE_CLAIM = {**_mark(VERMILION, "o", False), "markersize": 9}
 
 
 def legend_entries(table: pd.DataFrame) -> list[Line2D]:
     """One entry for every finding that there is, and for false claims."""
-    entries = []
-    for finding in FINDINGS:
-        if (table["finding"] == finding).any():
-            colour, marker, filled = _LOOK[finding]
-            face = colour if filled else "none"
-            entries.append(_entry(finding, color=colour, marker=marker, markerfacecolor=face))
+    looks = {
+        finding: _mark(*_LOOK[finding])
+        for finding in FINDINGS
+        if (table["finding"] == finding).any()
+    }
     if (table["false_claims"] > 0).any():
-        entries.append(
-            _entry("false claim", color=VERMILION, marker="o", markerfacecolor="none", markersize=9)
-        )
-    return entries
-
-
-def _entry(label: str, **look: object) -> Line2D:
-    return Line2D([], [], linestyle="none", label=label, **look)  # type: ignore[arg-type]
+        looks["false claim"] = _FALSE_CLAIM
+    return [Line2D([], [], label=label, **look) for label, look in looks.items()]

@@ -9,61 +9,38 @@ import pandas as pd
 
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.axes import power
-from dubins_study.report.elements.content import (
-    ABSENT,
-    Column,
-    Picture,
-    Section,
-    Table,
-    count,
-    digits,
-)
-from dubins_study.report.elements.style import HALF, new_figure
+from dubins_study.report.elements.columns import SOLVER, Column, columns
+from dubins_study.report.elements.content import Picture, Section, Table, picture
+from dubins_study.report.elements.formats import ABSENT, count, digits, sentences
+from dubins_study.report.elements.style import Style
+from dubins_study.report.topics.ladder import numbers
 from dubins_study.report.topics.ladder.figures import legend_entries, plot_ladder
-from dubins_study.report.topics.ladder.numbers import (
-    JUMP,
-    SIDES,
-    down_to,
-    first_short_rung,
-    ladder,
-    right_everywhere,
-    rungs,
-)
 
 _ARRIVES = -6  # the check's default tolerance of misses: 1e-6 R
 
 
 def ladder_section(results: Results) -> Section | None:
     """Matrix of solvers and margins, the margins down to which each is right, and why."""
-    attempts = rungs(results.rows)
+    attempts = numbers.rungs(results.rows)
     if attempts.empty:
         return None
-    table = ladder(attempts)
+    table = numbers.ladder(attempts)
     text = (
         "Targets at margins of 1e-1 to 1e-12 R from a turning circle, on both sides of its front "
         "half, across which the shortest length jumps, and of its rear half, across which it does "
-        f"not. {sentences(attempts)}"
+        "not."
     )
-    return Section(
-        "ladder",
-        "The ladder toward a turning circle",
-        text,
-        (*_pictures(table), _table(down_to(table))),
-    )
-
-
-def sentences(attempts: pd.DataFrame) -> str:
-    """What the ladder says; `attempts` is the frame of `ladder.rungs`."""
-    each = (_short_by_miss(attempts), _verdicts(attempts), _other_sides(attempts))
-    return " ".join(sentence for sentence in each if sentence)
+    text = sentences(text, _short_by_miss(attempts), _verdicts(attempts), _other_sides(attempts))
+    blocks: list[Picture | Table] = [*_pictures(table), _table(numbers.down_to(table))]
+    return Section("ladder", "The ladder toward a turning circle", text, tuple(blocks))
 
 
 def _short_by_miss(attempts: pd.DataFrame) -> str:
-    inner = attempts[attempts["side"] == JUMP]
+    inner = attempts[attempts["side"] == numbers.JUMP]
     if inner.empty:
         return ""
-    short = first_short_rung(inner)
-    others = [solver for solver, right in right_everywhere(inner).items() if right]
+    short = numbers.first_short_rung(inner)
+    others = [solver for solver, right in numbers.right_everywhere(inner).items() if right]
     if short.empty:
         sentence = "Just inside the front half no solver trades a miss for the short path"
     else:
@@ -89,10 +66,10 @@ def _verdicts(attempts: pd.DataFrame) -> str:
 
 
 def _other_sides(attempts: pd.DataFrame) -> str:
-    others = attempts[attempts["side"] != JUMP]
+    others = attempts[attempts["side"] != numbers.JUMP]
     if others.empty:
         return ""
-    right = right_everywhere(others)
+    right = numbers.right_everywhere(others)
     wrong = [solver for solver, everywhere in right.items() if not everywhere]
     sentence = (
         f"On the other sides {count(sum(right.values()))} of {count(len(right))} solvers find the "
@@ -105,51 +82,49 @@ def _margin(value: float) -> str:
     return f"1e{round(math.log10(value))}"
 
 
+_FINDINGS_CAPTION = (
+    " Right: the shortest path. Coarse: its shape, but longer than the check's tolerance allows. "
+    "By its miss: optimal for the point that it ends at, and shorter than any path to the target. "
+    f"Dotted: the largest miss that counts as arriving, {power(10.0**_ARRIVES)} R."
+)
+
+
 def _pictures(table: pd.DataFrame) -> list[Picture]:
     solvers = list(dict.fromkeys(table["solver"]))
     pictures: list[Picture] = []
-    for side in SIDES:
+    tight: Style = {"ncols": 3, "handletextpad": 0.2, "columnspacing": 1.0}
+    for side in numbers.SIDES:
         group = table[table["side"] == side]
         if group.empty:
             continue
-        figure = new_figure(HALF, 1.5 + 0.23 * len(solvers))
-        plot_ladder(figure.add_subplot(), group, solvers, _ARRIVES)
-        figure.legend(
-            handles=legend_entries(group),
-            loc="outside lower left",
-            ncols=3,
-            handletextpad=0.2,
-            columnspacing=1.0,
-        )
         caption = f"{side[:1].upper()}{side[1:]} the circle: the worst of the answers at a margin."
-        if not pictures:
-            caption += (
-                " Right: the shortest path. Coarse: its shape, but longer than the check's "
-                "tolerance allows. By its miss: optimal for the point that it ends at, and "
-                "shorter than any path to the target. Dotted: the largest miss that counts as "
-                f"arriving, {power(10.0**_ARRIVES)} R."
-            )
-        name = f"ladder-{side.replace(', ', '-')}"
-        pictures.append(
-            Picture(name, caption, figure, f"Matrix of solvers and margins, {side}", True)
+        drawn = picture(
+            f"ladder-{side.replace(', ', '-')}",
+            plot_ladder,
+            *(group, solvers, _ARRIVES),
+            caption=caption if pictures else caption + _FINDINGS_CAPTION,
+            alt=f"Matrix of solvers and margins, {side}",
+            height=1.5 + 0.23 * len(solvers),
         )
+        drawn.figure.legend(handles=legend_entries(group), loc="outside lower left", **tight)
+        pictures.append(drawn)
     return pictures
 
 
 def _table(reach: pd.DataFrame) -> Table:
-    columns = (
-        Column("solver", "solver", kind="code"),
-        Column("attempts", "attempts", count),
-        *(Column(side, side, _reach) for side in SIDES),
-        Column("by_miss", "rungs by its miss", count),
-        Column("coarse", "rungs coarse", count),
-        Column("false_claims", "false claims", count),
+    shown = (
+        SOLVER,
+        *columns(count, attempts="attempts"),
+        *(Column(side, side, _reach) for side in numbers.SIDES),
+        *columns(
+            count, by_miss="rungs by its miss", coarse="rungs coarse", false_claims="false claims"
+        ),
     )
     caption = (
         "The least margin (R) down to which every answer is the shortest path, coarse or not; "
         "all: at every margin asked for; –: not at the widest."
     )
-    return Table("ladder", caption, reach, columns)
+    return Table("ladder", caption, reach, shown)
 
 
 def _reach(value: Any) -> str:

@@ -3,16 +3,9 @@
 from __future__ import annotations
 
 from matplotlib.axes import Axes
-from matplotlib.cm import ScalarMappable
-from matplotlib.colors import ListedColormap
 
 from dubins_study.report.data.plane_map import REACH, WORDS, FloatArray
-from dubins_study.report.elements.plane_axes import (
-    OTHER_COLOUR,
-    WORD_COLOURS,
-    draw_circles,
-    label_region,
-)
+from dubins_study.report.elements import plane_axes
 from dubins_study.report.elements.style import MAP_PAPER
 
 _EXTENT = (-REACH, REACH, -REACH, REACH)
@@ -26,22 +19,14 @@ def plot_frequent_words(ax: Axes, words: FloatArray, centres: FloatArray) -> Non
         words: shape (cells, cells), from `frequent_words`.
         centres: shape (cells,), of the cells along either axis.
     """
-    ax.imshow(
-        words,
-        origin="lower",
-        extent=_EXTENT,
-        cmap=ListedColormap([*WORD_COLOURS.values(), OTHER_COLOUR]),
-        vmin=-0.5,
-        vmax=len(WORDS) - 0.5,
-        interpolation="nearest",
-    )
-    for place, word in enumerate(WORDS[: len(WORD_COLOURS)]):
-        label_region(ax, centres, centres, words == place, word)
-    draw_circles(ax, centres, centres)
+    plane_axes.plot_word_cells(ax, words, _EXTENT)
+    for place, word in enumerate(WORDS[: len(plane_axes.WORD_COLOURS)]):
+        plane_axes.label_region(ax, centres, centres, words == place, word)
+    plane_axes.draw_circles(ax, centres, centres)
 
 
-def plot_ranges(ax: Axes, ranges: FloatArray) -> ScalarMappable:
-    """By how much lengths differ within a cell, over R; returns what the colour bar is to show.
+def plot_ranges(ax: Axes, ranges: FloatArray) -> None:
+    """By how much lengths differ within a cell, over R.
 
     Args:
         ax: where to draw.
@@ -54,4 +39,4 @@ def plot_ranges(ax: Axes, ranges: FloatArray) -> ScalarMappable:
     ax.plot(0, 0, marker="o", color=MAP_PAPER, markersize=3)
     ax.set(xlabel="target x / R", ylabel="target y / R", aspect="equal")
     ax.grid(False)
-    return image
+    plane_axes.add_colour_bar(ax, image, "largest less least length in a cell / R")

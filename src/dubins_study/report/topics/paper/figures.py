@@ -11,7 +11,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.patches import Circle
 
-from dubins_study.report.elements.content import digits
+from dubins_study.report.elements.formats import digits
 from dubins_study.report.elements.looks import LINES
 from dubins_study.report.elements.style import BLUE, GREEN, INK, MUTED, PAPER, RULE, VERMILION
 from dubins_study.study.path import Path
@@ -75,19 +75,9 @@ def _start_and_target(ax: Axes, path: Path, target_x: float, target_y: float) ->
     x, y, heading = path.start
     low, high = np.array(ax.dataLim.min), np.array(ax.dataLim.max)
     reach = 0.11 * float(np.max(high - low))
-    ax.annotate(
-        "",
-        xy=(x + reach * math.cos(heading), y + reach * math.sin(heading)),
-        xytext=(x, y),
-        arrowprops={
-            "arrowstyle": "-|>",
-            "color": INK,
-            "linewidth": 1.0,
-            "shrinkA": 0,
-            "shrinkB": 0,
-        },
-        zorder=5,
-    )
+    tip = (x + reach * math.cos(heading), y + reach * math.sin(heading))
+    head = {"arrowstyle": "-|>", "color": INK, "linewidth": 1.0, "shrinkA": 0, "shrinkB": 0}
+    ax.annotate("", xy=tip, xytext=(x, y), arrowprops=head, zorder=5)
     ax.plot(x, y, marker="o", color=INK, markersize=3.5, zorder=5)
     ring: dict[str, Any] = {"markersize": 7, "markerfacecolor": PAPER, "markeredgecolor": MUTED}
     ax.plot(target_x, target_y, marker="o", markeredgewidth=1.2, zorder=4, **ring)

@@ -61,17 +61,11 @@ def scores(results: Results) -> pd.DataFrame:
     for solver in solver_order(rows["solver"].tolist()):
         cells = compare(word_paths(results, solver))
         error = (cells["ours"] - exact["ours"]).abs()
-        records.append(
-            {
-                "solver": solver,
-                "cells": len(exact),
-                "answered": int(cells["ours"].notna().sum()),
-                "printed": int((cells["verdict"] == "correct").sum()),
-                "length_off": error[~turns].max(),
-                "segment_off": error[turns].max(),
-            }
-        )
-    return pd.DataFrame.from_records(records)
+        answered, printed = cells["ours"].notna().sum(), (cells["verdict"] == "correct").sum()
+        off = error[~turns].max(), error[turns].max()
+        records.append((solver, len(exact), answered, printed, *off))
+    columns = ["solver", "cells", "answered", "printed", "length_off", "segment_off"]
+    return pd.DataFrame.from_records(records, columns=columns)
 
 
 def problem_paths(results: Results, problem: int) -> pd.DataFrame:

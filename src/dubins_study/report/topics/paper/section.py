@@ -9,8 +9,9 @@ import pandas as pd
 
 from dubins_study.report.data.attempts import EXACT
 from dubins_study.report.data.results import Results
-from dubins_study.report.elements.content import Column, Picture, Section, Table, count, digits
-from dubins_study.report.elements.style import HALF, new_figure
+from dubins_study.report.elements.columns import SOLVER, columns, marks
+from dubins_study.report.elements.content import Picture, Section, Table, picture
+from dubins_study.report.elements.formats import count, digits
 from dubins_study.report.paper.printed import QUANTITIES, compare
 from dubins_study.report.topics.paper.figures import aspect_of, plot_paths
 from dubins_study.report.topics.paper.numbers import problem_paths, scores, side_by_side, word_paths
@@ -44,23 +45,16 @@ def paper_section(results: Results) -> Section | None:
 def _side_by_side(cells: pd.DataFrame, number: str) -> Table:
     frame = side_by_side(cells[cells["table"] == number])
     rows = frame.to_dict("records")
-    marks = {
-        (i, quantity): "bad"
-        for i, row in enumerate(rows)
-        for quantity in QUANTITIES
-        if "✗" in str(row[quantity])
-    }
+    wrong = frame[list(QUANTITIES)].map(lambda text: "✗" in str(text))
     frame["row"] = [_row_name(row) if row["source"] == "paper" else "" for row in rows]
-    columns = (
-        Column("row", "", kind="text"),
-        Column("source", "from", kind="text"),
-        Column("z1", "left turn ζ₁"),
-        Column("z2", "right turn ζ₂"),
-        Column("z3", "straight ζ₃"),
-        Column("f", "total f"),
+    shown = (
+        *columns(kind="text", row="", source="from"),
+        *columns(z1="left turn ζ₁", z2="right turn ζ₂", z3="straight ζ₃", f="total f"),
     )
     caption = f"Table {number}. {_TITLES[number]} Lengths; ✗ marks what is not a correct rounding."
-    return Table(f"paper-{number.replace('.', '-')}", caption, frame, columns, marks)
+    return Table(
+        f"paper-{number.replace('.', '-')}", caption, frame, shown, marks(wrong, *QUANTITIES)
+    )
 
 
 def _row_name(row: Mapping[Hashable, Any]) -> str:
@@ -70,19 +64,17 @@ def _row_name(row: Mapping[Hashable, Any]) -> str:
 
 
 def _scores(frame: pd.DataFrame) -> Table:
-    columns = (
-        Column("solver", "solver", kind="code"),
-        Column("answered", f"cells of {frame['cells'].iloc[0]}", count),
-        Column("printed", "as printed", count),
-        Column("length_off", "largest error of f", digits(3)),
-        Column("segment_off", "largest error of ζ", digits(3)),
+    shown = (
+        SOLVER,
+        *columns(count, answered=f"cells of {frame['cells'].iloc[0]}", printed="as printed"),
+        *columns(digits(3), length_off="largest error of f", segment_off="largest error of ζ"),
     )
     caption = (
         "The same cells from each solver's LS and RS paths. A length may be right while its "
         "parts are not: compare both. Turns at less than the full rate count in proportion. Errors "
         "in the scenario's length unit."
     )
-    return Table("paper-scores", caption, frame, columns)
+    return Table("paper-scores", caption, frame, shown)
 
 
 def figures_section(results: Results) -> Section | None:
@@ -99,12 +91,14 @@ def figures_section(results: Results) -> Section | None:
 
 
 def _picture(problem: int, frame: pd.DataFrame) -> Picture:
-    height = 0.85 + min(max(3.0 * aspect_of(frame), 1.6), 2.9)  # the rest is legend and labels
-    figure = new_figure(HALF, height)
-    plot_paths(figure.add_subplot(), frame)
-    caption = f"Figure 6.{problem}. " + (
-        "Optimal (solid) and feasible (dashed) path; length units."
-        if problem != 5
-        else "Optimal paths for three turning radii; length units."
+    paths = "Optimal (solid) and feasible (dashed) path"
+    if problem == 5:
+        paths = "Optimal paths for three turning radii"
+    return picture(
+        f"paths-{problem}",
+        plot_paths,
+        frame,
+        caption=f"Figure 6.{problem}. {paths}; length units.",
+        alt=f"Paths of test problem {problem}",
+        height=0.85 + min(max(3.0 * aspect_of(frame), 1.6), 2.9),  # the rest is legend and labels
     )
-    return Picture(f"paths-{problem}", caption, figure, f"Paths of test problem {problem}", True)

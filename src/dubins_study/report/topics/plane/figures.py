@@ -8,25 +8,11 @@ from typing import Any
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
-from matplotlib.cm import ScalarMappable
-from matplotlib.colors import ListedColormap
 from numpy.typing import NDArray
 
 from dubins_study.report.data.attempts import SUCCESSES
-from dubins_study.report.elements.plane_axes import (
-    OTHER_COLOUR,
-    WORD_COLOURS,
-    draw_circles,
-    label_region,
-)
-from dubins_study.report.elements.style import (
-    BLUE,
-    INK,
-    MUTED,
-    ORANGE,
-    RULE,
-    VERMILION,
-)
+from dubins_study.report.elements import plane_axes
+from dubins_study.report.elements.style import BLUE, INK, MUTED, ORANGE, RULE, VERMILION
 from dubins_study.report.topics.plane.numbers import grid_of
 
 _HATCHES = {"LS": "", "RS": "", "RL": "////", "LR": "\\\\\\\\"}
@@ -39,39 +25,24 @@ def _extent(x: NDArray[np.float64], y: NDArray[np.float64]) -> tuple[float, floa
 
 def plot_words(ax: Axes, rows: pd.DataFrame) -> None:
     """Which word is shortest where. Columns: target_x, target_y, word (on a grid)."""
-    codes = {word: float(i) for i, word in enumerate(WORD_COLOURS)}
-    other = float(len(WORD_COLOURS))
+    codes = {word: float(i) for i, word in enumerate(plane_axes.WORD_COLOURS)}
+    other = float(len(plane_axes.WORD_COLOURS))
     known = rows.assign(code=rows["word"].map(lambda word: codes.get(word, other)))
     x, y, code = grid_of(known, "code")
-    colours = ListedColormap([*WORD_COLOURS.values(), OTHER_COLOUR])
-    ax.imshow(
-        code,
-        origin="lower",
-        extent=_extent(x, y),
-        cmap=colours,
-        vmin=-0.5,
-        vmax=len(WORD_COLOURS) + 0.5,
-        interpolation="nearest",
-    )
+    plane_axes.plot_word_cells(ax, code, _extent(x, y))
     for word, value in codes.items():
         inside = code == value
         if inside.any() and _HATCHES[word]:
-            hatch = ax.contourf(
-                x,
-                y,
-                inside.astype(float),
-                levels=[0.5, 1.5],
-                colors="none",
-                hatches=[_HATCHES[word]],
-            )
+            style: dict[str, Any] = {"colors": "none", "hatches": [_HATCHES[word]]}
+            hatch = ax.contourf(x, y, inside.astype(float), levels=[0.5, 1.5], **style)
             hatch.set_edgecolor("#ffffff80")
             hatch.set_linewidth(0)
-        label_region(ax, x, y, inside, word)
-    draw_circles(ax, x, y)
+        plane_axes.label_region(ax, x, y, inside, word)
+    plane_axes.draw_circles(ax, x, y)
 
 
-def plot_lengths(ax: Axes, rows: pd.DataFrame) -> ScalarMappable:
-    """The shortest length, with contours that break where it jumps; returns what is to be scaled.
+def plot_lengths(ax: Axes, rows: pd.DataFrame) -> None:
+    """The shortest length, with contours that break where it jumps.
 
     Columns: target_x, target_y, length, region (on a grid), radius.
     """
@@ -87,8 +58,8 @@ def plot_lengths(ax: Axes, rows: pd.DataFrame) -> ScalarMappable:
         if np.isfinite(values).sum() > 4:
             lines = ax.contour(x, y, values, levels=levels, colors="white", linewidths=0.6)
             ax.clabel(lines, levels[::2], fmt=lambda v: f"{v:g}", fontsize=7, inline_spacing=2)
-    draw_circles(ax, x, y)
-    return image
+    plane_axes.draw_circles(ax, x, y)
+    plane_axes.add_colour_bar(ax, image, "shortest length / R")
 
 
 def plot_jump(ax: Axes, table: pd.DataFrame) -> None:
@@ -99,14 +70,9 @@ def plot_jump(ax: Axes, table: pd.DataFrame) -> None:
         ax.plot(group["angle"], group["length"], marker, color=colour, markersize=2.5)
         at = group.iloc[(group["angle"] - 110).abs().argmin()] if len(group) else None
         if at is not None:
-            ax.annotate(
-                f"just {side}",
-                (at["angle"], at["length"]),
-                xytext=(0, lift),
-                textcoords="offset points",
-                color=colour,
-                ha="left",
-            )
+            text: dict[str, Any] = {"textcoords": "offset points", "ha": "left"}
+            point = (at["angle"], at["length"])
+            ax.annotate(f"just {side}", point, xytext=(0, lift), color=colour, **text)
     ax.axvspan(0, 180, color=RULE, alpha=0.35, linewidth=0)
     ax.text(90, 0.02, "front half", transform=ax.get_xaxis_transform(), ha="center", color=MUTED)
     ax.set(xlim=(0, 360), ylim=(0, 7.4), xlabel="arc angle to the point of the circle (deg)")
@@ -133,8 +99,7 @@ def plot_failures(ax: Axes, rows: pd.DataFrame) -> None:
         if len(group):
             mark: dict[str, Any] = {"linestyle": "none", "markersize": 4.0, **look}
             text = f"{verdict} ({len(group)})"
-            ax.plot(
-                group["target_x"], group["target_y"], markerfacecolor="none", label=text, **mark
-            )
+            mark |= {"markerfacecolor": "none", "label": text}
+            ax.plot(group["target_x"], group["target_y"], **mark)
     x, y = np.sort(rows["target_x"].unique()), np.sort(rows["target_y"].unique())
-    draw_circles(ax, x.astype(np.float64), y.astype(np.float64), INK)
+    plane_axes.draw_circles(ax, x.astype(np.float64), y.astype(np.float64), INK)

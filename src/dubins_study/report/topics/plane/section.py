@@ -6,15 +6,10 @@ import pandas as pd
 
 from dubins_study.report.data.attempts import EXACT
 from dubins_study.report.data.results import Results
-from dubins_study.report.elements.content import Picture, Section, count
-from dubins_study.report.elements.style import HALF, new_figure
+from dubins_study.report.elements.content import Picture, Section, picture
+from dubins_study.report.elements.formats import count
 from dubins_study.report.statistics.metrics import solver_order, success
-from dubins_study.report.topics.plane.figures import (
-    plot_failures,
-    plot_jump,
-    plot_lengths,
-    plot_words,
-)
+from dubins_study.report.topics.plane import figures
 from dubins_study.report.topics.plane.numbers import along_circle, exact_answers
 
 
@@ -40,45 +35,40 @@ def plane_section(results: Results) -> Section | None:
 
 
 def _words(exact: pd.DataFrame) -> Picture:
-    figure = new_figure(HALF, 3.5)
-    plot_words(figure.add_subplot(), exact)
     caption = (
         "Shortest word by target. Hatched: inside a turning circle, where the first turn is away "
         "from the target. On the axis ahead the path is straight. Lengths in R."
     )
-    return Picture("plane-words", caption, figure, "Map of shortest words", True)
+    alt = "Map of shortest words"
+    return picture("plane-words", figures.plot_words, exact, caption=caption, alt=alt, height=3.5)
 
 
 def _lengths(exact: pd.DataFrame) -> Picture:
-    figure = new_figure(HALF, 4.1)
-    ax = figure.add_subplot()
-    image = plot_lengths(ax, exact)
-    bar = figure.colorbar(image, ax=ax, location="bottom", shrink=0.7, pad=0.02, aspect=28)
-    bar.outline.set_visible(False)
-    bar.set_label("shortest length / R")
     caption = (
         "Shortest length by target, a contour every R. The two discs stand out because the "
         "length jumps across the front half of their circles; across the rear half it is smooth."
     )
-    return Picture("plane-lengths", caption, figure, "Map of shortest lengths", True)
+    alt = "Map of shortest lengths"
+    return picture(
+        "plane-lengths", figures.plot_lengths, exact, caption=caption, alt=alt, height=4.1
+    )
 
 
 def _jump(exact: pd.DataFrame) -> Picture:
-    figure = new_figure(HALF, 3.5)
-    plot_jump(figure.add_subplot(), along_circle(exact))
     caption = (
         "The same lengths for the targets within one grid step of a turning circle, by their "
         "place on it. On the front half a target just inside costs up to 2π R more than one just "
         "outside; on the rear half the two sides meet."
     )
-    return Picture("plane-jump", caption, figure, "Length on both sides of a turning circle", True)
+    table, alt = along_circle(exact), "Length on both sides of a turning circle"
+    return picture("plane-jump", figures.plot_jump, table, caption=caption, alt=alt, height=3.5)
 
 
 def _failures(number: int, solver: str, rows: pd.DataFrame) -> Picture:
-    figure = new_figure(HALF, 3.9)
     group = rows.drop_duplicates(["target_x", "target_y"])
-    plot_failures(figure.add_subplot(), group)
-    figure.legend(loc="outside lower left", ncols=2, fontsize=7.5)
     right = int(success(group).sum())
     caption = f"{solver}: {count(right)} of {count(len(group))} targets right; lengths in R."
-    return Picture(f"plane-solver-{number}", caption, figure, f"Targets {solver} gets wrong", True)
+    name, alt = f"plane-solver-{number}", f"Targets {solver} gets wrong"
+    return picture(
+        name, figures.plot_failures, group, caption=caption, alt=alt, height=3.9, legend=2
+    )

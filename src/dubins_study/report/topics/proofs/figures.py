@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
-from dubins_study.report.elements.axes import duration, log_axis, only_grid
-from dubins_study.report.elements.looks import Palette, name_of
-from dubins_study.report.elements.style import BLUE, GREEN, INK, MUTED, VERMILION
+from dubins_study.report.elements.axes import duration, log_axis, mark_limit
+from dubins_study.report.elements.looks import Palette
+from dubins_study.report.elements.solver_lines import label_lines, plot_quartiles
+from dubins_study.report.elements.style import BLUE, GREEN, MUTED, VERMILION, Style
 from dubins_study.report.statistics.metrics import solver_order
 
 _GROUPS = ((BLUE, "o"), (VERMILION, "s"), (GREEN, "^"))
@@ -17,48 +20,23 @@ _GROUPS = ((BLUE, "o"), (VERMILION, "s"), (GREEN, "^"))
 def plot_wall(ax: Axes, table: pd.DataFrame, palette: Palette) -> None:
     """Median and quartiles of the whole time, and beside them how much is proven.
 
-    Columns solver, wall_s, wall_s_q1, wall_s_q3 (s), own (share), proved and attempts (counts).
+    Columns solver, wall_s, wall_s_q1, wall_s_q3 (s), own_bound (share), proved and attempts
+    (counts).
     """
     places = np.arange(len(table))[::-1]
     looks = palette.looks(table["solver"])
+    beside: dict[str, Any] = {"fontsize": 7.5, "color": MUTED}
     for place, row in zip(places, table.to_dict("records"), strict=True):
-        shares = f"{_percent(row['own'])}\n{_percent(row['proved'] / row['attempts'])}"
-        ax.text(
-            1.02,
-            place,
-            shares,
-            transform=ax.get_yaxis_transform(),
-            va="center",
-            fontsize=7.5,
-            color=MUTED,
-        )
-        if not row["wall_s"] > 0:
-            continue
-        look = looks[row["solver"]]
-        ax.plot(
-            [row["wall_s_q1"], row["wall_s_q3"]],
-            [place] * 2,
-            color=look.colour,
-            linewidth=2.4,
-            alpha=0.45,
-            solid_capstyle="butt",
-        )
-        ax.plot(row["wall_s"], place, **look.dots)
-    ax.set_yticks(places, [name_of(solver) for solver in table["solver"]], color=INK)
-    ax.text(
-        1.02,
-        1.0,
-        "own bound,\ncertificate",
-        transform=ax.transAxes,
-        va="bottom",
-        fontsize=7.5,
-        color=MUTED,
-    )
-    ax.set(xscale="log", ylim=(-0.6, len(table) - 0.4), xlabel="time of one attempt")
+        shares = f"{_percent(row['own_bound'])}\n{_percent(row['proved'] / row['attempts'])}"
+        across = ax.get_yaxis_transform()
+        ax.text(1.02, place, shares, transform=across, va="center", **beside)
+        if row["wall_s"] > 0:
+            plot_quartiles(ax, row, "wall_s", place, looks[row["solver"]])
+    heading = "own bound,\ncertificate"
+    ax.text(1.02, 1.0, heading, transform=ax.transAxes, va="bottom", **beside)
+    ax.set(xscale="log", xlabel="time of one attempt")
     log_axis(ax.xaxis, duration)
-    only_grid(ax, "x")
-    ax.spines["left"].set_visible(False)
-    ax.tick_params(axis="y", length=0)
+    label_lines(ax, table["solver"], places)
 
 
 def _percent(share: float) -> str:
@@ -77,15 +55,12 @@ def plot_prices(ax: Axes, table: pd.DataFrame) -> None:
         group = table[table["group"] == name].set_index("solver")
         lift = 0.22 * ((len(names) - 1) / 2 - number)
         places = np.array([solvers.index(solver) for solver in group.index]) + lift
-        ax.hlines(
-            places, group["ratio_q1"], group["ratio_q3"], color=colour, linewidth=2, alpha=0.45
-        )
+        bar: Style = {"color": colour, "linewidth": 2, "alpha": 0.45}
+        ax.hlines(places, group["ratio_q1"], group["ratio_q3"], **bar)
         ax.plot(group["ratio"], places, linestyle="none", marker=marker, color=colour, label=name)
-    ax.axvline(1.0, color=MUTED, linewidth=0.8, linestyle=(0, (1, 2)))
-    ax.set_yticks(range(len(solvers)), [name_of(solver) for solver in solvers], color=INK)
-    ax.set(xscale="log", ylim=(-0.6, len(solvers) - 0.4))
-    ax.set_xlabel("time / fastest right answer without a proof")
+    mark_limit(ax, 1.0)
+    ax.set(xscale="log", xlabel="time / fastest right answer without a proof")
     log_axis(ax.xaxis)
-    only_grid(ax, "x")
-    ax.spines["left"].set_visible(False)
-    ax.tick_params(axis="y", length=0)
+    label_lines(ax, solvers, range(len(solvers)))
+    figure = ax.figure
+    figure.legend(loc="outside lower left", ncols=2)

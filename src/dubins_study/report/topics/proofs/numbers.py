@@ -7,7 +7,7 @@ import pandas as pd
 
 from dubins_study.report.data.attempts import PROOFS
 from dubins_study.report.paper.printed import PROBLEMS
-from dubins_study.report.statistics.metrics import proof, solver_order, success
+from dubins_study.report.statistics.metrics import by_solver, proof, solver_order, success
 
 ENOUGH = 1e-4  # proven gap up to which the check would call an answer optimal
 PAPER = "the paper's problems"
@@ -43,30 +43,29 @@ def provers(rows: pd.DataFrame) -> list[str]:
 def proofs(rows: pd.DataFrame) -> pd.DataFrame:
     """One row a solver.
 
-    Columns: solver, attempts, success (share), one count per proof of the certificate, own (share
-    of attempts whose own bound proves a gap of at most 1e-4), gap and gap_most (median and largest
-    proven gap), wall_s with quartiles wall_s_q1 and wall_s_q3 (s), build_s (median, s).
+    Columns: solver, attempts, one count per proof of the certificate, success (share), own_bound
+    (share of attempts whose own bound proves a gap of at most 1e-4), gap and gap_most (median and
+    largest proven gap), wall_s with quartiles wall_s_q1 and wall_s_q3 (s), build_s (median, s).
     """
-    gap, word = proven_gap(rows), proof(rows)
-    records = []
-    for solver in solver_order(rows["solver"].tolist()):
-        of_solver = rows["solver"] == solver
-        group, gaps = rows[of_solver], gap[of_solver]
-        low, middle, high = group["wall_s"].quantile([0.25, 0.5, 0.75])
-        record: dict[str, object] = {"solver": solver, "attempts": len(group)}
-        record |= {name: int((word[of_solver] == name).sum()) for name in PROOFS}
-        record |= {
-            "success": float(success(group).mean()),
-            "own": float((gaps <= ENOUGH).mean()),
-            "gap": gaps.median(),
-            "gap_most": gaps.max(),
-            "wall_s_q1": low,
-            "wall_s": middle,
-            "wall_s_q3": high,
-            "build_s": group["build_s"].median(),
+    gap = proven_gap(rows)
+    counts = pd.get_dummies(proof(rows)).reindex(columns=list(PROOFS), fill_value=0)
+    measured = rows.assign(success=success(rows), own_bound=gap <= ENOUGH, proven=gap)
+    groups = measured.join(counts).groupby("solver")
+    frame = pd.DataFrame(
+        {
+            "attempts": groups.size(),
+            **{name: groups[name].sum() for name in PROOFS},
+            "success": groups["success"].mean(),
+            "own_bound": groups["own_bound"].mean(),
+            "gap": groups["proven"].median(),
+            "gap_most": groups["proven"].max(),
+            "wall_s_q1": groups["wall_s"].quantile(0.25),
+            "wall_s": groups["wall_s"].median(),
+            "wall_s_q3": groups["wall_s"].quantile(0.75),
+            "build_s": groups["build_s"].median(),
         }
-        records.append(record)
-    return pd.DataFrame.from_records(records)
+    )
+    return by_solver(frame.reset_index())
 
 
 def prices(rows: pd.DataFrame) -> pd.DataFrame:
@@ -93,16 +92,7 @@ def prices(rows: pd.DataFrame) -> pd.DataFrame:
             if known.empty:
                 continue
             low, middle, high = np.quantile(known, [0.25, 0.5, 0.75])
-            records.append(
-                {
-                    "group": name,
-                    "solver": solver,
-                    "questions": len(known),
-                    "ratio_q1": low,
-                    "ratio": middle,
-                    "ratio_q3": high,
-                }
-            )
+            records.append((name, solver, len(known), low, middle, high))
     columns = ["group", "solver", "questions", "ratio_q1", "ratio", "ratio_q3"]
     return pd.DataFrame.from_records(records, columns=columns)
 

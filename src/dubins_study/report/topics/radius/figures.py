@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
 from dubins_study.report.elements.axes import duration, log_axis, plain_log_axis
-from dubins_study.report.elements.content import digits
+from dubins_study.report.elements.formats import digits
 from dubins_study.report.elements.looks import LINES, Palette, name_of
 from dubins_study.report.elements.style import INK, MUTED
 from dubins_study.report.statistics.metrics import solver_order

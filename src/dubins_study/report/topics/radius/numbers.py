@@ -20,42 +20,26 @@ _SINGLE_WORDS = ("LS", "RS")
 
 
 class Span(NamedTuple):
-    """A range of radii with one shortest word.
-
-    Args:
-        word: of the shortest paths.
-        left, right: the radii between which it is the shortest.
-        first, past: its rows of `Sweep.shortest`, the first and the one after the last.
-    """
+    """A range of radii with one shortest word."""
 
     word: str
-    left: float
+    left: float  # radius
     right: float
-    first: int
-    past: int
+    first: int  # row of `Sweep.shortest`
+    past: int  # the row after the last
 
 
 @dataclass(frozen=True, eq=False)
 class Sweep:
-    """What the figure of one sweep draws; lengths and radii in the scenario's unit.
+    """What the figure of one sweep draws; lengths and radii in the scenario's unit."""
 
-    Args:
-        label: of its scenarios.
-        circle: the radius at which a turning circle passes through the target, R*.
-        shortest: columns radius, length, word; one row a radius, by rising radius.
-        spans: of the words, by rising radius.
-        single_words: columns word, radius, length (NaN where the word does not exist).
-        wrong: columns solver, radius, length, arrives; the answers that are not right.
-        times: columns solver, initial_guess, radius, wall_s (median, s).
-    """
-
-    label: str
-    circle: float
-    shortest: pd.DataFrame
-    spans: tuple[Span, ...]
-    single_words: pd.DataFrame
-    wrong: pd.DataFrame
-    times: pd.DataFrame
+    label: str  # of its scenarios
+    circle: float  # the radius at which a turning circle passes through the target, R*
+    shortest: pd.DataFrame  # radius, length, word; one row a radius, by rising radius
+    spans: tuple[Span, ...]  # of the words, by rising radius
+    single_words: pd.DataFrame  # word, radius, length (NaN where the word does not exist)
+    wrong: pd.DataFrame  # solver, radius, length, arrives; the answers that are not right
+    times: pd.DataFrame  # solver, initial_guess, radius, wall_s (median, s)
 
 
 def sweep_rows(rows: pd.DataFrame) -> dict[tuple[str, str], pd.DataFrame]:

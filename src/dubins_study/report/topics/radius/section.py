@@ -7,7 +7,8 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 
 from dubins_study.report.data.results import Results
-from dubins_study.report.elements.content import Picture, Section, Table, digits
+from dubins_study.report.elements.content import Picture, Section, Table
+from dubins_study.report.elements.formats import digits
 from dubins_study.report.elements.looks import Palette
 from dubins_study.report.elements.style import HALF, new_figure
 from dubins_study.report.topics.radius.figures import WARM, plot_length, plot_time

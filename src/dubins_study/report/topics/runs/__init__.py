@@ -1,1 +1,1 @@
-"""The topic `runs` of the report."""
+"""The topic `runs` of the report; its one small figure is drawn in `section`."""

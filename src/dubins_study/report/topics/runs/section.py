@@ -7,19 +7,13 @@ from collections.abc import Hashable, Mapping
 from typing import Any
 
 import pandas as pd
+from matplotlib.axes import Axes
 
 from dubins_study.report.data.results import Results
-from dubins_study.report.elements.content import (
-    Column,
-    Picture,
-    Section,
-    Table,
-    digits,
-    seconds,
-    share,
-)
-from dubins_study.report.elements.style import WIDE, new_figure
-from dubins_study.report.topics.runs.figures import plot_probes
+from dubins_study.report.elements.columns import columns, marks
+from dubins_study.report.elements.content import Picture, Section, Table, picture
+from dubins_study.report.elements.formats import digits, seconds, share
+from dubins_study.report.elements.style import WIDE
 from dubins_study.report.topics.runs.numbers import probe_ratios, runs
 from dubins_study.study.rows.machine_noise import NOISY
 
@@ -56,17 +50,15 @@ def _sentence(run: Mapping[Hashable, Any]) -> str:
 
 
 def _table(frame: pd.DataFrame) -> Table:
-    columns = (
-        Column("experiment", "experiment", kind="code"),
-        Column("run", "run", kind="code"),
-        Column("started", "started (UTC)", _minute, kind="text"),
-        Column("seconds", "took", seconds),
-        Column("state", "state", kind="text"),
-        Column("engine", "engine", kind="text"),
-        Column("jobs", "jobs"),
-        Column("spread", "varied by", share),
-        Column("load", "load", kind="text"),
-        Column("where", "machine", kind="prose"),
+    shown = (
+        *columns(kind="code", experiment="experiment", run="run"),
+        *columns(_minute, kind="text", started="started (UTC)"),
+        *columns(seconds, seconds="took"),
+        *columns(kind="text", state="state", engine="engine"),
+        *columns(jobs="jobs"),
+        *columns(share, spread="varied by"),
+        *columns(kind="text", load="load"),
+        *columns(kind="prose", where="machine"),
     )
     where = frame["machine"] + "; governor " + frame["governor"]
     caption = (
@@ -74,9 +66,8 @@ def _table(frame: pd.DataFrame) -> Table:
         "last minute, at the start and at the end; the governor sets the cores' clock; varied by "
         f"more than {share(NOISY)} is marked."
     )
-    rows = enumerate(frame["spread"])
-    marks = {(place, "spread"): "bad" for place, varied in rows if varied > NOISY}
-    return Table("runs", caption, frame.drop(columns="probes").assign(where=where), columns, marks)
+    noisy = marks(frame[["spread"]] > NOISY, "spread")
+    return Table("runs", caption, frame.assign(where=where), shown, noisy)
 
 
 def _minute(started: Any) -> str:
@@ -86,11 +77,25 @@ def _minute(started: Any) -> str:
 
 
 def _picture(noisy: pd.DataFrame) -> Picture:
-    figure = new_figure(WIDE, 2.4)
-    plot_probes(figure.add_subplot(), probe_ratios(noisy))
-    figure.legend(loc="outside right upper", fontsize=7.5)
-    caption = (
-        "The calibration probe in the runs that varied most, relative to its median: 1 is the "
-        f"usual speed, above is slower; the band is {digits(1)(100 * NOISY)} % wide."
+    return picture(
+        "probes",
+        plot_probes,
+        probe_ratios(noisy),
+        caption="The calibration probe in the runs that varied most, relative to its median: 1 is "
+        f"the usual speed, above is slower; the band is {digits(1)(100 * NOISY)} % wide.",
+        alt="Probe times against time, one line a run",
+        height=2.4,
+        width=WIDE,
     )
-    return Picture("probes", caption, figure, "Probe times against time, one line a run")
+
+
+def plot_probes(ax: Axes, ratios: pd.DataFrame) -> None:
+    """What the calibration probe took, relative to its median, against time.
+
+    Columns: run (its name), when (s since the run began), ratio.
+    """
+    for name, group in ratios.groupby("run", sort=False):
+        ax.plot(group["when"], group["ratio"], lw=0.8, label=str(name))
+    ax.axhspan(1 - NOISY / 2, 1 + NOISY / 2, alpha=0.15, lw=0)
+    ax.set(xlabel="time since the run began (s)", ylabel="probe / its median")
+    ax.figure.legend(loc="outside right upper", fontsize=7.5)

@@ -6,9 +6,9 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
-from dubins_study.report.elements.axes import log_axis, power
+from dubins_study.report.elements.axes import log_axis, mark_limit, power
 from dubins_study.report.elements.looks import Palette, name_of
-from dubins_study.report.elements.style import MUTED
+from dubins_study.report.elements.style import Style
 from dubins_study.report.statistics.metrics import solver_order
 from dubins_study.report.topics.scale.numbers import ROUNDING
 
@@ -26,15 +26,9 @@ def plot_scale(ax: Axes, rows: pd.DataFrame, palette: Palette, foot: float, top:
         # many are exact: each a little higher than the one before, so that all are seen
         gap = gap.where(gap > foot, foot * 10 ** (0.28 * place))
         look = looks[solver]
-        ax.plot(
-            group["radius"],
-            gap,
-            marker=look.marker,
-            markersize=3,
-            **look.lines,
-            label=name_of(solver),
-        )
-    ax.axhline(ROUNDING, color=MUTED, linewidth=0.8, linestyle=(0, (1, 2)))
+        style: Style = {"marker": look.marker, "markersize": 3, "label": name_of(solver)}
+        ax.plot(group["radius"], gap, **style, **look.lines)
+    mark_limit(ax, ROUNDING, "y")
     ax.set(xscale="log", yscale="log", ylim=(foot / 3, top * 4))
     ax.set(xlabel="turning radius R (length unit)")
     log_axis(ax.xaxis)

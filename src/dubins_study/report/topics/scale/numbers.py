@@ -6,12 +6,9 @@ this gives the same path in radii, and its iterations do not change.
 
 from __future__ import annotations
 
-import math
-
-import numpy as np
 import pandas as pd
 
-from dubins_study.report.statistics.metrics import solver_order, success
+from dubins_study.report.statistics import metrics
 
 # spreads of length / R up to this are rounding: of the scenario's own numbers, of the sum of up to
 # a hundred pieces, and of the division; and gaps up to it are none
@@ -26,27 +23,18 @@ def spreads(rows: pd.DataFrame) -> pd.DataFrame:
     `/` between), iterations_low, iterations_high (NaN if not counted), invariant (all radii alike:
     every answer arrives, same verdict and word, spread within `ROUNDING`).
     """
-    records = []
-    for (label, solver), group in rows.groupby(["label", "solver"], sort=True):
-        arrived = group[group["gap"].notna()]
-        relative = (arrived["length"] / arrived["radius"]).to_numpy(dtype=np.float64)
-        spread = float(np.ptp(relative) / np.median(relative)) if relative.size else math.nan
-        words = sorted(set(group["word"].dropna()))
-        alike = len(arrived) == len(group) and group["verdict"].nunique() == 1 and len(words) <= 1
-        records.append(
-            {
-                "solver": solver,
-                "label": label,
-                "radii": int(group["radius"].nunique()),
-                "success": float(success(group).mean()),
-                "spread": spread,
-                "words": "/".join(words),
-                "iterations_low": float(group["iterations"].min()),
-                "iterations_high": float(group["iterations"].max()),
-                "invariant": bool(alike and not spread > ROUNDING),
-            }
-        )
-    return pd.DataFrame.from_records(records)
+    arrived = (rows["length"] / rows["radius"]).where(rows["gap"].notna())
+    measured = rows.assign(success=metrics.success(rows), relative=arrived)
+    groups = measured.groupby(["label", "solver"])
+    relative, iterations = groups["relative"], groups["iterations"]
+    frame = pd.DataFrame({"radii": groups["radius"].nunique(), "success": groups["success"].mean()})
+    frame["spread"] = (relative.max() - relative.min()) / relative.median()
+    frame["words"] = groups["word"].agg(lambda words: "/".join(sorted(words.dropna().unique())))
+    frame["iterations_low"], frame["iterations_high"] = iterations.min(), iterations.max()
+    alike = (groups["verdict"].nunique() == 1) & (groups["word"].nunique() <= 1)
+    arrive = relative.count() == groups.size()
+    frame["invariant"] = alike & arrive & ~(frame["spread"] > ROUNDING)
+    return frame.reset_index()
 
 
 def by_solver(table: pd.DataFrame) -> pd.DataFrame:
@@ -57,20 +45,11 @@ def by_solver(table: pd.DataFrame) -> pd.DataFrame:
     radius of each scenario), iterations (largest ratio of most to least over one scenario's radii;
     NaN if not counted or zero).
     """
-    records = []
-    for solver in solver_order(table["solver"].tolist()):
-        group = table[table["solver"] == solver]
-        counted = group[group["iterations_low"] > 0]
-        ratio = counted["iterations_high"] / counted["iterations_low"]
-        records.append(
-            {
-                "solver": solver,
-                "scenarios": len(group),
-                "invariant": int(group["invariant"].sum()),
-                "success": float(group["success"].mean()),
-                "spread": float(group["spread"].max()),
-                "words": not group["words"].str.contains("/").any(),
-                "iterations": float(ratio.max()),
-            }
-        )
-    return pd.DataFrame.from_records(records)
+    low = table["iterations_low"]
+    ratio = table["iterations_high"] / low.where(low > 0)
+    measured = table.assign(words=~table["words"].str.contains("/"), iterations=ratio)
+    groups = measured.groupby("solver")
+    frame = pd.DataFrame({"scenarios": groups.size(), "invariant": groups["invariant"].sum()})
+    frame = frame.assign(success=groups["success"].mean(), spread=groups["spread"].max())
+    frame = frame.assign(words=groups["words"].all(), iterations=groups["iterations"].max())
+    return metrics.by_solver(frame.reset_index())

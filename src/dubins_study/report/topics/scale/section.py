@@ -6,15 +6,9 @@ import pandas as pd
 
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.axes import power
-from dubins_study.report.elements.content import (
-    Column,
-    Picture,
-    Section,
-    Table,
-    count,
-    digits,
-    share,
-)
+from dubins_study.report.elements.columns import SOLVER, columns, marks
+from dubins_study.report.elements.content import Picture, Section, Table
+from dubins_study.report.elements.formats import count, digits, share
 from dubins_study.report.elements.looks import Palette, legend_lines
 from dubins_study.report.elements.style import WIDE, new_figure
 from dubins_study.report.statistics.metrics import parse_spec, solver_order
@@ -27,19 +21,14 @@ _FOOT, _TOP = 1e-17, 1e1
 def scale_section(results: Results) -> Section | None:
     """Gap against radius, and a table of what changes with it."""
     rows = results.rows
-    rows = rows[
-        (rows["branch"] == "best") & (rows["initial_guess"] == "cold") & rows["radius"].notna()
-    ]
+    posed = (rows["branch"] == "best") & (rows["initial_guess"] == "cold")
+    rows = rows[posed & rows["radius"].notna()]
     if rows.empty:
         return None
     table = by_solver(spreads(rows))
     text = f"{_method(rows)} {' '.join(_findings(table))}"
-    return Section(
-        "scale",
-        "From micrometres to megametres",
-        text,
-        (_picture(rows, Palette.of(results.solvers)), _table(table)),
-    )
+    blocks = (_picture(rows, Palette.of(results.solvers)), _table(table))
+    return Section("scale", "From micrometres to megametres", text, blocks)
 
 
 def _method(rows: pd.DataFrame) -> str:
@@ -106,23 +95,18 @@ def _picture(rows: pd.DataFrame, palette: Palette) -> Picture:
 
 
 def _table(table: pd.DataFrame) -> Table:
-    columns = (
-        Column("solver", "solver", kind="code"),
-        Column("scenarios", "scenarios", count),
-        Column("invariant", "of them invariant", count),
-        Column("success", "right", share),
-        Column("spread", "largest spread of length / R", digits(2)),
-        Column("words", "same word", lambda same: "yes" if same else "no", kind="text"),
-        Column("iterations", "iterations, most / least", digits(3)),
+    shown = (
+        SOLVER,
+        *columns(count, scenarios="scenarios", invariant="of them invariant"),
+        *columns(share, success="right"),
+        *columns(digits(2), spread="largest spread of length / R"),
+        *columns(lambda same: "yes" if same else "no", kind="text", words="same word"),
+        *columns(digits(3), iterations="iterations, most / least"),
     )
     caption = (
         "Over the radii of each scenario. Invariant: same verdict and word at every radius, and "
         f"lengths in radii within {digits(1)(ROUNDING)}. Spread: greatest less least length in "
         "radii, relative, over the answers that arrive."
     )
-    marks = {
-        (i, "invariant"): "bad"
-        for i, (_, row) in enumerate(table.iterrows())
-        if row["invariant"] < row["scenarios"]
-    }
-    return Table("scale", caption, table, columns, marks)
+    varies = pd.DataFrame({"invariant": table["invariant"] < table["scenarios"]})
+    return Table("scale", caption, table, shown, marks(varies, "invariant"))

@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Mapping
-from typing import Any
+from collections.abc import Mapping
 
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
 from dubins_study.report.data.attempts import VERDICTS
-from dubins_study.report.elements.axes import log_axis
-from dubins_study.report.elements.content import count
+from dubins_study.report.elements.axes import log_axis, mark_limit, percent_axis
+from dubins_study.report.elements.formats import count
 from dubins_study.report.elements.looks import Palette, name_of
-from dubins_study.report.elements.stacked_bars import plot_shares
+from dubins_study.report.elements.solver_lines import plot_shares
 from dubins_study.report.elements.style import BLUE, MUTED, ORANGE, RULE, VERMILION
 from dubins_study.report.statistics.metrics import solver_order
 
@@ -31,22 +30,17 @@ SMALLEST_GAP = 1e-16
 def plot_verdicts(ax: Axes, table: pd.DataFrame) -> None:
     """Share of each verdict, one bar a solver. Columns of `summary.numbers.summary`."""
     look = {verdict: VERDICT_LOOK[verdict] for verdict in VERDICTS}
-    plot_shares(ax, table, look, [_counts(row) for row in table.to_dict("records")])
+    notes = [
+        f"of {count(row['attempts'])}: {count(row['false_claims'])} false claims,\n"
+        f"{count(row['wrong_basins'])} wrong basins"
+        for row in table.to_dict("records")
+    ]
+    plot_shares(ax, table, look, notes)
     ax.legend(loc="lower left", bbox_to_anchor=(0, 1.0), ncols=5, borderaxespad=0.2)
 
 
-def _counts(row: Mapping[Hashable, Any]) -> str:
-    return (
-        f"of {count(row['attempts'])}: {count(row['false_claims'])} false claims,\n"
-        f"{count(row['wrong_basins'])} wrong basins"
-    )
-
-
 def plot_gap_profile(
-    ax: Axes,
-    shares: Mapping[str, pd.DataFrame],
-    palette: Palette,
-    tolerance: float | None = None,
+    ax: Axes, shares: Mapping[str, pd.DataFrame], palette: Palette, tolerance: float | None
 ) -> None:
     """Share of attempts within each gap.
 
@@ -62,17 +56,12 @@ def plot_gap_profile(
         within, share = (shares[solver][name].to_numpy() for name in ("gap", "share"))
         x = np.concatenate(([SMALLEST_GAP], np.maximum(within, SMALLEST_GAP), [10.0]))
         y = np.concatenate(([0.0], share, share[-1:] if share.size else [0.0]))
-        ax.step(
-            x,
-            y,
-            where="post",
-            label=name_of(solver, 40),
-            **looks[solver].curve(place),
-        )
+        curve = looks[solver].curve(place)
+        ax.step(x, y, where="post", label=name_of(solver, 40), **curve)
     if tolerance is not None:
-        ax.axvline(tolerance, color=MUTED, linewidth=0.8, linestyle=(0, (1, 2)))
+        mark_limit(ax, tolerance)
         ax.text(tolerance, 1.03, "optimal up to here", ha="center", fontsize=7.5, color=MUTED)
     ax.set(xscale="log", xlim=(SMALLEST_GAP, 10), ylim=(0, 1.02))
     ax.set(xlabel="gap to the shortest length (relative)", ylabel="share of all attempts")
-    ax.yaxis.set_major_formatter(lambda value, _: f"{100 * value:.0f} %")
+    percent_axis(ax.yaxis)
     log_axis(ax.xaxis)

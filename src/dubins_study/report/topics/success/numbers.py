@@ -25,12 +25,12 @@ def failures(frame: pd.DataFrame) -> pd.DataFrame:
         frame: of `report.data.attempts.Attempts.failures`.
 
     Returns:
-        Columns solver, outcome, claim, verdict, said (the gist of the backend's message, or of its
-        status where there is none), attempts.
+        Columns solver, outcome, claim, verdict, message (the gist of the backend's message, or of
+        its status where there is none), attempts.
     """
-    keys = ["solver", "outcome", "claim", "verdict", "said"]
-    text = frame["message"].fillna("").where(lambda t: t != "", frame["native_status"].fillna(""))
-    counted = frame.assign(said=text.map(gist)).groupby(keys, dropna=False)["attempts"].sum()
+    keys = ["solver", "outcome", "claim", "verdict", "message"]
+    text = frame["message"].replace("", None).fillna(frame["native_status"]).fillna("")
+    counted = frame.assign(message=text.map(gist)).groupby(keys, dropna=False)["attempts"].sum()
     ascending = [False] + [True] * len(keys)
     return counted.reset_index().sort_values(["attempts", *keys], ascending=ascending)
 

@@ -8,22 +8,15 @@ import pandas as pd
 
 from dubins_study.report.data.attempts import Attempts
 from dubins_study.report.data.results import Folder, Results
-from dubins_study.report.elements.content import (
-    Column,
-    Picture,
-    Section,
-    Table,
-    count,
-    digits,
-    share,
-    slug,
-)
-from dubins_study.report.elements.looks import Palette, legend_lines, name_of
-from dubins_study.report.elements.style import HALF, WIDE, new_figure
-from dubins_study.report.elements.verdict_table import marks_of_failures, verdict_columns
+from dubins_study.report.elements.columns import SOLVER, columns
+from dubins_study.report.elements.content import Picture, Section, Table, picture
+from dubins_study.report.elements.formats import count, digits, share, slug
+from dubins_study.report.elements.looks import Palette, legend_lines, lines_of_names
+from dubins_study.report.elements.style import WIDE
 from dubins_study.report.topics.success.figures import plot_gap_profile, plot_verdicts
 from dubins_study.report.topics.success.numbers import failures, gap_quantiles, gap_shares
 from dubins_study.report.topics.summary.numbers import summary
+from dubins_study.report.topics.summary.section import VERDICT_COLUMNS, failure_marks
 
 _MOST_FAILURES = 25
 
@@ -40,7 +33,7 @@ def success_section(results: Results) -> Section | None:
         palette = Palette.of(results.solvers)
         allowed = _gap_tolerances(results.folders)
         blocks += [
-            _profile_picture(name, own, allowed.get(name), palette) for name, own in each.items()
+            _profile_picture(name, one, allowed.get(name), palette) for name, one in each.items()
         ]
         blocks.append(_quantile_table(quantiles, attempts.precision))
     without_success = failures(attempts.failures())
@@ -55,25 +48,27 @@ def success_section(results: Results) -> Section | None:
 
 
 def _experiment_table(each: Mapping[str, Attempts]) -> Table:
-    parts = [summary(own.verdicts()).assign(experiment=name) for name, own in each.items()]
+    parts = [summary(one.verdicts()).assign(experiment=name) for name, one in each.items()]
     frame = pd.concat(parts, ignore_index=True)
     left_out = ("optimal", "none exists", "not_returned")  # the rest says it, and fits
-    kept = [column for column in verdict_columns() if column.key not in left_out]
-    columns = (Column("experiment", "experiment", kind="code"), *kept)
+    kept = [column for column in VERDICT_COLUMNS if column.key not in left_out]
+    shown = (*columns(kind="code", experiment="experiment"), *kept)
     caption = "The same counts experiment by experiment: each was put to other solvers."
-    return Table("summary-by-experiment", caption, frame, columns, marks_of_failures(frame))
+    return Table("summary-by-experiment", caption, frame, shown, failure_marks(frame))
 
 
 def _verdict_picture(attempts: Attempts) -> Picture:
     frame = summary(attempts.verdicts())
-    lines = max(name_of(solver).count("\n") + 1 for solver in frame["solver"])
-    figure = new_figure(WIDE, 0.9 + max(0.42, 0.14 * lines) * len(frame))
-    plot_verdicts(figure.add_subplot(), frame)
-    caption = (
-        "Verdicts as shares of all attempts. Plain bars are successes, hatched ones are not; false "
-        "claims and wrong basins are counted at the right."
+    return picture(
+        "verdicts",
+        plot_verdicts,
+        frame,
+        caption="Verdicts as shares of all attempts. Plain bars are successes, hatched ones are "
+        "not; false claims and wrong basins are counted at the right.",
+        alt="Stacked bars of verdicts, one a solver",
+        height=0.9 + max(0.42, 0.14 * lines_of_names(frame["solver"])) * len(frame),
+        width=WIDE,
     )
-    return Picture("verdicts", caption, figure, "Stacked bars of verdicts, one a solver")
 
 
 def _gap_tolerances(folders: Iterable[Folder]) -> dict[str, float]:
@@ -88,51 +83,46 @@ def _profile_picture(
     experiment: str, attempts: Attempts, tolerance: float | None, palette: Palette
 ) -> Picture:
     shares = gap_shares(attempts.gap_profile())
-    figure = new_figure(HALF, 3.0 + 0.17 * legend_lines(list(shares), width=40))
-    ax = figure.add_subplot()
-    plot_gap_profile(ax, shares, palette, tolerance)
-    figure.legend(loc="outside lower left", ncols=1, fontsize=7.5)
-    caption = (
-        f"Experiment {experiment}: share of attempts within each gap. Higher is more reliable, "
-        "further left more accurate; a curve that ends below 100 % belongs to a solver that "
-        "sometimes does not arrive."
+    return picture(
+        f"gap-profile-{slug(experiment)}",
+        plot_gap_profile,
+        *(shares, palette, tolerance),
+        caption=f"Experiment {experiment}: share of attempts within each gap. Higher is more "
+        "reliable, further left more accurate; a curve that ends below 100 % belongs to a solver "
+        "that sometimes does not arrive.",
+        alt=f"Share of attempts against gap, {experiment}",
+        height=3.0 + 0.17 * legend_lines(list(shares), width=40),
+        legend=1,
     )
-    alt = f"Share of attempts against gap, {experiment}"
-    return Picture(f"gap-profile-{slug(experiment)}", caption, figure, alt, True)
 
 
 def _quantile_table(frame: pd.DataFrame, precision: str) -> Table:
     gap = digits(3)
-    columns = (
-        Column("solver", "solver", kind="code"),
-        Column("region", "target lies", kind="text"),
-        Column("attempts", "attempts", count),
-        Column("arrived", "arrive", share),
-        Column("q50", "median gap", gap),
-        Column("q90", "90 %", gap),
-        Column("q99", "99 %", gap),
-        Column("q100", "worst", gap),
+    shown = (
+        SOLVER,
+        *columns(kind="text", region="target lies"),
+        *columns(count, attempts="attempts"),
+        *columns(share, arrived="arrive"),
+        *columns(gap, q50="median gap", q90="90 %", q99="99 %", q100="worst"),
     )
     caption = (
         "Gap quantiles (relative, no unit) by where the target lies. ∞ means that so large a share "
         "of the attempts did not arrive that the quantile is not reached."
         f"{precision}"
     )
-    return Table("gap-quantiles", caption, frame, columns)
+    return Table("gap-quantiles", caption, frame, shown)
 
 
 def _failure_table(failures_by_kind: pd.DataFrame) -> Table:
     frame = failures_by_kind.head(_MOST_FAILURES).reset_index(drop=True)
-    columns = (
-        Column("solver", "solver", kind="code"),
-        Column("outcome", "outcome", kind="text"),
-        Column("claim", "claim", kind="text"),
-        Column("verdict", "verdict", kind="text"),
-        Column("said", "the backend said", kind="prose"),
-        Column("attempts", "attempts", count),
+    shown = (
+        SOLVER,
+        *columns(kind="text", outcome="outcome", claim="claim", verdict="verdict"),
+        *columns(kind="prose", message="the backend said"),
+        *columns(count, attempts="attempts"),
     )
     caption = (
         "Attempts without success by what was said of them (# stands for a number), the "
         f"{_MOST_FAILURES} most frequent."
     )
-    return Table("failures", caption, frame, columns)
+    return Table("failures", caption, frame, shown)

@@ -2,11 +2,28 @@
 
 from __future__ import annotations
 
-from dubins_study.report.data.attempts import SUCCESSES
+import pandas as pd
+
+from dubins_study.report.data.attempts import SUCCESSES, VERDICTS
 from dubins_study.report.data.results import Results
-from dubins_study.report.elements.content import Section, Table, share, some
-from dubins_study.report.elements.verdict_table import marks_of_failures, verdict_columns
+from dubins_study.report.elements.columns import SOLVER, columns, marks
+from dubins_study.report.elements.content import Section, Table
+from dubins_study.report.elements.formats import count, seconds, share, some
 from dubins_study.report.topics.summary.numbers import summary
+
+VERDICT_COLUMNS = (
+    SOLVER,
+    *columns(count, **{key: key for key in ("attempts", *VERDICTS)}),
+    *columns(share, success="success"),
+    *columns(count, false_claims="false claims", wrong_basins="wrong basins"),
+    *columns(count, not_returned="not returned"),
+    *columns(seconds, wall_s="median time"),
+)
+
+
+def failure_marks(frame: pd.DataFrame) -> dict[tuple[int, str], str]:
+    """Marks for the counts of answers that are wrong or missing, where there are any."""
+    return marks(frame, "misses", "none", "false_claims", "not_returned")
 
 
 def summary_section(results: Results) -> Section | None:
@@ -30,5 +47,5 @@ def summary_section(results: Results) -> Section | None:
         f"success: {share(right)}. No number here rests on a solver's own word: each path "
         "is driven again from its controls and judged against the closed form."
     )
-    table = Table("summary", caption, frame, verdict_columns(), marks_of_failures(frame))
+    table = Table("summary", caption, frame, VERDICT_COLUMNS, failure_marks(frame))
     return Section("summary", "Summary", text, (table,))

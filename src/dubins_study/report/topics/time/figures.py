@@ -6,9 +6,9 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
-from dubins_study.report.elements.axes import duration, log_axis, only_grid, plain_log_axis
+from dubins_study.report.elements.axes import duration, log_axis, percent_axis, plain_log_axis
 from dubins_study.report.elements.looks import Palette, name_of
-from dubins_study.report.elements.style import INK
+from dubins_study.report.elements.solver_lines import label_lines, plot_quartiles
 
 
 def plot_times(ax: Axes, table: pd.DataFrame, palette: Palette) -> None:
@@ -16,28 +16,15 @@ def plot_times(ax: Axes, table: pd.DataFrame, palette: Palette) -> None:
     places = np.arange(len(table))[::-1]
     looks = palette.looks(table["solver"])
     for place, row in zip(places, table.to_dict("records"), strict=True):
-        look = looks[row["solver"]]
-        for part, lift, fill in (("solve_s", 0.14, look.colour), ("build_s", -0.14, "none")):
-            if not row[part] > 0:
-                continue
-            ax.plot(
-                [max(row[f"{part}_q1"], 1e-9), row[f"{part}_q3"]],
-                [place + lift] * 2,
-                color=look.colour,
-                linewidth=2.4,
-                alpha=0.45,
-                solid_capstyle="butt",
-            )
-            ax.plot(row[part], place + lift, **(look.dots | {"markerfacecolor": fill}))
-    ax.set_yticks(places, [name_of(solver) for solver in table["solver"]], color=INK)
-    ax.set(xscale="log", ylim=(-0.6, len(table) - 0.4), xlabel="time of one attempt")
+        for part, lift, fill in (("solve_s", 0.14, ""), ("build_s", -0.14, "none")):
+            if row[part] > 0:
+                plot_quartiles(ax, row, part, place + lift, looks[row["solver"]], fill)
+    ax.set(xscale="log", xlabel="time of one attempt")
     low, high = np.log10(ax.get_xlim())
     if high - low < 1:  # an axis within a decade would have no ticks
         ax.set_xlim(10 ** np.floor(low), 10 ** np.ceil(high))
     log_axis(ax.xaxis, duration)
-    only_grid(ax, "x")
-    ax.spines["left"].set_visible(False)
-    ax.tick_params(axis="y", length=0)
+    label_lines(ax, table["solver"], places)
 
 
 def plot_performance(ax: Axes, ratios: pd.DataFrame, palette: Palette) -> None:
@@ -53,5 +40,5 @@ def plot_performance(ax: Axes, ratios: pd.DataFrame, palette: Palette) -> None:
         ax.step(x, y, where="post", label=name_of(solver), **looks[solver].curve(place))
     ax.set(xscale="log", xlim=(1, last), ylim=(0, 1.02))
     plain_log_axis(ax.xaxis)
-    ax.yaxis.set_major_formatter(lambda value, _: f"{100 * value:.0f} %")
+    percent_axis(ax.yaxis)
     ax.set(xlabel="time / time of the fastest right answer", ylabel="share of questions")

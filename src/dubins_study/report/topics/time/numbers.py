@@ -23,29 +23,28 @@ def mean_times(rows: pd.DataFrame, shift: float | None = None) -> tuple[pd.DataF
     if table.empty:
         return pd.DataFrame(), 0.0
     chosen = float(np.quantile(table.to_numpy(), 0.25)) if shift is None else shift
-    means = {
-        factor: table.apply(lambda t, s=chosen * factor: shifted_geometric_mean(t, s))
-        for factor in (1.0, 0.1, 10.0)
-    }
-    frame = pd.DataFrame(
-        {
-            "solver": table.columns,
-            "questions": len(table),
-            "mean_s": means[1.0].to_numpy(),
-            "rank": means[1.0].rank().astype(int).to_numpy(),
-            "rank_tenth": means[0.1].rank().astype(int).to_numpy(),
-            "rank_tenfold": means[10.0].rank().astype(int).to_numpy(),
-        }
-    )
-    return frame, chosen
+    means = table.apply(lambda times: shifted_geometric_mean(times, chosen))
+    frame = pd.DataFrame({"questions": len(table), "mean_s": means})
+    for name, factor in (("rank", 1.0), ("rank_tenth", 0.1), ("rank_tenfold", 10.0)):
+        shifted = table.apply(lambda t, s=chosen * factor: shifted_geometric_mean(t, s))
+        frame[name] = shifted.rank().astype(int)
+    return frame.rename_axis("solver").reset_index(), chosen
+
+
+def _right_times(rows: pd.DataFrame, otherwise: float) -> pd.DataFrame:
+    """Median whole time (s) of every solver (columns) on each question (rows).
+
+    `otherwise` stands where an answer is not right, NaN where a solver was not asked.
+    """
+    right = rows.assign(right=success(rows))
+    timed = right.groupby([*QUESTION, "solver"]).agg(wall=("wall_s", "median"), ok=("right", "all"))
+    wide = pd.DataFrame(timed["wall"].where(timed["ok"], otherwise).unstack("solver"))
+    return wide[solver_order(list(wide.columns))]
 
 
 def common_times(rows: pd.DataFrame) -> pd.DataFrame:
     """Median whole time (s) of every solver (columns) on each question (rows) all got right."""
-    right = rows.assign(right=success(rows))
-    timed = right.groupby([*QUESTION, "solver"]).agg(wall=("wall_s", "median"), ok=("right", "all"))
-    wide = pd.DataFrame(timed["wall"].where(timed["ok"]).unstack("solver")).dropna()
-    return wide[solver_order(list(wide.columns))]
+    return _right_times(rows, np.nan).dropna()
 
 
 def time_ratios(rows: pd.DataFrame) -> pd.DataFrame:
@@ -54,9 +53,5 @@ def time_ratios(rows: pd.DataFrame) -> pd.DataFrame:
     Only questions that every solver here was asked; infinite where its answer is not right, or
     nobody's is.
     """
-    right = rows.assign(right=success(rows))
-    asked = right.groupby([*QUESTION, "solver"]).agg(wall=("wall_s", "median"), ok=("right", "all"))
-    times_of = pd.DataFrame(asked["wall"].where(asked["ok"], np.inf).unstack("solver"))
-    everyone = times_of[times_of.notna().all(axis=1)]
-    ratios = everyone.div(everyone.min(axis=1), axis=0).fillna(np.inf)
-    return ratios[solver_order(list(ratios.columns))]
+    everyone = _right_times(rows, np.inf).dropna()
+    return everyone.div(everyone.min(axis=1), axis=0).fillna(np.inf)

@@ -6,16 +6,11 @@ import pandas as pd
 
 from dubins_study.report.data.attempts import EXACT
 from dubins_study.report.data.results import Results
-from dubins_study.report.elements.content import (
-    Column,
-    Picture,
-    Section,
-    Table,
-    count,
-    seconds,
-)
-from dubins_study.report.elements.looks import Palette, legend_lines, name_of
-from dubins_study.report.elements.style import WIDE, new_figure
+from dubins_study.report.elements.columns import SOLVER, columns
+from dubins_study.report.elements.content import Picture, Section, Table, picture
+from dubins_study.report.elements.formats import count, seconds
+from dubins_study.report.elements.looks import Palette, legend_lines, lines_of_names
+from dubins_study.report.elements.style import WIDE
 from dubins_study.report.statistics.metrics import by_solver
 from dubins_study.report.topics.time.figures import plot_performance, plot_times
 from dubins_study.report.topics.time.numbers import mean_times, time_ratios
@@ -27,16 +22,18 @@ def time_section(results: Results) -> Section | None:
     frame = by_solver(results.attempts.times())
     if frame.empty:
         return None
-    lines = max(name_of(solver).count("\n") + 1 for solver in frame["solver"])
-    figure = new_figure(WIDE, 0.7 + max(0.46, 0.13 * lines) * len(frame))
     palette = Palette.of(results.solvers)
-    plot_times(figure.add_subplot(), frame, palette)
-    caption = (
-        "Time of one cold attempt: median (mark) and quartiles (bar) of solving (filled, above) "
-        "and of building the model (open, below)."
+    medians = picture(
+        "times",
+        plot_times,
+        *(frame, palette),
+        caption="Time of one cold attempt: median (mark) and quartiles (bar) of solving (filled, "
+        "above) and of building the model (open, below).",
+        alt="Median times and quartiles, one line a solver",
+        height=0.7 + max(0.46, 0.13 * lines_of_names(frame["solver"])) * len(frame),
+        width=WIDE,
     )
-    picture = Picture("times", caption, figure, "Median times and quartiles, one line a solver")
-    blocks: list[Picture | Table] = [picture, _time_table(frame, results.attempts.precision)]
+    blocks: list[Picture | Table] = [medians, _time_table(frame, results.attempts.precision)]
     plain = _not_variants(cold)
     ratios = time_ratios(plain[plain["solver"] != EXACT])
     if ratios.shape[0] > 1 and ratios.shape[1] > 1:
@@ -62,43 +59,45 @@ def _not_variants(rows: pd.DataFrame) -> pd.DataFrame:
 
 
 def _performance_picture(ratios: pd.DataFrame, palette: Palette) -> Picture:
-    figure = new_figure(WIDE, 2.9 + 0.17 * legend_lines(ratios.columns, columns=3))
-    plot_performance(figure.add_subplot(), ratios, palette)
-    figure.legend(loc="outside lower left", ncols=3, fontsize=7.5)
-    caption = (
-        "Performance profile: the share of questions that a solver answers rightly within a "
-        f"factor of the fastest right answer, over the {count(len(ratios))} questions put to all "
-        "of them. At 1: how often it is the fastest; at the right: how often it is right at all. "
-        "The closed form is left out, since it would flatten every curve."
+    return picture(
+        "performance",
+        plot_performance,
+        *(ratios, palette),
+        caption="Performance profile: the share of questions that a solver answers rightly within "
+        f"a factor of the fastest right answer, over the {count(len(ratios))} questions put to "
+        "all of them. At 1: how often it is the fastest; at the right: how often it is right at "
+        "all. The closed form is left out, since it would flatten every curve.",
+        alt="Performance profile of the solvers",
+        height=2.9 + 0.17 * legend_lines(ratios.columns, columns=3),
+        width=WIDE,
+        legend=3,
     )
-    return Picture("performance", caption, figure, "Performance profile of the solvers")
 
 
 def _time_table(frame: pd.DataFrame, precision: str) -> Table:
-    parts = (("build_s", "build"), ("solve_s", "solve"), ("wall_s", "whole"))
-    columns = [Column("solver", "solver", kind="code"), Column("timed", "timed", count)]
-    for key, title in parts:
-        columns += [
-            Column(f"{key}_q1", f"{title} 25 %", seconds),
-            Column(key, f"{title} median", seconds),
-            Column(f"{key}_q3", "75 %", seconds),
-        ]
+    shown = (
+        SOLVER,
+        *columns(count, timed="timed"),
+        *columns(seconds, build_s_q1="build 25 %", build_s="build median", build_s_q3="75 %"),
+        *columns(seconds, solve_s_q1="solve 25 %", solve_s="solve median", solve_s_q3="75 %"),
+        *columns(seconds, wall_s_q1="whole 25 %", wall_s="whole median", wall_s_q3="75 %"),
+    )
     caption = f"Times of cold attempts, failures included: quartiles and medians.{precision}"
-    return Table("times", caption, frame, tuple(columns))
+    return Table("times", caption, frame, shown)
 
 
 def _mean_table(frame: pd.DataFrame, shift: float) -> Table:
-    columns = (
-        Column("solver", "solver", kind="code"),
-        Column("questions", "questions", count),
-        Column("mean_s", "shifted geometric mean", seconds),
-        Column("rank", "rank", count),
-        Column("rank_tenth", "rank, shift / 10", count),
-        Column("rank_tenfold", "rank, shift × 10", count),
+    shown = (
+        SOLVER,
+        *columns(count, questions="questions"),
+        *columns(seconds, mean_s="shifted geometric mean"),
+        *columns(
+            count, rank="rank", rank_tenth="rank, shift / 10", rank_tenfold="rank, shift × 10"
+        ),
     )
     caption = (
         f"Shifted geometric mean over the questions that all of these answer rightly; shift "
         f"{seconds(shift)}, the lower quartile of the times that enter. A rank that changes with "
         "the shift is no finding."
     )
-    return Table("mean-times", caption, frame, columns)
+    return Table("mean-times", caption, frame, shown)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pandas as pd
 
-from dubins_study.report.statistics.metrics import QUESTION, solver_order, success
+from dubins_study.report.statistics.metrics import QUESTION, by_solver, success
 
 
 def warm_starts(rows: pd.DataFrame) -> pd.DataFrame:
@@ -20,30 +20,17 @@ def warm_starts(rows: pd.DataFrame) -> pd.DataFrame:
     wide = right.groupby(["solver", *key, "initial_guess"]).agg(
         s=("wall_s", "median"), ok=("right", "mean"), work=("iterations", "median")
     )
-    table = pd.DataFrame(wide.unstack("initial_guess"))
     if not {"cold", "warm"} <= set(rows["initial_guess"]):
         return pd.DataFrame()
+    table = pd.DataFrame(wide.unstack("initial_guess"))
     both = table.dropna(subset=[("ok", "cold"), ("ok", "warm")])
-    records = []
-    for solver in solver_order(both.index.get_level_values("solver").tolist()):
-        group = both.loc[solver]
-        cold, warm = group["s", "cold"], group["s", "warm"]
-        records.append(
-            {
-                "solver": solver,
-                "questions": len(group),
-                "cold_s": cold.median(),
-                "warm_s": warm.median(),
-                **_ratio("ratio", warm, cold),
-                **_ratio("work", group["work", "warm"], group["work", "cold"]),
-                "cold_success": group["ok", "cold"].mean(),
-                "warm_success": group["ok", "warm"].mean(),
-            }
-        )
-    return pd.DataFrame.from_records(records)
-
-
-def _ratio(name: str, warm: pd.Series, cold: pd.Series) -> dict[str, float]:
-    """Median and quartiles of warm / cold, where cold is something."""
-    low, middle, high = (warm / cold.where(cold > 0)).astype(float).quantile([0.25, 0.5, 0.75])
-    return {f"{name}_q1": low, name: middle, f"{name}_q3": high}
+    frame = pd.DataFrame({"questions": both.groupby(level="solver").size()})
+    seconds, shares = (both[name].groupby(level="solver") for name in ("s", "ok"))
+    frame = frame.join(seconds.median().add_suffix("_s"))
+    frame = frame.join(shares.mean().add_suffix("_success"))
+    for name, column in (("ratio", "s"), ("work", "work")):
+        cold = both[column, "cold"]
+        ratio = (both[column, "warm"] / cold.where(cold > 0)).astype(float).groupby(level="solver")
+        for end, q in (("_q1", 0.25), ("", 0.5), ("_q3", 0.75)):
+            frame[f"{name}{end}"] = ratio.quantile(q)
+    return by_solver(frame.reset_index())

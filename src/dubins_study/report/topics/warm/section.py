@@ -4,17 +4,10 @@ from __future__ import annotations
 
 import pandas as pd
 
-from dubins_study.report.elements.content import (
-    Column,
-    Picture,
-    Table,
-    count,
-    digits,
-    seconds,
-    share,
-)
-from dubins_study.report.elements.looks import name_of
-from dubins_study.report.elements.style import HALF, new_figure
+from dubins_study.report.elements.columns import SOLVER, columns
+from dubins_study.report.elements.content import Picture, Table, picture
+from dubins_study.report.elements.formats import count, digits, seconds, sentences, share
+from dubins_study.report.elements.looks import lines_of_names
 from dubins_study.report.topics.warm.figures import plot_warm
 
 _SAME = 0.02  # ratios this near to 1 are called equal
@@ -22,42 +15,37 @@ _SAME = 0.02  # ratios this near to 1 are called equal
 
 def warm_blocks(table: pd.DataFrame) -> tuple[Picture, Table]:
     """Figure and table; `table` is of `warm.numbers.warm_starts`, with rows."""
-    lines = max(name_of(solver).count("\n") + 1 for solver in table["solver"])
-    figure = new_figure(HALF, 1.2 + max(0.42, 0.16 * lines) * len(table))
-    plot_warm(figure.add_subplot(), table)
-    figure.legend(loc="outside lower left", ncols=2)
-    caption = (
-        "Started from the answer at the neighbouring radius against cold: time and the solver's "
-        "own iterations, question by question, median (mark) and quartiles (bar). Left of 1 the "
-        "warm start saves."
+    ratios = picture(
+        "warm-starts",
+        plot_warm,
+        table,
+        caption="Started from the answer at the neighbouring radius against cold: time and the "
+        "solver's own iterations, question by question, median (mark) and quartiles (bar). Left "
+        "of 1 the warm start saves.",
+        alt="Ratios of warm to cold time and iterations, one line a solver",
+        height=1.2 + max(0.42, 0.16 * lines_of_names(table["solver"])) * len(table),
     )
-    alt = "Ratios of warm to cold time and iterations, one line a solver"
-    return Picture("warm-starts", caption, figure, alt, True), _table(table)
+    return ratios, _table(table)
 
 
 def _table(table: pd.DataFrame) -> Table:
-    columns = (
-        Column("solver", "solver", kind="code"),
-        Column("questions", "questions", count),
-        Column("cold_s", "cold, median", seconds),
-        Column("warm_s", "warm, median", seconds),
-        Column("ratio", "warm / cold", digits(3)),
-        Column("work", "iterations, warm / cold", digits(3)),
-        Column("cold_success", "success cold", share),
-        Column("warm_success", "success warm", share),
+    shown = (
+        SOLVER,
+        *columns(count, questions="questions"),
+        *columns(seconds, cold_s="cold, median", warm_s="warm, median"),
+        *columns(digits(3), ratio="warm / cold", work="iterations, warm / cold"),
+        *columns(share, cold_success="success cold", warm_success="success warm"),
     )
     caption = (
         "The same questions cold, and started from the answer at the neighbouring radius. The "
         "ratios are medians over questions of warm over cold."
     )
-    return Table("warm-starts", caption, table, columns)
+    return Table("warm-starts", caption, table, shown)
 
 
 def warm_sentences(table: pd.DataFrame) -> str:
     """What warm starts do; `table` is of `warm.numbers.warm_starts`, with rows."""
-    return " ".join(
-        sentence for sentence in (_time(table), _work(table), _success(table)) if sentence
-    )
+    return sentences(_time(table), _work(table), _success(table))
 
 
 def _named(rows: pd.DataFrame, key: str) -> str:

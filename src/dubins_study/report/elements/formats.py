@@ -1,0 +1,68 @@
+"""Numbers, durations and names as text."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable
+from typing import Any, TypeAlias
+
+Format: TypeAlias = Callable[[Any], str]
+ABSENT = "–"
+
+
+def slug(text: str) -> str:
+    """A name from outside as part of a file's name: letters, digits, dashes."""
+    return re.sub(r"[^a-z0-9]+", "-", text.lower()).strip("-")[:60] or "unnamed"
+
+
+def digits(n: int) -> Format:
+    """Shows `n` significant digits, in plain notation between 1e-3 and 1e6."""
+
+    def show(value: Any) -> str:
+        number = float(value)
+        if number == 0:
+            return "0"
+        if not math.isfinite(number):
+            return "∞" if number > 0 else ABSENT
+        exponent = math.floor(math.log10(abs(float(f"{number:.{n - 1}e}"))))
+        if -4 < exponent < 6:
+            return f"{number:.{max(0, n - 1 - exponent)}f}".replace("-", "−")
+        mantissa, _, power = f"{number:.{n - 1}e}".partition("e")
+        return f"{mantissa}e{int(power)}".replace("-", "−")
+
+    return show
+
+
+def share(value: Any) -> str:
+    """A share as a percentage; only all is 100 % and only none is 0 %."""
+    percent = 100 * float(value)
+    if 0 < percent < 0.1:
+        return "<0.1 %"
+    if 99.9 < percent < 100:
+        return ">99.9 %"
+    return f"{percent:.0f} %" if percent in (0, 100) else f"{percent:.1f} %"
+
+
+def count(value: Any) -> str:
+    """A whole number with thin spaces between thousands."""
+    return f"{int(value):,}".replace(",", "\u202f")
+
+
+def some(number: int, noun: str) -> str:
+    """A number and what is counted, in the singular or the plural."""
+    return f"{count(number)} {noun}{'' if number == 1 else 's'}"
+
+
+def sentences(*each: str) -> str:
+    """One paragraph; empty sentences are left out."""
+    return " ".join(filter(None, each))
+
+
+def seconds(value: Any) -> str:
+    """A duration with three digits and its own unit."""
+    number = float(value)
+    for factor, unit in ((1.0, "s"), (1e-3, "ms"), (1e-6, "µs")):
+        if number >= factor:
+            return f"{digits(3)(number / factor)} {unit}"
+    return f"{digits(3)(number / 1e-9)} ns"
