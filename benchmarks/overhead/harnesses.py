@@ -112,7 +112,7 @@ def benchopt(cells: int, folder: FilePath) -> Spent:
     rows = pd.read_parquet(file)
     if len(rows) != cells:
         raise RuntimeError(f"benchopt made {len(rows)} rows of {cells}")
-    return Spent(whole, float(rows["travel_time"].sum()))
+    return Spent(whole, float(rows["time"].sum()))
 
 
 def qpbenchmark(cells: int, folder: FilePath) -> Spent:

@@ -73,23 +73,19 @@ def is_locked(folder: FilePath) -> bool:
     except OSError:
         return False
     try:
-        return _is_locked(handle)
+        _lock_for_reading(handle)
+    except OSError:
+        return True
     finally:
         os.close(handle)
+    return False
 
 
-def _is_locked(handle: int) -> bool:
+def _lock_for_reading(handle: int) -> None:
+    """Take a shared lock, so that two processes that look do not see each other."""
     try:
         import fcntl
     except ImportError:  # Windows refuses to read a byte that another process has locked
-        try:
-            os.read(handle, 1)
-        except OSError:
-            return True
-        return False
-    try:
-        # a shared lock, so that two processes that look do not see each other
+        os.read(handle, 1)
+    else:
         fcntl.flock(handle, fcntl.LOCK_SH | fcntl.LOCK_NB)
-    except OSError:
-        return True
-    return False

@@ -61,12 +61,9 @@ def count_cells(
 
 
 class RunRecord:
-    """Keeps a run's entry up to date; durations are measured by a clock that never jumps.
+    """Keeps a run's entry in the manifest up to date, by a clock that never jumps.
 
-    Args:
-        folder: the results folder, locked by this process.
-        manifest: its manifest, which gets one entry more.
-        request: what was asked of the run; where it runs, and of what source, is added.
+    The entry says what was asked (`request`), where it runs, and of what source.
     """
 
     def __init__(self, folder: FilePath, manifest: Manifest, request: RunEntry) -> None:
@@ -124,9 +121,6 @@ def recorded(
     folder: FilePath, manifest: Manifest, request: RunEntry, completes: bool = True
 ) -> Iterator[RunRecord]:
     """Write the manifest of a run as it begins, and again when it has ended, however it does.
-
-    A run that is killed cannot write how it ended: its entry stays `running` while nobody holds
-    the lock.
 
     Args:
         folder: locked by this process.

@@ -79,8 +79,8 @@ def _read_manifests(folders: Sequence[FilePath]) -> list[Manifest]:
         other = manifest.experiment
         if (other.name, other.text) != (first.name, first.text):
             raise ResultsError(
-                f"{folder} holds experiment {other.name!r:.60}, {folders[0]} "
-                f"holds {first.name!r:.60}; expected folders of one experiment, name and text"
+                f"{folder} holds experiment {other.name!r:.60}, {folders[0]} holds "
+                f"{first.name!r:.60}; expected folders of one experiment, name and text"
             )
     return manifests
 

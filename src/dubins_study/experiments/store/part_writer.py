@@ -26,16 +26,13 @@ Progress = Callable[[int, int], None]
 def write_part(
     folder: FilePath, name: str, table: pa.Table, metadata: Mapping[str, str] | None = None
 ) -> FilePath:
-    """Write a part that appears whole or not at all.
+    """Write a part that appears whole or not at all, and return the file.
 
     Args:
         folder: the results folder.
         name: of the part, without suffix.
         table: its rows; texts may be dictionaries.
-        metadata: what the file says about itself besides its schema: its run under `RUN_ID`.
-
-    Returns:
-        The file.
+        metadata: besides the schema's version: the run under `RUN_ID`.
 
     Raises:
         ResultsError: if the folder cannot be written, for example because the disk is full.
@@ -71,18 +68,13 @@ def write_chunk(folder: FilePath, chunk: Chunk, table: pa.Table, run_id: str) ->
 class PartWriter:
     """Collects the rows of a run, writes a part about every second, and reports progress.
 
-    Args:
-        folder: the results folder.
-        run_id: of the run, which the parts are named after.
-        total: cells of the run, those done before included.
-        progress: called after every step, if given.
+    The parts are named after the run; `total` counts its cells, those done before included.
     """
 
     def __init__(self, folder: FilePath, run_id: str, total: int, progress: Progress | None):
         self._folder, self._run_id, self._total, self._progress = folder, run_id, total, progress
         self._rows: list[Row] = []
-        self._parts = 0
-        self._cells_done = 0
+        self._parts = self._cells_done = 0
         self._flushed = monotonic()
         self.after_step: Callable[[], None] | None = None
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections import Counter, defaultdict
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path as FilePath
 from typing import Any
@@ -91,16 +91,18 @@ def _status(
 ) -> Status:
     digests = manifest.code_digests
     current = [count for count in counts if digests.get(count.solver) == count.code_digest]
-    rows = _sums(current, lambda count: count.solver)
+    rows, failing = Counter[str](), Counter[str]()
+    verdicts = defaultdict[str, Counter[str]](Counter)
+    for count in sorted(current):
+        rows[count.solver] += count.rows
+        returned = count.outcome == "returned"
+        if not returned:
+            failing[count.outcome] += count.rows
+        verdicts[count.solver][count.verdict if returned else count.outcome] += count.rows
     left = {
         spec: entry.cells - rows[spec]
         for spec, entry in manifest.solvers.items()
         if entry.cells > rows[spec]
-    }
-    failing = [count for count in current if count.outcome != "returned"]
-    verdicts = {
-        spec: dict(_sums([count for count in current if count.solver == spec], _verdict))
-        for spec in sorted(rows)
     }
     runs = _runs(manifest.runs, live)
     jobs = runs[-1].jobs if runs else 1
@@ -112,8 +114,8 @@ def _status(
         cells=manifest.cells,
         done=rows.total(),
         left=left,
-        failing=dict(_sums(failing, lambda count: count.outcome).most_common()),
-        verdicts=verdicts,
+        failing=dict(failing.most_common()),
+        verdicts={spec: dict(of_solver) for spec, of_solver in verdicts.items()},
         stale=sum(count.rows for count in counts) - rows.total(),
         damaged=damaged,
         aside=len(list(aside.glob("*.parquet"))) if aside.is_dir() else 0,
@@ -128,39 +130,27 @@ def _status(
 
 def _runs(runs: Sequence[RunEntry], live: bool) -> list[RunEntry]:
     """The runs; the state of those that were killed, which no run can write itself, is `killed`."""
-    last = len(runs) - 1
-    return [
-        run if run.state != RUNNING or (live and number == last) else run.with_changes(state=KILLED)
-        for number, run in enumerate(runs)
+    ended = [
+        run.with_changes(state=KILLED) if run.state == RUNNING else run
+        for run in (runs[:-1] if live else runs)
     ]
-
-
-def _sums(counts: Sequence[RowCount], key: Callable[[RowCount], str]) -> Counter[str]:
-    """The rows of all counts, by a key of each."""
-    sums: Counter[str] = Counter()
-    for count in counts:
-        sums[key(count)] += count.rows
-    return sums
-
-
-def _verdict(count: RowCount) -> str:
-    return count.verdict if count.outcome == "returned" else count.outcome
+    return [*ended, *runs[len(ended) :]]
 
 
 def _time_left(
     left: Mapping[str, int], counts: Sequence[RowCount], overhead_s: float, jobs: int
 ) -> tuple[float | None, list[str]]:
     """Seconds that the cells left will take, and the solvers that have no row to judge by."""
-    seconds, unknown = 0.0, []
-    for spec, cells in left.items():
-        solver_counts = [count for count in counts if count.solver == spec]
-        if rows := sum(count.rows for count in solver_counts):
-            mean_s = sum(count.wall_s for count in solver_counts) / rows
-            seconds += cells * (mean_s + overhead_s)
-        else:
-            unknown.append(spec)
-    nothing_known = unknown and len(unknown) == len(left)
-    return None if nothing_known else seconds / jobs, unknown
+    rows, wall_s = Counter[str](), defaultdict[str, float](float)
+    for count in counts:
+        rows[count.solver] += count.rows
+        wall_s[count.solver] += count.wall_s
+    known = {spec: cells for spec, cells in left.items() if rows[spec]}
+    unknown = [spec for spec in left if spec not in known]
+    if unknown and not known:
+        return None, unknown
+    seconds = (n * (wall_s[spec] / rows[spec] + overhead_s) for spec, n in known.items())
+    return sum(seconds) / jobs, unknown
 
 
 def _overhead(counts: Sequence[RowCount], runs: Sequence[RunEntry]) -> float:

@@ -14,12 +14,8 @@ _TEMPORARY = re.compile(r"\.(?:manifest\.json|.+\.parquet)\.\d+\.tmp")
 def write_whole(final: FilePath, write: Callable[[FilePath], object]) -> None:
     """Write a file under a temporary name, sync it, and put it in its place in one step.
 
-    Args:
-        final: its place; a file that is there is replaced.
-        write: writes the content to the path that it is given.
-
-    Raises:
-        OSError: if the file cannot be written; nothing of it is left then.
+    `write` writes the content to the path that it is given; a file at `final` is replaced. After an
+    error nothing of the new file is left.
     """
     temporary = final.with_name(f".{final.name}.{os.getpid()}.tmp")
     try:

@@ -18,27 +18,17 @@ _MAX_S = 1e15
 
 
 class Probe(NamedTuple):
-    """One measurement of a machine's speed.
-
-    Args:
-        when: seconds since the run began.
-        took: seconds that the work took.
-        machine: which of several machines, from 1; 0 where there is only one.
-    """
+    """One measurement of a machine's speed: seconds since the run began, and seconds it took."""
 
     when: Annotated[float, Field(ge=0, le=_MAX_S)]
     took: Annotated[float, Field(gt=0, le=_MAX_S)]
-    machine: int = 0
+    machine: int = 0  # which of several machines, from 1; 0 where there is only one
 
 
 def spread(probes: Sequence[float]) -> float | None:
     """How much a machine's speed varied: from the 5th to the 95th percentile, over the median.
 
-    Args:
-        probes: seconds, above 0.
-
-    Returns:
-        A share, 0.05 for 5 %; None of fewer than 5 probes, which say nothing.
+    Of probes in seconds, a share: 0.05 for 5 %; None of fewer than 5 probes, which say nothing.
     """
     if len(probes) < _MIN_PROBES:
         return None

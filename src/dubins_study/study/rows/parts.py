@@ -22,31 +22,22 @@ from dubins_study.study.rows.schema import CHUNK, RUN_ID, VERSION, VERSION_KEY
 
 PARTS = "parts"
 BATCH_ROWS = 2**17
+# Threads take longer to start than such a part takes to read.
+_SMALL_PART_ROWS = 2**12
 _MOVE = "it is none of this folder's parts, move it elsewhere"
 
 
 class Part(NamedTuple):
-    """A part as its metadata describe it.
-
-    Args:
-        file: its place.
-        rows: how many it holds.
-        run_id: the run that wrote it; empty if the part does not say.
-        chunk: which chunk of a stream it is; None of a part of single cells.
-    """
+    """A part as its metadata describe it."""
 
     file: FilePath
     rows: int
-    run_id: str
-    chunk: Chunk | None
+    run_id: str  # empty if the part does not say which run wrote it
+    chunk: Chunk | None  # None of a part of single cells
 
 
 def part_files(folder: FilePath, *, streams: bool = True) -> list[FilePath]:
-    """The files of a folder's parts in the order of their names; none of them is opened.
-
-    Args:
-        folder: a results folder.
-        streams: whether to list the chunks of streams too.
+    """The files of a folder's parts, with chunks of streams or without, by name; none is opened.
 
     Raises:
         ResultsError: if the folder of parts, or one of them, is a link.
@@ -90,7 +81,7 @@ def read_batches(
 
     Args:
         file: the part.
-        columns: names of the schema, in the order wanted; all by default.
+        columns: in the order wanted; all by default.
         dictionaries: whether to leave texts (`scenario_id` excepted) as dictionaries, which takes
             far less memory where a column repeats few texts.
 
@@ -106,7 +97,8 @@ def read_batches(
         if dictionaries:  # opened again: Arrow refuses to open a file that lacks such a column
             texts = [f.name for f in fields if f.type == pa.string() and f.name != "scenario_id"]
             content = opened.enter_context(_open(file, content.metadata, texts))
-        batches = content.iter_batches(BATCH_ROWS, columns=wanted)
+        threads = expected > _SMALL_PART_ROWS
+        batches = content.iter_batches(BATCH_ROWS, columns=wanted, use_threads=threads)
         while (batch := _next(file, batches)) is not None:
             arrays = [_cast(file, batch.column(f.name), f, dictionaries) for f in fields]
             rows += len(batch)
