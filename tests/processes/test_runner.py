@@ -128,7 +128,7 @@ def test_rows_without_a_solve_are_interrupted_too(small):
     stop, rows = Interruption(), 0
     unit = WorkUnit(RunSettings("r", 60.0), cells, {})
     with WorkerPool(1, Limits(60.0, 2**32)) as pool:
-        pool._given_up |= {(chain[0].solver, chain[0].profile): reply for chain in cells}
+        pool._unloadable |= {(chain[0].solver, chain[0].profile): reply for chain in cells}
         for made in solve_chains(pool, unit, stop):
             rows += len(made)
             stop.requested = rows >= 300
@@ -136,7 +136,7 @@ def test_rows_without_a_solve_are_interrupted_too(small):
 
     stop.requested, rows = False, 0
     with WorkerPool(1, Limits(60.0, 2**32)) as pool:
-        pool._given_up |= {(chain[0].solver, chain[0].profile): reply for chain in cells}
+        pool._unloadable |= {(chain[0].solver, chain[0].profile): reply for chain in cells}
         rows = sum(map(len, solve_chains(pool, unit, stop)))
     assert rows == sum(map(len, cells))
 

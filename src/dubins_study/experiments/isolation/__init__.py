@@ -1,1 +1,1 @@
-"""One question in a process that can be killed; knows nothing of cells or rows."""
+"""Solve one question in a process that can be killed; this room knows nothing of cells or rows."""

@@ -1,8 +1,8 @@
-"""Processes forked from a server of our own, which has our modules loaded and runs no thread.
+"""Processes forked from our own server, which has our modules loaded and runs no thread.
 
-A plain fork would copy the caller's threads and memory; a fresh interpreter takes a second for
-every worker. multiprocessing's fork server is one for the whole process: what we change in it
-(ignored signals, adopted orphans) would reach the caller's own processes.
+A plain fork would copy the caller's threads and memory; a fresh interpreter takes a second per
+worker. `multiprocessing` has a single fork server for the whole Python process. Our changes to it
+(ignored signals, adopted orphans) would also affect processes that the caller starts.
 """
 
 from __future__ import annotations
@@ -24,69 +24,70 @@ from typing import Any, NamedTuple
 from dubins_study.errors import DubinsStudyError
 from dubins_study.experiments.isolation.messages import Channel
 
-# the folder from which this package was imported: a forked process must find it as well
+# The folder from which this package was imported: a forked process must find it too.
 _PACKAGE_FOLDER = str(FilePath(__file__).parents[3])
 _PROGRAM = (
     "import json, sys; sys.path[:] = json.loads(sys.argv.pop()); "
     "from dubins_study.experiments.isolation.fork_server_process import serve; serve()"
 )
-# to import our modules on a busy machine
+# Seconds that the server may take to import our modules on a busy machine.
 _START_UP_S = 120.0
-# for the kernel to end a process that was killed, and for the server to kill all that is left
+# Seconds to wait until a killed process has ended, and until a stopped server has killed its
+# descendants and ended.
 _KILL_WAIT_S, _STOP_WAIT_S = 2.0, 5.0
 _OUTPUT_PIPE_BYTES = 2**20
 
 
 class ForkServerError(DubinsStudyError, RuntimeError):
-    """No process can be forked."""
+    """A process cannot be forked."""
 
 
 class ForkedProcess(NamedTuple):
     """A process that the server has forked.
 
     Args:
-        pid: its process id; it leads a session of its own.
-        channel: messages to and from it; does not block.
+        pid: its process id; the process leads its own session.
+        channel: messages to and from the process; does not block.
         output: read end of the pipe that is its stdout and stderr; does not block.
-        status: read end of a pipe; readable once the process, and what it has left behind, ended.
+        exit_pipe: read end of a pipe; readable once the process and all its descendants have ended.
     """
 
     pid: int
     channel: Channel
     output: int
-    status: int
+    exit_pipe: int
 
     def exit_code(self, timeout_s: float = _KILL_WAIT_S) -> int | None:
-        """How the process ended, or None if it has not ended in time; to be read once.
+        """Exit code, -N if signal N killed the process, or None if it has not ended in time.
 
-        Minus the number of the signal that ended it.
+        The code can be read only once.
         """
-        if not _readable(self.status, timeout_s):
+        if not _readable(self.exit_pipe, timeout_s):
             return None
-        text = os.read(self.status, 32)
-        # the kernel kills the processes of a server that was killed itself
+        text = os.read(self.exit_pipe, 32)
+        # If the server itself was killed, the kernel has killed its processes.
         return int(text) if text else -signal.SIGKILL
 
     def kill(self) -> None:
-        """Kill it, if it has not ended; the server kills what it leaves behind."""
-        if not _readable(self.status, 0):
+        """Kill the process if it has not ended; the server kills its descendants."""
+        if not _readable(self.exit_pipe, 0):
             with suppress(OSError):
                 os.kill(self.pid, signal.SIGKILL)
 
     def close(self) -> None:
-        """Kill it, wait for its end, and close what leads to it."""
+        """Kill the process, wait for its end, and close its pipes and its channel."""
         self.kill()
-        _readable(self.status, _KILL_WAIT_S)
+        _readable(self.exit_pipe, _KILL_WAIT_S)
         self.channel.line.close()
         os.close(self.output)
-        os.close(self.status)
+        os.close(self.exit_pipe)
 
 
 def exit_status(code: int) -> tuple[str, str]:
-    """The end of a process in a word and in a sentence.
+    """How a process ended, as a short name and as a sentence.
 
     Args:
-        code: its exit code, or minus the number of the signal that ended it.
+        code: its exit code; -N if signal N killed it.
     """
     if code >= 0:
         return f"exit {code}", f"its process ended itself with code {code}"
@@ -98,14 +99,14 @@ def exit_status(code: int) -> tuple[str, str]:
 
 
 def _readable(descriptor: int, timeout_s: float) -> bool:
-    """Whether something can be read in time, if only that nothing will come any more."""
+    """Whether data or the end of the stream can be read within `timeout_s`."""
     poll = select.poll()  # `select.select` takes only the first thousand descriptors
     poll.register(descriptor, select.POLLIN)
     return bool(poll.poll(1000 * timeout_s))
 
 
 class _ForkServer:
-    """The server of this process, started when it is first needed, and again if it was killed."""
+    """The server of this process; started on the first request, and again if it was killed."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
@@ -113,7 +114,7 @@ class _ForkServer:
         self._control: socket.socket | None = None
 
     def request(self, descriptors: list[int]) -> None:
-        """Have a process forked, which is given descriptors."""
+        """Ask the server to fork a process, and pass the descriptors to it."""
         with self._lock:
             if self._control is None or self._process is None or self._process.poll() is not None:
                 self.stop()
@@ -134,34 +135,35 @@ class _ForkServer:
                 self._process.wait(_STOP_WAIT_S)
 
     def stop(self) -> None:
-        """End the server, and with it every process that it has forked."""
+        """End the server and every process that it has forked."""
         if self._control is not None:
             self._control.close()
         self.wait()
 
-    def forget_in_child(self) -> None:
-        """In a process that the caller has forked: the server is its parent's."""
+    def detach_in_child(self) -> None:
+        """In a process that the caller has forked: the server belongs to its parent."""
         if self._process is not None:
-            self._process.returncode = 0  # it is no child of this process to wait for
+            self._process.returncode = 0  # this process cannot wait for its parent's child
         self.stop()
         self._lock, self._process, self._control = threading.Lock(), None, None
 
 
 _server = _ForkServer()
-os.register_at_fork(after_in_child=_server.forget_in_child)
+os.register_at_fork(after_in_child=_server.detach_in_child)
 atexit.register(_server.stop)
 
 
 def fork(function: str, arguments: list[Any], extra: tuple[int, ...] = ()) -> ForkedProcess:
     """Call a function in a process that is forked from the server.
 
-    The caller's environment and working directory, and its `sys.path` without that, go with it.
+    The new process gets the caller's environment and working directory, and the caller's `sys.path`
+    without the working directory.
 
     Args:
-        function: `module:name`, called as `name(channel, *arguments, *descriptors)`. Its process
-            ends when it returns.
-        arguments: plain values, as JSON has them.
-        extra: file descriptors that the function is given as well.
+        function: `module:name`, called as `name(channel, *arguments, *descriptors)`. The process
+            ends when the function returns.
+        arguments: plain values that JSON can hold.
+        extra: file descriptors that the function gets after its arguments.
 
     Raises:
         ForkServerError: if the server does not start or does not answer.
@@ -182,33 +184,34 @@ def _forked(message: list[Any], extra: tuple[int, ...]) -> ForkedProcess:
         line, line_end = socket.socketpair()
         caller_ends.enter_context(line)
         process_ends.enter_context(line_end)
-        (output, output_end), (status, status_end) = os.pipe(), os.pipe()
-        for pipe in (output, status):
+        (output, output_end), (exit_pipe, exit_end) = os.pipe(), os.pipe()
+        for pipe in (output, exit_pipe):
             caller_ends.callback(os.close, pipe)
-        for pipe in (output_end, status_end):
+        for pipe in (output_end, exit_end):
             process_ends.callback(os.close, pipe)
-        if hasattr(fcntl, "F_SETPIPE_SZ"):  # a solver that prints much seldom waits for us to read
+        # Enlarge the pipe, so that a solver that prints a lot rarely blocks.
+        if hasattr(fcntl, "F_SETPIPE_SZ"):
             with suppress(OSError):
                 fcntl.fcntl(output_end, fcntl.F_SETPIPE_SZ, _OUTPUT_PIPE_BYTES)
-        _server.request([status_end, output_end, line_end.fileno(), *extra])
+        _server.request([exit_end, output_end, line_end.fileno(), *extra])
         process_ends.close()
-        pid = os.read(status, 8) if _readable(status, _START_UP_S) else b""
+        pid = os.read(exit_pipe, 8) if _readable(exit_pipe, _START_UP_S) else b""
         if not pid:
             raise ConnectionError("it ended, or hangs")
         channel = Channel(line)
         channel.put(message)
-        with suppress(OSError):  # the process was killed at once; its end is seen by its status
+        with suppress(OSError):  # the process was killed at once; its exit pipe will show this
             channel.flush()
         line.setblocking(False)
         os.set_blocking(output, False)
         caller_ends.pop_all()
-        return ForkedProcess(int.from_bytes(pid), channel, output, status)
+        return ForkedProcess(int.from_bytes(pid), channel, output, exit_pipe)
 
 
 def _search_path() -> list[str]:
     """The caller's `sys.path` without its working directory.
 
-    The files that lie there by chance (`report.py`, `solvers/`) must not stand in for a package.
+    A file in the working directory (`report.py`, `solvers/`) must not hide an installed package.
     """
     entries = [os.path.abspath(entry) for entry in sys.path if entry]  # noqa: PTH100
     entries = [entry for entry in entries if entry != _directory()]
@@ -218,5 +221,5 @@ def _search_path() -> list[str]:
 def _directory() -> str:
     try:
         return os.getcwd()  # noqa: PTH109
-    except OSError:  # it was removed
+    except OSError:  # the working directory was removed
         return "/"

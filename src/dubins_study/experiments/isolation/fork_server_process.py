@@ -1,8 +1,8 @@
-"""The fork server's own process: forks on request, and kills what a worker leaves behind.
+"""The fork server's own process: it forks on request and kills the descendants of a worker.
 
-It ends when the process that started it is gone, and kills all its descendants before. On Linux
-a process whose parent ends becomes the server's child, whatever session it is in, so that none
-gets out of sight; elsewhere one that leaves its worker's session does.
+The server ends when the process that started it has ended; it first kills all its descendants. On
+Linux a process whose parent ends becomes the server's child, in any session, so the server finds
+all of them. On other systems a process that leaves its worker's session is not found.
 """
 
 from __future__ import annotations
@@ -20,22 +20,24 @@ from time import sleep
 
 import psutil
 
-# loaded once here, for every worker
+# Loaded once here, for all workers.
 import dubins_study.experiments.isolation.worker  # noqa: F401
 from dubins_study.experiments.isolation.messages import Channel
 
+# Options of Linux's prctl.
 _PR_SET_PDEATHSIG, _PR_SET_CHILD_SUBREAPER = 1, 36
 _MAX_DESCRIPTORS = 16
-# rounds of killing what is left: each process killed may leave children that were its own
-_ROUNDS, _ROUND_S = 400, 0.005
+# Rounds of killing, and seconds per round: a killed process may leave children, which the next
+# round kills.
+_MAX_KILL_ROUNDS, _KILL_ROUND_S = 400, 0.005
 
 
 def serve() -> None:
-    """Fork a process for every byte that comes down the socket on stdin, until that is closed."""
+    """Fork a process per byte received from the socket on stdin, until that socket is closed."""
     control = socket.socket(fileno=os.dup(0))
-    nothing = os.open(os.devnull, os.O_RDONLY)
-    os.dup2(nothing, 0)
-    os.close(nothing)
+    null_device = os.open(os.devnull, os.O_RDONLY)
+    os.dup2(null_device, 0)
+    os.close(null_device)
     for number in (signal.SIGTERM, signal.SIGHUP, signal.SIGINT):
         signal.signal(number, signal.SIG_IGN)
     _set_process_option(_PR_SET_CHILD_SUBREAPER, 1)
@@ -44,56 +46,56 @@ def serve() -> None:
     signal.signal(signal.SIGCHLD, lambda *_: None)
     signal.set_wakeup_fd(wake_end.fileno(), warn_on_full_buffer=False)
     server = os.getpid()
-    status_pipes: dict[int, int] = {}
+    exit_pipes: dict[int, int] = {}  # process id -> write end of its exit pipe
     while True:
         ready, _, _ = select.select([control, wake], [], [])
         if wake in ready:
             wake.recv(4096)
-            _reap(status_pipes)
+            _reap(exit_pipes)
         if control in ready:
             request, descriptors, _, _ = socket.recv_fds(control, 1, _MAX_DESCRIPTORS)
             if not request:
                 break
-            status, *others = descriptors
+            exit_pipe, *others = descriptors
             pid = os.fork()
             if pid == 0:
                 signal.set_wakeup_fd(-1)
                 for inherited in (control, wake, wake_end):
                     inherited.close()
-                for pipe in (status, *status_pipes.values()):
+                for pipe in (exit_pipe, *exit_pipes.values()):
                     os.close(pipe)
-                _become(server, *others)
-            status_pipes[pid] = status
+                _run_child(server, *others)
+            exit_pipes[pid] = exit_pipe
             for descriptor in others:
                 os.close(descriptor)
-            with suppress(OSError):  # the caller was interrupted and does not wait for it
-                os.write(status, pid.to_bytes(8))
+            with suppress(OSError):  # the caller was interrupted and no longer reads the pipe
+                os.write(exit_pipe, pid.to_bytes(8))
     _end_descendants(())
     os._exit(0)
 
 
-def _reap(status_pipes: dict[int, int]) -> None:
-    """Take the exit codes of all that has ended, and tell those of our own processes."""
+def _reap(exit_pipes: dict[int, int]) -> None:
+    """Collect all ended children, and write the exit codes of forked ones to their pipes."""
     ended: dict[int, int] = {}
-    with suppress(ChildProcessError):  # there is no child left
+    with suppress(ChildProcessError):  # no child is left
         while (child := os.waitpid(-1, os.WNOHANG))[0]:
-            if child[0] in status_pipes:
+            if child[0] in exit_pipes:
                 ended[child[0]] = os.waitstatus_to_exitcode(child[1])
     for pid in ended:
         with suppress(OSError):
             os.killpg(pid, signal.SIGKILL)
     if ended:
-        _end_descendants(status_pipes.keys() - ended.keys())
+        _end_descendants(exit_pipes.keys() - ended.keys())
     for pid, code in ended.items():
-        pipe = status_pipes.pop(pid)
-        with suppress(OSError):  # nobody waits for it any more
+        pipe = exit_pipes.pop(pid)
+        with suppress(OSError):  # the caller has closed the pipe
             os.write(pipe, str(code).encode())
         os.close(pipe)
 
 
 def _end_descendants(spared: Collection[int]) -> None:
-    """Kill every descendant but the processes named and their own children."""
-    for _ in range(_ROUNDS):
+    """Kill every descendant except the spared processes and their descendants."""
+    for _ in range(_MAX_KILL_ROUNDS):
         orphans = [child for child in psutil.Process().children() if child.pid not in spared]
         if not orphans:
             return
@@ -101,20 +103,21 @@ def _end_descendants(spared: Collection[int]) -> None:
             with suppress(psutil.Error):
                 for process in (orphan, *orphan.children(recursive=True)):
                     process.kill()
-        sleep(_ROUND_S)
+        sleep(_KILL_ROUND_S)
         for orphan in orphans:
             with suppress(OSError):
                 os.waitpid(orphan.pid, os.WNOHANG)
 
 
-def _become(server: int, output: int, line: int, *extra: int) -> None:
-    """Be a process of its own, and call the function that it is told; it never returns."""
+def _run_child(server: int, output: int, line: int, *extra: int) -> None:
+    """In the forked process: receive a function's name and call it. This never returns."""
     code = 1
     try:
-        _set_process_option(_PR_SET_PDEATHSIG, signal.SIGKILL)  # the kernel ends it with the server
-        if os.getppid() != server:  # it ended just now
+        # From now on, the kernel kills this process when the server ends.
+        _set_process_option(_PR_SET_PDEATHSIG, signal.SIGKILL)
+        if os.getppid() != server:  # the server has ended just before
             os._exit(1)
-        os.setsid()  # Ctrl-C in a terminal passes it by
+        os.setsid()  # so that Ctrl-C in a terminal does not reach this process
         for number in (signal.SIGTERM, signal.SIGHUP, signal.SIGCHLD):
             signal.signal(number, signal.SIG_DFL)
         _redirect(output)
@@ -123,7 +126,7 @@ def _become(server: int, output: int, line: int, *extra: int) -> None:
         sys.path[:] = path
         os.environ.clear()
         os.environ.update(environment)
-        with suppress(OSError):  # it was removed meanwhile
+        with suppress(OSError):  # the directory was removed meanwhile
             os.chdir(directory)
         module, _, name = function.partition(":")
         getattr(import_module(module), name)(channel, *arguments, *extra)
@@ -139,7 +142,7 @@ def _become(server: int, output: int, line: int, *extra: int) -> None:
 
 
 def _redirect(output: int) -> None:
-    """Write stdout and stderr to a pipe, which is closed here."""
+    """Send stdout and stderr to a pipe, and close the pipe's own descriptor."""
     for name, number in (("stdout", 1), ("stderr", 2)):
         os.dup2(output, number)
         stream = open(  # noqa: SIM115

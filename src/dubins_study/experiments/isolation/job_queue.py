@@ -11,12 +11,12 @@ from typing import Any, NamedTuple
 from dubins_study.solvers.protocol import Question
 from dubins_study.solvers.registry import ours
 
-# a solver's spec and profile
+# A solver's spec and profile.
 SolverKey = tuple[str, str]
 
 
 class Job(NamedTuple):
-    """One question to one solver; `tag` is the caller's."""
+    """One question to one solver; the caller may attach any object as `tag`."""
 
     solver: str
     profile: str
@@ -25,24 +25,25 @@ class Job(NamedTuple):
 
     @property
     def solver_key(self) -> SolverKey:
-        """What a worker loads once for all jobs that share it."""
+        """Spec and profile: a worker loads a solver once for all jobs with the same key."""
         return self.solver, self.profile
 
 
 @cache
 def worker_group(solver: str) -> str:
-    """Jobs of one group share workers: our own solvers do, each plug-in has its own workers.
+    """The group of a solver: only jobs of the same group share workers.
 
-    A plug-in may have changed any module of its process.
+    All our own solvers are one group. Each plug-in is its own group, since it may have changed any
+    module of its process.
     """
     return "" if ours(solver) else solver
 
 
 class JobQueue:
-    """Jobs in the caller's order, but for those that are put first.
+    """Jobs in the caller's order, except those that are put first.
 
     Args:
-        jobs: taken only as they are needed.
+        jobs: read one by one when they are needed.
     """
 
     def __init__(self, jobs: Iterable[Job] = ()):
@@ -50,19 +51,19 @@ class JobQueue:
         self._later = iter(jobs)
 
     def waiting(self, most: int) -> int:
-        """How many jobs wait, counted up to a number."""
+        """Number of waiting jobs, or `most` if there are more."""
         if len(self._first) < most:
             self._first.extend(islice(self._later, most - len(self._first)))
         return len(self._first)
 
     def next(self) -> Job | None:
-        """The next job, which still waits."""
+        """The next job; it stays in the queue. None if the queue is empty."""
         return self._first[0] if self.waiting(1) else None
 
     def take(self) -> Job:
-        """The next job, which waits no more."""
+        """Remove the next job from the queue and return it."""
         return self._first.popleft()
 
     def put_first(self, jobs: Iterable[Job]) -> None:
-        """Let jobs wait before all others, in their order."""
+        """Put jobs at the front of the queue, in their order."""
         self._first.extendleft(reversed(list(jobs)))

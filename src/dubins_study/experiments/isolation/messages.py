@@ -1,8 +1,8 @@
-"""Jobs and replies as they travel between a pool and its workers: plain values and nothing else.
+"""Jobs and replies as they travel between a pool and its workers: only plain values.
 
-What a plug-in returned may be of its own classes, which would run its code wherever they are
-unpickled. Every message is a line of JSON, the arrays of a path are raw doubles in base64, and
-every value of a reply is made anew as Python's own int, float or str.
+A plug-in may return objects of its own classes, which would run its code where they are unpickled.
+Therefore every message is a line of JSON, the arrays of a path are raw doubles in base64, and every
+value of a reply is converted to Python's own int, float or str.
 """
 
 from __future__ import annotations
@@ -30,22 +30,22 @@ _MAX_TEXT_CHARS = 2000
 
 
 class MessageError(ValueError):
-    """What came down a channel is no message."""
+    """A channel received something that is not a message."""
 
 
 class Channel:
-    """Messages over a socket, which blocks in a worker and does not block in its pool."""
+    """Messages over a socket. The socket blocks in a worker, but not in the worker's pool."""
 
     def __init__(self, line: socket.socket):
         self.line = line
         self._received, self._unsent = bytearray(), bytearray()
 
     def put(self, message: list[Any]) -> None:
-        """Add a message to those that `flush` sends."""
+        """Add a message to the buffer that `flush` sends."""
         self._unsent += json.dumps(message).encode() + b"\n"
 
     def flush(self) -> bool:
-        """Send what has been put; whether all of it went, which it does where the socket blocks."""
+        """Send the buffer. Returns whether all of it was sent; always true if the socket blocks."""
         try:
             while self._unsent:
                 del self._unsent[: self.line.send(self._unsent)]
@@ -82,8 +82,8 @@ class Channel:
         self._received += data
 
     def _next(self) -> Any:
-        rubbish = self._received and not self._received.startswith(b"[")
-        if rubbish or len(self._received) > _MAX_MESSAGE_BYTES:
+        invalid = self._received and not self._received.startswith(b"[")
+        if invalid or len(self._received) > _MAX_MESSAGE_BYTES:
             raise MessageError("rubbish, which is no message")
         end = self._received.find(b"\n") + 1
         if not end:
@@ -97,13 +97,13 @@ class Channel:
 
 
 class WorkerReply(NamedTuple):
-    """A reply, the moment its question was put (UTC, ISO 8601), and what it rests on.
+    """A solver's reply, with the start time and the versions that a row records.
 
     Args:
-        reply: what came back of the question.
-        started: when the question was put; empty if it was not.
-        versions: of the solver's libraries, as JSON.
-        code_digest: of the code that replied (see `code_digest`), empty if it did not load.
+        reply: the solver's reply to the question.
+        started: when the solve started (UTC, ISO 8601); empty if it did not start.
+        versions: versions of the solver's libraries, as JSON.
+        code_digest: digest of the solver's code (see `code_digest`); empty if it did not load.
     """
 
     reply: Reply
@@ -112,7 +112,7 @@ class WorkerReply(NamedTuple):
     code_digest: str = ""
 
 
-# `dataclasses.astuple` copies every value, which takes longer than all the rest of a message
+# `dataclasses.astuple` copies every value, which takes longer than the rest of the message.
 _scenario_values = attrgetter(*(field.name for field in fields(Scenario)))
 
 
@@ -129,10 +129,11 @@ def decode_question(values: list[Any]) -> Question:
 
 
 def _encode_path(path: Path | None) -> list[Any] | None:
-    """A path's start, and its two arrays one after the other."""
+    """A path's start, followed by its two arrays in one text."""
     if path is None:
         return None
-    path = Path(path.start, path.curvature, path.length)  # its arrays may be others by now
+    # Check again: a plug-in may have replaced the arrays since the path was created.
+    path = Path(path.start, path.curvature, path.length)
     arrays = [np.asarray(values, np.float64).tobytes() for values in (path.curvature, path.length)]
     return [*map(float, path.start), b2a_base64(b"".join(arrays), newline=False).decode()]
 
@@ -151,10 +152,10 @@ def encode_reply(sent: WorkerReply) -> list[Any]:
     """A reply as plain values.
 
     Raises:
-        Exception: whatever a plug-in's values do when they are read.
+        Exception: any exception that a plug-in's values raise when they are read.
     """
     reply = sent.reply
-    # checked once more: what a plug-in's class holds may have changed since it was made
+    # Check again: a plug-in may have changed its solution since it was created.
     solution = Solution(*[getattr(reply.solution, name) for name in _NAMES])
     dual = solution.multipliers
     return [
@@ -177,7 +178,7 @@ def decode_reply(values: list[Any]) -> WorkerReply:
     """The reply that was encoded.
 
     Raises:
-        Exception: if the values are not those of a reply.
+        Exception: if the values do not encode a reply.
     """
     outcome, times, claim, path, *measures, started, versions, digest = values
     solution = Solution(Claim(claim), _decode_path(path), *measures)
@@ -186,8 +187,8 @@ def decode_reply(values: list[Any]) -> WorkerReply:
 
 
 def _plain(value: Any) -> Any:
-    """Python's own number or text, whatever class a plug-in's value has."""
-    if isinstance(value, str):  # by way of bytes, since a subclass of str passes as one
+    """A plug-in's value as Python's own number or text."""
+    if isinstance(value, str):  # through bytes, so that a subclass of str becomes a plain str
         return str.encode(value[:_MAX_TEXT_CHARS], "utf-8", "replace").decode("utf-8")
     if isinstance(value, float):
         return float.__float__(value)

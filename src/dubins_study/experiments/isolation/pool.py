@@ -1,7 +1,8 @@
-"""A pool of worker processes with hard limits: jobs in, (job, reply) out.
+"""A pool of worker processes with hard limits: takes jobs, yields (job, reply) pairs.
 
-One loop waits for replies, output and ends of all workers, and looks at their clocks and memory
-every 20 ms. Whatever a solver does to its worker is a reply; the pool judges nothing.
+One loop waits for the replies, output and exits of all workers, and checks their run times and
+memory every 20 ms. If a solver crashes or blocks its worker, the job gets a reply too. The pool
+judges no answer.
 """
 
 from __future__ import annotations
@@ -14,42 +15,45 @@ from typing import Self
 from dubins_study.errors import DubinsStudyError
 from dubins_study.experiments.interruption import Interruption
 from dubins_study.experiments.isolation.fork_server import ForkServerError
-from dubins_study.experiments.isolation.job_clock import Phase
 from dubins_study.experiments.isolation.job_queue import Job, JobQueue, SolverKey, worker_group
 from dubins_study.experiments.isolation.messages import MessageError, WorkerReply
 from dubins_study.experiments.isolation.monitor import POLL_INTERVAL_S, Limits, Monitor
 from dubins_study.experiments.isolation.worker_process import WorkerProcess
+from dubins_study.experiments.isolation.worker_status import Phase
 from dubins_study.solvers.protocol import Outcome
 from dubins_study.solvers.reply import Reply, no_answer
 
-# Jobs that a worker has in advance, so that it never waits; a single job where solves are long, so
-# that none waits for a worker while another one is idle.
-_AHEAD_JOBS, _QUICK_S, _SLOW_S = 64, 0.005, 0.1
-# without a reply after which whoever writes the rows is given a turn
-_NEWS_INTERVAL_S = 0.2
+# Jobs that a worker may get in advance, so that it never waits for the pool.
+_AHEAD_JOBS = 64
+# A worker gets jobs in advance only after a solve shorter than `_QUICK_S`. If a solve takes longer
+# than `_SLOW_S`, its waiting jobs go to other workers.
+_QUICK_S, _SLOW_S = 0.005, 0.1
+# After this many seconds without a reply, yield an empty list, so that the caller can write rows.
+_YIELD_INTERVAL_S = 0.2
+# Seconds between two calibration probes.
 _PROBE_INTERVAL_S = 2.0
-# replies without a worker that are yielded together
+# Number of replies to jobs of unloadable solvers that are yielded together.
 _MAX_RESULTS = 8
-# workers that may end in a row before they have taken up any job
+# Number of workers in a row that may end before they begin a job.
 _MAX_FALSE_STARTS = 3
 
 
 class RunError(DubinsStudyError, RuntimeError):
-    """A run that could not go on; what was done is kept."""
+    """The run cannot continue; the rows written so far are kept."""
 
 
-# jobs and the replies to them
+# Jobs and the replies to them.
 Results = list[tuple[Job, WorkerReply]]
 
 
 class WorkerPool:
-    """Workers for as long as it is entered; they are started when there are jobs.
+    """Worker processes, started when there are jobs and kept until the `with` block ends.
 
     Args:
-        workers: processes side by side.
-        limits: of every solve.
+        workers: number of processes.
+        limits: the limits of every solve.
         warm_up: whether solvers are asked an easy question before their first job.
-        probed: called every two seconds with the seconds that a fixed piece of work took.
+        probed: called every two seconds with the duration (s) of a calibration probe.
     """
 
     def __init__(
@@ -65,10 +69,11 @@ class WorkerPool:
         self._workers: list[WorkerProcess | None] = [None] * workers
         self._monitor = Monitor(limits)
         self._warm_up = warm_up
-        self._without_warm_up: set[SolverKey] = set()  # their warm-up ended a worker
+        # Solvers whose warm-up ended a worker: they are loaded without it.
+        self._without_warm_up: set[SolverKey] = set()
         self._answered: set[SolverKey] = set()
-        # solvers that end workers as they are loaded, and the reply to their other jobs
-        self._given_up: dict[SolverKey, Reply] = {}
+        # Solver that ended its worker while it was loaded -> the reply to its other jobs.
+        self._unloadable: dict[SolverKey, Reply] = {}
         self._queue = JobQueue()
         self._false_starts = 0
         self._next_probe_s = monotonic()
@@ -78,29 +83,29 @@ class WorkerPool:
 
     def __exit__(self, *_: object) -> None:
         self.kill_workers()
-        for worker in self._running():
+        for worker in self._live_workers():
             self._remove(worker)
 
     def kill_workers(self) -> None:
-        """End whatever is being solved; may be called from any thread."""
-        for worker in self._running():
+        """Kill all workers; may be called from any thread."""
+        for worker in self._live_workers():
             worker.process.kill()
 
     def put_first(self, jobs: Iterable[Job]) -> None:
-        """Jobs that are next; may be put while `solve` is under way."""
+        """Put jobs at the front of the queue; allowed while `solve` runs."""
         self._queue.put_first(jobs)
 
     def solve(self, jobs: Iterable[Job], stop: Interruption) -> Iterator[Results]:
-        """The replies to all jobs as they come; an empty list now and then where none do.
+        """Yield the replies to all jobs as they come, and an empty list if none come for a while.
 
-        Once the run is interrupted, only what is being solved is finished.
+        After an interruption only the current solves are finished.
 
         Args:
-            jobs: taken as workers can be given them, in this order but for `put_first`.
-            stop: looked at after every result.
+            jobs: read when a worker is free; solved in this order, except after `put_first`.
+            stop: checked after every result.
 
         Raises:
-            RunError: if worker processes end before they have done anything.
+            RunError: if worker processes end before they begin a job.
         """
         self._queue = JobQueue(jobs)
         self._monitor.begin()
@@ -108,22 +113,22 @@ class WorkerPool:
         while True:
             if stop.requested:
                 self._queue = JobQueue()
-                for worker in self._running():
+                for worker in self._live_workers():
                     worker.withdraw()
             results = self._feed()
-            busy = any(worker.pending for worker in self._running())
+            busy = any(worker.pending for worker in self._live_workers())
             if not (results or busy or self._queue.waiting(1)):
                 return
             results += self._wait(0.0 if results else POLL_INTERVAL_S)
-            if results or monotonic() - yielded_s > _NEWS_INTERVAL_S:
+            if results or monotonic() - yielded_s > _YIELD_INTERVAL_S:
                 yield results
                 yielded_s = monotonic()
 
-    def _running(self) -> list[WorkerProcess]:
+    def _live_workers(self) -> list[WorkerProcess]:
         return [worker for worker in self._workers if worker is not None]
 
     def _feed(self) -> Results:
-        """Give jobs to workers; replies to jobs that need no worker, a few at a time."""
+        """Give jobs to workers; return a few replies to jobs of unloadable solvers."""
         results: Results = []
         places = len(self._workers)
         share = min(_AHEAD_JOBS, -(-self._queue.waiting(_AHEAD_JOBS * places) // places))
@@ -131,7 +136,7 @@ class WorkerPool:
             if worker is not None and len(worker.pending) > share // 2:
                 continue
             while (job := self._queue.next()) and len(results) < _MAX_RESULTS:
-                reply = self._given_up.get(job.solver_key)
+                reply = self._unloadable.get(job.solver_key)
                 if reply is not None:
                     results.append((self._queue.take(), WorkerReply(reply)))
                     continue
@@ -147,7 +152,7 @@ class WorkerPool:
         return results
 
     def _worker_for(self, job: Job, place: int, share: int) -> WorkerProcess | None:
-        """The worker of a place, if it may be given a job; it may replace an idle worker."""
+        """The worker at `place`, or None if it cannot take the job; may start or replace it."""
         worker, group = self._workers[place], worker_group(job.solver)
         if worker is not None and worker.group != group:
             if worker.pending:
@@ -164,33 +169,33 @@ class WorkerPool:
         return worker if len(worker.pending) < (share if worker.quick else 1) else None
 
     def _wait(self, timeout_s: float) -> Results:
-        """Wait for the next events, then look at the workers if it is time; what they replied."""
+        """Wait for events, check the limits if it is time, and return the replies."""
         results: Results = []
-        poll, workers = select.poll(), self._running()
+        poll, workers = select.poll(), self._live_workers()
         for worker in workers:
             worker.register(poll)
         ready = {descriptor for descriptor, _ in poll.poll(1000 * timeout_s)}
         for worker in workers:
             results += self._receive(worker, ready)
-            if worker.process.status in ready and worker in self._workers:
-                results += self._ended(worker, None)
+            if worker.process.exit_pipe in ready and worker in self._workers:
+                results += self._end_worker(worker, None)
         if self._monitor.due():
-            results += self._look()
+            results += self._enforce_limits()
         return results
 
-    def _look(self) -> Results:
-        """End the workers that break a limit; jobs that wait for a slow worker go to the others."""
+    def _enforce_limits(self) -> Results:
+        """End workers that break a limit; take back the jobs that wait for a slow worker."""
         results: Results = []
-        for worker, reply in self._monitor.look(self._running()).items():
-            results += self._ended(worker, reply)
-        for worker in self._running():
-            if len(worker.pending) > 1 and monotonic() - worker.clock.read().since_s > _SLOW_S:
+        for worker, reply in self._monitor.look(self._live_workers()).items():
+            results += self._end_worker(worker, reply)
+        for worker in self._live_workers():
+            if len(worker.pending) > 1 and monotonic() - worker.status.read().since_s > _SLOW_S:
                 worker.quick = False
                 self._queue.put_first(worker.withdraw())
         return results
 
     def _receive(self, worker: WorkerProcess, ready: set[int]) -> Results:
-        """What a worker's answers bring."""
+        """Receive a worker's answers, and return its replies to jobs."""
         results: Results = []
         try:
             for number, value, changed in worker.answers(ready):
@@ -203,7 +208,7 @@ class WorkerPool:
                     break
         except MessageError as error:
             reply = no_answer(Outcome.CRASHED, f"stopped: its worker sent {error}")
-            results += self._ended(worker, reply)
+            results += self._end_worker(worker, reply)
         return results
 
     def _job_answered(self, worker: WorkerProcess, number: int, reply: WorkerReply) -> Results:
@@ -212,14 +217,19 @@ class WorkerPool:
         answered = worker.pending.pop(number, None)
         if not worker.quick:
             self._queue.put_first(worker.withdraw())
-        if answered is None:  # it was taken back
+        if answered is None:  # the job was withdrawn, and is solved by another worker
             return []
         self._answered.add(answered.job.solver_key)
         return [(answered.job, reply)]
 
-    def _ended(self, worker: WorkerProcess, reply: Reply | None) -> Results:
-        """A worker has ended, or is to be ended with a reply to the job that it is at."""
-        number, phase = worker.current_number(), worker.clock.read().phase
+    def _end_worker(self, worker: WorkerProcess, reply: Reply | None) -> Results:
+        """Remove a worker and return the reply to its current job.
+
+        Args:
+            worker: a worker that has ended, or that is to be killed.
+            reply: the reply to its job if it is to be killed; None if it has ended.
+        """
+        number, phase = worker.current_number(), worker.status.read().phase
         if reply is not None:
             worker.process.kill()
         crash_reply = worker.crash_reply()
@@ -236,7 +246,7 @@ class WorkerPool:
         self._false_starts = 0
         job, reply = current.job, reply or crash_reply
         if phase in (Phase.LOADING, Phase.WARMING_UP):
-            if current.warm_up:  # it may be to blame: the solver is loaded once more, without it
+            if current.warm_up:  # perhaps the warm-up failed: load the solver again without it
                 self._without_warm_up.add(job.solver_key)
                 self._queue.put_first([job])
                 return []
@@ -244,16 +254,16 @@ class WorkerPool:
         return [(job, WorkerReply(reply))]
 
     def _load_failed(self, solver: SolverKey, reply: Reply) -> Reply:
-        """The reply to a job whose solver ended the worker while it was loaded."""
+        """The reply to a job whose solver ended its worker while it was loaded."""
         (outcome, solution, _), status = reply, reply.solution.native_status
         message = f"{solution.message}, while it was loaded"
         if solver not in self._answered:
-            again = f"{message} for another cell; not tried again"
-            self._given_up[solver] = no_answer(outcome, again, status=status)
+            later_message = f"{message} for another cell; not tried again"
+            self._unloadable[solver] = no_answer(outcome, later_message, status=status)
         return no_answer(outcome, message, status=status)
 
     def _remove(self, worker: WorkerProcess) -> None:
-        """End a worker, whose place another one may take; the jobs that it was given wait again."""
+        """End a worker and free its place; put its pending jobs back in the queue."""
         self._workers[self._workers.index(worker)] = None
         worker.process.close()
         self._queue.put_first(pending.job for pending in worker.pending.values())

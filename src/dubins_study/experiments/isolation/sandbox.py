@@ -1,4 +1,4 @@
-"""What a process does to itself before it runs other people's code. POSIX; best on Linux."""
+"""Limits that a process sets itself before it runs other people's code. POSIX; best on Linux."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from threadpoolctl import threadpool_limits
 
 THREADS = 1
 _VARIABLES = tuple(f"{library}_NUM_THREADS" for library in ("OMP", "OPENBLAS", "MKL"))
-# beyond the memory limit, which the pool checks every few hundredths of a second: as much as a
-# solver may take between two checks before its own allocations fail
+# Bytes beyond the memory limit at which a solver's own allocations fail. The pool checks the limit
+# every few hundredths of a second; the margin is for what a solver takes between two checks.
 _MARGIN_BYTES = 512 * 2**20
 
 
 def bound_memory(memory_bytes: int) -> None:
-    """Let allocations fail that go far beyond a limit, and write no core dumps."""
+    """Make allocations fail that go far beyond a limit; switch core dumps off."""
     if not hasattr(resource, "RLIMIT_DATA"):
         return
     soft, hard = resource.getrlimit(resource.RLIMIT_DATA)
@@ -29,8 +29,8 @@ def bound_memory(memory_bytes: int) -> None:
 
 
 def pin_threads() -> None:
-    """Keep every numerical library of this process, loaded or not, to one thread for good."""
-    # Numba follows its variable at once, and fails where its threads run already: only here
+    """Limit every numerical library of this process, loaded or not, to one thread permanently."""
+    # NUMBA_NUM_THREADS is set only here: Numba reads it at once and fails if its threads run.
     os.environ.update(dict.fromkeys((*_VARIABLES, "NUMBA_NUM_THREADS"), str(THREADS)))
     threadpool_limits(THREADS)
 
@@ -55,7 +55,7 @@ def pinned_threads() -> Iterator[None]:
     finally:
         with _pinning:
             _pinned_count -= 1
-            # the last of several threads that run something at once restores them
+            # If several threads run at the same time, the last one restores the environment.
             for name, value in () if _pinned_count else _environment_before.items():
                 if value is None:
                     os.environ.pop(name, None)

@@ -58,11 +58,11 @@ def describe_solver(spec: str, profile: str = "default") -> SolverDescription:
     """
     if ours(spec):
         return _describe(spec, profile)
-    fields = _fields_from_elsewhere(spec, profile)
+    fields = _described_in_new_process(spec, profile)
     return SolverDescription(**(fields | {"packages": tuple(fields["packages"])}))
 
 
-def _fields_from_elsewhere(spec: str, profile: str) -> dict[str, Any]:
+def _described_in_new_process(spec: str, profile: str) -> dict[str, Any]:
     """The fields of a plug-in's description, determined in a separate process."""
     process = fork(f"{__name__}:send_description", [spec, profile])
     try:

@@ -1,6 +1,7 @@
-"""What a worker process shares with whatever it runs: a solve that changes it costs the worker.
+"""The state of a worker process that all its solves share. If a solve changes it, the worker ends.
 
-Nothing is put back, since what one forgets to put back would reach another solver's answer.
+The state is not restored instead: a part that we forget to restore would affect the answers of
+other solvers.
 """
 
 from __future__ import annotations
@@ -26,23 +27,24 @@ from threadpoolctl import ThreadpoolController
 
 from dubins_study.experiments.isolation.sandbox import THREADS
 
-# every solve begins here, so that one which draws from the global generators can be repeated
+# Seed of the global random generators before every solve, so that a solve can be repeated.
 SEED = 0
 
 _SIGNALS = [int(s) for s in signal.Signals if s not in (signal.SIGKILL, signal.SIGSTOP)]
 _RLIMITS = sorted({getattr(resource, name) for name in dir(resource) if name.startswith("RLIMIT_")})
 _TIMERS = signal.ITIMER_REAL, signal.ITIMER_VIRTUAL, signal.ITIMER_PROF
-# as the interpreter holds it: to decode every name and value takes longer than a quick solve
+# The interpreter's own dictionary: decoding all names and values takes longer than a quick solve.
 _ENVIRONMENT: dict[bytes, bytes] = os.environ._data  # type: ignore[attr-defined]
-# share of the memory limit that solves may leave behind, and files that they may leave open
+# Share of the memory limit that solves may leave allocated, and number of files that they may leave
+# open.
 _MAX_LEAK_SHARE, _MAX_OPEN_FILES = 0.25, 64
-# between two looks at memory and files, which take longer than the others
+# Seconds between two checks of memory and open files, which take longer than the other checks.
 _LEAK_INTERVAL_S = 0.02
 _PAGE_BYTES = os.sysconf("SC_PAGE_SIZE")
 
 
 def _state() -> tuple[Any, ...]:
-    """What a solve must leave as it is; the threads of numerical libraries are looked at apart."""
+    """All values that a solve must not change, except the thread counts of numerical libraries."""
     context, mask = decimal.getcontext(), os.umask(0)
     os.umask(mask)
     return (
@@ -53,7 +55,7 @@ def _state() -> tuple[Any, ...]:
         *(sys.getrecursionlimit(), sys.getswitchinterval(), gc.isenabled()),
         *(sys.excepthook, sys.unraisablehook, threading.excepthook),
         *(sys.gettrace(), sys.getprofile(), threading.enumerate()),
-        # without the enumerations that `signal` makes of numbers
+        # `_signal` returns plain numbers; `signal` would convert each to an enumeration.
         [_signal.getsignal(number) for number in _SIGNALS],
         _signal.pthread_sigmask(signal.SIG_BLOCK, ()),
         [signal.getitimer(timer)[0] > 0 for timer in _TIMERS],
@@ -64,7 +66,7 @@ def _state() -> tuple[Any, ...]:
 
 
 def _file(number: int) -> tuple[int, int] | None:
-    """The device and the number of the file that a descriptor leads to."""
+    """Device number and inode of the file that a descriptor refers to; None if it is closed."""
     with suppress(OSError):
         status = os.fstat(number)
         return status.st_dev, status.st_ino
@@ -72,13 +74,13 @@ def _file(number: int) -> tuple[int, int] | None:
 
 
 def seed() -> None:
-    """Seed the global generators as before every solve."""
+    """Seed the global random generators; called before every solve."""
     random.seed(SEED)
     np.random.seed(SEED)  # noqa: NPY002
 
 
-class WorkerState:
-    """The state of this process as it is accepted; see `changed`.
+class ProcessState:
+    """Detects whether a solve has changed the state of this process since `accept`.
 
     Args:
         memory_limit: bytes that the process may hold.
@@ -91,13 +93,13 @@ class WorkerState:
         self.accept()
 
     def accept(self) -> None:
-        """Take the state as it is now: what a solver's libraries do while they are loaded stays."""
+        """Accept the current state, with the changes that a solver's libraries made at loading."""
         self._pin_new_libraries()
         self._accepted = _state()
         self._resident, self._files = _leakable()
 
     def changed(self) -> bool:
-        """Whether the state is no longer as it was accepted: another solve could not rely on it."""
+        """Whether the state differs from the accepted one, so that the worker must be replaced."""
         try:
             state = _state()
         except Exception:  # e.g. the working directory was removed
@@ -105,7 +107,7 @@ class WorkerState:
         return state != self._accepted or self._threads_changed() or self._leaks()
 
     def _pin_new_libraries(self) -> None:
-        """Keep the libraries that were loaded since to one thread."""
+        """Limit the libraries that were loaded since the last call to one thread."""
         if self._modules != len(sys.modules):
             self._modules, self._libraries = len(sys.modules), ThreadpoolController()
             self._libraries.limit(limits=THREADS)
@@ -113,7 +115,7 @@ class WorkerState:
     def _threads_changed(self) -> bool:
         known = self._libraries.lib_controllers
         changed = any((library.num_threads or THREADS) != THREADS for library in known)
-        self._pin_new_libraries()  # of a library that a solve has loaded, nothing is expected yet
+        self._pin_new_libraries()  # only now: a library that the solve loaded may use any number
         return changed
 
     def _leaks(self) -> bool:
@@ -125,7 +127,7 @@ class WorkerState:
 
 
 def _leakable() -> tuple[int, int]:
-    """Resident bytes and open files of this process; zeros where /proc does not tell."""
+    """Resident bytes and number of open files of this process; zeros if there is no /proc."""
     with suppress(OSError, ValueError, IndexError):
         resident = int(FilePath("/proc/self/statm").read_bytes().split()[1])
         return resident * _PAGE_BYTES, len(os.listdir("/proc/self/fd"))  # noqa: PTH208
