@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import functools
 import gc
 import io
 import os
@@ -90,9 +91,17 @@ def watched() -> Iterator[Seen]:
         _watchers.remove(watcher)
 
 
+@functools.cache
+def _freeze_modules() -> None:
+    """Leave what is loaded by now out of collections: each would look through all libraries."""
+    gc.collect()
+    gc.freeze()
+
+
 @contextlib.contextmanager
 def temporary_files_in(folder: Path) -> Iterator[None]:
     """Let temporary files lie in a folder, and see to it that none is left."""
+    _freeze_modules()
     scratch = folder / "temporary files"
     scratch.mkdir()
     with mock.patch.object(tempfile, "tempdir", str(scratch)):
