@@ -1,4 +1,4 @@
-"""The audit of the paper: its wrong cells, its paths, its algorithm, what it leaves out."""
+"""The section on the audit: wrong cells, paths, the algorithm, and paths that are left out."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _SYMBOLS = {"z1": "ζ₁", "z2": "ζ₂", "z3": "ζ₃", "f": "f"}
 
 
 def audit_section(results: Results) -> Section | None:
-    """What the committed audit finds; beside the paper's own experiment only."""
+    """The findings of the committed audit; shown only with the paper's own experiment."""
     if results.rows.empty:
         return None
     audit = committed()
@@ -50,7 +50,7 @@ def _cross(wrong: bool) -> str:
 
 
 def _decimals(places: int, sign: str = "") -> Any:
-    """Shows a number with so many decimals."""
+    """A format with `places` decimals."""
     return lambda value: f"{float(value):{sign}.{places}f}".replace("-", "−")
 
 

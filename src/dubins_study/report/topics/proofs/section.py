@@ -36,7 +36,7 @@ def proofs_section(results: Results) -> Section | None:
 
 
 def _paid(rows: pd.DataFrame) -> list[str]:
-    """Solvers with bounds but for the closed form, whose bound is its length."""
+    """Solvers with bounds, except the closed form, whose bound is its length."""
     return [solver for solver in provers(rows) if solver != EXACT]
 
 

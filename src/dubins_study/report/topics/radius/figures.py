@@ -20,7 +20,7 @@ _WORD_LINE = {"LS": LINES[1], "RS": LINES[2]}
 
 
 def plot_length(ax: Axes, sweep: Sweep, palette: Palette) -> None:
-    """The shortest length over radius, its words, and every answer that is not the shortest.
+    """Draw the shortest length over radius, its words, and every answer that is not shortest.
 
     The line breaks where the word changes, since the length may jump there.
     """

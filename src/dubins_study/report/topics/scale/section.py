@@ -19,7 +19,7 @@ _FOOT, _TOP = 1e-17, 1e1
 
 
 def scale_section(results: Results) -> Section | None:
-    """Gap against radius, and a table of what changes with it."""
+    """Gap against radius, and a table of what changes with the radius."""
     rows = results.rows
     posed = (rows["branch"] == "best") & (rows["initial_guess"] == "cold")
     rows = rows[posed & rows["radius"].notna()]
@@ -41,7 +41,7 @@ def _method(rows: pd.DataFrame) -> str:
 
 
 def _findings(table: pd.DataFrame) -> list[str]:
-    """Three sentences: who is invariant, who is not, and whether the work is."""
+    """Three sentences: invariant solvers, other solvers, and whether the work is invariant."""
     same = table[table["invariant"] == table["scenarios"]]
     first = f"{len(same)} of {len(table)} solvers and variants give the same path everywhere"
     if len(same):

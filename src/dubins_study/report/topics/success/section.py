@@ -72,7 +72,7 @@ def _verdict_picture(attempts: Attempts) -> Picture:
 
 
 def _gap_tolerances(folders: Iterable[Folder]) -> dict[str, float]:
-    """The gap that each experiment's runs call optimal; left out where two runs differ."""
+    """Experiment -> largest gap that its runs accept as optimal; left out if two runs differ."""
     tolerances: dict[str, set[float]] = {}
     for folder in folders:
         tolerances.setdefault(folder.name, set()).add(folder.manifest.gap_tolerance)

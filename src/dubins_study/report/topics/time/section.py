@@ -53,7 +53,7 @@ def time_section(results: Results) -> Section | None:
 
 
 def _not_variants(rows: pd.DataFrame) -> pd.DataFrame:
-    """Without variants, if there are plain solvers: each variant would shrink the common set."""
+    """Rows of plain solvers, if there are any: each variant would reduce the common questions."""
     plain = ~rows["solver"].str.contains("[", regex=False)
     return rows[plain] if plain.any() else rows
 
