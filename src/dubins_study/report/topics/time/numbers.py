@@ -43,7 +43,7 @@ def _right_times(rows: pd.DataFrame, otherwise: float) -> pd.DataFrame:
 
 
 def common_times(rows: pd.DataFrame) -> pd.DataFrame:
-    """Median total time (s): a row per question that all answered correctly, a column per solver."""
+    """Median total time (s); one row per question that all solvers answered correctly."""
     return _right_times(rows, np.nan).dropna()
 
 
