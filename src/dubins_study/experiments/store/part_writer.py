@@ -32,7 +32,7 @@ def write_part(
         folder: the results folder.
         name: name of the part, without suffix.
         table: its rows; text columns may be dictionary arrays.
-        metadata: metadata to store beside the schema's version, such as the run's `RUN_ID`.
+        metadata: metadata to store in addition to the schema's version, such as `RUN_ID`.
 
     Raises:
         ResultsError: if the folder cannot be written, for example because the disk is full.

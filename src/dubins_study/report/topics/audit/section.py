@@ -69,7 +69,7 @@ _CELL_COLUMNS = (
 def _cells() -> Table:
     frame = pd.DataFrame(misprints()).replace({"quantity": _SYMBOLS})
     caption = (
-        "The cells that are not correct roundings. Double rounding: to more decimals first. "
+        "The cells that are not correct roundings. Double rounding: first to more decimals. "
         "Solver bias: model (4.12) at the last barrier parameter of Ipopt's default options, where "
         "the missing turn is not quite zero. Wrong: neither of them, nor cut off. The verdict says "
         "what gives the cell; what that would give in the rest of the row is said behind. Lengths."

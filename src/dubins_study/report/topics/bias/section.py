@@ -93,7 +93,7 @@ def _others(others: pd.DataFrame) -> list[str]:
 def _bias_picture(with_barrier: pd.DataFrame) -> Picture:
     caption = (
         "The turn that Ipopt leaves, against the cube root of barrier times radius squared; one "
-        "mark an attempt. On the dashed line they are equal."
+        "mark per attempt. On the dashed line they are equal."
     )
     alt = "Turn left over against its prediction"
     return picture("bias", plot_bias, with_barrier, caption=caption, alt=alt, height=3.9, legend=1)

@@ -35,7 +35,7 @@ class Sweep:
 
     label: str  # of its scenarios
     circle: float  # the radius at which a turning circle passes through the target, R*
-    shortest: pd.DataFrame  # radius, length, word; one row a radius, by rising radius
+    shortest: pd.DataFrame  # radius, length, word; one row per radius, rising
     spans: tuple[Span, ...]  # of the words, by rising radius
     single_words: pd.DataFrame  # word, radius, length (NaN where the word does not exist)
     wrong: pd.DataFrame  # solver, radius, length, arrives; the answers that are not right

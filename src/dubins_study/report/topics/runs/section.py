@@ -83,7 +83,7 @@ def _picture(noisy: pd.DataFrame) -> Picture:
         probe_ratios(noisy),
         caption="The calibration probe in the runs that varied most, relative to its median: 1 is "
         f"the usual speed, above is slower; the band is {digits(1)(100 * NOISY)} % wide.",
-        alt="Probe times against time, one line a run",
+        alt="Probe times against time, one line per run",
         height=2.4,
         width=WIDE,
     )

@@ -87,7 +87,7 @@ def _picture(rows: pd.DataFrame, palette: Palette) -> Picture:
     handles, texts = panels[0].get_legend_handles_labels()
     figure.legend(handles, texts, loc="outside lower left", ncols=4, fontsize=7.5)
     caption = (
-        "Gap against radius, one panel a scenario. A solver without a scale is a level line. "
+        "Gap against radius, one panel per scenario. The line of a scale-free solver is level. "
         "Below the dotted line are answers exact up to rounding, set apart so that each is seen; "
         "at the top are those that do not arrive."
     )

@@ -22,7 +22,7 @@ def warm_blocks(table: pd.DataFrame) -> tuple[Picture, Table]:
         caption="Started from the answer at the neighbouring radius against cold: time and the "
         "solver's own iterations, question by question, median (mark) and quartiles (bar). Left "
         "of 1 the warm start saves.",
-        alt="Ratios of warm to cold time and iterations, one line a solver",
+        alt="Ratios of warm to cold time and iterations, one line per solver",
         height=1.2 + max(0.42, 0.16 * lines_of_names(table["solver"])) * len(table),
     )
     return ratios, _table(table)
