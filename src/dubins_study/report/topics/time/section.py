@@ -65,8 +65,8 @@ def _performance_picture(ratios: pd.DataFrame, palette: Palette) -> Picture:
         *(ratios, palette),
         caption="Performance profile: the share of questions that a solver answers correctly "
         f"within a factor of the fastest right answer, over the {count(len(ratios))} questions "
-        "put to all of them. At 1: how often it is the fastest; at the right: how often it is right "
-        "at all. The closed form is left out, since it would flatten every curve.",
+        "put to all of them. At 1: how often it is the fastest; at the right: how often it is "
+        "right at all. The closed form is left out, since it would flatten every curve.",
         alt="Performance profile of the solvers",
         height=2.9 + 0.17 * legend_lines(ratios.columns, columns=3),
         width=WIDE,
