@@ -73,7 +73,7 @@ def frame(folder):
 def test_the_union_is_the_whole(original, halves, tmp_path):
     made = merge(halves, tmp_path / "all")
 
-    assert (made.rows, made.again, made.stale) == (CELLS, 0, 0)
+    assert (made.rows, made.agreeing_repeats, made.stale) == (CELLS, 0, 0)
     assert frame(made.folder).equals(frame(original))
     held, one = manifest(made.folder), manifest(original)
     assert held["finished"] == one["finished"]
@@ -109,7 +109,7 @@ def test_of_attempts_that_agree_the_earlier_is_kept(halves, tmp_path):
     change(halves[1], 0, wall_s=9.0, gap=gap + TOLERANCE / 2)
     for order in (halves, halves[::-1]):
         made = merge(order, tmp_path / "all")
-        assert (made.rows, made.again) == (CELLS, 1)
+        assert (made.rows, made.agreeing_repeats) == (CELLS, 1)
         assert "another" not in set(read_rows(made.folder)["run_id"].to_pylist())
         shutil.rmtree(made.folder)
 
@@ -164,7 +164,7 @@ def test_other_code_is_another_cell(halves, tmp_path):
     change(halves[1], 0, verdict="misses", code_digest="ffffffffffff")
     made = merge(halves, tmp_path / "all")
 
-    assert (made.rows, made.again, made.stale) == (CELLS + 1, 0, 1)
+    assert (made.rows, made.agreeing_repeats, made.stale) == (CELLS + 1, 0, 1)
     assert status(made.folder).stale == 1
     assert len(load([made.folder]).rows) == CELLS
 
@@ -354,5 +354,5 @@ def test_any_folders(one, two, three):
     found = merged_rows(tables, folders, TOLERANCE)
     assert {row["scenario_id"]: row for row in found.table.to_pylist()} == best
     assert len(found.table) == len(best)
-    assert found.again == len(every) - len(best)
+    assert found.agreeing_repeats == len(every) - len(best)
     assert found.table.schema.equals(pa.schema(ARROW_SCHEMA))

@@ -7,7 +7,13 @@ import pytest
 from dubins_study import run
 from dubins_study.experiments.definition.experiment import read
 from dubins_study.report.data.results import load
-from dubins_study.report.topics.basins.numbers import INFEASIBLE, NOWHERE, capping, ends, shares
+from dubins_study.report.topics.basins.numbers import (
+    FALSE_MINIMUM,
+    INFEASIBLE,
+    capping,
+    ends,
+    shares,
+)
 from dubins_study.report.topics.bias.numbers import by_barrier, left_over, without_barrier
 from dubins_study.report.topics.convergence.numbers import orders, refined
 from dubins_study.report.topics.ladder.numbers import rungs
@@ -44,11 +50,11 @@ def test_where_a_local_solver_starts_decides_where_it_ends(basins_folder):
     change = capping(found)
     assert change.loc[True, "turned"] < change.loc[False, "turned"] / 2
     assert change.loc[True, "refuted"] > 4  # no cap makes a local solver honest
-    nowhere = table[table["end"] == NOWHERE]
-    assert len(nowhere) > 0
+    false_minima = table[table["end"] == FALSE_MINIMUM]
+    assert len(false_minima) > 0
     # what the lengths call no minimum is no extremal either; true minima miss by up to 6e-3 where
     # a solver stops early on the degenerate one
-    assert (nowhere["pmp_residual"] > 9e-3).all()
+    assert (false_minima["pmp_residual"] > 9e-3).all()
 
 
 @pytest.fixture(scope="module")

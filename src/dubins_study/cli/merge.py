@@ -18,9 +18,10 @@ def merge(
 
     union = unite(folders, out)
     lines = [f"{plain(str(union.folder))}: {union.rows} rows"]
-    if union.again:
+    if union.agreeing_repeats:
         lines.append(
-            f"{union.again} cells were solved in several folders, alike: the earliest kept"
+            f"{union.agreeing_repeats} cells were solved in several folders, alike: "
+            "the earliest kept"
         )
     if union.stale:
         lines.append(f"{union.stale} rows are of another code than the first folder's, thus stale")

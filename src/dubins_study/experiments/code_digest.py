@@ -104,7 +104,7 @@ def _with_named_rooms(sources: Sources) -> Sources:
 
 @cache
 def _room(name: str) -> Sources:
-    """All modules of a room of `solvers`; none if there is no room of that name."""
+    """All modules of a room of `solvers`; empty if no room has that name."""
     place = _PACKAGE / "solvers" / name
     files = place.rglob("*.py") if place.is_dir() else [place.with_suffix(".py")]
     return _read_all(_PACKAGE, (file for file in files if file.is_file()))

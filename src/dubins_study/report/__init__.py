@@ -1,1 +1,1 @@
-"""The report: rows to numbers, numbers to tables and figures, and one page. Imports study only."""
+"""The report: turn rows into numbers, tables, figures and one page. Imports only `study`."""

@@ -24,11 +24,11 @@ _FORMATS = (".svg", ".pdf", ".png")
 
 
 class PlotError(DubinsStudyError, ValueError):
-    """A path that cannot be drawn, or a file that it cannot be drawn into."""
+    """The path cannot be drawn, or the file cannot be written."""
 
 
 class Answered(Protocol):
-    """What is drawn of an answer, such as one of `dubins_study.solve`."""
+    """The fields that are drawn; an answer of `dubins_study.solve` has them."""
 
     @property
     def scenario(self) -> Scenario: ...
@@ -42,9 +42,9 @@ def plot_path(drawn: Answered | Path, file: str | FilePath | None = None) -> Fig
     """Draw a path with its turning circles, start and target.
 
     Args:
-        drawn: an answer of `dubins_study.solve`, or a path; the target of a path is its end, and
-            its turning radius that of its sharpest arc.
-        file: where to save the figure, if anywhere; its suffix is .svg, .pdf or .png.
+        drawn: an answer of `dubins_study.solve`, or a path. For a path, the target is the path's
+            end, and the turning radius is that of its sharpest arc.
+        file: where to save the figure, with suffix .svg, .pdf or .png; None: do not save it.
 
     Returns:
         The figure.
@@ -84,7 +84,7 @@ def check_format(file: str | FilePath) -> FilePath:
 
 
 def _subject(drawn: Answered | Path) -> tuple[str, Path, Scenario]:
-    """The legend's name, the path, and the scenario that it is drawn with."""
+    """The name in the legend, the path, and the scenario of the path."""
     if isinstance(drawn, Path):
         sharpest = float(np.abs(drawn.curvature).max(initial=0.0))
         radius = 1 / sharpest if sharpest > 0 else 1.0

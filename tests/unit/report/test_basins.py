@@ -11,10 +11,10 @@ import pytest
 from dubins_study import render
 from dubins_study.report.data.results import load
 from dubins_study.report.topics.basins.numbers import (
+    FALSE_MINIMUM,
+    FALSE_PATH,
     GIVES_UP,
     INFEASIBLE,
-    MISSES,
-    NOWHERE,
     OPTIMUM,
     OTHER,
     TURNS,
@@ -100,9 +100,9 @@ def test_every_end_is_told_apart(results):
         OPTIMUM,
         TURNS,
         OTHER,
-        NOWHERE,
+        FALSE_MINIMUM,
         INFEASIBLE,
-        MISSES,
+        FALSE_PATH,
         *[GIVES_UP] * 3,
     ]
     np.testing.assert_array_equal(table["turns"], [0, 2, 1, *[math.nan] * 6])

@@ -68,7 +68,7 @@ class Channel:
 
         Raises:
             EOFError: if the other end is closed.
-            MessageError: if what arrived is no message.
+            MessageError: if something arrived that is not a message.
         """
         with suppress(BlockingIOError):
             self._read()

@@ -1,1 +1,1 @@
-"""A results folder that loses nothing: written part by part, locked, mended, merged, counted."""
+"""The results folder: write parts without losing rows, lock, repair, merge and count."""

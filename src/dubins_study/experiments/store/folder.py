@@ -1,4 +1,4 @@
-"""A results folder: opened for a run and mended; its rows read, counted and united."""
+"""Open a results folder for a run and repair it; read, count and unite its rows."""
 
 from __future__ import annotations
 
@@ -26,13 +26,13 @@ from dubins_study.study.rows.parts import (
 from dubins_study.study.rows.row_table import ARROW_SCHEMA
 from dubins_study.study.rows.schema import KEY, RUN_ID, Key, names
 
-# where damaged parts are moved
+# Name of the folder for damaged parts.
 DAMAGED = "damaged"
 _KIND = ["solver", "code_digest", "outcome", "verdict", "run_id"]
 
 
 class RowCount(NamedTuple):
-    """The rows of one kind: how many, and the seconds that their solves took together."""
+    """The number of rows of one kind, and the sum of their wall times (s)."""
 
     solver: str
     code_digest: str
@@ -44,15 +44,15 @@ class RowCount(NamedTuple):
 
 
 def prepare_folder(folder: FilePath) -> None:
-    """Make a folder that can be locked; a folder that is there stays as it is.
+    """Create a folder that can be locked; an existing results folder stays as it is.
 
     Raises:
-        ResultsError: if it cannot be made, or holds something else than results.
+        ResultsError: if it cannot be created, or holds anything else than results.
     """
     with os_errors_as(f"cannot write to {folder}"):
         if folder.exists() and not (folder / MANIFEST).exists():
             names_there = [entry.name for entry in folder.iterdir()]
-            # what a run leaves that is killed before its first manifest
+            # A run that is killed before its first manifest may leave these files.
             if not all(name in (LOCK, PARTS) or is_temporary(name) for name in names_there):
                 raise ResultsError(
                     f"{folder} holds something else and no {MANIFEST}; choose another"
@@ -63,26 +63,26 @@ def prepare_folder(folder: FilePath) -> None:
 
 
 def open_folder(folder: FilePath, manifest: Manifest, restart: bool) -> tuple[Manifest, list[str]]:
-    """Make a folder ready for a run: mended, and of the same experiment.
+    """Repair a folder for a run, and check that it holds the same experiment.
 
     Args:
-        folder: exists, and is locked by this process.
-        manifest: of the run; what the folder holds already must be of the same experiment.
-        restart: throw away the rows that the folder holds.
+        folder: an existing folder, locked by this process.
+        manifest: the run's manifest; rows in the folder must be of the same experiment.
+        restart: delete the rows that the folder holds.
 
     Returns:
-        The manifest joined with that of earlier runs, and a sentence for each repair.
+        The manifest joined with that of earlier runs, and one sentence per repair.
 
     Raises:
         ResultsError: if the folder cannot be written, or holds another experiment, another schema
-            or a part that is none of its own. The folder is then as it was.
+            or a foreign part. The folder is then unchanged.
     """
     refuse_link(folder / PARTS)
     with os_errors_as(f"cannot write to {folder}"):
         if (folder / MANIFEST).exists() and not restart:
             earlier = read_manifest(folder)
             _check_same_experiment(folder, earlier.experiment, manifest.experiment)
-            # somebody may have deleted it to begin anew; no row could be written without it
+            # The user may have deleted the folder of parts to start again; rows need it.
             (folder / PARTS).mkdir(exist_ok=True)
             joined = manifest.with_changes(  # whose rows name their own versions
                 created=earlier.created,
@@ -98,7 +98,7 @@ def open_folder(folder: FilePath, manifest: Manifest, restart: bool) -> tuple[Ma
 
 
 def _check_same_experiment(folder: FilePath, earlier: Definition, now: Definition) -> None:
-    """Refuse a folder that holds another experiment: by its name, or by its text."""
+    """Refuse a folder that holds an experiment with another name or another text."""
     for key, what in (("name", "experiment"), ("text", "text of experiment")):
         value = getattr(earlier, key)
         if value != getattr(now, key):
@@ -110,11 +110,11 @@ def _check_same_experiment(folder: FilePath, earlier: Definition, now: Definitio
 
 
 def _mend(folder: FilePath) -> list[str]:
-    """Move damaged parts away and remove what a killed run left, once every part was looked at."""
+    """Check every part, then move damaged parts away and remove files of a killed run."""
     damaged = []
     for part in part_files(folder):
         try:
-            # of a chunk of a stream, only the metadata at its end
+            # For a chunk of a stream, check only the metadata at its end.
             read_footer(part) if is_stream(part) else check_part(part)
         except DamagedPartError:
             damaged.append(part)
@@ -128,7 +128,7 @@ def _mend(folder: FilePath) -> list[str]:
 
 
 def _move_away(folder: FilePath, part: FilePath) -> FilePath:
-    """Move a damaged part to the folder of damaged parts; it is never deleted."""
+    """Move a damaged part to the folder `DAMAGED`; it is never deleted. Returns its new path."""
     place = folder / DAMAGED
     refuse_link(place)
     with os_errors_as(f"cannot move {part} to {place}"):
@@ -142,7 +142,7 @@ def _move_away(folder: FilePath, part: FilePath) -> FilePath:
 
 
 def done(folder: FilePath) -> set[Key]:
-    """The keys of all single cells that a folder holds a row of; streams are not read."""
+    """The keys of all single cells that have a row in a folder; streams are not read."""
     keys: set[Key] = set()
     for part in part_files(folder, streams=False):
         table = read_part(part, names(KEY))
@@ -151,11 +151,11 @@ def done(folder: FilePath) -> set[Key]:
 
 
 def read_rows(folder: FilePath, columns: list[str] | None = None) -> pa.Table:
-    """The rows of all single cells of a folder, each cell once.
+    """The rows of all single cells of a folder, one row per cell.
 
     Args:
         folder: a results folder.
-        columns: names of the schema; those of the key come first, wanted or not. All by default.
+        columns: column names of the schema; the key columns are always added, first. None: all.
     """
     columns = _with_key(columns or ARROW_SCHEMA.names)
     parts = part_files(folder, streams=False)
@@ -167,7 +167,7 @@ def _with_key(columns: list[str]) -> list[str]:
 
 
 def _unique_rows(tables: list[pa.Table], columns: list[str]) -> pa.Table:
-    """The first row of every key: a run that ends while it unites parts leaves rows twice."""
+    """The first row per key: a run that is killed while it unites parts leaves duplicates."""
     table = pa.concat_tables([ARROW_SCHEMA.empty_table().select(columns), *tables])
     numbered = table.select(names(KEY)).append_column("row", pa.array(range(len(table))))
     first = numbered.group_by(names(KEY)).aggregate([("row", "min")])["row_min"]
@@ -175,9 +175,9 @@ def _unique_rows(tables: list[pa.Table], columns: list[str]) -> pa.Table:
 
 
 def compact(folder: FilePath, run_id: str) -> None:
-    """Unite the parts of all single cells into one, if there is room for it.
+    """Unite the parts of all single cells into one part, if the disk has room for it.
 
-    A crash in the middle leaves rows twice, which a reader takes once.
+    A crash in between leaves duplicate rows, which readers ignore.
     """
     parts = part_files(folder, streams=False)
     if len(parts) < 2:
@@ -185,7 +185,7 @@ def compact(folder: FilePath, run_id: str) -> None:
     rows = read_rows(folder)
     try:
         united = write_part(folder, f"{run_id}-all", rows, {RUN_ID: run_id})
-    except ResultsError:  # the disk is full, and the many parts hold all that the one would
+    except ResultsError:  # the disk is full: the separate parts hold the same rows
         return
     for part in parts:
         if part != united:
@@ -193,13 +193,13 @@ def compact(folder: FilePath, run_id: str) -> None:
 
 
 def count_rows(folder: FilePath) -> tuple[list[RowCount], int]:
-    """Count a folder's rows by kind, each cell once; of streams only metadata are read.
+    """Count a folder's rows by kind, each cell once; for streams only the metadata are read.
 
     Returns:
-        The counts, and how many parts are damaged and therefore not counted.
+        The counts, and the number of damaged parts, which are not counted.
 
     Raises:
-        ResultsError: if a part is of another schema, or cannot be read.
+        ResultsError: if a part has another schema, or cannot be read.
     """
     columns = _with_key([*_KIND, "wall_s"])
     tables: list[pa.Table] = []

@@ -14,17 +14,19 @@ from dubins_study.experiments.provenance import now
 from dubins_study.study.rows.files import ResultsError, reason
 
 LOCK = ".lock"
-# A link would lead elsewhere, and opening a pipe would block.
+# Do not follow a symbolic link, and do not block if the file is a named pipe.
 _READ_FLAGS = os.O_RDONLY | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0)
-# `is_locked` in another process holds the lock for microseconds, a run for much longer.
+# Seconds to wait for the lock, since a call of `is_locked` in another process also holds it for
+# microseconds. If the lock is still held after that, a run holds it.
 _WAIT_S, _POLL_INTERVAL_S = 0.3, 0.02
 
 
 @contextmanager
 def locked(folder: FilePath) -> Iterator[None]:
-    """Hold a folder for this process alone; the system frees it however the process ends.
+    """Lock a folder for this process inside the `with` block.
 
-    Processes that this one starts do not hold it.
+    The operating system releases the lock when the process ends, also after a crash. Child
+    processes do not hold the lock.
 
     Raises:
         ResultsError: if another process holds it (the message names the process and since when),
@@ -41,7 +43,7 @@ def locked(folder: FilePath) -> Iterator[None]:
     except OSError as error:
         raise ResultsError(f"cannot lock {file}: {reason(error)}") from None
     try:
-        with suppress(OSError):  # on a full disk, others are told that the process is unknown
+        with suppress(OSError):  # on a full disk, messages name the process "unknown"
             file.write_text(json.dumps({"pid": os.getpid(), "started": now()}), encoding="utf-8")
         yield
     finally:
@@ -58,7 +60,7 @@ def _in_use(folder: FilePath) -> str:
 
 
 def lock_holder(folder: FilePath) -> dict[str, object]:
-    """`pid` and `started` of the process that holds a folder, or held it last, if it wrote them."""
+    """`pid` and `started` of the last process that locked a folder; empty if not recorded."""
     try:
         content = json.loads((folder / LOCK).read_text(encoding="utf-8"))
     except (OSError, ValueError, RecursionError):
@@ -67,7 +69,7 @@ def lock_holder(folder: FilePath) -> dict[str, object]:
 
 
 def is_locked(folder: FilePath) -> bool:
-    """Whether a process is at work in a folder; nothing is written to find out."""
+    """Whether a run holds the lock of a folder; the check writes nothing."""
     try:
         handle = os.open(folder / LOCK, _READ_FLAGS)
     except OSError:
@@ -82,7 +84,7 @@ def is_locked(folder: FilePath) -> bool:
 
 
 def _lock_for_reading(handle: int) -> None:
-    """Take a shared lock, so that two processes that look do not see each other."""
+    """Take a shared lock: two concurrent calls of `is_locked` must not report each other."""
     try:
         import fcntl
     except ImportError:  # Windows refuses to read a byte that another process has locked

@@ -1,4 +1,4 @@
-"""How a results folder's manifest is written: its cells counted, and the run that is going on."""
+"""Write a results folder's manifest: the number of its cells, and the entry of the current run."""
 
 from __future__ import annotations
 
@@ -16,20 +16,20 @@ from dubins_study.study.rows.files import ResultsError, os_errors_as
 from dubins_study.study.rows.machine_noise import Probe
 from dubins_study.study.rows.manifest import MANIFEST, Manifest, RunEntry
 
-# `killed` stands in no manifest: a run that is killed leaves `running`.
+# States of a run. A manifest never holds `killed`: the entry of a killed run stays `running`.
 RUNNING, FINISHED, INTERRUPTED, KILLED = "running", "finished", "interrupted", "killed"
 
+# Seconds between two updates of the manifest.
 _WRITE_INTERVAL_S = 2.0
-# A manifest is read and written as a whole, so that it must stay small.
+# Number of probes per run: a manifest is read and written as a whole, so it must stay small.
 _MAX_PROBES = 1000
 
-# A list of numbers that stand on lines of their own. No text matches: in JSON, line breaks of a
-# text are escaped.
+# A list with one number per line. A JSON text cannot match, since its line breaks are escaped.
 _NUMBERS = re.compile(r"\[\n[-+.,\d\seE]+\]")
 
 
 def write_manifest(folder: FilePath, manifest: Manifest) -> None:
-    """Replace the manifest in one step; a `ResultsError` if the folder cannot be written."""
+    """Replace the manifest in one step; raise `ResultsError` if the folder cannot be written."""
     content = manifest.model_dump(by_alias=True)
     text = json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
     text = _NUMBERS.sub(lambda match: f"[{' '.join(match[0][1:-1].split())}]", text)
@@ -41,11 +41,11 @@ def write_manifest(folder: FilePath, manifest: Manifest) -> None:
 def count_cells(
     manifest: Manifest, requested: Collection[str], rows: Mapping[tuple[str, str], int]
 ) -> tuple[Manifest, bool]:
-    """Note how many cells the folder is asked for, solver by solver; rows of old code do not count.
+    """Record per solver how many cells the folder should hold; rows of old code do not count.
 
     Args:
-        requested: the specs that this run asks; for other specs, what an earlier run asked stays.
-        rows: how many the folder will hold after this run, by spec and code digest.
+        requested: the specs of this run; the numbers of other specs stay as they are.
+        rows: (spec, code digest) -> number of rows that the folder will hold after this run.
 
     Returns:
         The changed manifest, and whether the folder will be finished after this run.
@@ -61,9 +61,9 @@ def count_cells(
 
 
 class RunRecord:
-    """Keeps a run's entry in the manifest up to date, by a clock that never jumps.
+    """Keeps a run's entry in the manifest up to date; durations come from a monotonic clock.
 
-    The entry says what was asked (`request`), where it runs, and of what source.
+    The entry holds the run's `request`; the machine and the source are added here.
     """
 
     def __init__(self, folder: FilePath, manifest: Manifest, request: RunEntry) -> None:
@@ -83,9 +83,9 @@ class RunRecord:
         )
 
     def probe(self, seconds: float, machine: int = 0) -> None:
-        """Note how long the calibration probe just took, and on which of several machines.
+        """Record the duration (s) of a calibration probe, and the number of its machine.
 
-        Beyond `_MAX_PROBES`, every other probe is dropped, also of those to come.
+        If there are more than `_MAX_PROBES`, every second probe is dropped, later ones included.
         """
         self._probes_taken += 1
         if self._probes_taken % self._probe_stride == 0:
@@ -97,12 +97,12 @@ class RunRecord:
         self.write_now_and_then()
 
     def write_now_and_then(self) -> None:
-        """Write how long the run has taken, if the last time is some seconds ago."""
+        """Write the run's duration, if the last update is a few seconds ago."""
         if monotonic() - self._written > _WRITE_INTERVAL_S:
             self.write()
 
     def write(self, **changes: Any) -> None:
-        """Bring the manifest up to date, with new values of fields of `RunEntry`."""
+        """Write the manifest with new values for fields of the `RunEntry`."""
         self._written = monotonic()
         seconds = round(self._written - self._began, 3)
         self._entry = self._entry.with_changes(seconds=seconds, **changes)
@@ -110,7 +110,7 @@ class RunRecord:
         write_manifest(self._folder, self._manifest.with_changes(runs=runs))
 
     def close(self, state: str, finishes: bool = False) -> None:
-        """Write how the run ended, and whether the folder is finished thereby."""
+        """Write the run's final state, and whether the folder is finished."""
         ended = provenance.now()
         self._manifest = self._manifest.with_changes(finished=ended if finishes else None)
         self.write(state=state, ended=ended, load_end=provenance.load_average())
@@ -120,20 +120,20 @@ class RunRecord:
 def recorded(
     folder: FilePath, manifest: Manifest, request: RunEntry, completes: bool = True
 ) -> Iterator[RunRecord]:
-    """Write the manifest of a run as it begins, and again when it has ended, however it does.
+    """Write the manifest when a run begins, and again when it finishes or is interrupted.
 
     Args:
-        folder: locked by this process.
-        manifest: of the folder, without this run.
-        request: what was asked of the run.
-        completes: whether the folder is finished when the run is.
+        folder: the results folder, locked by this process.
+        manifest: the folder's manifest without this run.
+        request: the entry with the run's request.
+        completes: whether the folder is finished once the run is finished.
     """
     record = RunRecord(folder, manifest.with_changes(finished=None), request)
     record.write()
     try:
         yield record
     except BaseException:
-        with suppress(ResultsError):  # that the disk is full was reported already
+        with suppress(ResultsError):  # a full disk was reported already
             record.close(INTERRUPTED)
         raise
     record.close(FINISHED, completes)

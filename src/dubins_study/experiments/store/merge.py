@@ -1,4 +1,4 @@
-"""Results folders of one experiment united into one; folders that contradict each other are not."""
+"""Unite results folders of one experiment; refuse folders that contradict each other."""
 
 from __future__ import annotations
 
@@ -30,34 +30,35 @@ class Union(NamedTuple):
 
     Args:
         folder: the new results folder.
-        rows: how many it holds.
-        again: how many attempts were left out since an earlier one at the same cell agrees.
-        stale: how many of its rows are of another code than the first folder's.
+        rows: number of rows in it.
+        agreeing_repeats: number of attempts that were left out because an earlier attempt at the
+            same cell agrees; copies of the same attempt are not counted.
+        stale: number of its rows whose solver code differs from the first folder's.
     """
 
     folder: FilePath
     rows: int
-    again: int
+    agreeing_repeats: int
     stale: int
 
 
 def merge(folders: Iterable[str | FilePath], out: str | FilePath) -> Union:
     """Unite results folders of one experiment.
 
-    Every cell of any folder is in the union once. An attempt that two folders hold is one attempt;
-    of two attempts that agree (outcome, claim, verdict, word, and the gap to the profile's
-    tolerance) the earlier is kept. Of a solver with several codes, the first folder's code counts
-    and rows of the others are kept as stale ones. Parts of streams are linked or copied as they
-    are.
+    The union holds every cell of every folder once. Copies of one attempt are united. Of two
+    attempts that agree (same outcome, claim, verdict and word; gaps equal within the profile's
+    tolerance) the earlier one is kept. If the code of a solver differs between folders, the first
+    folder's code counts, and rows of other code are kept as stale rows. Parts of streams are linked
+    or copied unchanged.
 
     Args:
         folders: at least two results folders; they are only read.
-        out: the new folder; one that is there must be empty.
+        out: the new folder; an existing folder must be empty.
 
     Raises:
-        ResultsError: if a folder cannot be read, is of another experiment or in use, if two
-            attempts contradict each other, or if `out` cannot be written. Nothing is left at `out`
-            then.
+        ResultsError: if a folder cannot be read, holds another experiment or is in use, if two
+            attempts contradict each other, or if `out` cannot be written. Then nothing is left at
+            `out`.
     """
     sources, target = [FilePath(folder) for folder in folders], FilePath(out)
     manifests = _read_manifests(sources)
@@ -86,7 +87,7 @@ def _read_manifests(folders: Sequence[FilePath]) -> list[Manifest]:
 
 
 def _check_target(target: FilePath) -> None:
-    with os_errors_as(f"cannot write to {target}"):  # its name may be too long
+    with os_errors_as(f"cannot write to {target}"):  # e.g. the name is too long
         taken = target.is_symlink() or (target.exists() and not target.is_dir())
         filled = target.is_dir() and any(target.iterdir())
     if taken:
@@ -99,7 +100,7 @@ def _check_target(target: FilePath) -> None:
 
 @contextmanager
 def _new_folder(target: FilePath) -> Iterator[FilePath]:
-    """A folder beside the target, which is removed unless it was put in the target's place."""
+    """A temporary folder next to the target; removed unless it has become the target."""
     fresh = target.with_name(f".{target.name}.merging-{uuid4().hex[:8]}")
     with os_errors_as(f"cannot write to {target}"):
         target.parent.mkdir(parents=True, exist_ok=True)
@@ -112,7 +113,7 @@ def _new_folder(target: FilePath) -> Iterator[FilePath]:
 
 
 def _remove_abandoned(target: FilePath) -> None:
-    """Remove what killed merges into the same folder left; a live merge holds its lock."""
+    """Remove temporary folders of killed merges to this target; a running merge holds a lock."""
     for folder in target.parent.glob(f".{glob.escape(target.name)}.merging-*"):
         ours = folder.is_dir() and not folder.is_symlink() and (folder / LOCK).exists()
         if ours and not is_locked(folder):
@@ -120,7 +121,7 @@ def _remove_abandoned(target: FilePath) -> None:
 
 
 def _put_in_place(fresh: FilePath, target: FilePath) -> None:
-    """Rename in one step; a folder that somebody else began at the target is left alone."""
+    """Rename the folder to the target in one step; never replace a folder that is not empty."""
     with os_errors_as(f"cannot write to {target}"):
         if target.is_dir():
             target.rmdir()
@@ -129,7 +130,7 @@ def _put_in_place(fresh: FilePath, target: FilePath) -> None:
 
 
 def _unite(folders: Sequence[FilePath], manifests: Sequence[Manifest], fresh: FilePath) -> Union:
-    """Write the union to a folder that nobody sees yet."""
+    """Write the union to a temporary folder."""
     tolerance = manifests[0].gap_tolerance
     rows = merged_rows([read_rows(folder) for folder in folders], folders, tolerance)
     with os_errors_as(f"cannot write to {fresh}"):
@@ -146,11 +147,11 @@ def _unite(folders: Sequence[FilePath], manifests: Sequence[Manifest], fresh: Fi
         manifest = manifest.with_changes(finished=max(ends, default=None) or now())
     write_manifest(fresh, manifest)
     current = sum(counts[made_by] for made_by in manifest.code_digests.items())
-    return Union(fresh, counts.total(), rows.again, counts.total() - current)
+    return Union(fresh, counts.total(), rows.agreeing_repeats, counts.total() - current)
 
 
 def _unite_streams(folders: Sequence[FilePath], fresh: FilePath, tolerance: float) -> None:
-    """Copy the chunks of streams as files, each once; rows are read of chunks in two folders only.
+    """Copy each chunk of a stream once, as a file; read rows only of chunks that repeat.
 
     Raises:
         ResultsError: if two folders hold different rows of one chunk, or a chunk is damaged.
@@ -172,13 +173,13 @@ def _unite_streams(folders: Sequence[FilePath], fresh: FilePath, tolerance: floa
         copy = fresh / PARTS / name
         try:
             os.link(part, copy)
-        except OSError:  # another disk, or one that knows no links
+        except OSError:  # the folder is on another disk, or the file system has no links
             shutil.copyfile(part, copy)
     sync_folder(fresh / PARTS)
 
 
 def _unite_manifests(manifests: Sequence[Manifest]) -> Manifest:
-    """The first folder's manifest, with the solvers and runs of all."""
+    """The first folder's manifest, with the solvers and runs of all folders."""
     solvers: dict[str, SolverEntry] = {}
     runs: dict[str, RunEntry] = {}
     for manifest in manifests:

@@ -1,4 +1,4 @@
-"""The rows of several results folders as one table, each cell once, or a refusal."""
+"""Merge several folders into one table with one row per cell; refuse contradictions."""
 
 from __future__ import annotations
 
@@ -14,27 +14,33 @@ from dubins_study.study.rows.attempts import JUDGED, compare_attempts, differenc
 from dubins_study.study.rows.files import ResultsError
 from dubins_study.study.rows.schema import KEY, names
 
-# the columns that decide which rows are kept
+# The columns that decide which rows are kept.
 COLUMNS = [*names(KEY), *JUDGED, "gap", "run_id", "started"]
 _MAX_LISTED = 5
 
 
 class MergedRows(NamedTuple):
-    """Rows, each cell once, and how many further attempts at a cell agreed with the one kept."""
+    """The result of `merged_rows`.
+
+    Args:
+        table: one row per cell.
+        agreeing_repeats: number of other attempts that agreed; copies of the same attempt are not
+            counted.
+    """
 
     table: pa.Table
-    again: int
+    agreeing_repeats: int
 
 
 def merged_rows(
     tables: Sequence[pa.Table], folders: Sequence[FilePath], tolerance: float
 ) -> MergedRows:
-    """Unite the rows of folders; of the attempts at a cell, the earliest is kept.
+    """Unite the rows of folders; of several attempts at a cell, the earliest is kept.
 
     Args:
-        tables: at least the columns of `COLUMNS`, a table a folder.
-        folders: where the tables are from.
-        tolerance: by how much the gaps of two attempts that agree may differ.
+        tables: one table per folder, with at least the columns of `COLUMNS`.
+        folders: the folders of the tables.
+        tolerance: largest difference between the gaps of two attempts that still count as equal.
 
     Raises:
         ResultsError: naming the cells whose attempts contradict each other.

@@ -1,4 +1,4 @@
-"""Parts are written here: rows of single cells as they come, and chunks of streams."""
+"""Write parts: rows of single cells about every second, and chunks of streams."""
 
 from __future__ import annotations
 
@@ -16,23 +16,23 @@ from dubins_study.study.rows.parts import PARTS
 from dubins_study.study.rows.row_table import Row, rows_table
 from dubins_study.study.rows.schema import CHUNK, RUN_ID, VERSION, VERSION_KEY
 
-# Rows are written after so many seconds, so that a killed run loses few.
+# Seconds between two parts, so that a killed run loses few rows.
 _FLUSH_INTERVAL_S = 0.8
 
-# Called with (cells done, cells in all) after every step.
+# Called with (number of cells done, number of all cells) after every step.
 Progress = Callable[[int, int], None]
 
 
 def write_part(
     folder: FilePath, name: str, table: pa.Table, metadata: Mapping[str, str] | None = None
 ) -> FilePath:
-    """Write a part that appears whole or not at all, and return the file.
+    """Write a part completely or not at all, and return its file.
 
     Args:
         folder: the results folder.
-        name: of the part, without suffix.
-        table: its rows; texts may be dictionaries.
-        metadata: besides the schema's version: the run under `RUN_ID`.
+        name: name of the part, without suffix.
+        table: its rows; text columns may be dictionary arrays.
+        metadata: metadata to store in addition to the schema's version, such as `RUN_ID`.
 
     Raises:
         ResultsError: if the folder cannot be written, for example because the disk is full.
@@ -40,12 +40,12 @@ def write_part(
     final = folder / PARTS / f"{name}.parquet"
 
     def write(file: FilePath) -> None:
-        # Without Arrow's own schema in the file, a dictionary of texts is read as texts.
+        # If Arrow's own schema is not stored, a dictionary array is read as a plain text column.
         with pq.ParquetWriter(
             file, table.schema, compression="zstd", write_page_checksum=True, store_schema=False
         ) as writer:
             writer.write_table(table)
-            # metadata of the table's own schema would be lost, since that is not stored
+            # Added here, because metadata of the table's schema are not stored.
             writer.add_key_value_metadata({VERSION_KEY: str(VERSION), **(metadata or {})})
 
     refuse_link(final.parent)
@@ -68,7 +68,8 @@ def write_chunk(folder: FilePath, chunk: Chunk, table: pa.Table, run_id: str) ->
 class PartWriter:
     """Collects the rows of a run, writes a part about every second, and reports progress.
 
-    The parts are named after the run; `total` counts its cells, those done before included.
+    The names of the parts begin with the run's id. `total` is the number of all cells of the run,
+    including those that were done before.
     """
 
     def __init__(self, folder: FilePath, run_id: str, total: int, progress: Progress | None):
@@ -79,12 +80,12 @@ class PartWriter:
         self.after_step: Callable[[], None] | None = None
 
     def skip(self, cells: int) -> None:
-        """Count cells as done whose rows are in the folder already."""
+        """Count cells as done whose rows the folder holds already."""
         self._cells_done += cells
         self._report()
 
     def add(self, rows: list[Row]) -> None:
-        """Take rows, and write all that were collected if it is time."""
+        """Collect rows, and write all collected rows if it is time."""
         self._rows += rows
         self._cells_done += len(rows)
         if monotonic() - self._flushed > _FLUSH_INTERVAL_S:
@@ -94,8 +95,8 @@ class PartWriter:
     def flush(self) -> None:
         """Write the collected rows as a part.
 
-        If an interruption comes before they are forgotten, the next call writes them again: a
-        reader takes each row once.
+        If an interruption comes between writing and clearing, the next call writes the rows again;
+        readers ignore the duplicates.
         """
         if self._rows:
             name = f"{self._run_id}-{self._parts:06d}"

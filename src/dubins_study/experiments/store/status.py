@@ -1,4 +1,4 @@
-"""How far a results folder is: done, left, failing, and how long the rest will take."""
+"""The status of a results folder: cells done, left and failing, and the time left."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from dubins_study.experiments.store.manifest_changes import KILLED, RUNNING
 from dubins_study.study.rows.files import ResultsError
 from dubins_study.study.rows.manifest import Manifest, RunEntry, read_manifest
 
-# a live run may replace its parts while they are read
+# Attempts to read a folder: a running run may replace its parts while they are read.
 _MAX_TRIES = 3
 _RUN_FIELDS = {"run_id", "started", "ended", "seconds", "state", "jobs", "engine"}
 
@@ -24,19 +24,20 @@ class Status:
     """What a results folder holds.
 
     Args:
-        cells: how many it is asked for.
-        left: how many of these are not done, by solver; solvers with nothing left are not named.
-        failing: rows by outcome, `returned` left out.
-        verdicts: by solver, rows by verdict, or by outcome where nothing returned.
-        stale: rows of earlier code, which count for nothing.
-        damaged: parts that cannot be read.
-        aside: damaged parts that runs have moved away.
-        process: the pid of the run that is going on, 0 if it is unknown; None if there is none.
-        jobs: of the last run.
-        seconds_left: an estimate of what is left, with `jobs` processes, from the mean time of
-            each solver's rows and the overhead of the runs so far; without the solvers named in
-            `unknown`, of which there is no row to judge by.
-        runs: the earliest first; of a run that was killed, the state is `killed`.
+        cells: number of cells that it should hold.
+        left: solver -> number of cells that are not done; only solvers with cells left.
+        failing: outcome -> number of rows, without `returned`.
+        verdicts: solver -> verdict -> number of rows; the outcome replaces a missing verdict.
+        stale: number of rows of earlier code, which do not count.
+        damaged: number of parts that cannot be read.
+        aside: number of damaged parts that runs have moved away.
+        process: pid of the current run, 0 if it is unknown; None if no run is active.
+        jobs: number of jobs of the last run.
+        seconds_left: estimated time (s) for the cells that are left, with `jobs` processes. It uses
+            the mean time of each solver's rows and the overhead of earlier runs, and leaves out the
+            solvers in `unknown`.
+        unknown: solvers with cells left but without any row, so that their time is unknown.
+        runs: the runs, the earliest first; the state of a killed run is `killed`.
     """
 
     folder: str
@@ -56,7 +57,7 @@ class Status:
     runs: list[RunEntry]
 
     def as_json(self) -> dict[str, Any]:
-        """Plain values; `left` is the number, `left_by_solver` gives it solver by solver."""
+        """Plain values; `left` is the total number, `left_by_solver` the number per solver."""
         return {
             **vars(self),
             "left": sum(self.left.values()),
@@ -68,10 +69,10 @@ class Status:
 
 
 def status(folder: str | FilePath) -> Status:
-    """How far a results folder is; nothing is written, and a run may be going on in it.
+    """The status of a results folder. Nothing is written, and a run may be active in the folder.
 
     Raises:
-        ResultsError: if it is no results folder, or a part is of another schema.
+        ResultsError: if it is not a results folder, or a part has another schema.
     """
     place = FilePath(folder)
     for attempt in range(_MAX_TRIES):
@@ -129,7 +130,7 @@ def _status(
 
 
 def _runs(runs: Sequence[RunEntry], live: bool) -> list[RunEntry]:
-    """The runs; the state of those that were killed, which no run can write itself, is `killed`."""
+    """The runs, with the state `killed` for runs that ended without writing their final state."""
     ended = [
         run.with_changes(state=KILLED) if run.state == RUNNING else run
         for run in (runs[:-1] if live else runs)
@@ -140,7 +141,7 @@ def _runs(runs: Sequence[RunEntry], live: bool) -> list[RunEntry]:
 def _time_left(
     left: Mapping[str, int], counts: Sequence[RowCount], overhead_s: float, jobs: int
 ) -> tuple[float | None, list[str]]:
-    """Seconds that the cells left will take, and the solvers that have no row to judge by."""
+    """Estimated seconds for the cells that are left, and the solvers without any row."""
     rows, wall_s = Counter[str](), defaultdict[str, float](float)
     for count in counts:
         rows[count.solver] += count.rows
@@ -154,7 +155,7 @@ def _time_left(
 
 
 def _overhead(counts: Sequence[RowCount], runs: Sequence[RunEntry]) -> float:
-    """Seconds of a cell beyond its solve, over all runs that say how long they took."""
+    """Mean seconds per cell in addition to its solve, over all runs that recorded a duration."""
     run_s = {run.run_id: run.seconds * run.jobs for run in runs if run.seconds}
     timed = [count for count in counts if count.run_id in run_s]
     rows = sum(count.rows for count in timed)

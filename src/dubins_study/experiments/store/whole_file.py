@@ -1,4 +1,4 @@
-"""Files that are written whole or not at all, and that outlive a power cut."""
+"""Write files completely or not at all, and so that they survive a power failure."""
 
 from __future__ import annotations
 
@@ -7,15 +7,15 @@ import re
 from collections.abc import Callable
 from pathlib import Path as FilePath
 
-# What a killed run may leave behind: hidden files that are named after those of a results folder.
+# Names of the temporary files that a killed run may leave.
 _TEMPORARY = re.compile(r"\.(?:manifest\.json|.+\.parquet)\.\d+\.tmp")
 
 
 def write_whole(final: FilePath, write: Callable[[FilePath], object]) -> None:
-    """Write a file under a temporary name, sync it, and put it in its place in one step.
+    """Write a file under a temporary name, sync it, and rename it to `final` in one step.
 
-    `write` writes the content to the path that it is given; a file at `final` is replaced. After an
-    error nothing of the new file is left.
+    `write` is called with a path and writes the content there. An existing file at `final` is
+    replaced. After an error the temporary file is removed.
     """
     temporary = final.with_name(f".{final.name}.{os.getpid()}.tmp")
     try:
@@ -30,8 +30,8 @@ def write_whole(final: FilePath, write: Callable[[FilePath], object]) -> None:
 
 
 def sync_folder(folder: FilePath) -> None:
-    """Make sure that the names in a folder outlive a power cut."""
-    if os.name == "nt":  # Windows has no such call
+    """Make sure that the names in a folder survive a power failure."""
+    if os.name == "nt":  # Windows cannot sync a folder
         return
     handle = os.open(folder, os.O_RDONLY)
     try:
@@ -41,12 +41,12 @@ def sync_folder(folder: FilePath) -> None:
 
 
 def is_temporary(name: str) -> bool:
-    """Whether a file is one that `write_whole` had not finished."""
+    """Whether a name is that of a temporary file of `write_whole`."""
     return _TEMPORARY.fullmatch(name) is not None
 
 
 def remove_temporaries(folder: FilePath) -> None:
-    """Remove the unfinished files of a killed run; only the holder of the folder's lock may."""
+    """Remove the temporary files of a killed run. The caller must hold the folder's lock."""
     for file in folder.iterdir():
         if is_temporary(file.name) and not file.is_dir():
             file.unlink(missing_ok=True)

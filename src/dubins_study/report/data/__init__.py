@@ -1,1 +1,1 @@
-"""Results folders in, frames of judged attempts out."""
+"""Read results folders into frames of judged attempts."""

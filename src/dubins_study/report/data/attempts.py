@@ -1,4 +1,4 @@
-"""Questions to all attempts, however many: each method asks DuckDB and returns a small frame."""
+"""Statistics over all attempts: each method queries DuckDB and returns a small frame."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from dubins_study.report.data.database import Database
 from dubins_study.report.data.plane_map import CELLS, REACH, PlaneMap
 from dubins_study.study.check.certificate import PMP_TOLERANCE
 
-# the closed form, and the solver whose rows fill the plane
+# The closed form; its rows fill the maps of the plane.
 EXACT = "analytic"
 VERDICTS = ("optimal", "none exists", "longer", "misses", "none")
 SUCCESSES = ("optimal", "none exists")
@@ -20,19 +20,19 @@ PROOFS = ("proved", "bounded", "extremal", "none")
 TIMES = ("build_s", "solve_s", "wall_s")
 QUANTILES = (0.5, 0.9, 0.99, 1.0)
 
-# Quantiles of up to this many attempts are exact; each takes up to 16 bytes of memory an attempt.
+# Up to this many attempts, quantiles are exact; each quantile takes up to 16 bytes per attempt.
 EXACT_ROWS = 10_000_000
-# Gaps are counted in this many bins a decade from the least gap on, which a figure cannot tell
-# from single gaps.
+# Number of bins per decade in which gaps are counted, and the smallest gap. The bins are too fine
+# to be visible in a figure.
 _BINS, _LEAST_GAP = 200, 1e-16
 
 
 class Attempts:
-    """The attempts of some experiments, each once.
+    """The attempts of some experiments, without duplicates.
 
     Args:
-        database: with the view `attempts` of `report.data.selection`.
-        experiments: their names.
+        database: a database with the view `attempts` of `report.data.selection`.
+        experiments: names of the experiments.
     """
 
     def __init__(self, database: Database, experiments: Collection[str]) -> None:
@@ -45,7 +45,7 @@ class Attempts:
         return Attempts(self._database, set(experiments) & set(self.experiments))
 
     def without(self, experiments: Collection[str]) -> Attempts:
-        """The attempts of all other experiments."""
+        """The attempts of the experiments that are not named."""
         return Attempts(self._database, set(self.experiments) - set(experiments))
 
     @property
@@ -55,7 +55,7 @@ class Attempts:
 
     @property
     def precision(self) -> str:
-        """A sentence for captions, empty where quantiles are exact."""
+        """A sentence for captions; empty if quantiles are exact."""
         if self.exact:
             return ""
         return (
@@ -64,7 +64,7 @@ class Attempts:
         )
 
     def verdicts(self) -> pd.DataFrame:
-        """One row a solver.
+        """One row per solver.
 
         Columns: solver, attempts, one count per verdict, false_claims, wrong_basins, not_returned
         (timeout, crashed, raised, ...), wall_s (median, s).
@@ -80,7 +80,7 @@ class Attempts:
         )
 
     def failures(self) -> pd.DataFrame:
-        """Attempts without success by what is known of them.
+        """Attempts without success, counted by outcome, claim, verdict and message.
 
         Columns: solver, outcome, claim, verdict, message, native_status, attempts.
         """
@@ -91,12 +91,12 @@ class Attempts:
         )
 
     def times(self) -> pd.DataFrame:
-        """One row a solver that was timed cold.
+        """One row per solver that has cold attempts.
 
-        Columns: solver, timed (attempts), and for each of `TIMES` its median (s), lower quartile
-        (`_q1`) and upper quartile (`_q3`).
+        Columns: solver, timed (number of attempts), and for each of `TIMES` its median (s), lower
+        quartile (`_q1`) and upper quartile (`_q3`).
         """
-        # one after another, since each keeps its values in memory
+        # One query per column, since each query keeps all values of its column in memory.
         frames = [self._quartiles(name).set_index("solver") for name in TIMES]
         frame = pd.concat(frames, axis=1).reset_index()
         return frame[frame["timed"] > 0]
@@ -111,15 +111,15 @@ class Attempts:
         )
 
     def gap_quantiles(self) -> pd.DataFrame:
-        """Gaps at questions that have an answer; one row a solver and region, and `all` regions.
+        """Gap quantiles for questions that have an answer: one row per solver and region.
 
-        An attempt that does not arrive counts as infinitely far off; quantiles are values that
-        occur, without interpolation.
+        The region `all` joins all regions. The gap of an attempt that does not arrive counts as
+        infinite. Quantiles are values that occur, without interpolation.
 
         Columns: solver, region, attempts, arrived (attempts), and q50, q90, q99, q100.
         """
         names = [f"q{100 * q:g}" for q in QUANTILES]
-        # of decimal shares DuckDB finds the places of the quantiles in whole numbers
+        # With decimal shares DuckDB computes the positions of the quantiles in whole numbers.
         shares = ", ".join(f"{q:.2f}" for q in QUANTILES)
         gaps = f"quantile_disc({_GAP}, [{shares}])" if self.exact else f"[max({_GAP})]"
         frame = self._frame(
@@ -133,7 +133,7 @@ class Attempts:
         return frame.drop(columns="gaps").join(lists)
 
     def _binned_quantiles(self, frame: pd.DataFrame) -> pd.Series[Any]:
-        """For each row of a frame the bins that the quantiles lie in, and its largest gap."""
+        """For each row of a frame, the bins of its quantiles and its largest gap."""
         bins = dict(list(self._gap_bins().groupby(["solver", "region"], dropna=False)))
         quantiles = []
         for solver, region, (largest,) in frame[["solver", "region", "gaps"]].to_numpy():
@@ -144,10 +144,10 @@ class Attempts:
         return pd.Series(quantiles, index=frame.index)
 
     def gap_profile(self) -> pd.DataFrame:
-        """How many attempts at questions that have an answer lie within each gap.
+        """Number of attempts per bin of gaps, for questions that have an answer.
 
-        Gaps are counted in bins, of which the upper end is given; the last, infinite one holds the
-        attempts that do not arrive.
+        A bin is named by its upper end; the last bin, with an infinite end, holds the attempts that
+        do not arrive.
 
         Columns: solver, gap (ascending), attempts.
         """
@@ -166,13 +166,14 @@ class Attempts:
         return frame.assign(gap=gap)[["solver", "region", "gap", "attempts"]]
 
     def proofs(self) -> pd.DataFrame:
-        """One row a solver; what is not measured for any of its rows is null.
+        """One row per solver; a value that none of its rows has is null.
 
-        Columns: solver, attempts, certified (attempts), one count per proof; pmp_residual (worst
-        of the right answers), cut_margin (least of the right answers to `best`, rad); multipliers
-        (answers whose multipliers can be compared), costate_median and costate_error (median and
-        largest of those); bounds (attempts with a lower bound), false_bounds; enclosed (attempts
-        whose reference length has proven bounds) and width (the largest of those, relative).
+        Columns: solver, attempts, certified (attempts), one count per proof; pmp_residual (largest
+        among the right answers), cut_margin (smallest among the right answers to `best`, rad);
+        multipliers (answers whose multipliers can be compared), costate_median and costate_error
+        (median and largest error of those); bounds (attempts with a lower bound), false_bounds;
+        enclosed (attempts whose reference length has proven bounds) and width (largest relative
+        distance of these bounds).
         """
         counts = ", ".join(f"count(*) FILTER (proof = '{p}') AS \"{p}\"" for p in PROOFS[:-1])
         return self._frame(
@@ -191,12 +192,12 @@ class Attempts:
         )
 
     def values(self, column: str) -> list[Any]:
-        """The values of a column, each once and in order; nulls are left out."""
+        """The distinct values of a column, sorted and without nulls."""
         query = f'SELECT DISTINCT "{column}" AS v FROM chosen WHERE v IS NOT NULL ORDER BY v'
         return self._frame(query)["v"].tolist()
 
     def planes(self) -> dict[str, PlaneMap]:
-        """Where the targets of the closed form's answers to the branch best lie, by experiment."""
+        """Experiment -> map of the targets of the closed form's answers to the branch best."""
         cells = self._frame(
             f"""SELECT experiment, word, {_cell("dx * c + dy * s")} AS ahead,
                 {_cell("dy * c - dx * s")} AS "left",
@@ -212,7 +213,7 @@ class Attempts:
         return {str(name): PlaneMap.of(own) for name, own in cells.groupby("experiment")}
 
     def _frame(self, query: str) -> pd.DataFrame:
-        """The answer to a query in which `chosen` stands for these attempts."""
+        """The result of a query; in the query, `chosen` is the table of these attempts."""
         chosen = "SELECT * FROM attempts WHERE list_contains(?, experiment)"
         return self._database.frame(f"WITH chosen AS ({chosen}) {query}", [self.experiments])
 
@@ -221,18 +222,18 @@ class Attempts:
         return f'{name}("{column}", {q})'
 
 
-# DuckDB's `greatest` passes over nulls
+# DuckDB's `greatest` ignores nulls, so a null is replaced explicitly.
 _GAP = "CASE WHEN gap IS NULL THEN 'inf'::DOUBLE ELSE greatest(gap, 0.0) END"
 _REGION = "CASE WHEN GROUPING(region) = 1 THEN 'all' ELSE region END"
 _RIGHT = f"verdict IN {SUCCESSES}"
-# Only an extremal that arrives has costates to compare multipliers with: what a solver reports of
-# a path that does not is a proof of infeasibility at best. A single arc has a whole family of
-# costates, which nothing but nu3 = 0 at its end and H = 0 ties.
+# Multipliers can be compared with costates only if the path arrives and is an extremal; those of a
+# path that does not arrive are at best a proof of infeasibility. A single arc is excluded too:
+# only nu3 = 0 at its end and H = 0 restrict its costates, which leaves a whole family of them.
 _COMPARED = (
     "gap IS NOT NULL AND costate_error IS NOT NULL AND coalesce(word, '') NOT IN ('L', 'R') "
     f"AND pmp_residual <= {PMP_TOLERANCE}"
 )
-# Of a length of zero there is no relative width to speak of.
+# Relative width of the enclosure; it is not defined for a length of zero.
 _WIDTH = "(reference_high - reference_low) / reference_high"
 
 

@@ -1,4 +1,4 @@
-"""A DuckDB connection that reads the parts of results folders and nothing else."""
+"""A DuckDB connection that can read only the parts of results folders."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ from dubins_study.study.rows.files import ResultsError
 from dubins_study.study.rows.row_table import ARROW_SCHEMA
 from dubins_study.study.rows.validation import printable_rows
 
-# More than this spills to a temporary folder.
+# DuckDB writes data beyond this limit to a temporary folder.
 _MEMORY_LIMIT = "1GB"
-# a second one costs memory and saves no time: most of the work is checking the parts
+# A second thread would cost memory and save no time: most of the work is checking the parts.
 _THREADS = 1
 
 _SETTINGS: dict[str, str | bool | int | float | list[str]] = {
@@ -37,10 +37,10 @@ class Database:
 
     Two columns are added: `part`, the number of the file, and `place`, the row's number in it.
 
-    A file's name never stands in a query. DuckDB would take a name such as `[a]` for a pattern and
-    read the files that match it, so that each part is read through a link with a name of ours, and
-    DuckDB may open no other file. It does not compare the checksums of pages: whoever opens a
-    database has read the parts with `study.rows.validation.checked_batches`.
+    A query never contains a file's name, because DuckDB would read a name such as `[a]` as a
+    pattern. Each part is read through a link with a name that we choose, and DuckDB may open no
+    other file. DuckDB does not compare the checksums of pages: the caller must have checked the
+    parts with `study.rows.validation.checked_batches`.
     """
 
     def __init__(self, files: Sequence[FilePath]) -> None:
@@ -55,7 +55,7 @@ class Database:
             link.symlink_to(file.absolute())
             links.append(str(link))
         self._connection.execute("SET allowed_paths = ?", [links])
-        # the cache would hold all parts in memory, up to the limit
+        # The cache would keep all parts in memory, up to the limit.
         self._connection.execute("SET enable_external_file_cache = false")
         self._connection.execute("SET enable_external_access = false")
         self._connection.execute("SET lock_configuration = true")
@@ -72,7 +72,7 @@ class Database:
         self._connection.unregister("given")
 
     def table(self, query: str, parameters: Sequence[Any] = ()) -> pa.Table:
-        """The answer to a query, as it is stored.
+        """The result of a query, with unchanged values.
 
         Raises:
             ResultsError: if a part cannot be read any more.
@@ -83,7 +83,7 @@ class Database:
         return table
 
     def frame(self, query: str, parameters: Sequence[Any] = ()) -> pd.DataFrame:
-        """The answer to a query, with texts that can be printed; the same query is asked once.
+        """The result of a query, with printable texts; the result of a repeated query is cached.
 
         Raises:
             ResultsError: if a part cannot be read any more.

@@ -1,4 +1,4 @@
-"""The target plane in square cells, as counts."""
+"""Counts of shortest paths in square cells of the target plane."""
 
 from __future__ import annotations
 
@@ -11,19 +11,19 @@ from numpy.typing import NDArray
 
 FloatArray = NDArray[np.float64]
 
-# The map shows targets up to so many radii from the start, seen from the vehicle.
+# Reach of the map in radii from the start, in the vehicle's frame; number of cells per axis.
 REACH, CELLS = 4.0, 160
 WORDS = ("LS", "RS", "RL", "LR", "others")
 
 
 @dataclass(frozen=True, eq=False)
 class PlaneMap:
-    """Shortest paths by their target in the vehicle's frame, in radii.
+    """Shortest paths, counted by their target in the vehicle's frame, in radii.
 
     Args:
-        counts: shape (words, cells, cells): attempts by word, by Y, by X.
-        least, largest: shape (cells, cells): of the lengths over R; infinite, or minus infinite,
-            where there are none.
+        counts: number of attempts by word, Y and X; shape (words, cells, cells).
+        least, largest: smallest and largest length / R per cell, shape (cells, cells); +infinity
+            and -infinity in an empty cell.
     """
 
     counts: NDArray[np.int64]
@@ -32,10 +32,10 @@ class PlaneMap:
 
     @classmethod
     def of(cls, cells: pd.DataFrame) -> Self:
-        """Sum rows up, of which each counts the answers of one word in one cell.
+        """Build the map from rows; each row counts the answers of one word in one cell.
 
-        Columns: word, ahead and left (the cell's numbers from 0, ahead of the vehicle and to its
-        left), attempts, least and largest (length over radius).
+        Columns: word, ahead and left (index of the cell from 0, along the vehicle's heading and to
+        its left), attempts, least and largest (length / radius).
         """
         known = {word: place for place, word in enumerate(WORDS)}
         word = cells["word"].map(known).fillna(len(WORDS) - 1).to_numpy(np.int64)
@@ -49,6 +49,6 @@ class PlaneMap:
 
     @property
     def centres(self) -> FloatArray:
-        """Of the cells along either axis, shape (cells,)."""
+        """Centres of the cells along either axis, in radii; shape (cells,)."""
         width = 2 * REACH / CELLS
         return np.linspace(-REACH + width / 2, REACH - width / 2, CELLS)

@@ -1,4 +1,4 @@
-"""Results folders in; attempts to be counted, single rows and paths out."""
+"""Read results folders: all attempts for counting, single rows, and paths."""
 
 from __future__ import annotations
 
@@ -25,10 +25,10 @@ from dubins_study.study.rows.validation import checked_batches
 from dubins_study.study.scenario import Pose
 
 _CONTROLS = ["curvatures", "lengths"]
-# A run writes these beside its rows; the page shows them from the manifest.
+# Columns that are not read: the page shows this information from the manifest.
 _UNREAD = {"versions", "machine", "run_id"}
 _SCALARS = [name for name in names(ROW) if name not in _UNREAD and name not in _CONTROLS]
-# Up to this many attempts every row is kept; of more, about `SAMPLE_ROWS`.
+# Up to `MOST_ROWS` attempts, all rows are kept; if there are more, about `SAMPLE_ROWS` are kept.
 MOST_ROWS, SAMPLE_ROWS = 500_000, 100_000
 _MAX_PLACE = 2**40
 _PLAIN = pa.schema(
@@ -39,7 +39,7 @@ _PLAIN = pa.schema(
 
 @dataclass(frozen=True)
 class Folder:
-    """A results folder: its manifest, and how many of its rows count."""
+    """A results folder: its manifest, and the numbers of its rows that do and do not count."""
 
     manifest: Manifest
     rows: RowCounts
@@ -51,12 +51,12 @@ class Folder:
 
     @property
     def section(self) -> str | None:
-        """The key of the report's section that is about the experiment, if it names one."""
+        """The key of the report's section that the experiment names; None if it names none."""
         return self.manifest.experiment.section
 
     @property
     def title(self) -> str:
-        """The experiment's title, or its name where it has none."""
+        """The experiment's title, or its name if it has no title."""
         return self.manifest.experiment.title or self.name
 
 
@@ -65,16 +65,16 @@ class Results:
     """The attempts of one or more folders.
 
     Args:
-        folders: in the order given.
-        attempts: every attempt, to be counted.
-        rows: one row an attempt, index 0, 1, ...: the scalar columns of `study.rows.schema` that a
+        folders: the results folders, in the order of the arguments.
+        attempts: all attempts, for counting.
+        rows: one row per attempt, index 0, 1, ...: the scalar columns of `study.rows.schema` that a
             report needs, `experiment`, and `answerable` (the question has an answer, so that a gap
-            can be measured). Of more attempts than `MOST_ROWS` only those at some scenarios,
-            chosen by their names.
-        controls: the columns `curvatures`, `lengths`, `x`, `y` and `heading`, left in Arrow because
-            most sections draw no path; a row's index is its position here, also where `rows` is a
+            can be measured). If there are more than `MOST_ROWS` attempts, only those of some
+            scenarios, chosen by their ids.
+        controls: the columns `curvatures`, `lengths`, `x`, `y` and `heading`, kept in Arrow because
+            most sections draw no path. A row's index is its position here, even if `rows` is a
             selection.
-        solvers: every spec in the folders, also where `rows` is a selection.
+        solvers: all specs in the folders, even if `rows` is a selection.
     """
 
     folders: tuple[Folder, ...]
@@ -85,7 +85,7 @@ class Results:
 
     @property
     def sampled(self) -> bool:
-        """Whether `rows` leaves attempts out."""
+        """Whether `rows` is only a sample of the attempts."""
         return len(self.rows.index) < self.attempts.count
 
     @property
@@ -118,12 +118,13 @@ def load_results(folders: str | FilePath | Iterable[str | FilePath]) -> pd.DataF
     """The judged rows of one or more results folders, read as the report reads them.
 
     Args:
-        folders: a results folder, or several; of a cell that two of them hold, the first is kept.
+        folders: one or more results folders. If two folders hold the same cell, the first folder's
+            row is kept.
 
     Returns:
-        One row an attempt, index 0, 1, ...: `experiment`, the columns of `study.rows.schema` but
-        `versions`, `machine` and `run_id`, with `curvatures` and `lengths` as Arrow lists. Rows of
-        earlier code are left out. Missing numbers are null.
+        One row per attempt, index 0, 1, ...: `experiment` and the columns of `study.rows.schema`
+        except `versions`, `machine` and `run_id`; `curvatures` and `lengths` are Arrow lists. Rows
+        of earlier code are left out. Missing numbers are null.
 
     Raises:
         ResultsError: naming the folder and what is wrong with it.
@@ -135,13 +136,13 @@ def load_results(folders: str | FilePath | Iterable[str | FilePath]) -> pd.DataF
 
 
 def load(folders: Iterable[str | FilePath], *, every_row: bool = False) -> Results:
-    """Read results folders and join them; of a cell that two folders hold, the first is kept.
+    """Read and join results folders; if two hold the same cell, the first folder's row is kept.
 
-    Memory does not grow with the number of streamed rows, if only a sample of them is kept.
+    If only a sample is kept, the memory needed does not grow with the number of streamed rows.
 
     Args:
-        folders: at least one.
-        every_row: whether to keep every row, instead of a sample where there are many.
+        folders: at least one results folder.
+        every_row: keep every row, even if there are more than `MOST_ROWS`.
 
     Raises:
         ResultsError: naming the folder and what is wrong with it.
@@ -153,8 +154,8 @@ def load(folders: Iterable[str | FilePath], *, every_row: bool = False) -> Resul
     sources = [_source(*each) for each in zip(paths, manifests, strict=True)]
     files = [part.file for source in sources for part in source.parts]
     stored = sum(part.rows for source in sources for part in source.parts)
-    # The sample consists of all attempts at the scenarios whose name, a hash, is below a bound: it
-    # is the same whatever the order of the parts, and has of a scenario all attempts or none.
+    # The sample holds all attempts at the scenarios whose id, a hash, is below a bound. It does not
+    # depend on the order of the parts, and it holds either all attempts at a scenario or none.
     sampled = stored > MOST_ROWS and not every_row
     bound = f"{round(2**32 * SAMPLE_ROWS / stored):08x}" if sampled else None
     stored_rows = _checked_rows(files, bound)
@@ -185,7 +186,7 @@ def _source(folder: FilePath, manifest: Manifest) -> Source:
 
 
 def _checked_rows(files: Sequence[FilePath], bound: str | None) -> pa.Table:
-    """Check all parts, and keep the rows at scenarios whose name is below a bound (None: all rows).
+    """Check all parts, and keep the rows whose scenario id is below a bound (None: all rows).
 
     Returns:
         The columns of `_SCALARS` and `_CONTROLS`, part (the number of the file) and place (the
@@ -209,11 +210,11 @@ def _checked_rows(files: Sequence[FilePath], bound: str | None) -> pa.Table:
 
 
 def _counted_rows(database: Database, rows: pa.Table, bound: str | None) -> pa.Table:
-    """Those of the rows that count, with their experiment and whether they are answerable."""
+    """The rows that count, with the columns `experiment` and `answerable`."""
     where = "" if bound is None else "WHERE scenario_id < ?"
     query = f"SELECT part, place, experiment, answerable FROM attempts {where} ORDER BY part, place"
     counted = database.table(query, [] if bound is None else [bound])
-    # both are in the order of part and place
+    # Both tables are sorted by part and place.
     position, wanted = (
         table["part"].to_numpy() * _MAX_PLACE + table["place"].to_numpy()
         for table in (rows, counted)

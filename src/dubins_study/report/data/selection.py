@@ -1,4 +1,4 @@
-"""Which rows of several results folders count: those of the current code, each attempt once."""
+"""Select the rows of several results folders that count: current code, without duplicates."""
 
 from __future__ import annotations
 
@@ -20,13 +20,14 @@ _CELL = ("experiment", *names(CELL))
 
 
 class Source(NamedTuple):
-    """One results folder, and what decides which of its rows count.
+    """One results folder, with the values that decide which of its rows count.
 
     Args:
-        experiment: its name.
-        code_digests: the code whose rows count, by solver; of other solvers all rows count.
-        gap_tolerance: gaps of two attempts that differ by more contradict each other.
-        parts: its parts.
+        experiment: name of the experiment.
+        code_digests: solver -> digest of the code whose rows count; for a solver that is not
+            listed, all rows count.
+        gap_tolerance: two attempts whose gaps differ by more than this contradict each other.
+        parts: the folder's parts.
     """
 
     experiment: str
@@ -36,14 +37,14 @@ class Source(NamedTuple):
 
 
 class RowCounts(NamedTuple):
-    """The rows of a folder.
+    """Numbers of rows of a folder.
 
     Args:
-        current: of the current code, whether they count or not.
-        stale: of earlier code.
-        replaced: of cells that an earlier folder holds, made by other code.
-        contradicting: of cells that an earlier folder holds, made by the same code, where it
-            found something else.
+        current: rows of the current code, counted in the report or not.
+        stale: rows of earlier code.
+        replaced: rows of cells that an earlier folder holds with other code.
+        contradicting: rows of cells that an earlier folder holds with the same code but another
+            result.
     """
 
     current: int
@@ -53,14 +54,14 @@ class RowCounts(NamedTuple):
 
 
 def select_attempts(database: Database, sources: Sequence[Source]) -> list[RowCounts]:
-    """Add the view `attempts` to a database, and count what it leaves out, source by source.
+    """Add the view `attempts` to a database, and count the rows of each source.
 
-    The view has the columns of `stored` with solvers' names that can be printed, `experiment`, and
+    The view has the columns of `stored` with printable solver names, `experiment`, and
     `answerable`: whether the question has an answer, so that a gap can be measured.
 
     Args:
-        database: of the sources' parts, in the same order.
-        sources: of a cell that two of them hold, the earlier one's attempt counts.
+        database: a database of the sources' parts, in the same order.
+        sources: results folders; if two hold the same cell, the earlier one's attempt counts.
     """
     blocks = _blocks(database, sources)
     counted = blocks[blocks["current"] & ~blocks["repeated"]]
@@ -89,16 +90,16 @@ def _row_counts(blocks: pd.DataFrame, pairs: pd.DataFrame, gap_tolerance: float)
 
 
 def _source_of_part(sources: Sequence[Source]) -> list[int]:
-    """The number of each part's source, by the part's number."""
+    """Index of each part's source, in the order of the parts."""
     return [number for number, source in enumerate(sources) for _ in source.parts]
 
 
 def _blocks(database: Database, sources: Sequence[Source]) -> pd.DataFrame:
-    """The rows of each part by solver and code: how many, and whether they count.
+    """Number of rows per part, solver and code, and whether they count.
 
-    Columns: source, part, stored_solver and code_digest (as they are stored), solver (printable),
-    experiment, streamed, rows, current (code), repeated (an earlier part holds the same chunk of a
-    stream), replaced (and that part is of other code).
+    Columns: source, part, stored_solver and code_digest (unchanged values), solver (printable),
+    experiment, streamed, rows, current (whether the code is current), repeated (whether an earlier
+    part holds the same chunk of a stream), replaced (whether that part has other code).
     """
     parts = [part for source in sources for part in source.parts]
     source_of = _source_of_part(sources)
@@ -123,10 +124,10 @@ def _blocks(database: Database, sources: Sequence[Source]) -> pd.DataFrame:
 
 
 def _earlier_codes(parts: Sequence[Part], sources: Sequence[Source]) -> dict[int, str]:
-    """The code of an earlier part that holds the same chunk, by the number of the later part.
+    """Number of a part -> code digest of an earlier part that holds the same chunk.
 
-    A chunk whose code is not its folder's current one holds no row that counts, and is not earlier
-    than another.
+    Only chunks with their folder's current code are compared, since the rows of others do not
+    count.
     """
     first: dict[tuple[str, str, int, int], str] = {}
     earlier = {}
@@ -146,7 +147,7 @@ def _earlier_codes(parts: Sequence[Part], sources: Sequence[Source]) -> dict[int
 
 
 def _leave_out_repeats(database: Database) -> pd.DataFrame:
-    """Keep the first attempt at each cell; returns the others (see `compare_attempts`)."""
+    """Keep the first attempt at each cell; return the others (see `compare_attempts`)."""
     repeated = database.frame(_REPEATED)
     kept, pairs = compare_attempts(repeated, _CELL)
     _add(database, "repeats", repeated.drop(index=repeated.index[kept])[_ROW])
@@ -157,8 +158,8 @@ def _leave_out_repeats(database: Database) -> pd.DataFrame:
 def _mark_answerable(database: Database) -> None:
     """Add the view `attempts`.
 
-    A row names the shortest word unless there is none; of a row that was never judged, the closed
-    form tells.
+    A judged row has a reference word if the question has an answer. For a row that was not judged,
+    the closed form decides.
     """
     unjudged = database.frame(_UNJUDGED)
     answerable = [_has_answer(row) for row in unjudged.to_dict("records")]

@@ -1,1 +1,1 @@
-"""What sections are built of: content blocks, figure style, solver colours, shared drawings."""
+"""The elements of sections: content blocks, figure style, solver colours, shared drawings."""

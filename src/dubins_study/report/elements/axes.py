@@ -1,4 +1,4 @@
-"""Axes of figures: logarithmic ones with plain labels, durations, fewer rules."""
+"""Axes of figures: logarithmic axes with plain labels, durations, grid lines."""
 
 from __future__ import annotations
 
@@ -34,27 +34,27 @@ def duration(value: float, _: object = None) -> str:
 
 
 def log_axis(axis: Axis, label: Any = power) -> None:
-    """A logarithmic axis with decades labelled; few labels where there are many decades."""
+    """Make an axis logarithmic and label its decades; label fewer if there are many decades."""
     axis.set_major_locator(LogLocator(numticks=8))
     axis.set_major_formatter(FuncFormatter(label))
     axis.set_minor_formatter(NullFormatter())
 
 
 def plain_log_axis(axis: Axis) -> None:
-    """A logarithmic axis over a few decades: 1, 2, 5, 10, ... labelled as plain numbers."""
+    """Make an axis logarithmic and label 1, 2, 5, 10, ... as plain numbers, for few decades."""
     axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0), numticks=12))
     axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     axis.set_minor_formatter(NullFormatter())
 
 
 def only_grid(ax: Axes, which: str) -> None:
-    """Keep the rules of one axis: `x` or `y`."""
+    """Draw the grid lines of one axis only: `x` or `y`."""
     ax.grid(False)
     ax.grid(True, axis="x" if which == "x" else "y")
 
 
 def mark_limit(ax: Axes, place: float, across: str = "x") -> Line2D:
-    """Draw a thin dotted line at a limit: vertical at an `x`, level at a `y`."""
+    """Draw a thin dotted line at a limit: vertical for `across="x"`, horizontal for `"y"`."""
     draw = ax.axvline if across == "x" else ax.axhline
     return draw(place, color=MUTED, linewidth=0.8, linestyle=(0, (1, 2)))
 

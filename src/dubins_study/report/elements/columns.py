@@ -1,4 +1,4 @@
-"""Columns of tables: which ones, under which titles, and how their values are shown."""
+"""Columns of tables: their keys, titles and formats."""
 
 from __future__ import annotations
 
@@ -15,11 +15,10 @@ class Column:
     """How one column of a frame is shown.
 
     Args:
-        key: its name in the frame; the CSV file keeps it.
+        key: name of the column in the frame and in the CSV file.
         title: its heading, with the unit.
-        show: value to text; missing values never reach it: they are shown as a dash.
-        kind: `number` (aligned right), `text`, `prose` (long text), or `code` (a name that a
-            program knows).
+        show: converts a value to text; a missing value is shown as a dash instead.
+        kind: `number` (aligned right), `text`, `prose` (long text), or `code` (such as a spec).
     """
 
     key: str
@@ -34,7 +33,7 @@ class Column:
 
 
 def columns(show: Format = str, /, kind: str = "number", **titles: str) -> tuple[Column, ...]:
-    """Columns that are shown alike: a title for each key, in order."""
+    """Columns with the same format: key=title, in order."""
     return tuple(Column(key, title, show, kind) for key, title in titles.items())
 
 
@@ -42,5 +41,5 @@ SOLVER = Column("solver", "solver", kind="code")
 
 
 def marks(frame: pd.DataFrame, *keys: str) -> dict[tuple[int, str], str]:
-    """Mark the cells of these columns that are true or above zero as `bad`."""
+    """Mark the cells of these columns as `bad` if they are true or above zero."""
     return {(row, key): "bad" for key in keys for row, bad in enumerate(frame[key]) if bad}

@@ -1,4 +1,4 @@
-"""What a report is made of: sections of text, tables and pictures."""
+"""The content of a report: sections with text, tables and pictures."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ class Table:
     """A frame and how to show it.
 
     Args:
-        name: stem of its files.
-        caption: what to see in it, and units.
+        name: stem of its file names.
+        caption: what the table shows, with units.
         frame: raw values.
-        columns: which of them are shown, in order.
-        marks: (row position, key) -> `good`, `bad` or `note`; the text says it too, so that no
-            meaning rests on colour.
+        columns: the columns that are shown, in order.
+        marks: (row position, key) -> `good`, `bad` or `note`. The text also says what a mark says,
+            for readers who do not see the colour.
     """
 
     name: str
@@ -41,20 +41,20 @@ class Table:
         return [list(row) for row in zip(*shown, strict=True)]
 
     def mark(self, row: int, column: Column) -> str:
-        """The mark of a cell, empty if it has none."""
+        """The mark of a cell; empty if the cell is not marked."""
         return (self.marks or {}).get((row, column.key), "")
 
 
 @dataclass(frozen=True, eq=False)
 class Picture:
-    """A figure, its caption (what to see, units) and the words for those who cannot see it.
+    """A figure with its caption, and a text for readers who cannot see it.
 
     Args:
-        name: stem of its files.
-        caption: what to see.
-        figure: drawn, not yet saved.
-        alt: what it shows, in a few words.
-        half: whether two fit side by side.
+        name: stem of its file names.
+        caption: what the figure shows, with units.
+        figure: the drawn figure, not yet saved.
+        alt: what the figure shows, in a few words.
+        half: whether the figure takes half of the page's width.
     """
 
     name: str
@@ -74,14 +74,14 @@ def picture(
     width: float = HALF,
     legend: int = 0,
 ) -> Picture:
-    """A figure of one panel, which `plot(ax, *data)` draws.
+    """A figure with one panel, drawn by `plot(ax, *data)`.
 
     Args:
         name, caption, alt: as in `Picture`.
-        plot, data: the drawing function, and what it is given after the axes; it may return the
-            legend's entries.
+        plot, data: the drawing function and its arguments after the axes. The function may return
+            the legend's entries.
         height, width: inches.
-        legend: columns of the legend below the panel; 0 for none.
+        legend: number of columns of the legend below the panel; 0 for no legend.
     """
     figure = new_figure(width, height)
     entries = plot(figure.add_subplot(), *data)
@@ -96,7 +96,7 @@ Block: TypeAlias = Table | Picture
 
 @dataclass(frozen=True, eq=False)
 class Section:
-    """A heading, a paragraph and what stands under it."""
+    """A heading, a paragraph, and the tables and pictures below it."""
 
     key: str
     title: str

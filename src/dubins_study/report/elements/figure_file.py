@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 
 def fix_layout(figure: Figure) -> None:
-    """Lay the figure out once for all its files: layout takes most of the time of saving."""
+    """Compute the layout once for all files of a figure: it takes most of the time of saving."""
     engine = figure.get_layout_engine()
     if engine is not None:
         FigureCanvasAgg(figure)
@@ -19,10 +19,10 @@ def fix_layout(figure: Figure) -> None:
 
 
 def figure_bytes(figure: Figure, kind: str) -> bytes:
-    """The figure as a file's bytes, without dates and with fixed ids: equal figures, equal bytes.
+    """The figure as the bytes of a file. Equal figures give equal bytes: no dates, fixed ids.
 
     Args:
-        figure: drawn.
+        figure: a drawn figure.
         kind: `svg`, `pdf` or `png`.
     """
     dates: dict[str, Any] = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}

@@ -12,12 +12,12 @@ ABSENT = "–"
 
 
 def slug(text: str) -> str:
-    """A name from outside as part of a file's name: letters, digits, dashes."""
+    """A name from outside, reduced to letters, digits and dashes, for use in a file's name."""
     return re.sub(r"[^a-z0-9]+", "-", text.lower()).strip("-")[:60] or "unnamed"
 
 
 def digits(n: int) -> Format:
-    """Shows `n` significant digits, in plain notation between 1e-3 and 1e6."""
+    """A format with `n` significant digits, in plain notation between 1e-3 and 1e6."""
 
     def show(value: Any) -> str:
         number = float(value)
@@ -35,7 +35,7 @@ def digits(n: int) -> Format:
 
 
 def share(value: Any) -> str:
-    """A share as a percentage; only all is 100 % and only none is 0 %."""
+    """A share as a percentage, rounded to 100 % only for 1 and to 0 % only for 0."""
     percent = 100 * float(value)
     if 0 < percent < 0.1:
         return "<0.1 %"
@@ -50,7 +50,7 @@ def count(value: Any) -> str:
 
 
 def some(number: int, noun: str) -> str:
-    """A number and what is counted, in the singular or the plural."""
+    """A number with a noun in the singular or plural."""
     return f"{count(number)} {noun}{'' if number == 1 else 's'}"
 
 
@@ -60,7 +60,7 @@ def sentences(*each: str) -> str:
 
 
 def seconds(value: Any) -> str:
-    """A duration with three digits and its own unit."""
+    """A duration with three digits and a suitable unit."""
     number = float(value)
     for factor, unit in ((1.0, "s"), (1e-3, "ms"), (1e-6, "µs")):
         if number >= factor:

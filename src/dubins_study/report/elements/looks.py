@@ -1,4 +1,4 @@
-"""How a solver is drawn and named: the same solver looks the same in all figures of a page."""
+"""How a solver is drawn and named: a solver looks the same in all figures of a page."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from dubins_study.report.statistics.metrics import parse_spec, solver_order
 
 LineStyle = str | tuple[int, tuple[float, ...]]
 LINES: tuple[LineStyle, ...] = ("-", (0, (4, 1.5)), (0, (1, 1.2)), (0, (5, 1.5, 1, 1.5)))
-# eight hues and eleven markers: their pairs repeat only after 88 solvers
+# Eight hues and eleven markers: their combinations repeat only after 88 solvers.
 _OKABE_ITO = (style.BLUE, style.VERMILION, style.GREEN, style.ORANGE, style.PURPLE, style.SKY)
 _HUES = (*_OKABE_ITO, style.BROWN, style.OLIVE)
 _MARKERS = ("^", "s", "D", "v", "P", "X", "p", "*", "<", ">", "h")
@@ -28,7 +28,7 @@ class Look(NamedTuple):
 
     @property
     def dots(self) -> dict[str, Any]:
-        """Keywords for markers alone."""
+        """Keywords for markers without a line."""
         return {"color": self.colour, "marker": self.marker, "linestyle": "none"}
 
     @property
@@ -37,10 +37,10 @@ class Look(NamedTuple):
         return {"color": self.colour, "linestyle": self.line}
 
     def curve(self, place: int) -> dict[str, Any]:
-        """Keywords for a line of many points, with a marker now and then.
+        """Keywords for a line of many points with a few markers.
 
-        Markers tell curves apart in grey print. `place` is the curve's position in its figure: it
-        shifts the markers, so that those of coinciding curves do not cover each other.
+        The markers distinguish curves in grey print. `place` is the index of the curve in its
+        figure; it shifts the markers, so that markers of coinciding curves do not overlap.
         """
         every = (0.03 + 0.045 * (place % 5), 0.22)
         return {**self.lines, "marker": self.marker, "markevery": every, "markersize": 3.5}
@@ -48,7 +48,7 @@ class Look(NamedTuple):
 
 @dataclass(frozen=True)
 class Palette:
-    """A hue and a marker for each name, given in the names' order.
+    """A hue and a marker per solver name, assigned in the order of the names.
 
     Args:
         hues: name -> colour and marker.
@@ -60,7 +60,7 @@ class Palette:
     def of(cls, specs: Iterable[str]) -> Self:
         """The palette of all solvers of a page; variants of a solver share hue and marker.
 
-        The closed form, every figure's reference, is drawn in ink.
+        The closed form, the reference in every figure, is drawn in the text's colour.
         """
         names = dict.fromkeys(parse_spec(spec)[0] for spec in solver_order(list(specs)))
         others = [name for name in names if name != EXACT]
@@ -71,7 +71,7 @@ class Palette:
         return cls({EXACT: (style.INK, "o")} | hues)
 
     def looks(self, specs: Iterable[str]) -> dict[str, Look]:
-        """A look for each solver of a figure; line styles tell the variants of one solver apart."""
+        """A look for each solver of a figure; line styles distinguish the variants of a solver."""
         result: dict[str, Look] = {}
         variants: dict[str, int] = {}
         for spec in solver_order(list(specs)):
@@ -82,7 +82,7 @@ class Palette:
 
 
 def name_of(solver: str, width: int = 26) -> str:
-    """A solver's name for a figure, settings on lines of their own."""
+    """A solver's name for a figure, with its settings on separate lines."""
     name, settings = parse_spec(solver)
     lines, line = [name], ""
     for key, value in settings.items():
@@ -96,11 +96,11 @@ def name_of(solver: str, width: int = 26) -> str:
 
 
 def lines_of_names(solvers: Iterable[str]) -> int:
-    """How many lines the longest of the names takes."""
+    """Largest number of lines that one of the names takes."""
     return max(name_of(solver).count("\n") + 1 for solver in solvers)
 
 
 def legend_lines(solvers: Iterable[str], width: int = 26, columns: int = 1) -> int:
-    """About how many lines of text a legend of these solvers takes."""
+    """Approximate number of text lines in a legend of these solvers."""
     lines = [name_of(solver, width).count("\n") + 1 for solver in solvers]
     return math.ceil(len(lines) / columns) * max(lines, default=1) if columns > 1 else sum(lines)

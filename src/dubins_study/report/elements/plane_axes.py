@@ -1,4 +1,4 @@
-"""What maps over the target plane share: the words' colours, labels, and the turning circles.
+"""Shared elements of maps over the target plane: colours of words, labels, turning circles.
 
 The vehicle stands at the origin and heads along +x; its turning radius is 1.
 """
@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from dubins_study.report.elements.style import MAP_PAPER, ON_MAP, Style
 
-# a light and a dark shade of two hues: apart in hue for the eye, apart in lightness for grey
+# A light and a dark shade of two hues: the shades differ in grey print too.
 WORD_COLOURS = {"LS": "#cfe3f1", "RS": "#fbe6c8", "RL": "#5d9cc6", "LR": "#d69a3c"}
 OTHER_COLOUR = "#8a8f96"
 
@@ -26,8 +26,9 @@ def plot_word_cells(
 
     Args:
         ax: where to draw.
-        words: shape (m, n), each a position in `WORD_COLOURS`, one more for other words; NaN: none.
-        extent: of the cells along x and y.
+        words: index in `WORD_COLOURS` per cell, the next index for other words, NaN for an empty
+            cell; shape (m, n).
+        extent: smallest and largest x, smallest and largest y of the cells.
     """
     colours = ListedColormap([*WORD_COLOURS.values(), OTHER_COLOUR])
     limits: Style = {"vmin": -0.5, "vmax": len(WORD_COLOURS) + 0.5}
@@ -37,12 +38,12 @@ def plot_word_cells(
 def label_region(
     ax: Axes, x: NDArray[np.float64], y: NDArray[np.float64], inside: NDArray[np.bool_], text: str
 ) -> None:
-    """Write a word where its region has most room.
+    """Write a word where its region is widest; nothing if the region is empty.
 
     Args:
         ax: where to draw.
-        x, y: shape (n,) and (m,), the grid's coordinates.
-        inside: shape (m, n), which cells are the region's; none may be.
+        x, y: coordinates of the grid, shapes (n,) and (m,).
+        inside: whether each cell belongs to the region, shape (m, n).
         text: the word.
     """
     if not inside.any():
@@ -66,7 +67,7 @@ def _deepest(inside: NDArray[np.bool_]) -> tuple[int, int]:
 def draw_circles(
     ax: Axes, x: NDArray[np.float64], y: NDArray[np.float64], ink: str = ON_MAP
 ) -> None:
-    """Draw the turning circles and the start; heavy: the half across which the length jumps."""
+    """Draw the turning circles and the start; the half where the length jumps has a heavy line."""
     for side in (1, -1):
         ax.add_patch(Circle((0, side), 1, fill=False, edgecolor=ink, linewidth=0.6))
         ax.add_patch(Arc((0, side), 2, 2, theta1=-90, theta2=90, color=ink, linewidth=1.8))
@@ -79,7 +80,7 @@ def draw_circles(
 
 
 def add_colour_bar(ax: Axes, image: ScalarMappable, label: str) -> None:
-    """The scale of a map's colours, below it."""
+    """Draw the scale of a map's colours below the map."""
     figure = ax.figure
     assert figure is not None
     bar = figure.colorbar(image, ax=ax, location="bottom", shrink=0.7, pad=0.02, aspect=28)

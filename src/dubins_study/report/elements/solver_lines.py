@@ -1,4 +1,4 @@
-"""Figures with one line a solver: its name at the left, bars or marks beside it."""
+"""Figures with one line per solver: its name on the left, bars or marks to the right of it."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from dubins_study.report.elements.style import INK, MUTED, Style
 
 
 def label_lines(ax: Axes, solvers: Iterable[str], places: ArrayLike) -> None:
-    """Write the solvers' names at the left of their lines; rules across the values only."""
+    """Write the solvers' names to the left of their lines; draw grid lines for the values only."""
     names = [name_of(solver) for solver in solvers]
     ax.set_yticks(np.asarray(places), names, color=INK)
     ax.set_ylim(-0.6, len(names) - 0.4)
@@ -28,10 +28,10 @@ def label_lines(ax: Axes, solvers: Iterable[str], places: ArrayLike) -> None:
 def plot_quartiles(
     ax: Axes, row: Mapping[Hashable, Any], key: str, place: float, look: Look, fill: str = ""
 ) -> None:
-    """A duration's median as a mark, and its quartiles as a bar, on the line at `place`.
+    """Draw a duration's median as a mark and its quartiles as a bar, on the line at `place`.
 
-    `row` has the median (s) under `key`, the quartiles under `key` and `_q1` or `_q3`. `fill` is
-    the colour inside the mark; the solver's if empty.
+    `row` holds the median (s) under `key`, and the quartiles under `key` with `_q1` and `_q3`.
+    `fill` is the colour inside the mark; if it is empty, the solver's colour.
     """
     ends = [max(row[f"{key}_q1"], 1e-9), row[f"{key}_q3"]]
     bar: Style = {"color": look.colour, "linewidth": 2.4, "alpha": 0.45, "solid_capstyle": "butt"}
@@ -42,13 +42,13 @@ def plot_quartiles(
 def plot_shares(
     ax: Axes, table: pd.DataFrame, look: Mapping[str, tuple[str, str]], notes: Sequence[str]
 ) -> None:
-    """Stack the counts of `look`'s columns over the column `attempts`.
+    """Draw one stacked bar per solver: each column of `look` as a share of `attempts`.
 
     Args:
         ax: where to draw.
         table: columns solver, attempts, and a count for each name in `look`.
         look: column -> colour and hatch, in the order of the stack.
-        notes: what stands at the right of each bar, one for each row.
+        notes: texts to the right of the bars, one per row.
     """
     places = np.arange(len(table))[::-1]
     left = np.zeros(len(table))

@@ -1,6 +1,6 @@
 """How figures look: colours, sizes and matplotlib's settings.
 
-Hues are Okabe and Ito's, which the colour-blind tell apart.
+The hues are Okabe and Ito's; colour-blind readers can distinguish them.
 """
 
 from __future__ import annotations
@@ -17,10 +17,10 @@ Style: TypeAlias = dict[str, Any]  # keywords of matplotlib
 INK, MUTED, RULE, PAPER = "#1a1c1f", "#6a7079", "#d5d9de", "#ffffff"
 BLUE, VERMILION, GREEN, ORANGE = "#0072b2", "#d55e00", "#009e73", "#e69f00"
 SKY, PURPLE = "#56b4e9", "#cc79a7"
-BROWN, OLIVE = "#7a3b12", "#8a8000"  # not Okabe and Ito's, whose yellow is lost on paper
+BROWN, OLIVE = "#7a3b12", "#8a8000"  # instead of Okabe and Ito's yellow, hardly visible on paper
 
-# For coloured maps, which do not change when the page is dark. They differ from INK and PAPER by
-# one digit, since the page replaces the colours above.
+# Colours for maps. The dark page replaces INK and PAPER, but must not replace these, so they differ
+# by one digit.
 ON_MAP, MAP_PAPER = "#1a1c20", "#fffffe"
 
 WIDE, HALF = 7.2, 3.55  # inches: the page's column, and half of it
@@ -39,7 +39,7 @@ _SETTINGS: Style = {
     **dict.fromkeys(("xtick.minor.size", "ytick.minor.size"), 0),
     **{"legend.handlelength": 2.2, "lines.linewidth": 1.4, "lines.markersize": 4},
     "text.color": INK,
-    "text.parse_math": False,  # names come from outside, and "$" in them is a "$"
+    "text.parse_math": False,  # a "$" in a name from outside must stay a "$"
     "svg.fonttype": "none",  # text stays text
     "svg.hashsalt": "dubins-study",
     **{"hatch.linewidth": 0.5, "figure.facecolor": PAPER, "axes.facecolor": "none"},

@@ -1,1 +1,1 @@
-"""Sections to figures, tables, Markdown and one self-contained HTML page."""
+"""Write sections as figures, tables, Markdown and one self-contained HTML page."""

@@ -1,4 +1,4 @@
-"""A table as CSV, Markdown and TeX; everything from outside is escaped here."""
+"""A table as CSV, Markdown and TeX; all text from outside is escaped here."""
 
 from __future__ import annotations
 
@@ -15,19 +15,19 @@ _TEX = {symbol: f"\\{symbol}" for symbol in "&%$#_{}"} | {
     **{"✓": r"\checkmark{}", "✗": r"$\times$", "⁻": r"$^{-}$", "²": r"$^2$"},
     **{"₁": r"$_1$", "₂": r"$_2$", "₃": r"$_3$", "\u202f": r"\,", "\u00a0": "~"},
 }
-# what means something anywhere, what does at the start of a line, and what makes a list there
+# Markdown's special characters: anywhere, at the start of a line, and after a list's number.
 _MARKDOWN = re.compile(r"([\\`*_\[\]|~$]|^[#+=-]|(?<=^\d)[.)](?=\s))")
 
-_FORMULA = tuple("=+-@\t")  # what a spreadsheet takes for the beginning of one
+_FORMULA = tuple("=+-@\t")  # a spreadsheet reads text that starts with one of these as a formula
 
 
 def tex(text: str) -> str:
-    """Text that TeX prints as it stands."""
+    """Escape text so that TeX prints it unchanged."""
     return "".join(_TEX.get(character, character) for character in _one_line(text))
 
 
 def markdown(text: str) -> str:
-    """Text that Markdown, and the HTML it becomes, show as it stands."""
+    """Escape text so that Markdown, and HTML made from it, show it unchanged."""
     plain = _one_line(text).replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")
     return _MARKDOWN.sub(r"\\\1", plain)
 
@@ -39,7 +39,7 @@ def _one_line(text: str) -> str:
 def to_csv(table: Table) -> str:
     """The shown columns with raw values: full digits, missing values empty.
 
-    A text that a spreadsheet would take for a formula is led by an apostrophe.
+    A text that a spreadsheet would read as a formula gets a leading apostrophe.
     """
     shown = table.frame[[column.key for column in table.columns]].copy()
     for column in table.columns:

@@ -1,4 +1,4 @@
-"""The page: sections to figures, tables, Markdown and one self-contained HTML file."""
+"""Write the report: figures, tables, Markdown and one self-contained HTML file."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ Progress = Callable[[str], None]
 
 
 class ReportError(DubinsStudyError, ValueError):
-    """A place that a report cannot be written to."""
+    """A report cannot be written to this place."""
 
 
 def render(
@@ -35,10 +35,10 @@ def render(
     """Write the report of one or more results folders; returns the path of `index.html`.
 
     Args:
-        folders: results folders, or one of them.
-        out: where to write; `report` inside the first folder if None. What an earlier report left
-            there is replaced, in one step, once the new one is complete.
-        progress: called with the title of each section before it is drawn.
+        folders: one or more results folders.
+        out: the folder to write to; None: `report` inside the first results folder. An earlier
+            report there is replaced in one step, once the new one is complete.
+        progress: called with the title of each section before the section is drawn.
 
     Raises:
         ResultsError: if a folder cannot be read.
@@ -49,7 +49,7 @@ def render(
     target = FilePath(given[0]) / "report" if out is None else FilePath(out)
     try:
         _check_target(target)
-    except OSError as error:  # a name that is too long, a folder that nobody may look into
+    except OSError as error:  # e.g. the name is too long, or the folder may not be read
         raise _unwritable(target, error) from None
     with style.drawing():
         sections = _sections(results, progress)
@@ -65,7 +65,7 @@ def _unwritable(target: FilePath, error: OSError) -> ReportError:
     return ReportError(f"{target} cannot be written: {error.strerror or error}")
 
 
-# all that a report consists of: a folder with anything else in it is never replaced
+# Names of all files and folders of a report. A folder that holds anything else is never replaced.
 _WRITTEN = {"index.html", "report.md", "figures", "tables"}
 
 
@@ -89,10 +89,10 @@ def _sections(results: Results, progress: Progress | None) -> list[Section]:
 
 
 def _write_whole(target: FilePath, sections: Sequence[Section], runs: Sequence[Folder]) -> None:
-    """Write beside the target, then change names: no reader meets half a report."""
+    """Write to a temporary folder, then rename it: a reader never sees an incomplete report."""
     fresh = FilePath(tempfile.mkdtemp(prefix=f".{target.name}-", dir=target.parent))
     try:
-        fresh.chmod(0o755)  # mkdtemp makes it private
+        fresh.chmod(0o755)  # mkdtemp creates a private folder
         _write(fresh, sections, runs)
         if target.exists():
             old = FilePath(tempfile.mkdtemp(prefix=f".{target.name}-old-", dir=target.parent))
@@ -128,7 +128,7 @@ def _write(folder: FilePath, sections: Sequence[Section], runs: Sequence[Folder]
         (folder / file_name).write_text(page, encoding="utf-8", newline="\n")
 
 
-# The page is light or dark as its reader likes; figures follow through these variables.
+# CSS variables for the figures' colours, so that figures follow the page's light or dark mode.
 _VARIABLES = {
     style.INK: "--ink",
     style.MUTED: "--muted",
@@ -153,13 +153,13 @@ def inline(svg: str, alt: str) -> Markup:
 
 
 def breakable(text: str) -> Markup:
-    """A solver's name that may break between its settings."""
+    """A solver's name as HTML in which a line may break between settings."""
     escaped = str(Markup.escape(text))
     return Markup(escaped.replace("[", "<wbr>[").replace(",", ",<wbr>"))
 
 
 def warnings(run: Folder) -> list[str]:
-    """What a reader of a folder's numbers must know first; nothing if all is well."""
+    """Warnings about a folder's numbers; empty if there is no problem."""
     lines = []
     if not run.manifest.finished:
         lines.append("Not finished: numbers below are of the cells done so far.")
@@ -177,7 +177,7 @@ def warnings(run: Folder) -> list[str]:
 
 
 def left_out(run: Folder) -> list[str]:
-    """What of a folder's rows the report does not show, and why; nothing if it shows all."""
+    """The rows of a folder that the report leaves out, with reasons; empty if it shows all."""
     lines = {
         "of earlier code of their solvers": run.rows.stale,
         "of cells that a folder before this one holds, made by other code": run.rows.replaced,

@@ -1,4 +1,4 @@
-"""The report's sections in the order of the page, and which attempts each one is about."""
+"""The report's sections in the order of the page, and the attempts that each section shows."""
 
 from __future__ import annotations
 
@@ -31,24 +31,24 @@ from dubins_study.report.topics.time.section import time_section
 
 
 class General(Enum):
-    """The attempts of a section that is about no single experiment."""
+    """The attempts of a section that is not about a single experiment."""
 
-    EVERY = auto()  # all of them
+    EVERY = auto()  # all attempts
     POOLED = auto()  # counted together: without studies of variants and of extreme questions
-    COMPARED = auto()  # solver against solver on the same questions
+    COMPARED = auto()  # attempts at questions on which solvers are compared
 
 
 class Topic(NamedTuple):
     """One section of the page.
 
     Args:
-        title: what progress reports call it.
-        write: attempts -> the section, None where they give it nothing to show.
+        title: its name in progress reports.
+        write: attempts -> the section; None if there is nothing to show.
         about: its attempts: a general kind, or the key that experiments give as `section = "..."`
             in their TOML file.
         enters: the general kinds that include those experiments too.
-        counted: whether its numbers count every attempt; the numbers of other sections need single
-            rows, and are of a sample where there are too many of them.
+        counted: whether its numbers count every attempt. Other sections need single rows, and show
+            a sample if there are too many.
     """
 
     title: str
@@ -70,7 +70,7 @@ TOPICS = (
     Topic("certificates", certificates_section, POOLED, counted=True),
     Topic("time", time_section, COMPARED),
     Topic("work and precision", discretisation_section, "discretisation"),
-    # the closed form alone answers a hundred thousand questions of a plane
+    # Not compared: a plane has a hundred thousand questions that only the closed form answers.
     Topic("the target plane", plane_section, "plane", (POOLED,)),
     Topic("the plane, counted", map_section, EVERY, counted=True),
     Topic("where initial guesses lead", basins_section, "basins"),
@@ -85,7 +85,7 @@ KEYS = tuple(dict.fromkeys(topic.about for topic in TOPICS if isinstance(topic.a
 
 
 def sections_of(topic: Topic, results: Results) -> Iterator[Section]:
-    """The topic's sections: one, or one an experiment where several name it; none without rows."""
+    """The topic's sections: one per experiment if several name it, none without rows, else one."""
     selections = _selections(topic, results)
     for name, selection in selections.items():
         section = topic.write(selection)
@@ -97,10 +97,10 @@ def sections_of(topic: Topic, results: Results) -> Iterator[Section]:
 
 
 def _selections(topic: Topic, results: Results) -> dict[str, Results]:
-    """Name -> attempts, for each section that the topic may have."""
+    """Experiment, or empty -> attempts, for each section that the topic may have."""
     keys: dict[str, str | None] = {}
     for run in results.folders:
-        if run.name in results.attempts.experiments:  # others have no rows of their own
+        if run.name in results.attempts.experiments:  # the rows of other folders are all left out
             keys.setdefault(run.name, run.section)
     if isinstance(topic.about, str):
         about = [name for name, key in keys.items() if key == topic.about]
@@ -113,7 +113,7 @@ def _selections(topic: Topic, results: Results) -> dict[str, Results]:
     names = {name for name, key in keys.items() if key not in apart}
     if names:
         return {"": results.only(names)}
-    # a report of nothing but studies sums these up
+    # If the report has only studies, they are pooled.
     return {"": results} if topic.about is POOLED else {}
 
 
@@ -126,7 +126,7 @@ def _named_after(section: Section, experiment: str) -> Section:
 
 
 def _with_sample(section: Section, results: Results) -> Section:
-    """The section with a sentence on the attempts that it leaves out, if it leaves some out."""
+    """The section with a sentence about the sample, if it shows only a sample of the attempts."""
     if not results.sampled:
         return section
     kept, attempts = len(results.rows), results.attempts.count

@@ -1,1 +1,1 @@
-"""What the paper prints, and the audit of it."""
+"""The paper's printed numbers, and their audit."""

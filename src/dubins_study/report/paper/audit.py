@@ -1,7 +1,7 @@
-"""The audit of the paper: every printed number recomputed, and what follows from it.
+"""The audit of the paper: every printed number is recomputed and judged.
 
-`audit` gives one object of plain values, the same on every machine, since every number is proven
-to its last digit before it is rounded; `contradictions` compares it with the committed one.
+`audit` returns one object of plain values. It is the same on every machine, since every number is
+proven to its last digit before it is rounded. `contradictions` compares it with the committed one.
 """
 
 from __future__ import annotations
@@ -43,20 +43,21 @@ from dubins_study.study.scenario import Scenario
 
 Record = dict[str, Any]
 _WORDS = ("LS", "RS")
-_AGREES = 1e-13  # of the larger of length and radius: some hundred roundings of a double
-_ARRIVES = Fraction(1, 10**60)  # length unit: far below the 40 digits that are kept
+_AGREES = 1e-13  # relative to max(length, radius); about a hundred roundings of a double
+_ARRIVES = Fraction(1, 10**60)  # length unit; far below the 40 digits that are kept
 
 
 def audit() -> Record:
     """The whole audit.
 
     Returns:
-        `cells` (one record a printed length: table, label, path, word, quantity, printed, exact to
-        40 digits, difference = printed - exact, biased, bias_prints, verdict, reason), `paths` (one
-        a printed row: miss when driven, what correct rounding allows, whether its parts add up),
-        `algorithm` (one a test problem: the radius at which the target enters a turning circle,
-        and what Algorithm 1 returns beyond), `omitted` (paths that the tables leave out), `times`,
-        `statements` and `summary`. Lengths in the scenario's unit.
+        `cells` (one record per printed length: table, label, path, word, quantity, printed, exact
+        to 40 digits, difference = printed - exact, biased, bias_prints, verdict, reason), `paths`
+        (one per printed row: the miss when driven, the miss that correct rounding allows, whether
+        its parts add up), `algorithm` (one per test problem: the radius at which the target enters
+        a turning circle, and the path that Algorithm 1 returns for larger radii), `omitted` (paths
+        that the tables leave out), `times`, `statements` and `summary`. Lengths in the scenario's
+        unit.
     """
     with ctx.workdps(WORKING):
         mu = ipopt_barrier()
@@ -74,7 +75,7 @@ def audit() -> Record:
 
 
 def _exact(problem: Problem, word: str) -> tuple[Pieces, list[Number]]:
-    """z of a word as balls, z and f as numbers; asserts that the path arrives when driven."""
+    """z1, z2, z3 of a word as balls, and z1, z2, z3, f as numbers; asserts that it arrives."""
     z = pieces(problem, word)
     assert z is not None, f"{problem.label} has no {word}"
     for side in offset(problem, z):
@@ -121,7 +122,7 @@ def _impossible(row: PrintedRow, quantity: str, exact: list[Number]) -> str:
 
 
 def _path(row: PrintedRow) -> Record:
-    """The printed path driven from the exact start, and its parts added up."""
+    """Drive the printed path from the exact start, and add its parts up."""
     problem = PROBLEMS[row.label]
     z, exact = _exact(problem, row.word)
     places = places_of(row.cells[-1])
@@ -141,10 +142,10 @@ def _path(row: PrintedRow) -> Record:
 
 
 def _allowed(problem: Problem, z: Pieces, places: int) -> float:
-    """The largest miss of a path whose parts are each within half a unit of the exact ones.
+    """The largest miss of a path if each of its parts is rounded by up to half a unit.
 
-    For one turn the miss is convex in the straight, and along the turn it grows with the distance
-    from the best angle, so it is largest at a corner of the box.
+    For a fixed turn the miss is convex in the straight, and along the turn it grows with the
+    distance from the best angle, so it is largest at a corner of the box.
     """
     half = ball(half_unit(places))
     corners = product(*((v,) if v == 0 else (v - half, v + half) for v in z))
@@ -152,7 +153,7 @@ def _allowed(problem: Problem, z: Pieces, places: int) -> float:
 
 
 def _omitted() -> list[Record]:
-    """Paths of the paper's scenarios that its tables have no row for."""
+    """Paths of the paper's scenarios that have no row in its tables."""
     printed = {(row.label, row.word) for row in PRINTED}
     records = []
     for problem, word in product(PROBLEMS.values(), _WORDS):
@@ -173,7 +174,7 @@ def _rank(problem: Problem, word: str) -> str:
 
 
 def _times() -> list[Record]:
-    """Each printed solve time as ticks of a clock of 64 a second."""
+    """Each printed solve time, in ticks of a clock with 64 ticks per second."""
     records = []
     for label, path, text in TIMES:
         ticks = round(Fraction(Decimal(text)) * 64)
@@ -224,14 +225,14 @@ def _differences(computed: Any, committed: Any, where: str = "") -> list[str]:
 
 
 def _name(record: Any, place: int) -> str:
-    """What a person calls an entry of a list."""
+    """A readable name for an entry of a list."""
     keys = ("table", "label", "path", "quantity", "where")
     named = [str(record[key]) for key in keys if key in record] if isinstance(record, dict) else []
     return ", ".join(named) or str(place)
 
 
 def closed_form_differences(committed: Record) -> list[str]:
-    """Cells whose committed value is not what `study.closed_form.shortest` computes."""
+    """Cells whose committed value differs from that of `study.closed_form.shortest`."""
     lines = []
     for cell in committed.get("cells", ()):
         problem = PROBLEMS[cell["label"]]

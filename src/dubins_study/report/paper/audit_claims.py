@@ -1,4 +1,4 @@
-"""What the paper's algorithm and statements come to, computed."""
+"""Compute what the paper's algorithm returns, and whether the paper's statements hold."""
 
 from __future__ import annotations
 
@@ -24,11 +24,11 @@ from dubins_study.report.paper.printed import PROBLEMS, Problem
 
 Record = dict[str, Any]
 _WORDS = ("LS", "RS")
-_NIL = Fraction(1, 10**60)  # below it a number that theory calls zero counts as zero
+_NIL = Fraction(1, 10**60)  # a number that is zero in theory counts as zero below this
 
 
 class Beyond(NamedTuple):
-    """A target in or on a turning circle: the optimum, and what Algorithm 1 returns, in radii."""
+    """For a target in or on a turning circle: the optimum and Algorithm 1's answer, in radii."""
 
     word: str
     optimum: arb
@@ -41,12 +41,13 @@ class Beyond(NamedTuple):
 
 
 def algorithm() -> list[Record]:
-    """Algorithm 1 on each test problem once the radius lets a turning circle reach the target.
+    """Algorithm 1 on each test problem, at radii at which a turning circle reaches the target.
 
-    The circle through the target has radius R* = r^2 / (2 |Y|), r its distance and Y its offset
-    from the start's heading line. Beyond, the optimum begins with a turn away from the target (RL
-    in the left disc, LR in the right), and of the algorithm's two words only the one away is left.
-    Model (4.12) unsplit holds LR too, so it is right in the right disc, but not RL.
+    A turning circle passes through the target at the radius R* = r^2 / (2 |Y|); r is the target's
+    distance and Y its offset from the start's heading line. For larger radii the optimum begins
+    with a turn away from the target (RL in the left disc, LR in the right disc). Of the algorithm's
+    two words, only the one that begins with this turn then exists. The unsplit model (4.12)
+    contains LR too, so it is right in the right disc, but it does not contain RL.
     """
     positions = {problem.position: problem for problem in PROBLEMS.values()}
     return [_crossing(position, problem) for position, problem in positions.items()]
@@ -93,7 +94,7 @@ def beyond(near: Target, left: bool) -> Beyond:
 
 
 def _rounded_up(value: Number) -> int:
-    """The next whole number with one digit that is not zero."""
+    """The next larger whole number with only one digit other than zero."""
 
     def rule(exact: Fraction) -> int:
         unit: int = 10 ** (len(str(int(exact))) - 1)
@@ -103,9 +104,9 @@ def _rounded_up(value: Number) -> int:
 
 
 class Extremal(NamedTuple):
-    """A word of a scenario with its multipliers, nu0 = 1; (nu1, nu2) = -(cos, sin) of the end.
+    """A word of a scenario with its multipliers: nu0 = 1, (nu1, nu2) = -(cos, sin) of `end`.
 
-    `offset` is what (4.10) and (4.11) leave.
+    `offset` holds the residuals of (4.10) and (4.11).
     """
 
     problem: Problem
@@ -144,7 +145,7 @@ def _extremals() -> list[Extremal]:
 
 
 def statements() -> list[Record]:
-    """Statements of the paper that its scenarios decide; records of where, says, holds, finding."""
+    """The paper's statements that its scenarios decide: records of where, says, holds, finding."""
     paths = _extremals()
     crossings = algorithm()
     left = [c for c in crossings if c["circle"] == "left"]

@@ -1,8 +1,8 @@
 """The paper's paths in interval arithmetic (Arb, through python-flint).
 
 Everything is computed in the vehicle's frame at unit radius, as in `study.closed_form.shortest`,
-but from the headings as the paper states them (2 pi/3, no double) and with proven bounds. An answer
-is not trusted for its formula: `report.paper.audit` drives each path and checks that it arrives.
+but with proven bounds and with the exact headings of the paper (2 pi/3 is not rounded to a double).
+The formulas are not trusted: `report.paper.audit` drives each path and checks that it arrives.
 """
 
 from __future__ import annotations
@@ -68,14 +68,14 @@ class Target(NamedTuple):
         return self.Y * (2 - self.Y) - self.X**2
 
     def after_left(self, angle: arb) -> Target:
-        """The same target once the vehicle has turned left by an angle (rad)."""
+        """The target in the vehicle's frame after a left turn by an angle (rad)."""
         sin, cos = angle.sin_cos()
         forward, left = self.X - sin, self.Y - (1 - cos)
         return Target(forward * cos + left * sin, left * cos - forward * sin)
 
 
 def target(problem: Problem, radius: arb | None = None) -> Target:
-    """The target as the vehicle sees it, at the problem's radius unless another is given."""
+    """The target in the vehicle's frame, in radii; `radius` replaces the problem's radius."""
     sin, cos = heading(problem).sin_cos()
     x, y = problem.target
     R = ball(problem.radius) if radius is None else radius
@@ -147,7 +147,7 @@ def ipopt_barrier() -> arb:
 
 
 def biased(problem: Problem, word: str, mu: arb) -> Pieces:
-    """z1, z2, z3 at which a log barrier of weight mu stops on model (4.12), near the LS or RS.
+    """z1, z2, z3 where a log barrier of weight mu stops on model (4.12), near the LS or RS.
 
     z1 parametrises the model's feasible curve. At unit radius, with the target at (X, Y) after the
     first turn, dz2 = 1 - 2 cos z2 + 2 X / z3 and dz3 = -2 X / z3, so df = 2 (1 - cos z2), and
@@ -184,7 +184,7 @@ def biased(problem: Problem, word: str, mu: arb) -> Pieces:
 def _root(function: Callable[[arb], arb], low: arb, high: arb) -> arb:
     """The root of a function that is negative at `low` and positive at `high`, by bisection.
 
-    It ends where the function's own ball no longer tells its sign.
+    The bisection ends where the function's ball no longer decides its sign.
     """
     if positive(function(low)) or not positive(function(high)):
         raise ValueError("no change of sign to close in on")

@@ -1,10 +1,10 @@
 """The committed audit: `report/paper/audit.json`, in the repository and in the wheel.
 
-Where a change is meant, this command writes the file anew:
+After an intended change, write the file again with this command:
 
     dubins-study audit --json > src/dubins_study/report/paper/audit.json
 
-Otherwise `dubins-study audit` tells whether the code still agrees with the file.
+`dubins-study audit` reports whether the code still agrees with the file.
 """
 
 from __future__ import annotations
@@ -26,10 +26,10 @@ class AuditError(DubinsStudyError, ValueError):
 
 @lru_cache(maxsize=1)
 def committed() -> dict[str, Any]:
-    """The committed audit, as `report.paper.audit.audit` returned it once.
+    """The committed audit, a stored result of `report.paper.audit.audit`.
 
     Raises:
-        AuditError: if it is missing or no JSON object.
+        AuditError: if it is missing or not a JSON object.
     """
     file = files("dubins_study.report.paper").joinpath(NAME)
     try:

@@ -12,7 +12,7 @@ KEPT = 40  # significant digits
 
 
 class UndecidedError(ArithmeticError):
-    """A number's two bounds do not agree on what was asked: it was computed too coarsely."""
+    """The two bounds of a number give different answers: it was computed with too few digits."""
 
 
 class Number(NamedTuple):
@@ -22,7 +22,7 @@ class Number(NamedTuple):
     high: Fraction
 
     def decide(self, rule: Callable[[Fraction], T]) -> T:
-        """What a monotonous rule says of the number, proven by both its bounds.
+        """The result of a monotonic rule for the number, proven by applying it to both bounds.
 
         Raises:
             UndecidedError: if they disagree.
@@ -47,19 +47,19 @@ class Number(NamedTuple):
 
 
 def rounded(value: Fraction, places: int) -> Decimal:
-    """To the nearest number of so many decimals, half up (away from zero)."""
+    """Rounded to `places` decimals, half away from zero."""
     unit = Fraction(1, 10**places)
     steps = int(abs(value) / unit + Fraction(1, 2))  # int() cuts, and the operand is not negative
     return _decimal(steps if value >= 0 else -steps, places)
 
 
 def truncated(value: Fraction, places: int) -> Decimal:
-    """Cut off after so many decimals."""
+    """Cut off after `places` decimals."""
     return _decimal(int(value * 10**places), places)
 
 
 def rounded_twice(value: Fraction, first: int, places: int) -> Decimal:
-    """To `first` decimals, and that to `places`."""
+    """Rounded to `first` decimals, and the result rounded to `places` decimals."""
     return rounded(Fraction(rounded(value, first)), places)
 
 
@@ -73,10 +73,10 @@ def _significant(value: Fraction, digits: int) -> Decimal:
 
 
 def places_of(printed: str) -> int:
-    """How many decimals a number is printed with."""
+    """Number of decimals of a printed number."""
     return len(printed.partition(".")[2])
 
 
 def half_unit(places: int) -> Fraction:
-    """Half a unit of the last of so many decimals."""
+    """Half a unit of the last of `places` decimals."""
     return Fraction(1, 2 * 10**places)

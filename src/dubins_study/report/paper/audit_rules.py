@@ -1,17 +1,17 @@
-"""How a printed cell came about: the ways to print a row, and the rule that picks a verdict.
+"""Explain a printed cell: the ways to print a row, and the rule that selects a verdict.
 
 A cell is a *correct rounding* if it is within half a unit of its last digit of the exact value.
-Otherwise the cell is compared with what these accidents make of the whole row:
+Otherwise the cell is compared with the row that each of these accidents would print:
 
-* *double rounding*: the exact value rounded (half up) to more places, and that to the printed ones;
+* *double rounding*: the exact value rounded (half up) to more places, then to the printed ones;
 * *truncated*: the exact value cut off at the printed places;
-* *solver bias reproduced*: what model (4.12) with Ipopt's last barrier parameter gives instead of
-  the exact value (`report.paper.audit_exact.biased`), rounded or cut off.
+* *solver bias reproduced*: the value that model (4.12) gives with Ipopt's last barrier parameter
+  (`report.paper.audit_exact.biased`), rounded or cut off.
 
-Of the accidents that give the cell, the one that gives most of its row's four cells is the verdict,
-the printed 0 of the missing turn counting as one; between equals the first in the order above. If
-there is none the cell is *wrong*. The reason names the cells of the row that the accident does not
-give.
+If several accidents give the cell, the verdict is the one that gives most of the row's four cells
+(the printed 0 of the missing turn is one of the four), and among equals the first in the list. If
+no accident gives the cell, it is *wrong*. The reason names the cells of the row that the accident
+does not give.
 """
 
 from __future__ import annotations
@@ -34,19 +34,19 @@ from dubins_study.report.paper.printed import QUANTITIES
 
 DOUBLE, CUT, BIAS, WRONG = "double rounding", "truncated", "solver bias reproduced", "wrong"
 VERDICTS = (CORRECT, DOUBLE, CUT, BIAS, WRONG)
-_MOST_PLACES = 15  # a double holds no more
+_MOST_PLACES = 15  # decimals; a double has no more digits
 Row = Sequence[Decimal]
 
 
 class Finding(NamedTuple):
-    """A verdict and why."""
+    """A verdict and its reason."""
 
     verdict: str
     reason: str
 
 
 class Accident(NamedTuple):
-    """One way to print a row: its verdict, how it goes, and the row that comes out."""
+    """One way to print a row: its verdict, its description, and the printed row."""
 
     verdict: str
     how: str
@@ -88,7 +88,7 @@ def _finding(
     i: int, printed: Sequence[str], exact: Sequence[Number], accidents: Sequence[Accident]
 ) -> Finding:
     cell, places = Decimal(printed[i]), places_of(printed[-1])
-    # The bounds are compared, not the rounded value: of a tie both neighbours are correct.
+    # Compare with the bounds instead of the rounded value: for a tie both neighbours are correct.
     low, high = Fraction(cell) - half_unit(places), Fraction(cell) + half_unit(places)
     if exact[i].decide(lambda v: v >= low) and exact[i].decide(lambda v: v <= high):
         return Finding(CORRECT, "")
@@ -110,7 +110,7 @@ def _finding(
 
 
 def _description(accident: Accident, ways: Sequence[str]) -> str:
-    """An accident in words; `ways` are the roundings that all give its row."""
+    """An accident in words; `ways` are the roundings that give the same row."""
     how = " or ".join((", ".join(ways[:-1]), ways[-1])) if len(ways) > 1 else ways[0]
     how = f"rounded first to {how} decimals" if accident.verdict == DOUBLE else how
     return f"with an interior-point solver's bias, {how}," if accident.verdict == BIAS else how

@@ -1,4 +1,4 @@
-"""What the paper prints: the scenarios, the cells of Tables 6.1-6.5, and the solve times."""
+"""The paper's printed data: the scenarios, the cells of Tables 6.1-6.5, and the solve times."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class Problem(NamedTuple):
 
     @property
     def position(self) -> str:
-        """The test problem, whatever the radius: `problem 1` to `problem 5`."""
+        """The test problem without its radius: `problem 1` to `problem 5`."""
         return self.label.partition(",")[0]
 
 
@@ -56,8 +56,8 @@ class PrintedRow(NamedTuple):
         table: the paper's number of the table.
         label: of the problem.
         path: `optimal` or `feasible`.
-        cells: left turn z1, right turn z2, straight z3, total f, as printed; `0` stands for the
-            turn that a path has not.
+        cells: left turn z1, right turn z2, straight z3, total f, as printed; `0` for the turn that
+            a path does not have.
     """
 
     table: str
@@ -67,11 +67,11 @@ class PrintedRow(NamedTuple):
 
     @property
     def word(self) -> str:
-        """`LS` or `RS`, by the turn that is not there."""
+        """`LS` or `RS`, depending on which turn is printed as 0."""
         return "RS" if self.cells[0] == "0" else "LS"
 
     def record(self) -> dict[str, Any]:
-        """What names the row in a record."""
+        """The fields that identify the row in a record."""
         return {"table": self.table, "label": self.label, "path": self.path, "word": self.word}
 
 
@@ -110,8 +110,8 @@ TIMES = (
     PrintedTime("problem 5, R=10", "optimal", "0.047"),
 )
 
-# A printed number has two decimals, so it may be off by half of the last; the rest is for the
-# binary fractions that stand in for decimal ones.
+# A printed number has two decimals, so its error may be half a unit of the last decimal. The small
+# rest allows for binary fractions instead of decimal ones.
 HALF_UNIT = 0.005 + 1e-9
 
 
@@ -127,7 +127,7 @@ def segments(path: Path, radius: float) -> tuple[float, float, float, float]:
 
 
 def compare(paths: dict[tuple[str, str], Path]) -> pd.DataFrame:
-    """Every printed cell beside ours, one row each; structural zeros are left out.
+    """One row per printed cell, with our value; printed zeros of missing turns are left out.
 
     Args:
         paths: (scenario label, branch) -> path, branch LS or RS. The paper's `optimal` row is the

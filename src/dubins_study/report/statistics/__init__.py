@@ -1,1 +1,1 @@
-"""Numbers from rows, as pure functions."""
+"""Pure functions that compute numbers from rows."""

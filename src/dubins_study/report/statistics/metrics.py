@@ -1,7 +1,7 @@
-"""Numbers from rows, or from the counts of `report.data.attempts`. Pure functions.
+"""Pure functions that compute numbers from rows, or from the counts of `report.data.attempts`.
 
-A failed attempt stays in every denominator: shares are of all attempts, and a quantile of the gap
-counts an attempt without one as infinitely far off.
+A failed attempt stays in every denominator: shares are shares of all attempts, and in a quantile of
+gaps an attempt without a gap counts as infinite.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ def parse_spec(spec: str) -> tuple[str, dict[str, str]]:
 
 
 def solver_order(solvers: Sequence[str]) -> list[str]:
-    """Distinct solvers: the closed form first, then by name, variants after their plain solver."""
+    """Distinct solvers: the closed form first, then by name, variants after the plain solver."""
 
     def rank(spec: str) -> tuple[bool, str, int, str]:
         name, settings = parse_spec(spec)
@@ -41,12 +41,12 @@ def solver_order(solvers: Sequence[str]) -> list[str]:
 
 
 def success(rows: pd.DataFrame) -> pd.Series[bool]:
-    """Whether the check found each attempt's answer right."""
+    """Whether the check accepted each attempt's answer as right."""
     return rows["verdict"].isin(SUCCESSES)
 
 
 def proof(rows: pd.DataFrame) -> pd.Series:
-    """How far each attempt's proof goes; `none` of a process that did not come back."""
+    """The kind of proof of each attempt; `none` if the process did not return."""
     given = rows["proof"].astype(object)
     return given.where(given.isin(PROOFS), "none")
 
@@ -58,7 +58,7 @@ def by_solver(frame: pd.DataFrame) -> pd.DataFrame:
 
 
 def gaps(rows: pd.DataFrame) -> pd.Series:
-    """Gaps of the attempts at questions that have an answer, infinite where none arrived.
+    """Gaps of the attempts at questions that have an answer; infinite if no path arrived.
 
     Columns: gap, answerable.
     """
@@ -67,16 +67,16 @@ def gaps(rows: pd.DataFrame) -> pd.Series:
 
 
 def upper_quantile(values: ArrayLike, q: float) -> float:
-    """The least value that a share `q` of all values does not exceed; NaN is left out.
+    """The smallest value that a share `q` of all values does not exceed; NaN is left out.
 
-    There is no interpolation: towards an infinite gap it would make every quantile infinite
+    There is no interpolation, since interpolation towards an infinite gap gives infinity
     (definition 1 of Hyndman and Fan 1996, "Sample quantiles in statistical packages").
     """
     given = np.asarray(values, dtype=np.float64).ravel()
     ordered = np.sort(given[~np.isnan(given)])
     if not ordered.size:
         return float("nan")
-    # the slack absorbs the rounding of q * n
+    # 1e-9 compensates the rounding of q * n.
     return float(ordered[max(0, int(np.ceil(q * ordered.size - 1e-9)) - 1)])
 
 
@@ -92,11 +92,11 @@ def circle_radius(x: float, y: float, heading: float, target_x: float, target_y:
 
 
 def fitted_order(n: ArrayLike, gap: ArrayLike, floor: float = 1e-13) -> float:
-    """p of gap ~ n^-p by least squares on logarithms; NaN below two distinct n.
+    """The order p of gap ~ n^-p by least squares on logarithms; NaN if there are not two n.
 
     Args:
-        n: shape (m,), steps.
-        gap: shape (m,); values at or below `floor`, where rounding takes over, are left out.
+        n: number of steps, shape (m,).
+        gap: shape (m,); values up to `floor` are left out, because rounding dominates them.
     """
     steps, gaps = np.asarray(n, dtype=np.float64), np.asarray(gap, dtype=np.float64)
     keep = np.isfinite(gaps) & (gaps > floor)
@@ -107,7 +107,7 @@ def fitted_order(n: ArrayLike, gap: ArrayLike, floor: float = 1e-13) -> float:
 
 
 def runs_of(words: Sequence[str]) -> list[tuple[int, int, str]]:
-    """Runs of equal neighbours: (first, past the last, value)."""
+    """Runs of equal neighbours: (index of the first, index after the last, value)."""
     changes = [i for i in range(1, len(words)) if words[i] != words[i - 1]]
     bounds = [0, *changes, len(words)] if words else []
     return [(a, b, words[a]) for a, b in pairwise(bounds)]

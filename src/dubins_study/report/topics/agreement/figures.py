@@ -12,13 +12,13 @@ from dubins_study.report.elements.looks import name_of
 from dubins_study.report.elements.style import BLUE, INK, MAP_PAPER, MUTED, ON_MAP
 from dubins_study.report.statistics.metrics import solver_order
 
-# one hue from paper to ink: its order is its lightness, so grey printing keeps it
+# One hue from light to dark, so that the order stays visible in grey print.
 _DEPTH = LinearSegmentedColormap.from_list("depth", ["#f4f7fa", "#9cc6e0", BLUE, "#0b2f47"])
 _SMALLEST, _LARGEST = 1e-16, 1.0
 
 
 def plot_agreement(ax: Axes, pairs: pd.DataFrame) -> None:
-    """Below the diagonal the largest length difference, above it the share within 1e-6.
+    """Draw the largest length difference below the diagonal, the share within 1e-6 above it.
 
     Columns: first, second, both, largest, within.
     """

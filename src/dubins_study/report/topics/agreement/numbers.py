@@ -1,4 +1,4 @@
-"""How far two solvers' answers to the same question lie apart."""
+"""The distance between two solvers' answers to the same question."""
 
 from __future__ import annotations
 
@@ -16,15 +16,15 @@ _COLUMNS = (
     *("first", "second", "questions", "both"),
     *("median", "largest", "within", "apart_median", "apart_largest"),
 )
-_SAMPLES = 65  # along each path; a turn is longer than a 64th of all but long paths
+_SAMPLES = 65  # points per path; only in long paths a turn may lie between two points
 
 
 def answers(rows: pd.DataFrame) -> pd.DataFrame:
-    """First cold answer of each solver to each question, those that arrive only.
+    """The first cold answer of each solver to each question, if it arrives.
 
     Returns:
-        The rows' own index; columns experiment, scenario_id, branch, solver, length, scale, radius,
-        where scale is max(reference, radius).
+        The index of the rows; columns experiment, scenario_id, branch, solver, length, scale,
+        radius, where scale is max(reference, radius).
     """
     cold = _first_cold(rows)
     arrived = cold[cold["gap"].notna()]
@@ -33,30 +33,30 @@ def answers(rows: pd.DataFrame) -> pd.DataFrame:
 
 
 def _first_cold(rows: pd.DataFrame) -> pd.DataFrame:
-    """Of every question and solver the cold attempt of least `repeat`."""
+    """For every question and solver, the cold attempt with the smallest `repeat`."""
     cold = rows[rows["initial_guess"] == "cold"].sort_values("repeat", kind="stable")
     return cold.drop_duplicates([*_KEY, "solver"])
 
 
 def agreement(rows: pd.DataFrame, path_of: Callable[[int], Path | None]) -> pd.DataFrame:
-    """One row a pair of solvers.
+    """One row per pair of solvers.
 
     Args:
         rows: attempts.
         path_of: index of a row -> its path.
 
     Returns:
-        Columns first, second, questions (put to both), both (where both arrive), median and
-        largest of |La - Lb| / max(reference, R), within (share of `both` that agree to 1e-6), and
-        apart_median, apart_largest: the largest distance between the two paths at equal arc
-        length, over the same scale.
+        Columns first, second, questions (number put to both), both (number where both arrive),
+        median and largest of |La - Lb| / max(reference, R), within (share of `both` that agree to
+        1e-6), and apart_median, apart_largest: median and largest over the questions of the largest
+        distance between the two paths at equal arc length, divided by the same scale.
     """
     cold = _first_cold(rows)
     posed = cold.assign(posed=True).pivot(index=_KEY, columns="solver", values="posed").notna()
     arrived = answers(rows)
     length = arrived.pivot(index=_KEY, columns="solver", values="length")
     index = arrived.reset_index(names="row").pivot(index=_KEY, columns="solver", values="row")
-    # near a circle each answer has a reference of its own; the larger one is the scale
+    # Near a circle the two answers have different references; the larger one is the scale.
     scale = arrived.groupby(_KEY)["scale"].max()
     records = []
     for first, second in combinations(solver_order(list(length.columns)), 2):

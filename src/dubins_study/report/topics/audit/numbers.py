@@ -10,20 +10,20 @@ Record = dict[str, Any]
 
 
 def wrong_verdicts(summary: Record) -> dict[str, int]:
-    """Verdict -> number of cells, for all verdicts but the first one, which is `correct`."""
+    """Verdict -> number of cells, for all verdicts except the first, which is `correct`."""
     return {verdict: n for verdict, n in list(summary["verdicts"].items())[1:] if n}
 
 
 def distinct_times(times: list[Record]) -> list[str]:
-    """The solve times (s) that the paper prints, each once."""
+    """The distinct solve times (s) that the paper prints."""
     return sorted({time["printed"] for time in times})
 
 
 def printed_paths(paths: list[Record]) -> pd.DataFrame:
-    """The printed paths, and whether each misses and adds up as rounding allows.
+    """The printed paths, and whether their misses and sums can be explained by rounding.
 
-    Columns: those of the audit's paths, `beyond` (the miss is larger than correct roundings can
-    make it) and `wrong_sum` (the parts do not add up to the printed total).
+    Columns: those of the audit's paths, `beyond` (the miss is larger than correct rounding allows)
+    and `wrong_sum` (the parts do not add up to the printed total).
     """
     frame = pd.DataFrame(paths)
     return frame.assign(
@@ -32,11 +32,11 @@ def printed_paths(paths: list[Record]) -> pd.DataFrame:
 
 
 def excused_sums(paths: list[Record]) -> int:
-    """How many rows do not add up, though correctly rounded parts would not either."""
+    """Number of rows that do not add up and whose correctly rounded parts would not either."""
     return sum(not path["adds_up"] and not path["correct_parts_add_up"] for path in paths)
 
 
 def circle_crossings(algorithm: list[Record]) -> pd.DataFrame:
-    """Where a turning circle reaches a target, with the column `where`: which circle and half."""
+    """The radii at which a turning circle reaches a target; `where` names the circle and half."""
     frame = pd.DataFrame(algorithm)
     return frame.assign(where=frame["circle"] + ", " + frame["half"])

@@ -1,4 +1,4 @@
-"""The audit of the paper: its wrong cells, its paths, its algorithm, what it leaves out."""
+"""The section on the audit: wrong cells, paths, the algorithm, and paths that are left out."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _SYMBOLS = {"z1": "ζ₁", "z2": "ζ₂", "z3": "ζ₃", "f": "f"}
 
 
 def audit_section(results: Results) -> Section | None:
-    """What the committed audit finds; beside the paper's own experiment only."""
+    """The findings of the committed audit; shown only with the paper's own experiment."""
     if results.rows.empty:
         return None
     audit = committed()
@@ -50,7 +50,7 @@ def _cross(wrong: bool) -> str:
 
 
 def _decimals(places: int, sign: str = "") -> Any:
-    """Shows a number with so many decimals."""
+    """A format with `places` decimals."""
     return lambda value: f"{float(value):{sign}.{places}f}".replace("-", "−")
 
 
@@ -69,7 +69,7 @@ _CELL_COLUMNS = (
 def _cells() -> Table:
     frame = pd.DataFrame(misprints()).replace({"quantity": _SYMBOLS})
     caption = (
-        "The cells that are not correct roundings. Double rounding: to more decimals first. "
+        "The cells that are not correct roundings. Double rounding: first to more decimals. "
         "Solver bias: model (4.12) at the last barrier parameter of Ipopt's default options, where "
         "the missing turn is not quite zero. Wrong: neither of them, nor cut off. The verdict says "
         "what gives the cell; what that would give in the rest of the row is said behind. Lengths."

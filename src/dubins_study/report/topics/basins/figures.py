@@ -1,4 +1,4 @@
-"""Maps over the plane of initial guesses: where each of them leads."""
+"""Maps over the plane of initial guesses: the end that each guess leads to."""
 
 from __future__ import annotations
 
@@ -16,21 +16,21 @@ from matplotlib.patches import Patch
 from dubins_study.report.elements.style import MAP_PAPER, ON_MAP
 from dubins_study.report.topics.basins import numbers
 
-# from light to dark, so that grey print keeps the ends apart; refuted claims are marks on white
+# From light to dark, so that grey print distinguishes the ends; refuted claims are marks on white.
 _FILL = {
     numbers.OPTIMUM: "#d9ecdf",
     numbers.TURNS: "#6fb6dd",
     numbers.OTHER: "#d68a1c",
-    numbers.NOWHERE: MAP_PAPER,
+    numbers.FALSE_MINIMUM: MAP_PAPER,
     numbers.INFEASIBLE: MAP_PAPER,
-    numbers.MISSES: MAP_PAPER,
+    numbers.FALSE_PATH: MAP_PAPER,
     numbers.GIVES_UP: "#8a8f96",
 }
 _MARK: dict[str, dict[str, Any]] = {
     numbers.TURNS: {"marker": ".", "markersize": 1.8},
-    numbers.NOWHERE: {"marker": "^", "markersize": 4, "markerfacecolor": "none"},
+    numbers.FALSE_MINIMUM: {"marker": "^", "markersize": 4, "markerfacecolor": "none"},
     numbers.INFEASIBLE: {"marker": "x", "markersize": 4},
-    numbers.MISSES: {"marker": "s", "markersize": 3.5, "markerfacecolor": "none"},
+    numbers.FALSE_PATH: {"marker": "s", "markersize": 3.5, "markerfacecolor": "none"},
     numbers.GIVES_UP: {"marker": "_", "markersize": 3},
 }
 _TICKS = np.arange(5) * np.pi / 2
@@ -38,10 +38,10 @@ _TICK_TEXTS = ("0", "π/2", "π", "3π/2", "2π")
 
 
 def plot_ends(ax: Axes, table: pd.DataFrame, title: str, listed: Sequence[str]) -> list[Artist]:
-    """One solver's ends over the two turns of its initial guesses; returns the legend's entries.
+    """Draw one solver's ends over the two turns of its guesses; return the legend's entries.
 
-    Columns: z1, z2 (rad, on a grid), end. `title`: of the panel; `listed`: the ends that the
-    legend counts.
+    Columns: z1, z2 (rad, on a grid), end. `title` is the panel's title; `listed` holds the ends
+    that the legend lists with their counts.
     """
     codes = {end: float(i) for i, end in enumerate(numbers.ENDS)}
     grid = table.assign(code=table["end"].map(codes)).pivot_table(

@@ -1,7 +1,8 @@
-"""Where initial guesses lead local solvers on the joint model.
+"""The minima that local solvers reach on the joint model from given initial guesses.
 
 The local minima of the paper's model (4.12) are known: RS, LS and LR, each with any number of full
-turns added (docs/derivation.md, section 7). The length alone therefore names the end.
+turns added (docs/derivation.md, section 7). The length of an answer therefore identifies its
+minimum.
 """
 
 from __future__ import annotations
@@ -20,12 +21,12 @@ from dubins_study.study.scenario import Scenario
 OPTIMUM = "shortest path"
 TURNS = "shortest path and full turns"
 OTHER = "another local minimum"
-NOWHERE = "calls a minimum what is none"
+FALSE_MINIMUM = "false minimum"
 INFEASIBLE = "says that no path exists"
-MISSES = "calls a path what misses"
+FALSE_PATH = "false path (misses the target)"
 GIVES_UP = "gives up"
-ENDS = (OPTIMUM, TURNS, OTHER, NOWHERE, INFEASIBLE, MISSES, GIVES_UP)
-REFUTED = (NOWHERE, INFEASIBLE, MISSES)  # claims that the check refutes
+ENDS = (OPTIMUM, TURNS, OTHER, FALSE_MINIMUM, INFEASIBLE, FALSE_PATH, GIVES_UP)
+REFUTED = (FALSE_MINIMUM, INFEASIBLE, FALSE_PATH)  # claims that the check refutes
 
 _WORDS = ("LS", "RS", "LR")  # the joint model in the order LRS has no RL
 
@@ -33,7 +34,7 @@ _WORDS = ("LS", "RS", "LR")  # the joint model in the order LRS has no RL
 def minimum(scenario: Scenario, length: float) -> tuple[str, int] | None:
     """The local minimum of the joint model that has this length: word and full turns, or None.
 
-    Equal is what the check calls equal: within its gap tolerance times the shortest length.
+    Lengths count as equal within the check's gap tolerance times the shortest length.
     """
     best = shortest(scenario)
     if best is None:
@@ -51,31 +52,31 @@ def minimum(scenario: Scenario, length: float) -> tuple[str, int] | None:
 
 
 def end_of(row: pd.Series) -> tuple[str, float]:
-    """How one attempt ended, and how many full turns its path has more than it needs.
+    """How one attempt ended, and the number of needless full turns in its path.
 
-    The turns are NaN where the end is no minimum. A path that arrives and is shortest ends at the
-    optimum, whatever is claimed of it. Columns: the scenario, reference_word, claim, verdict,
-    false_claim, length.
+    The number is NaN if the end is not a minimum. A shortest path that arrives counts as the
+    optimum, with any claim. Columns: the scenario, reference_word, claim, verdict, false_claim,
+    length.
     """
     if row["verdict"] == "optimal":
         return OPTIMUM, 0
     if row["false_claim"]:
-        return (INFEASIBLE if row["claim"] == "infeasible" else MISSES), math.nan
+        return (INFEASIBLE if row["claim"] == "infeasible" else FALSE_PATH), math.nan
     if row["verdict"] != "longer" or row["claim"] not in ("optimal", "local"):
         return GIVES_UP, math.nan
     scenario = Scenario(**{name: row[name] for name in names(SCENARIO)})
     local_minimum = minimum(scenario, float(row["length"]))
     if local_minimum is None:
-        return NOWHERE, math.nan
+        return FALSE_MINIMUM, math.nan
     word, turns = local_minimum
     return (TURNS if word == row["reference_word"] and turns else OTHER), turns
 
 
 def ends(rows: pd.DataFrame) -> pd.DataFrame:
-    """Attempts from a given initial guess, with that guess and their end.
+    """The attempts that start from given lengths, with these lengths and the attempt's end.
 
-    Adds the columns z1, z2, z3 (of the guess, in radii; z1 and z2 are rad), end, turns (NaN where
-    the end is no minimum).
+    Adds the columns z1, z2, z3 (lengths of the guess in radii; for the turns z1 and z2 this is
+    rad), end, turns (needless full turns; NaN if the end is not a minimum).
     """
     guessed = rows[~rows["initial_guess"].isin(["cold", "warm"]) & rows["solver"].notna()]
     if guessed.empty:
@@ -87,15 +88,16 @@ def ends(rows: pd.DataFrame) -> pd.DataFrame:
 
 
 def is_capped(solver: str) -> bool:
-    """Whether a spec bounds turns by a full one, as it does unless it says otherwise."""
+    """Whether a spec bounds each turn by a full turn, which is the default."""
     return parse_spec(solver)[1].get("capped", "True").lower() == "true"
 
 
 def capping(table: pd.DataFrame) -> pd.DataFrame:
-    """What a cap on the turns changes, from `shares`, over the solvers that were tried both ways.
+    """The effect of a bound on turns, for the solvers of `shares` that ran with and without it.
 
-    Index capped (False, True; empty if no solver was); columns optimal and turned (shares of the
-    attempts that end in the shortest path, and in a minimum with full turns), refuted (claims).
+    Index capped (False, True; empty if there is no such solver); columns optimal and turned (shares
+    of the attempts that end in the shortest path, and in a minimum with full turns), refuted
+    (number of claims).
     """
     both = table.groupby("name")["capped"].transform("nunique") == 2
     total = table[both].groupby("capped").sum(numeric_only=True)
@@ -105,12 +107,12 @@ def capping(table: pd.DataFrame) -> pd.DataFrame:
 
 
 def shares(table: pd.DataFrame) -> pd.DataFrame:
-    """One row a scenario and solver, from `ends`.
+    """One row per scenario and solver, from `ends`.
 
-    Columns: label, reference_word, solver, name (without settings), capped (whether its turns are
-    bounded by a full one), guesses (attempts), one per end (counts), optimal (share of guesses),
-    turns_1, turns_2, turns_more (minima with so many full turns too many, of any word),
-    most_turns, refuted (claims).
+    Columns: label, reference_word, solver, name (without settings), capped (whether each turn is
+    bounded by a full turn), guesses (number of attempts), one count per end, optimal (share of
+    guesses), turns_1, turns_2, turns_more (minima with 1, 2 or more needless full turns, of any
+    word), most_turns, refuted (number of claims).
     """
     records = []
     for label, group in table.groupby("label", sort=True):
@@ -129,7 +131,7 @@ def shares(table: pd.DataFrame) -> pd.DataFrame:
 
 
 def extremes(table: pd.DataFrame) -> list[pd.Series[Any]]:
-    """The rows of `shares` that stand out.
+    """The extreme rows of `shares`.
 
     Returns:
         The rows with the least and the most shortest paths, with the most full turns in one path,

@@ -1,4 +1,4 @@
-"""The section on where initial guesses lead."""
+"""The section on the minima that initial guesses lead to."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ from dubins_study.report.topics.basins.figures import plot_ends
 
 
 def basins_section(results: Results) -> Section | None:
-    """A map per scenario and solver, a table of ends, and what they say.
+    """A map per scenario and solver, a table of ends, and sentences about them.
 
-    Maps and sentences are of the solvers with unbounded turns, if there are any, since that is the
-    paper's model; the table has them all.
+    If solvers with unbounded turns were run, maps and sentences show only these, since that is the
+    paper's model; the table shows all solvers.
     """
     ends = numbers.ends(results.rows[results.rows["branch"] == "best"])
     if ends.empty:
@@ -47,7 +47,7 @@ def _method(table: pd.DataFrame) -> str:
 
 
 def _findings(table: pd.DataFrame) -> list[str]:
-    """Three sentences: how often the optimum is reached, what other minima are, false claims."""
+    """Three sentences: how often the optimum is reached, other minima, false claims."""
     least, most, farthest, worst = numbers.extremes(table)
     turned = numbers.turned_share(table)
     first = (
@@ -68,8 +68,8 @@ def _findings(table: pd.DataFrame) -> list[str]:
         f"{count(table[end].sum())} times {claim}"
         for end, claim in (
             (numbers.INFEASIBLE, "that no path exists where one does"),
-            (numbers.NOWHERE, "that a point is a minimum whose length is that of none"),
-            (numbers.MISSES, "that a path arrives which misses"),
+            (numbers.FALSE_MINIMUM, "that a point is a minimum, though no minimum has its length"),
+            (numbers.FALSE_PATH, "that a path arrives, though it misses the target"),
         )
         if table[end].sum()
     ]
@@ -118,8 +118,8 @@ def _table(table: pd.DataFrame) -> Table:
         *columns(share, optimal="shortest"),
         *columns(count, **{numbers.TURNS: "with full turns", numbers.OTHER: "other minimum"}),
         *columns(count, turns_1="1 turn too many", turns_2="2", turns_more="more"),
-        *columns(count, **{numbers.INFEASIBLE: "“no path”", numbers.NOWHERE: "“minimum”"}),
-        *columns(count, **{numbers.MISSES: "“path”", numbers.GIVES_UP: "gives up"}),
+        *columns(count, **{numbers.INFEASIBLE: "“no path”", numbers.FALSE_MINIMUM: "“minimum”"}),
+        *columns(count, **{numbers.FALSE_PATH: "“path”", numbers.GIVES_UP: "gives up"}),
     )
     caption = (
         "Ends by solver and scenario. Turns too many are counted in minima of any word. In "

@@ -1,4 +1,4 @@
-"""The turn that a solver leaves where the shortest path has none."""
+"""Figures of the turn that remains in a solver's path though the shortest path has none."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from dubins_study.report.statistics.metrics import solver_order
 
 
 def plot_bias(ax: Axes, table: pd.DataFrame) -> None:
-    """The turn left over against its prediction, and the line where they are equal.
+    """Draw the remaining turn against its prediction, and the line where they are equal.
 
     Columns: predicted, z2 (length unit), barrier_set (whether a setting gives the barrier).
     """
@@ -36,7 +36,7 @@ def plot_bias(ax: Axes, table: pd.DataFrame) -> None:
 
 
 def plot_left_over(ax: Axes, table: pd.DataFrame, palette: Palette) -> None:
-    """The turn left over in radii, against the radius; none at all is a mark at the foot.
+    """Draw the remaining turn in radii against the radius; a mark at the bottom means no turn.
 
     Columns: solver, radius, z2 (length unit).
     """
@@ -46,7 +46,7 @@ def plot_left_over(ax: Axes, table: pd.DataFrame, palette: Palette) -> None:
     for place, solver in enumerate(solver_order(table["solver"].tolist())):
         group = table[table["solver"] == solver].sort_values("radius")
         left = (group["z2"] / group["radius"]).clip(lower=foot)
-        # solvers that leave nothing share the foot: each a little aside
+        # Shift each solver a little, since solvers without a turn all have marks at the bottom.
         at = group["radius"] * 1.06 ** (place - 2)
         look = looks[solver]
         ax.plot(at, left, marker=look.marker, markersize=4, **look.lines, label=name_of(solver, 24))

@@ -1,4 +1,4 @@
-"""The turn that a solver leaves where the shortest path has none: numbers.
+"""The turn that remains in a solver's path though the shortest path has no such turn.
 
 In the paper's model (4.12) LS is a degenerate minimum: along the feasible curve the length grows
 like z2^3 / (3 R^2). A barrier of weight mu adds -mu ln z2, so an interior point that stops at mu
@@ -18,15 +18,15 @@ import pandas as pd
 from dubins_study.report.data.results import Results
 from dubins_study.report.statistics.metrics import FloatArray, fitted_order, parse_spec
 
-# Ipopt's own constants (Waechter and Biegler 2006, sec. 2 and 3): the first barrier, how it falls
-# (min of a share of it and a power of it) and its floor, a share of the tolerance
+# Ipopt's constants (Waechter and Biegler 2006, sec. 2 and 3): the first barrier mu; the factor and
+# the power of its update, min(0.2 mu, mu^1.5); and its smallest value as a share of the tolerance.
 _MU_INIT, _KAPPA, _THETA, _FLOOR = 0.1, 0.2, 1.5, 1 / 11
 
-_ROUNDING = 1e-15  # rad: a turn by less is none
+_ROUNDING = 1e-15  # rad; a smaller turn is rounding
 
 
 def last_barrier(tol: float) -> float:
-    """The barrier at which Ipopt stops by its defaults: the first of its sequence within `tol`."""
+    """The barrier at which Ipopt stops by default: the first one of its sequence within `tol`."""
     mu = _MU_INIT
     while mu > tol:
         mu = max(_FLOOR * tol, min(_KAPPA * mu, mu**_THETA))
@@ -34,15 +34,15 @@ def last_barrier(tol: float) -> float:
 
 
 def left_over(results: Results) -> pd.DataFrame:
-    """Attempts of the study that came back with a path, and the turn to the right in it.
+    """The study's attempts that returned a path, with the length of its right turn.
 
     Args:
-        results: with the specs' settings in the manifests.
+        results: results whose manifests hold the specs' settings.
 
     Returns:
-        The rows with columns z2 (length of the turn to the right, length unit; 0 if it is lost in
-        rounding), mu (barrier that the solver stops at; NaN of one that has none), barrier_set
-        (whether a setting gives that barrier), joint (whether the model is unsplit), predicted
+        The rows with columns z2 (length of the right turn, length unit; 0 if it is only rounding),
+        mu (barrier at which the solver stops; NaN if it has no barrier), barrier_set (whether a
+        setting gives that barrier), joint (whether the model is unsplit), predicted
         ((mu R^2)^(1/3)), ratio (z2 / predicted), excess (length - reference), excess_ratio
         (excess / (mu / 3)).
     """
@@ -66,7 +66,7 @@ def left_over(results: Results) -> pd.DataFrame:
 
 
 def barrier(spec: str, settings: Mapping[str, Mapping[str, Any]]) -> float:
-    """The barrier that a spec stops at on the unsplit model; NaN if it is no such solver's."""
+    """The barrier at which a spec stops on the unsplit model; NaN for any other solver."""
     group = settings.get(spec, {})
     if parse_spec(spec)[0] != "ipopt" or group.get("model") != "joint":
         return math.nan
@@ -92,7 +92,7 @@ def slope(x: FloatArray, y: FloatArray) -> float:
 
 
 def prediction_fit(with_barrier: pd.DataFrame) -> tuple[float, float]:
-    """How well z2 is predicted, of attempts of `left_over` that have a barrier.
+    """How well z2 is predicted in the attempts of `left_over` that have a barrier.
 
     Returns:
         The largest |z2 / predicted - 1|, and the slope of log z2 against log predicted.
@@ -102,7 +102,7 @@ def prediction_fit(with_barrier: pd.DataFrame) -> tuple[float, float]:
 
 
 def default_attempt(with_barrier: pd.DataFrame) -> pd.Series[Any] | None:
-    """Of the attempts whose barrier no setting gives the one at the radius nearest to 1."""
+    """The attempt with the default barrier whose radius is nearest to 1; None if there is none."""
     default = with_barrier[~with_barrier["barrier_set"]]
     if default.empty:
         return None
@@ -110,11 +110,12 @@ def default_attempt(with_barrier: pd.DataFrame) -> pd.Series[Any] | None:
 
 
 def by_barrier(table: pd.DataFrame) -> pd.DataFrame:
-    """One row a solver with a barrier, from `left_over`, by falling barrier.
+    """One row per solver with a barrier, from `left_over`, sorted by falling barrier.
 
     Columns: solver, mu, barrier_set, attempts, slope (of log z2 against log predicted, over the
-    radii), ratio_low, ratio_high (of z2 / predicted), excess_low, excess_high (of the excess of the
-    length over mu / 3), failed (attempts that the solver calls failed).
+    radii), ratio_low and ratio_high (smallest and largest z2 / predicted), excess_low and
+    excess_high (smallest and largest excess / (mu / 3)), failed (attempts that the solver calls
+    failed).
     """
     known = table[table["mu"].notna()]
     groups = known.assign(failed=known["claim"] == "failed").groupby("solver", sort=False)
@@ -127,10 +128,10 @@ def by_barrier(table: pd.DataFrame) -> pd.DataFrame:
 
 
 def without_barrier(table: pd.DataFrame) -> pd.DataFrame:
-    """One row a solver without a known barrier, from `left_over`.
+    """One row per solver without a known barrier, from `left_over`.
 
-    Columns: solver, joint, attempts, exact (attempts with no turn to the right at all), least and
-    most (z2 / R), gap (largest), limits (attempts stopped by a limit).
+    Columns: solver, joint, attempts, exact (attempts without any right turn), least and most
+    (smallest and largest z2 / R), gap (largest), limits (attempts stopped by a limit).
     """
     others = table[table["mu"].isna()]
     others = others.assign(turn=others["z2"] / others["radius"], limits=others["claim"] == "limit")

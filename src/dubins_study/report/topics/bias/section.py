@@ -13,11 +13,11 @@ from dubins_study.report.statistics.metrics import parse_spec
 from dubins_study.report.topics.bias import numbers
 from dubins_study.report.topics.bias.figures import plot_bias, plot_left_over
 
-_FOLLOWS = 0.1  # a ratio further than this from 1 does not bear the prediction out
+_FOLLOWS = 0.1  # largest |ratio - 1| that confirms the prediction
 
 
 def bias_section(results: Results) -> Section | None:
-    """The turn left over against its prediction, and what other methods leave."""
+    """The remaining turn against its prediction, and the turn that other methods leave."""
     table = numbers.left_over(results)
     table = table[(table["branch"] == "best") & table["z2"].notna()]
     with_barrier = table[table["mu"].notna()]
@@ -93,7 +93,7 @@ def _others(others: pd.DataFrame) -> list[str]:
 def _bias_picture(with_barrier: pd.DataFrame) -> Picture:
     caption = (
         "The turn that Ipopt leaves, against the cube root of barrier times radius squared; one "
-        "mark an attempt. On the dashed line they are equal."
+        "mark per attempt. On the dashed line they are equal."
     )
     alt = "Turn left over against its prediction"
     return picture("bias", plot_bias, with_barrier, caption=caption, alt=alt, height=3.9, legend=1)

@@ -80,7 +80,7 @@ def _reported(frame: pd.DataFrame) -> str:
         parts.append(
             f"of {count(bounds)} lower bounds {count(false)} lie above the shortest length"
         )
-    return f"What solvers report beside a path: {'; '.join(parts)}." if parts else ""
+    return f"What solvers report in addition to a path: {'; '.join(parts)}." if parts else ""
 
 
 def _picture(frame: pd.DataFrame) -> Picture:
@@ -90,13 +90,13 @@ def _picture(frame: pd.DataFrame) -> Picture:
         frame,
         caption="How far the proof of each attempt goes, as shares of all attempts. A failed or "
         "coarse answer has none, nor has one whose controls ripple about an extremal's.",
-        alt="Stacked bars of proofs, one a solver",
+        alt="Stacked bars of proofs, one per solver",
         height=0.9 + max(0.34, 0.14 * lines_of_names(frame["solver"])) * len(frame),
         width=WIDE,
     )
 
 
-# dark to light, the weaker ones hatched, so that the order survives grey printing
+# From dark to light, weaker proofs hatched, so that grey print keeps the order.
 _LOOK = {
     "proved": (BLUE, ""),
     "bounded": (SKY, "..."),
@@ -106,7 +106,7 @@ _LOOK = {
 
 
 def plot_proofs(ax: Axes, table: pd.DataFrame) -> None:
-    """Share of each proof, one bar a solver. Columns solver, attempts, one count per proof."""
+    """Draw the share of each proof, one bar per solver. Columns solver, attempts, each proof."""
     look = {name: _LOOK[name] for name in PROOFS}
     plot_shares(ax, table, look, [f"of {count(attempts)}" for attempts in table["attempts"]])
     ax.figure.legend(loc="outside lower left", ncols=4)

@@ -14,7 +14,7 @@ from dubins_study.report.elements.looks import LINES, Look, Palette
 from dubins_study.report.elements.style import Style
 from dubins_study.report.statistics.metrics import parse_spec, solver_order
 
-# The hue tells the method, marker and line style its variant: grey print keeps these two.
+# The hue shows the method; marker and line style show the variant, also in grey print.
 _VARIANTS = (("D", LINES[0]), ("s", LINES[1]), ("^", LINES[2]), ("v", LINES[3]))
 
 
@@ -59,7 +59,7 @@ def plot_cost(ax: Axes, table: pd.DataFrame, palette: Palette) -> None:
 def _plot_series(
     ax: Axes, table: pd.DataFrame, palette: Palette, x: str, labels: dict[str, str]
 ) -> None:
-    """Open marks, each larger than the one before, so that lines that coincide are all seen."""
+    """Draw lines with open marks of growing size, so that coinciding lines are all visible."""
     looks = line_looks(table["series"].tolist(), palette)
     shown = table[np.isfinite(table["value"]) & (table["value"] > 0)]
     groups = shown.sort_values(["series", "size"], kind="stable").groupby("series", sort=False)

@@ -1,4 +1,4 @@
-"""How fast the discretised methods close in on the optimum as they are refined."""
+"""How fast the discretised methods approach the optimum when they are refined."""
 
 from __future__ import annotations
 
@@ -12,26 +12,26 @@ import pandas as pd
 
 from dubins_study.report.statistics import metrics
 
-# the setting that says how fine each method is
+# Method -> the setting that controls its fineness.
 SIZES = {"turn-rate-qp": "n", "heading-milp": "headings", "collocation": "n"}
 PLACES = ("outside", "in a disc")
 GOAL = 1e-4  # the gap up to which the check says optimal by default
-# where no order shows any more: gaps in their rounding, misses in Ipopt's tolerance
+# Below these values no order is visible: a gap is rounding, a miss is within Ipopt's tolerance.
 FLOOR = {"gap": 1e-13, "miss": 1e-9}
 Settings = Mapping[str, Mapping[str, Any]]
 
 
 def refined(rows: pd.DataFrame, settings: Settings) -> pd.DataFrame:
-    """The attempts of methods that can be refined, with what is measured of each.
+    """The attempts of methods that can be refined, with the value measured for each.
 
     Args:
         rows: attempts.
         settings: spec -> its settings, as a manifest holds them.
 
     Returns:
-        Columns series (the method and all settings that its spec changes but the size), size,
-        place, scenario_id, measure (`gap`; `miss`, in radii, of collocation that leaves it open),
-        value (infinite if there is none), wrong_basin and wall_s (s).
+        Columns series (the method and all settings in its spec except the size), size, place,
+        scenario_id, measure (`gap`, or `miss` in radii for uncorrected collocation), value
+        (infinite if there is none), wrong_basin and wall_s (s).
     """
     specs = {str(spec): settings.get(str(spec), {}) for spec in rows["solver"].unique()}
     sizes = {spec: specs[spec].get(SIZES.get(metrics.parse_spec(spec)[0], "")) for spec in specs}
@@ -62,7 +62,7 @@ def series(spec: str) -> str:
 
 
 def medians(attempts: pd.DataFrame) -> pd.DataFrame:
-    """One row a series, place and size, of what `refined` returns.
+    """One row per series, place and size, from the attempts that `refined` returns.
 
     Columns measure, series, place, size, attempts, arrived (share with a value), value (median,
     infinite if half have none) and wall_s (median, s).
@@ -75,13 +75,13 @@ def medians(attempts: pd.DataFrame) -> pd.DataFrame:
 
 
 def orders(attempts: pd.DataFrame) -> pd.DataFrame:
-    """One row a series and place, of what `refined` returns.
+    """One row per series and place, from the attempts that `refined` returns.
 
-    Columns measure, series, place, scenarios, order (p of median ~ size^-p, as far as the median
-    falls), least and most (that of the scenarios taken one by one, over the same sizes, without
-    answers in a wrong basin, which measure no order), wrong (how many those are), finest (size),
-    value and wall_s (medians there), and goal_s: the median time at the least size from which on
-    the median gap is at most 1e-4, NaN if there is none.
+    Columns measure, series, place, scenarios, order (p of median ~ size^-p, over the sizes at which
+    the median falls), least and most (smallest and largest order of single scenarios over the same
+    sizes, without answers in a wrong basin), wrong (number of these answers), finest (size), value
+    and wall_s (medians at that size), and goal_s: the median time at the smallest size from which
+    on the median gap is at most 1e-4, NaN if there is no such size.
     """
     table, keys = medians(attempts), ["measure", "series", "place"]
     lines = dict(list(table.groupby(keys)))
@@ -118,7 +118,7 @@ def _order(line: pd.DataFrame, attempts: pd.DataFrame) -> dict[str, object]:
 
 
 def _goal(value: metrics.FloatArray, seconds: metrics.FloatArray) -> float:
-    """Time at the first size from which on every value is within the goal."""
+    """Time (s) at the smallest size from which on all values are within the goal."""
     above = np.flatnonzero(~(value <= GOAL))
     first = int(above[-1]) + 1 if above.size else 0
     return float(seconds[first]) if first < value.size else float("nan")

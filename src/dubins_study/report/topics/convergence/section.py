@@ -88,7 +88,7 @@ def _collocated(fits: pd.DataFrame) -> str:
 
 
 def _points(series: str) -> str:
-    """What tells one uncorrected collocation from another: its points, if its spec says them."""
+    """A name for an uncorrected collocation: its number of points, if the spec gives it."""
     points = parse_spec(series)[1].get("points")
     return series if points is None else f"p = {points}"
 

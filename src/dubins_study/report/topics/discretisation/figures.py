@@ -1,4 +1,4 @@
-"""Work against precision, and the order with which the gap falls, engine by engine."""
+"""Figures of work against precision, and of the order of the gap, with one line per engine."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from dubins_study.report.elements.style import MUTED, Style
 
 
 def plot_work_precision(ax: Axes, table: pd.DataFrame) -> None:
-    """Median time against median gap, one line an engine, n beside its marks.
+    """Median time against median gap, one line per engine, with n next to the marks.
 
     Columns: engine, n, gap (finite and positive), wall_s (s).
     """

@@ -15,17 +15,17 @@ Settings = Mapping[str, Mapping[str, Any]]
 
 
 def work_precision(rows: pd.DataFrame, settings: Settings) -> pd.DataFrame:
-    """One row an engine and n, from the attempts of `turn-rate-qp`.
+    """One row per engine and n, from the attempts of `turn-rate-qp`.
 
     Args:
         rows: attempts.
         settings: spec -> its settings, as a manifest holds them.
 
     Returns:
-        Columns engine (with whatever else than n the specs change), n, attempts, arrived and
-        success (shares of all attempts), gap and gap_q90 (quantiles, infinite if that many do not
+        Columns engine (with all settings in the spec except n), n, attempts, arrived and success
+        (shares of all attempts), gap and gap_q90 (median and 90 % quantile, infinite if too few
         arrive), wall_s (median, s), iterations (median), order (p of gap ~ n^-p, up to the
-        engine's least gap).
+        engine's smallest gap).
     """
     steps = {spec: _steps(spec, settings) for spec in rows["solver"].unique()}
     refined = rows[rows["solver"].map(steps) > 0]
@@ -45,7 +45,7 @@ def _order(rows: pd.DataFrame) -> float:
 
 
 def _steps(spec: str, settings: Settings) -> int:
-    """n of a spec; 0 of another solver, or if it is no number, as in a row that no solver wrote."""
+    """The setting n of a spec; 0 for another solver, or if n is not a number."""
     n = settings.get(spec, {}).get("n")
     return n if metrics.parse_spec(spec)[0] == SOLVER and isinstance(n, int) else 0
 

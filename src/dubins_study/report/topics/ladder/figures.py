@@ -14,7 +14,7 @@ from dubins_study.report.elements.style import BLUE, INK, ORANGE, RULE, VERMILIO
 from dubins_study.report.statistics.metrics import solver_order
 from dubins_study.report.topics.ladder.numbers import FINDINGS
 
-# colour, marker, filled: each tells the finding on its own
+# Finding -> colour, marker, filled.
 _LOOK = {
     "right": (BLUE, "s", True),
     "coarse": (BLUE, "s", False),
@@ -25,7 +25,7 @@ _LOOK = {
 
 
 def plot_ladder(ax: Axes, table: pd.DataFrame, solvers: list[str], arrives: int) -> None:
-    """What became of each rung, one line a solver.
+    """Draw the finding at each rung, one line per solver.
 
     Args:
         ax: where to draw.
@@ -58,7 +58,7 @@ _FALSE_CLAIM = {**_mark(VERMILION, "o", False), "markersize": 9}
 
 
 def legend_entries(table: pd.DataFrame) -> list[Line2D]:
-    """One entry for every finding that there is, and for false claims."""
+    """Legend entries for the findings in the table, and for false claims."""
     looks = {
         finding: _mark(*_LOOK[finding])
         for finding in FINDINGS

@@ -1,4 +1,4 @@
-"""How close to a turning circle each solver is right, from rows."""
+"""How close to a turning circle each solver still finds the shortest path."""
 
 from __future__ import annotations
 
@@ -8,20 +8,20 @@ import pandas as pd
 from dubins_study.report.statistics.metrics import FloatArray, solver_order
 
 SIDES = ("front, inside", "front, outside", "rear, inside", "rear, outside")
-JUMP = "front, inside"  # where the shortest length is by up to 2 pi R above that across the circle
-# what became of an attempt, best first
+JUMP = "front, inside"  # here the length is up to 2 pi R above that on the circle's other side
+# Results of an attempt, the best first.
 FINDINGS = ("right", "coarse", "by its miss", "wrong basin", "no path")
-ANSWERED = ("right", "coarse")  # the shortest path, to whatever accuracy
-SHORTER = 1e-4  # relative; an answer shorter than the shortest by this is short by its miss
+ANSWERED = ("right", "coarse")  # the shortest path, accurate or not
+SHORTER = 1e-4  # relative; an answer that is shorter than the optimum by this profits from its miss
 
 
 def rungs(rows: pd.DataFrame) -> pd.DataFrame:
-    """Every attempt with its place on the ladder and what became of it.
+    """Every attempt with its place on the ladder and its finding.
 
-    `right`: optimal, and as long as the scenario's shortest path. `by its miss`: optimal as the
-    check says it, which relaxes its reference over the miss made, but shorter than the scenario's
-    shortest path. `coarse`: longer, of the same shape. `wrong basin`: longer, of another.
-    `no path`: it does not arrive, or there is none.
+    `right`: optimal, and as long as the scenario's shortest path. `by its miss`: the check accepts
+    it as optimal, since it relaxes the reference over the miss, but it is shorter than the
+    scenario's shortest path. `coarse`: longer, but with the same shape. `wrong basin`: longer, with
+    another shape. `no path`: no path was returned, or it does not arrive.
 
     Returns:
         Columns solver, scenario_id, side, rung (margin as a power of ten), finding, false_claim,
@@ -61,9 +61,9 @@ def _findings(rows: pd.DataFrame) -> list[str]:
 
 
 def ladder(attempts: pd.DataFrame) -> pd.DataFrame:
-    """One row a solver, side and rung, of what `rungs` returns.
+    """One row per solver, side and rung, from the attempts that `rungs` returns.
 
-    Columns solver, side, rung, attempts, finding (the worst of them), false_claims.
+    Columns solver, side, rung, attempts, finding (the worst one), false_claims.
     """
     place = {finding: i for i, finding in enumerate(FINDINGS)}
     grouped = attempts.assign(place=attempts["finding"].map(place)).groupby(
@@ -76,11 +76,12 @@ def ladder(attempts: pd.DataFrame) -> pd.DataFrame:
 
 
 def down_to(table: pd.DataFrame) -> pd.DataFrame:
-    """One row a solver, of what `ladder` returns.
+    """One row per solver, from the table that `ladder` returns.
 
-    Columns solver; one per side: the least margin down to which, from the widest one on, every
-    answer is the shortest path, coarse or not (0 if every answer is, NaN if not even the first);
-    attempts, coarse and by_miss (rungs of the jump's inner side), false_claims.
+    Columns solver; per side the smallest margin such that at this margin and all wider ones every
+    answer is the shortest path, coarse or not (0 if this holds for all margins, NaN if it does not
+    hold at the widest); attempts; coarse and by_miss (numbers of rungs on the inner side of the
+    jump); false_claims.
     """
     records = []
     for solver in solver_order(table["solver"].tolist()):
@@ -104,7 +105,7 @@ def _least(ladder: pd.DataFrame) -> float:
 
 
 def first_short_rung(attempts: pd.DataFrame) -> pd.Series[int]:
-    """Solver -> the widest rung at which its miss shortens its path, the widest solver first."""
+    """Solver -> the widest rung at which a miss shortens its path; the widest rung first."""
     short = attempts[attempts["finding"] == "by its miss"]
     return short.groupby("solver")["rung"].max().sort_values(ascending=False)
 

@@ -1,4 +1,4 @@
-"""The target plane of more attempts than could be drawn one by one, cell by cell."""
+"""Maps of the target plane, cell by cell, for attempts too many to draw one by one."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def plot_frequent_words(ax: Axes, words: FloatArray, centres: FloatArray) -> Non
 
 
 def plot_ranges(ax: Axes, ranges: FloatArray) -> None:
-    """By how much lengths differ within a cell, over R.
+    """Draw the range of lengths within each cell, divided by R.
 
     Args:
         ax: where to draw.
@@ -35,7 +35,7 @@ def plot_ranges(ax: Axes, ranges: FloatArray) -> None:
     image = ax.imshow(
         ranges, origin="lower", extent=_EXTENT, cmap="cividis", interpolation="nearest", vmin=0
     )
-    # no circles here: the jumps show them, and drawn lines would hide the jumps
+    # The circles are not drawn: the jumps show them, and lines would hide the jumps.
     ax.plot(0, 0, marker="o", color=MAP_PAPER, markersize=3)
     ax.set(xlabel="target x / R", ylabel="target y / R", aspect="equal")
     ax.grid(False)

@@ -1,4 +1,4 @@
-"""The paper's problems from rows: paths, the printed cells beside ours, every solver's score."""
+"""The paper's problems: paths, the printed cells next to ours, every solver's score."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _MISPRINTED = ("misprint", "differs")
 
 
 def word_paths(results: Results, solver: str) -> dict[tuple[str, str], Path]:
-    """(label, LS or RS) -> a solver's path, from the first attempt at each of the paper's."""
+    """(label, LS or RS) -> a solver's path, from its first attempt at each of the paper's words."""
     rows = results.rows
     arrived = (rows["solver"] == solver) & rows["branch"].isin(["LS", "RS"]) & rows["gap"].notna()
     first = rows[arrived].drop_duplicates(["label", "branch"])
@@ -29,7 +29,7 @@ def side_by_side(cells: pd.DataFrame) -> pd.DataFrame:
     """Two rows for each printed row of one table: what the paper prints, and the exact lengths.
 
     Args:
-        cells: of `report.paper.printed.compare`, one table's.
+        cells: the rows of one table from `report.paper.printed.compare`.
 
     Returns:
         Columns label, path, source (`paper` or `exact`), and one for each of `QUANTITIES`: its
@@ -49,10 +49,11 @@ def side_by_side(cells: pd.DataFrame) -> pd.DataFrame:
 
 
 def scores(results: Results) -> pd.DataFrame:
-    """One row a solver: how it answers the printed cells.
+    """One row per solver: how it answers the printed cells.
 
-    Columns solver, cells (printed ones), answered, printed (as the paper prints them), length_off
-    and segment_off (largest errors of f and of z1, z2, z3 against the closed form, length unit).
+    Columns solver, cells (number of printed cells), answered, printed (number equal to the paper's
+    text), length_off and segment_off (largest errors of f and of z1, z2, z3 against the closed
+    form, length unit).
     """
     rows = results.rows[results.rows["branch"].isin(["LS", "RS"])]
     exact = compare(word_paths(results, EXACT))
@@ -73,7 +74,7 @@ def problem_paths(results: Results, problem: int) -> pd.DataFrame:
 
     Returns:
         Columns label, branch, path, length, rank (1 the shorter of LS and RS), target_x, target_y,
-        radius. Of problem 5 the shorter paths only, at its three radii, as in the paper.
+        radius. For problem 5, as in the paper, only the shorter paths at its three radii.
     """
     paths = word_paths(results, EXACT)
     records = [

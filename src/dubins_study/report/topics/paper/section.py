@@ -1,4 +1,4 @@
-"""The paper's tables beside ours, and its figures redrawn."""
+"""The paper's tables next to ours, and its figures drawn again."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def _side_by_side(cells: pd.DataFrame, number: str) -> Table:
 
 
 def _row_name(row: Mapping[Hashable, Any]) -> str:
-    """The radius in problem 5, whose rows differ by it, and the path in the other problems."""
+    """Row label: the radius in problem 5, the path name in the other problems."""
     _, radius, value = str(row["label"]).removeprefix("problem 5, ").partition("R=")
     return f"R = {value}" if radius else f"{str(row['path']).capitalize()} path"
 

@@ -24,7 +24,7 @@ def _extent(x: NDArray[np.float64], y: NDArray[np.float64]) -> tuple[float, floa
 
 
 def plot_words(ax: Axes, rows: pd.DataFrame) -> None:
-    """Which word is shortest where. Columns: target_x, target_y, word (on a grid)."""
+    """Draw the shortest word of each target. Columns: target_x, target_y, word (on a grid)."""
     codes = {word: float(i) for i, word in enumerate(plane_axes.WORD_COLOURS)}
     other = float(len(plane_axes.WORD_COLOURS))
     known = rows.assign(code=rows["word"].map(lambda word: codes.get(word, other)))
@@ -53,7 +53,7 @@ def plot_lengths(ax: Axes, rows: pd.DataFrame) -> None:
         length, origin="lower", extent=_extent(x, y), cmap="cividis", interpolation="nearest"
     )
     levels = np.arange(math.floor(np.nanmin(length)), math.ceil(np.nanmax(length)) + 1)
-    for part in (disc > 0.5, disc <= 0.5):  # a contour across the jump would be none
+    for part in (disc > 0.5, disc <= 0.5):  # separately, since a contour must not cross the jump
         values = np.where(part, length, np.nan)
         if np.isfinite(values).sum() > 4:
             lines = ax.contour(x, y, values, levels=levels, colors="white", linewidths=0.6)
@@ -88,7 +88,7 @@ _WRONG: dict[str, dict[str, Any]] = {
 
 
 def plot_failures(ax: Axes, rows: pd.DataFrame) -> None:
-    """One solver's answers on a grid: dots where right, marks by verdict where not.
+    """Draw one solver's answers on a grid: a dot for a right answer, else a mark for the verdict.
 
     Columns: target_x, target_y, verdict.
     """

@@ -8,13 +8,13 @@ from numpy.typing import NDArray
 
 from dubins_study.report.data.attempts import EXACT
 
-# of a grid; scattered targets have one for every pair of coordinates
+# Largest number of cells in a grid: scattered targets would give one cell per pair of coordinates.
 _MOST_CELLS = 4_000_000
-_FEWEST_LINES = 5  # along x and along y; fewer make no map
+_FEWEST_LINES = 5  # grid lines along x and along y; fewer do not give a map
 
 
 def exact_answers(rows: pd.DataFrame) -> pd.DataFrame:
-    """The closed form's answer to each target; none where the targets make no map."""
+    """The closed form's answer to each target; empty if the targets do not form a grid."""
     exact = rows[(rows["solver"] == EXACT) & rows["length"].notna()]
     exact = exact.drop_duplicates(["target_x", "target_y"])
     columns, lines = exact["target_x"].nunique(), exact["target_y"].nunique()
@@ -31,9 +31,9 @@ def grid_of(rows: pd.DataFrame, column: str) -> tuple[NDArray[np.float64], ...]:
 
 
 def along_circle(rows: pd.DataFrame) -> pd.DataFrame:
-    """Targets within one grid step of a turning circle, by where on it they lie.
+    """Targets within one grid step of a turning circle, with their position along the circle.
 
-    Columns: angle (arc angle from the start to there, deg), side (`inside`, `outside`), length.
+    Columns: angle (arc angle from the start, deg), side (`inside`, `outside`), length.
     """
     xs = np.sort(rows["target_x"].unique())
     near = rows[rows["margin"] <= np.diff(xs).min()]

@@ -1,4 +1,4 @@
-"""What a proof costs, drawn."""
+"""Figures of the cost of a proof."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _GROUPS = ((BLUE, "o"), (VERMILION, "s"), (GREEN, "^"))
 
 
 def plot_wall(ax: Axes, table: pd.DataFrame, palette: Palette) -> None:
-    """Median and quartiles of the whole time, and beside them how much is proven.
+    """Draw median and quartiles of the total time; write the share of proven answers next to it.
 
     Columns solver, wall_s, wall_s_q1, wall_s_q3 (s), own_bound (share), proved and attempts
     (counts).

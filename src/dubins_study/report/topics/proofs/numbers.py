@@ -1,4 +1,4 @@
-"""What the solvers that prove their answers pay for it."""
+"""The time that solvers need to prove their answers."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ _QUESTION = ["scenario_id", "branch", "initial_guess"]
 
 
 def target_group(rows: pd.DataFrame) -> pd.Series[str]:
-    """The paper's problems as one group, all others by their label."""
+    """The group of each row: one for the paper's problems, otherwise the label."""
     return rows["label"].where(~rows["label"].isin(PROBLEMS), PAPER)
 
 
 def proven_gap(rows: pd.DataFrame) -> pd.Series[float]:
-    """(length - lower_bound) / length of answers that arrive with a bound; NaN of the others.
+    """(length - lower_bound) / length for answers that arrive with a true bound; NaN for others.
 
-    Not below 0: a bound may exceed the length by its rounding. A false bound proves nothing.
+    A bound may exceed the length by rounding; the gap is then 0. A false bound proves nothing.
     """
     has_bound = (
         rows["gap"].notna() & rows["lower_bound"].notna() & ~_false(rows) & (rows["length"] > 0)
@@ -41,7 +41,7 @@ def provers(rows: pd.DataFrame) -> list[str]:
 
 
 def proofs(rows: pd.DataFrame) -> pd.DataFrame:
-    """One row a solver.
+    """One row per solver.
 
     Columns: solver, attempts, one count per proof of the certificate, success (share), own_bound
     (share of attempts whose own bound proves a gap of at most 1e-4), gap and gap_most (median and
@@ -69,10 +69,11 @@ def proofs(rows: pd.DataFrame) -> pd.DataFrame:
 
 
 def prices(rows: pd.DataFrame) -> pd.DataFrame:
-    """Time of each solver over that of the fastest right answer without a proof.
+    """Each solver's time divided by that of the fastest right answer without a proof.
 
-    Question by question, medians over repeats; only where the solver is right in every repeat and
-    some solver without bounds is. One row a solver and group of `target_group`.
+    The ratios are formed per question from medians over repeats. A question counts only if the
+    solver is right in every repeat and a solver without bounds is too. One row per solver and group
+    of `target_group`.
 
     Columns: group, solver, questions, ratio (median), ratio_q1, ratio_q3.
     """
@@ -98,8 +99,10 @@ def prices(rows: pd.DataFrame) -> pd.DataFrame:
 
 
 def fastest(rows: pd.DataFrame) -> tuple[str, float]:
-    """The solver without bounds that is most often the fastest right one, and its share: of the
-    questions that any of them answers rightly; ("", NaN) if there is none.
+    """The solver without bounds that is most often the fastest right one, and its share.
+
+    The share is of the questions that any of these solvers answers correctly; ("", NaN) if there is
+    no such question.
     """
     plain = rows[~rows["solver"].isin(provers(rows))]
     right = plain[success(plain)]

@@ -28,15 +28,15 @@ def proofs_section(results: Results) -> Section | None:
     if len(price):
         blocks.append(_price_table(price))
     text = (
-        "A solver's lower bound proves its own answer; a certificate proves anybody's, after the "
-        "fact."
+        "A solver's lower bound proves the solver's own answer; a certificate proves the answer of "
+        "any solver, afterwards."
     )
     text = sentences(text, _own_bounds(rows, table), _price(rows, price), _certified(rows, table))
     return Section("proofs", "What a proof costs", text, tuple(blocks))
 
 
 def _paid(rows: pd.DataFrame) -> list[str]:
-    """Solvers with bounds but for the closed form, whose bound is its length."""
+    """Solvers with bounds, except the closed form, whose bound is its length."""
     return [solver for solver in provers(rows) if solver != EXACT]
 
 
@@ -95,7 +95,7 @@ def _time_picture(table: pd.DataFrame, palette: Palette) -> Picture:
         "right: the share of answers that the solver's own bound proves to 1e-4, and that the "
         "certificate proves."
     )
-    alt = "Median times and quartiles with shares of proofs, one line a solver"
+    alt = "Median times and quartiles with shares of proofs, one line per solver"
     height = 1.3 + 0.42 * len(table)
     return picture(
         "proofs-time", plot_wall, table, palette, caption=caption, alt=alt, height=height
@@ -139,5 +139,5 @@ def _price_table(price: pd.DataFrame) -> Table:
         *columns(count, questions="questions"),
         *columns(number, ratio_q1="25 %", ratio="median", ratio_q3="75 %"),
     )
-    caption = "The ratios of the figure; questions that the solver does not answer rightly are out."
+    caption = "The ratios of the figure; only questions that the solver answers correctly."
     return Table("proofs-price", caption, price, shown)

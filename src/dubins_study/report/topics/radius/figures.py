@@ -20,7 +20,7 @@ _WORD_LINE = {"LS": LINES[1], "RS": LINES[2]}
 
 
 def plot_length(ax: Axes, sweep: Sweep, palette: Palette) -> None:
-    """The shortest length over radius, its words, and every answer that is not the shortest.
+    """Draw the shortest length over radius, its words, and every answer that is not shortest.
 
     The line breaks where the word changes, since the length may jump there.
     """
@@ -46,7 +46,7 @@ def plot_length(ax: Axes, sweep: Sweep, palette: Palette) -> None:
 
 def _length_scale(ax: Axes, foot: float, top: float) -> None:
     ax.set_ylabel("length")
-    if foot > 0:  # a logarithmic scale shows the jump beside lengths that grow with the radius
+    if foot > 0:  # a logarithmic scale shows the jump and lengths that grow with the radius
         ax.set(yscale="log", ylim=(0.75 * foot, top * (top / foot) ** 0.15 * 1.2))
         plain_log_axis(ax.yaxis)
     else:

@@ -1,4 +1,4 @@
-"""One start and target asked at many turning radii: lengths, words and times."""
+"""One start and target at many turning radii: lengths, words and times."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from dubins_study.report.statistics.metrics import circle_radius, runs_of
 from dubins_study.study.closed_form.shortest import shortest
 from dubins_study.study.scenario import Scenario
 
-_FEWEST_RADII = 4  # below that there is no curve to see
+_FEWEST_RADII = 4  # fewer do not show a curve
 _PLACE = ["x", "y", "heading", "target_x", "target_y"]
 _SINGLE_WORDS = ("LS", "RS")
 
@@ -35,7 +35,7 @@ class Sweep:
 
     label: str  # of its scenarios
     circle: float  # the radius at which a turning circle passes through the target, R*
-    shortest: pd.DataFrame  # radius, length, word; one row a radius, by rising radius
+    shortest: pd.DataFrame  # radius, length, word; one row per radius, rising
     spans: tuple[Span, ...]  # of the words, by rising radius
     single_words: pd.DataFrame  # word, radius, length (NaN where the word does not exist)
     wrong: pd.DataFrame  # solver, radius, length, arrives; the answers that are not right
@@ -43,7 +43,7 @@ class Sweep:
 
 
 def sweep_rows(rows: pd.DataFrame) -> dict[tuple[str, str], pd.DataFrame]:
-    """(experiment, label) -> its rows, where one start and target are asked at many radii."""
+    """(experiment, label) -> rows, for each label with one start and target at many radii."""
     best = rows[rows["branch"] == "best"]
     groups = best.groupby(["experiment", "label"], sort=True)
     return {

@@ -18,7 +18,7 @@ from dubins_study.report.topics.warm.section import warm_blocks, warm_sentences
 
 
 def radius_section(results: Results) -> Section | None:
-    """One figure a sweep, and cold against warm starts."""
+    """One figure per sweep, and cold against warm starts."""
     rows_of_sweeps = sweep_rows(results.rows)
     if not rows_of_sweeps:
         return None
@@ -58,7 +58,7 @@ def _picture(number: int, sweep: Sweep, palette: Palette) -> Picture:
 
 
 def _solvers_only(ax: Axes) -> tuple[list[Artist], list[str]]:
-    """Legend entries without the warm ones: the caption tells how warm is drawn."""
+    """Legend entries without those of warm starts, which the text explains."""
     pairs = zip(*ax.get_legend_handles_labels(), strict=True)
     kept = [(handle, text) for handle, text in pairs if not text.endswith(WARM)]
     return [handle for handle, _ in kept], [text for _, text in kept]

@@ -18,7 +18,7 @@ COLUMNS = (
 
 
 def runs(folders: Iterable[Folder]) -> pd.DataFrame:
-    """One row a run, in the folders' order.
+    """One row per run, in the folders' order.
 
     Returns:
         Columns experiment, run, started, seconds (NaN if it does not say), state, engine, jobs,
@@ -30,9 +30,9 @@ def runs(folders: Iterable[Folder]) -> pd.DataFrame:
 
 
 def probe_ratios(table: pd.DataFrame) -> pd.DataFrame:
-    """What the calibration probe took in each run of `runs`, relative to its median there.
+    """The calibration probe's durations in each run of `runs`, relative to the run's median.
 
-    Of a run on several machines, the one that varied most.
+    For a run on several machines, only the machine that varied most.
 
     Returns:
         Columns run (with the machine's name if there are several), when (s), ratio.
@@ -54,7 +54,7 @@ def _row(experiment: str, run: RunEntry) -> dict[str, Any]:
         "run": run.run_id,
         "started": run.started,
         "seconds": float("nan") if run.seconds is None else run.seconds,
-        # a run that is killed cannot say so
+        # The entry of a killed run stays `running`.
         "state": "running, or killed" if run.state == "running" else run.state,
         "engine": run.engine,
         "jobs": str(run.jobs),

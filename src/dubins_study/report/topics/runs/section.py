@@ -1,4 +1,4 @@
-"""What ran, where, and whether the machine was quiet enough for the times to be quoted."""
+"""The section on the runs: what ran, where, and whether the machine's speed was steady."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _MOST_DRAWN = 6
 
 
 def runs_section(results: Results) -> Section | None:
-    """The runs' table; what the calibration probe took, where it varied; a sentence of each."""
+    """The table of runs; the probe's durations and a sentence for each run that varied."""
     frame = runs(results.folders)
     if frame.empty:
         return None
@@ -71,7 +71,7 @@ def _table(frame: pd.DataFrame) -> Table:
 
 
 def _minute(started: Any) -> str:
-    """2026-01-31 12:34 of a time as ISO 8601 has it; any other text as it is."""
+    """A time in ISO 8601 as `2026-01-31 12:34`; any other text is returned unchanged."""
     match = re.fullmatch(r"(\d{4}-\d\d-\d\d)T(\d\d:\d\d)[\d:.+Z]*", str(started))
     return f"{match[1]} {match[2]}" if match else str(started)
 
@@ -83,14 +83,14 @@ def _picture(noisy: pd.DataFrame) -> Picture:
         probe_ratios(noisy),
         caption="The calibration probe in the runs that varied most, relative to its median: 1 is "
         f"the usual speed, above is slower; the band is {digits(1)(100 * NOISY)} % wide.",
-        alt="Probe times against time, one line a run",
+        alt="Probe times against time, one line per run",
         height=2.4,
         width=WIDE,
     )
 
 
 def plot_probes(ax: Axes, ratios: pd.DataFrame) -> None:
-    """What the calibration probe took, relative to its median, against time.
+    """Draw the calibration probe's durations, relative to their median, against time.
 
     Columns: run (its name), when (s since the run began), ratio.
     """

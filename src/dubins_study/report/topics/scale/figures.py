@@ -14,16 +14,16 @@ from dubins_study.report.topics.scale.numbers import ROUNDING
 
 
 def plot_scale(ax: Axes, rows: pd.DataFrame, palette: Palette, foot: float, top: float) -> None:
-    """One scenario's gap over the radius, by solver; what does not arrive stands at the top.
+    """Draw one scenario's gap over the radius, one line per solver.
 
-    Columns: solver, radius, gap (relative; NaN if not at the target). Gaps within rounding are
-    drawn at `foot`, answers that do not arrive at `top`.
+    Columns: solver, radius, gap (relative; NaN if the path does not arrive). Gaps within rounding
+    are drawn at `foot`, answers that do not arrive at `top`.
     """
     looks = palette.looks(rows["solver"])
     for place, solver in enumerate(solver_order(rows["solver"].tolist())):
         group = rows[rows["solver"] == solver].sort_values("radius")
         gap = group["gap"].where(group["gap"] > ROUNDING, foot).where(group["gap"].notna(), top)
-        # many are exact: each a little higher than the one before, so that all are seen
+        # Many are exact: draw each solver a little higher than the last, so that all are visible.
         gap = gap.where(gap > foot, foot * 10 ** (0.28 * place))
         look = looks[solver]
         style: Style = {"marker": look.marker, "markersize": 3, "label": name_of(solver)}

@@ -1,4 +1,4 @@
-"""The same scenario at many radii, lengths in radii kept.
+"""The same scenario at many radii, with the same lengths in radii.
 
 The problem has no scale: (x, y, R) -> k (x, y, R) multiplies every length by k. A solver that keeps
 this gives the same path in radii, and its iterations do not change.
@@ -10,13 +10,13 @@ import pandas as pd
 
 from dubins_study.report.statistics import metrics
 
-# spreads of length / R up to this are rounding: of the scenario's own numbers, of the sum of up to
-# a hundred pieces, and of the division; and gaps up to it are none
+# Spreads of length / R up to this are rounding: of the scenario's numbers, of the sum of up to a
+# hundred pieces, and of the division. Gaps up to this count as zero.
 ROUNDING = 1e-13
 
 
 def spreads(rows: pd.DataFrame) -> pd.DataFrame:
-    """One row a solver and scenario (label), over its radii.
+    """One row per solver and scenario (label), over its radii.
 
     Columns: solver, label, radii, success (share), spread (of length / R over the radii at which
     the answer arrives, relative to its median; NaN if it never does), words (distinct ones,
@@ -38,7 +38,7 @@ def spreads(rows: pd.DataFrame) -> pd.DataFrame:
 
 
 def by_solver(table: pd.DataFrame) -> pd.DataFrame:
-    """One row a solver, from `spreads`.
+    """One row per solver, from `spreads`.
 
     Columns: solver, scenarios, invariant (in how many of them the answer is the same at every
     radius), success (mean share), spread (the largest), words (whether the same word at every

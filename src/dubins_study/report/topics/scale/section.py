@@ -19,7 +19,7 @@ _FOOT, _TOP = 1e-17, 1e1
 
 
 def scale_section(results: Results) -> Section | None:
-    """Gap against radius, and a table of what changes with it."""
+    """Gap against radius, and a table of what changes with the radius."""
     rows = results.rows
     posed = (rows["branch"] == "best") & (rows["initial_guess"] == "cold")
     rows = rows[posed & rows["radius"].notna()]
@@ -41,7 +41,7 @@ def _method(rows: pd.DataFrame) -> str:
 
 
 def _findings(table: pd.DataFrame) -> list[str]:
-    """Three sentences: who is invariant, who is not, and whether the work is."""
+    """Three sentences: invariant solvers, other solvers, and whether the work is invariant."""
     same = table[table["invariant"] == table["scenarios"]]
     first = f"{len(same)} of {len(table)} solvers and variants give the same path everywhere"
     if len(same):
@@ -87,7 +87,7 @@ def _picture(rows: pd.DataFrame, palette: Palette) -> Picture:
     handles, texts = panels[0].get_legend_handles_labels()
     figure.legend(handles, texts, loc="outside lower left", ncols=4, fontsize=7.5)
     caption = (
-        "Gap against radius, one panel a scenario. A solver without a scale is a level line. "
+        "Gap against radius, one panel per scenario. The line of a scale-free solver is level. "
         "Below the dotted line are answers exact up to rounding, set apart so that each is seen; "
         "at the top are those that do not arrive."
     )

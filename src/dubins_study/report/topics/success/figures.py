@@ -1,4 +1,4 @@
-"""Figures of what came back: verdicts, and how far from the optimum."""
+"""Figures of the verdicts, and of the gaps to the optimum."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from dubins_study.report.elements.solver_lines import plot_shares
 from dubins_study.report.elements.style import BLUE, MUTED, ORANGE, RULE, VERMILION
 from dubins_study.report.statistics.metrics import solver_order
 
-# dark to light, and hatched where something is wrong, so that the order survives grey printing
+# From dark to light, hatched if an answer is wrong, so that grey print keeps the order.
 VERDICT_LOOK = {
     "optimal": (BLUE, ""),
     "none exists": ("#b9def3", ""),
@@ -28,7 +28,7 @@ SMALLEST_GAP = 1e-16
 
 
 def plot_verdicts(ax: Axes, table: pd.DataFrame) -> None:
-    """Share of each verdict, one bar a solver. Columns of `summary.numbers.summary`."""
+    """Draw the share of each verdict, one bar per solver. Columns of `summary.numbers.summary`."""
     look = {verdict: VERDICT_LOOK[verdict] for verdict in VERDICTS}
     notes = [
         f"of {count(row['attempts'])}: {count(row['false_claims'])} false claims,\n"
@@ -46,9 +46,9 @@ def plot_gap_profile(
 
     Args:
         ax: where to draw.
-        shares: of `gap_shares`.
-        palette: of the page's solvers.
-        tolerance: the gap up to which the check says optimal, drawn as a line if given.
+        shares: from `gap_shares`.
+        palette: the palette of the page's solvers.
+        tolerance: largest gap that the check accepts as optimal, drawn as a line if given.
     """
     solvers = solver_order(list(shares))
     looks = palette.looks(solvers)

@@ -13,20 +13,20 @@ REGIONS = ("all", "outside", "left disc", "right disc", "circle")
 
 
 def gist(message: str) -> str:
-    """A message without its numbers and repetitions, so that like messages count as one."""
+    """A message without numbers and repetitions, so that similar messages count as one."""
     parts = [re.sub(r"\d[\d.]*(?:[eE][+-]?\d+)?", "#", part) for part in message.split("; ")]
     return "; ".join(dict.fromkeys(parts))[:160]
 
 
 def failures(frame: pd.DataFrame) -> pd.DataFrame:
-    """Attempts without success by what is known of them, most frequent first.
+    """Attempts without success, counted by outcome, claim, verdict and message, largest first.
 
     Args:
-        frame: of `report.data.attempts.Attempts.failures`.
+        frame: from `report.data.attempts.Attempts.failures`.
 
     Returns:
         Columns solver, outcome, claim, verdict, message (the gist of the backend's message, or of
-        its status where there is none), attempts.
+        its status if there is no message), attempts.
     """
     keys = ["solver", "outcome", "claim", "verdict", "message"]
     text = frame["message"].replace("", None).fillna(frame["native_status"]).fillna("")
@@ -39,11 +39,11 @@ def gap_quantiles(frame: pd.DataFrame) -> pd.DataFrame:
     """Gap quantiles per solver and region.
 
     Args:
-        frame: of `report.data.attempts.Attempts.gap_quantiles`.
+        frame: from `report.data.attempts.Attempts.gap_quantiles`.
 
     Returns:
-        Its columns, arrived as a share of the attempts; a region that holds all of a solver's
-        attempts is left out.
+        The columns of `frame`, with arrived as a share of the attempts. A region that holds all of
+        a solver's attempts is left out.
     """
     order = {region: place for place, region in enumerate(REGIONS)}
     known = frame[frame["region"].isin(REGIONS)].sort_values("region", key=lambda r: r.map(order))
@@ -56,7 +56,7 @@ def gap_shares(profile: pd.DataFrame) -> dict[str, pd.DataFrame]:
     """For each solver the share of attempts within each finite gap.
 
     Args:
-        profile: of `report.data.attempts.Attempts.gap_profile`.
+        profile: from `report.data.attempts.Attempts.gap_profile`.
 
     Returns:
         Solver -> columns gap (ascending) and share.

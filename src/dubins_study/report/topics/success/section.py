@@ -40,7 +40,7 @@ def success_section(results: Results) -> Section | None:
     if len(without_success):
         blocks.append(_failure_table(without_success))
     text = (
-        "Every attempt counts, whatever became of it. The gap is (length − reference) / "
+        "Every attempt counts, failed ones too. The gap is (length − reference) / "
         "max(reference, R) and only a path that arrives has one; the others count as "
         "infinitely far off."
     )
@@ -53,7 +53,7 @@ def _experiment_table(each: Mapping[str, Attempts]) -> Table:
     left_out = ("optimal", "none exists", "not_returned")  # the rest says it, and fits
     kept = [column for column in VERDICT_COLUMNS if column.key not in left_out]
     shown = (*columns(kind="code", experiment="experiment"), *kept)
-    caption = "The same counts experiment by experiment: each was put to other solvers."
+    caption = "The same counts per experiment: not all experiments ask the same solvers."
     return Table("summary-by-experiment", caption, frame, shown, failure_marks(frame))
 
 
@@ -65,14 +65,14 @@ def _verdict_picture(attempts: Attempts) -> Picture:
         frame,
         caption="Verdicts as shares of all attempts. Plain bars are successes, hatched ones are "
         "not; false claims and wrong basins are counted at the right.",
-        alt="Stacked bars of verdicts, one a solver",
+        alt="Stacked bars of verdicts, one per solver",
         height=0.9 + max(0.42, 0.14 * lines_of_names(frame["solver"])) * len(frame),
         width=WIDE,
     )
 
 
 def _gap_tolerances(folders: Iterable[Folder]) -> dict[str, float]:
-    """The gap that each experiment's runs call optimal; left out where two runs differ."""
+    """Experiment -> largest gap that its runs accept as optimal; left out if two runs differ."""
     tolerances: dict[str, set[float]] = {}
     for folder in folders:
         tolerances.setdefault(folder.name, set()).add(folder.manifest.gap_tolerance)

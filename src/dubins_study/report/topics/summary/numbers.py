@@ -9,13 +9,13 @@ from dubins_study.report.statistics.metrics import by_solver
 
 
 def summary(verdicts: pd.DataFrame) -> pd.DataFrame:
-    """One row a solver: attempts, counts of each verdict, false claims, wrong basins, times.
+    """One row per solver: attempts, counts of each verdict, false claims, wrong basins, times.
 
     Args:
-        verdicts: of `report.data.attempts.Attempts.verdicts`.
+        verdicts: from `report.data.attempts.Attempts.verdicts`.
 
     Returns:
-        Its columns, and success (share of all attempts).
+        The columns of `verdicts`, and success (share of all attempts).
     """
     right = verdicts[list(SUCCESSES)].sum(axis="columns")
     return by_solver(verdicts.assign(success=right / verdicts["attempts"]))

@@ -22,7 +22,7 @@ VERDICT_COLUMNS = (
 
 
 def failure_marks(frame: pd.DataFrame) -> dict[tuple[int, str], str]:
-    """Marks for the counts of answers that are wrong or missing, where there are any."""
+    """Marks for the counts above zero of answers that are wrong or missing."""
     return marks(frame, "misses", "none", "false_claims", "not_returned")
 
 

@@ -21,14 +21,14 @@ def plot_times(ax: Axes, table: pd.DataFrame, palette: Palette) -> None:
                 plot_quartiles(ax, row, part, place + lift, looks[row["solver"]], fill)
     ax.set(xscale="log", xlabel="time of one attempt")
     low, high = np.log10(ax.get_xlim())
-    if high - low < 1:  # an axis within a decade would have no ticks
+    if high - low < 1:  # an axis shorter than a decade would have no ticks
         ax.set_xlim(10 ** np.floor(low), 10 ** np.ceil(high))
     log_axis(ax.xaxis, duration)
     label_lines(ax, table["solver"], places)
 
 
 def plot_performance(ax: Axes, ratios: pd.DataFrame, palette: Palette) -> None:
-    """Share of questions answered rightly within a factor of the fastest. Columns: solvers."""
+    """Share of questions answered correctly within a factor of the fastest. Columns: solvers."""
     looks = palette.looks(ratios.columns)
     finite = ratios.to_numpy()[np.isfinite(ratios.to_numpy())]
     last = 1.3 * float(finite.max()) if finite.size else 10.0

@@ -10,10 +10,10 @@ from dubins_study.report.statistics.timing import shifted_geometric_mean
 
 
 def mean_times(rows: pd.DataFrame, shift: float | None = None) -> tuple[pd.DataFrame, float]:
-    """Shifted geometric means over the questions that every solver answered rightly.
+    """Shifted geometric means over the questions that every solver answered correctly.
 
-    The shift is the lower quartile of all times that enter, unless given: small beside most of
-    them, so that no solver's mean is the shift, and large beside the clock's noise.
+    The default shift is the lower quartile of all times used. It is small compared with most times,
+    so it does not dominate a mean, and large compared with timer noise.
 
     Returns:
         Columns solver, questions, mean_s, rank, and the rank at a tenth and at ten times the
@@ -32,9 +32,9 @@ def mean_times(rows: pd.DataFrame, shift: float | None = None) -> tuple[pd.DataF
 
 
 def _right_times(rows: pd.DataFrame, otherwise: float) -> pd.DataFrame:
-    """Median whole time (s) of every solver (columns) on each question (rows).
+    """Median total time (s); one row per question, one column per solver.
 
-    `otherwise` stands where an answer is not right, NaN where a solver was not asked.
+    A wrong answer has the value `otherwise`, a question that a solver was not asked NaN.
     """
     right = rows.assign(right=success(rows))
     timed = right.groupby([*QUESTION, "solver"]).agg(wall=("wall_s", "median"), ok=("right", "all"))
@@ -43,15 +43,15 @@ def _right_times(rows: pd.DataFrame, otherwise: float) -> pd.DataFrame:
 
 
 def common_times(rows: pd.DataFrame) -> pd.DataFrame:
-    """Median whole time (s) of every solver (columns) on each question (rows) all got right."""
+    """Median total time (s); one row per question that all solvers answered correctly."""
     return _right_times(rows, np.nan).dropna()
 
 
 def time_ratios(rows: pd.DataFrame) -> pd.DataFrame:
-    """Each solver's time over the fastest right answer's (columns), question by question (rows).
+    """Time divided by that of the fastest right answer; rows are questions, columns solvers.
 
-    Only questions that every solver here was asked; infinite where its answer is not right, or
-    nobody's is.
+    Only questions put to every solver. The ratio is infinite if this solver's answer is wrong, or
+    if all answers are wrong.
     """
     everyone = _right_times(rows, np.inf).dropna()
     return everyone.div(everyone.min(axis=1), axis=0).fillna(np.inf)

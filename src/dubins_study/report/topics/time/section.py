@@ -29,7 +29,7 @@ def time_section(results: Results) -> Section | None:
         *(frame, palette),
         caption="Time of one cold attempt: median (mark) and quartiles (bar) of solving (filled, "
         "above) and of building the model (open, below).",
-        alt="Median times and quartiles, one line a solver",
+        alt="Median times and quartiles, one line per solver",
         height=0.7 + max(0.46, 0.13 * lines_of_names(frame["solver"])) * len(frame),
         width=WIDE,
     )
@@ -53,7 +53,7 @@ def time_section(results: Results) -> Section | None:
 
 
 def _not_variants(rows: pd.DataFrame) -> pd.DataFrame:
-    """Without variants, if there are plain solvers: each variant would shrink the common set."""
+    """Rows of plain solvers, if there are any: each variant would reduce the common questions."""
     plain = ~rows["solver"].str.contains("[", regex=False)
     return rows[plain] if plain.any() else rows
 
@@ -63,10 +63,10 @@ def _performance_picture(ratios: pd.DataFrame, palette: Palette) -> Picture:
         "performance",
         plot_performance,
         *(ratios, palette),
-        caption="Performance profile: the share of questions that a solver answers rightly within "
-        f"a factor of the fastest right answer, over the {count(len(ratios))} questions put to "
-        "all of them. At 1: how often it is the fastest; at the right: how often it is right at "
-        "all. The closed form is left out, since it would flatten every curve.",
+        caption="Performance profile: the share of questions that a solver answers correctly "
+        f"within a factor of the fastest right answer, over the {count(len(ratios))} questions "
+        "put to all of them. At 1: how often it is the fastest; at the right: how often it is "
+        "right at all. The closed form is left out, since it would flatten every curve.",
         alt="Performance profile of the solvers",
         height=2.9 + 0.17 * legend_lines(ratios.columns, columns=3),
         width=WIDE,
@@ -96,8 +96,8 @@ def _mean_table(frame: pd.DataFrame, shift: float) -> Table:
         ),
     )
     caption = (
-        f"Shifted geometric mean over the questions that all of these answer rightly; shift "
-        f"{seconds(shift)}, the lower quartile of the times that enter. A rank that changes with "
+        f"Shifted geometric mean over the questions that all of these answer correctly; shift "
+        f"{seconds(shift)}, the lower quartile of the times used. A rank that changes with "
         "the shift is no finding."
     )
     return Table("mean-times", caption, frame, shown)

@@ -1,4 +1,4 @@
-"""Cold against warm starts, drawn."""
+"""A figure of cold against warm starts."""
 
 from __future__ import annotations
 

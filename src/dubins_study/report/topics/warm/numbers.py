@@ -8,11 +8,11 @@ from dubins_study.report.statistics.metrics import QUESTION, by_solver, success
 
 
 def warm_starts(rows: pd.DataFrame) -> pd.DataFrame:
-    """Cold against warm, one row a solver that was asked both on the same questions.
+    """Cold against warm starts: one row per solver that has both for the same questions.
 
-    Columns: solver, questions, cold_s, warm_s (median, s), ratio (of warm / cold time, question by
-    question: the median; quartiles in ratio_q1 and ratio_q3), work, work_q1, work_q3 (the same of
-    the solver's own iterations, NaN if it counts none), cold_success, warm_success (shares of all
+    Columns: solver, questions, cold_s, warm_s (medians, s), ratio (median over questions of
+    warm / cold time; quartiles in ratio_q1 and ratio_q3), work, work_q1, work_q3 (the same for the
+    solver's iterations, NaN if they are not counted), cold_success, warm_success (shares of all
     attempts).
     """
     key = [name for name in QUESTION if name != "initial_guess"]

@@ -1,4 +1,4 @@
-"""Cold against warm starts along the radius sweeps: figure, table and what they say."""
+"""Cold against warm starts along the radius sweeps: figure, table and sentences."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _SAME = 0.02  # ratios this near to 1 are called equal
 
 
 def warm_blocks(table: pd.DataFrame) -> tuple[Picture, Table]:
-    """Figure and table; `table` is of `warm.numbers.warm_starts`, with rows."""
+    """Figure and table for the result of `warm.numbers.warm_starts`, which must have rows."""
     ratios = picture(
         "warm-starts",
         plot_warm,
@@ -22,7 +22,7 @@ def warm_blocks(table: pd.DataFrame) -> tuple[Picture, Table]:
         caption="Started from the answer at the neighbouring radius against cold: time and the "
         "solver's own iterations, question by question, median (mark) and quartiles (bar). Left "
         "of 1 the warm start saves.",
-        alt="Ratios of warm to cold time and iterations, one line a solver",
+        alt="Ratios of warm to cold time and iterations, one line per solver",
         height=1.2 + max(0.42, 0.16 * lines_of_names(table["solver"])) * len(table),
     )
     return ratios, _table(table)
@@ -44,7 +44,7 @@ def _table(table: pd.DataFrame) -> Table:
 
 
 def warm_sentences(table: pd.DataFrame) -> str:
-    """What warm starts do; `table` is of `warm.numbers.warm_starts`, with rows."""
+    """Sentences about the result of `warm.numbers.warm_starts`, which must have rows."""
     return sentences(_time(table), _work(table), _success(table))
 
 
