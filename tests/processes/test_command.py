@@ -7,6 +7,7 @@ import math
 import shutil
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -202,6 +203,7 @@ def test_errors_of_a_run_begin_the_output(tmp_path):
 PLUGIN = """
 import os
 import sys
+from pathlib import Path
 from dubins_study.solvers.analytic import Analytic
 from dubins_study.solvers.protocol import Solution
 from dubins_study.study.path import Path
@@ -326,3 +328,55 @@ def test_tables_hold_text():
     head, _, row, *_ = filter(str.strip, table(("[/red]", "n"), [("[bold]x", "1")]).splitlines())
     assert head.split() == ["[/red]", "n"]
     assert row.split() == ["[bold]x", "1"]
+
+
+ODD = """
+import math
+from dubins_study import Claim, Path, Solution, Solver
+
+class Odd(Solver):
+    name = "odd"
+
+    def solve(self, question, limit):
+        return Solution(Claim.FEASIBLE, Path(question.scenario.start, [{curvature}], [{length}]))
+"""
+
+
+@pytest.mark.parametrize(
+    ("curvature", "length"), [("math.nan", "1.0"), ("math.inf", "1.0"), ("0.0", "math.inf")]
+)
+def test_controls_that_are_not_finite_cost_their_own_row_alone(tmp_path, curvature, length):
+    """The answer is printed, nothing is drawn, and the folder of a run can be read."""
+    (tmp_path / "odd.py").write_text(ODD.format(curvature=curvature, length=length))
+    spec = f"{tmp_path}/odd.py:Odd"
+
+    done = dubins("solve", "3", "4", "--solver", spec, "--json", "--plot", str(tmp_path / "z.svg"))
+    assert done.returncode == 1
+    assert json.loads(done.stdout)["verdict"] == "misses"
+    assert json.loads(done.stdout)["segments"] == []
+    assert "is not drawn: the path is not finite" in done.stderr
+
+    (tmp_path / "one.toml").write_text(
+        'title = "t"\nquestion = "q"\nsolvers = ["analytic"]\n'
+        "[[scenarios]]\ntarget_x = 3\ntarget_y = 4\n"
+    )
+    chosen = ("--solver", "analytic", "--solver", spec)
+    asked("run", str(tmp_path / "one.toml"), *chosen, "--out", str(tmp_path / "out"))
+    asked("report", str(tmp_path / "out"))
+
+
+def test_a_full_disk_for_the_output_is_one_message():
+    """The device that is always full."""
+    if not Path("/dev/full").exists():
+        pytest.skip("there is no /dev/full")
+    with Path("/dev/full").open("w") as full:
+        done = subprocess.run(
+            [sys.executable, "-m", "dubins_study", "solve", "1", "2", "--json"],
+            stdout=full,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
+    assert done.returncode == 2
+    assert done.stderr.splitlines() == [
+        "dubins-study: the output cannot be written: No space left on device"
+    ]

@@ -176,3 +176,11 @@ def test_runs_that_begin_at_once_leave_one_row_a_cell(tmp_path):
     rows = read_rows(out).to_pandas()
     assert len(rows) == 10
     assert not rows.duplicated("scenario_id").any()
+
+
+def test_a_lock_that_is_a_pipe_is_not_waited_for(tmp_path):
+    """Opening a pipe to read waits for a writer; a stranger's folder may hold one."""
+    os.mkfifo(tmp_path / ".lock")
+
+    assert lock_holder(tmp_path) == {}
+    assert not is_locked(tmp_path)

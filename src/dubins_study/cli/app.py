@@ -6,6 +6,8 @@ Results go to stdout, everything else to stderr. Exit code 0: done; 1: done, but
 
 from __future__ import annotations
 
+import errno
+import os
 import re
 import sys
 from typing import Any
@@ -41,9 +43,20 @@ app.command()(audit.audit)
 def main() -> Any:
     """The command `dubins-study`. Exit code 2 and one message if the request is bad."""
     try:
-        return app()
-    except BrokenPipeError:
-        sys.exit(0)
+        try:
+            return app()
+        finally:
+            if sys.stdout is not None:  # it is None where the caller has closed it
+                sys.stdout.flush()
+    except OSError as error:
+        if error.errno not in (errno.EPIPE, errno.ENOSPC):
+            raise
+        # drop what is not yet written: the interpreter would try once more as it ends
+        sys.stdout = open(os.devnull, "w", encoding="utf-8")  # noqa: PTH123, SIM115
+        if error.errno == errno.EPIPE:  # the reader has what it wanted
+            sys.exit(0)
+        print(f"dubins-study: the output cannot be written: {error.strerror}", file=sys.stderr)
+        sys.exit(2)
     except DubinsStudyError as error:  # any other exception is a bug and shows its traceback
         print(f"dubins-study: {_visible(str(error))}", file=sys.stderr)
         sys.exit(2)

@@ -62,7 +62,8 @@ def solve(
     with streams.solvers_to_stderr():
         answer = _answer(scenario, solver, branch, profile, time_limit)
     refusal = _refusal(answer)
-    if plot is not None and answer.path is not None:
+    drawable = answer.length is not None and answer.curvatures is not None
+    if plot is not None and drawable:
         from dubins_study.report.path_plot import plot_path
 
         plot_path(answer, plot)
@@ -70,9 +71,10 @@ def solve(
         print(answer_json(answer) if as_json else answer_text(answer))
     if refusal is not None:
         raise CommandError(refusal)
-    undrawn = plot is not None and answer.path is None
+    undrawn = plot is not None and not drawable
     if undrawn:
-        print(f"dubins-study: {plot} is not drawn: there is no path", file=sys.stderr)
+        reason = "there is no path" if answer.path is None else "the path is not finite"
+        print(f"dubins-study: {plot} is not drawn: {reason}", file=sys.stderr)
     if undrawn or (strict and answer.verdict != "optimal"):
         raise typer.Exit(1)
 
@@ -100,11 +102,10 @@ def _refusal(answer: Answer) -> str | None:
 
 def answer_json(answer: Answer) -> str:
     """One object: the answer, its segments, and the question."""
-    path = answer.path
-    pieces = [] if path is None else zip(path.curvature, path.length, strict=True)
+    pieces = zip(answer.curvatures or (), answer.lengths or (), strict=True)
     fields: dict[str, Any] = {name: getattr(answer, name) for name in _JSON}
     fields["segments"] = [
-        {"turn": _letter(k), "length": float(length), "curvature": float(k)} for k, length in pieces
+        {"turn": _letter(k), "length": length, "curvature": k} for k, length in pieces
     ]
     fields["tied_words"] = list(answer.tied_words)
     return json.dumps(fields, indent=2, allow_nan=False)

@@ -100,11 +100,13 @@ class Answer:
 
     @property
     def curvatures(self) -> list[float] | None:
-        return None if self.path is None else self.path.curvature.tolist()
+        """The path's curvatures; None without a path, or if one of its controls is not finite."""
+        return controls(self.path)[0]
 
     @property
     def lengths(self) -> list[float] | None:
-        return None if self.path is None else self.path.length.tolist()
+        """The path's lengths; None without a path, or if one of its controls is not finite."""
+        return controls(self.path)[1]
 
     def row(self) -> dict[str, Any]:
         """The scenario's and the answer's columns of `study.rows.schema`; None where not finite."""
@@ -191,9 +193,17 @@ def judged_row(
     path, scenario = reply.solution.path, question.scenario
     row = _judged(spec, question, reply, allowed)
     row.update(zip(_SCENARIO, _scenario_numbers(scenario), strict=True))
-    row["curvatures"] = None if path is None else path.curvature.tolist()
-    row["lengths"] = None if path is None else path.length.tolist()
+    row["curvatures"], row["lengths"] = controls(path)
     return row
+
+
+def controls(path: Path | None) -> tuple[list[float], list[float]] | tuple[None, None]:
+    """Curvatures and lengths as a row holds them: both None if a number of them is not finite."""
+    if path is None:
+        return None, None
+    curvatures, lengths = path.curvature.tolist(), path.length.tolist()
+    finite = all(map(math.isfinite, curvatures)) and all(map(math.isfinite, lengths))
+    return (curvatures, lengths) if finite else (None, None)
 
 
 _SCENARIO, _ANSWER = names(SCENARIO), names(ANSWER)

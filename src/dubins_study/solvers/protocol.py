@@ -123,12 +123,16 @@ def _number(name: str, value: Any) -> float | None:
         raise TypeError(f"{name} is {_short(value)}; expected a number or None") from None
 
 
+# The largest count that a results folder holds: beyond it doubles leave out whole numbers.
+_MAX_COUNT = 2**53
+
+
 def _count(name: str, value: Any) -> int | None:
     try:
         count = None if value is None else index(value)
     except TypeError:
         count = -1
-    if count is not None and not 0 <= count < 2**63:
+    if count is not None and not 0 <= count <= _MAX_COUNT:
         raise TypeError(f"{name} is {_short(value)}; expected a count or None")
     return count
 

@@ -30,6 +30,7 @@ BAD_FIELDS = {
     "multipliers=(1.0,)": r"multipliers is \(1.0,\); expected two numbers",
     "multipliers=('a', None)": "multipliers is .*; expected two numbers",
     "iterations='x'": "iterations is 'x'; expected a count",
+    "iterations=9007199254740993": "iterations is 9007199254740993; expected a count",
     "evaluations=-1": "evaluations is -1; expected a count",
 }
 

@@ -62,7 +62,8 @@ def _in_use(folder: FilePath) -> str:
 def lock_holder(folder: FilePath) -> dict[str, object]:
     """`pid` and `started` of the last process that locked a folder; empty if not recorded."""
     try:
-        content = json.loads((folder / LOCK).read_text(encoding="utf-8"))
+        with open(os.open(folder / LOCK, _READ_FLAGS), encoding="utf-8") as file:  # noqa: PTH123
+            content = json.load(file)
     except (OSError, ValueError, RecursionError):
         return {}
     return content if isinstance(content, dict) else {}
