@@ -31,7 +31,7 @@ _GAPS = st.none() | st.sampled_from([0.0, 1e-16, 1e-4]) | st.floats(-1e-9, 10)
 _SIZES = st.none() | st.floats(0, 1e3)
 
 # loading a folder and asking for its tables takes half a second: a few examples by default
-FEW, MANY = settings(deadline=None, max_examples=12), settings(deadline=None, max_examples=100)
+FEW, MANY = settings(deadline=None, max_examples=5), settings(deadline=None, max_examples=100)
 
 
 @st.composite
