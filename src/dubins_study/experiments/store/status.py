@@ -108,7 +108,7 @@ def _status(
     runs = _runs(manifest.runs, live)
     jobs = runs[-1].jobs if runs else 1
     seconds, unknown = _time_left(left, current, _overhead(counts, runs), jobs)
-    pid = lock_holder(folder).get("pid")
+    pid = lock_holder(folder).get("pid", 0) if live else None
     aside = folder / DAMAGED
     return Status(
         folder=str(folder),
@@ -121,7 +121,7 @@ def _status(
         damaged=damaged,
         aside=len(list(aside.glob("*.parquet"))) if aside.is_dir() else 0,
         finished=bool(manifest.finished) and not live,
-        process=None if not live else pid if isinstance(pid, int) else 0,
+        process=pid if pid is None or isinstance(pid, int) else 0,
         jobs=jobs,
         seconds_left=seconds,
         unknown=unknown,
