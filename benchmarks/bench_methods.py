@@ -10,7 +10,7 @@ from time import perf_counter
 from benchmarks.harness import Measurement
 from dubins_study.solvers.protocol import Question, Solution, Solver
 from dubins_study.solvers.registry import load, settings
-from dubins_study.study.check.verdict import Claim
+from dubins_study.study.claim import Claim
 from dubins_study.study.scenario import Scenario
 
 THIRD = math.pi / 3

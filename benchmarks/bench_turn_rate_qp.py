@@ -15,7 +15,8 @@ from benchmarks.harness import Measurement
 from dubins_study.solvers.optimal_control.turn_rate_qp import TurnRateQp
 from dubins_study.solvers.optimal_control.turn_rate_template import ENGINES, template
 from dubins_study.solvers.protocol import Question
-from dubins_study.study.check.verdict import Claim, judge
+from dubins_study.study.check.verdict import judge
+from dubins_study.study.claim import Claim
 from dubins_study.study.scenario import Scenario
 
 N = 50

@@ -23,14 +23,14 @@ if TYPE_CHECKING:
     from dubins_study.solvers.protocol import Solution as Solution
     from dubins_study.solvers.protocol import Solver as Solver
     from dubins_study.solvers.registry import available_solvers as available_solvers
-    from dubins_study.study.check.verdict import Claim as Claim
     from dubins_study.study.check.verdict import Verdict as Verdict
+    from dubins_study.study.claim import Claim as Claim
     from dubins_study.study.path import Path as Path
     from dubins_study.study.scenario import Scenario as Scenario
 
 # the module that each public name is imported from
 _MODULES = {
-    "Claim": "study.check.verdict",
+    "Claim": "study.claim",
     "DubinsStudyError": "errors",
     "Guarantee": "solvers.protocol",
     "Path": "study.path",

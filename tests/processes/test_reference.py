@@ -12,7 +12,8 @@ from dubins_study.experiments.plan.cells import chains
 from dubins_study.experiments.store.folder import done, read_rows
 from dubins_study.solvers.registry import available_solvers
 from dubins_study.study.check.certificate import certify
-from dubins_study.study.check.verdict import Claim, judge
+from dubins_study.study.check.verdict import judge
+from dubins_study.study.claim import Claim
 from dubins_study.study.path import Path
 from dubins_study.study.rows.manifest import read_manifest
 from dubins_study.study.rows.schema import ANSWER, KEY, SCENARIO, names

@@ -6,9 +6,10 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
 from dubins_study.solvers.protocol import Guarantee, Question, Solution, Solver
-from dubins_study.study.check.verdict import Claim
-from dubins_study.study.closed_form.shortest import BRANCHES, as_path, shortest
+from dubins_study.study.claim import Claim
+from dubins_study.study.closed_form.shortest import as_path, shortest
 from dubins_study.study.scenario import NUMBERS
+from dubins_study.study.words import BRANCHES
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -41,10 +42,10 @@ class Analytic(Solver):
         import numpy as np  # these only here: a single question needs none of them
 
         from dubins_study.solvers.frame_solution import FrameSolution
-        from dubins_study.study.check.verdict_frame import CLAIMS, Paths
         from dubins_study.study.closed_form.kernel import shortest_rows
         from dubins_study.study.closed_form.kernel_paths import curvatures
         from dubins_study.study.closed_form.kernel_words import NO_PATH, Rows
+        from dubins_study.study.paths import CLAIMS, Paths
 
         n = len(frame)
         curvature, length = np.empty((2, n)), np.empty((2, n))

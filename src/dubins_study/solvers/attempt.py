@@ -13,12 +13,14 @@ from dubins_study.solvers.protocol import Outcome, Question, Solver
 from dubins_study.solvers.registry import load
 from dubins_study.solvers.reply import DEFAULT_LIMIT, Reply, ask
 from dubins_study.study.check.certificate import Certificate, Proof, certify
-from dubins_study.study.check.verdict import Claim, Judgement, Tolerances, Verdict, judge
-from dubins_study.study.closed_form.shortest import BRANCHES, shortest
+from dubins_study.study.check.verdict import Judgement, Tolerances, Verdict, judge
+from dubins_study.study.claim import Claim
+from dubins_study.study.closed_form.shortest import shortest
 from dubins_study.study.path import Path
 from dubins_study.study.printable import plain
 from dubins_study.study.rows.schema import ANSWER, SCENARIO, names
 from dubins_study.study.scenario import Scenario
+from dubins_study.study.words import BRANCHES
 
 _REPR_CHARS = 96  # of a line of an answer's repr
 

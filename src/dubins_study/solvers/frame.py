@@ -16,7 +16,8 @@ from dubins_study.solvers.registry import load, unavailable
 from dubins_study.solvers.reply import DEFAULT_LIMIT
 from dubins_study.study.check.certificate import Proof
 from dubins_study.study.check.extremal import MEASURED
-from dubins_study.study.check.verdict import Claim, Tolerances
+from dubins_study.study.check.verdict import Tolerances
+from dubins_study.study.claim import Claim
 from dubins_study.study.path import FloatArray
 from dubins_study.study.rows.schema import ANSWER, SCENARIO, Column, names
 from dubins_study.study.scenario import check_frame
@@ -26,7 +27,8 @@ if TYPE_CHECKING:
     import pandas as pd
 
     from dubins_study.study.check.certificate_frame import FrameCertificate
-    from dubins_study.study.check.verdict_frame import FrameJudgement, Paths
+    from dubins_study.study.check.verdict_frame import FrameJudgement
+    from dubins_study.study.paths import Paths
 
 COLUMNS = [*names(SCENARIO), *names(ANSWER)]
 
@@ -92,7 +94,7 @@ def _run(
     whole: Callable[[pd.DataFrame, str], FrameSolution], frame: pd.DataFrame, branch: str
 ) -> tuple[Outcome, FrameSolution, float]:
     """The answers, and the seconds they took; a backend that raises has answered no row."""
-    from dubins_study.study.check.verdict_frame import Paths
+    from dubins_study.study.paths import Paths
 
     began = perf_counter()
     try:
@@ -115,9 +117,9 @@ def _columns(
 ) -> dict[str, Any]:
     """The answer's columns: codes and flat buffers are taken over as they are."""
     from dubins_study.study.check.two_arcs import PATH_WORDS
-    from dubins_study.study.check.verdict_frame import CLAIMS
     from dubins_study.study.check.verdict_kernel import REGIONS, VERDICTS
     from dubins_study.study.closed_form.kernel import WORDS
+    from dubins_study.study.paths import CLAIMS
 
     n = len(solution.paths)
     claim, same = solution.claim, np.zeros(n, np.int8)

@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from dubins_study.study.check.verdict import Claim
+from dubins_study.study.claim import Claim
 from dubins_study.study.path import FloatArray
 
 if TYPE_CHECKING:
-    from dubins_study.study.check.verdict_frame import Paths
+    from dubins_study.study.paths import Paths
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,7 +24,7 @@ class FrameSolution:
     solver's own. The caller times the call and judges the paths, as for `Solver.solve`.
 
     Args:
-        claim: one for all rows, or indices into `study.check.verdict_frame.CLAIMS`, shape (n,).
+        claim: one for all rows, or indices into `study.paths.CLAIMS`, shape (n,).
         paths: controls of n paths of at most two arcs, and which rows have one.
         claimed_length: as the solver reports it (length unit), shape (n,); NaN where there is
             none. None if there is none in any row.
@@ -41,7 +41,7 @@ class FrameSolution:
     message: str | Sequence[str] = ""
 
     def __post_init__(self) -> None:
-        from dubins_study.study.check.verdict_frame import CLAIMS
+        from dubins_study.study.paths import CLAIMS
 
         n = len(self.paths)
         per_row = {"claimed_length": self.claimed_length, "lower_bound": self.lower_bound}

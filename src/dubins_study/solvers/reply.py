@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from dubins_study.solvers.protocol import Outcome, Question, Solution, Solver
 from dubins_study.solvers.registry import unavailable
-from dubins_study.study.check.verdict import Claim
+from dubins_study.study.claim import Claim
 
 # Long enough for every backend on every question; a solve here lasts microseconds to seconds.
 DEFAULT_LIMIT = 60.0

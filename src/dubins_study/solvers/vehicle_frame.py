@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 
 from dubins_study.solvers.protocol import Question, Solution
-from dubins_study.study.check.verdict import Claim
-from dubins_study.study.closed_form.shortest import EPS, Local
+from dubins_study.study.claim import Claim
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
+from dubins_study.study.vehicle_frame import EPS, Local
 
 
 def staying(question: Question) -> Solution:

@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import groupby
+from operator import mul
 from typing import Any
 
 import numpy as np
@@ -213,6 +214,14 @@ def _joined(pieces: Iterable[Piece]) -> Iterator[Piece]:
         last, bends, lengths = side, bend, length
     if last is not None:
         yield last, bends, lengths
+
+
+def drivable(path: Path) -> bool:
+    """Whether all numbers are finite, their sums too, and no length is negative."""
+    curvatures, lengths = path.curvature.tolist(), path.length.tolist()
+    turned = sum(map(mul, curvatures, lengths))
+    sums = sum(curvatures), sum(lengths), turned, *path.start
+    return all(map(math.isfinite, sums)) and min(lengths, default=0.0) >= 0
 
 
 def largest_distance(first: Path, second: Path, n: int = 257) -> float:

@@ -16,7 +16,7 @@ from dubins_study.experiments.plan.cells import Cell
 from dubins_study.experiments.run_settings import RunSettings
 from dubins_study.solvers.protocol import Outcome, Solution
 from dubins_study.solvers.reply import Reply, Times
-from dubins_study.study.check.verdict import Claim
+from dubins_study.study.claim import Claim
 from dubins_study.study.closed_form.shortest import shortest_path
 from dubins_study.study.path import Path
 from dubins_study.study.rows.row_table import row_key, row_path, rows_table

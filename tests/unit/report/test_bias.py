@@ -17,7 +17,7 @@ from dubins_study.report.topics.bias.numbers import (
     slope,
     without_barrier,
 )
-from dubins_study.study.check.verdict import Claim
+from dubins_study.study.claim import Claim
 from dubins_study.study.closed_form.shortest import shortest_path
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario

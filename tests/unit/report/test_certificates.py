@@ -8,7 +8,7 @@ import pytest
 
 from dubins_study import render
 from dubins_study.report.data.results import load
-from dubins_study.study.check.verdict import Claim
+from dubins_study.study.claim import Claim
 from tests.unit.report.results_folder import attempt, paper_scenarios
 
 PROVED = {

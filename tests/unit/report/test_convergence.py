@@ -9,7 +9,7 @@ import pytest
 from dubins_study import render
 from dubins_study.report.data.results import load
 from dubins_study.report.topics.convergence.numbers import medians, orders, refined, series
-from dubins_study.study.check.verdict import Claim
+from dubins_study.study.claim import Claim
 from dubins_study.study.scenario import Scenario
 from tests.unit.report.results_folder import attempt
 

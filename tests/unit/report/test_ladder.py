@@ -7,7 +7,7 @@ import math
 from dubins_study import render
 from dubins_study.report.data.results import load
 from dubins_study.report.topics.ladder.numbers import SIDES, down_to, ladder, rungs
-from dubins_study.study.check.verdict import Claim
+from dubins_study.study.claim import Claim
 from dubins_study.study.closed_form.shortest import shortest, shortest_path
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario

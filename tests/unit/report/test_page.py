@@ -14,7 +14,7 @@ from dubins_study.report.elements.formats import count, digits, seconds, share
 from dubins_study.report.page.markup import markdown, tex, to_csv, to_markdown, to_tex
 from dubins_study.report.page.render import ReportError
 from dubins_study.report.page.sections import TOPICS
-from dubins_study.study.check.verdict import Claim
+from dubins_study.study.claim import Claim
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
 from tests.unit.report.results_folder import attempt, paper_scenarios

@@ -16,7 +16,7 @@ from dubins_study.report.topics.proofs.numbers import (
     proven_gap,
     provers,
 )
-from dubins_study.study.check.verdict import Claim
+from dubins_study.study.claim import Claim
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
 from tests.unit.report.results_folder import attempt, paper_scenarios

@@ -10,7 +10,7 @@ from dubins_study import render
 from dubins_study.report.data.results import load
 from dubins_study.report.topics.warm.numbers import warm_starts
 from dubins_study.report.topics.warm.section import warm_sentences
-from dubins_study.study.check.verdict import Claim
+from dubins_study.study.claim import Claim
 from dubins_study.study.scenario import Scenario
 from tests.unit.report.results_folder import attempt
 

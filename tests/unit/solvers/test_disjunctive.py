@@ -15,10 +15,12 @@ from dubins_study.solvers.global_minlp.disjunctive import Disjunctive
 from dubins_study.solvers.global_minlp.model import WORDS, gdp_model, transformed
 from dubins_study.solvers.global_minlp.polish import meet_target
 from dubins_study.solvers.protocol import Question
-from dubins_study.study.check.verdict import Claim, Verdict
-from dubins_study.study.closed_form.shortest import TURN, margin, shortest
+from dubins_study.study.check.verdict import Verdict
+from dubins_study.study.claim import Claim
+from dubins_study.study.closed_form.shortest import margin, shortest
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
+from dubins_study.study.words import TURN
 
 FEASTOL = Disjunctive().feastol
 

@@ -18,9 +18,9 @@ from dubins_study.solvers.frame import COLUMNS, solve_frame
 from dubins_study.solvers.protocol import Question
 from dubins_study.solvers.registry import SolverError
 from dubins_study.study.check.extremal import MEASURED
-from dubins_study.study.closed_form.shortest import BRANCHES
 from dubins_study.study.rows.schema import ANSWER, SCENARIO, names
 from dubins_study.study.scenario import NUMBERS, ScenarioError, scenarios
+from dubins_study.study.words import BRANCHES
 
 TIMES = {"build_s", "solve_s", "wall_s"}
 FRAME = pd.DataFrame(

@@ -13,10 +13,11 @@ from dubins_study.solvers.frame import solve_frame
 from dubins_study.solvers.frame_solution import FrameSolution
 from dubins_study.solvers.protocol import Guarantee, Outcome, Question, Solution, Solver
 from dubins_study.solvers.registry import SolverError, load
-from dubins_study.study.check.verdict import Claim, Verdict
-from dubins_study.study.check.verdict_frame import Paths
+from dubins_study.study.check.verdict import Verdict
+from dubins_study.study.claim import Claim
 from dubins_study.study.closed_form.shortest import shortest_path
 from dubins_study.study.path import Path
+from dubins_study.study.paths import Paths
 from dubins_study.study.scenario import Pose, Scenario
 
 EASY = Scenario(0, 0, 0.3, 3, 2, 1)

@@ -24,7 +24,8 @@ from dubins_study.solvers.paper_nlp.pyomo_direct import solve as solve_direct
 from dubins_study.solvers.paper_nlp.trust_constr import trust_constr
 from dubins_study.solvers.protocol import Outcome, Question
 from dubins_study.solvers.registry import SolverError, entries, load
-from dubins_study.study.check.verdict import Claim, Verdict
+from dubins_study.study.check.verdict import Verdict
+from dubins_study.study.claim import Claim
 from dubins_study.study.closed_form.shortest import margin, shortest
 from dubins_study.study.scenario import Scenario
 

@@ -166,7 +166,7 @@ def test_a_plug_in_may_look_like_our_own(tmp_path):
             "from dataclasses import dataclass\n"
             "from typing import ClassVar\n"
             "from dubins_study.solvers.protocol import Guarantee, Solution, Solver\n"
-            "from dubins_study.study.check.verdict import Claim\n"
+            "from dubins_study.study.claim import Claim\n"
             "@dataclass(frozen=True)\n"
             "class Plug(Solver):\n"
             f"    n: int = {answer}\n"

@@ -14,8 +14,9 @@ from hypothesis import strategies as st
 
 from dubins_study.study.check.enclosure import Enclosure, enclose
 from dubins_study.study.check.verdict import judge
-from dubins_study.study.closed_form.shortest import BRANCHES, shortest
+from dubins_study.study.closed_form.shortest import shortest
 from dubins_study.study.scenario import Scenario, scenarios
+from dubins_study.study.words import BRANCHES
 
 ALL = PAPER | EDGES
 

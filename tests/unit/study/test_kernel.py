@@ -16,8 +16,10 @@ from dubins_study.study.closed_form import kernel_math
 from dubins_study.study.closed_form.kernel import WORDS, shortest_rows
 from dubins_study.study.closed_form.kernel_compile import SMALL, compiled
 from dubins_study.study.closed_form.kernel_words import NO_PATH, Rows
-from dubins_study.study.closed_form.shortest import BRANCHES, Local, local, shortest_local
+from dubins_study.study.closed_form.shortest import shortest_local
 from dubins_study.study.scenario import Scenario, scenarios
+from dubins_study.study.vehicle_frame import Local, local
+from dubins_study.study.words import BRANCHES
 
 EPS = math.ulp(1.0)
 COLUMNS = ("x", "y", "heading", "target_x", "target_y", "radius")

@@ -16,18 +16,16 @@ from scipy.integrate import solve_ivp
 from dubins_study.study import scenario as scenario_module
 from dubins_study.study.check.verdict import judge
 from dubins_study.study.closed_form.shortest import (
-    BRANCHES,
-    EPS,
-    Local,
     Segments,
     as_path,
-    local,
     margin,
     shortest,
     shortest_local,
     shortest_path,
 )
 from dubins_study.study.scenario import Scenario
+from dubins_study.study.vehicle_frame import EPS, Local, local
+from dubins_study.study.words import BRANCHES
 
 
 def unit(X: float, Y: float) -> Scenario:

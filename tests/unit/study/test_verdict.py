@@ -11,16 +11,17 @@ from cases import EDGES, PAPER, scenarios
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dubins_study.study.check.verdict import Claim, Tolerances, Verdict, judge
+from dubins_study.study.check.verdict import Tolerances, Verdict, judge
+from dubins_study.study.claim import Claim
 from dubins_study.study.closed_form.shortest import (
     Segments,
     as_path,
-    local,
     right_left_pair,
     shortest_path,
 )
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
+from dubins_study.study.vehicle_frame import local
 
 PROBLEM = PAPER["problem 1"]
 

@@ -7,7 +7,7 @@ from typing import Self
 from pydantic import Field, field_validator, model_validator
 
 from dubins_study.experiments.definition.axes import Axis, Sample, StrictModel
-from dubins_study.study.closed_form.shortest import BRANCHES
+from dubins_study.study.words import BRANCHES
 
 # The fields of the three ways to write a target.
 CARTESIAN = ("target_x", "target_y")

@@ -20,7 +20,7 @@ import numpy as np
 
 from dubins_study.solvers.protocol import Outcome, Question, Solution
 from dubins_study.solvers.reply import Reply, Times
-from dubins_study.study.check.verdict import Claim
+from dubins_study.study.claim import Claim
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Pose, Scenario
 

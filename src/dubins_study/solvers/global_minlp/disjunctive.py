@@ -19,7 +19,7 @@ from dubins_study.solvers.paper_nlp.model import SUBPROBLEMS, as_path
 from dubins_study.solvers.protocol import Guarantee, Question, Solution, Solver
 from dubins_study.solvers.setting_checks import missing_package, one_of, within
 from dubins_study.solvers.vehicle_frame import at_start
-from dubins_study.study.check.verdict import Claim
+from dubins_study.study.claim import Claim
 
 EMPHASES = ("lean", "default")
 

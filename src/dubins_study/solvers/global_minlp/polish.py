@@ -8,9 +8,9 @@ from typing import NamedTuple
 import numpy as np
 
 from dubins_study.solvers.paper_nlp.model import FULL_TURN, SUBPROBLEMS, equations, jacobian, target
-from dubins_study.study.closed_form.shortest import EPS
 from dubins_study.study.path import FloatArray
 from dubins_study.study.scenario import Scenario
+from dubins_study.study.vehicle_frame import EPS
 
 # Where a word's two solutions meet (on a turning circle) a Newton step only halves the distance
 # to them, so from a tolerance of 1e-6 some 25 steps lead to the last digit that there is.

@@ -15,9 +15,9 @@ from dubins_study.solvers.heading_milp.template import Template, template
 from dubins_study.solvers.protocol import Guarantee, Question, Solution, Solver
 from dubins_study.solvers.setting_checks import missing_package, whole
 from dubins_study.solvers.vehicle_frame import at_start, coordinate_rounding, in_world, unreachable
-from dubins_study.study.check.verdict import Claim
-from dubins_study.study.closed_form.shortest import local
+from dubins_study.study.claim import Claim
 from dubins_study.study.path import FloatArray, Path
+from dubins_study.study.vehicle_frame import local
 
 BRANCHES = ("best", "LS", "RS")
 

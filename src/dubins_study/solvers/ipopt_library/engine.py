@@ -20,7 +20,7 @@ import numpy as np
 
 from dubins_study.solvers.ipopt_library.deadline import Deadline
 from dubins_study.solvers.setting_checks import missing_package
-from dubins_study.study.check.verdict import Claim
+from dubins_study.study.claim import Claim
 from dubins_study.study.path import FloatArray
 
 VIAS = ("auto", "executable", "library")

@@ -25,9 +25,9 @@ from dubins_study.solvers.paper_nlp.best_point import total
 from dubins_study.solvers.protocol import Guarantee, Question, Solution, Solver
 from dubins_study.solvers.setting_checks import one_of, whole, within
 from dubins_study.solvers.vehicle_frame import in_world, staying, unreachable
-from dubins_study.study.check.verdict import Claim
-from dubins_study.study.closed_form.shortest import Local, local
+from dubins_study.study.claim import Claim
 from dubins_study.study.path import FloatArray, Path
+from dubins_study.study.vehicle_frame import Local, local
 
 MESHES = ("free", "equal")
 _ARRIVED = 1e-8  # radii; a hundredth of what the check allows

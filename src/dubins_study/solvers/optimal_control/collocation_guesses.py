@@ -12,10 +12,9 @@ from dubins_study.solvers.optimal_control.collocation_model import Elements
 from dubins_study.solvers.paper_nlp.model import FULL_TURN
 from dubins_study.solvers.protocol import Question
 from dubins_study.solvers.vehicle_frame import unreachable
-from dubins_study.study.check.verdict import drivable
-from dubins_study.study.closed_form.shortest import Local
-from dubins_study.study.path import Path
+from dubins_study.study.path import Path, drivable
 from dubins_study.study.scenario import Pose
+from dubins_study.study.vehicle_frame import Local
 
 # arcs (rad) of RL and LR: the second exceeds pi where it can be shortest, the first is at most
 # pi/3 (docs/derivation.md, section 4)

@@ -16,9 +16,9 @@ from dubins_study.solvers.optimal_control.turn_rate_template import ENGINES, Tem
 from dubins_study.solvers.protocol import Guarantee, Question, Solution, Solver
 from dubins_study.solvers.setting_checks import missing_package, one_of, whole
 from dubins_study.solvers.vehicle_frame import coordinate_rounding, in_world, unreachable
-from dubins_study.study.check.verdict import Claim, drivable
-from dubins_study.study.closed_form.shortest import local
-from dubins_study.study.path import FloatArray, Path
+from dubins_study.study.claim import Claim
+from dubins_study.study.path import FloatArray, Path, drivable
+from dubins_study.study.vehicle_frame import local
 
 _PACKAGES = {"highs": "highspy"}
 MESHES = ("equal", "graded")

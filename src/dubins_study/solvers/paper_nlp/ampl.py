@@ -20,7 +20,7 @@ import numpy as np
 from dubins_study.solvers.paper_nlp.best_point import Point
 from dubins_study.solvers.paper_nlp.local_nlp import Case
 from dubins_study.solvers.paper_nlp.pyomo_case import no_point, posed
-from dubins_study.study.check.verdict import Claim
+from dubins_study.study.claim import Claim
 from dubins_study.study.path import FloatArray
 
 _STUB = "model"

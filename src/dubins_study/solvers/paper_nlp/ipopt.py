@@ -27,7 +27,7 @@ from dubins_study.solvers.paper_nlp.local_nlp import Case, LocalNlp, Run
 from dubins_study.solvers.paper_nlp.model import UNITS
 from dubins_study.solvers.paper_nlp.pyomo_case import pyomo_model
 from dubins_study.solvers.setting_checks import one_of, positive, within
-from dubins_study.study.check.verdict import Claim
+from dubins_study.study.claim import Claim
 from dubins_study.study.path import FloatArray
 from dubins_study.study.scenario import Scenario
 

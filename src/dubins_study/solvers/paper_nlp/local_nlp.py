@@ -26,9 +26,9 @@ from dubins_study.solvers.paper_nlp.model import (
 )
 from dubins_study.solvers.protocol import Question, Solution, Solver
 from dubins_study.solvers.setting_checks import one_of, positive
-from dubins_study.study.closed_form.shortest import BRANCHES
 from dubins_study.study.path import FloatArray
 from dubins_study.study.scenario import Scenario
+from dubins_study.study.words import BRANCHES
 
 
 class Case(NamedTuple):

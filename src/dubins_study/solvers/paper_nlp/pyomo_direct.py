@@ -11,7 +11,7 @@ from dubins_study.solvers.paper_nlp.best_point import Point
 from dubins_study.solvers.paper_nlp.local_nlp import Case
 from dubins_study.solvers.paper_nlp.pyomo_case import no_point, posed
 from dubins_study.solvers.setting_checks import missing_package
-from dubins_study.study.check.verdict import Claim
+from dubins_study.study.claim import Claim
 from dubins_study.study.path import FloatArray
 
 # Pyomo's termination conditions (pyomo.contrib.solver.common.results)

@@ -13,10 +13,10 @@ from dubins_study.solvers.paper_nlp.best_point import Point
 from dubins_study.solvers.paper_nlp.local_nlp import Case, LocalNlp, Run
 from dubins_study.solvers.paper_nlp.model import UNITS, equations, jacobian
 from dubins_study.solvers.setting_checks import one_of, positive, within
-from dubins_study.study.check.verdict import Claim
-from dubins_study.study.closed_form.shortest import EPS
+from dubins_study.study.claim import Claim
 from dubins_study.study.path import FloatArray
 from dubins_study.study.scenario import Scenario
+from dubins_study.study.vehicle_frame import EPS
 
 _AT_BOUND = 1e-6  # radii or the scenario's unit: nearer to a bound, its own dual has a say
 _STATIONARY = 1e-3  # slopes of 1 in all: what is off by more is no stationary point

@@ -16,9 +16,9 @@ import numpy as np
 from dubins_study.solvers.paper_nlp.best_point import Point
 from dubins_study.solvers.paper_nlp.local_nlp import Case
 from dubins_study.solvers.paper_nlp.model import equations, hessian, jacobian
-from dubins_study.study.check.verdict import Claim
-from dubins_study.study.closed_form.shortest import EPS
+from dubins_study.study.claim import Claim
 from dubins_study.study.path import FloatArray
+from dubins_study.study.vehicle_frame import EPS
 
 # SciPy's own statuses; 3 is a stop by `_Watch` and 4 a success that misses its constraints
 _CLAIMS = {0: Claim.LIMIT, 1: Claim.LOCAL, 2: Claim.LOCAL}

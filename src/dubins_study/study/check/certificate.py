@@ -14,9 +14,9 @@ from typing import NamedTuple
 from dubins_study.study.check.enclosure import Enclosure, enclose
 from dubins_study.study.check.extremal import Extremal, measure
 from dubins_study.study.check.verdict import Judgement, Tolerances, Verdict
-from dubins_study.study.closed_form.shortest import EPS
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
+from dubins_study.study.vehicle_frame import EPS
 
 _DEFAULT = Tolerances()
 # A solver's 1e-8 on lengths leaves angles off by about as much; the turn of 1e-3 that an

@@ -21,12 +21,13 @@ from dubins_study.study.check.certificate import (
 from dubins_study.study.check.enclosure import enclose
 from dubins_study.study.check.extremal import MEASURED, measure
 from dubins_study.study.check.extremal_kernel import extremal_rows
-from dubins_study.study.check.verdict import Tolerances, Verdict, drivable
-from dubins_study.study.check.verdict_frame import FrameJudgement, Paths
-from dubins_study.study.check.verdict_kernel import VERDICTS, BoolArray
+from dubins_study.study.check.verdict import Tolerances, Verdict
+from dubins_study.study.check.verdict_frame import FrameJudgement
+from dubins_study.study.check.verdict_kernel import VERDICTS
 from dubins_study.study.closed_form.kernel_compile import loop_input
 from dubins_study.study.closed_form.kernel_words import CodeArray
-from dubins_study.study.path import FloatArray, Path
+from dubins_study.study.path import FloatArray, Path, drivable
+from dubins_study.study.paths import BoolArray, Paths
 from dubins_study.study.scenario import scenarios
 
 if TYPE_CHECKING:

@@ -15,8 +15,8 @@ from typing import NamedTuple
 
 from flint import arb, ctx
 
-from dubins_study.study.closed_form.shortest import Local, local
 from dubins_study.study.scenario import Scenario
+from dubins_study.study.vehicle_frame import Local, local
 
 # bits; the first decides nearly every scenario, the last tells apart whatever doubles can hold
 PRECISIONS = (160, 400, 1200)
@@ -61,7 +61,7 @@ def enclose(scenario: Scenario, branch: str = "best") -> Enclosure:
 
     Args:
         scenario: start pose, target, radius; read as the exact values of its doubles.
-        branch: one of `study.closed_form.shortest.BRANCHES`.
+        branch: one of `study.words.BRANCHES`.
     """
     snapped = local(scenario)
     if snapped.X == 0 and snapped.Y == 0 and branch in ("best", "LS", "RS"):

@@ -8,34 +8,21 @@ from dataclasses import dataclass
 from enum import StrEnum
 from functools import lru_cache
 from itertools import accumulate
-from operator import mul
 from typing import NamedTuple
 
 from dubins_study.study.check.relaxation import relaxed_reference
 from dubins_study.study.check.two_arcs import PATH_WORDS, WORD, path_word
+from dubins_study.study.claim import Claim
 from dubins_study.study.closed_form.shortest import (
-    EPS,
-    TURN,
     Shortest,
-    local,
     margin_local,
     region_of,
     shortest_local,
 )
-from dubins_study.study.path import Path
+from dubins_study.study.path import Path, drivable
 from dubins_study.study.scenario import Scenario
-
-
-class Claim(StrEnum):
-    """What a solver says of its answer, strongest first."""
-
-    OPTIMAL = "optimal"
-    LOCAL = "local"
-    FEASIBLE = "feasible"
-    INFEASIBLE = "infeasible"
-    LIMIT = "limit"
-    FAILED = "failed"
-    NONE = "none"
+from dubins_study.study.vehicle_frame import EPS, local
+from dubins_study.study.words import TURN
 
 
 class Verdict(StrEnum):
@@ -220,14 +207,6 @@ def _turns(optimum: Shortest) -> tuple[float, ...]:
     return (turn,) if len(optimum.words) == 1 else (turn, -turn)
 
 
-def drivable(path: Path) -> bool:
-    """Whether all numbers are finite, their sums too, and no length is negative."""
-    curvatures, lengths = path.curvature.tolist(), path.length.tolist()
-    turned = sum(map(mul, curvatures, lengths))
-    sums = sum(curvatures), sum(lengths), turned, *path.start
-    return all(map(math.isfinite, sums)) and min(lengths, default=0.0) >= 0
-
-
 def curvature_excess(curvature: Sequence[float], branch: str) -> float:
     """Largest amount by which curvatures leave what a branch allows, in units of 1 / radius.
 
@@ -237,7 +216,7 @@ def curvature_excess(curvature: Sequence[float], branch: str) -> float:
 
     Args:
         curvature: of each arc, in units of 1 / radius, arcs of no length left out.
-        branch: one of `study.closed_form.shortest.BRANCHES`.
+        branch: one of `study.words.BRANCHES`.
     """
     if not curvature:
         return 0.0

@@ -12,74 +12,34 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from dubins_study.study.check.two_arcs import PATH_WORDS
-from dubins_study.study.check.verdict import (
-    COARSE,
-    Claim,
-    Judgement,
-    Tolerances,
-    Verdict,
-    is_false,
-    judge,
-)
+from dubins_study.study.check.verdict import COARSE, Judgement, Tolerances, Verdict, is_false, judge
 from dubins_study.study.check.verdict_kernel import (
     ODD,
     REGIONS,
     VERDICTS,
     Arcs,
-    BoolArray,
     Findings,
     Limits,
     judge_rows,
 )
+from dubins_study.study.claim import Claim
 from dubins_study.study.closed_form.kernel import WORDS, shortest_rows
 from dubins_study.study.closed_form.kernel_compile import loop_input
 from dubins_study.study.closed_form.kernel_paths import FIRST_TURN, LAST_TURN
 from dubins_study.study.closed_form.kernel_words import NO_PATH, CodeArray, Rows, ScenarioArrays
-from dubins_study.study.closed_form.shortest import BRANCHES, shortest
-from dubins_study.study.path import FloatArray, Path
+from dubins_study.study.closed_form.shortest import shortest
+from dubins_study.study.path import FloatArray
+from dubins_study.study.paths import CLAIMS, BoolArray, Paths
 from dubins_study.study.scenario import NUMBERS, Scenario
+from dubins_study.study.words import BRANCHES
 
 if TYPE_CHECKING:
     import pandas as pd
 
-CLAIMS = tuple(Claim)
 NO_WORD = NO_PATH
 _DEFAULT = Tolerances()
 _FALSE = np.array([[is_false(claim, verdict) for verdict in VERDICTS] for claim in CLAIMS])
 _LONGER, _NONE_EXISTS = VERDICTS.index(Verdict.LONGER), VERDICTS.index(Verdict.NONE_EXISTS)
-
-
-@dataclass(frozen=True, eq=False)
-class Paths:
-    """Controls of n paths of at most two arcs, each starting at its scenario's start.
-
-    Args:
-        curvature: shape (2, n), 1 / length unit, positive to the left.
-        length: shape (2, n), length unit; an arc of length 0 is left out.
-        returned: shape (n,), False where there is no path; None if all rows have one.
-    """
-
-    curvature: FloatArray
-    length: FloatArray
-    returned: BoolArray | None = None
-
-    def __post_init__(self) -> None:
-        n = self.curvature.shape[-1]
-        for name in ("curvature", "length"):
-            if getattr(self, name).shape != (2, n):
-                raise ValueError(f"{name} has shape {getattr(self, name).shape}; expected {(2, n)}")
-        if self.returned is not None and self.returned.shape != (n,):
-            raise ValueError(f"returned has shape {self.returned.shape}; expected {(n,)}")
-
-    def __len__(self) -> int:
-        return int(self.curvature.shape[-1])
-
-    def path(self, row: int, scenario: Scenario) -> Path | None:
-        """One row's path, as the scalar check takes it."""
-        if self.returned is not None and not self.returned[row]:
-            return None
-        driven = self.length[:, row] != 0
-        return Path(scenario.start, self.curvature[driven, row], self.length[driven, row])
 
 
 @dataclass(frozen=True, eq=False)

@@ -21,8 +21,8 @@ from dubins_study.study.closed_form.kernel import chunk_bounds, chunks, to_local
 from dubins_study.study.closed_form.kernel_compile import inlined, threaded
 from dubins_study.study.closed_form.kernel_math import LARGEST_ANGLE, sine_cosine
 from dubins_study.study.closed_form.kernel_words import CodeArray, ScenarioArrays
-from dubins_study.study.closed_form.shortest import EPS
 from dubins_study.study.path import FloatArray
+from dubins_study.study.vehicle_frame import EPS
 
 VERDICTS = tuple(Verdict)
 REGIONS = ("outside", "left disc", "right disc", "circle")

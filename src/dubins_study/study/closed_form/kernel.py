@@ -33,7 +33,8 @@ from dubins_study.study.closed_form.kernel_words import (
     to_local_exactly,
     word_rows,
 )
-from dubins_study.study.closed_form.shortest import BRANCHES, EPS
+from dubins_study.study.vehicle_frame import EPS
+from dubins_study.study.words import BRANCHES
 
 WORDS = ("", "S", "L", "R", "LS", "RS", "LR", "RL")
 
@@ -87,7 +88,7 @@ def shortest_rows(
 def to_local(
     x: float, y: float, sine: float, cosine: float, tx: float, ty: float, radius: float
 ) -> tuple[float, float, float]:
-    """The target in the vehicle's frame and the rounding, as `shortest.local` has them.
+    """The target in the vehicle's frame and the rounding, as `vehicle_frame.local` has them.
 
     A quotient by the reciprocal, then one Newton step with the remainder, is the quotient rounded
     correctly (Markstein 1990): two divisions fewer, and the same bits.

@@ -7,8 +7,8 @@ import numpy as np
 from dubins_study.study.closed_form.kernel import WORDS
 from dubins_study.study.closed_form.kernel_compile import compiled
 from dubins_study.study.closed_form.kernel_words import CodeArray
-from dubins_study.study.closed_form.shortest import TURN
 from dubins_study.study.path import FloatArray
+from dubins_study.study.words import TURN
 
 # the turn of each word's first and of its last letter; a segment left out has no length
 FIRST_TURN = np.array([TURN[word[0]] if word else 0.0 for word in WORDS])

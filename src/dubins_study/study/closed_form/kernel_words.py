@@ -14,14 +14,13 @@ from numpy.typing import NDArray
 
 from dubins_study.study.closed_form.kernel_compile import compiled, inlined
 from dubins_study.study.closed_form.shortest import (
-    EPS,
     left_straight,
-    power,
     right_left,
     right_left_pair,
     wrapped,
 )
 from dubins_study.study.path import FloatArray
+from dubins_study.study.vehicle_frame import EPS, power
 
 CodeArray = NDArray[np.uint8]
 

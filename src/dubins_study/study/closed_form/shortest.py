@@ -11,10 +11,9 @@ from typing import NamedTuple
 
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
+from dubins_study.study.vehicle_frame import Local, local, power
+from dubins_study.study.words import TURN
 
-EPS = math.ulp(1.0)
-TURN = {"L": 1.0, "S": 0.0, "R": -1.0}
-BRANCHES = ("best", "LS", "RS", "LR", "RL")
 _TWO_PI = 2 * math.pi
 
 
@@ -29,36 +28,6 @@ class Segments(NamedTuple):
         return self.first + self.second
 
 
-class Local(NamedTuple):
-    """A target in the vehicle's frame, in units of the radius.
-
-    `rounding` bounds the error that the data's own rounding leaves in X and in Y.
-    """
-
-    X: float
-    Y: float
-    rounding: float
-
-    @property
-    def mirrored(self) -> Local:
-        return Local(self.X, -self.Y, self.rounding)
-
-    @property
-    def w(self) -> float:
-        """1 - |T - C_L|^2: positive inside the left turning circle, zero on it (snapped).
-
-        Equals 2Y - r2, written so that it keeps its digits near the start and near (0, 2).
-        The width of the snap is 4 times what `rounding` does to w.
-        """
-        return power(*self)
-
-
-def power(X: float, Y: float, rounding: float) -> float:
-    """`Local.w` of a target."""
-    w = Y * (2.0 - Y) - X * X
-    return 0.0 if abs(w) <= 8.0 * rounding * (1.0 + abs(X) + abs(Y)) else w
-
-
 class Shortest(NamedTuple):
     """The shortest path of a branch: word, segments, and every word that ties with it."""
 
@@ -69,21 +38,6 @@ class Shortest(NamedTuple):
     @property
     def total(self) -> float:
         return self.segments.total
-
-
-def local(scenario: Scenario) -> Local:
-    """The target in the vehicle's frame, snapped to the axis or to the start within rounding.
-
-    A coordinate read from the scenario is off by half an ulp, and so is the heading; the
-    difference, the rotation and the division add a few more: 2 eps times the coordinates' size
-    covers it (docs/derivation.md, section 5).
-    """
-    X, Y = scenario.local()
-    rounding = 2.0 * EPS * scenario.extent / scenario.radius
-    # next to the start w is snapped while |Y| is below 4 times the rounding
-    if abs(X) <= rounding and abs(Y) <= 4.0 * rounding:
-        return Local(0.0, 0.0, rounding)
-    return Local(X, 0.0 if abs(Y) <= rounding else Y, rounding)
 
 
 # Python runs the next four functions for one target; `kernel_words` compiles them for arrays. So
