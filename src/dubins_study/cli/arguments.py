@@ -40,8 +40,8 @@ def _check_rest(target: tuple[str, str], rest: list[str], command: str) -> None:
 
 def _is_number(text: str) -> bool:
     try:
-        float(text)
-    except ValueError:
+        _number("", text)
+    except CommandError:
         return False
     return True
 
@@ -79,7 +79,11 @@ def scenario_of(
 
 
 def _number(name: str, text: str) -> float:
+    from dubins_study.study.printable import short
+
     try:
+        if "_" in text:  # which Python takes within a number
+            raise ValueError
         return float(text)
     except ValueError:
-        raise CommandError(f"{name} is {text!r}; expected a number") from None
+        raise CommandError(f"{name} is {short(text)}; expected a number") from None
