@@ -1,8 +1,9 @@
 """Proven intervals around the shortest lengths of frames: `enclosure.enclose` in compiled loops.
 
-The bounds hold for the exact target that a row's doubles give, by `interval_kernel`'s arithmetic.
-A row is left to `enclose` where that arithmetic does not decide, or where more than the exact
-target counts: where the target's neighbours within `delta` may lie beyond an edge of the branch.
+An interval holds the lengths of all targets whose X and Y are within delta of the exact values that
+a row's doubles give (`study.vehicle_frame.Local`), by the arithmetic of `interval_kernel`. A row is
+left to `enclose` where that arithmetic does not decide on which side of an edge of the branch all
+of these targets lie, or where its interval would be much wider than their lengths are.
 
 Which word is the shortest is taken from the synthesis (docs/derivation.md, section 6): outside the
 disc on the target's side the one that turns toward the target and goes straight, inside it the
@@ -19,13 +20,14 @@ import numpy as np
 
 from dubins_study.study.check.interval_kernel import (
     GROWTH,
-    ROUNDING,
     SINE_COSINE_ERROR,
     TINY,
     Interval,
     angle_above,
     exact,
     full_turn,
+    is_signed,
+    lesser,
     minus,
     negative,
     over,
@@ -33,6 +35,7 @@ from dubins_study.study.check.interval_kernel import (
     positive,
     root,
     times,
+    widened,
 )
 from dubins_study.study.closed_form.kernel import chunk_bounds, chunks
 from dubins_study.study.closed_form.kernel_compile import inlined, loop_input, threaded
@@ -40,9 +43,11 @@ from dubins_study.study.closed_form.kernel_math import LARGEST_ANGLE, sine_cosin
 from dubins_study.study.closed_form.kernel_words import ScenarioArrays
 from dubins_study.study.path import FloatArray
 from dubins_study.study.paths import BoolArray
-from dubins_study.study.vehicle_frame import EPS
+from dubins_study.study.vehicle_frame import EPS, PER_DISTANCE, PER_EXTENT
 
-_WIDEST = 2.0**-42  # of a length: where the radius of its interval is wider, `enclose` is asked
+# A row is left where the radius of its interval is above these parts of the length and of delta:
+# the arithmetic makes of one delta some five, but next to (0, 2) any number.
+_WIDEST, _STEEPEST = 2.0**-42, 32.0
 _BEST, _STRAIGHT, _ARCS = range(3)
 _FORMS = {"best": _BEST, "LS": _STRAIGHT, "RS": _STRAIGHT, "RL": _ARCS, "LR": _ARCS}
 
@@ -74,14 +79,6 @@ def bound_rows(scenarios: ScenarioArrays, branch: str = "best") -> Bounds:
     return bounds
 
 
-class _Target(NamedTuple):
-    """The exact target in the vehicle's frame at unit radius, and how far its neighbours lie."""
-
-    X: Interval
-    Y: Interval
-    delta: float
-
-
 class _Found(NamedTuple):
     """A shortest length in radii, and whether it is decided; infinite where there is no path."""
 
@@ -90,27 +87,19 @@ class _Found(NamedTuple):
 
 
 @inlined
-def _target(x: float, y: float, heading: float, tx: float, ty: float, radius: float) -> _Target:
+def _square(
+    x: float, y: float, heading: float, tx: float, ty: float, radius: float
+) -> tuple[Interval, Interval, float]:
+    """X and Y of the scenario's targets, and a bound on delta."""
     sine, cosine = sine_cosine(heading)
     s, c = Interval(sine, SINE_COSINE_ERROR), Interval(cosine, SINE_COSINE_ERROR)
     dx, dy, R = minus(exact(tx), exact(x)), minus(exact(ty), exact(y)), exact(radius)
     X = over(plus(times(dx, c), times(dy, s)), R)
     Y = over(minus(times(dy, c), times(dx, s)), R)
-    # never below the true one: GROWTH and the radii are more than what doubles lose in these sums
     extent = (abs(x) + abs(y) + abs(tx) + abs(ty)) / radius
-    size = abs(X.mid) + X.rad + abs(Y.mid) + Y.rad
-    return _Target(X, Y, EPS * (2.0 * extent + 12.0 * size) * GROWTH + TINY)
-
-
-@inlined
-def _clear(value: Interval, X: float, Y: float, delta: float) -> bool:
-    """Whether |T' - C|^2 - d^2 has one sign for all targets T' within delta of T in X and Y.
-
-    Args:
-        value: |T - C|^2 - d^2, or its negative.
-        X, Y: bounds of the absolute values of T - C.
-    """
-    return abs(value.mid) > (value.rad + 2.0 * delta * (X + Y + delta)) * GROWTH
+    distance = abs(X.mid) + X.rad + abs(Y.mid) + Y.rad
+    delta = (PER_EXTENT * extent + PER_DISTANCE * distance) * GROWTH + TINY
+    return widened(X, delta), widened(Y, delta), delta
 
 
 @inlined
@@ -174,55 +163,46 @@ def _squares(X: Interval, Y: Interval) -> tuple[Interval, Interval]:
 
 
 @inlined
-def _best(X: Interval, Y: Interval, delta: float) -> _Found:
-    """The shortest of all for Y = |Y|; its edges are both circles, and the start lies on them."""
+def _best(X: Interval, Y: Interval) -> _Found:
+    """The shortest of all for Y = |Y|, which is as far from the right circle as -Y from the left.
+
+    The edges are both circles, and the start lies on them.
+    """
     w, p = _squares(X, Y)
-    # |w| is below |p| here, so that who is off the left circle by this is off the right one too
-    clear = _clear(w, abs(X.mid) + X.rad, 1.0 + Y.mid + Y.rad, delta)
     found = _right_left(X, Y, p, True) if w.mid > 0.0 else _left_straight(X, Y, w)
-    return _Found(found.length, found.decided & clear)
+    return _Found(found.length, found.decided & is_signed(w))
 
 
 @inlined
-def _straight_word(X: Interval, Y: Interval, delta: float) -> _Found:
+def _straight_word(X: Interval, Y: Interval) -> _Found:
     """LS; its edges are the left circle and the axis ahead, where the start is."""
     w, _ = _squares(X, Y)
-    clear = _clear(w, abs(X.mid) + X.rad, abs(Y.mid - 1.0) + (Y.rad + ROUNDING), delta)
-    off_axis = (abs(Y.mid) > (Y.rad + delta) * GROWTH) | (-X.mid > (X.rad + delta) * GROWTH)
     if w.mid > 0.0:
-        return _Found(exact(math.inf), clear)
+        return _Found(exact(math.inf), is_signed(w))
     found = _left_straight(X, Y, w)
-    return _Found(found.length, found.decided & clear & off_axis)
+    off_axis = is_signed(Y) | positive(negative(X))
+    return _Found(found.length, found.decided & is_signed(w) & off_axis)
 
 
 @inlined
-def _arcs_word(X: Interval, Y: Interval, delta: float) -> _Found:
+def _arcs_word(X: Interval, Y: Interval) -> _Found:
     """The shorter RL; its edges are the left circle and the circles of 1 and 3 about C_R."""
     w, p = _squares(X, Y)
     q = minus(exact(8.0), p)
-    x, left, right = abs(X.mid) + X.rad, abs(Y.mid - 1.0), abs(Y.mid + 1.0)
-    clear = _clear(p, x, right + (Y.rad + ROUNDING), delta)
-    clear &= _clear(q, x, right + (Y.rad + ROUNDING), delta)
+    in_reach = is_signed(p) & is_signed(q)
     if p.mid < 0.0 or q.mid < 0.0:
-        return _Found(exact(math.inf), clear)
-    clear &= _clear(w, x, left + (Y.rad + ROUNDING), delta)
+        return _Found(exact(math.inf), in_reach)
     a, b = _right_left(X, Y, p, True), _right_left(X, Y, p, False)
-    return _Found(_lesser(a.length, b.length), a.decided & b.decided & clear)
+    decided = a.decided & b.decided & in_reach & is_signed(w)
+    return _Found(lesser(a.length, b.length), decided)
 
 
 @inlined
-def _lesser(a: Interval, b: Interval) -> Interval:
-    """The smaller of two numbers: it differs from that of the middles by the larger radius."""
-    return Interval(min(a.mid, b.mid), max(a.rad, b.rad))
-
-
-@inlined
-def _row(target: _Target, form: int, mirrored: bool) -> _Found:
-    X, Y, delta = target
+def _shortest(X: Interval, Y: Interval, form: int, mirrored: bool) -> _Found:
     if form == _BEST:
-        return _best(X, Interval(abs(Y.mid), Y.rad), delta)
+        return _best(X, Interval(abs(Y.mid), Y.rad))
     Y = negative(Y) if mirrored else Y
-    return _straight_word(X, Y, delta) if form == _STRAIGHT else _arcs_word(X, Y, delta)
+    return _straight_word(X, Y) if form == _STRAIGHT else _arcs_word(X, Y)
 
 
 @threaded
@@ -232,14 +212,14 @@ def _bound_rows(scenarios: ScenarioArrays, form: int, mirrored: bool, bounds: Bo
     for chunk in numba.prange(chunks(x.size)):
         first, end = chunk_bounds(chunk, x.size)
         for i in range(first, end):
-            target = _target(x[i], y[i], heading[i], tx[i], ty[i], radius[i])
-            length, decided = _row(target, form, mirrored)
+            X, Y, delta = _square(x[i], y[i], heading[i], tx[i], ty[i], radius[i])
+            length, decided = _shortest(X, Y, form, mirrored)
             none = length.mid == math.inf
-            useful = length.rad <= _WIDEST * length.mid
-            sound = decided & (useful | none) & (abs(heading[i]) <= LARGEST_ANGLE)
+            useful = length.rad <= _WIDEST * length.mid + _STEEPEST * delta
             scaled = times(length, exact(radius[i]))
             # one step outwards for the rounding of each end
-            below, above = scaled.mid - scaled.rad, scaled.mid + scaled.rad
-            low[i] = math.inf if none else below * (1.0 - 2.0 * EPS)
-            high[i] = math.inf if none else above * (1.0 + 2.0 * EPS)
-            left[i] = not (sound & (none | (below > 0.0)))
+            below = (scaled.mid - scaled.rad) * (1.0 - 2.0 * EPS)
+            above = (scaled.mid + scaled.rad) * (1.0 + 2.0 * EPS)
+            low[i], high[i] = (math.inf, math.inf) if none else (below, above)
+            sound = decided & (abs(heading[i]) <= LARGEST_ANGLE)
+            left[i] = not (sound & (none | (useful & (below > 0.0))))

@@ -137,3 +137,21 @@ def full_turn() -> Interval:
 def positive(a: Interval) -> bool:
     """Whether all numbers of an interval are above zero."""
     return a.mid > a.rad
+
+
+@inlined
+def is_signed(a: Interval) -> bool:
+    """Whether all numbers of an interval have the same sign, and none is zero."""
+    return abs(a.mid) > a.rad
+
+
+@inlined
+def widened(a: Interval, by: float) -> Interval:
+    """All numbers that are at most `by` from an interval."""
+    return Interval(a.mid, (a.rad + by) * GROWTH)
+
+
+@inlined
+def lesser(a: Interval, b: Interval) -> Interval:
+    """The smaller of a number of each: it is as near to the smaller `mid` as the larger `rad`."""
+    return Interval(min(a.mid, b.mid), max(a.rad, b.rad))
