@@ -129,7 +129,7 @@ def test_targets_that_a_user_computed_to_lie_on_an_edge(box, branch, target):
 
 
 @given(
-    st.floats(0.05, 3.0),
+    st.floats(0.3, 2.9),
     st.floats(-1e5, 1e5),
     st.floats(-math.pi, math.pi),
     st.floats(-1.0, 1.0),
@@ -148,7 +148,7 @@ def test_on_a_front_half_both_lengths_are_right_and_none_between(angle, offset, 
         assert judged.verdict == "optimal", path
         assert certify(scenario, path, judged).proof == "proved"
     assert around.total_length - arc.total_length > 0.1
-    longer = as_path(scenario, "LS", Segments(angle + 2 * math.pi, 0.0))
+    longer = as_path(scenario, "L", Segments(angle + 2 * math.pi, 0.0))
     assert judge(scenario, longer, Claim.OPTIMAL).false_claim
 
 
