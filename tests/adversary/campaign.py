@@ -19,14 +19,15 @@ from flint import ctx
 
 from dubins_study.study.path import drivable
 from dubins_study.study.scenario import Scenario
-from tests.adversary import checks, frames, self_checks
+from tests.adversary import answers, checks, frames, self_checks
 from tests.adversary.generators import case
-from tests.adversary.oracle import Truth, bits, end
+from tests.adversary.oracle import bits, end
 from tests.adversary.table import Table
+from tests.adversary.truth import Truth
 from tests.adversary.wrong import Answer, wrong_answer
 
 BLOCK = 500  # cases; what a frame holds, and what a worker does before it reports
-_SELF_CHECKED = 50  # one case in so many is used against the oracle itself
+_SELF_CHECKED = 50  # one case in so many is sampled densely, and used against the oracle itself
 
 
 def run(seed: int, low: int, high: int) -> Table:
@@ -34,15 +35,15 @@ def run(seed: int, low: int, high: int) -> Table:
     table = Table()
     numbers = range(low, high)
     cases = [case(seed, number) for number in numbers]
-    answers: list[frames.Judged] = []
+    altered: list[frames.Judged] = []
     for number, (kind, scenario) in zip(numbers, cases, strict=True):
         table.generator = kind
         rng = np.random.default_rng((seed, number, 1))
         _one(table, scenario, rng, self_checked=number % _SELF_CHECKED == 0)
-        answers.append(_answer(table, scenario, rng))
+        altered.append(_answer(table, scenario, rng))
     frames.closed_forms(table, cases)
     frames.judgements(table, cases)
-    frames.wrong_answers(table, answers)
+    frames.wrong_answers(table, altered)
     return table
 
 
@@ -53,6 +54,7 @@ def _one(table: Table, scenario: Scenario, rng: np.random.Generator, self_checke
         checks.enclosures(table, scenario, truth)
         checks.bounds(table, scenario, truth)
         if self_checked:
+            checks.dense(table, scenario, truth, rng)
             self_checks.oracle(table, scenario, truth, rng)
 
 
@@ -64,7 +66,7 @@ def _answer(table: Table, scenario: Scenario, rng: np.random.Generator) -> frame
     with ctx.workprec(bits(scenario)):
         truth = Truth.of(scenario)
         driven = end(scenario, path) if drivable(path) else None
-        judged, certificate = checks.answer(table, scenario, branch, path, truth, driven, rng)
+        judged, certificate = answers.answer(table, scenario, branch, path, truth, driven, rng)
     return frames.Judged(table.generator, asked, judged, certificate)
 
 

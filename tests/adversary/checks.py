@@ -8,23 +8,20 @@ from collections.abc import Sequence
 import numpy as np
 from flint import acb, arb
 
-from dubins_study.study.check.certificate import Certificate, Proof, certify
+from dubins_study.study.check.certificate import certify
 from dubins_study.study.check.enclosure import Enclosure, enclose
-from dubins_study.study.check.verdict import Judgement, Tolerances, Verdict, judge
+from dubins_study.study.check.verdict import judge
 from dubins_study.study.closed_form.shortest import Segments, shortest, shortest_path
-from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.vehicle_frame import local
 from dubins_study.study.words import BRANCHES
-from tests.adversary.oracle import Truth, drive, greatest, least, side
-from tests.adversary.table import Table, paste, paste_path
+from tests.adversary.oracle import drive, greatest, least
+from tests.adversary.table import Table, paste
+from tests.adversary.truth import Truth
 
 _TURN = {"L": 1, "S": 0, "R": -1}
 _EPS = math.ulp(1.0)
-_CLOSE = 1 + 1e-9  # what two computations of one tolerance may differ by
-_SPREAD = 4  # how much wider than the sampled truth the whole truth may be
 _SURE = 2.0  # a set so many times as wide meets no edge: then nothing is open
-TOLERANCES = Tolerances()
 
 
 def ulp(length: float, radius: float) -> float:
@@ -116,6 +113,20 @@ def enclosures(table: Table, scenario: Scenario, truth: Truth) -> None:
             table.note("enclosure width", (found.high - found.low) / spread, line)
 
 
+def dense(table: Table, scenario: Scenario, truth: Truth, rng: np.random.Generator) -> None:
+    """The same of some hundred targets more, on a share of the cases."""
+    truth.refine(rng)
+    radius = arb(scenario.radius)
+    for branch in BRANCHES:
+        found = enclose(scenario, branch)
+        lengths = (member.lengths[branch] for member in truth.members)
+        values = [length * radius for length in lengths if length is not None]
+        worst, value = _worst_outside(values, found.parts, scenario.radius)
+        line = f"enclose({paste(scenario, branch)}).parts  # {value!r}"
+        table.note("parts hold many", worst, line)
+        table.note("absent", truth.absent(branch) and not found.absent, line)
+
+
 def _worst_outside(
     values: Sequence[arb], intervals: Sequence[tuple[float, float]], radius: float
 ) -> tuple[float, float]:
@@ -158,121 +169,3 @@ def bounds(table: Table, scenario: Scenario, truth: Truth) -> None:
             certificate.false_bound != is_false,
             f"solve({paste(scenario, branch)})  # bound {bound!r}",
         )
-
-
-def excess(rates: Sequence[float], branch: str) -> float:
-    """Largest violation of what a branch allows of rates (curvature times radius)."""
-    if branch == "best":
-        return max((abs(u) - 1 for u in rates), default=0.0)
-    first = 1 if branch[0] == "L" else -1
-    if branch[1] == "S":
-        return max((max(-u * first, u * first - 1) for u in rates), default=0.0)
-    switches = range(len(rates) + 1)
-    return min(
-        max((abs(u - (first if i < n else -first)) for i, u in enumerate(rates)), default=0.0)
-        for n in switches
-    )
-
-
-def answer(
-    table: Table,
-    scenario: Scenario,
-    branch: str,
-    path: Path,
-    truth: Truth,
-    end: acb | None,
-    rng: np.random.Generator,
-) -> tuple[Judgement, Certificate]:
-    """Any answer: verdict, proof and certificate, against where the path ends and how long it is.
-
-    `end` is the path's end in 60 digits, None if it cannot be driven.
-    """
-    judged = judge(scenario, path, branch=branch)
-    certificate = certify(scenario, path, judged, branch)
-
-    line = f"{paste_path(scenario, branch, path)}  # {judged.verdict}, {certificate.proof}"
-    if end is None:
-        evidence = certificate.pmp_residual, certificate.cut_margin
-        table.note("broken path", judged.verdict is not Verdict.MISSES, line)
-        table.note("broken path", any(number is not None for number in evidence), line)
-        return judged, certificate
-    arrives = _arrives(scenario, branch, path, truth, end)
-    found = judged.verdict in (Verdict.OPTIMAL, Verdict.LONGER)
-    if arrives is not None:
-        table.note("arrival", found != arrives, line)
-    length = _Length(truth, branch, scenario, path.total_length)
-    if found:
-        if length.wrong:
-            truth.refine(rng)
-            length = _Length(truth, branch, scenario, path.total_length)
-        _verdict(table, judged, length, line)
-    wrong = certificate.proof is Proof.PROVED and (arrives is False or length.wrong)
-    table.note("proved", wrong, line)
-    _certificate(table, scenario, path, certificate, end, line)
-    return judged, certificate
-
-
-def _arrives(scenario: Scenario, branch: str, path: Path, truth: Truth, end: acb) -> bool | None:
-    """Whether a path is admissible and meets the target; None where rounding leaves that open."""
-    R = scenario.radius
-    if truth.exact[branch] is None:
-        return None  # an admissible path of other pieces may arrive where the word itself does not
-    controls = zip(path.curvature.tolist(), path.length.tolist(), strict=True)
-    bend = excess([k * R for k, s in controls if s > 0], branch)
-    if abs(bend - TOLERANCES.curvature) < 1e-14:
-        return None
-    miss = float(abs(end - truth.target))
-    rounding = 32 * _EPS * (scenario.extent + path.total_length) / R
-    if miss > TOLERANCES.miss * _CLOSE + 2 * rounding:
-        return False
-    if miss >= TOLERANCES.miss / _CLOSE or rounding > 0.5:
-        return None
-    return bend <= TOLERANCES.curvature
-
-
-class _Length:
-    """How a length compares with the sampled truth, of which the whole truth is hardly wider."""
-
-    def __init__(self, truth: Truth, branch: str, scenario: Scenario, length: float) -> None:
-        value = arb(length) / arb(scenario.radius)
-        hulls = truth.hulls(branch)
-        below = [value if side(high - value) >= 0 else high for low, high in hulls if low <= value]
-        self.below = bool(below)
-        reference = greatest(below) if below else value
-        scale = float(greatest((reference, arb(1))))
-        # a length that is hardly below some of the truth is as right as one that is hardly above
-        apart = min(float(value - reference) if below else math.inf, float(outside(value, hulls)))
-        room = _SPREAD * max((float(high - low) for low, high in hulls), default=0.0)
-        self.right = apart <= TOLERANCES.gap * scale / _CLOSE
-        self.wrong = apart > TOLERANCES.gap * scale * _CLOSE + room
-
-
-def _verdict(table: Table, judged: Judgement, length: _Length, line: str) -> None:
-    """Optimal if the length is in the truth, longer if it is not; below all of it, either."""
-    if length.below:
-        optimal = judged.verdict is Verdict.OPTIMAL
-        table.note("verdict", length.wrong if optimal else length.right, line)
-
-
-def _certificate(
-    table: Table,
-    scenario: Scenario,
-    path: Path,
-    certificate: Certificate,
-    end: acb,
-    line: str,
-) -> None:
-    """A path that satisfies Pontryagin and stays clear of its cut is shortest to its own end.
-
-    Looked at in the path's own neighbourhood, as wide as the check lets a path miss.
-    """
-    residual, cut = certificate.pmp_residual, certificate.cut_margin
-    if residual is None or cut is None or residual > 1e-7 or cut < 1e-9:
-        return
-    value = arb(path.total_length) / arb(scenario.radius)
-    own = Truth(end, arb(2 * TOLERANCES.miss))
-    highest = own.exact["best"]
-    assert highest is not None
-    if value - highest > TOLERANCES.gap:
-        highest = greatest(each["best"] for _, each, _ in own.members if each["best"] is not None)
-    table.note("certificate", float(value - highest) / TOLERANCES.gap, line)

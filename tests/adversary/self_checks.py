@@ -9,8 +9,9 @@ import numpy as np
 from flint import arb
 
 from dubins_study.study.scenario import Scenario
-from tests.adversary.oracle import DIGITS, WORDS, Truth, drive, lengths
+from tests.adversary.oracle import DIGITS, WORDS, drive, lengths
 from tests.adversary.table import Table, paste
+from tests.adversary.truth import Truth
 
 _STEPS = 6
 _SCANNED = 2048  # first arcs of a scan

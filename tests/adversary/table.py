@@ -28,6 +28,7 @@ CHECKS = {
     "kernel existence": Check("wrong", 0, "frame equals scalar"),
     "enclosure holds truth": Check("ulp", 0, "of the exact and of every sampled target"),
     "parts hold truth": Check("ulp", 0, "of the exact and of every sampled target"),
+    "parts hold many": Check("ulp", 0, "of some hundred targets more"),
     "absent": Check("wrong", 0, "is true where a target of the set has no path, and only there"),
     "enclosure decided": Check("wrong", 0, "the interval is finite where a path exists"),
     "enclosure width": Check("spread", 4, "away from edges, beside that of sampled targets"),

@@ -10,7 +10,7 @@ import pytest
 from dubins_study.study.check.certificate import Proof
 from dubins_study.study.check.verdict import Verdict
 from dubins_study.study.path import Path
-from tests.adversary import checks, frames
+from tests.adversary import answers, checks, frames
 from tests.adversary.campaign import run
 from tests.adversary.table import CHECKS, Table
 
@@ -59,6 +59,7 @@ SPOILT: dict[str, tuple[Any, str, Spoil]] = {
     "kernel length": (frames, "shortest_path", _longer),
     "enclosure holds truth": (checks, "enclose", lambda e: e._replace(low=e.high * (1 + 1e-15))),
     "parts hold truth": (checks, "enclose", lambda e: e._replace(parts=e.parts[:-1])),
+    "parts hold many": (checks, "enclose", lambda e: e._replace(parts=e.parts[:-1])),
     "absent": (checks, "enclose", lambda e: e._replace(absent=not e.absent)),
     "enclosure decided": (checks, "enclose", lambda e: e._replace(high=float("inf"))),
     "enclosure width": (checks, "enclose", lambda e: e._replace(low=0.0)),
@@ -66,11 +67,11 @@ SPOILT: dict[str, tuple[Any, str, Spoil]] = {
     "frame judgement": (frames, "judge", lambda j: j._replace(region="circle")),
     "frame gap": (frames, "judge", lambda j: j._replace(gap=j.gap and j.gap + 1e-14)),
     "analytic claim": (frames, "judge", lambda j: j._replace(false_claim=True)),
-    "verdict": (checks, "judge", lambda j: _swapped(j)),
-    "arrival": (checks, "judge", lambda j: j._replace(verdict=Verdict.MISSES)),
-    "broken path": (checks, "judge", lambda j: j._replace(verdict=Verdict.OPTIMAL)),
-    "proved": (checks, "certify", lambda c: c._replace(proof=Proof.PROVED)),
-    "certificate": (checks, "certify", lambda c: c._replace(pmp_residual=0.0, cut_margin=1.0)),
+    "verdict": (answers, "judge", lambda j: _swapped(j)),
+    "arrival": (answers, "judge", lambda j: j._replace(verdict=Verdict.MISSES)),
+    "broken path": (answers, "judge", lambda j: j._replace(verdict=Verdict.OPTIMAL)),
+    "proved": (answers, "certify", lambda c: c._replace(proof=Proof.PROVED)),
+    "certificate": (answers, "certify", lambda c: c._replace(pmp_residual=0.0, cut_margin=1.0)),
 }
 
 
