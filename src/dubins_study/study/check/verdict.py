@@ -192,9 +192,10 @@ def _known_to_delta(
     That is the reference, unless the answer is longer: then it is the largest of the shortest
     lengths of the targets within delta that the answer does not fall short of.
     """
-    if length - reference <= gap * max(reference, scenario.radius):
+    allowed = gap * max(reference, scenario.radius)
+    if length - reference <= allowed:
         return reference
-    nearest = enclose(scenario, branch).nearest(length)
+    nearest = enclose(scenario, branch).nearest(length, allowed)
     return reference if nearest is None else max(reference, nearest)
 
 
