@@ -58,8 +58,8 @@ def closed_form(table: Table, scenario: Scenario, truth: Truth, rng: np.random.G
         table.note("closed form length", far, f"shortest_path({line}).total_length")
         # the set's own width, and the rounding of both segments
         room = truth.delta + 16 * _EPS * (1 + arb(optimum.total))
-        off = end - truth.target
-        apart = greatest((abs(off.real), abs(off.imag))) / room
+        missed = end - truth.target
+        apart = greatest((abs(missed.real), abs(missed.imag))) / room
         table.note("closed form end", float(apart), f"shortest_path({line}).end")
 
 

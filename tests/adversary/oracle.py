@@ -114,7 +114,7 @@ _FIND = {
 def paths(target: acb, word: str, driven: bool = False) -> list[Pieces]:
     """All paths of a word with arcs below a full turn; if `driven`, each to its end."""
     find, mirror = _FIND[word]
-    found = []
+    found: list[Pieces] = []
     for pieces in find(target.conjugate() if mirror else target):
         pieces = [(-k, s) if mirror else (k, s) for k, s in pieces]
         if driven:

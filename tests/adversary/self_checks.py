@@ -41,10 +41,12 @@ def _sine(heading: float) -> float:
 def _steps(truth: Truth, rng: np.random.Generator) -> bool:
     """Whether some first piece and the shortest way from its end beat the oracle's shortest."""
     best = truth.exact["best"]
+    assert best is not None, "some path to every target exists"
     for turn in (-1, 0, 1):
         for step in (10 ** rng.uniform(-6, 0.8, _STEPS // 3)).tolist():
             z, direction = drive([(arb(turn), arb(step))])
             rest = lengths((truth.target - z) / direction)["best"]
+            assert rest is not None
             if rest + step < best - arb(10.0) ** (10 - DIGITS) * (1 + best):
                 return True
     return False
@@ -57,7 +59,7 @@ def _scan(truth: Truth) -> float:
     for word in WORDS:
         exact, scanned = truth.exact[word], _scanned(target, word)
         if exact is None or scanned is None:
-            worst = max(worst, 0.0 if exact is scanned else math.inf)
+            worst = max(worst, 0.0 if exact is None and scanned is None else math.inf)
         else:
             worst = max(worst, abs(float(exact) - scanned) / max(1.0, float(exact)) * 1e9)
     return worst
@@ -83,7 +85,7 @@ def _off(target: complex, a: np.ndarray | float, straight: bool) -> np.ndarray:
     """How far the line or circle that follows a first left arc passes beside the target."""
     z, direction = _pose(a)
     seen = (target - z) / direction
-    return seen.imag if straight else np.abs(seen + 1j) - 1
+    return np.asarray(seen.imag if straight else np.abs(seen + 1j) - 1)
 
 
 def _halved(target: complex, low: float, high: float, straight: bool) -> float | None:
