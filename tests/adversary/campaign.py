@@ -36,26 +36,31 @@ def run(seed: int, low: int, high: int) -> Table:
     numbers = range(low, high)
     cases = [case(seed, number) for number in numbers]
     altered: list[frames.Judged] = []
+    sampled: list[frames.Hulls] = []
     for number, (kind, scenario) in zip(numbers, cases, strict=True):
         table.generator = kind
         rng = np.random.default_rng((seed, number, 1))
-        _one(table, scenario, rng, self_checked=number % _SELF_CHECKED == 0)
+        sampled.append(_one(table, scenario, rng, self_checked=number % _SELF_CHECKED == 0))
         altered.append(_answer(table, scenario, rng))
     frames.closed_forms(table, cases)
-    frames.judgements(table, cases)
+    frames.judgements(table, cases, sampled)
     frames.wrong_answers(table, altered)
     return table
 
 
-def _one(table: Table, scenario: Scenario, rng: np.random.Generator, self_checked: bool) -> None:
+def _one(
+    table: Table, scenario: Scenario, rng: np.random.Generator, self_checked: bool
+) -> frames.Hulls:
+    """One case; the least and the greatest of its sampled lengths by branch."""
     with ctx.workprec(bits(scenario)):
         truth = Truth.of(scenario)
         checks.closed_form(table, scenario, truth, rng)
-        checks.enclosures(table, scenario, truth)
+        sampled = checks.enclosures(table, scenario, truth)
         checks.bounds(table, scenario, truth)
         if self_checked:
             checks.dense(table, scenario, truth, rng)
             self_checks.oracle(table, scenario, truth, rng)
+    return sampled
 
 
 def _answer(table: Table, scenario: Scenario, rng: np.random.Generator) -> frames.Judged:

@@ -93,9 +93,13 @@ def _deviation(
     return float(least(far) / unit)
 
 
-def enclosures(table: Table, scenario: Scenario, truth: Truth) -> None:
-    """Every interval holds the truth of every sampled target, and little else."""
+def enclosures(table: Table, scenario: Scenario, truth: Truth) -> dict[str, tuple[float, float]]:
+    """Every interval holds the truth of every sampled target, and little else.
+
+    Returns the least and the greatest of the sampled lengths by branch, rounded inwards.
+    """
     radius = arb(scenario.radius)
+    sampled = {}
     for branch in BRANCHES:
         found = enclose(scenario, branch)
         line = f"enclose({paste(scenario, branch)})"
@@ -111,6 +115,10 @@ def enclosures(table: Table, scenario: Scenario, truth: Truth) -> None:
         if values and not undecided and not truth.touches(branch, _SURE):
             spread = float(greatest(values) - least(values)) + 4 * ulp(found.high, scenario.radius)
             table.note("enclosure width", (found.high - found.low) / spread, line)
+        if values:
+            low, high = float(least(values)), float(greatest(values))
+            sampled[branch] = math.nextafter(low, math.inf), math.nextafter(high, 0.0)
+    return sampled
 
 
 def dense(table: Table, scenario: Scenario, truth: Truth, rng: np.random.Generator) -> None:

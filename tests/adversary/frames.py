@@ -27,6 +27,7 @@ from tests.adversary.table import Table, paste, paste_path
 from tests.adversary.wrong import Answer
 
 Cases = Sequence[tuple[str, Scenario]]
+Hulls = dict[str, tuple[float, float]]  # least and greatest length (length unit) by branch
 
 
 class Judged(NamedTuple):
@@ -60,8 +61,11 @@ def closed_forms(table: Table, cases: Cases) -> None:
                 table.note("kernel length", apart, line)
 
 
-def judgements(table: Table, cases: Cases) -> None:
-    """The answers of `analytic`, frame and scalar, judged and certified."""
+def judgements(table: Table, cases: Cases, sampled: Sequence[Hulls]) -> None:
+    """The answers of `analytic`, frame and scalar, judged and certified.
+
+    `sampled` are the least and the greatest of each case's sampled lengths.
+    """
     frame = _frame(scenario for _, scenario in cases)
     solver = Analytic()
     for branch in BRANCHES:
@@ -77,6 +81,12 @@ def judgements(table: Table, cases: Cases) -> None:
             proof = certify(scenario, path, verdict, branch, lower_bound=least)
             line = f"solve({paste(scenario, branch)})"
             _claim(table, verdict, proof, line)
+            if branch in sampled[row]:
+                low, high = sampled[row][branch]
+                found = certified.reference_low[row], certified.reference_high[row]
+                off = max(found[0] - low, high - found[1], 0.0) / ulp(high, scenario.radius)
+                text = f"{line}  # frame {found}, truth {low!r} {high!r}"
+                table.note("frame interval holds truth", off, text)
             _same(table, _row(judged, certified, row), (verdict, proof), scenario, line)
 
 
@@ -167,9 +177,9 @@ def _same(
         table.note("frame gap", apart, f"{line}  # gap {row.gap} {judged.gap}")
     low, high = certificate.reference_low, certificate.reference_high
     text = f"{line}  # frame {row.low!r} {row.high!r}, balls {low!r} {high!r}"
-    if (low is None) != math.isnan(row.low) or (high is None) != math.isnan(row.high):
-        table.note("frame interval", math.inf, text)
-    elif low is not None and high is not None:
-        unit = ulp(high, scenario.radius)
-        table.note("frame interval", max(row.low - low, high - row.high, 0.0) / unit, text)
-        table.note("frame interval width", max(low - row.low, row.high - high, 0.0) / unit, text)
+    missing = (low is None) != math.isnan(row.low) or (high is None) != math.isnan(row.high)
+    table.note("frame interval", missing, text)
+    if low is not None and high is not None and not missing:
+        wider = row.high - row.low - 64 * (high - low)
+        wider /= max(high, scenario.radius)
+        table.note("frame interval width", 1e12 * wider, text)

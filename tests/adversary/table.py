@@ -35,8 +35,9 @@ CHECKS = {
     "bounds": Check("wrong", 0, "false above the truth, never below"),
     "frame judgement": Check("wrong", 0, "verdict, region, word, proof and flags equal scalar's"),
     "frame gap": Check("ulp", 8, "of lengths: frame equals scalar"),
-    "frame interval": Check("ulp", 0, "holds the interval in balls"),
-    "frame interval width": Check("ulp", 64, "beyond the interval in balls"),
+    "frame interval": Check("wrong", 0, "there is one where balls give one"),
+    "frame interval holds truth": Check("ulp", 0, "of all sampled targets"),
+    "frame interval width": Check("1e-12", 1, "relative, beyond 64 times that in balls"),
     "analytic claim": Check("wrong", 0, "optimal or none exists, no false claim or bound"),
     "broken path": Check("wrong", 0, "misses, and has no certificate"),
     "arrival": Check("wrong", 0, "misses if and only if the driven path does"),
@@ -93,16 +94,16 @@ class Table:
     def lines(self) -> Iterator[str]:
         """The table as text: each generator and check, then each check alone, then what failed."""
         head = f"{'cases':>12}{'worst':>10} {'allowed':12}{'wrong':>8}"
-        yield f"{'check':24}{'generator':20}{head}"
+        yield f"{'check':28}{'generator':20}{head}"
         kinds = sorted({kind for kind, _ in self.cells})
         for name in CHECKS:
             for kind in kinds:
                 if cell := self.cells.get((kind, name)):
-                    yield f"{name:24}{kind:20}{_numbers(name, [cell])}"
-        yield f"\n{'check':24}{head}  promise"
+                    yield f"{name:28}{kind:20}{_numbers(name, [cell])}"
+        yield f"\n{'check':28}{head}  promise"
         for name, check in CHECKS.items():
             some = [cell for (_, other), cell in self.cells.items() if other == name]
-            yield f"{name:24}{_numbers(name, some)}  {check.promise}"
+            yield f"{name:28}{_numbers(name, some)}  {check.promise}"
         yield f"answers of `analytic` that are right and not proved: {self.unproved:,}"
         for name, line in self.first.items():
             yield f"first counterexample of '{name}' ({CHECKS[name].promise}):\n    {line}"
