@@ -17,8 +17,9 @@ from dubins_study.study.check.certificate import (
     PMP_ROUNDING,
     PMP_TOLERANCE,
     Proof,
+    is_false_bound,
 )
-from dubins_study.study.check.enclosure import enclose
+from dubins_study.study.check.enclosure import Enclosure, enclose
 from dubins_study.study.check.extremal import MEASURED, measure
 from dubins_study.study.check.extremal_kernel import extremal_rows
 from dubins_study.study.check.verdict import Tolerances, Verdict
@@ -101,8 +102,12 @@ def certify_frame(
         _measure_row(certificate, int(row), paths.path(int(row), scenario), scenario.radius)
     if enclosures:
         both = [enclose(scenario, branch) for scenario in scenarios(frame)]
-        certificate.reference_low[:], certificate.reference_high[:] = np.array(both).reshape(n, 2).T
-    _prove(certificate, judged, branch, lower_bound, tolerances, radius)
+        certificate.reference_low[:] = [one.low for one in both]
+        certificate.reference_high[:] = [one.high for one in both]
+        open_rows = {row: one for row, one in enumerate(both) if one.absent or len(one.parts) > 1}
+    else:
+        open_rows = {}
+    _prove(certificate, judged, branch, lower_bound, tolerances, radius, open_rows)
     for bounds in (certificate.reference_low, certificate.reference_high):
         bounds[np.isinf(bounds)] = np.nan
     return certificate
@@ -128,8 +133,12 @@ def _prove(
     lower_bound: FloatArray | None,
     tolerances: Tolerances,
     radius: FloatArray,
+    open_rows: dict[int, Enclosure],
 ) -> None:
-    """The proof of every row, as `certificate._proof` decides it."""
+    """The proof of every row, as `certificate._proof` decides it.
+
+    Of the rows in `open_rows` the interval has several parts, or there may be no path.
+    """
     low, high, numbers = (
         certificate.reference_low,
         certificate.reference_high,
@@ -143,8 +152,11 @@ def _prove(
         arrives = np.isfinite(judged.gap)
         tolerance = PMP_TOLERANCE + PMP_ROUNDING * judged.length / radius
         is_extremal = (judged.length == 0) | (numbers["pmp_residual"] <= tolerance)
-        near = (judged.verdict == _OPTIMAL) & np.isfinite(high)
-        near &= arrives & (np.abs(judged.length - low) <= allowed)
+        near = (low - allowed <= judged.length) & (judged.length <= high + allowed)
+        for row, interval in open_rows.items():
+            near[row] = interval.holds(judged.length[row], allowed[row])
+            certificate.false_bound[row] = is_false_bound(bound[row], interval, scale[row])
+        near &= arrives & (judged.verdict == _OPTIMAL) & np.isfinite(high)
         clear = (numbers["cut_margin"] >= -CUT_TOLERANCE) | (branch != "best")
         proved = near & ((is_extremal & clear) | (branch in ("LR", "RL")))
         bounded = near & ~certificate.false_bound & (judged.length - bound <= allowed)
