@@ -72,7 +72,6 @@ def solve_frame(
     profile: str = "default",
     limit: float = DEFAULT_LIMIT,
     certified: bool = False,
-    enclosed: bool = True,
     isolated: bool | None = None,
 ) -> pd.DataFrame:
     """Solve and judge every scenario of a frame.
@@ -85,10 +84,8 @@ def solve_frame(
         profile: `default`, `fast` or `accurate`.
         limit: seconds that the solver is asked to keep to, for each scenario.
         certified: whether a solver that answers the whole frame at once has its answers certified
-            too, at some 40 microseconds a row; without, the certificate's columns are null. One
+            too, at some 0.4 microseconds a row; without, the certificate's columns are null. One
             that is asked row by row always has.
-        enclosed: whether such a certificate encloses every reference length; without, at some 0.2
-            microseconds a row, no answer is `proved` or `bounded`.
         isolated: as for `solve`, with one worker for all rows, which is replaced when it is
             killed. With None, a solver that answers the whole frame at once does so in this
             process, without a limit; with True it is asked row by row.
@@ -116,7 +113,6 @@ def solve_frame(
             profile=profile,
             limit=limit,
             certified=certified,
-            enclosed=enclosed,
         )
     from dubins_study.experiments.engines.isolated import ask_isolated
     from dubins_study.study.scenario import check_frame

@@ -40,7 +40,6 @@ def solve_frame(
     profile: str = "default",
     limit: float = DEFAULT_LIMIT,
     certified: bool = False,
-    enclosed: bool = True,
 ) -> pd.DataFrame:
     """Solve and judge every scenario of a frame in this process.
 
@@ -65,7 +64,7 @@ def solve_frame(
     if certified:
         bound = solution.lower_bound
         asked = frame, solution.paths, judged, branch, bound, allowed
-        columns |= _certificate(certify_frame(*asked, enclosures=enclosed))
+        columns |= _certificate(certify_frame(*asked))
     return _framed(frame, columns)
 
 
