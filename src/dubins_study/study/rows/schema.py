@@ -72,17 +72,9 @@ ANSWER = (
     Column("multiplier_y", "float64", "1", "dual of the end point's y equation, if any"),
     Column("proof", "string", "", "how far the proof goes: proved, bounded, extremal or none"),
     Column(
-        "reference_low",
-        "float64",
-        "length",
-        "proven bounds of the shortest lengths of the targets within delta",
+        "reference_low", "float64", "length", "proven bounds of the shortest length, within delta"
     ),
-    Column(
-        "reference_high",
-        "float64",
-        "length",
-        "the upper one; both null where provably no path exists",
-    ),
+    Column("reference_high", "float64", "length", "both null where provably no path exists"),
     Column("costate_x", "float64", "1", "nu1 of the path, with nu0 = 1 unless abnormal"),
     Column("costate_y", "float64", "1", "nu2 of the path"),
     Column("abnormal", "bool", "", "nu0 = 0: the costates are of norm 1"),
@@ -92,7 +84,7 @@ ANSWER = (
     Column("pmp_residual", "float64", "1", "worst violation of Pontryagin's conditions"),
     Column("cut_margin", "float64", "rad", "above 0, the path is shortest to its own end"),
     Column("costate_error", "float64", "1", "distance of the multipliers from -(nu1, nu2) / nu0"),
-    Column("false_bound", "bool", "", "the solver's bound lies above all of the shortest lengths"),
+    Column("false_bound", "bool", "", "the solver's bound lies above `reference_high`"),
     Column("curvatures", "list<float64>", "1/length", "the path's controls, positive to the left"),
     Column("lengths", "list<float64>", "length", "how long each is held"),
     Column("build_s", "float64", "s", "time to build the model"),
