@@ -45,13 +45,16 @@ class Enclosure(NamedTuple):
     def exists(self) -> bool:
         return math.isfinite(self.high)
 
-    def nearest(self, length: float) -> float | None:
-        """The largest of the lengths that is not above `length`; the least if all are above."""
+    def nearest(self, length: float, tolerance: float = 0.0) -> float | None:
+        """The largest of the lengths that is not above `length`; the least if all are above.
+
+        A part that begins within the tolerance above `length` counts as not above it.
+        """
         if not self.parts:
             return None
-        return max(
-            (min(high, length) for low, high in self.parts if low <= length), default=self.low
-        )
+        below = [part for part in self.parts if part[0] <= length + tolerance]
+        low, high = below[-1] if below else self.parts[0]
+        return max(low, min(high, length))
 
     def holds(self, length: float, tolerance: float) -> bool:
         """Whether a length is within the tolerance of a part."""

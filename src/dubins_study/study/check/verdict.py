@@ -192,10 +192,15 @@ def _known_to_delta(
     That is the reference, unless the answer is longer: then it is the largest of the shortest
     lengths of the targets within delta that the answer does not fall short of.
     """
-    if length - reference <= gap * max(reference, scenario.radius):
+    allowed = gap * max(reference, scenario.radius)
+    if length - reference <= allowed:
         return reference
-    nearest = enclose(scenario, branch).nearest(length)
-    return reference if nearest is None else max(reference, nearest)
+    nearest = enclose(scenario, branch).nearest(length, allowed)
+    if nearest is None:
+        return reference
+    # what delta alone moves a length by is no reason for another reference
+    matters = length - nearest <= allowed or nearest - reference > allowed
+    return nearest if matters else reference
 
 
 def path_word_of(path: Path) -> str:
