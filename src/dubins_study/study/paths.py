@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dubins_study.study.claim import Claim
-from dubins_study.study.number import real_array
+from dubins_study.study.number import doubles
 from dubins_study.study.path import FloatArray, Path
 from dubins_study.study.scenario import Scenario
 
@@ -26,7 +26,8 @@ class Paths:
         returned: shape (n,), False where there is no path; None if all rows have one.
 
     Raises:
-        TypeError: naming the array, its shape or type, and what was expected.
+        ValueError: naming the array, its shape and what was expected.
+        TypeError: if an array does not hold numbers, or `returned` no booleans.
     """
 
     curvature: FloatArray
@@ -36,12 +37,16 @@ class Paths:
     def __post_init__(self) -> None:
         n = np.shape(self.curvature)[-1] if np.ndim(self.curvature) else 0
         for name in ("curvature", "length"):
-            object.__setattr__(self, name, real_array(name, getattr(self, name), (2, n)))
+            array = doubles(name, getattr(self, name))
+            if array.shape != (2, n):
+                raise ValueError(f"{name} has shape {array.shape}; expected {(2, n)}")
+            object.__setattr__(self, name, array)
         if self.returned is not None:
             returned = np.asarray(self.returned)
-            if returned.shape != (n,) or returned.dtype != np.bool_:
-                kind = f"has shape {returned.shape} and type {returned.dtype}"
-                raise TypeError(f"returned {kind}; expected shape {(n,)} and type bool")
+            if returned.shape != (n,):
+                raise ValueError(f"returned has shape {returned.shape}; expected {(n,)}")
+            if returned.dtype != np.bool_:
+                raise TypeError(f"returned is an array of {returned.dtype}; expected booleans")
             object.__setattr__(self, "returned", returned)
 
     def __len__(self) -> int:
