@@ -44,7 +44,10 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     ),
     "solvers.indirect": ("study.*", "solvers", "solvers.paper_nlp"),
     "solvers.global_minlp": ("study.*", "solvers", "solvers.paper_nlp"),
-    "solvers.heading_milp": ("study.*", "solvers", "solvers.optimal_control"),
+    "solvers.heading_milp": (
+        *("study.*", "solvers", "solvers.optimal_control"),
+        "solvers.paper_nlp",  # whether a path of one-sided turning is a word
+    ),
     "solvers.export": ("study.*", "solvers", "solvers.paper_nlp", "solvers.global_minlp"),
     **dict.fromkeys(_LEAVES, ("study.*", "solvers")),
     "experiments.code_digest": ("solvers", "experiments.provenance"),

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from dubins_study.solvers.attempt import attempt, solve
 from dubins_study.solvers.global_minlp.disjunctive import Disjunctive
 from dubins_study.solvers.global_minlp.model import WORDS, gdp_model, transformed
-from dubins_study.solvers.global_minlp.polish import meet_target
+from dubins_study.solvers.paper_nlp.polish import meet_target
 from dubins_study.solvers.protocol import Question
 from dubins_study.study.check.verdict import Verdict
 from dubins_study.study.claim import Claim

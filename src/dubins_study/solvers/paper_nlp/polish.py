@@ -8,7 +8,8 @@ from typing import NamedTuple
 import numpy as np
 
 from dubins_study.solvers.paper_nlp.model import FULL_TURN, SUBPROBLEMS, equations, jacobian, target
-from dubins_study.study.path import FloatArray
+from dubins_study.solvers.protocol import Question
+from dubins_study.study.path import FloatArray, Path
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.vehicle_frame import EPS
 
@@ -48,8 +49,7 @@ def meet_target(
         word: the solver's.
         z: shape (3,): how far it turns to the left and to the right (rad), then goes straight.
     """
-    X, Y = scenario.local()
-    rounding = 8 * EPS * (1 + math.hypot(X, Y) + scenario.extent / scenario.radius)
+    rounding = _rounding(scenario)
     first = None
     for name in (word, *(other for other in words if other != word)):
         mirrored = SUBPROBLEMS[name].mirrored
@@ -60,6 +60,30 @@ def meet_target(
         first = first or polished
     assert first is not None  # `word` itself is always tried
     return word, first
+
+
+def one_sided_only(question: Question, path: Path) -> str | None:
+    """Why a path that turns one way and arrives is no answer to `LS` or `RS`; None if it is one.
+
+    Such a path may go straight first and then turn, and so enter the turning circle, which no path
+    of the word does. Therefore the word is driven with the path's own turn and straight, moved
+    until they meet the target. If they cannot be, the path is not of that word.
+    """
+    scenario, word = question.scenario, question.branch
+    if word not in ("LS", "RS"):
+        return None
+    turn = abs(path.turn)
+    z = np.zeros(3)
+    z[list(SUBPROBLEMS[word].free)] = turn % FULL_TURN, path.total_length / scenario.radius - turn
+    _, miss = polish(word, z, *target(scenario, mirrored=False))
+    if miss <= _rounding(scenario):
+        return None
+    return f"turning to one side arrives, but {word} itself misses by {miss:.1e} radii"
+
+
+def _rounding(scenario: Scenario) -> float:
+    """The miss (radii) that rounding explains."""
+    return 8 * EPS * (1 + math.hypot(*scenario.local()) + scenario.extent / scenario.radius)
 
 
 def polish(word: str, z: FloatArray, X: float, Y: float) -> tuple[FloatArray, float]:
