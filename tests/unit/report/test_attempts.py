@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
 from dubins_study.report.data import attempts as attempts_module
-from dubins_study.report.data.attempts import PROOFS, VERDICTS
+from dubins_study.report.data.attempts import PRESOLVED, PROOFS, VERDICTS
 from dubins_study.report.statistics import metrics
 from dubins_study.report.topics.success.numbers import (
     failures,
@@ -49,7 +49,8 @@ def attempts(draw):
             "reference_word": st.sampled_from(["LS", None]),
             "outcome": st.sampled_from(["returned", "timeout"]),
             "claim": st.sampled_from(["optimal", "none"]),
-            "verdict": st.sampled_from(VERDICTS),
+            "presolved": st.sampled_from([False, False, True, None]),
+            "verdict": st.sampled_from([v for v in VERDICTS if v != PRESOLVED]),
             "false_claim": st.booleans(),
             "wrong_basin": st.booleans(),
             "native_status": text,

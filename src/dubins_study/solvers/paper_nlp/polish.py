@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import product
 from typing import NamedTuple
 
 import numpy as np
@@ -18,6 +19,9 @@ from dubins_study.study.vehicle_frame import EPS
 _STEPS = 40
 _HALVINGS = 8
 
+
+# radii; a straight to begin with, towards a target next to the circle
+_OUTSIDE = 0.05
 
 # relative; a polished path is the solver's own if their lengths are as close as a tolerance of 1e-6
 # on the squared length of the straight leaves them
@@ -67,18 +71,26 @@ def one_sided_only(question: Question, path: Path) -> str | None:
 
     Such a path may go straight first and then turn, and so enter the turning circle, which no path
     of the word does. Therefore the word is driven with the path's own turn and straight, moved
-    until they meet the target. If they cannot be, the path is not of that word.
+    until they meet the target. If they miss it by more than the path, it is not of that word.
     """
     scenario, word = question.scenario, question.branch
     if word not in ("LS", "RS"):
         return None
-    turn = abs(path.turn)
-    z = np.zeros(3)
-    z[list(SUBPROBLEMS[word].free)] = turn % FULL_TURN, path.total_length / scenario.radius - turn
-    _, miss = polish(word, z, *target(scenario, mirrored=False))
-    if miss <= _rounding(scenario):
-        return None
-    return f"turning to one side arrives, but {word} itself misses by {miss:.1e} radii"
+    free, turn = list(SUBPROBLEMS[word].free), abs(path.turn)
+    straight = path.total_length / scenario.radius - turn
+    end = path.end
+    missed = math.hypot(end.x - scenario.target_x, end.y - scenario.target_y) / scenario.radius
+    arcs = turn % FULL_TURN, min(turn, FULL_TURN)  # either side of a full turn
+    least = math.inf
+    # On the circle, without a straight, the equations are singular: begin a little outside as well.
+    for arc, outside in product(arcs, (0.0, _OUTSIDE)):
+        moved = min(outside, arc / 2)
+        z = np.zeros(3)
+        z[free] = arc - moved, straight + moved
+        least = min(least, polish(word, z, *target(scenario, mirrored=False))[1])
+        if least <= missed + _rounding(scenario):
+            return None
+    return f"turning to one side arrives, but {word} itself misses by {least:.1e} radii"
 
 
 def _rounding(scenario: Scenario) -> float:
