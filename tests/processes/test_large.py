@@ -42,7 +42,7 @@ ROWS = 2 * (6400 + 9)
 @pytest.fixture
 def many(tmp_path, monkeypatch):
     """A folder of streamed chunks and single cells."""
-    monkeypatch.setattr(streams, "_ENCLOSED_CHUNK_ROWS", 1000)
+    monkeypatch.setattr(streams, "CHUNK_ROWS", 1000)
     (tmp_path / "many.toml").write_text(EXPERIMENT, encoding="utf-8")
     return run(str(tmp_path / "many.toml"), tmp_path / "out")
 

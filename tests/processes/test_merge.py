@@ -268,7 +268,7 @@ target_y = { linear = [0.1, 5, 50] }
 @pytest.fixture
 def streamed(tmp_path, monkeypatch):
     """A run of 2500 rows in five chunks, three of them in one folder and three in the other."""
-    monkeypatch.setattr(streams, "_ENCLOSED_CHUNK_ROWS", 500)
+    monkeypatch.setattr(streams, "CHUNK_ROWS", 500)
     file = tmp_path / "streamed.toml"
     file.write_text(STREAMED)
     whole = run(str(file), tmp_path / "whole")

@@ -73,10 +73,8 @@ def experiment(tmp_path):
 
 @pytest.fixture
 def small_chunks(monkeypatch):
-    """Chunks of 700 and of 1000 rows, proved up to 5000."""
-    monkeypatch.setattr(stream_plan, "_ENCLOSED_CHUNK_ROWS", 700)
-    monkeypatch.setattr(stream_plan, "_CHUNK_ROWS", 1000)
-    monkeypatch.setattr(stream_plan, "MOST_ENCLOSED_ROWS", 5000)
+    """Chunks of 700 rows."""
+    monkeypatch.setattr(stream_plan, "CHUNK_ROWS", 700)
 
 
 def held(folder):
@@ -90,7 +88,7 @@ def expanded(text):
 
 
 def test_rows_are_those_of_single_cells(experiment, tmp_path, small_chunks):
-    """Types and texts alike, numbers to rounding; proved, or certified where there are too many."""
+    """Types and texts alike, numbers to rounding, proofs too."""
     found = held(run(experiment(HEAD + 'branches = ["best", "LS"]\n' + GRID), tmp_path / "out"))
 
     assert len(found) == 2 * 3000
@@ -151,19 +149,27 @@ def test_a_part_reads_like_any_other(experiment, tmp_path, small_chunks):
             assert pa.compute.all(pa.compute.is_finite(table[field.name])).as_py() in (True, None)
 
 
-def test_many_are_certified_and_few_are_proved(experiment, tmp_path, small_chunks):
-    """Above the bound no reference is enclosed; residuals and costates are there all the same."""
-    folder = run(experiment(HEAD + SOBOL.replace("COUNT", "6000")), tmp_path / "out")
+def test_chunks_are_certified_as_their_frame_is(experiment, tmp_path, small_chunks):
+    """Every row proved; lengths, bounds, residuals and costates to the last bit."""
+    folder = run(experiment(HEAD + SOBOL.replace("COUNT", "6300")), tmp_path / "out")
     found = held(folder)
 
-    assert set(found["proof"]) == {"extremal"}
-    assert found["reference_low"].isna().all()
+    assert set(found["proof"]) == {"proved"}
     assert found["pmp_residual"].max() < 1e-12
     assert [chunk.window for chunk in read_chunks(folder).values()] == [
-        (i * 1000, 1000) for i in range(6)
+        (i * 700, 700) for i in range(9)
     ]
-    whole = solve_frame(found[list(COLUMNS)], certified=True, enclosed=False)
-    for name in ("length", "gap", "miss", "costate_x", "cut_margin"):
+    whole = solve_frame(found[list(COLUMNS)], certified=True)
+    numbers = (
+        "length",
+        "gap",
+        "miss",
+        "reference_low",
+        "reference_high",
+        "costate_x",
+        "cut_margin",
+    )
+    for name in numbers:
         assert np.array_equal(found[name], whole[name], equal_nan=True), name
 
 
@@ -213,7 +219,7 @@ def test_names_of_streams_depend_on_what_is_asked(monkeypatch):
     assert one.id == also.id == later.id
     assert len({one.id, *(other.id for other in others)}) == 1 + len(others)
     before = one.id
-    monkeypatch.setattr(stream_plan, "_ENCLOSED_CHUNK_ROWS", 999)
+    monkeypatch.setattr(stream_plan, "CHUNK_ROWS", 999)
     assert one.id != before
 
 

@@ -20,7 +20,7 @@ def compile_loops() -> None:
         frame = pd.DataFrame({"x": np.zeros(rows), "y": 0.0, "heading": 0.0, "target_x": 3.0})
         frame = frame.assign(target_y=1.0, radius=1.0)
         for branch in ("best", "LS"):
-            solve_frame(frame, branch=branch, certified=True, enclosed=False)
+            solve_frame(frame, branch=branch, certified=True)
 
 
 if __name__ == "__main__":

@@ -41,7 +41,6 @@ def solve_frame(
     profile: str = "default",
     limit: float = DEFAULT_LIMIT,
     certified: bool = False,
-    enclosed: bool = True,
 ) -> pd.DataFrame:
     """Solve and judge every scenario of a frame.
 
@@ -53,10 +52,8 @@ def solve_frame(
         profile: `default`, `fast` or `accurate`.
         limit: seconds that the solver is asked to keep to, for each scenario.
         certified: whether a solver that answers the whole frame at once has its answers certified
-            too, at some 40 microseconds a row; without, the certificate's columns are null. One
+            too, at some 0.4 microseconds a row; without, the certificate's columns are null. One
             that is asked row by row always has.
-        enclosed: whether such a certificate encloses every reference length; without, at some 0.2
-            microseconds a row, no answer is `proved` or `bounded`.
 
     Returns:
         One judged row a scenario with the index of `scenarios` and the columns of
@@ -91,7 +88,7 @@ def solve_frame(
     if certified:
         bound = solution.lower_bound
         asked = frame, solution.paths, judged, branch, bound, allowed
-        columns |= _certificate(certify_frame(*asked, enclosures=enclosed))
+        columns |= _certificate(certify_frame(*asked))
     return _framed(frame, columns)
 
 

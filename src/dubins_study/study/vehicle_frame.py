@@ -8,48 +8,47 @@ from typing import NamedTuple
 from dubins_study.study.scenario import Scenario
 
 EPS = math.ulp(1.0)
+# What the data's own rounding and the transformation's do to a target, in EPS: twice half an ulp of
+# each coordinate, and for every radius between start and target the heading's half ulp (up to pi)
+# and the roundings of the transformation and of w (docs/derivation.md, section 5).
+PER_EXTENT = 2.0 * EPS
+PER_DISTANCE = 12.0 * EPS
 
 
 class Local(NamedTuple):
-    """A target in the vehicle's frame, in units of the radius.
+    """A target in the vehicle's frame, in units of the radius: X forward, Y to the left.
 
-    `rounding` bounds the error that the data's own rounding leaves in X and in Y.
+    `delta` is the uncertainty of the data: every target whose X and Y are within delta of these
+    stands for the same question.
     """
 
     X: float
     Y: float
-    rounding: float
+    delta: float
 
     @property
     def mirrored(self) -> Local:
-        return Local(self.X, -self.Y, self.rounding)
+        return Local(self.X, -self.Y, self.delta)
 
     @property
     def w(self) -> float:
-        """1 - |T - C_L|^2: positive inside the left turning circle, zero on it (snapped).
-
-        Equals 2Y - r2, written so that it keeps its digits near the start and near (0, 2).
-        The width of the snap is 4 times what `rounding` does to w.
-        """
+        """1 - |T - C_L|^2: positive inside the left turning circle, zero on it (see `power`)."""
         return power(*self)
 
 
-def power(X: float, Y: float, rounding: float) -> float:
-    """`Local.w` of a target."""
+def power(X: float, Y: float, delta: float) -> float:
+    """1 - |T - C_L|^2 of a target; zero within delta / 2 of the left turning circle.
+
+    Equals 2Y - r2, written so that it keeps its digits near the start and near (0, 2). Near the
+    circle it is twice the distance from it. Rounding moves it by less than delta, so that a target
+    which is not taken to be on the circle lies on the side that the sign says.
+    """
     w = Y * (2.0 - Y) - X * X
-    return 0.0 if abs(w) <= 8.0 * rounding * (1.0 + abs(X) + abs(Y)) else w
+    return 0.0 if abs(w) <= delta else w
 
 
 def local(scenario: Scenario) -> Local:
-    """The target in the vehicle's frame, snapped to the axis or to the start within rounding.
-
-    A coordinate read from the scenario is off by half an ulp, and so is the heading; the
-    difference, the rotation and the division add a few more: 2 eps times the coordinates' size
-    covers it (docs/derivation.md, section 5).
-    """
+    """The target of a scenario in the vehicle's frame (docs/derivation.md, sections 1 and 5)."""
     X, Y = scenario.local()
-    rounding = 2.0 * EPS * scenario.extent / scenario.radius
-    # next to the start w is snapped while |Y| is below 4 times the rounding
-    if abs(X) <= rounding and abs(Y) <= 4.0 * rounding:
-        return Local(0.0, 0.0, rounding)
-    return Local(X, 0.0 if abs(Y) <= rounding else Y, rounding)
+    spread = PER_EXTENT * scenario.extent / scenario.radius
+    return Local(X, Y, spread + PER_DISTANCE * (abs(X) + abs(Y)))

@@ -194,8 +194,8 @@ def test_other_words_have_no_cut(curvature, length):
 
 
 def test_a_nearly_straight_leg_is_a_leg():
-    """Found in review: 5 R at a rate of 1e-7 is no piece too small to matter."""
-    bent = pieces(Path(Pose(0, 0, 0), [1, 1e-7], [4.5, 5]), 1.0)
+    """Found in review: 5 R at a rate of 5e-8 is no piece too small to matter."""
+    bent = pieces(Path(Pose(0, 0, 0), [1, 5e-8], [4.5, 5]), 1.0)
     straight = pieces(Path(Pose(0, 0, 0), [1, 0], [4.5, 5]), 1.0)
 
     assert bent.length.sum() == pytest.approx(9.5)

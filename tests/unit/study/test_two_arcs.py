@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from dubins_study.study.check.extremal import cut_margin, extremal, measure
 from dubins_study.study.check.pieces import pieces
-from dubins_study.study.check.two_arcs import FULL_RATE, PATH_WORDS, full_rate, path_word
+from dubins_study.study.check.two_arcs import FULL_RATE, PATH_WORDS, path_word, word_of
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Pose
 
@@ -76,8 +76,8 @@ def test_costates_in_closed_form_are_the_null_vector(turns, first, second, off, 
 
 @pytest.mark.parametrize("u", [math.nan, math.inf, -1e300, 0.999, 0.5, 2.0, 2e-9])
 def test_other_rates_name_no_word(u):
-    assert not full_rate(u, 0.0, 1.0)
-    assert not full_rate(1.0, u, 1.0)
+    assert not word_of(u, 1.0, 0.0, 1.0).named
+    assert not word_of(1.0, 1.0, u, 1.0).named
 
 
 def test_a_single_solve_compiles_nothing():

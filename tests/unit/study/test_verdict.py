@@ -281,7 +281,7 @@ def test_another_word_far_off_is_a_wrong_basin_though_it_turns_as_far():
     """Found in review: RL beside the rear of a circle's front turns as LS does, a third longer."""
     scenario = on_left_circle(2.8, inside=-1e-5)
     target = local(scenario)
-    first, second, _, _ = right_left_pair(target.X, target.Y, target.w, target.rounding)
+    first, second, _, _ = right_left_pair(*target)
     path = as_path(scenario, "RL", Segments(first, second))
     found = judge(scenario, path, Claim.LOCAL)
 

@@ -31,7 +31,7 @@ def chunk_table(columns: Columns, stream: Stream, settings: RunSettings) -> pa.T
         columns: the scenarios, arrays of shape (n,).
     """
     n, started = len(columns["x"]), now()
-    answers = _answers(columns, stream, settings, enclosed=stream.enclosed)
+    answers = _answers(columns, stream, settings)
     answer_names = [name for name in answers.columns if name not in names(SCENARIO)]
     table = pa.Table.from_pandas(answers[answer_names], preserve_index=False)
     by_name: dict[str, Any] = {name: table[name] for name in answer_names}
@@ -46,12 +46,10 @@ def chunk_table(columns: Columns, stream: Stream, settings: RunSettings) -> pa.T
 
 def warm_up(columns: Columns, stream: Stream, settings: RunSettings) -> None:
     """Solve a chunk without recording it: numba compiles its kernels during the first solve."""
-    _answers(columns, stream, settings, enclosed=False)
+    _answers(columns, stream, settings)
 
 
-def _answers(
-    columns: Columns, stream: Stream, settings: RunSettings, enclosed: bool
-) -> pd.DataFrame:
+def _answers(columns: Columns, stream: Stream, settings: RunSettings) -> pd.DataFrame:
     from dubins_study.solvers.frame import solve_frame  # loads numba, which only streams need
 
     return solve_frame(
@@ -61,7 +59,6 @@ def _answers(
         profile=stream.profile,
         limit=settings.time_limit_s,
         certified=True,
-        enclosed=enclosed,
     )
 
 

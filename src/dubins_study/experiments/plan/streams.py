@@ -18,11 +18,7 @@ from dubins_study.experiments.plan.block_plan import BlockPlan, block_plans
 from dubins_study.experiments.plan.duplicates import refuse_duplicates
 from dubins_study.experiments.plan.scenario_columns import Window, block_size, tiled
 
-# If a stream has more rows than this, its reference lengths are not enclosed. An enclosure takes
-# 40 microseconds per row, everything else 4.
-MOST_ENCLOSED_ROWS = 2**20
-# Rows per chunk, without and with enclosures: both take about half a second to solve.
-_CHUNK_ROWS, _ENCLOSED_CHUNK_ROWS = 2**17, 2**14
+CHUNK_ROWS = 2**17  # of each chunk but a stream's last: solved and certified in half a second
 
 
 class Stream(NamedTuple):
@@ -53,11 +49,6 @@ class Stream(NamedTuple):
         return block_size(self.block)
 
     @property
-    def enclosed(self) -> bool:
-        """Whether the reference length of every row is enclosed."""
-        return self.rows <= MOST_ENCLOSED_ROWS
-
-    @property
     def key_columns(self) -> dict[str, Any]:
         """The key columns that are the same in all rows: all but `scenario_id`."""
         return {
@@ -69,21 +60,16 @@ class Stream(NamedTuple):
             "code_digest": self.code_digest,
         }
 
-    @property
-    def chunk_rows(self) -> int:
-        """How many rows a chunk has; the last one may have fewer."""
-        return _ENCLOSED_CHUNK_ROWS if self.enclosed else _CHUNK_ROWS
-
     def chunks(self) -> Iterator[Window]:
         """The windows of all chunks, ascending."""
-        return tiled(self.rows, self.chunk_rows)
+        return tiled(self.rows, CHUNK_ROWS)
 
     @property
     def id(self) -> str:
         """A hash of everything that the chunks and their rows depend on: 12 hexadecimal digits."""
         # Only the scenarios count: neither the block's other solvers nor its place in the file.
         block = self.block.model_dump(mode="json", exclude={"solvers", "branches", "guess_lengths"})
-        text = json.dumps([self.chunk_rows, block, *self[2:]], sort_keys=True)
+        text = json.dumps([CHUNK_ROWS, block, *self[2:]], sort_keys=True)
         return hashlib.sha256(text.encode("utf-8", "replace")).hexdigest()[:12]
 
     @property

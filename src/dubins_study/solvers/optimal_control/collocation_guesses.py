@@ -74,7 +74,7 @@ def _shaped(word: str, target: Local) -> Iterator[Path]:
         return
     distance = math.hypot(target.X, target.Y)
     facing = (sign * math.atan2(target.Y, target.X)) % FULL_TURN
-    if facing > FULL_TURN - _STRAIGHT - 2 * target.rounding / distance:
+    if facing > FULL_TURN - _STRAIGHT - 2 * target.delta / distance:
         facing = 0.0
     distance = max(distance, _LEAST)
     aim = facing + math.atan(1 / distance)

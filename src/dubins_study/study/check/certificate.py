@@ -33,10 +33,10 @@ BOUND_TOLERANCE = 1e-9
 class Proof(StrEnum):
     """How far the proof of an answer goes, furthest first.
 
-    proved: the length is within tolerance of a proven interval, and the path is an extremal, for
-        `best` also clear of its cut (of LR and RL the interval alone decides); or there is
-        provably no path, and none was returned. Of a word's few paths the interval holds the
-        shortest, so that its cut says nothing.
+    proved: the length is within tolerance of a proven interval around the shortest lengths of the
+        targets within delta, and the path is an extremal, for `best` also clear of its cut (of LR
+        and RL the interval alone decides); or there is provably no path, and none was returned. Of
+        a word's few paths the interval holds the shortest, so that its cut says nothing.
     bounded: the solver's own lower bound is within the tolerance, and contradicts nothing.
     extremal: an arriving path that satisfies Pontryagin's conditions.
     none: none of these.
@@ -53,14 +53,14 @@ class Certificate(NamedTuple):
 
     Args:
         proof: how far the proof goes.
-        reference_low, reference_high: proven interval around the branch's shortest length; the
-            upper end is None where the branch provably has no path, both are then.
+        reference_low, reference_high: proven interval around the branch's shortest lengths, of all
+            targets within delta; both are None where the branch provably has no path.
         costate_x, costate_y: (nu1, nu2) of the path, in the world frame, with nu0 = 1.
         abnormal: whether nu0 = 0; the costates are then of norm 1.
         hamiltonian, sign_margin, transversality, pmp_residual: see `study.check.extremal.Extremal`.
         cut_margin: see `study.check.extremal.cut_margin` (rad).
         costate_error: distance of the solver's multipliers from -(nu1, nu2) / nu0.
-        false_bound: whether the solver's lower bound lies above the shortest length.
+        false_bound: whether the solver's lower bound lies above all of the shortest lengths.
     """
 
     proof: Proof
@@ -105,7 +105,7 @@ def certify(
         costates, cut = measure(path, radius)
     scale = max(interval.low, radius)
     bound = None if lower_bound is None or math.isnan(lower_bound) else lower_bound
-    false_bound = bound is not None and bound > interval.high + BOUND_TOLERANCE * scale
+    false_bound = is_false_bound(bound, interval, scale)
     # a path of no length has no costates, and needs none
     residual = None if costates is None else costates.residual
     evidence = _Evidence(interval, 0.0 if judged.length == 0 else residual, cut)
@@ -129,6 +129,16 @@ def certify(
     )
 
 
+def is_false_bound(bound: float | None, interval: Enclosure, scale: float) -> bool:
+    """Whether a lower bound lies above all of the shortest lengths that the data leave open.
+
+    Where some of the targets may have no path, none does.
+    """
+    if bound is None or interval.absent:
+        return False
+    return bound > interval.high + BOUND_TOLERANCE * scale
+
+
 class _Evidence(NamedTuple):
     """The interval around the reference length, and how nearly a path is an extremal."""
 
@@ -145,7 +155,7 @@ def _proof(
     gap: float,
     radius: float,
 ) -> Proof:
-    """The furthest proof; an optimal path may be longer by `gap` times the interval's low end."""
+    """The furthest proof; an optimal path may be off the interval by `gap` times its low end."""
     interval, residual, cut = evidence
     if judged.verdict is Verdict.NONE_EXISTS:
         return Proof.PROVED if interval.low == math.inf else Proof.NONE
@@ -156,7 +166,7 @@ def _proof(
     if judged.verdict is Verdict.OPTIMAL and interval.exists:
         allowed = gap * max(interval.low, radius)
         # an answer far below the interval owes that to its miss, and proves nothing
-        near = abs(judged.length - interval.low) <= allowed
+        near = interval.holds(judged.length, allowed)
         clear = branch != "best" or (cut is not None and cut >= -CUT_TOLERANCE)
         if near and (branch in ("LR", "RL") or (is_extremal and clear)):
             return Proof.PROVED

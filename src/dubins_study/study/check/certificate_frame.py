@@ -1,7 +1,8 @@
 """Certificates over frames: what `certificate.certify` computes, for paths of at most two arcs.
 
 `extremal_kernel` measures rows of the words S, C, CS and CC at full rate. `extremal.measure`
-measures the others, of which the closed form returns none.
+measures the others, of which the closed form returns none. `enclosure_kernel` encloses the
+reference lengths but for some in a thousand, which `enclosure.enclose` does.
 """
 
 from __future__ import annotations
@@ -17,15 +18,17 @@ from dubins_study.study.check.certificate import (
     PMP_ROUNDING,
     PMP_TOLERANCE,
     Proof,
+    is_false_bound,
 )
-from dubins_study.study.check.enclosure import enclose
+from dubins_study.study.check.enclosure import Enclosure, enclose
+from dubins_study.study.check.enclosure_kernel import bound_rows
 from dubins_study.study.check.extremal import MEASURED, measure
 from dubins_study.study.check.extremal_kernel import extremal_rows
 from dubins_study.study.check.verdict import Tolerances, Verdict
 from dubins_study.study.check.verdict_frame import FrameJudgement
 from dubins_study.study.check.verdict_kernel import VERDICTS
 from dubins_study.study.closed_form.kernel_compile import loop_input
-from dubins_study.study.closed_form.kernel_words import CodeArray
+from dubins_study.study.closed_form.kernel_words import CodeArray, ScenarioArrays
 from dubins_study.study.path import FloatArray, Path, drivable
 from dubins_study.study.paths import BoolArray, Paths
 from dubins_study.study.scenario import scenarios
@@ -72,8 +75,6 @@ def certify_frame(
     branch: str = "best",
     lower_bound: FloatArray | None = None,
     tolerances: Tolerances = _DEFAULT,
-    *,
-    enclosures: bool = True,
 ) -> FrameCertificate:
     """Certify the judged paths of a frame.
 
@@ -84,8 +85,6 @@ def certify_frame(
         branch: the branch that was asked, for all rows.
         lower_bound: bounds that the solver gives (length unit), shape (n,); NaN where none.
         tolerances: those of the judgement.
-        enclosures: whether to enclose every reference length, at some 20 microseconds a row;
-            without, nothing is `proved` or `bounded`.
     """
     n = len(paths)
     certificate = FrameCertificate.empty(n)
@@ -99,13 +98,27 @@ def certify_frame(
         certificate.measured[:, ~paths.returned] = np.nan
     for row, scenario in zip(np.flatnonzero(odd), scenarios(frame[odd]), strict=True):
         _measure_row(certificate, int(row), paths.path(int(row), scenario), scenario.radius)
-    if enclosures:
-        both = [enclose(scenario, branch) for scenario in scenarios(frame)]
-        certificate.reference_low[:], certificate.reference_high[:] = np.array(both).reshape(n, 2).T
-    _prove(certificate, judged, branch, lower_bound, tolerances, radius)
+    open_rows = _enclose(certificate, frame, branch)
+    _prove(certificate, judged, branch, lower_bound, tolerances, radius, open_rows)
     for bounds in (certificate.reference_low, certificate.reference_high):
         bounds[np.isinf(bounds)] = np.nan
     return certificate
+
+
+def _enclose(
+    certificate: FrameCertificate, frame: pd.DataFrame, branch: str
+) -> dict[int, Enclosure]:
+    """The proven interval around every reference length; returns the enclosures of open rows."""
+    low, high = certificate.reference_low, certificate.reference_high
+    arrays = ScenarioArrays(*(frame[name].to_numpy() for name in ScenarioArrays._fields))
+    low[:], high[:], left = bound_rows(arrays, branch)
+    open_rows = {}
+    for row, scenario in zip(np.flatnonzero(left).tolist(), scenarios(frame[left]), strict=True):
+        interval = enclose(scenario, branch)
+        low[row], high[row] = interval.low, interval.high
+        if interval.absent or len(interval.parts) > 1:
+            open_rows[row] = interval
+    return open_rows
 
 
 def _measure_row(certificate: FrameCertificate, row: int, path: Path | None, radius: float) -> None:
@@ -128,8 +141,12 @@ def _prove(
     lower_bound: FloatArray | None,
     tolerances: Tolerances,
     radius: FloatArray,
+    open_rows: dict[int, Enclosure],
 ) -> None:
-    """The proof of every row, as `certificate._proof` decides it."""
+    """The proof of every row, as `certificate._proof` decides it.
+
+    Of the rows in `open_rows` the interval has several parts, or there may be no path.
+    """
     low, high, numbers = (
         certificate.reference_low,
         certificate.reference_high,
@@ -143,8 +160,11 @@ def _prove(
         arrives = np.isfinite(judged.gap)
         tolerance = PMP_TOLERANCE + PMP_ROUNDING * judged.length / radius
         is_extremal = (judged.length == 0) | (numbers["pmp_residual"] <= tolerance)
-        near = (judged.verdict == _OPTIMAL) & np.isfinite(high)
-        near &= arrives & (np.abs(judged.length - low) <= allowed)
+        near = (low - allowed <= judged.length) & (judged.length <= high + allowed)
+        for row, interval in open_rows.items():
+            near[row] = interval.holds(judged.length[row], allowed[row])
+            certificate.false_bound[row] = is_false_bound(bound[row], interval, scale[row])
+        near &= arrives & (judged.verdict == _OPTIMAL) & np.isfinite(high)
         clear = (numbers["cut_margin"] >= -CUT_TOLERANCE) | (branch != "best")
         proved = near & ((is_extremal & clear) | (branch in ("LR", "RL")))
         bounded = near & ~certificate.false_bound & (judged.length - bound <= allowed)

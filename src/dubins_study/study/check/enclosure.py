@@ -1,202 +1,250 @@
 """Proven intervals around the shortest length, in interval arithmetic.
 
-Every candidate word is evaluated in ball arithmetic (Arb, through python-flint) on the scenario's
-own doubles, by formulas other than those of `closed_form.shortest`, and the least is taken. That
-one of the four words is shortest is a theorem (docs/derivation.md, section 11); nothing is assumed
-about which. The snapping of `closed_form.shortest.local` is the statement of the problem, so it is
-kept: a target that rounding puts next to a turning circle is on it.
+The data are known to delta (`study.vehicle_frame.Local`). So a question stands for all targets
+whose X and Y are within delta of the exact values that its doubles give, and its shortest length is
+a set of numbers: a few delta wide, and in parts where a turning circle, the edge of a word's reach
+or the axis passes through the targets. Every candidate word is evaluated in ball arithmetic (Arb,
+through python-flint) on the whole square of targets, by formulas other than those of
+`closed_form.shortest`, and the least is taken. That one of the four words is shortest is a theorem
+(docs/derivation.md, section 11); nothing is assumed about which.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from functools import lru_cache
+from itertools import chain
 from typing import NamedTuple
 
 from flint import arb, ctx
 
 from dubins_study.study.scenario import Scenario
-from dubins_study.study.vehicle_frame import Local, local
+from dubins_study.study.vehicle_frame import PER_DISTANCE, PER_EXTENT
 
-# bits; the first decides nearly every scenario, the last tells apart whatever doubles can hold
-PRECISIONS = (160, 400, 1200)
-_WIDE = 1e-15  # rad: a ball of this radius is the data's own rounding, which no bits make smaller
+# 53 of the doubles, as many for what their differences lose, and some to spare beside delta
+_BITS = 160
+Part = tuple[float, float]
 
 
 class Enclosure(NamedTuple):
-    """A proven interval [low, high] around a branch's shortest length (length unit).
+    """A proven interval around a branch's shortest lengths (length unit).
 
-    Both are infinite where the branch provably has no path; only `high` where that stays open.
+    Args:
+        low, high: the ends of the interval; both infinite where provably no target has a path.
+        absent: whether some of the targets may have no path.
+        parts: sorted intervals [low, high], apart from each other, that hold all of the lengths.
     """
 
     low: float
     high: float
+    absent: bool
+    parts: tuple[Part, ...]
 
     @property
     def exists(self) -> bool:
         return math.isfinite(self.high)
 
+    def nearest(self, length: float, tolerance: float = 0.0) -> float | None:
+        """The largest of the lengths that is not above `length`; the least if all are above.
 
-class _Target(NamedTuple):
-    """The target in the vehicle's frame at unit radius, and what rounding cannot tell apart."""
+        A part that begins within the tolerance above `length` counts as not above it.
+        """
+        if not self.parts:
+            return None
+        below = [part for part in self.parts if part[0] <= length + tolerance]
+        low, high = below[-1] if below else self.parts[0]
+        return max(low, min(high, length))
 
-    X: arb
-    Y: arb
-    on_left: bool  # on the left turning circle
-    on_right: bool
-    slack: float  # what rounding does to a squared distance from a centre
-
-    @property
-    def mirrored(self) -> _Target:
-        return _Target(self.X, -self.Y, self.on_right, self.on_left, self.slack)
-
-
-class _UndecidedError(Exception):
-    """More bits are needed to tell on which side of zero a number lies."""
+    def holds(self, length: float, tolerance: float) -> bool:
+        """Whether a length is within the tolerance of a part."""
+        return any(low - tolerance <= length <= high + tolerance for low, high in self.parts)
 
 
 @lru_cache(maxsize=16384)  # the cells of a run ask each question often, in shuffled order
 def enclose(scenario: Scenario, branch: str = "best") -> Enclosure:
-    """Enclose the shortest length of a branch.
+    """Enclose the shortest lengths of a branch.
 
     Args:
-        scenario: start pose, target, radius; read as the exact values of its doubles.
+        scenario: start pose, target, radius; the exact values of its doubles, known to delta.
         branch: one of `study.words.BRANCHES`.
     """
-    snapped = local(scenario)
-    if snapped.X == 0 and snapped.Y == 0 and branch in ("best", "LS", "RS"):
-        return Enclosure(0.0, 0.0)  # the target is the start
-    for bits in PRECISIONS:
-        try:
-            with ctx.workprec(bits):
-                return _outwards(_lengths(_target(scenario, snapped), branch), scenario.radius)
-        except _UndecidedError:
-            continue
-    return Enclosure(0.0, math.inf)
+    with ctx.workprec(_BITS):
+        X, Y = _square(scenario)
+        if branch == "best":
+            return _outwards(_best(X, abs(Y)), False, scenario.radius)
+        word = _left_straight if branch in ("LS", "RS") else _right_left
+        return _outwards(*word(X, -Y if branch in ("RS", "LR") else Y), scenario.radius)
 
 
-def _outwards(lengths: list[arb], radius: float) -> Enclosure:
-    """The interval around the least of some lengths, as doubles rounded outwards."""
-    if not lengths:
-        return Enclosure(math.inf, math.inf)
-    scaled = [length * arb(radius) for length in lengths]
-    low = min(float(length.lower()) for length in scaled)
-    high = min(float(length.upper()) for length in scaled)
-    # conversion to a double rounds to nearest: one step outwards covers it
-    return Enclosure(max(0.0, math.nextafter(low, -math.inf)), math.nextafter(high, math.inf))
-
-
-def _target(scenario: Scenario, snapped: Local) -> _Target:
-    dx = arb(scenario.target_x) - arb(scenario.x)
-    dy = arb(scenario.target_y) - arb(scenario.y)
+def _square(scenario: Scenario) -> tuple[arb, arb]:
+    """X and Y of the scenario's targets, as balls of radius delta."""
+    x, y, target_x, target_y = map(
+        arb, (scenario.x, scenario.y, scenario.target_x, scenario.target_y)
+    )
+    dx, dy, R = target_x - x, target_y - y, arb(scenario.radius)
     sin, cos = arb(scenario.heading).sin_cos()
-    R = arb(scenario.radius)
     X, Y = (dx * cos + dy * sin) / R, (dy * cos - dx * sin) / R
-    return _Target(
-        arb(0) if snapped.X == 0 else X,
-        arb(0) if snapped.Y == 0 else Y,
-        snapped.w == 0,
-        snapped.mirrored.w == 0,
-        8 * snapped.rounding * (1 + abs(snapped.X) + abs(snapped.Y)),
+    extent = (abs(x) + abs(y) + abs(target_x) + abs(target_y)) / R
+    delta = PER_EXTENT * extent + PER_DISTANCE * (abs(X) + abs(Y))
+    blur = delta.union(-delta)
+    return X + blur, Y + blur
+
+
+def _outwards(parts: Iterable[arb], absent: bool, radius: float) -> Enclosure:
+    """The parts as doubles rounded outwards, those that overlap made one."""
+    merged: list[Part] = []
+    R = arb(radius)
+    for low, high in sorted(_ends(part * R) for part in parts):
+        if merged and low <= merged[-1][1]:
+            merged[-1] = merged[-1][0], max(high, merged[-1][1])
+        else:
+            merged.append((low, high))
+    if not merged:
+        return Enclosure(math.inf, math.inf, True, ())
+    return Enclosure(merged[0][0], merged[-1][1], absent, tuple(merged))
+
+
+def _ends(ball: arb) -> Part:
+    """The ends of a ball as doubles; conversion rounds to nearest, which one step covers."""
+    low, high = float(ball.lower()), float(ball.upper())
+    return max(0.0, math.nextafter(low, -math.inf)), math.nextafter(high, math.inf)
+
+
+def _best(X: arb, y: arb) -> list[arb]:
+    """Lengths of the shortest paths of all, for y = |Y|, since the mirror image is as long."""
+    parts: list[arb] = []
+    w = _power(X, y)
+    mirrored = [*_right_straight(X, y), *chain(*_right_left_solutions(X, -y, inside=False))]
+    if not w > 0:  # some of the targets are outside the left disc or on its circle: LS exists
+        options = _tangents(X, y, w, ahead_of_axis=True)
+        turns = chain(*_right_left_solutions(X, y, inside=False))
+        parts += _below(_ceiling([options]), [*options, *turns, *mirrored])
+    if not w <= 0:  # some are inside: the long RL exists
+        solutions = _right_left_solutions(X, y, inside=True)
+        parts += _below(_ceiling(solutions[:1]), [*chain(*solutions), *mirrored])
+    return parts
+
+
+def _right_straight(X: arb, y: arb) -> list[arb]:
+    """Lengths of RS for y >= 0, where it exists everywhere."""
+    return _tangents(X, -y, _power(X, -y), ahead_of_axis=False)
+
+
+def _left_straight(X: arb, Y: arb) -> tuple[list[arb], bool]:
+    """Lengths of LS, and whether some of the targets have none."""
+    w = _power(X, Y)
+    if w > 0:
+        return [], True
+    parts = [] if Y < 0 else _tangents(X, Y, w, ahead_of_axis=True)
+    parts += [] if Y >= 0 else _tangents(X, Y, w, ahead_of_axis=False)
+    return parts, not w <= 0
+
+
+def _right_left(X: arb, Y: arb) -> tuple[list[arb], bool]:
+    """Lengths of RL, the shorter of both solutions, and whether some of the targets have none."""
+    p, q = _reach(X, Y)
+    if p < 0 or q < 0:
+        return [], True
+    w = _power(X, Y)
+    parts: list[arb] = []
+    for inside in (False, True):
+        if not (w < 0 if inside else w > 0):
+            solutions = _right_left_solutions(X, Y, inside)
+            parts += _below(_ceiling(solutions), [*chain(*solutions)])
+    return parts, not (p >= 0 and q >= 0)
+
+
+# Each solution of a word is a list of options: of every target, one of them holds the length. There
+# are two where the targets lie on both sides of a jump.
+
+
+def _ceiling(solutions: Iterable[list[arb]]) -> arb:
+    """A bound on the least of some solutions that all targets have."""
+    return min(max(option.upper() for option in options) for options in solutions)
+
+
+def _below(ceiling: arb, options: Iterable[arb]) -> list[arb]:
+    """The options without what lies above the ceiling."""
+    kept = [option for option in options if not option > ceiling]
+    return [
+        option.lower().union(ceiling) if option.upper() > ceiling else option for option in kept
+    ]
+
+
+def _power(X: arb, Y: arb) -> arb:
+    """w = 1 - |T - C_L|^2."""
+    return Y * (2 - Y) - X * X
+
+
+def _reach(X: arb, Y: arb) -> tuple[arb, arb]:
+    """|T - C_R|^2 - 1 and 9 - |T - C_R|^2, between whose zeros RL exists."""
+    p = X * X + Y * (Y + 2)
+    return p, 8 - p
+
+
+def _tangents(X: arb, Y: arb, w: arb, ahead_of_axis: bool) -> list[arb]:
+    """LS of the targets outside the left disc, on one side of the axis: Y >= 0, or Y < 0.
+
+    T seen from C_L lies s along and 1 across the direction of arrival, so that the arc is T's polar
+    angle there less atan(s): the length is the angle plus s - atan(s), which grows with s.
+    """
+    s = (-w).nonnegative_part().sqrt()
+    low, high = s.lower(), s.upper()
+    rest = (low - low.atan()).union(high - high.atan())
+    if Y.mid() > 1:
+        return [arb.pi() - arb.atan2(X, Y - 1) + rest]
+    angle = arb.atan2(X, 1 - Y) + rest
+    full = angle + _full_turn()
+    if not ahead_of_axis or X < 0:
+        return [full]
+    return [angle] if X >= 0 else [angle, full]
+
+
+def _right_left_solutions(X: arb, Y: arb, inside: bool) -> tuple[list[arb], list[arb]]:
+    """RL of the targets inside or outside the left disc: second arc above pi, and below.
+
+    In the triangle of C_R, the second circle's centre and T, with sides 2, 1 and d = |T - C_R|, the
+    angle at the second centre exceeds the one at C_R by an angle that goes like p^(3/2). The
+    lengths are T's bearing from C_R plus it, or a full turn less it, and whole turns that make the
+    first arc positive (docs/derivation.md, section 11). The first arc vanishes on the left circle:
+    the two have opposite signs inside it, and the sign of X outside (eq. 5).
+    """
+    p, q = _reach(X, Y)
+    if p < 0 or q < 0:
+        return [], []
+    root = (p * q).nonnegative_part().sqrt()  # four times the triangle's area
+    at_first = arb.atan2(root, p + 4)
+    excess = _upper_angle(p.nonnegative_part() * root, 8 + p * (4 - p))
+    # from straight up, clockwise as R turns
+    bearing = arb.atan2(X, 1 + Y) if Y.mid() > -1 else arb.pi() - arb.atan2(X, -1 - Y)
+    outside = (not X < 0, not X >= 0)  # which signs the first arcs may have: +, -
+    long, short = ((True, False), (False, True)) if inside else (outside, outside)
+    turn = _full_turn()
+    return (
+        [bearing - excess + (k + 1) * turn for k in _turns(bearing + at_first, *long)],
+        [bearing + excess + k * turn for k in _turns(bearing - at_first, *short)],
     )
 
 
-def _lengths(target: _Target, branch: str) -> list[arb]:
-    """Lengths, in radii, of all the paths that may answer a branch."""
-    if branch == "best" and (target.on_left or target.on_right):
-        # the arc itself: no other path is shorter, nor is the jump beside it in question
-        branch = "LS" if target.on_left else "RS"
-    if branch == "best":
-        # next to its edge of reach a word of two arcs is longer than others: no slack is due
-        sharp = target._replace(slack=0.0)
-        return [length for word in _WORDS for length in _lengths(sharp, word)]
-    find, mirror = _WORDS[branch]
-    return find(target.mirrored if mirror else target)
+def _upper_angle(y: arb, x: arb) -> arb:
+    """The polar angle of (x, y) for y >= 0, whose ball may hold y = 0."""
+    return arb.atan2(y, x) if x.mid() > 0 else arb.pi() - arb.atan2(y, -x)
 
 
-def _left_straight(target: _Target) -> list[arb]:
-    """LS: the tangent from T to the left circle; its point of contact as a polar angle there."""
-    X, Y, on_circle, _, _ = target
-    if on_circle:
-        return [_wrapped(arb.atan2(X, 1 - Y))]
-    if Y == 0 and X > 0:
-        return [X]
-    power = X * X + (Y - 1) ** 2 - 1  # |T - C|^2 - 1, the straight's square
-    if _negative(power):
-        return []
-    straight = power.sqrt()
-    # T seen from C_L lies `straight` along and 1 across the direction of arrival
-    angle = arb.atan2(X, 1 - Y) - straight.atan()
-    return [_wrapped(angle) + straight]
-
-
-def _right_left(target: _Target) -> list[arb]:
-    """RL, both solutions: triangles over C_R, T and the second circle's centre, sides 2, 1, d."""
-    X, Y, on_left, _, slack = target
-    square = X * X + (Y + 1) ** 2
-    edge = _edge(square, slack)
-    if edge is not None and square != edge:
-        square = arb(edge, slack)  # rounding does not tell on which side: both are enclosed
-    elif _negative(square - 1) or _negative(9 - square):
-        return []
-    at_second = _acos((5 - square) / 4)
-    d = square.sqrt()
-    at_first = _acos((square + 3) / (4 * d))
-    bearing = arb.atan2(X, 1 + Y)  # of T from C_R, from straight up, clockwise as R turns
-    seconds = _full_turn(ctx.prec) - at_second, at_second
-    firsts = bearing + at_first, bearing - at_first
-    if not on_left:
-        return [_wrapped(a) + b for a, b in zip(firsts, seconds, strict=True)]
-    # on the left circle one first arc is none, which its ball cannot tell from a full turn
-    other = max((0, 1), key=lambda i: 1 - math.cos(float(firsts[i].mid())))
-    [arc] = _left_straight(target)
-    if edge is not None:
-        arc = arc.union(seconds[1 - other])
-    return [arc, _wrapped(firsts[other]) + seconds[other]]
-
-
-def _edge(square: arb, slack: float) -> int | None:
-    """1 or 9 if rounding does not tell a squared distance from it, which bound a word's reach."""
-    nearest = 1 if square < 5 else 9
-    return nearest if abs(float((square - nearest).mid())) <= slack else None
-
-
-_WORDS = {
-    "LS": (_left_straight, False),
-    "RS": (_left_straight, True),
-    "RL": (_right_left, False),
-    "LR": (_right_left, True),
-}
-
-
-def _acos(value: arb) -> arb:
-    """arccos of a number in [-1, 1], whose ball may stick out of it by its radius."""
-    root = (1 - value * value).nonnegative_part().sqrt()
-    # the root's ball may hold zero, and atan2 jumps there if its second argument is negative
-    return arb.pi() - arb.atan2(root, -value) if value < 0 else arb.atan2(root, value)
-
-
-@lru_cache(maxsize=len(PRECISIONS))
-def _full_turn(bits: int) -> arb:
-    """2 pi to a number of bits, which is the precision that is being worked with."""
+def _full_turn() -> arb:
     return 2 * arb.pi()
 
 
-def _wrapped(angle: arb) -> arb:
-    """An angle in (-2 pi, 2 pi) brought to [0, 2 pi); both if its ball is wide and holds 0."""
-    if float(angle.rad()) > _WIDE and angle.contains(0):
-        return angle.union(angle + _full_turn(ctx.prec))
-    return angle + _full_turn(ctx.prec) if _negative(angle) else angle
+def _turns(angle: arb, positive: bool, negative: bool) -> list[int]:
+    """How many turns bring an angle in (-2 pi, 4 pi) to [0, 2 pi).
 
-
-def _negative(value: arb) -> bool:
-    """Whether a number lies below zero, decided by its ball.
-
-    Raises:
-        _UndecidedError: if the ball holds zero and more.
+    Near a multiple of 2 pi it has the signs that are given: an option for each.
     """
-    if value < 0:
-        return True
-    if value >= 0:
-        return False
-    raise _UndecidedError
+    whole = -1 if angle.mid() > 3 else 0
+    rest = angle + whole * _full_turn()
+    if rest < 0:
+        return [whole + 1]
+    if rest > 0:
+        return [whole]
+    return [*([whole] if positive else ()), *([whole + 1] if negative else ())]

@@ -26,11 +26,11 @@ import numpy as np
 from dubins_study.study.check.pieces import Pieces, pieces
 from dubins_study.study.check.two_arcs import (
     FULL_RATE,
+    Word,
     costates,
     cut_margin_cc,
     cut_margin_cs,
-    full_rate,
-    nearest_rate,
+    word_of,
 )
 from dubins_study.study.path import Path, corners
 from dubins_study.study.scenario import Pose
@@ -96,26 +96,35 @@ def measure(path: Path, radius: float) -> tuple[Extremal | None, float | None]:
 
     Neither of one whose numbers overflow in units of the radius, which fits no scenario.
     """
-    driven = pieces(path, radius)
-    rates, lengths = driven.u.tolist(), driven.length.tolist()
-    turns = sum(abs(u) * length + abs(u) for u, length in zip(rates, lengths, strict=True))
-    if not math.isfinite(turns + sum(lengths)):
-        return None, None
-    if 0 < len(rates) <= 2:
-        (u1, l1), (u2, l2) = (*zip(rates, lengths, strict=True), _NO_PIECE)[:2]
-        if full_rate(u1, u2, l2):
-            return _of_word(driven.heading, nearest_rate(u1), l1, nearest_rate(u2), l2)
-    return extremal(driven), cut_margin(driven)
+    rates = [k * radius for k in path.curvature.tolist()]
+    lengths = [length / radius for length in path.length.tolist()]
+    word = _word(rates, lengths)
+    if word is None:
+        turns = sum(abs(u) * length + abs(u) for u, length in zip(rates, lengths, strict=True))
+        if not math.isfinite(turns + sum(lengths)):
+            return None, None
+        driven = pieces(path, radius)
+        word = _word(driven.u.tolist(), driven.length.tolist())
+        if word is None:
+            return extremal(driven), cut_margin(driven)
+    return _of_word(path.start.heading, word)
 
 
 _NO_PIECE = (0.0, 0.0)
 
 
-def _of_word(
-    heading: float, turn1: float, first: float, turn2: float, second: float
-) -> tuple[Extremal, float]:
+def _word(rates: list[float], lengths: list[float]) -> Word | None:
+    """The word S, C, CS or CC at full rate that pieces are; None if they are another path."""
+    if not 0 < len(rates) <= 2:
+        return None
+    (u1, l1), (u2, l2) = (*zip(rates, lengths, strict=True), _NO_PIECE)[:2]
+    word = word_of(u1, l1, u2, l2)
+    return word if word.named else None
+
+
+def _of_word(heading: float, word: Word) -> tuple[Extremal, float]:
     """The costates and the cut margin of a word S, C, CS or CC at full rate, in closed form."""
-    nu0, rho, phi, H, margin, cut = costates(turn1, first, turn2, second)
+    nu0, rho, phi, H, margin, cut = costates(word.turn1, word.first, word.turn2, word.second)
     abnormal = nu0 < ABNORMAL
     size = rho if abnormal else rho / nu0
     # turned by the heading apart: added to a heading of many turns, phi would lose its digits
@@ -129,11 +138,14 @@ def extremal(driven: Pieces) -> Extremal | None:
 
     None too where the conditions overflow.
     """
-    u = driven.u.tolist()
-    if not u:
+    if not driven.u.size:
         return None
+    # a straight that bends is looked at in its middle too: nu3 may vanish at both its ends alone
+    halves = np.where((driven.u != 0) & (np.abs(driven.u) < 1 - FULL_RATE), 2, 1)
+    rates = np.repeat(driven.u, halves)
+    u = rates.tolist()
     # in the frame of the start, where angles are small; the costates are turned back at the end
-    poses = corners(_ORIGIN, driven.u, driven.length)
+    poses = corners(_ORIGIN, rates, np.repeat(driven.length / halves, halves))
     stretch = max(1.0, float(driven.length.sum()))
     conditions = _conditions(u, poses, stretch)
     if not math.isfinite(sum(map(sum, conditions.hamiltonian))):
@@ -230,11 +242,8 @@ def cut_margin(driven: Pieces) -> float | None:
     (docs/derivation.md, section 10). None if it is not of a word S, C, CS or CC
     at full rate, which no shortest path can be.
     """
-    if driven.u.size > 2:
-        return None
-    rates = [round(u) if abs(u - round(u)) <= FULL_RATE else None for u in driven.u.tolist()]
     length = driven.length.tolist()
-    match rates:
+    match driven.u.tolist():
         case [] | [0]:
             return math.pi
         case [1 | -1]:

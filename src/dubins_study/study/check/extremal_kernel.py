@@ -14,20 +14,11 @@ from numpy.typing import NDArray
 
 from dubins_study.study.check import two_arcs
 from dubins_study.study.check.extremal import ABNORMAL
-from dubins_study.study.check.two_arcs import WORD
 from dubins_study.study.closed_form.kernel_compile import compiled, inlined
 from dubins_study.study.path import FloatArray
 
-
-@inlined
-def _counts(u: float, length: float, total: float) -> bool:
-    """Whether a piece matters, as in `pieces.pieces`."""
-    return abs(u) * length > WORD or length > WORD * total
-
-
 _costates = inlined(two_arcs.costates)
-_full_rate = inlined(two_arcs.full_rate)
-_nearest_rate = inlined(two_arcs.nearest_rate)
+_word_of = inlined(two_arcs.word_of)
 for _called in two_arcs.CALLED:
     register_jitable(_called)
 
@@ -57,16 +48,11 @@ def extremal_rows(
         R = radius[i]
         u1, u2 = curvature[0, i] * R, curvature[1, i] * R
         l1, l2 = length[0, i] / R, length[1, i] / R
-        kept1, kept2 = _counts(u1, l1, l1 + l2), _counts(u2, l2, l1 + l2)
-        u1, u2 = u1 if abs(u1) * l1 > WORD else 0.0, u2 if abs(u2) * l2 > WORD else 0.0
-        if not kept1:
-            u1, l1 = u2, l2
-        if not (kept1 and kept2):
-            u2, l2 = 0.0, 0.0
-        if not (_full_rate(u1, u2, l2) and (kept1 or kept2)):
+        word = _word_of(u1, l1, u2, l2)
+        if not word.named:
             left[i] = True
             continue
-        nu0, rho, phi, H, margin, cut = _costates(_nearest_rate(u1), l1, _nearest_rate(u2), l2)
+        nu0, rho, phi, H, margin, cut = _costates(word.turn1, word.first, word.turn2, word.second)
         abnormal[i] = nu0 < ABNORMAL
         scale = rho if abnormal[i] else rho / nu0
         # turned by the heading on its own: added to one of many turns, phi loses its digits

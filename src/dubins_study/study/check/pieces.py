@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import math
 from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
 
-from dubins_study.study.check.two_arcs import FULL_RATE, WORD
-from dubins_study.study.path import FEW, FloatArray, Path
+from dubins_study.study.check.two_arcs import DRIVEN, FULL_RATE, MERGED, NO_LENGTH, NO_TURN
+from dubins_study.study.path import FEW, FloatArray, Path, corners
+from dubins_study.study.scenario import Pose
 
-_LOST = 1e-4  # share of a path's length; leaving out more would describe another path
+_ORIGIN = Pose(0.0, 0.0, 0.0)
 
 
 class Pieces(NamedTuple):
@@ -22,40 +24,63 @@ class Pieces(NamedTuple):
 
 
 def pieces(path: Path, radius: float) -> Pieces:
-    """The pieces of a path that matter, neighbours of one rate joined.
+    """The pieces of a path that matter, or all of them where leaving some out would show.
 
-    As in `Path.word`, what turns by less than 1e-6 rad is straight, and a straight shorter than
-    1e-6 of the path is left out: solvers return such arcs where they mean none.
+    Rates within `FULL_RATE` of +1, 0 or -1 are these, neighbours of one rate are joined, what turns
+    by less than `NO_TURN` is straight, and a straight shorter than `NO_LENGTH` is left out: solvers
+    return such arcs where they mean none. Small things add up, and far away a small turn is a long
+    way: if that merged path ends elsewhere or is shorter than the driven one by more than the check
+    allows, it is another path, and the driven one's own pieces stand.
     """
     rate, scaled = path.curvature * radius, path.length / radius
     if rate.size <= FEW and _apart(rate.tolist(), scaled.tolist()):
         return Pieces(path.start.heading, rate, scaled)
-    rate[np.abs(rate) <= FULL_RATE] = 0.0
-    u, length = _joined(rate, scaled)
-    total = float(length.sum())
-    turns = np.abs(u) * length > WORD
-    kept = turns | (length > WORD * total)
-    if not turns.all() and length[kept].sum() >= (1 - _LOST) * total:
-        u, length = _joined(np.where(turns, u, 0.0)[kept], length[kept])
+    if not scaled.all():
+        rate, scaled = rate[scaled != 0], scaled[scaled != 0]
+    merged = _merged(rate, scaled)
+    u, length = merged if _is_same(merged, (rate, scaled)) else (rate, scaled)
     return Pieces(path.start.heading, u, length)
+
+
+def _merged(rate: FloatArray, scaled: FloatArray) -> tuple[FloatArray, FloatArray]:
+    whole = np.clip(np.round(rate), -1, 1)
+    u, length = _joined(np.where(np.abs(rate - whole) <= FULL_RATE, whole, rate), scaled)
+    turns = np.abs(u) * length > NO_TURN
+    if turns.all():
+        return u, length
+    kept = turns | (length > NO_LENGTH * min(1.0, float(length.sum())))
+    return _joined(np.where(turns, u, 0.0)[kept], length[kept])
+
+
+def _is_same(merged: tuple[FloatArray, FloatArray], driven: tuple[FloatArray, FloatArray]) -> bool:
+    """Whether a merged path is the driven one, its end and its length compared."""
+    before = float(driven[1].sum())
+    allowed = MERGED + DRIVEN * before
+    if not abs(before - float(merged[1].sum())) <= allowed:
+        return False
+    end, other = (corners(_ORIGIN, *path)[-1] for path in (merged, driven))
+    return math.hypot(end[0] - other[0], end[1] - other[1]) <= allowed
 
 
 def _apart(u: list[float], length: list[float]) -> bool:
     """Whether every piece turns or is a straight that matters, and no neighbours are of one rate.
 
-    True of the closed form's pieces and most solvers', which then need no further work.
+    True of most paths of few pieces, which then need no further work. One or two pieces are so
+    only if their rates need no rounding either, since they may have a cut margin.
     """
-    least = WORD * sum(length)
-    return all(
-        abs(k) * s > WORD if abs(k) > FULL_RATE else k == 0 and s > least
-        for k, s in zip(u, length, strict=True)
-    ) and all(abs(a - b) > FULL_RATE for a, b in pairwise(u))
+    least = NO_LENGTH * min(1.0, sum(length))
+    return (
+        all(
+            abs(k) * s > NO_TURN if abs(k) > FULL_RATE else k == 0 and s > least
+            for k, s in zip(u, length, strict=True)
+        )
+        and all(abs(a - b) > FULL_RATE for a, b in pairwise(u))
+        and (len(u) > 2 or all(k == 0 or not 0 < abs(abs(k) - 1) <= FULL_RATE for k in u))
+    )
 
 
 def _joined(u: FloatArray, length: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Neighbours of one rate made one; what has no length is left out."""
-    if not length.all():
-        u, length = u[length != 0], length[length != 0]
+    """Neighbours of one rate made one."""
     if u.size < 2:
         return u, length
     begins = np.abs(u[1:] - u[:-1]) > FULL_RATE

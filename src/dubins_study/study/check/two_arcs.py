@@ -8,6 +8,7 @@ of branches where a loop over rows is to be vectorised.
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 PATH_WORDS = ("", "S", "L", "R", "LS", "RS", "LR", "RL", "SL", "SR")
 # A run of arcs that turns by less than this (rad) is straight; a straight shorter than this share
@@ -17,6 +18,16 @@ WORD = 1e-6
 RIPPLE = 1e-3
 # how far from +1, -1 or 0 a rate may be and still name a letter
 FULL_RATE = 1e-9
+# A certificate is read from the pieces that matter (docs/derivation.md, section 9): an arc that
+# turns by less than this (rad) is straight,
+NO_TURN = 1e-6
+# and a straight shorter than this (radii, or share of a path shorter than a radius) is left out.
+NO_LENGTH = 1e-6
+# The merged path may end this far (radii) from the end of the driven one, and be this much shorter,
+# which is the miss that `verdict.Tolerances` allows by default;
+MERGED = 1e-6
+# and by this share of its length more: the rounding of driving, as in `verdict.judge`.
+DRIVEN = 32 * math.ulp(1.0)
 _TURN = 2 * math.pi
 
 
@@ -51,16 +62,48 @@ def nearest_rate(u: float) -> float:
     return (1.0 if u > 0.5 else 0.0) - (1.0 if u < -0.5 else 0.0)
 
 
-def full_rate(u1: float, u2: float, l2: float) -> bool:
-    """Whether two pieces at rates u1 and u2 are a word S, C, CS or CC at full rate.
+class Word(NamedTuple):
+    """A word S, C, CS or CC at full rate: rates +1, 0 or -1, and lengths in radii.
+
+    `named` is False where two pieces are no such word; the numbers then mean nothing.
+    """
+
+    turn1: float
+    first: float
+    turn2: float
+    second: float
+    named: bool
+
+
+def word_of(u1: float, l1: float, u2: float, l2: float) -> Word:
+    """The word S, C, CS or CC at full rate that two pieces are, within the merging's tolerances.
+
+    A piece that is next to nothing is left out if the path then still ends where it did.
 
     Args:
-        u1, u2: rates (curvature times radius) of two pieces; u2 is 0 if there is but one.
-        l2: length of the second piece in radii.
+        u1, u2: rates (curvature times radius); that of a piece of no length is not looked at.
+        l1, l2: lengths in radii.
     """
+    forward = l1 >= 0.0 and l2 >= 0.0
+    u1, u2 = (u1 if l1 > 0.0 else 0.0), (u2 if l2 > 0.0 else 0.0)
+    total = l1 + l2
+    allowed = MERGED + DRIVEN * total
+    short = NO_LENGTH * min(1.0, total)
     t1, t2 = nearest_rate(u1), nearest_rate(u2)
-    near = abs(u1 - t1) <= FULL_RATE and abs(u2 - t2) <= FULL_RATE
-    return near and ((t2 == 0.0 and (t1 != 0.0 or l2 == 0.0)) or t1 * t2 == -1.0)
+    off1, off2 = abs(u1 - t1), abs(u2 - t2)
+    # bounds the distance between the ends: a heading that is off moves all that is driven after
+    moved = off1 * l1 * (0.5 * l1 + l2) + 0.5 * off2 * l2 * l2
+    turn1, turn2 = abs(u1) * l1, abs(u2) * l2
+    without1 = 0.5 * off2 * l2 * l2 + l1 + turn1 * l2
+    without2 = 0.5 * off1 * l1 * l1 + l2
+    if l1 <= short and turn1 <= NO_TURN and without1 <= allowed:
+        t1, l1, off1, t2, l2, off2, moved = t2, l2, off2, 0.0, 0.0, 0.0, without1
+    elif l2 <= short and turn2 <= NO_TURN and without2 <= allowed:
+        t2, l2, off2, moved = 0.0, 0.0, 0.0, without2
+    full = off1 <= FULL_RATE and off2 <= FULL_RATE and moved <= allowed < math.inf
+    driven = forward and l1 > 0.0
+    letters = (t2 == 0.0 and (t1 != 0.0 or l2 == 0.0)) or t1 * t2 == -1.0
+    return Word(t1, l1, t2, l2, full and driven and letters)
 
 
 def costates(

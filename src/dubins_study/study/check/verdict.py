@@ -10,6 +10,7 @@ from functools import lru_cache
 from itertools import accumulate
 from typing import NamedTuple
 
+from dubins_study.study.check.enclosure import enclose
 from dubins_study.study.check.relaxation import relaxed_reference
 from dubins_study.study.check.two_arcs import PATH_WORDS, WORD, path_word
 from dubins_study.study.claim import Claim
@@ -99,7 +100,9 @@ def judge(
     """
     best = _closed_form(scenario, branch)
     if path is None:
-        agrees = claim is Claim.INFEASIBLE and best.optimum is None
+        agrees = claim is Claim.INFEASIBLE and (
+            best.optimum is None or enclose(scenario, branch).absent
+        )
         verdict = Verdict.NONE_EXISTS if agrees else Verdict.NONE
     elif drivable(path):
         return _judge_path(scenario, path, claim, branch, tolerances, best)
@@ -152,12 +155,13 @@ def _judge_path(
     arrives = miss <= tolerances.miss * radius + rounding and rounding <= radius
     relaxed = None
     if arrives and excess <= tolerances.curvature and path.start == scenario.start:
-        # none where the branch has no path, neither to the target nor to the path's end
         relaxed = relaxed_reference(scenario, branch, length, miss, (end.x, end.y), optimum)
+        if relaxed is None:  # none where no target within delta has a path of the branch
+            relaxed = enclose(scenario, branch).nearest(length)
     word = path_word_of(path)
     gap, verdict, wrong_basin = None, Verdict.MISSES, False
     if relaxed is not None:
-        reference = relaxed
+        reference = _known_to_delta(scenario, branch, length, relaxed, tolerances.gap)
         gap = (length - reference) / max(reference, radius)
         verdict = Verdict.OPTIMAL
         if gap > tolerances.gap:
@@ -178,6 +182,21 @@ def _judge_path(
         curvature_excess=excess,
         wrong_basin=wrong_basin,
     )
+
+
+def _known_to_delta(
+    scenario: Scenario, branch: str, length: float, reference: float, gap: float
+) -> float:
+    """The shortest length that an answer is compared with, for data that are known to delta.
+
+    That is the reference, unless the answer is longer: then it is the largest of the shortest
+    lengths of the targets within delta that the answer does not fall short of.
+    """
+    allowed = gap * max(reference, scenario.radius)
+    if length - reference <= allowed:
+        return reference
+    nearest = enclose(scenario, branch).nearest(length, allowed)
+    return reference if nearest is None else max(reference, nearest)
 
 
 def path_word_of(path: Path) -> str:

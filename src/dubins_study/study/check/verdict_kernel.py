@@ -1,8 +1,9 @@
 """The check over arrays: paths of two arcs driven and measured, as `verdict.judge` does.
 
 A row that is out of the ordinary is not judged here but marked `ODD`: no path or a broken one,
-shorter than the reference (which then has to be relaxed), no path exists, or an angle too large
-for the polynomials. `study.check.verdict_frame` hands those to the scalar check.
+shorter than the reference (which then has to be relaxed) or longer where the data leave the
+reference open, no path exists, or an angle too large for the polynomials.
+`study.check.verdict_frame` hands those to the scalar check.
 """
 
 from __future__ import annotations
@@ -18,9 +19,9 @@ from dubins_study.study.check import two_arcs
 from dubins_study.study.check.relaxation import ROUNDED
 from dubins_study.study.check.verdict import Verdict
 from dubins_study.study.closed_form.kernel import chunk_bounds, chunks, to_local
-from dubins_study.study.closed_form.kernel_compile import inlined, threaded
+from dubins_study.study.closed_form.kernel_compile import inlined, separate, threaded
 from dubins_study.study.closed_form.kernel_math import LARGEST_ANGLE, sine_cosine
-from dubins_study.study.closed_form.kernel_words import CodeArray, ScenarioArrays
+from dubins_study.study.closed_form.kernel_words import CodeArray, ScenarioArrays, to_local_exactly
 from dubins_study.study.path import FloatArray
 from dubins_study.study.vehicle_frame import EPS
 
@@ -31,6 +32,9 @@ _OPTIMAL, _LONGER, _MISSES = (
     VERDICTS.index(v) for v in (Verdict.OPTIMAL, Verdict.LONGER, Verdict.MISSES)
 )
 _LARGEST = np.finfo(np.float64).max
+# q below which, and 4 delta above which, delta may move a length by more than the gap's tolerance
+_STEEP = 0.125
+_BLURRED = 1e-7
 
 BoolArray = NDArray[np.bool_]
 
@@ -117,17 +121,36 @@ _path_word = inlined(two_arcs.path_word)
 
 
 @inlined
-def _region_and_margin(X: float, Y: float, rounding: float) -> tuple[int, float]:
+def _region_and_margin(X: float, Y: float, delta: float) -> tuple[int, float]:
     """`shortest.region_of` as an index into `REGIONS`, and `shortest.margin_local`."""
     y = abs(Y)
-    snap = 8.0 * rounding * (1.0 + abs(X) + y)
     near, far = y * (2.0 - y) - X * X, y * (2.0 + y) + X * X
-    inside = (near > 0.0) & (abs(near) > snap)
-    on_circle = (abs(near) <= snap) | (far <= snap)
+    on_circle = (abs(near) <= delta) | (far <= delta)
     disc = 1 if Y >= 0.0 else 2
     elsewhere = 3 if on_circle else 0
     margin = abs(near) / (1.0 + math.sqrt(X * X + (y - 1.0) * (y - 1.0)))
-    return disc if inside else elsewhere, margin
+    return disc if near > delta else elsewhere, margin
+
+
+@inlined
+def _edge(X: float, Y: float, four_delta: float) -> int:
+    """Which edges a target is near: 1 a circle or the axis, 2 where a length is ill-conditioned."""
+    y = abs(Y)
+    w = y * (2.0 - y) - X * X
+    q, far_q = 4.0 * (2.0 - y) + w, 8.0 + w  # 9 less the squared distances from both centres
+    steep = (min(abs(q), abs(far_q)) <= _STEEP) | (four_delta > _BLURRED)
+    return (1 if min(abs(w), y) <= four_delta else 0) | (2 if steep else 0)
+
+
+@separate
+def _finish_regions(chunk: int, scenarios: ScenarioArrays, findings: Findings) -> None:
+    """Regions and margins of rows so near a circle that the last ulp decides."""
+    x, y, heading, tx, ty, radius = scenarios
+    low, high = chunk_bounds(chunk, x.size)
+    for i in range(low, high):
+        if findings.verdict[i] & 1:
+            X, Y, delta = to_local_exactly(x[i], y[i], heading[i], tx[i], ty[i], radius[i])
+            findings.region[i], findings.margin[i] = _region_and_margin(X, Y, delta)
 
 
 @inlined
@@ -145,11 +168,15 @@ def _judge_chunk(
     low, high = chunk_bounds(chunk, x.size)
     length, gap, miss, excess, margin, verdict, word, region = findings
     odd = 0
+    near = 0
     for i in range(low, high):
         sine, cosine = sine_cosine(heading[i])
-        X, Y, rounding = to_local(x[i], y[i], sine, cosine, tx[i], ty[i], radius[i])
-        region[i], margin[i] = _region_and_margin(X, Y, rounding)
-        odd += not (margin[i] <= _LARGEST)
+        X, Y, four_delta = to_local(x[i], y[i], sine, cosine, tx[i], ty[i], radius[i])
+        region[i], margin[i] = _region_and_margin(X, Y, 0.0)
+        verdict[i] = _edge(X, Y, four_delta)  # until the verdict is known
+        near += verdict[i] & 1
+    if near:
+        _finish_regions(chunk, scenarios, findings)
     for i in range(low, high):
         k1, k2, l1, l2 = curvature1[i], curvature2[i], length1[i], length2[i]
         u, v = _displacement(k1, l1, k2, l2)
@@ -174,6 +201,7 @@ def _judge_chunk(
         sound = (angle <= LARGEST_ANGLE) & (min(l1, l2) >= 0.0)
         sound = sound & (miss[i] <= _LARGEST) & (margin[i] <= _LARGEST) & (length[i] <= _LARGEST)
         usual = sound & (length[i] >= reference[i] * (1.0 - ROUNDED))
+        usual = usual & ((relative <= limits.gap) | (verdict[i] == 0))
         verdict[i] = (_MISSES if misses else arrives) if usual else ODD
         odd += not usual
     return odd

@@ -1,8 +1,9 @@
 """The closed form over arrays: `study.closed_form.shortest` for millions of targets at once.
 
-Strict IEEE arithmetic and the formulas of `study.closed_form.shortest`. Lengths differ from its
-lengths by a few ulp, since sine, cosine and arctangent are computed here; a word differs only where
-the last ulp decides whether a target is snapped to a circle or to the axis.
+Strict IEEE arithmetic and the formulas of `study.closed_form.shortest`. Sine, cosine and arctangent
+are computed here, so that lengths differ from its lengths by up to 4 ulp. Rows where the last ulp
+decides the word, or where it would move the length by more, are done with its own functions and the
+C library's, and are equal to the bit.
 """
 
 from __future__ import annotations
@@ -15,9 +16,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from dubins_study.study.closed_form.kernel_compile import (
-    compiled,
     inlined,
     loop_input,
+    separate,
     threaded,
 )
 from dubins_study.study.closed_form.kernel_math import (
@@ -30,6 +31,7 @@ from dubins_study.study.closed_form.kernel_words import (
     NO_PATH,
     Rows,
     ScenarioArrays,
+    best_exactly,
     to_local_exactly,
     word_rows,
 )
@@ -41,6 +43,14 @@ WORDS = ("", "S", "L", "R", "LS", "RS", "LR", "RL")
 CHUNK = 512  # rows; what a chunk reads and writes stays in the first-level cache
 _TWO_PI = 2 * math.pi
 _LARGEST = np.finfo(np.float64).max
+_BLOCK = 64
+_LEFT = 254  # word code of a row that the vector loops leave
+# Below this w, and inside the disc below this q, a row is delicate. At q = 1/4 the length
+# changes by sqrt(32) per shift of the target.
+_NEAR = 1e-5
+_STEEP = 0.25
+# delta is at most 2 + 12 sqrt(2) EPS times the coordinates' size in radii
+_FOUR_DELTA = 80.0 * EPS
 
 
 def shortest_rows(
@@ -75,8 +85,7 @@ def shortest_rows(
     for shape in {array.shape for array in arrays} - {(n,)}:
         raise ValueError(f"an array has shape {shape}; expected {(n,)} as x has")
     if branch == "best":
-        if _best_rows(n)(scenarios, rows):
-            _redo_unusual(scenarios, rows)
+        _best_rows(n)(scenarios, rows)
     elif branch in BRANCHES:
         word_rows(scenarios, branch in ("LR", "RL"), branch in ("RS", "LR"), rows)
     else:
@@ -88,7 +97,7 @@ def shortest_rows(
 def to_local(
     x: float, y: float, sine: float, cosine: float, tx: float, ty: float, radius: float
 ) -> tuple[float, float, float]:
-    """The target in the vehicle's frame and the rounding, as `vehicle_frame.local` has them.
+    """The target in the vehicle's frame, as `vehicle_frame.local` has it, and at least 4 delta.
 
     A quotient by the reciprocal, then one Newton step with the remainder, is the quotient rounded
     correctly (Markstein 1990): two divisions fewer, and the same bits.
@@ -101,15 +110,24 @@ def to_local(
     X = fma(fma(-X, radius, forward), inverse, X)
     Y = left * inverse
     Y = fma(fma(-Y, radius, left), inverse, Y)
-    rounding = 2.0 * EPS * (abs(x) + abs(y) + abs(tx) + abs(ty)) * inverse
-    on_axis = abs(Y) <= rounding
-    at_start = (abs(Y) <= 4.0 * rounding) & (abs(X) <= rounding)
-    return 0.0 if at_start else X, 0.0 if on_axis | at_start else Y, rounding
+    return X, Y, _FOUR_DELTA * (abs(x) + abs(y) + abs(tx) + abs(ty)) * inverse
 
 
 @inlined
-def _best(X: float, y: float, rounding: float, right: int) -> tuple[float, float, int]:
-    """`shortest.shortest_local` for y = |Y| without a branch: both segments and the word.
+def is_delicate(X: float, y: float, four_delta: float) -> bool:
+    """Whether a row is near an edge, or so near (0, 2) that its last ulp would count too much.
+
+    Two evaluations of X, Y and w differ by less than delta. Inside the disc the length changes by
+    1 / sqrt(q / 8) per shift of the target (docs/derivation.md, section 9).
+    """
+    w = y * (2.0 - y) - X * X
+    q = 4.0 * (2.0 - y) + w
+    return (min(abs(w) - _NEAR, y) <= four_delta) | ((w > 0.0) & (q < _STEEP))
+
+
+@inlined
+def _best(X: float, y: float, right: int) -> tuple[float, float, int]:
+    """`best_exactly` for y = |Y| where the row is not delicate: both segments and the word.
 
     Outside the disc LS needs one arctangent, inside it RL needs two; the arguments of the first
     are selected before it is taken. sqrt(p q) is the D of `shortest.right_left_pair`, and the
@@ -117,35 +135,25 @@ def _best(X: float, y: float, rounding: float, right: int) -> tuple[float, float
     """
     xx = X * X
     w = y * (2.0 - y) - xx
-    on_circle = abs(w) <= 8.0 * rounding * (1.0 + abs(X) + y)
-    w = 0.0 if on_circle else w
     inside = w > 0.0
     p = xx + y * (y + 2.0)
     q = 4.0 * (2.0 - y) + w
     A = p + 4.0 * y + 8.0
     inner, outer = p * q, -w
     root = math.sqrt(inner if inside else outer)  # D inside, the straight part outside
-    # tan(a/2) is y / (X + s) ahead and (s - X) / (y - 2) behind. On the circle, s = 0, either loses
-    # its digits at one end: the first next to the start, the second next to (0, 2).
-    four_x, below, on_arc = 4.0 * X, y - 2.0, root == 0.0
-    low, high = on_arc & (y <= 1.0), on_arc & (y > 1.0)
-    rise_front, run_front = X if low else y, -below if low else X + root
-    rise_front = four_x + root if inside else rise_front
-    run_front = A if inside else run_front
+    # tan(a/2) is y / (X + s) ahead and (s - X) / (y - 2) behind
+    four_x = 4.0 * X
+    rise_front = four_x + root if inside else y
+    run_front = A if inside else X + root
     rise_rear = w if inside else root - X
-    run_rear = root - four_x if inside else below
-    front = (X >= 0.0) | high
+    run_rear = root - four_x if inside else y - 2.0
+    front = X >= 0.0
     rise = rise_front if front else rise_rear
     run = run_front if front else run_rear
     first = 2.0 * upper_arctangent(rise, run)
     arc = _TWO_PI - upper_arctangent(root, 4.0 - p)
     second = arc if inside else root
-    turns = first > 0.0
-    one = 1 if second > 0.0 else 0
-    two = (4 if second > 0.0 else 2) + right
-    outside_word = two if turns else one
-    inside_word = 7 - right
-    return first, second, inside_word if inside else outside_word
+    return first, second, 7 - right if inside else 4 + right
 
 
 @inlined
@@ -169,52 +177,67 @@ def _best_chunk(chunk: int, scenarios: ScenarioArrays, rows: Rows) -> int:
     """One chunk of rows in two loops, each small enough for the vector registers.
 
     Between them the target in the vehicle's frame lies in the output arrays. Returns how many
-    rows are unusual. That count does a second service: LLVM interleaves two vectors only in loops
-    that have a reduction.
+    rows are left, their word being `_LEFT`. That count does a second service: LLVM interleaves two
+    vectors only in loops that have a reduction.
     """
     x, y, heading, tx, ty, radius = scenarios
     length, first, second, word = rows
     low, high = chunk_bounds(chunk, x.size)
-    unusual = 0
+    left = 0
     for i in range(low, high):
         sine, cosine = sine_cosine(heading[i])
-        X, Y, rounding = to_local(x[i], y[i], sine, cosine, tx[i], ty[i], radius[i])
+        X, Y, four_delta = to_local(x[i], y[i], sine, cosine, tx[i], ty[i], radius[i])
         first[i] = X
         second[i] = abs(Y)
-        length[i] = rounding
+        # a delta without bound makes a row delicate
+        length[i] = four_delta if abs(heading[i]) <= LARGEST_ANGLE else math.inf
         word[i] = 0 if Y >= 0.0 else 1
-        unusual += not (abs(heading[i]) <= LARGEST_ANGLE)
+        left += not (four_delta <= _LARGEST)
     for i in range(low, high):
-        a, b, code = _best(first[i], second[i], length[i], word[i])
+        a, b, code = _best(first[i], second[i], word[i])
+        delicate = is_delicate(first[i], second[i], length[i])
         a *= radius[i]
         b *= radius[i]
         first[i] = a
         second[i] = b
         length[i] = a + b
-        word[i] = code
-        unusual += not (a + b <= _LARGEST)
-    return unusual
+        usual = (a + b <= _LARGEST) & (not delicate)
+        word[i] = code if usual else _LEFT
+        left += not usual
+    return left
 
 
 @threaded
-def _best_rows(scenarios: ScenarioArrays, rows: Rows) -> int:
-    unusual = 0
+def _best_rows(scenarios: ScenarioArrays, rows: Rows) -> None:
     for chunk in numba.prange(chunks(scenarios.x.size)):
-        unusual += _best_chunk(chunk, scenarios, rows)
-    return unusual
+        if _best_chunk(chunk, scenarios, rows):
+            _finish_chunk(chunk, scenarios, rows)
 
 
-@compiled
-def _redo_unusual(scenarios: ScenarioArrays, rows: Rows) -> None:
-    """The rows that the vector loops cannot do: huge headings, and radii next to underflow."""
+@separate
+def _finish_chunk(chunk: int, scenarios: ScenarioArrays, rows: Rows) -> None:
+    """The rows that the vector loops leave: delicate ones, huge headings, radii near underflow."""
+    low, high = chunk * CHUNK, min((chunk + 1) * CHUNK, scenarios.x.size)
+    for block in range((high - low + _BLOCK - 1) // _BLOCK):
+        begin = low + block * _BLOCK
+        end = min(begin + _BLOCK, high)
+        left = 0  # counted by a vector loop, since most blocks have none
+        for i in range(begin, end):
+            left += rows.word[i] == _LEFT
+        if left:
+            _finish_rows(begin, end, scenarios, rows)
+
+
+@separate
+def _finish_rows(begin: int, end: int, scenarios: ScenarioArrays, rows: Rows) -> None:
     x, y, heading, tx, ty, radius = scenarios
     length, first, second, word = rows
-    for i in range(x.size):
-        if abs(heading[i]) <= LARGEST_ANGLE and length[i] <= _LARGEST:
+    for i in range(begin, end):
+        if word[i] != _LEFT:
             continue
-        X, Y, rounding = to_local_exactly(x[i], y[i], heading[i], tx[i], ty[i], radius[i])
-        a, b, code = _best(X, abs(Y), rounding, 0 if Y >= 0.0 else 1)
+        X, Y, delta = to_local_exactly(x[i], y[i], heading[i], tx[i], ty[i], radius[i])
+        a, b, code = best_exactly(X, Y, delta)
         first[i], second[i] = a * radius[i], b * radius[i]
-        sound = rounding <= _LARGEST and a + b >= 0.0
+        sound = delta <= _LARGEST and a + b >= 0.0
         length[i] = first[i] + second[i] if sound else math.nan
         word[i] = code if sound else NO_PATH

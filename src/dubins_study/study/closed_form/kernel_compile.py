@@ -73,6 +73,11 @@ def inlined(function: Function) -> Function:
     return cast(Function, numba.njit(error_model="numpy", forceinline=True)(function))
 
 
+def separate(function: Function) -> Function:
+    """Compiled by Numba as a function of its own: for rows that a vector loop leaves."""
+    return cast(Function, numba.njit(error_model="numpy")(function))
+
+
 def compiled(function: Loop) -> Loop:
     """Compiled by Numba for one thread."""
     return _kept(function, {})

@@ -132,6 +132,23 @@ def sine_cosine(angle: float) -> tuple[float, float]:
 
 
 @inlined
+def small_arctangent(t: float) -> float:
+    """Arctangent of a slope of at most tan(pi/8) either way."""
+    z = t * t
+    p = fma(ARCTANGENT[10], z, ARCTANGENT[9])
+    p = fma(p, z, ARCTANGENT[8])
+    p = fma(p, z, ARCTANGENT[7])
+    p = fma(p, z, ARCTANGENT[6])
+    p = fma(p, z, ARCTANGENT[5])
+    p = fma(p, z, ARCTANGENT[4])
+    p = fma(p, z, ARCTANGENT[3])
+    p = fma(p, z, ARCTANGENT[2])
+    p = fma(p, z, ARCTANGENT[1])
+    p = fma(p, z, ARCTANGENT[0])
+    return fma(t * z, p, t)
+
+
+@inlined
 def upper_arctangent(y: float, x: float) -> float:
     """atan2(y, x) for y >= 0: the angle of (x, y), from 0 to pi; 0 at the origin.
 
@@ -149,17 +166,6 @@ def upper_arctangent(y: float, x: float) -> float:
     bottom = a if flat else bottom
     turned = 0.0 if flat else turned
     t = top / max(bottom, 1e-300)  # 0 / 0 is wanted to be 0
-    z = t * t
-    p = fma(ARCTANGENT[10], z, ARCTANGENT[9])
-    p = fma(p, z, ARCTANGENT[8])
-    p = fma(p, z, ARCTANGENT[7])
-    p = fma(p, z, ARCTANGENT[6])
-    p = fma(p, z, ARCTANGENT[5])
-    p = fma(p, z, ARCTANGENT[4])
-    p = fma(p, z, ARCTANGENT[3])
-    p = fma(p, z, ARCTANGENT[2])
-    p = fma(p, z, ARCTANGENT[1])
-    p = fma(p, z, ARCTANGENT[0])
-    angle = turned + fma(t * z, p, t)
+    angle = turned + small_arctangent(t)
     other = _PI - angle
     return other if x < 0 else angle

@@ -14,13 +14,15 @@ from numpy.typing import NDArray
 
 from dubins_study.study.closed_form.kernel_compile import compiled, inlined
 from dubins_study.study.closed_form.shortest import (
+    best_segments,
+    chosen_side,
     left_straight,
     right_left,
     right_left_pair,
     wrapped,
 )
 from dubins_study.study.path import FloatArray
-from dubins_study.study.vehicle_frame import EPS, power
+from dubins_study.study.vehicle_frame import PER_DISTANCE, PER_EXTENT, power
 
 CodeArray = NDArray[np.uint8]
 
@@ -62,20 +64,26 @@ class Rows(NamedTuple):
 def to_local_exactly(
     x: float, y: float, heading: float, tx: float, ty: float, radius: float
 ) -> tuple[float, float, float]:
-    """As `kernel.to_local`, for every heading and radius: libm's sine and cosine, divisions."""
+    """`vehicle_frame.local` to the bit, for every heading and radius: libm and divisions."""
     dx, dy = tx - x, ty - y
     sine, cosine = math.sin(heading), math.cos(heading)
     X, Y = (dx * cosine + dy * sine) / radius, (dy * cosine - dx * sine) / radius
-    rounding = 2.0 * EPS * (abs(x) + abs(y) + abs(tx) + abs(ty)) / radius
-    if abs(X) <= rounding and abs(Y) <= 4.0 * rounding:
-        return 0.0, 0.0, rounding
-    return X, 0.0 if abs(Y) <= rounding else Y, rounding
+    spread = PER_EXTENT * (abs(x) + abs(y) + abs(tx) + abs(ty)) / radius
+    return X, Y, spread + PER_DISTANCE * (abs(X) + abs(Y))
 
 
 _left_straight, _right_left = inlined(left_straight), inlined(right_left)
-_power = inlined(power)
-for _called in (right_left_pair, wrapped):
+_best_segments, _chosen_side = inlined(best_segments), inlined(chosen_side)
+for _called in (left_straight, power, right_left_pair, wrapped):
     register_jitable(_called)
+
+
+@inlined
+def best_exactly(X: float, Y: float, delta: float) -> tuple[float, float, int]:
+    """`shortest.shortest_local` without a branch, to the bit: both segments and the word's code."""
+    right = not _chosen_side(Y, delta)
+    first, second, arcs = _best_segments(X, abs(Y), delta)
+    return first, second, _word(first, second, arcs, right)
 
 
 @compiled
@@ -84,11 +92,10 @@ def word_rows(scenarios: ScenarioArrays, arcs: bool, right: bool, rows: Rows) ->
     x, y, heading, tx, ty, radius = scenarios
     length, first, second, word = rows
     for i in range(x.size):
-        X, Y, rounding = to_local_exactly(x[i], y[i], heading[i], tx[i], ty[i], radius[i])
+        X, Y, delta = to_local_exactly(x[i], y[i], heading[i], tx[i], ty[i], radius[i])
         if right:
             Y = -Y
-        w = _power(X, Y, rounding)
-        a, b = _right_left(X, Y, w, rounding) if arcs else _left_straight(X, Y, w)
+        a, b = _right_left(X, Y, delta) if arcs else _left_straight(X, Y, delta)
         first[i], second[i] = a * radius[i], b * radius[i]
         length[i] = first[i] + second[i]
         word[i] = _word(a, b, arcs, right)

@@ -40,12 +40,28 @@ class Shortest(NamedTuple):
         return self.segments.total
 
 
-# Python runs the next four functions for one target; `kernel_words` compiles them for arrays. So
-# they take and return plain numbers: X, Y and `rounding` of a `Local`, and its w.
+# Python runs the next five functions for one target; `kernel_words` compiles the same functions for
+# arrays. So they take and return plain numbers: X, Y and delta of a `Local`.
 
 
-def left_straight(X: float, Y: float, w: float) -> tuple[float, float]:
+def best_segments(X: float, y: float, delta: float) -> tuple[float, float, bool]:
+    """Both segments (radii) of the shortest path of all, for y = |Y|, and whether it is RL.
+
+    It is LS where it is not RL. What is within delta / 2 of the start or of the axis ahead, or of
+    the circle (`power`), is taken to be there.
+    """
+    if power(X, y, delta) > 0.0:
+        first, second, _, _ = right_left_pair(X, y, delta)
+        return first, second, True
+    first, second = left_straight(X, y, delta)
+    return first, second, False
+
+
+def left_straight(X: float, Y: float, delta: float) -> tuple[float, float]:
     """Arc (rad) and straight (radii) of the shortest LS path; NaN inside the left disc."""
+    if abs(Y) <= 0.5 * delta and -0.5 * delta <= X:
+        return 0.0, X if 0.5 * delta < X else 0.0  # ahead, or at the start
+    w = power(X, Y, delta)
     if w > 0.0:
         return math.nan, math.nan
     s = math.sqrt(-w)
@@ -56,35 +72,49 @@ def left_straight(X: float, Y: float, w: float) -> tuple[float, float]:
     return a if a >= 0.0 else a + _TWO_PI, s
 
 
-def right_left(X: float, Y: float, w: float, rounding: float) -> tuple[float, float]:
+def right_left(X: float, Y: float, delta: float) -> tuple[float, float]:
     """Both arcs (rad) of the shortest RL path.
 
     NaN unless the target is 1 to 3 radii from the right circle's centre.
     """
-    a, b, other_a, other_b = right_left_pair(X, Y, w, rounding)
+    a, b, other_a, other_b = right_left_pair(X, Y, delta)
     return (other_a, other_b) if other_a + other_b < a + b else (a, b)
 
 
-def right_left_pair(
-    X: float, Y: float, w: float, rounding: float
-) -> tuple[float, float, float, float]:
-    """The arcs of both RL paths, second arc above pi first; equal where the second arc is pi."""
+def right_left_pair(X: float, Y: float, delta: float) -> tuple[float, float, float, float]:
+    """The arcs of both RL paths, second arc above pi first; equal where the second arc is pi.
+
+    At the edges of the word's reach, and where a first arc vanishes, the lengths go like the root
+    of a distance or jump. A target within about delta / 2 of them is taken to be there.
+    """
+    if abs(X) <= 0.5 * delta and abs(Y) <= 0.5 * delta:
+        return 0.0, _TWO_PI, 0.0, 0.0
+    w = power(X, Y, delta)
     p = X * X + Y * (Y + 2.0)  # |T - C_R|^2 - 1
     q = 4.0 * (2.0 - Y) + w  # 9 - |T - C_R|^2
-    slack = 8.0 * rounding * (1.0 + abs(X) + abs(Y))
-    if p < -slack or q < -slack:
+    bearing = math.atan2(X, 1.0 + Y)  # of T from C_R, from straight up, clockwise as R turns
+    if w == 0.0:  # on the left circle: the arc to T, and the path whose second arc is the rest
+        arc = math.atan2(X, 1.0 - Y)
+        arc = arc if arc >= 0.0 else arc + _TWO_PI
+        turn = wrapped(2.0 * bearing)
+        return (0.0, arc, turn, _TWO_PI - arc) if arc > math.pi else (turn, _TWO_PI - arc, 0.0, arc)
+    if abs(p) <= delta:  # on the right circle
+        return wrapped(bearing), _TWO_PI, wrapped(bearing), 0.0
+    if abs(q) <= 3.0 * delta:  # as far as RL reaches
+        return wrapped(bearing), math.pi, wrapped(bearing), math.pi
+    if p < 0.0 or q < 0.0:
         return math.nan, math.nan, math.nan, math.nan
     A = p + 4.0 * Y + 8.0
-    D = math.sqrt(max(0.0, p * q))  # 16 X^2 + A w, 4 x the area of C_R, second centre, T
-    bend = 2.0 * math.atan2(math.sqrt(max(0.0, p)), math.sqrt(max(0.0, q)))
+    D = math.sqrt(p * q)  # 16 X^2 + A w, 4 x the area of C_R, second centre, T
+    bend = 2.0 * math.atan2(math.sqrt(p), math.sqrt(q))
     if A > 1.0:
         # the roots of A t^2 - 8 X t - w = 0 with t = tan(a1/2), each in its stable form
         plus = 2.0 * (math.atan2(4.0 * X + D, A) if X >= 0.0 else math.atan2(w, D - 4.0 * X))
         minus = 2.0 * (math.atan2(4.0 * X - D, A) if X < 0.0 else math.atan2(-w, D + 4.0 * X))
     else:
-        # A and X vanish at (0, -2) and (0, -4); there: the bearing of T from C_R, and the angle
-        # between T and the second circle's centre
-        bearing, between = math.atan2(X, 1.0 + Y), math.atan2(D, p + 4.0)
+        # A and X vanish at (0, -2) and (0, -4); there: the bearing and the angle between T and the
+        # second circle's centre
+        between = math.atan2(D, p + 4.0)
         plus, minus = bearing + between, bearing - between
     return wrapped(plus), _TWO_PI - bend, wrapped(minus), bend
 
@@ -101,21 +131,23 @@ def shortest_local(target: Local, branch: str = "best") -> Shortest | None:
     The rule for the only tie of two different paths, straight behind: LS is chosen.
     """
     if branch != "best":
-        X, Y, rounding = target.mirrored if branch in ("RS", "LR") else target
-        w = power(X, Y, rounding)
-        straight = branch in ("LS", "RS")
-        arcs = left_straight(X, Y, w) if straight else right_left(X, Y, w, rounding)
+        X, Y, delta = target.mirrored if branch in ("RS", "LR") else target
+        find = left_straight if branch in ("LS", "RS") else right_left
+        arcs = find(X, Y, delta)
         return None if math.isnan(arcs[0]) else _named(branch, Segments(*arcs))
-    left = target.Y >= 0
-    X, Y, rounding = target if left else target.mirrored
-    w = power(X, Y, rounding)
-    if w > 0:
-        # inside a disc |T - C| of the other circle lies strictly between 1 and 3
-        first, second, _, _ = right_left_pair(X, Y, w, rounding)
-        return _named("RL" if left else "LR", Segments(first, second))
-    shortest = _named("LS" if left else "RS", Segments(*left_straight(X, Y, w)))
-    tie = target.Y == 0 and target.X < 0
-    return shortest._replace(words=("LS", "RS")) if tie else shortest
+    X, Y, delta = target
+    left, on_axis = chosen_side(Y, delta), abs(Y) <= 0.5 * delta
+    first, second, arcs_only = best_segments(X, abs(Y), delta)
+    letters = ("RL" if left else "LR") if arcs_only else ("LS" if left else "RS")
+    shortest = _named(letters, Segments(first, second))
+    if not (on_axis and first > 0.0):
+        return shortest
+    return shortest._replace(words=(shortest.word, shortest.word.replace("L", "R")))
+
+
+def chosen_side(Y: float, delta: float) -> bool:
+    """Whether the shortest path of all turns left first, as for a target on the axis."""
+    return -0.5 * delta <= Y
 
 
 def _named(letters: str, segments: Segments) -> Shortest:

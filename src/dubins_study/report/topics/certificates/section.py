@@ -15,11 +15,6 @@ from dubins_study.report.elements.solver_lines import plot_shares
 from dubins_study.report.elements.style import BLUE, ORANGE, RULE, SKY, WIDE
 from dubins_study.report.statistics.metrics import by_solver
 
-_NOT_ENCLOSED = (
-    "No reference length was enclosed, so that no answer can be proved or bounded: where a block "
-    "has more than a million scenarios, its answers are certified by Pontryagin's conditions and "
-    "the cut alone."
-)
 _RIGOROUS = 1e-12  # relative; an interval narrower than this is called proven
 
 
@@ -52,8 +47,7 @@ def _proved(frame: pd.DataFrame) -> str:
 
 def _enclosed(frame: pd.DataFrame) -> str:
     if not frame["enclosed"].sum():
-        without = frame["extremal"].sum() > 0
-        return _NOT_ENCLOSED if without else ""
+        return ""
     widest = frame["width"].max()
     place = "below" if widest < _RIGOROUS else "not below"
     return (

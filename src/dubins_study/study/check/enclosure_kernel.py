@@ -1,0 +1,225 @@
+"""Proven intervals around the shortest lengths of frames: `enclosure.enclose` in compiled loops.
+
+An interval holds the lengths of all targets whose X and Y are within delta of the exact values that
+a row's doubles give (`study.vehicle_frame.Local`), by the arithmetic of `interval_kernel`. A row is
+left to `enclose` where that arithmetic does not decide on which side of an edge of the branch all
+of these targets lie, or where its interval would be much wider than their lengths are.
+
+Which word is the shortest is taken from the synthesis (docs/derivation.md, section 6): outside the
+disc on the target's side the one that turns toward the target and goes straight, inside it the
+other side's turn and the long second arc. `enclose` does not assume that.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numba
+import numpy as np
+
+from dubins_study.study.check.interval_kernel import (
+    GROWTH,
+    SINE_COSINE_ERROR,
+    TINY,
+    Interval,
+    angle_above,
+    exact,
+    full_turn,
+    is_signed,
+    lesser,
+    minus,
+    negative,
+    over,
+    plus,
+    positive,
+    root,
+    times,
+    widened,
+)
+from dubins_study.study.closed_form.kernel import chunk_bounds, chunks
+from dubins_study.study.closed_form.kernel_compile import inlined, loop_input, threaded
+from dubins_study.study.closed_form.kernel_math import LARGEST_ANGLE, sine_cosine
+from dubins_study.study.closed_form.kernel_words import ScenarioArrays
+from dubins_study.study.path import FloatArray
+from dubins_study.study.paths import BoolArray
+from dubins_study.study.vehicle_frame import EPS, PER_DISTANCE, PER_EXTENT
+
+# A row is left where the radius of its interval is above these parts of the length and of delta:
+# the arithmetic makes of one delta some five, but next to (0, 2) any number.
+_WIDEST, _STEEPEST = 2.0**-42, 32.0
+_BEST, _STRAIGHT, _ARCS = range(3)
+_FORMS = {"best": _BEST, "LS": _STRAIGHT, "RS": _STRAIGHT, "RL": _ARCS, "LR": _ARCS}
+
+
+class Bounds(NamedTuple):
+    """Proven bounds of the shortest lengths of n rows: arrays of shape (n,).
+
+    Args:
+        low, high: as in `enclosure.Enclosure` (length unit); both infinite where there is no path.
+        left: rows that the loops leave to `enclosure.enclose`; their bounds mean nothing.
+    """
+
+    low: FloatArray
+    high: FloatArray
+    left: BoolArray
+
+
+def bound_rows(scenarios: ScenarioArrays, branch: str = "best") -> Bounds:
+    """Enclose the shortest length of every row, but for the rows that are left.
+
+    Args:
+        scenarios: n rows, read as the exact values of their doubles.
+        branch: one of `study.words.BRANCHES`.
+    """
+    scenarios = ScenarioArrays(*map(loop_input, scenarios))
+    n = scenarios.x.size
+    bounds = Bounds(np.empty(n), np.empty(n), np.empty(n, np.bool_))
+    _bound_rows(n)(scenarios, _FORMS[branch], branch in ("RS", "LR"), bounds)
+    return bounds
+
+
+class _Found(NamedTuple):
+    """A shortest length in radii, and whether it is decided; infinite where there is no path."""
+
+    length: Interval
+    decided: bool
+
+
+@inlined
+def _square(
+    x: float, y: float, heading: float, tx: float, ty: float, radius: float
+) -> tuple[Interval, Interval, float]:
+    """X and Y of the scenario's targets, and a bound on delta."""
+    sine, cosine = sine_cosine(heading)
+    s, c = Interval(sine, SINE_COSINE_ERROR), Interval(cosine, SINE_COSINE_ERROR)
+    dx, dy, R = minus(exact(tx), exact(x)), minus(exact(ty), exact(y)), exact(radius)
+    X = over(plus(times(dx, c), times(dy, s)), R)
+    Y = over(minus(times(dy, c), times(dx, s)), R)
+    extent = (abs(x) + abs(y) + abs(tx) + abs(ty)) / radius
+    distance = abs(X.mid) + X.rad + abs(Y.mid) + Y.rad
+    delta = (PER_EXTENT * extent + PER_DISTANCE * distance) * GROWTH + TINY
+    return widened(X, delta), widened(Y, delta), delta
+
+
+@inlined
+def _bearing(rise: Interval, run: Interval) -> tuple[Interval, bool]:
+    """The angle of the point (run, rise), from 0 to 2 pi, and whether it is decided.
+
+    It jumps where the rise changes its sign and the run is positive.
+    """
+    below = rise.mid < 0.0
+    angle = angle_above(negative(rise) if below else rise, run)
+    decided = (abs(rise.mid) > rise.rad) | positive(negative(run))
+    return minus(full_turn(), angle) if below else angle, decided
+
+
+@inlined
+def _left_straight(X: Interval, Y: Interval, w: Interval) -> _Found:
+    """LS of a target outside the left disc: its bearing from the circle's centre, and s - atan s.
+
+    The bearing of the tangent's point of contact is less by atan s, that of a triangle with sides
+    1 and s. s - atan s changes by s^2 / (1 + s^2) times what s does: little, next to the circle.
+    """
+    s = root(negative(w))
+    below = Y.mid < 0.0
+    bearing, decided = _bearing(X, minus(exact(1.0), Y))
+    # the target is ahead and to the right: the turn is nearly a full one
+    more = below & (X.mid >= 0.0)
+    bearing = plus(bearing, full_turn()) if more else bearing
+    decided |= below
+    corner = angle_above(exact(s.mid), exact(1.0))
+    most = s.mid + s.rad
+    spread = s.rad * min(most * most, 1.0) * GROWTH
+    rest = minus(exact(s.mid), corner)
+    return _Found(plus(bearing, Interval(rest.mid, rest.rad + spread)), decided)
+
+
+@inlined
+def _right_left(X: Interval, Y: Interval, p: Interval, long: bool) -> _Found:
+    """RL of a target that the right circle's centre is 1 to 3 radii from, p = d^2 - 1.
+
+    The triangle of that centre, the second arc's centre and the target has sides 2, 1 and d, so
+    4 d times the cosine of its angle at the first is p + 4, and 4 times that at the second 4 - p;
+    with the root D of p (8 - p) in place of both for the sines. The first arc is the angle of a
+    product of complex numbers, the direction to the target turned by the triangle's angle.
+    """
+    D = root(times(p, minus(exact(8.0), p)))
+    up, side = plus(Y, exact(1.0)), plus(p, exact(4.0))
+    signed = D if long else negative(D)
+    rise = plus(times(X, side), times(up, signed))
+    run = minus(times(up, side), times(X, signed))
+    first, decided = _bearing(rise, run)
+    corner = angle_above(D, minus(exact(4.0), p))
+    second = minus(full_turn(), corner) if long else corner
+    return _Found(plus(first, second), decided)
+
+
+@inlined
+def _squares(X: Interval, Y: Interval) -> tuple[Interval, Interval]:
+    """1 - |T - C_L|^2 and |T - C_R|^2 - 1."""
+    square, double = plus(times(X, X), times(Y, Y)), plus(Y, Y)
+    return minus(double, square), plus(double, square)
+
+
+@inlined
+def _best(X: Interval, Y: Interval) -> _Found:
+    """The shortest of all for Y = |Y|, which is as far from the right circle as -Y from the left.
+
+    The edges are both circles, and the start lies on them.
+    """
+    w, p = _squares(X, Y)
+    found = _right_left(X, Y, p, True) if w.mid > 0.0 else _left_straight(X, Y, w)
+    return _Found(found.length, found.decided & is_signed(w))
+
+
+@inlined
+def _straight_word(X: Interval, Y: Interval) -> _Found:
+    """LS; its edges are the left circle and the axis ahead, where the start is."""
+    w, _ = _squares(X, Y)
+    if w.mid > 0.0:
+        return _Found(exact(math.inf), is_signed(w))
+    found = _left_straight(X, Y, w)
+    off_axis = is_signed(Y) | positive(negative(X))
+    return _Found(found.length, found.decided & is_signed(w) & off_axis)
+
+
+@inlined
+def _arcs_word(X: Interval, Y: Interval) -> _Found:
+    """The shorter RL; its edges are the left circle and the circles of 1 and 3 about C_R."""
+    w, p = _squares(X, Y)
+    q = minus(exact(8.0), p)
+    in_reach = is_signed(p) & is_signed(q)
+    if p.mid < 0.0 or q.mid < 0.0:
+        return _Found(exact(math.inf), in_reach)
+    a, b = _right_left(X, Y, p, True), _right_left(X, Y, p, False)
+    decided = a.decided & b.decided & in_reach & is_signed(w)
+    return _Found(lesser(a.length, b.length), decided)
+
+
+@inlined
+def _shortest(X: Interval, Y: Interval, form: int, mirrored: bool) -> _Found:
+    if form == _BEST:
+        return _best(X, Interval(abs(Y.mid), Y.rad))
+    Y = negative(Y) if mirrored else Y
+    return _straight_word(X, Y) if form == _STRAIGHT else _arcs_word(X, Y)
+
+
+@threaded
+def _bound_rows(scenarios: ScenarioArrays, form: int, mirrored: bool, bounds: Bounds) -> None:
+    x, y, heading, tx, ty, radius = scenarios
+    low, high, left = bounds
+    for chunk in numba.prange(chunks(x.size)):
+        first, end = chunk_bounds(chunk, x.size)
+        for i in range(first, end):
+            X, Y, delta = _square(x[i], y[i], heading[i], tx[i], ty[i], radius[i])
+            length, decided = _shortest(X, Y, form, mirrored)
+            none = length.mid == math.inf
+            useful = length.rad <= _WIDEST * length.mid + _STEEPEST * delta
+            scaled = times(length, exact(radius[i]))
+            # one step outwards for the rounding of each end
+            below = (scaled.mid - scaled.rad) * (1.0 - 2.0 * EPS)
+            above = (scaled.mid + scaled.rad) * (1.0 + 2.0 * EPS)
+            low[i], high[i] = (math.inf, math.inf) if none else (below, above)
+            sound = decided & (abs(heading[i]) <= LARGEST_ANGLE)
+            left[i] = not (sound & (none | (useful & (below > 0.0))))
