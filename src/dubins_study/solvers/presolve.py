@@ -39,19 +39,19 @@ def unreachable(scenario: Scenario, word: str) -> str | None:
     circle lies outside it, so LS and RS end at no target inside. The second turn of LR and RL is on
     a circle of radius 1 whose centre is 2 from C: it passes only targets from 1 to 3 away from C.
 
-    A word exists in doubt: neither the target's uncertainty delta (docs/derivation.md, section 5)
-    nor rounding here changes what is said.
+    In doubt a word exists: of all targets within delta of the scenario's (docs/derivation.md,
+    section 5) none can be reached where this says so.
 
     Args:
         word: `LS`, `RS`, `LR` or `RL`.
     """
-    X, Y = scenario.local()
+    X, Y, delta = local(scenario)
     side = Y if word[0] == "L" else -Y
     inside = side * (2.0 - side) - X * X  # 1 - |T - C|^2
     # A target off by delta in X and in Y moves by sqrt(2) delta, and `inside` by 2 |T - C| times
-    # that, where |T - C| <= 1 + |X| + |Y|. Twice as much leaves room for the rounding of X, Y and
-    # `inside`, which delta bounds too.
-    doubt = 6.0 * local(scenario).rounding * (1.0 + abs(X) + abs(Y))
+    # that, where |T - C| <= 1 + |X| + |Y|. Twice as much leaves room for rounding, which moves
+    # X, Y and `inside` by less than delta.
+    doubt = 6.0 * delta * (1.0 + abs(X) + abs(Y))
     if inside > doubt:
         return f"the target is inside the circle of the first turn, which no {word} path enters"
     if word[1] != "S" and -inside - 8.0 > doubt:
