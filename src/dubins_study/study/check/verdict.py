@@ -196,7 +196,11 @@ def _known_to_delta(
     if length - reference <= allowed:
         return reference
     nearest = enclose(scenario, branch).nearest(length, allowed)
-    return reference if nearest is None else max(reference, nearest)
+    if nearest is None:
+        return reference
+    # what delta alone moves a length by is no reason for another reference
+    matters = length - nearest <= allowed or nearest - reference > allowed
+    return nearest if matters else reference
 
 
 def path_word_of(path: Path) -> str:

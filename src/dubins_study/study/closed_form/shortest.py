@@ -120,9 +120,8 @@ def right_left_pair(X: float, Y: float, delta: float) -> tuple[float, float, flo
 
 
 def wrapped(angle: float) -> float:
-    """The angle (rad) brought to [0, 2 pi)."""
-    turned = angle % _TWO_PI
-    return 0.0 if turned >= _TWO_PI else turned
+    """The angle (rad) brought to [0, 2 pi]; one just below zero is a full turn."""
+    return angle % _TWO_PI
 
 
 def shortest_local(target: Local, branch: str = "best") -> Shortest | None:
