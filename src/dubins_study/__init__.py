@@ -11,13 +11,13 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from dubins_study.errors import DubinsStudyError as DubinsStudyError
     from dubins_study.experiments.run import run as run
+    from dubins_study.experiments.solve import solve as solve
+    from dubins_study.experiments.solve import solve_frame as solve_frame
     from dubins_study.experiments.store.merge import merge as merge
     from dubins_study.experiments.store.status import status as status
     from dubins_study.report.data.results import load_results as load_results
     from dubins_study.report.page.render import render as render
     from dubins_study.report.path_plot import plot_path as plot_path
-    from dubins_study.solvers.attempt import solve as solve
-    from dubins_study.solvers.frame import solve_frame as solve_frame
     from dubins_study.solvers.protocol import Guarantee as Guarantee
     from dubins_study.solvers.protocol import Question as Question
     from dubins_study.solvers.protocol import Solution as Solution
@@ -45,8 +45,8 @@ _MODULES = {
     "plot_path": "report.path_plot",
     "render": "report.page.render",
     "run": "experiments.run",
-    "solve": "solvers.attempt",
-    "solve_frame": "solvers.frame",
+    "solve": "experiments.solve",
+    "solve_frame": "experiments.solve",
     "status": "experiments.store.status",
 }
 __all__ = list(_MODULES)

@@ -97,7 +97,10 @@ def test_solvers():
         (("solve", "1", "2", "--solver", "nope"), "no solver named 'nope'; choose one of"),
         (("solve", "1", "2", "--branch", "SL"), "no branch named 'SL'; choose one of"),
         (("solve", "1", "2", "--profile", "x"), "no profile named 'x'"),
-        (("solve", "1", "2", "--time-limit", "0"), "limit is 0.0; expected"),
+        (
+            ("solve", "1", "2", "--time-limit", "0"),
+            "--time-limit is 0.0; expected a number of seconds above 0",
+        ),
         (("solve", "1", "2", "--plot", "path.bmp"), "expected a name ending in .svg"),
         (("solve", "1", "2", "--plot", "/nowhere/path.svg"), "cannot write /nowhere/path.svg"),
         (("export", "1", "nan"), "target_y is nan; expected a finite number"),

@@ -26,12 +26,12 @@ from dubins_study.experiments.plan import streams as stream_plan
 from dubins_study.experiments.plan.cells import chains
 from dubins_study.experiments.plan.scenario_ids import scenario_id
 from dubins_study.experiments.plan.streams import streams
+from dubins_study.experiments.solve import solve
 from dubins_study.experiments.store.folder import done, read_rows
 from dubins_study.experiments.store.part_writer import write_part
 from dubins_study.experiments.store.status import status
 from dubins_study.report.data.results import load
 from dubins_study.solvers import frame
-from dubins_study.solvers.attempt import solve
 from dubins_study.solvers.frame import solve_frame
 from dubins_study.study.rows.files import ResultsError
 from dubins_study.study.rows.parts import read_chunks, read_footer

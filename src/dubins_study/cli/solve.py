@@ -20,7 +20,6 @@ from dubins_study.cli.arguments import (
 
 if TYPE_CHECKING:
     from dubins_study.solvers.attempt import Answer
-    from dubins_study.study.scenario import Scenario
 
 # Fields of an answer in the JSON object, which also has `segments` and `tied_words`.
 _JSON = (
@@ -54,14 +53,17 @@ def solve(
 ) -> None:
     """Solve one scenario and judge the answer."""
     from dubins_study.cli import streams
+    from dubins_study.experiments.solve import solve as ask
+    from dubins_study.solvers.attempt import check_request
 
     scenario = scenario_of(context, (x, y), start, radius, speed)
+    check_request(branch, time_limit, "--time-limit")
     if plot is not None:
         from dubins_study.report.path_plot import check_format
 
         check_format(plot)
     with streams.solvers_to_stderr():
-        answer = _answer(scenario, solver, branch, profile, time_limit)
+        answer = ask(scenario, solver, branch, profile=profile, limit=time_limit, isolated=True)
     refusal = _refusal(answer)
     drawable = answer.length is not None and answer.curvatures is not None
     if plot is not None and drawable:
@@ -78,17 +80,6 @@ def solve(
         print(f"dubins-study: {plot} is not drawn: {reason}", file=sys.stderr)
     if undrawn or (strict and answer.verdict != "optimal"):
         raise typer.Exit(1)
-
-
-def _answer(scenario: Scenario, solver: str, branch: str, profile: str, limit: float) -> Answer:
-    """The answer of a solver; every solver except the closed form runs in a separate process."""
-    if solver == "analytic":
-        from dubins_study.solvers.attempt import solve
-
-        return solve(scenario, solver, branch, profile=profile, limit=limit)
-    from dubins_study.experiments.engines.isolated import solve_isolated
-
-    return solve_isolated(scenario, solver, branch, profile=profile, limit=limit)
 
 
 def _refusal(answer: Answer) -> str | None:

@@ -29,6 +29,10 @@ class Analytic(Solver):
     branches: ClassVar[tuple[str, ...]] = BRANCHES
     summary: ClassVar[str] = "the closed form: exact, every branch, no iteration"
 
+    @property
+    def keeps_limit(self) -> bool:
+        return True
+
     def solve(self, model: Question, limit: float) -> Solution:
         scenario = model.scenario
         optimum = shortest(scenario, model.branch)

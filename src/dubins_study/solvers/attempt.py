@@ -8,9 +8,8 @@ from operator import attrgetter
 from typing import Any
 
 from dubins_study.errors import DubinsStudyError
-from dubins_study.solvers.profiles import PROFILES, tolerances
+from dubins_study.solvers.profiles import PROFILES
 from dubins_study.solvers.protocol import Outcome, Question, Solver
-from dubins_study.solvers.registry import load
 from dubins_study.solvers.reply import DEFAULT_LIMIT, Reply, ask
 from dubins_study.study.check.certificate import Certificate, Proof, certify
 from dubins_study.study.check.verdict import Judgement, Tolerances, Verdict, judge
@@ -117,44 +116,14 @@ class Answer:
         return scenario | {name: getattr(self, name) for name in _ANSWER}
 
 
-def solve(
-    scenario: Scenario,
-    solver: str = "analytic",
-    branch: str = "best",
-    *,
-    profile: str = "default",
-    initial_guess: Path | None = None,
-    limit: float = DEFAULT_LIMIT,
-) -> Answer:
-    """Solve one scenario and judge the answer.
-
-    Args:
-        scenario: start pose, target, turning radius, speed.
-        solver: a spec, e.g. `ipopt`, `turn-rate-qp[n=100]` or `file.py:Class`.
-        branch: `best`, or a word: `LS`, `RS`, `LR`, `RL`.
-        profile: `default`, `fast` or `accurate`.
-        initial_guess: a path to begin the search from; cold if None.
-        limit: seconds that the solver is asked to keep to.
-
-    Raises:
-        SolverError, ProfileError, QuestionError: if the request is not a valid one. A solver that
-            fails raises nothing: it is an outcome, a claim and a verdict.
-    """
-    check_request(branch, limit)
-    if not isinstance(scenario, Scenario):
-        raise QuestionError(f"scenario is {scenario!r}; expected a Scenario")
-    if initial_guess is not None and not isinstance(initial_guess, Path):
-        raise QuestionError(f"initial_guess is {initial_guess!r}; expected a Path or None")
-    question = Question(scenario, branch, initial_guess)
-    return attempt(load(solver, profile), question, limit, tolerances(profile), spec=solver)
-
-
 class QuestionError(DubinsStudyError, ValueError):
     """A scenario, branch, initial guess or time limit that cannot be given to a solver."""
 
 
-def check_request(branch: str, limit: float) -> None:
+def check_request(branch: str, limit: float, limit_name: str = "limit") -> None:
     """Refuse an unknown branch or a time limit that is not a positive number of seconds.
+
+    `limit_name` is what the caller calls the limit.
 
     Raises:
         QuestionError: naming the value and what was expected.
@@ -163,7 +132,7 @@ def check_request(branch: str, limit: float) -> None:
         raise QuestionError(f"no branch named {branch!r}; choose one of: {', '.join(BRANCHES)}")
     number = isinstance(limit, int | float) and not isinstance(limit, bool)
     if not (number and math.isfinite(limit) and limit > 0):
-        raise QuestionError(f"limit is {limit!r}; expected a number of seconds above 0")
+        raise QuestionError(f"{limit_name} is {limit!r}; expected a number of seconds above 0")
 
 
 def attempt(

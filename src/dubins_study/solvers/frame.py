@@ -2,21 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from dubins_study.solvers.attempt import attempt, check_request
+from dubins_study.solvers.attempt import Answer, attempt, check_request
 from dubins_study.solvers.frame_solution import FrameSolution
 from dubins_study.solvers.profiles import tolerances
-from dubins_study.solvers.protocol import Outcome, Question, Solver
+from dubins_study.solvers.protocol import Outcome, Question
 from dubins_study.solvers.registry import load, unavailable
 from dubins_study.solvers.reply import DEFAULT_LIMIT
 from dubins_study.study.check.certificate import Proof
 from dubins_study.study.check.extremal import MEASURED
-from dubins_study.study.check.verdict import Tolerances
 from dubins_study.study.claim import Claim
 from dubins_study.study.path import FloatArray
 from dubins_study.study.rows.schema import ANSWER, SCENARIO, Column, names
@@ -42,28 +41,9 @@ def solve_frame(
     limit: float = DEFAULT_LIMIT,
     certified: bool = False,
 ) -> pd.DataFrame:
-    """Solve and judge every scenario of a frame.
+    """Solve and judge every scenario of a frame in this process.
 
-    Args:
-        scenarios: columns `x y heading target_x target_y radius`, and `speed` and `label` if
-            wanted; one row a scenario.
-        solver: a spec, e.g. `ipopt` or `turn-rate-qp[n=100]`.
-        branch: `best`, or a word: `LS`, `RS`, `LR`, `RL`.
-        profile: `default`, `fast` or `accurate`.
-        limit: seconds that the solver is asked to keep to, for each scenario.
-        certified: whether a solver that answers the whole frame at once has its answers certified
-            too, at some 0.4 microseconds a row; without, the certificate's columns are null. One
-            that is asked row by row always has.
-
-    Returns:
-        One judged row a scenario with the index of `scenarios` and the columns of
-        `study.rows.schema` from `x` to `evaluations`, whatever the solver. Missing numbers are
-        null.
-        Where a solver answers the whole frame at once, each row's times are the frame's divided
-        by its size.
-
-    Raises:
-        ScenarioError, SolverError, ProfileError, QuestionError: if the request is not a valid one.
+    Args, Returns and Raises as `experiments.solve.solve_frame`.
     """
     check_request(branch, limit)
     allowed = tolerances(profile)
@@ -76,7 +56,8 @@ def solve_frame(
         or unavailable(backend) is not None
         or branch not in backend.branches
     ):
-        return _one_by_one(frame, backend, branch, limit, allowed, solver)
+        rows = questions(frame, branch)
+        return row_by_row(frame, (attempt(backend, row, limit, allowed, solver) for row in rows))
     from dubins_study.study.check.certificate_frame import certify_frame
     from dubins_study.study.check.verdict_frame import judge_frame
 
@@ -224,16 +205,14 @@ def _controls(paths: Paths) -> tuple[Any, Any]:
     return pd.arrays.ArrowExtensionArray(curvatures), pd.arrays.ArrowExtensionArray(lengths)
 
 
-def _one_by_one(
-    frame: pd.DataFrame,
-    solver: Solver,
-    branch: str,
-    limit: float,
-    allowed: Tolerances,
-    spec: str,
-) -> pd.DataFrame:
-    questions = (Question(scenario, branch) for scenario in scenarios_of(frame))
-    rows = [attempt(solver, question, limit, allowed, spec).row() for question in questions]
+def questions(frame: pd.DataFrame, branch: str) -> Iterator[Question]:
+    """The questions of a frame that has passed `check_frame`, row by row."""
+    return (Question(scenario, branch) for scenario in scenarios_of(frame))
+
+
+def row_by_row(frame: pd.DataFrame, answers: Iterable[Answer]) -> pd.DataFrame:
+    """The frame of single answers, one for each row of the frame of scenarios."""
+    rows = [answer.row() for answer in answers]
     return _framed(frame, {c.name: _typed([row[c.name] for row in rows], c) for c in ANSWER})
 
 

@@ -192,6 +192,17 @@ class Solver:
         """The name of the program on PATH that the solver starts, or None."""
         return None
 
+    @property
+    def keeps_limit(self) -> bool:
+        """Whether the solver, with its settings, may be asked in the caller's own process.
+
+        True is a promise: `build` and `solve` together return at most a second after the limit,
+        whatever the question, on a machine that is not overloaded and once the libraries are
+        loaded; and they print nothing. Where it is not made, `dubins_study.solve` asks in a worker
+        process, which is killed at the limit.
+        """
+        return False
+
     def unavailable(self) -> str | None:
         """Why the solver cannot run here (a missing package, binary or licence), or None."""
         return None

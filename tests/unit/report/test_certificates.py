@@ -80,15 +80,17 @@ def test_multipliers_are_compared_with_costates_that_are_there(results):
 
 
 def test_width_of_enclosures(results):
-    """Of every attempt, and not where no path exists."""
+    """Of every attempt, and not where no path exists; a jump is counted apart."""
     made = rows()
-    made[0] |= {"reference_low": 2.0, "reference_high": 2.5}
-    made[2] |= {"reference_low": 2.0, "reference_high": 2.5}
+    made[0] |= {"reference_low": 2.0, "reference_high": 2.001}
+    made[2] |= {"reference_low": 2.0, "reference_high": 2.001}
+    made.append(made[0] | {"repeat": 1, "reference_low": 0.3, "reference_high": 6.5})
     made.append(made[4] | {"repeat": 1, "reference_low": 0.0, "reference_high": 0.0})
     table = load([results("tiny", made)]).attempts.proofs().set_index("solver")
 
-    assert table["enclosed"].to_dict() == {"slsqp": 2, "disjunctive": 2}
-    assert table["width"].to_dict() == pytest.approx({"slsqp": 0.2, "disjunctive": 0.2})
+    assert table["enclosed"].to_dict() == {"slsqp": 3, "disjunctive": 2}
+    assert table["open"].to_dict() == {"slsqp": 1, "disjunctive": 0}
+    assert table["width"].to_dict() == pytest.approx(dict.fromkeys(table.index, 0.001 / 2.001))
     narrow = [row | {"repeat": 1} for row in rows()[:2]]
     alone = load([results("narrow", narrow)]).attempts.proofs()
     assert alone["width"].tolist() == pytest.approx([4e-16])
@@ -104,13 +106,14 @@ def test_the_section_says_what_the_rows_say(results, tmp_path):
     text = text_of(results("tiny", rows()), tmp_path / "a")
 
     assert "Of 5 attempts 2 are proved (40.0 %; 1 bounded, 1 extremal, 1 none)." in text
-    assert "is 4.4e−16 of it, below 1e-12." in text
+    assert "is 4.4e−16 of it: as much as the rounding of the data leaves open." in text
+    assert "both sides of a jump" not in text
     assert "at most 1.0e−7 (slsqp, whose median is 5.0e−8)" in text
     assert "of 2 lower bounds 1 lie above" in text
 
     wide = [row | {"reference_low": 0.5} for row in rows()[:2]]
     text = text_of(results("wide", wide), tmp_path / "b")
-    assert "not below 1e-12" in text
+    assert "2 intervals hold the lengths on both sides of a jump" in text
     assert "lower bounds" not in text
 
 

@@ -17,7 +17,7 @@ from pyomo.environ import value as value_of
 from scipy.integrate import solve_ivp
 from stand_in import put_solver
 
-from dubins_study.solvers.attempt import solve
+from dubins_study.experiments.solve import solve
 from dubins_study.solvers.ipopt_library.engine import Result
 from dubins_study.solvers.optimal_control.collocation import RATES, Collocation
 from dubins_study.solvers.optimal_control.collocation_correction import closed

@@ -7,7 +7,7 @@ import math
 import pytest
 from cases import EDGES, PAPER
 
-from dubins_study.solvers.attempt import solve
+from dubins_study.experiments.solve import solve
 from dubins_study.solvers.protocol import Guarantee, Outcome, Question, Solution, Solver
 from dubins_study.solvers.registry import available_solvers, entries, load, registered
 from dubins_study.study.check.verdict import Verdict

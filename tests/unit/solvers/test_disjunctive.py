@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import math
+import os
+import time
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -10,7 +13,9 @@ from cases import PAPER, scenarios
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from dubins_study.solvers.attempt import attempt, solve
+from dubins_study.experiments.solve import solve
+from dubins_study.solvers.attempt import attempt
+from dubins_study.solvers.global_minlp import disjunctive, scip
 from dubins_study.solvers.global_minlp.disjunctive import Disjunctive
 from dubins_study.solvers.global_minlp.model import WORDS, gdp_model, transformed
 from dubins_study.solvers.paper_nlp.polish import meet_target
@@ -37,6 +42,9 @@ CUT_OFF = [
     (301.8016023597201, -8.307724142603096e-05),
     (2.043299241646155e-08, -1.2117505825159536e-08),
 ]
+
+# where SoPlex writes 87 000 bytes to the error output: more than a pipe holds
+LOUD = (0.3382875641532451, -0.058957228594529676)
 
 
 def ask(X, Y, branch="best", **changed):
@@ -214,32 +222,72 @@ def test_the_time_limit_is_kept_and_said():
     found = solver.solve(solver.build(question), 1e-6)
 
     assert found.claim is Claim.LIMIT
-    assert "time limit" in found.native_status
+    assert found.native_status == "timelimit"
     assert 0 <= found.lower_bound <= shortest(question.scenario).total
 
 
 def test_scip_is_silent(capfd):
     """Neither Pyomo nor SCIP nor its linear programs' solver write to the terminal."""
     ask(0.2, 1.3, feastol=1e-9)
+    ask(*LOUD)
 
     assert capfd.readouterr() == ("", "")
 
 
+def test_the_error_output_is_the_callers_again(capfd):
+    """After a solve, and where the caller has closed it."""
+    ask(3, 2)
+    os.write(2, b"still there")
+    assert capfd.readouterr().err == "still there"
+
+    saved = os.dup(2)
+    os.close(2)
+    try:
+        answer = ask(3, 2)
+        with pytest.raises(OSError, match="Bad file descriptor"):
+            os.fstat(2)
+    finally:
+        os.dup2(saved, 2)
+        os.close(saved)
+    assert answer.claim is Claim.OPTIMAL
+
+
 def test_errors_of_scip_are_a_failed_claim(monkeypatch):
     """They come as bare exceptions; one that is not SCIP's is not swallowed."""
-    from pyomo.contrib.solver.solvers.scip.scip_direct import ScipDirect
-
-    def raising(message):
-        def solve(*arguments, **settings):
-            raise Exception(message)
-
-        return solve
-
-    monkeypatch.setattr(ScipDirect, "solve", raising("SCIP: error in LP solver!"))
+    model = Mock()
+    monkeypatch.setattr(scip, "_translated", lambda program: (model, None))
+    model.optimize.side_effect = Exception("SCIP: error in LP solver!")
     assert ask(3, 2).claim is Claim.FAILED
     assert "LP solver" in ask(3, 2).native_status
-    monkeypatch.setattr(ScipDirect, "solve", raising("something else"))
+    assert model.optimize.call_count == 4  # each time with a looser tolerance too
+    model.optimize.side_effect = Exception("something else")
     assert "something else" in ask(3, 2).message
+
+
+def test_ctrl_c_goes_through(monkeypatch):
+    """SCIP catches the signal and stops, which is no time limit."""
+    model = Mock(**{"getStatus.return_value": "userinterrupt"})
+    monkeypatch.setattr(scip, "_translated", lambda program: (model, None))
+
+    with pytest.raises(KeyboardInterrupt):
+        ask(3, 2)
+
+
+def test_the_second_run_gets_the_time_that_is_left(monkeypatch):
+    """An infeasible word is asked again with a looser tolerance, within the one limit."""
+    limits = []
+
+    def run_scip(program, words, settings):
+        limits.append(settings.limit)
+        time.sleep(0.1)
+        return scip.Native("infeasible", 0.0, None, None, 1, settings.feastol)
+
+    monkeypatch.setattr(disjunctive, "run_scip", run_scip)
+    solver = Disjunctive()
+    solver.solve(solver.build(Question(Scenario(0, 0, 0, 0, 1, 1), "LS")), 5.0)
+
+    assert limits[0] == 5.0
+    assert limits[1] <= 4.9
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dubins_study.solvers.attempt import solve
+from dubins_study.experiments.solve import solve
 from dubins_study.solvers.frame import solve_frame
 from dubins_study.study.check.certificate import certify
 from dubins_study.study.check.enclosure import enclose

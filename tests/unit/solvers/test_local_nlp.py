@@ -11,7 +11,8 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from stand_in import put_solver
 
-from dubins_study.solvers.attempt import attempt, solve
+from dubins_study.experiments.solve import solve
+from dubins_study.solvers.attempt import attempt
 from dubins_study.solvers.paper_nlp.initial_guesses import INITIAL_GUESSES, initial_guesses
 from dubins_study.solvers.paper_nlp.ipopt import Ipopt
 from dubins_study.solvers.paper_nlp.model import SUBPROBLEMS, as_path, equations, jacobian, target

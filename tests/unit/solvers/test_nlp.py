@@ -14,7 +14,8 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from stand_in import put_program, put_solver
 
-from dubins_study.solvers.attempt import attempt, solve
+from dubins_study.experiments.solve import solve
+from dubins_study.solvers.attempt import attempt
 from dubins_study.solvers.paper_nlp.ampl import read_sol
 from dubins_study.solvers.paper_nlp.local_nlp import Case
 from dubins_study.solvers.paper_nlp.model import FULL_TURN, SUBPROBLEMS, hessian, jacobian, target

@@ -6,8 +6,8 @@ import pandas as pd
 import pytest
 
 from dubins_study.experiments.code_digest import code_digest
-from dubins_study.solvers.attempt import QuestionError, solve
-from dubins_study.solvers.frame import solve_frame
+from dubins_study.experiments.solve import solve, solve_frame
+from dubins_study.solvers.attempt import QuestionError
 from dubins_study.solvers.profiles import ProfileError
 from dubins_study.solvers.protocol import Outcome
 from dubins_study.solvers.registry import SolverError, canonical, load, settings

@@ -12,7 +12,8 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
-from dubins_study.solvers.attempt import attempt, solve
+from dubins_study.experiments.solve import solve
+from dubins_study.solvers.attempt import attempt
 from dubins_study.solvers.indirect.extremal import Conditions, examine
 from dubins_study.solvers.indirect.shooting import Shooting
 from dubins_study.solvers.indirect.structure import Structure

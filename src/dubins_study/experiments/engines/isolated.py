@@ -1,48 +1,56 @@
-"""One question, solved in a separate worker process."""
+"""Questions put to one solver in a worker process of their own."""
 
 from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
 
 from dubins_study.experiments.interruption import Interruption
 from dubins_study.experiments.isolation.job_queue import Job
 from dubins_study.experiments.isolation.monitor import Limits
 from dubins_study.experiments.isolation.pool import WorkerPool
-from dubins_study.experiments.isolation.sandbox import pinned_threads
-from dubins_study.experiments.plan.solver_description import describe_solver
 from dubins_study.experiments.run_settings import BYTES_PER_GIB
-from dubins_study.solvers.attempt import Answer, check_request, judged
+from dubins_study.solvers.attempt import Answer, judged
 from dubins_study.solvers.profiles import tolerances
 from dubins_study.solvers.protocol import Outcome, Question
-from dubins_study.solvers.reply import DEFAULT_LIMIT, exception_text, no_answer
-from dubins_study.study.scenario import Scenario
+from dubins_study.solvers.registry import ours
+from dubins_study.solvers.reply import Reply, exception_text, no_answer
 
-MEMORY = 4.0  # GiB that the worker and its children may hold
+_MEMORY_GIB = 4.0  # that the worker and its children may hold
 
 
-def solve_isolated(
-    scenario: Scenario,
-    solver: str,
-    branch: str = "best",
-    *,
-    profile: str = "default",
-    limit: float = DEFAULT_LIMIT,
-    memory: float = MEMORY,
-) -> Answer:
-    """Solve one scenario as a run does: if the solver ends its process, that is an answer too.
+def ask_isolated(
+    solver: str, profile: str, questions: Iterable[Question], limit: float
+) -> Iterator[Answer]:
+    """Yield the judged answers to questions, in their order, as a run would have them.
 
-    Args and Raises as `solvers.solve`, which solves in the caller's process; `memory` is in GiB.
-    After a first interruption it waits for the answer; a second one ends it at once.
+    If a solve ends the worker, that is an answer, and the next question goes to a new worker.
+
+    Args:
+        solver: a valid spec.
+        profile: its name.
+        questions: the questions.
+        limit: seconds for each.
+
+    Raises:
+        RunError: if no worker process can be started.
+        KeyboardInterrupt: at once; the worker is then killed.
     """
-    check_request(branch, limit)
+    jobs = (Job(solver, profile, question, place) for place, question in enumerate(questions))
+    waiting: dict[int, Answer] = {}
+    limits = Limits(limit, round(_MEMORY_GIB * BYTES_PER_GIB))
+    # A warm-up loads the libraries, which are no part of the limit; a plug-in may hang in one.
+    with WorkerPool(1, limits, warm_up=ours(solver)) as pool:
+        place = 0
+        for results in pool.solve(jobs, Interruption()):
+            for job, worker_reply in results:
+                waiting[job.tag] = _judged(solver, profile, job.question, worker_reply.reply)
+            while place in waiting:
+                yield waiting.pop(place)
+                place += 1
+
+
+def _judged(solver: str, profile: str, question: Question, reply: Reply) -> Answer:
     allowed = tolerances(profile)
-    describe_solver(solver, profile)
-    question = Question(scenario, branch)
-    limits = Limits(limit, round(memory * BYTES_PER_GIB))
-    with Interruption() as stop, pinned_threads(), WorkerPool(1, limits, warm_up=False) as pool:
-        results = [
-            one for some in pool.solve([Job(solver, profile, question)], stop) for one in some
-        ]
-        stop.check()
-    reply = results[0][1].reply
     try:
         return judged(solver, question, reply, allowed)
     except Exception as error:  # the check cannot drive the path: an answer too, as in a run

@@ -23,6 +23,7 @@ from typing import Any, NamedTuple
 
 from dubins_study.errors import DubinsStudyError
 from dubins_study.experiments.isolation.messages import Channel
+from dubins_study.experiments.isolation.sandbox import ONE_THREAD
 
 # The folder from which this package was imported: a forked process must find it too.
 _PACKAGE_FOLDER = str(FilePath(__file__).parents[3])
@@ -124,6 +125,7 @@ class _ForkServer:
                         [sys.executable, "-P", "-c", _PROGRAM, json.dumps(_search_path())],
                         stdin=server_end.fileno(),
                         stdout=subprocess.DEVNULL,
+                        env=os.environ | ONE_THREAD,  # a process is forked safely without threads
                         start_new_session=True,
                     )
             socket.send_fds(self._control, [b"f"], descriptors)

@@ -12,6 +12,8 @@ from threadpoolctl import threadpool_limits
 
 THREADS = 1
 _VARIABLES = tuple(f"{library}_NUM_THREADS" for library in ("OMP", "OPENBLAS", "MKL"))
+# environment in which numerical libraries start no threads
+ONE_THREAD = dict.fromkeys(_VARIABLES, str(THREADS))
 # Bytes beyond the memory limit at which a solver's own allocations fail. The pool checks the limit
 # every few hundredths of a second; the margin is for what a solver takes between two checks.
 _MARGIN_BYTES = 512 * 2**20
@@ -48,7 +50,7 @@ def pinned_threads() -> Iterator[None]:
         if not _pinned_count:
             _environment_before.update({name: os.environ.get(name) for name in _VARIABLES})
         _pinned_count += 1
-        os.environ.update(dict.fromkeys(_VARIABLES, str(THREADS)))
+        os.environ.update(ONE_THREAD)
     try:
         with threadpool_limits(THREADS):
             yield

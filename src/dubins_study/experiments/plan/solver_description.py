@@ -32,6 +32,8 @@ class SolverDescription(NamedTuple):
         closed_form: whether it is our own closed form, which may solve whole frames of scenarios
             in the process of the run.
         runs: the name of the program on PATH that it starts, if any.
+        keeps_limit: whether its own class promises `Solver.keeps_limit`.
+        whole_frames: whether it answers whole frames at once.
     """
 
     spec: str
@@ -41,6 +43,8 @@ class SolverDescription(NamedTuple):
     warm: bool
     closed_form: bool
     runs: str | None
+    keeps_limit: bool
+    whole_frames: bool
 
     @property
     def versions(self) -> dict[str, str]:
@@ -93,6 +97,9 @@ def _describe(spec: str, profile: str) -> SolverDescription:
         bool(solver.warm),
         type(solver) is Analytic,
         None if solver.runs is None else str(solver.runs),
+        # a plug-in inherits no promise: what it changes of one of our solvers may break it
+        bool(solver.keeps_limit) and (ours(spec) or "keeps_limit" in vars(type(solver))),
+        solver.solve_frame is not None,
     )
 
 

@@ -175,8 +175,9 @@ class Attempts:
         among the right answers), cut_margin (smallest among the right answers to `best`, rad);
         multipliers (answers whose multipliers can be compared), costate_median and costate_error
         (median and largest error of those); bounds (attempts with a lower bound), false_bounds;
-        enclosed (attempts whose reference length has proven bounds) and width (largest relative
-        distance of these bounds).
+        enclosed (attempts whose reference length has proven bounds), open (those of them whose
+        bounds are apart by more than a hundredth: the data leave open on which side of a jump the
+        target lies) and width (largest relative distance of the other bounds).
         """
         counts = ", ".join(f"count(*) FILTER (proof = '{p}') AS \"{p}\"" for p in PROOFS[:-1])
         return self._frame(
@@ -190,7 +191,8 @@ class Attempts:
                 count(lower_bound) AS bounds,
                 count(*) FILTER (false_bound) AS false_bounds,
                 count({_WIDTH}) FILTER (reference_high > 0) AS enclosed,
-                max({_WIDTH}) FILTER (reference_high > 0) AS width
+                count(*) FILTER (reference_high > 0 AND {_WIDTH} > {_OPEN}) AS open,
+                max({_WIDTH}) FILTER (reference_high > 0 AND {_WIDTH} <= {_OPEN}) AS width
             FROM chosen GROUP BY solver"""
         )
 
@@ -242,6 +244,7 @@ _COMPARED = (
 )
 # Relative width of the enclosure; it is not defined for a length of zero.
 _WIDTH = "(reference_high - reference_low) / reference_high"
+_OPEN = 0.01
 
 
 def _cell(place: str) -> str:

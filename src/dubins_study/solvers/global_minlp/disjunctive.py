@@ -1,14 +1,15 @@
 """The shortest path as a disjunction of words, solved to proven global optimality by SCIP.
 
-Pyomo.GDP states the model (`solvers.global_minlp.model`), Pyomo's `scip_direct` hands it to SCIP
-through its Python interface. SCIP's branch and bound proves that no path of any word is shorter
-than its bound; its point, which meets the target only to a tolerance, is polished.
+Pyomo.GDP states the model (`solvers.global_minlp.model`), which is handed to SCIP through its
+Python interface (`solvers.global_minlp.scip`). SCIP's branch and bound proves that no path of any
+word is shorter than its bound; its point, which meets the target only to a tolerance, is polished.
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from time import perf_counter
 from typing import Any, ClassVar, NamedTuple
 
 from dubins_study.solvers import library_versions
@@ -24,12 +25,12 @@ from dubins_study.study.claim import Claim
 
 EMPHASES = ("lean", "default")
 
-# by Pyomo's names of SCIP's statuses; only `Disjunctive._claim` makes a stronger claim
+# by SCIP's statuses; only `Disjunctive._claim` makes a stronger claim
 _CLAIMS = {
-    "convergenceCriteriaSatisfied": Claim.FEASIBLE,
-    "provenInfeasible": Claim.INFEASIBLE,
-    "maxTimeLimit": Claim.LIMIT,
-    "interrupted": Claim.LIMIT,
+    "optimal": Claim.FEASIBLE,
+    "gaplimit": Claim.FEASIBLE,
+    "infeasible": Claim.INFEASIBLE,
+    "timelimit": Claim.LIMIT,
 }
 # SCIP leaves this share of the gap for its tolerance on constraints, which counts as well.
 _SHARE = 0.1
@@ -104,6 +105,10 @@ class Disjunctive(Solver):
     def library_versions(self) -> dict[str, str]:
         return library_versions.scip()
 
+    @property
+    def keeps_limit(self) -> bool:
+        return True
+
     def build(self, question: Question) -> Model:
         disjuncts = words(question, self.presolve)
         program = transformed(gdp_model(*question.scenario.local(), disjuncts), self.transformation)
@@ -113,12 +118,14 @@ class Disjunctive(Solver):
         there = at_start(model.question)
         if there is not None:
             return replace(there, claim=Claim.OPTIMAL, lower_bound=0.0)
+        until = perf_counter() + limit
         settings = ScipSettings(self.gap * _SHARE, self.feastol, self.emphasis == "lean", limit)
         native = run_scip(model.program, model.words, settings)
-        if native.condition in ("provenInfeasible", BROKEN):
+        if native.status == "infeasible" or native.status.startswith(BROKEN):
             # A looser tolerance admits more: what is infeasible to it as well is so more surely,
             # and linear programs that SCIP fails to solve are solved.
-            looser = settings._replace(feastol=_LOOSER * self.feastol)
+            left = until - perf_counter()
+            looser = settings._replace(feastol=_LOOSER * self.feastol, limit=left)
             native = run_scip(model.program, model.words, looser)
         return self._answer(model, native)
 
@@ -128,7 +135,7 @@ class Disjunctive(Solver):
         bound = max(0.0, native.bound - native.feastol * (1 + abs(native.bound)))
         provable = math.hypot(*scenario.local()) <= _PROVABLE
         known = Solution(
-            _CLAIMS.get(native.condition, Claim.FAILED),
+            _CLAIMS.get(native.status, Claim.FAILED),
             lower_bound=bound * scenario.radius if provable else None,
             iterations=native.nodes,
             native_status=native.status,
@@ -160,7 +167,7 @@ class Disjunctive(Solver):
             return Claim.FEASIBLE, f"{message}, which proves nothing beyond {_PROVABLE:g} radii"
         if gap <= self.gap:
             return Claim.OPTIMAL, message
-        reached = _CLAIMS.get(native.condition) is Claim.LIMIT
+        reached = _CLAIMS.get(native.status) is Claim.LIMIT
         return (Claim.LIMIT if reached else Claim.FEASIBLE), message
 
 

@@ -1,17 +1,26 @@
-"""SCIP on the disjunctive model, through Pyomo's interface `scip_direct`."""
+"""SCIP on the disjunctive model: Pyomo's `scip_direct` translates it, SCIP's Python solves it.
+
+`scip_direct` itself would capture what SCIP prints in a pipe of this process, and wait for ever
+where that is more than the pipe holds; here SCIP prints nothing.
+"""
 
 from __future__ import annotations
 
-import re
+import math
+import os
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager, suppress
 from functools import lru_cache
+from pathlib import Path as FilePath
+from threading import Lock, current_thread, main_thread
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from dubins_study.study.path import FloatArray
 
-BROKEN = "error"  # the condition of a run that SCIP ended with an error
-_STATUS = re.compile(r"^SCIP Status\s*:\s*(.*?)\s*$", re.MULTILINE)
+# what the message of every error of SCIP's own begins with: they have no type of their own
+BROKEN = "SCIP:"
 
 
 class ScipSettings(NamedTuple):
@@ -26,11 +35,10 @@ class ScipSettings(NamedTuple):
 class Native(NamedTuple):
     """The result of one SCIP run, in radii.
 
-    `word` and z (left, right, straight) are None without a point. `status` is SCIP's, `condition`
-    is Pyomo's name of it, `feastol` is the tolerance of the run.
+    `word` and z (left, right, straight) are None without a point. `status` is SCIP's own, or the
+    message of the error that it ended with; `feastol` is the tolerance of the run.
     """
 
-    condition: str
     status: str
     bound: float
     word: str | None
@@ -42,42 +50,76 @@ class Native(NamedTuple):
 def run_scip(program: Any, words: tuple[str, ...], settings: ScipSettings) -> Native:
     """Minimise the transformed model `program` of the disjuncts `words`.
 
-    An error of SCIP itself is a result with the condition `BROKEN`.
-    """
-    from pyomo.contrib.solver.common.factory import SolverFactory
-    from pyomo.environ import value
+    An error of SCIP itself is a result whose status begins with `BROKEN`.
 
+    Raises:
+        KeyboardInterrupt: if Ctrl-C has ended SCIP, which catches it.
+    """
+    scip, solutions = _translated(program)
     options = dict(_lean() if settings.lean else ())
     options |= {"numerics/feastol": settings.feastol, "limits/gap": settings.gap}
+    options |= {"limits/time": max(settings.limit, 0.0)}
+    # in the main thread Ctrl-C must end SCIP, since Python sees it only afterwards
+    options |= {"misc/catchctrlc": current_thread() is main_thread()}
+    for name, setting in options.items():
+        scip.setParam(name, setting)
+    scip.hideOutput()
     try:
-        results = SolverFactory("scip_direct").solve(
-            program,
-            time_limit=settings.limit,
-            load_solutions=False,
-            raise_exception_on_nonoptimal_result=False,
-            solver_options=options,
-        )
+        with _no_warnings():
+            scip.optimize()
     except Exception as error:
-        # SCIP's own errors (of its linear programs, mostly) have no type of their own
-        if not str(error).startswith("SCIP:"):
+        if not str(error).startswith(BROKEN):
             raise
-        return Native(BROKEN, str(error), 0.0, None, None, 0, settings.feastol)
+        return Native(str(error), 0.0, None, None, 0, settings.feastol)
+    status = scip.getStatus()
+    if status == "userinterrupt":
+        raise KeyboardInterrupt
     word = z = None
-    if results.incumbent_objective is not None:
-        results.solution_loader.load_vars()
-        chosen = {w: value(program.word[w].binary_indicator_var) for w in words}
-        word = max(chosen, key=chosen.__getitem__)
-        z = np.array([value(z) for z in program.z.values()])
-    status = _STATUS.search(results.solver_log)
-    return Native(
-        results.termination_condition.name,
-        status.group(1) if status else "",
-        float(results.objective_bound),
-        word,
-        z,
-        int(results.extra_info["NNodes"]),
-        settings.feastol,
-    )
+    if solutions.get_number_of_solutions():
+        lengths = list(program.z.values())
+        chosen = [program.word[w].binary_indicator_var for w in words]
+        values = solutions.get_vars([*lengths, *chosen])
+        word = max(zip(words, chosen, strict=True), key=lambda pair: values[pair[1]])[0]
+        z = np.array([values[length] for length in lengths])
+    bound = float(scip.getDualbound())
+    bound = math.copysign(math.inf, bound) if abs(bound) >= scip.infinity() else bound
+    return Native(status, bound, word, z, int(scip.getNNodes()), settings.feastol)
+
+
+@contextmanager
+def _no_warnings() -> Iterator[None]:
+    """Send the descriptor 2 to nowhere inside the `with` block.
+
+    In about a third of all questions SoPlex, SCIP's own linear solver, writes to that descriptor
+    that it takes no tolerance below 1e-10, up to thousands of times; no parameter of SCIP's turns
+    that off. SCIP holds the interpreter's lock, so no thread writes at that time in Python.
+    """
+    with _descriptor, ExitStack() as restored:
+        with suppress(OSError):  # it may be closed
+            saved = os.dup(2)
+            restored.callback(os.close, saved)
+            restored.callback(os.dup2, saved, 2)
+            with FilePath(os.devnull).open("wb") as nowhere:
+                os.dup2(nowhere.fileno(), 2)
+        yield
+
+
+_descriptor = Lock()  # of two threads, each would save what the other has set
+
+
+def _translated(program: Any) -> tuple[Any, Any]:
+    """The model as a `pyscipopt.Model`, and Pyomo's way from its solutions back to variables.
+
+    Pyomo offers the translation alone only as a private method of `scip_direct`; the versions of
+    both packages are pinned.
+    """
+    from pyomo.common.timing import HierarchicalTimer
+    from pyomo.contrib.solver.solvers.scip.scip_direct import ScipDirect
+
+    interface = ScipDirect()
+    config = interface.config(value={"timer": HierarchicalTimer()})
+    scip, solutions, _ = interface._create_solver_model(program, config)
+    return scip, solutions
 
 
 @lru_cache(maxsize=1)

@@ -23,6 +23,7 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import partial
+from time import perf_counter
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
@@ -47,6 +48,10 @@ ROOTS = ("hybr", "lm")
 # The iteration ends at steps smaller than `tol` by this factor. It converges superlinearly, except
 # on a turning circle, where the equations are singular and every step halves the error.
 _STEP = 1e-4
+
+
+class _OutOfTimeError(Exception):
+    """The time limit has come while the equations were being solved."""
 
 
 class Case(NamedTuple):
@@ -105,6 +110,10 @@ class Shooting(Solver):
         if self.seed < 0:
             raise ValueError(f"seed is {self.seed}; expected a whole number from 0 up")
 
+    @property
+    def keeps_limit(self) -> bool:
+        return True
+
     def build(self, question: Question) -> Model:
         cases = []
         for subproblem in subproblems(question, "words", "both", self.presolve):
@@ -149,14 +158,20 @@ class Shooting(Solver):
         """Solve from one initial guess; `prescribed` if the branch prescribes the controls."""
         structure, free = case.structure, list(case.subproblem.free)
         v = structure.unknowns(guess[3:], guess[free])
-        result = self._root(structure, v)
-        evaluations = int(result.nfev)
-        if structure.singular and result.x[-1] < 0:
-            # A straight driven backwards. The path with a straight driven forwards lies beyond the
-            # turning circle, on which the equations are singular: start again from there.
-            result.x[-1] = -result.x[-1]
-            result = self._root(structure, result.x)
-            evaluations += int(result.nfev)
+        until = perf_counter() + seconds
+        try:
+            result = self._root(structure, v, until)
+            evaluations = int(result.nfev)
+            if structure.singular and result.x[-1] < 0:
+                # A straight driven backwards. The path with a straight driven forwards lies beyond
+                # the turning circle, on which the equations are singular: start again from there.
+                result.x[-1] = -result.x[-1]
+                result = self._root(structure, result.x, until)
+                evaluations += int(result.nfev)
+        except _OutOfTimeError:
+            nowhere = np.full(3, np.nan)
+            limit = Claim.LIMIT, None, None, None
+            return Point(case.subproblem, nowhere, *limit, self.root, "out of time")
         conditions = Conditions(self.tol, self._allowed(structure), prescribed)
         candidate, fault = examine(structure, result.x, conditions)
         z = np.zeros(3)
@@ -172,14 +187,17 @@ class Shooting(Solver):
             fault or candidate.kind(conditions),
         )
 
-    def _root(self, structure: Structure, v: FloatArray) -> Any:
+    def _root(self, structure: Structure, v: FloatArray, until: float) -> Any:
         from scipy.optimize import root
+
+        def residual(v: FloatArray) -> FloatArray:
+            if perf_counter() > until:
+                raise _OutOfTimeError
+            return structure.residual(v)
 
         options: dict[str, float] = {"xtol": self.tol * _STEP}
         if self.root == "hybr":
             options["maxfev"] = int(self.max_evaluations)
         else:
             options |= {"ftol": self.tol * _STEP, "maxiter": int(self.max_evaluations)}
-        return root(
-            structure.residual, v, jac=structure.jacobian, method=self.root, options=options
-        )
+        return root(residual, v, jac=structure.jacobian, method=self.root, options=options)

@@ -8,11 +8,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
+from time import perf_counter
 from typing import Any, ClassVar
 
 import numpy as np
 
 from dubins_study.solvers import library_versions
+from dubins_study.solvers.ipopt_library.deadline import Deadline
 from dubins_study.solvers.ipopt_library.engine import (
     CLAIMS,
     VIAS,
@@ -30,6 +32,10 @@ from dubins_study.solvers.setting_checks import one_of, positive, within
 from dubins_study.study.claim import Claim
 from dubins_study.study.path import FloatArray
 from dubins_study.study.scenario import Scenario
+
+# A run of so many iterations, of some 30 microseconds each, needs no look at the time, which would
+# cost more than the iterations do.
+_QUICK_ITERATIONS = 1000
 
 
 @dataclass(frozen=True)
@@ -71,6 +77,10 @@ class Ipopt(LocalNlp):
     def library_versions(self) -> dict[str, str]:
         return library_versions.ipopt(by_executable(self.via))
 
+    @property
+    def keeps_limit(self) -> bool:
+        return not by_executable(self.via)  # Pyomo lets it run
+
     def unit(self, scenario: Scenario) -> float:
         return scenario.radius if self.units == "scenario" else 1.0
 
@@ -81,19 +91,26 @@ class Ipopt(LocalNlp):
             ("bound_relax_factor", self.bound_relax),
             ("mu_target", self.mu_target),
         )
-        return _compiled(options, self.units, by_executable(self.via))
+        watched = self.max_iter > _QUICK_ITERATIONS
+        return _compiled(options, self.units, by_executable(self.via), watched)
 
 
 @lru_cache(maxsize=64)
-def _compiled(options: Options, units: str, executable: bool) -> Run:
-    """Ipopt on the paper's model, compiled once per setting."""
+def _compiled(options: Options, units: str, executable: bool, watched: bool) -> Run:
+    """Ipopt on the paper's model, compiled once per setting.
+
+    A `watched` library looks at the time left after every iteration.
+    """
     model = pyomo_model(units)
     data = [model.X, model.Y] if units == "radius" else [model.X, model.Y, model.R]
     program = Program(model, [*model.z.values(), *data], [model.x_end, model.y_end])
-    ask, lower = compiled(program, options, executable), np.zeros(3)
+    deadline = Deadline() if watched else None
+    ask, lower = compiled(program, options, executable, deadline), np.zeros(3)
 
     def run(case: Case, guess: FloatArray, seconds: float) -> Point:
         unit = case.unit
+        if deadline is not None:
+            deadline.at = perf_counter() + seconds
         data = [*(unit * x for x in case.target), *([] if units == "radius" else [unit])]
         result = ask(*(np.concatenate((unit * z, data)) for z in (guess, lower, case.upper)))
         return Point(

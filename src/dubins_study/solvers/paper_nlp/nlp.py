@@ -70,6 +70,11 @@ class Nlp(LocalNlp, _Named):
             return pyomo_direct.knitro_unavailable()
         return ampl.unavailable(self.solver)
 
+    @property
+    def keeps_limit(self) -> bool:
+        # executables are killed at the limit; KNITRO was never tried with a licence
+        return self.solver != "knitro"
+
     def engine(self) -> Run:
         if self.solver == "trust-constr":
             return partial(trust_constr, tol=self.tol, max_iter=self.max_iter)

@@ -54,6 +54,8 @@ def solve(case: Case, guess: FloatArray, seconds: float, interface: str) -> Poin
     solver = _interface(interface)
     if "knitro_warm_start" in solver.config:
         solver.config.knitro_warm_start = True  # else KNITRO starts from a point of its own
+        # Pyomo reads what KNITRO prints only after the solve: a full pipe would block both
+        solver.config.solver_options = {"outlev": 0}
     try:
         results = solver.solve(
             model,

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from time import perf_counter
 from typing import Any, ClassVar
 
 import numpy as np
@@ -23,7 +24,10 @@ _STATIONARY = 1e-3  # slopes of 1 in all: what is off by more is no stationary p
 
 # SLSQP's own exit modes (scipy/optimize, slsqp); 4, an infeasible linearisation, is no claim about
 # the problem
-_CLAIMS = {0: Claim.LOCAL, 9: Claim.LIMIT}
+_CLAIMS = {0: Claim.LOCAL, 9: Claim.LIMIT, 99: Claim.LIMIT}  # 99: stopped by `stop_late`
+
+# a run of so many iterations, of some 50 microseconds each, needs no look at the time
+_QUICK_ITERATIONS = 1000
 
 Bounds = list[tuple[float, float]]
 
@@ -56,6 +60,10 @@ class Slsqp(LocalNlp):
         positive(maxiter=self.maxiter)
         within(ftol=(self.ftol, 1e-16, 1e-2))
 
+    @property
+    def keeps_limit(self) -> bool:
+        return True
+
     def unit(self, scenario: Scenario) -> float:
         return scenario.radius if self.units == "scenario" else 1.0
 
@@ -69,6 +77,13 @@ class Slsqp(LocalNlp):
         ones = np.ones(len(free))
         bounds = [(0.0, unit * float(case.upper[i])) for i in free]
         constraint = _constraint(case, free)
+        until = perf_counter() + seconds
+
+        def stop_late(z: FloatArray) -> None:
+            if perf_counter() > until:
+                raise StopIteration
+
+        watched = self.maxiter > _QUICK_ITERATIONS
         result = minimize(
             _sum,
             unit * guess[free],
@@ -76,6 +91,7 @@ class Slsqp(LocalNlp):
             method="SLSQP",
             bounds=bounds,
             constraints=constraint,
+            callback=stop_late if watched else None,
             options={"ftol": _tolerance(self.ftol, case), "maxiter": self.maxiter},
         )
         return Point(

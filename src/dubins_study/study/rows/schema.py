@@ -72,7 +72,7 @@ ANSWER = (
     Column("multiplier_x", "float64", "1", "dual of the end point's x equation, if any"),
     Column("multiplier_y", "float64", "1", "dual of the end point's y equation, if any"),
     Column("proof", "string", "", "how far the proof goes: proved, bounded, extremal or none"),
-    Column("reference_low", "float64", "length", "proven bounds of the shortest length, within delta"),
+    Column("reference_low", "float64", "length", "proven bounds of the shortest length"),
     Column("reference_high", "float64", "length", "both null where provably no path exists"),
     Column("costate_x", "float64", "1", "nu1 of the path, with nu0 = 1 unless abnormal"),
     Column("costate_y", "float64", "1", "nu2 of the path"),

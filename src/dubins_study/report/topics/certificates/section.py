@@ -15,8 +15,6 @@ from dubins_study.report.elements.solver_lines import plot_shares
 from dubins_study.report.elements.style import BLUE, ORANGE, RULE, SKY, WIDE
 from dubins_study.report.statistics.metrics import by_solver
 
-_RIGOROUS = 1e-12  # relative; an interval narrower than this is called proven
-
 
 def certificates_section(results: Results) -> Section | None:
     """Proofs as bars and counts, the worst residuals, and the width of the enclosures."""
@@ -48,11 +46,19 @@ def _proved(frame: pd.DataFrame) -> str:
 def _enclosed(frame: pd.DataFrame) -> str:
     if not frame["enclosed"].sum():
         return ""
-    widest = frame["width"].max()
-    place = "below" if widest < _RIGOROUS else "not below"
-    return (
-        f"The widest interval around a shortest length is {digits(2)(widest)} of it, {place} 1e-12."
-    )
+    widest, jumps = frame["width"].max(), int(frame["open"].max())
+    sentences = []
+    if widest == widest:  # not NaN: some interval is narrow
+        sentences.append(
+            f"The widest interval around a shortest length is {digits(2)(widest)} of it: as much "
+            "as the rounding of the data leaves open."
+        )
+    if jumps:
+        sentences.append(
+            f"{jumps} intervals hold the lengths on both sides of a jump, since the target is "
+            "nearer to a turning circle, or to the axis, than the data can tell."
+        )
+    return " ".join(sentences)
 
 
 def _reported(frame: pd.DataFrame) -> str:

@@ -1,0 +1,141 @@
+"""One question, or a frame of them, put to a solver: in this process, or in a worker of its own."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from dubins_study.solvers.analytic import Analytic
+from dubins_study.solvers.attempt import Answer, QuestionError, attempt, check_request
+from dubins_study.solvers.profiles import tolerances
+from dubins_study.solvers.protocol import Question
+from dubins_study.solvers.registry import load, ours
+from dubins_study.solvers.reply import DEFAULT_LIMIT
+from dubins_study.study.path import Path
+from dubins_study.study.scenario import Scenario
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+
+def solve(
+    scenario: Scenario,
+    solver: str = "analytic",
+    branch: str = "best",
+    *,
+    profile: str = "default",
+    initial_guess: Path | None = None,
+    limit: float = DEFAULT_LIMIT,
+    isolated: bool | None = None,
+) -> Answer:
+    """Solve one scenario and judge the answer.
+
+    Args:
+        scenario: start pose, target, turning radius, speed.
+        solver: a spec, e.g. `ipopt`, `turn-rate-qp[n=100]` or `file.py:Class`.
+        branch: `best`, or a word: `LS`, `RS`, `LR`, `RL`.
+        profile: `default`, `fast` or `accurate`.
+        initial_guess: a path to begin the search from; cold if None.
+        limit: seconds that the solver is asked to keep to, once its libraries are loaded.
+        isolated: whether the solver is asked in a worker process, which is killed a tenth of a
+            second after the limit, or above 4 GiB; that, a crash and a hang are then outcomes, as
+            in a run. With False it is asked in this process, and this returns when the solver
+            does. With None a worker is used unless the solver promises to keep its limit
+            (`Solver.keeps_limit`): all solvers of this package do with ordinary settings, a
+            plug-in does not unless it says so. `analytic` is always asked in this process. A
+            worker takes 1 to 2 seconds to start and to load the solver's libraries.
+
+    Raises:
+        SolverError, ProfileError, QuestionError: if the request is not a valid one. A solver that
+            fails raises nothing: it is an outcome, a claim and a verdict.
+        RunError: if no worker process can be started.
+    """
+    check_request(branch, limit)
+    if not isinstance(scenario, Scenario):
+        raise QuestionError(f"scenario is {scenario!r}; expected a Scenario")
+    if initial_guess is not None and not isinstance(initial_guess, Path):
+        raise QuestionError(f"initial_guess is {initial_guess!r}; expected a Path or None")
+    allowed = tolerances(profile)
+    question = Question(scenario, branch, initial_guess)
+    if _in_worker(solver, profile, isolated):
+        from dubins_study.experiments.engines.isolated import ask_isolated
+
+        [answer] = ask_isolated(solver, profile, [question], limit)
+        return answer
+    return attempt(load(solver, profile), question, limit, allowed, spec=solver)
+
+
+def solve_frame(
+    scenarios: pd.DataFrame,
+    solver: str = "analytic",
+    branch: str = "best",
+    *,
+    profile: str = "default",
+    limit: float = DEFAULT_LIMIT,
+    certified: bool = False,
+    isolated: bool | None = None,
+) -> pd.DataFrame:
+    """Solve and judge every scenario of a frame.
+
+    Args:
+        scenarios: columns `x y heading target_x target_y radius`, and `speed` and `label` if
+            wanted; one row a scenario.
+        solver: a spec, e.g. `ipopt` or `turn-rate-qp[n=100]`.
+        branch: `best`, or a word: `LS`, `RS`, `LR`, `RL`.
+        profile: `default`, `fast` or `accurate`.
+        limit: seconds that the solver is asked to keep to, for each scenario.
+        certified: whether a solver that answers the whole frame at once has its answers certified
+            too, at some 0.4 microseconds a row; without, the certificate's columns are null. One
+            that is asked row by row always has.
+        isolated: as for `solve`, with one worker for all rows, which is replaced when it is
+            killed. With None, a solver that answers the whole frame at once does so in this
+            process, without a limit; with True it is asked row by row.
+
+    Returns:
+        One judged row a scenario with the index of `scenarios` and the columns of
+        `study.rows.schema` from `x` to `evaluations`, whatever the solver. Missing numbers are
+        null.
+        Where a solver answers the whole frame at once, each row's times are the frame's divided
+        by its size.
+
+    Raises:
+        ScenarioError, SolverError, ProfileError, QuestionError: if the request is not a valid one.
+        RunError: if no worker process can be started.
+    """
+    from dubins_study.solvers import frame
+
+    check_request(branch, limit)
+    tolerances(profile)
+    if not _in_worker(solver, profile, isolated, frames=True):
+        return frame.solve_frame(
+            scenarios,
+            solver,
+            branch,
+            profile=profile,
+            limit=limit,
+            certified=certified,
+        )
+    from dubins_study.experiments.engines.isolated import ask_isolated
+    from dubins_study.study.scenario import check_frame
+
+    checked = check_frame(scenarios)
+    questions = frame.questions(checked, branch)
+    return frame.row_by_row(checked, ask_isolated(solver, profile, questions, limit))
+
+
+def _in_worker(spec: str, profile: str, isolated: bool | None, *, frames: bool = False) -> bool:
+    """Whether a solver is asked in a worker process; a plug-in is not loaded here to find out.
+
+    Raises:
+        SolverError, QuestionError: if the spec or `isolated` is not a valid one.
+    """
+    if isolated not in (None, True, False):
+        raise QuestionError(f"isolated is {isolated!r}; expected True, False or None")
+    if isolated is False:
+        return False
+    if ours(spec):
+        solver = load(spec, profile)
+        return type(solver) is not Analytic and bool(isolated or not solver.keeps_limit)
+    from dubins_study.experiments.plan.solver_description import describe_solver
+
+    plugin = describe_solver(spec, profile)
+    return bool(isolated) or not (plugin.keeps_limit or (frames and plugin.whole_frames))
