@@ -48,8 +48,8 @@ from dubins_study.study.vehicle_frame import EPS, PER_DISTANCE, PER_EXTENT
 # A row is left where the radius of its interval is above these parts of the length and of delta:
 # the arithmetic makes of one delta some five, but next to (0, 2) any number.
 _WIDEST, _STEEPEST = 2.0**-42, 32.0
-# An interval is made an eighth wider, so that it holds the one that `enclose` gives: its balls may be
-# a twentieth wider next to an edge.
+# An interval is made an eighth wider, so that it holds the one that `enclose` gives, whose balls
+# may be a twentieth wider next to an edge.
 _MARGIN = 1.125
 _BEST, _STRAIGHT, _ARCS = range(3)
 _FORMS = {"best": _BEST, "LS": _STRAIGHT, "RS": _STRAIGHT, "RL": _ARCS, "LR": _ARCS}
