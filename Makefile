@@ -7,7 +7,7 @@ JOBS := $(shell nproc 2> /dev/null || echo 2)
 STUDIES := paper radius-sweep-full random plane discretisation basins bias scale convergence ladder proofs
 
 .DEFAULT_GOAL := help
-.PHONY: help study studies reference test test-all rooms check bench lock clean
+.PHONY: help study studies reference test test-all adversary rooms check bench lock clean
 
 help:  ## list the targets
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 12
@@ -55,6 +55,12 @@ test: $(READY)  ## run the tests, but for the slow ones
 test-all: $(READY)  ## run all tests
 	$(BIN)/python -m dubins_study.solvers.compile_loops
 	$(PYTEST) --slow
+
+N ?= 100000
+SEED ?= 0
+adversary: $(READY)  ## attack the package with N hard cases; a table, and exit 1 if one is wrong
+	$(BIN)/python -m dubins_study.solvers.compile_loops
+	$(BIN)/python -m tests.adversary.campaign $(N) --seed $(SEED) --workers $(JOBS)
 
 rooms: $(READY)  ## print each room with its promise, its size and what it imports
 	$(BIN)/python -m tests.unit.test_layers

@@ -48,6 +48,9 @@ from dubins_study.study.vehicle_frame import EPS, PER_DISTANCE, PER_EXTENT
 # A row is left where the radius of its interval is above these parts of the length and of delta:
 # the arithmetic makes of one delta some five, but next to (0, 2) any number.
 _WIDEST, _STEEPEST = 2.0**-42, 32.0
+# An interval is made an eighth wider, so that it holds the one that `enclose` gives, whose balls
+# may be a twentieth wider next to an edge.
+_MARGIN = 1.125
 _BEST, _STRAIGHT, _ARCS = range(3)
 _FORMS = {"best": _BEST, "LS": _STRAIGHT, "RS": _STRAIGHT, "RL": _ARCS, "LR": _ARCS}
 
@@ -122,12 +125,10 @@ def _left_straight(X: Interval, Y: Interval, w: Interval) -> _Found:
     1 and s. s - atan s changes by s^2 / (1 + s^2) times what s does: little, next to the circle.
     """
     s = root(negative(w))
-    below = Y.mid < 0.0
     bearing, decided = _bearing(X, minus(exact(1.0), Y))
-    # the target is ahead and to the right: the turn is nearly a full one
-    more = below & (X.mid >= 0.0)
-    bearing = plus(bearing, full_turn()) if more else bearing
-    decided |= below
+    # for a target ahead and to the right the turn is nearly a full one
+    ahead_right = (X.mid >= 0.0) & (Y.mid < 0.0)
+    bearing = plus(bearing, full_turn()) if ahead_right else bearing
     corner = angle_above(exact(s.mid), exact(1.0))
     most = s.mid + s.rad
     spread = s.rad * min(most * most, 1.0) * GROWTH
@@ -186,15 +187,17 @@ def _straight_word(X: Interval, Y: Interval) -> _Found:
 
 @inlined
 def _arcs_word(X: Interval, Y: Interval) -> _Found:
-    """The shorter RL; its edges are the left circle and the circles of 1 and 3 about C_R."""
-    w, p = _squares(X, Y)
+    """The shorter RL; its edges are the circles of 1 and 3 radii about C_R, and the left circle.
+
+    On that one a first arc begins or ends to be a whole turn, which its bearing tells.
+    """
+    _, p = _squares(X, Y)
     q = minus(exact(8.0), p)
     in_reach = is_signed(p) & is_signed(q)
     if p.mid < 0.0 or q.mid < 0.0:
         return _Found(exact(math.inf), in_reach)
     a, b = _right_left(X, Y, p, True), _right_left(X, Y, p, False)
-    decided = a.decided & b.decided & in_reach & is_signed(w)
-    return _Found(lesser(a.length, b.length), decided)
+    return _Found(lesser(a.length, b.length), a.decided & b.decided & in_reach)
 
 
 @inlined
@@ -216,7 +219,7 @@ def _bound_rows(scenarios: ScenarioArrays, form: int, mirrored: bool, bounds: Bo
             length, decided = _shortest(X, Y, form, mirrored)
             none = length.mid == math.inf
             useful = length.rad <= _WIDEST * length.mid + _STEEPEST * delta
-            scaled = times(length, exact(radius[i]))
+            scaled = times(Interval(length.mid, _MARGIN * length.rad), exact(radius[i]))
             # one step outwards for the rounding of each end
             below = (scaled.mid - scaled.rad) * (1.0 - 2.0 * EPS)
             above = (scaled.mid + scaled.rad) * (1.0 + 2.0 * EPS)

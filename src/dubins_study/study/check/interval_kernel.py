@@ -5,7 +5,8 @@ that it is given. Doubles are rounded to nearest, and what that may cost is in t
 
 * A sum, product, quotient, square root or fused multiply-add v of doubles is the double nearest to
   the exact result, so it is off by at most ROUNDING |v|, or by less than TINY where it underflows,
-  even on a processor that is told to flush such numbers to zero.
+  even on a processor that is told to flush such numbers to zero. Where it overflows, ROUNDING |v|
+  is infinite.
 * A radius is itself computed: some eight operations on numbers that are not negative. Each loses at
   most a relative 2^-53, all of them less than GROWTH gives back, or less than TINY by underflow.
 * Sine, cosine and arctangent are the polynomials of `study.closed_form.kernel_math`. How far they
@@ -41,7 +42,7 @@ class Interval(NamedTuple):
     rad: float
 
 
-_ERROR_OF_PI = 1.3e-16  # pi less its double is 1.22e-16
+_ERROR_OF_PI = 1.23e-16  # pi less its double is 1.2246e-16
 _QUARTER, _HALF, _PI, _TWO_PI = (
     Interval(part * math.pi, part * _ERROR_OF_PI) for part in (0.25, 0.5, 1.0, 2.0)
 )
@@ -154,4 +155,5 @@ def widened(a: Interval, by: float) -> Interval:
 @inlined
 def lesser(a: Interval, b: Interval) -> Interval:
     """The smaller of a number of each: it is as near to the smaller `mid` as the larger `rad`."""
-    return Interval(min(a.mid, b.mid), max(a.rad, b.rad))
+    known = a.rad + b.rad < math.inf  # a maximum may pass over a NaN
+    return Interval(min(a.mid, b.mid), max(a.rad, b.rad) if known else math.inf)

@@ -1,0 +1,185 @@
+"""Whole frames beside single scenarios: both have to say the same."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+import pandas as pd
+
+from dubins_study.solvers.analytic import Analytic
+from dubins_study.solvers.protocol import Question
+from dubins_study.study.check.certificate import Certificate, Proof, certify
+from dubins_study.study.check.certificate_frame import PROOFS, FrameCertificate, certify_frame
+from dubins_study.study.check.two_arcs import PATH_WORDS
+from dubins_study.study.check.verdict import Judgement, Verdict, judge
+from dubins_study.study.check.verdict_frame import FrameJudgement, judge_frame
+from dubins_study.study.check.verdict_kernel import REGIONS, VERDICTS
+from dubins_study.study.closed_form.kernel import shortest_rows
+from dubins_study.study.closed_form.shortest import shortest_path
+from dubins_study.study.paths import Paths
+from dubins_study.study.scenario import COLUMNS, NUMBERS, Scenario
+from dubins_study.study.words import BRANCHES
+from tests.adversary.checks import ulp
+from tests.adversary.table import Table, paste, paste_path
+from tests.adversary.wrong import Answer
+
+Cases = Sequence[tuple[str, Scenario]]
+Hulls = dict[str, tuple[float, float]]  # least and greatest length (length unit) by branch
+
+
+class Judged(NamedTuple):
+    """An altered answer, and what the scalar check says of it."""
+
+    kind: str
+    answer: Answer
+    judgement: Judgement
+    certificate: Certificate
+
+
+def _frame(scenarios: Iterable[Scenario]) -> pd.DataFrame:
+    rows = list(scenarios)
+    columns = {name: [getattr(row, name) for row in rows] for name in COLUMNS}
+    return pd.DataFrame(columns).astype(dict.fromkeys(NUMBERS, float))
+
+
+def closed_forms(table: Table, cases: Cases) -> None:
+    """`shortest_rows` of every branch beside `shortest_path`."""
+    frame = _frame(scenario for _, scenario in cases)
+    columns = [frame[name].to_numpy() for name in NUMBERS if name != "speed"]
+    for branch in BRANCHES:
+        rows = shortest_rows(*columns, branch=branch)
+        for length, (kind, scenario) in zip(rows.length.tolist(), cases, strict=True):
+            table.generator = kind
+            line = f"shortest_rows of {paste(scenario, branch)}"
+            path = shortest_path(scenario, branch)
+            table.note("kernel existence", math.isnan(length) != (path is None), line)
+            if path is not None and not math.isnan(length):
+                apart = abs(length - path.total_length) / ulp(length, scenario.radius)
+                table.note("kernel length", apart, line)
+
+
+def judgements(table: Table, cases: Cases, sampled: Sequence[Hulls]) -> None:
+    """The answers of `analytic`, frame and scalar, judged and certified.
+
+    `sampled` are the least and the greatest of each case's sampled lengths.
+    """
+    frame = _frame(scenario for _, scenario in cases)
+    solver = Analytic()
+    for branch in BRANCHES:
+        solution = solver.solve_frame(frame.copy(), branch)
+        judged = judge_frame(frame, solution.paths, solution.claim, branch)
+        bound = solution.lower_bound
+        certified = certify_frame(frame, solution.paths, judged, branch, bound)
+        for row, (kind, scenario) in enumerate(cases):
+            table.generator = kind
+            single = solver.solve(Question(scenario, branch), 1.0)
+            path, least = single.path, single.lower_bound
+            verdict = judge(scenario, path, single.claim, branch)
+            proof = certify(scenario, path, verdict, branch, lower_bound=least)
+            line = f"solve({paste(scenario, branch)})"
+            _claim(table, verdict, proof, line)
+            if branch in sampled[row]:
+                low, high = sampled[row][branch]
+                found = certified.reference_low[row], certified.reference_high[row]
+                off = max(found[0] - low, high - found[1], 0.0) / ulp(high, scenario.radius)
+                text = f"{line}  # frame {found}, truth {low!r} {high!r}"
+                table.note("frame interval holds truth", off, text)
+            _same(table, _row(judged, certified, row), (verdict, proof), scenario, line)
+
+
+def _claim(table: Table, judged: Judgement, certificate: Certificate, line: str) -> None:
+    honest = judged.verdict in (Verdict.OPTIMAL, Verdict.NONE_EXISTS)
+    wrong = not honest or judged.false_claim or certificate.false_bound
+    table.note("analytic claim", wrong, f"{line}  # {judged.verdict}")
+    table.unproved += honest and certificate.proof is not Proof.PROVED
+
+
+def wrong_answers(table: Table, answers: Sequence[Judged]) -> None:
+    """Altered answers of at most two pieces beside what the scalar check says of them."""
+    for branch in BRANCHES:
+        some = [
+            one
+            for one in answers
+            if one.answer.branch == branch and one.answer.path.length.size < 3
+        ]
+        if not some:
+            continue
+        frame = _frame(one.answer.scenario for one in some)
+        controls = np.zeros((2, 2, len(some)))
+        for row, one in enumerate(some):
+            path = one.answer.path
+            controls[0, : path.curvature.size, row] = path.curvature
+            controls[1, : path.length.size, row] = path.length
+        paths = Paths(*controls)
+        judged = judge_frame(frame, paths, branch=branch)
+        certified = certify_frame(frame, paths, judged, branch)
+        for row, one in enumerate(some):
+            table.generator = one.kind
+            scenario = one.answer.scenario
+            line = paste_path(scenario, branch, one.answer.path)
+            both = one.judgement, one.certificate
+            _same(table, _row(judged, certified, row), both, scenario, line)
+
+
+class _Row(NamedTuple):
+    """What a frame says of one row, named as the scalar check names it."""
+
+    names: dict[str, Any]
+    gap: float
+    low: float
+    high: float
+    measured: dict[str, float]
+
+
+def _row(judged: FrameJudgement, certified: FrameCertificate, row: int) -> _Row:
+    word = int(judged.word[row])
+    names = {
+        "verdict": VERDICTS[judged.verdict[row]],
+        "region": REGIONS[judged.region[row]],
+        "word": None if word == 255 else PATH_WORDS[word],
+        "wrong_basin": bool(judged.wrong_basin[row]),
+        "proof": PROOFS[certified.proof[row]],
+        "false_bound": bool(certified.false_bound[row]),
+    }
+    low, high = float(certified.reference_low[row]), float(certified.reference_high[row])
+    columns = {name: float(column[row]) for name, column in certified.columns().items()}
+    return _Row(names, float(judged.gap[row]), low, high, columns)
+
+
+def _same(
+    table: Table,
+    row: _Row,
+    scalar: tuple[Judgement, Certificate],
+    scenario: Scenario,
+    line: str,
+) -> None:
+    judged, certificate = scalar
+    each = {name: getattr(judged, name, getattr(certificate, name, None)) for name in row.names}
+    differ = {
+        name: (row.names[name], value) for name, value in each.items() if row.names[name] != value
+    }
+    text = ", ".join(f"{name}: frame {a}, scalar {b}" for name, (a, b) in differ.items())
+    table.note("frame judgement", bool(differ), f"{line}  # {text}")
+    for name in ("pmp_residual", "cut_margin"):
+        missing = getattr(certificate, name) is None
+        table.note(
+            "frame judgement", missing != math.isnan(row.measured[name]), f"{line}  # {name}"
+        )
+    if judged.gap is not None and judged.reference is not None and judged.length is not None:
+        # an ulp of the reference counts for as much as the answer is longer
+        reference = max(judged.reference, scenario.radius)
+        scale = reference / ulp(judged.length, scenario.radius)
+        scale /= max(1.0, judged.length / reference)
+        apart = math.inf if math.isnan(row.gap) else abs(row.gap - judged.gap) * scale
+        table.note("frame gap", apart, f"{line}  # gap {row.gap} {judged.gap}")
+    low, high = certificate.reference_low, certificate.reference_high
+    text = f"{line}  # frame {row.low!r} {row.high!r}, balls {low!r} {high!r}"
+    missing = (low is None) != math.isnan(row.low) or (high is None) != math.isnan(row.high)
+    table.note("frame interval", missing, text)
+    if low is not None and high is not None and not missing:
+        wider = row.high - row.low - 64 * (high - low)
+        wider /= max(high, scenario.radius)
+        table.note("frame interval width", 1e12 * wider, text)

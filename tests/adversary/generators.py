@@ -1,0 +1,231 @@
+"""Scenarios in which a wrong answer is likely: every edge of the problem, at every scale.
+
+A generator draws the target as a user computes it, from the start and the heading in doubles, so
+that it lies beside an edge by what that arithmetic rounds. Some are then moved by a number of ulp.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+
+from dubins_study.study.scenario import LARGEST_EXTENT, Scenario, ScenarioError
+
+Draw = Callable[[np.random.Generator], Scenario]
+S = Scenario
+_ROUND = (0.0, math.pi / 2, math.pi, -math.pi / 2, -math.pi)
+_LARGEST_HEADING = 150  # power of ten
+
+# reproductions of what an earlier campaign found, which has to stay right
+FIXED = (
+    S(1e4, 2e4, 1.0, 9998.317058030385, 20001.080604611736, 1),
+    S(0, 0, -1.5707963267948966, 1.9999999999999996, 1.2246467991473532e-16, 1),
+    S(0, 0, 0, 2.877115121030117e-06, 45.60778211196118, 22.80389105598058),
+    S(
+        292933.162296969,
+        -183188.23419347886,
+        -3.2378215871170593,
+        292932.8581381104,
+        -183188.7936594308,
+        0.3459425262285938,
+    ),
+    S(
+        -16935347.04161746,
+        32948693.033956386,
+        0,
+        -16935347.0432896,
+        32948693.031933352,
+        0.0017030445404372149,
+    ),
+    S(0, 0, 0.5, -1e150, 1e149, 1e150),
+    *(S(0, 0, 0, 5e-324, y, 1) for y in (4, -4, 2, -2, 0, 1, -1)),
+    *(S(0, 0, h, x, y, 1) for h in (0, 1, 1e150) for x, y in ((0, 0), (0, 4), (3, 0), (-3, 0))),
+    *(S(0, 0, 0, x, y, 1) for x in (-1e-7, 1e-7, 1e-200) for y in (1e-16, -1e-12, 1e-201)),
+)
+
+
+def placed(
+    rng: np.random.Generator,
+    X: float,
+    Y: float,
+    *,
+    box: float = 5.0,
+    heading: float | None = None,
+    radius: float = 1.0,
+    ulps: bool = False,
+) -> Scenario:
+    """A scenario whose target is computed in doubles from (X, Y) in the vehicle's frame (radii).
+
+    Args:
+        box: half the side of the square in which the start lies, in radii.
+        ulps: whether the target is moved by up to 1000 ulp in each coordinate.
+    """
+    if heading is None:
+        heading = float(rng.choice(_ROUND) if rng.random() < 0.15 else rng.uniform(-7, 7))
+    x, y = (rng.uniform(-box, box, 2) * radius).tolist()
+    cos, sin = math.cos(heading), math.sin(heading)
+    target_x = x + radius * (X * cos - Y * sin)
+    target_y = y + radius * (X * sin + Y * cos)
+    if ulps:
+        target_x, target_y = _moved(rng, target_x), _moved(rng, target_y)
+    return S(x, y, heading, target_x, target_y, radius)
+
+
+def _moved(rng: np.random.Generator, value: float) -> float:
+    steps = int(rng.choice((-1, 1)) * 10 ** rng.uniform(-0.5, 3))
+    return value + steps * math.ulp(value)
+
+
+def _power(rng: np.random.Generator, low: float, high: float) -> float:
+    return float(10 ** rng.uniform(low, high))
+
+
+def _circle(rng: np.random.Generator, radius: int = 1) -> tuple[float, float]:
+    """A point on a circle about one of the turning centres, anywhere on its circumference."""
+    a = rng.uniform(-math.pi, math.pi) * _power(rng, -8, 0) ** (rng.random() < 0.2)
+    if rng.random() < 0.5:
+        a = math.pi - a
+    y = float(rng.choice((-1, 1))) * (1 - radius * math.cos(a))
+    return radius * math.sin(a), y
+
+
+def general(rng: np.random.Generator) -> Scenario:
+    """A target at any distance and bearing; any radius that a vehicle may have."""
+    r, a = _power(rng, -3, 6), rng.uniform(-math.pi, math.pi)
+    radius = _power(rng, -6, 6)
+    return placed(rng, r * math.cos(a), r * math.sin(a), radius=radius, box=_power(rng, -2, 4))
+
+
+def near(rng: np.random.Generator) -> Scenario:
+    """A target in and about the discs."""
+    return placed(rng, *rng.uniform(-4, 4, 2).tolist(), radius=_power(rng, -3, 3))
+
+
+def circle(rng: np.random.Generator) -> Scenario:
+    """A target computed to lie on a turning circle, moved by 0 to 1000 ulp."""
+    box = float(rng.choice((0, 1, 10, 1e2, 1e3, 1e4, 1e5)))
+    return placed(rng, *_circle(rng), box=box, ulps=rng.random() < 0.7)
+
+
+def circle_offset(rng: np.random.Generator) -> Scenario:
+    """A target on a turning circle, far from the origin of the coordinates."""
+    radius = _power(rng, -3, 3)
+    return placed(rng, *_circle(rng), box=_power(rng, 5, 12), radius=radius, ulps=True)
+
+
+def circle_wide(rng: np.random.Generator) -> Scenario:
+    """A target beside a turning circle, by any distance from rounding to a tenth of the radius."""
+    X, Y = _circle(rng)
+    off = 1 + rng.choice((-1, 1)) * _power(rng, -16, -1)
+    centre = math.copysign(1.0, Y)
+    return placed(rng, X * off, centre + (Y - centre) * off, box=_power(rng, -2, 5))
+
+
+def reach(rng: np.random.Generator) -> Scenario:
+    """A target on the edge of reach of LR or RL: 3 radii from a turning centre, or 1."""
+    X, Y = _circle(rng, 3 if rng.random() < 0.7 else 1)
+    return placed(rng, X, Y, box=_power(rng, -1, 9), ulps=rng.random() < 0.5)
+
+
+def tops(rng: np.random.Generator) -> Scenario:
+    """(0, 2R), (0, 4R) and their mirror images, where edges meet."""
+    y = float(rng.choice((2, -2, 4, -4)))
+    x = 0.0 if rng.random() < 0.6 else float(rng.choice((-1, 1))) * _power(rng, -17, -6)
+    return placed(rng, x, y, box=_power(rng, -1, 10), ulps=rng.random() < 0.5)
+
+
+def axis(rng: np.random.Generator) -> Scenario:
+    """Straight ahead and straight behind."""
+    X = float(rng.choice((-1, 1))) * _power(rng, -9, 9)
+    return placed(rng, X, 0.0, box=_power(rng, -2, 8), ulps=rng.random() < 0.5)
+
+
+def start(rng: np.random.Generator) -> Scenario:
+    """The start itself, and targets next to it, by ulp or by any power of ten."""
+    if rng.random() < 0.4:
+        return placed(rng, 0.0, 0.0, box=_power(rng, -3, 9), ulps=True)
+    sizes = 10 ** rng.uniform(-18, -1, 2) if rng.random() < 0.7 else 10 ** rng.uniform(-300, -1, 2)
+    X, Y = (sizes * rng.choice((-1, 0, 1, 1), 2)).tolist()
+    box = 0.0 if rng.random() < 0.7 else _power(rng, -18, 0)
+    return placed(rng, X, Y, box=box)
+
+
+def denormal(rng: np.random.Generator) -> Scenario:
+    """A coordinate of a few 5e-324 beside one of a round number."""
+    tiny = float(5e-324 * int(rng.integers(-3, 4)))
+    other = float(rng.choice((0, 1, -1, 2, -2, 3, 4, -4, 5e-324, 0.5)))
+    x, y = (tiny, other) if rng.random() < 0.5 else (other, tiny)
+    return S(0, 0, float(rng.choice(_ROUND)) * float(rng.random() < 0.3), x, y, 1)
+
+
+def heading(rng: np.random.Generator) -> Scenario:
+    """Headings of any size: targets near, and on the circles as doubles compute them."""
+    turned = float(rng.choice((-1, 1))) * _power(rng, 0, _LARGEST_HEADING)
+    X, Y = _circle(rng) if rng.random() < 0.5 else rng.uniform(-4, 4, 2).tolist()
+    return placed(rng, X, Y, box=_power(rng, -1, 3), heading=turned)
+
+
+def radius(rng: np.random.Generator) -> Scenario:
+    """Radii from 1e-150 to 1e150, every edge at that scale."""
+    some = (general, near, circle, circle_wide, reach, tops, axis, start)
+    shape = some[int(rng.integers(len(some)))](rng)
+    size = _power(rng, -150, 150)
+    scale = size / shape.radius
+    lengths = (shape.x, shape.y, shape.target_x, shape.target_y)
+    x, y, target_x, target_y = (value * scale for value in lengths)
+    return S(x, y, shape.heading, target_x, target_y, size)
+
+
+def extent(rng: np.random.Generator) -> Scenario:
+    """Coordinates up to the largest that a scenario may have beside its radius."""
+    box = LARGEST_EXTENT * _power(rng, -2, 0) / 5
+    kind = rng.random()
+    if kind < 0.4:
+        X, Y = (rng.uniform(-1, 1, 2) * box).tolist()
+    else:
+        X, Y = _circle(rng) if kind < 0.7 else rng.uniform(-4, 4, 2).tolist()
+    return placed(rng, X, Y, box=box)
+
+
+def grid(rng: np.random.Generator) -> Scenario:
+    """Round numbers, which lie on edges exactly."""
+    X, Y = rng.choice((0, 0.5, 1, 2, 3, 4, -0.5, -1, -2, -3, -4), 2).tolist()
+    x, y = rng.choice((0, 0, 1, -3, 100), 2).tolist()
+    size = float(rng.choice((1, 1, 2, 0.1, 25)))
+    angle = float(rng.choice((*_ROUND, math.pi / 3, math.pi / 4)))
+    return S(x, y, angle, x + X * size, y + Y * size, size)
+
+
+# each with its share of the cases
+SHARES: dict[Draw, int] = {
+    general: 10,
+    near: 10,
+    circle: 15,
+    circle_offset: 10,
+    circle_wide: 10,
+    reach: 8,
+    tops: 8,
+    axis: 6,
+    start: 6,
+    denormal: 1,
+    heading: 6,
+    radius: 5,
+    extent: 3,
+    grid: 2,
+}
+_KINDS = [kind for kind, share in SHARES.items() for _ in range(share)]
+
+
+def case(seed: int, number: int) -> tuple[str, Scenario]:
+    """The generator and the scenario of one case, the same for every division into blocks."""
+    if number < len(FIXED):
+        return "fixed", FIXED[number]
+    rng = np.random.default_rng((seed, number))
+    kind = _KINDS[number % len(_KINDS)]
+    while True:
+        try:
+            return kind.__name__, kind(rng)
+        except ScenarioError:  # outside of what a scenario may hold: another one
+            continue

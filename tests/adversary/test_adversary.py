@@ -1,0 +1,92 @@
+"""The campaign finds nothing in the package, and finds what is put into it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+from dubins_study.study.check.certificate import Proof
+from dubins_study.study.check.verdict import Verdict
+from dubins_study.study.path import Path
+from tests.adversary import answers, checks, frames
+from tests.adversary.campaign import run
+from tests.adversary.table import CHECKS, Table
+
+SEED = 9
+FEW, ALL = 200, 100_000
+PARTS = 20  # of the slow run, so that they are shared out among the workers
+
+
+def _report(table: Table) -> str:
+    return "\n".join(["", f"seed {SEED}", *table.lines()])
+
+
+def test_no_counterexample_in_few_cases() -> None:
+    """Every generator meets every check."""
+    table = run(SEED, 0, FEW)
+
+    assert table.wrong == 0, _report(table)
+    assert {check for _, check in table.cells} == set(CHECKS)
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(1200)
+@pytest.mark.parametrize(
+    "part",
+    [pytest.param(i, marks=pytest.mark.xdist_group(f"adversary {i}")) for i in range(PARTS)],
+)
+def test_no_counterexample(part: int) -> None:
+    """100 000 cases in all; `make adversary N=1000000` tries any number."""
+    size = ALL // PARTS
+    table = Table()
+    for low in range(part * size, (part + 1) * size, 500):
+        table.add(run(SEED, low, low + 500))
+
+    assert table.wrong == 0, _report(table)
+
+
+def _longer(path: Path | None) -> Path | None:
+    """The path, longer by a share of 1e-13."""
+    return path and Path(path.start, path.curvature, path.length * (1 + 1e-13))
+
+
+Spoil = Callable[[Any], Any]
+SPOILT: dict[str, tuple[Any, str, Spoil]] = {
+    "closed form length": (checks, "shortest_path", _longer),
+    "closed form existence": (checks, "shortest", lambda _: None),
+    "kernel length": (frames, "shortest_path", _longer),
+    "enclosure holds truth": (checks, "enclose", lambda e: e._replace(low=e.high * (1 + 1e-15))),
+    "parts hold truth": (checks, "enclose", lambda e: e._replace(parts=e.parts[:-1])),
+    "parts hold many": (checks, "enclose", lambda e: e._replace(parts=e.parts[:-1])),
+    "absent": (checks, "enclose", lambda e: e._replace(absent=not e.absent)),
+    "enclosure decided": (checks, "enclose", lambda e: e._replace(high=float("inf"))),
+    "enclosure width": (checks, "enclose", lambda e: e._replace(low=0.0)),
+    "bounds": (checks, "certify", lambda c: c._replace(false_bound=not c.false_bound)),
+    "frame judgement": (frames, "judge", lambda j: j._replace(region="circle")),
+    "frame gap": (frames, "judge", lambda j: j._replace(gap=j.gap and j.gap + 1e-14)),
+    "analytic claim": (frames, "judge", lambda j: j._replace(false_claim=True)),
+    "verdict": (answers, "judge", lambda j: _swapped(j)),
+    "arrival": (answers, "judge", lambda j: j._replace(verdict=Verdict.MISSES)),
+    "broken path": (answers, "judge", lambda j: j._replace(verdict=Verdict.OPTIMAL)),
+    "proved": (answers, "certify", lambda c: c._replace(proof=Proof.PROVED)),
+    "certificate": (answers, "certify", lambda c: c._replace(pmp_residual=0.0, cut_margin=1.0)),
+}
+
+
+def _swapped(judged: Any) -> Any:
+    other = {Verdict.OPTIMAL: Verdict.LONGER, Verdict.LONGER: Verdict.OPTIMAL}
+    return judged._replace(verdict=other.get(judged.verdict, judged.verdict))
+
+
+@pytest.mark.parametrize("check", SPOILT)
+def test_campaign_sees_what_is_spoilt(check: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A result altered by little, or by one flag, is a counterexample of its check."""
+    room, name, spoil = SPOILT[check]
+    right = getattr(room, name)
+    monkeypatch.setattr(room, name, lambda *args, **options: spoil(right(*args, **options)))
+
+    table = run(SEED, 100, 140)
+
+    assert check in table.first, _report(table)
