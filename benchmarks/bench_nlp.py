@@ -55,7 +55,7 @@ def jobs(asked: list[Question]) -> list[Job]:
         start = next(initial_guesses(question, subproblem, "bearing", 0, 1))
         return Job(*question.scenario.local(), list(subproblem.free), start)
 
-    return [job(q, sub) for q in asked for sub in subproblems(q, "words", "both")]
+    return [job(q, sub) for q in asked for sub in subproblems(q, "words", "both", presolve=True)]
 
 
 def ours(solver: Solver, asked: list[Question]) -> None:

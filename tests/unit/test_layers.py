@@ -11,9 +11,11 @@ from __future__ import annotations
 import ast
 import re
 import textwrap
-from collections import Counter
+from collections import Counter, deque
+from collections.abc import Iterator
 from functools import cache
 from graphlib import CycleError, TopologicalSorter
+from importlib.metadata import entry_points
 from pathlib import Path
 from typing import NamedTuple
 
@@ -44,7 +46,10 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     ),
     "solvers.indirect": ("study.*", "solvers", "solvers.paper_nlp"),
     "solvers.global_minlp": ("study.*", "solvers", "solvers.paper_nlp"),
-    "solvers.heading_milp": ("study.*", "solvers", "solvers.optimal_control"),
+    "solvers.heading_milp": (
+        *("study.*", "solvers", "solvers.optimal_control"),
+        "solvers.paper_nlp",  # whether a path of one-sided turning is a word
+    ),
     "solvers.export": ("study.*", "solvers", "solvers.paper_nlp", "solvers.global_minlp"),
     **dict.fromkeys(_LEAVES, ("study.*", "solvers")),
     "experiments.code_digest": ("solvers", "experiments.provenance"),
@@ -101,10 +106,10 @@ def room_of(file: Path) -> str:
     return name if name in MAY_IMPORT else ".".join(file.relative_to(PACKAGE).parent.parts)
 
 
-def _imports(file: Path, names: set[str]) -> frozenset[str]:
-    """Names of the package's modules that a file imports anywhere."""
+def _imports(source: str, names: set[str], file: str = "") -> frozenset[str]:
+    """Names of the package's modules that a source imports anywhere."""
     imported = set()
-    for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+    for node in ast.walk(ast.parse(source)):
         if isinstance(node, ast.Import):
             imported |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom):
@@ -115,7 +120,7 @@ def _imports(file: Path, names: set[str]) -> frozenset[str]:
             if submodules != deeper:
                 imported.add(str(node.module))
     ours = {name for name in imported if name.split(".")[0] == PACKAGE.name}
-    return frozenset(_within(name) for name in ours) - {_name(file)}
+    return frozenset(_within(name) for name in ours)
 
 
 def _within(name: str) -> str:
@@ -128,10 +133,11 @@ def modules() -> dict[str, Module]:
     """All modules of the package by name."""
     files = sorted(PACKAGE.rglob("*.py"))
     names = {_name(file) for file in files}
-    return {
-        _name(file): Module(_name(file), file, room_of(file), _imports(file, names))
-        for file in files
-    }
+    found = {}
+    for file in files:
+        imports = _imports(file.read_text(encoding="utf-8"), names, str(file))
+        found[_name(file)] = Module(_name(file), file, room_of(file), imports - {_name(file)})
+    return found
 
 
 @cache
@@ -190,6 +196,88 @@ def test_a_room_imports_only_what_the_table_lets_it(room):
             assert any(_covers(pattern, target) for pattern in allowed(room)), (
                 f"{module.name} imports {name}: the room {room!r} may not import {target!r}"
             )
+
+
+# rooms that know the answer to a question
+ANSWERS = ("study.closed_form", "study.check")
+
+
+def imports() -> dict[str, set[str]]:
+    """Module -> what importing it imports: what it names, and the packages that those lie in.
+
+    The package itself is left out of these: its names are imported when they are first used.
+    """
+    return {
+        module.name: {part for name in module.imports for part in _packages(name)}
+        for module in modules().values()
+    }
+
+
+def _packages(name: str) -> Iterator[str]:
+    """A module and the packages that it lies in, the whole package left out."""
+    parts = name.split(".")
+    return (".".join(parts[:n]) for n in range(1, len(parts) + 1))
+
+
+def way_to_the_answers(graph: dict[str, set[str]], start: str) -> list[str]:
+    """The modules on the shortest way of imports to a module of `ANSWERS`; none without a way."""
+    before: dict[str, str | None] = {start: None}
+    waiting = deque([start])
+    while waiting:
+        name = waiting.popleft()
+        if any(_covers(f"{room}.*", name) for room in ANSWERS):
+            way = [name]
+            while (importer := before[way[0]]) is not None:
+                way.insert(0, importer)
+            return way
+        for imported in sorted(graph[name] - before.keys()):
+            before[imported] = name
+            waiting.append(imported)
+    return []
+
+
+def solver_modules() -> list[str]:
+    """The modules of the package's registered solvers, but for the closed form's."""
+    points = [p for p in entry_points(group="dubins_study.solvers") if _within(p.module)]
+    ours = {_within(p.module) for p in points if p.module.split(".")[0] == PACKAGE.name}
+    return sorted(ours - {"solvers.analytic"})
+
+
+@pytest.mark.parametrize("name", solver_modules())
+def test_no_solver_but_the_closed_form_imports_the_answer_or_the_check(name):
+    """Neither directly nor by way of other modules of the package."""
+    assert way_to_the_answers(imports(), name) == []
+
+
+def test_the_closed_form_and_what_asks_do_import_them():
+    """Else the test above could not fail."""
+    for name in ("solvers.analytic", "solvers.attempt", "solvers.frame"):
+        assert way_to_the_answers(imports(), name)
+
+
+@pytest.mark.parametrize(
+    "source",
+    [
+        "from dubins_study.study.check.verdict import judge",
+        "import dubins_study.study.closed_form.shortest as exact",
+        "from dubins_study.study import check",
+        "def solve():\n    from dubins_study.study.check import verdict",
+        "if TYPE_CHECKING:\n    from dubins_study.study.check.verdict import Verdict",
+        "from dubins_study.solvers.attempt import solve",
+        "from dubins_study import solve",
+    ],
+)
+@pytest.mark.parametrize("place", ["solvers.protocol", "study.path", "solvers.paper_nlp"])
+def test_an_import_of_the_answer_is_found_wherever_it_is_planted(source, place):
+    """In a solver's own room or in what it shares with others, inside functions too."""
+    graph = imports()
+    for name in _imports(source, set(modules())):
+        graph[place] |= set(_packages(name))
+
+    way = way_to_the_answers(graph, "solvers.paper_nlp.slsqp")
+
+    assert way[0] == "solvers.paper_nlp.slsqp"
+    assert place in way
 
 
 def test_no_circles_of_modules():

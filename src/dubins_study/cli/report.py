@@ -13,6 +13,7 @@ _SUMMARY = {
     "attempts": "asked",
     "optimal": "optimal",
     "none exists": "none exists",
+    "by presolve": "by presolve",
     "longer": "longer",
     "misses": "misses",
     "none": "none",

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 # Fields of an answer in the JSON object, which also has `segments` and `tied_words`.
 _JSON = (
     *("word", "length", "travel_time", "gap", "verdict", "claim", "outcome", "solver", "branch"),
+    "presolved",
     *("miss", "region", "margin", "reference", "reference_word", "curvature_excess"),
     *("claimed_length", "lower_bound", "false_claim", "wrong_basin", "proof"),
     *("reference_low", "reference_high", "pmp_residual", "cut_margin", "false_bound"),
@@ -112,6 +113,8 @@ def answer_text(answer: Answer) -> str:
     from dubins_study.study.printable import plain
 
     lines = [f"verdict   {answer.verdict}", f"claim     {answer.claim}  ({answer.solver})"]
+    if answer.presolved:
+        lines.append("presolve  answered, and the engine was not asked")
     lines.append(f"proof     {answer.proof}")
     if answer.length is not None:
         ties = [word for word in answer.tied_words if word != answer.reference_word]

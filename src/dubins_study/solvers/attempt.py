@@ -43,6 +43,7 @@ class Answer:
     reference_word: str | None
     outcome: Outcome
     claim: Claim
+    presolved: bool
     verdict: Verdict
     false_claim: bool
     wrong_basin: bool
@@ -202,6 +203,7 @@ def _judged(spec: str, question: Question, reply: Reply, allowed: Tolerances) ->
         "branch": branch,
         "outcome": outcome,
         "claim": solution.claim,
+        "presolved": solution.presolved,
         "native_status": solution.native_status,
         "message": solution.message,
         "claimed_length": _finite(solution.claimed_length),

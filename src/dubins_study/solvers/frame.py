@@ -50,7 +50,12 @@ def solve_frame(
     backend = load(solver, profile)
     frame = check_frame(scenarios)
     whole = backend.solve_frame
-    if whole is None or unavailable(backend) is not None or branch not in backend.branches:
+    if (
+        whole is None
+        or backend.presolve is True
+        or unavailable(backend) is not None
+        or branch not in backend.branches
+    ):
         rows = questions(frame, branch)
         return row_by_row(frame, (attempt(backend, row, limit, allowed, solver) for row in rows))
     from dubins_study.study.check.certificate_frame import certify_frame
@@ -110,6 +115,7 @@ def _columns(
         "reference_word": _texts(judged.reference_word, WORDS),
         "verdict": _texts(judged.verdict, VERDICTS),
         "claim": _texts(*claims),
+        "presolved": np.zeros(n, np.bool_),  # what solves whole frames is asked itself
         "outcome": _texts(same, [outcome]),
         "native_status": _texts(same, [solution.native_status]),
         "message": _texts(same, [message]) if isinstance(message, str) else _text(message),

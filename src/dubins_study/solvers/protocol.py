@@ -65,6 +65,7 @@ class Solution:
         multipliers: duals of the end point's two equations, in the world frame (dimensionless).
         iterations, evaluations: the solver's own counts, summed over its subproblems.
         native_status, message: the status and message of the library that solved.
+        presolved: whether the presolve answered (`solvers.presolve`), and no engine was asked.
 
     Raises:
         TypeError: naming the field, its value and what was expected. It is raised inside the
@@ -80,6 +81,7 @@ class Solution:
     evaluations: int | None = None
     native_status: str = ""
     message: str = ""
+    presolved: bool = False
 
     def __post_init__(self) -> None:
         path = self.path
@@ -97,6 +99,7 @@ class Solution:
         object.__setattr__(self, "multipliers", _pair(self.multipliers))
         for name in ("native_status", "message"):
             object.__setattr__(self, name, str(getattr(self, name)))
+        object.__setattr__(self, "presolved", bool(self.presolved))
 
 
 def _short(value: Any) -> str:
@@ -168,6 +171,8 @@ class Solver:
         variants: specs of this solver that `dubins-study solvers` lists beside it.
         solve_frame: a method `solve_frame(frame, branch) -> FrameSolution` that answers a whole
             frame of scenarios at once (see `solvers.frame_solution`), or None.
+        presolve: whether questions are presolved for the solver (`solvers.presolve`); one that
+            declares a field of this name makes it a setting.
     """
 
     name: ClassVar[str] = ""
@@ -180,6 +185,7 @@ class Solver:
     profiles: ClassVar[dict[str, dict[str, Any]]] = {}
     variants: ClassVar[tuple[str, ...]] = ()
     solve_frame: Callable[[pd.DataFrame, str], FrameSolution] | None = None
+    presolve: bool = False
 
     @property
     def runs(self) -> str | None:

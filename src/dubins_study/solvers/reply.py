@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from time import perf_counter
 from typing import NamedTuple
 
+from dubins_study.solvers.presolve import presolved
 from dubins_study.solvers.protocol import Outcome, Question, Solution, Solver
 from dubins_study.solvers.registry import unavailable
 from dubins_study.study.claim import Claim
@@ -40,7 +41,10 @@ def no_answer(outcome: Outcome, message: str, times: Times = _NO_TIMES, status: 
 
 
 def ask(solver: Solver, question: Question, limit: float = DEFAULT_LIMIT) -> Reply:
-    """Put a question to a solver and time it. What a solver raises is its reply."""
+    """Put a question to a solver and time it. What a solver raises is its reply.
+
+    Where the solver's setting `presolve` is on, what the presolve answers is not put to it.
+    """
     reason = unavailable(solver)
     if reason is not None:
         return no_answer(Outcome.UNAVAILABLE, reason)
@@ -52,9 +56,10 @@ def ask(solver: Solver, question: Question, limit: float = DEFAULT_LIMIT) -> Rep
     began = perf_counter()
     built = None
     try:
-        model = solver.build(copy)
+        known = presolved(copy) if solver.presolve is True else None
+        model = known or solver.build(copy)
         built = perf_counter()
-        solution = solver.solve(model, limit)
+        solution = known or solver.solve(model, limit)
         ended = perf_counter()
         if not isinstance(solution, Solution):
             raise TypeError(f"solve returned {type(solution).__name__}; expected a Solution")

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
 from dubins_study.report.data import attempts as attempts_module
-from dubins_study.report.data.attempts import PROOFS, VERDICTS
+from dubins_study.report.data.attempts import PRESOLVED, PROOFS, VERDICTS
 from dubins_study.report.statistics import metrics
 from dubins_study.report.topics.success.numbers import (
     failures,
@@ -49,7 +49,8 @@ def attempts(draw):
             "reference_word": st.sampled_from(["LS", None]),
             "outcome": st.sampled_from(["returned", "timeout"]),
             "claim": st.sampled_from(["optimal", "none"]),
-            "verdict": st.sampled_from(VERDICTS),
+            "presolved": st.sampled_from([False, False, True, None]),
+            "verdict": st.sampled_from([v for v in VERDICTS if v != PRESOLVED]),
             "false_claim": st.booleans(),
             "wrong_basin": st.booleans(),
             "native_status": text,
@@ -146,6 +147,8 @@ test_numbers_are_those_of_the_frame_often = pytest.mark.slow(
 
 
 def numbers_are_those_of(found, rows):
+    verdict = rows["verdict"].mask(rows["presolved"] == True, PRESOLVED)  # noqa: E712 (None too)
+    rows = rows.assign(verdict=verdict)
     for line in summary(found.verdicts()).to_dict("records"):
         own = rows[rows["solver"] == line["solver"]]
         assert line["attempts"] == len(own)
@@ -167,7 +170,7 @@ def numbers_are_those_of(found, rows):
         expected = own["solve_s"].quantile([0.25, 0.5, 0.75]).tolist()
         given = [line[f"solve_s{suffix}"] for suffix in ("_q1", "", "_q3")]
         assert given == pytest.approx(expected, nan_ok=True)
-    bad = rows[~rows["verdict"].isin(["optimal", "none exists"])]
+    bad = rows[~rows["verdict"].isin(["optimal", "none exists", PRESOLVED])]
     table = failures(found.failures())
     assert table["attempts"].sum() == len(bad)
     said = [

@@ -36,6 +36,7 @@ def frame(**columns):
         "radius": 1.0,
         "outcome": "returned",
         "claim": "local",
+        "presolved": False,
         "verdict": "optimal",
         "false_claim": False,
         "wrong_basin": False,
@@ -71,10 +72,33 @@ def test_failures_stay_in_every_denominator(tmp_path):
 
 def test_every_attempt_is_in_one_verdict_column(tmp_path):
     """Verdict counts add up to the attempts."""
-    rows = frame(verdict=["optimal", "longer", "longer", "misses", "none", "none exists"])
+    rows = frame(
+        verdict=["optimal", "longer", "longer", "misses", "none", "none exists", "none exists"],
+        presolved=[False] * 6 + [True],
+    )
     line = summary(attempts_of(tmp_path, rows).verdicts()).iloc[0]
 
+    assert (line["none exists"], line["by presolve"]) == (1, 1)
     assert sum(line[verdict] for verdict in VERDICTS) == line["attempts"]
+
+
+def test_what_the_presolve_answered_is_no_success_and_no_proof_of_an_engine(tmp_path):
+    """It stays in the denominators, and is no failure either; by rows and by counting alike."""
+    rows = frame(
+        verdict=["none exists"] * 3,
+        proof=["proved"] * 3,
+        presolved=[False, True, None],
+        gap=NAN,
+    )
+    counted = attempts_of(tmp_path, rows)
+    line, proofs = summary(counted.verdicts()).iloc[0], counted.proofs().iloc[0]
+
+    assert metrics.success(rows).tolist() == [True, False, True]
+    assert metrics.proof(rows).tolist() == ["proved", "none", "proved"]
+    assert (line["attempts"], line["none exists"], line["by presolve"]) == (3, 2, 1)
+    assert line["success"] == pytest.approx(2 / 3)
+    assert (proofs["proved"], proofs["none"]) == (2, 1)
+    assert counted.failures().empty
 
 
 def test_gap_quantiles_count_what_did_not_arrive_as_infinite(tmp_path):

@@ -18,7 +18,7 @@ from dubins_study.solvers.attempt import attempt
 from dubins_study.solvers.global_minlp import disjunctive, scip
 from dubins_study.solvers.global_minlp.disjunctive import Disjunctive
 from dubins_study.solvers.global_minlp.model import WORDS, gdp_model, transformed
-from dubins_study.solvers.global_minlp.polish import meet_target
+from dubins_study.solvers.paper_nlp.polish import meet_target
 from dubins_study.solvers.protocol import Question
 from dubins_study.study.check.verdict import Verdict
 from dubins_study.study.claim import Claim

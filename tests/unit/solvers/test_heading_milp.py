@@ -92,7 +92,7 @@ def test_every_hard_target_is_reached_or_said_to_be_out_of_reach():
         assert not found.false_claim
         assert not found.wrong_basin
         if found.reference is None:
-            assert solution.claim is Claim.INFEASIBLE
+            assert solution.claim is Claim.FAILED
         else:
             assert solution.claim is Claim.LOCAL
             assert found.verdict in (Verdict.OPTIMAL, Verdict.LONGER)
@@ -217,8 +217,8 @@ def test_the_bound_is_of_the_grid_and_is_not_passed_off_as_the_scenarios():
     assert bound > found.reference * (1 + 1e-6)
 
 
-def test_a_branch_without_a_path_is_infeasible_and_a_grid_without_one_is_not(monkeypatch):
-    """HiGHS calls both infeasible; only where no path exists at all is that the answer."""
+def test_a_grid_without_a_path_does_not_say_that_there_is_none(monkeypatch):
+    """HiGHS's proof is about the grid: the claim is `failed`, and the message names its scope."""
     monkeypatch.setattr(
         "dubins_study.solvers.heading_milp.solver.least_legs", lambda heading, gap: None
     )
@@ -229,9 +229,9 @@ def test_a_branch_without_a_path_is_infeasible_and_a_grid_without_one_is_not(mon
     monkeypatch.undo()
     solution, found = ask(Scenario(0, 0, 0, 0.2, 1, 1), "LS")
 
-    assert solution.claim is Claim.INFEASIBLE
-    assert found.verdict is Verdict.NONE_EXISTS
-    assert "inside the left turning circle" in solution.message
+    assert solution.claim is Claim.FAILED
+    assert not found.false_claim
+    assert "HiGHS proves that there is none, on this grid only" in solution.message
 
 
 def test_no_time_is_a_limit():

@@ -180,8 +180,8 @@ def test_best_is_right_everywhere(scenario):
 )
 @settings(max_examples=40)
 @given(scenario=scenarios())
-def test_a_branch_is_answered_or_known_to_have_no_path(branch, root, scenario):
-    """The shortest path of the word where it exists; where not, said so: a success."""
+def test_a_branch_is_answered_or_searched_in_vain(branch, root, scenario):
+    """The shortest path of the word where it exists; where not, no claim that there is one."""
     assume(margin(scenario) > 1e-6)
     other = _of_two_arcs(scenario)
     assume(all(abs(distance - limit) > 1e-6 for distance in other for limit in (1, 3)))
@@ -189,8 +189,8 @@ def test_a_branch_is_answered_or_known_to_have_no_path(branch, root, scenario):
     answer = attempt(Shooting(root=root), Question(scenario, branch))
 
     if shortest(scenario, branch) is None:
-        assert answer.claim is Claim.INFEASIBLE
-        assert answer.verdict is Verdict.NONE_EXISTS
+        assert answer.claim is Claim.FAILED
+        assert answer.iterations > 0
     else:
         assert answer.claim is Claim.LOCAL
         assert answer.verdict is Verdict.OPTIMAL
@@ -216,7 +216,8 @@ def test_margins_down_to_rounding(front, side):
             near = Scenario(0, 0, 0, r * math.sin(a), 1 - r * math.cos(a), 1)
             for branch in ("best", "LS", "RS"):
                 answer = solve(near, "shooting", branch)
-                assert answer.verdict in (Verdict.OPTIMAL, Verdict.NONE_EXISTS), (near, branch)
+                exists = shortest(near, branch) is not None
+                assert answer.verdict is Verdict.OPTIMAL or not exists, (near, branch)
                 assert not answer.false_claim
 
 

@@ -170,6 +170,7 @@ def encode_reply(sent: WorkerReply) -> list[Any]:
         _plain(solution.evaluations),
         _plain(solution.native_status),
         _plain(solution.message),
+        bool(solution.presolved),
         *sent[1:],
     ]
 

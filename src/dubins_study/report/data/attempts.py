@@ -14,7 +14,9 @@ from dubins_study.study.check.certificate import PMP_TOLERANCE
 
 # The closed form; its rows fill the maps of the plane.
 EXACT = "analytic"
-VERDICTS = ("optimal", "none exists", "longer", "misses", "none")
+# The verdict on an answer of the presolve counts as a verdict of its own: no engine was asked.
+PRESOLVED = "by presolve"
+VERDICTS = ("optimal", "none exists", PRESOLVED, "longer", "misses", "none")
 SUCCESSES = ("optimal", "none exists")
 PROOFS = ("proved", "bounded", "extremal", "none")
 TIMES = ("build_s", "solve_s", "wall_s")
@@ -80,14 +82,15 @@ class Attempts:
         )
 
     def failures(self) -> pd.DataFrame:
-        """Attempts without success, counted by outcome, claim, verdict and message.
+        """Attempts of engines without success, counted by outcome, claim, verdict and message.
 
         Columns: solver, outcome, claim, verdict, message, native_status, attempts.
         """
         kinds = "solver, outcome, claim, verdict, message, native_status"
         return self._frame(
             f"""SELECT {kinds}, count(*) AS attempts FROM chosen
-            WHERE verdict IS NULL OR verdict NOT IN {SUCCESSES} GROUP BY {kinds}"""
+            WHERE verdict IS NULL OR verdict NOT IN {(*SUCCESSES, PRESOLVED)}
+            GROUP BY {kinds}"""
         )
 
     def times(self) -> pd.DataFrame:
@@ -216,7 +219,7 @@ class Attempts:
 
     def _frame(self, query: str) -> pd.DataFrame:
         """The result of a query; in the query, `chosen` is the table of these attempts."""
-        chosen = "SELECT * FROM attempts WHERE list_contains(?, experiment)"
+        chosen = f"SELECT {_ENGINES_OWN} FROM attempts WHERE list_contains(?, experiment)"
         return self._database.frame(f"WITH chosen AS ({chosen}) {query}", [self.experiments])
 
     def _quantile(self, column: str, q: float | list[float]) -> str:
@@ -224,6 +227,10 @@ class Attempts:
         return f'{name}("{column}", {q})'
 
 
+# What the presolve answered is neither an engine's success nor its proof.
+_ENGINES_OWN = f"""* REPLACE (
+    CASE WHEN presolved THEN '{PRESOLVED}' ELSE verdict END AS verdict,
+    CASE WHEN presolved THEN 'none' ELSE proof END AS proof)"""
 # DuckDB's `greatest` ignores nulls, so a null is replaced explicitly.
 _GAP = "CASE WHEN gap IS NULL THEN 'inf'::DOUBLE ELSE greatest(gap, 0.0) END"
 _REGION = "CASE WHEN GROUPING(region) = 1 THEN 'all' ELSE region END"

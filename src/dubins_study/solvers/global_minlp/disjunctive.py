@@ -14,9 +14,10 @@ from typing import Any, ClassVar, NamedTuple
 
 from dubins_study.solvers import library_versions
 from dubins_study.solvers.global_minlp.model import TRANSFORMATIONS, WORDS, gdp_model, transformed
-from dubins_study.solvers.global_minlp.polish import Polished, meet_target
 from dubins_study.solvers.global_minlp.scip import BROKEN, Native, ScipSettings, run_scip
 from dubins_study.solvers.paper_nlp.model import SUBPROBLEMS, as_path
+from dubins_study.solvers.paper_nlp.polish import Polished, meet_target
+from dubins_study.solvers.presolve import words
 from dubins_study.solvers.protocol import Guarantee, Question, Solution, Solver
 from dubins_study.solvers.setting_checks import missing_package, one_of, within
 from dubins_study.solvers.vehicle_frame import at_start
@@ -68,13 +69,15 @@ class Disjunctive(Solver):
     A feasible point of SCIP's may miss the target by the tolerance. Near the front of a turning
     circle that buys up to a full turn, and no polishing closes the miss: the point is then
     returned as it is, claimed feasible and not optimal, and the bound, though low, still holds.
-    `lower_bound` is a bound for the branch that is asked.
+    `lower_bound` is a bound for the branch that is asked. `presolve` leaves out words that cannot
+    exist (`solvers.presolve`): SCIP's bound then holds for the others.
     """
 
     transformation: str = "bigm"
     gap: float = 1e-6
     feastol: float = 1e-8
     emphasis: str = "lean"
+    presolve: bool = False
 
     name: ClassVar[str] = "disjunctive"
     method: ClassVar[str] = "global MINLP"
@@ -107,9 +110,9 @@ class Disjunctive(Solver):
         return True
 
     def build(self, question: Question) -> Model:
-        words = WORDS if question.branch == "best" else (question.branch,)
-        program = transformed(gdp_model(*question.scenario.local(), words), self.transformation)
-        return Model(question, words, program)
+        disjuncts = words(question, self.presolve)
+        program = transformed(gdp_model(*question.scenario.local(), disjuncts), self.transformation)
+        return Model(question, disjuncts, program)
 
     def solve(self, model: Model, limit: float) -> Solution:
         there = at_start(model.question)

@@ -12,12 +12,13 @@ import numpy as np
 from dubins_study.solvers.heading_milp.grid import FULL_TURN, Family, one_turn, two_turns
 from dubins_study.solvers.heading_milp.legs import ROUNDED, Legs, controls, least_legs, rounding
 from dubins_study.solvers.heading_milp.template import Template, template
+from dubins_study.solvers.paper_nlp.polish import one_sided_only
+from dubins_study.solvers.presolve import words
 from dubins_study.solvers.protocol import Guarantee, Question, Solution, Solver
 from dubins_study.solvers.setting_checks import missing_package, whole
-from dubins_study.solvers.vehicle_frame import at_start, coordinate_rounding, in_world, unreachable
+from dubins_study.solvers.vehicle_frame import at_start, coordinate_rounding, in_world
 from dubins_study.study.claim import Claim
 from dubins_study.study.path import FloatArray, Path
-from dubins_study.study.vehicle_frame import local
 
 BRANCHES = ("best", "LS", "RS")
 
@@ -70,11 +71,13 @@ class HeadingMilp(Solver):
             With 1 they have the grid's headings only. Driving between two of these headings
             instead of along one costs a length that falls with the square of headings * legs.
         gap: relative gap at which HiGHS calls an answer optimal.
+        presolve: whether words that cannot exist are left out (`solvers.presolve`).
     """
 
     headings: int = 72
     legs: int = 6
     gap: float = 1e-6
+    presolve: bool = False
 
     name: ClassVar[str] = "heading-milp"
     method: ClassVar[str] = "MILP"
@@ -104,23 +107,19 @@ class HeadingMilp(Solver):
 
     def build(self, question: Question) -> Model:
         target = np.array(question.scenario.local())
-        families = self._families(question.branch, *map(float, target))
+        families = self._families(question, *map(float, target))
         cases = [Case(family, template(*family.heading.shape)) for family in families]
         return Model(question, target, cases)
 
-    def _families(self, branch: str, X: float, Y: float) -> list[Family]:
-        """The families of a branch; the likelier side first, since its length cuts off others."""
-        sides = {"LS": (1,), "RS": (-1,), "best": (1, -1) if Y >= 0 else (-1, 1)}[branch]
-        families = [one_turn(side, self.headings, self.legs, X, Y) for side in sides]
-        if branch == "best":
-            # the second arc's centre is 2 from the first one's; a leg may start a step late
-            least = 1 - FULL_TURN / self.headings
-            families += [
-                family
-                for side in sides
-                if least <= math.hypot(X, Y + side) <= 3
-                for family in two_turns(side, self.headings)
-            ]
+    def _families(self, question: Question, X: float, Y: float) -> list[Family]:
+        """The families of a question; the likelier side first, since its length cuts off others."""
+        shapes, families = words(question, self.presolve), []
+        for word in ("LS", "RS", "RL", "LR") if Y >= 0 else ("RS", "LS", "LR", "RL"):
+            if word in shapes and word[1] == "S":
+                side = 1 if word == "LS" else -1
+                families.append(one_turn(side, self.headings, self.legs, X, Y))
+            elif word in shapes:
+                families += two_turns(1 if word == "RL" else -1, self.headings)
         return families
 
     def solve(self, model: Model, limit: float) -> Solution:
@@ -201,23 +200,29 @@ def _solution(model: Model, results: list[MilpResult], headings: int) -> Solutio
     )
     best = min(results, key=lambda result: result.length, default=None)
     if best is None or best.legs is None:
-        if inside := unreachable(local(scenario), model.question.branch):
-            return Solution(Claim.INFEASIBLE, message=inside, **counts)
         message = f"no path on the grid of {headings} headings was found"
+        if not stopped and {result.status for result in results} == {"infeasible"}:
+            message = f"{message}: HiGHS proves that there is none, on this grid only"
         return Solution(Claim.LIMIT if stopped else Claim.FAILED, message=message, **counts)
     claim = Claim.LIMIT if stopped else Claim.LOCAL if done else Claim.FEASIBLE
     duals = best.legs.duals
     curvature, length = controls(best.family, best.choice, best.legs.length)
+    path = Path(scenario.start, np.array(curvature) / R, np.array(length) * R)
     # "infeasible": the family has no path shorter than the best one, at whose length it is cut off
     bound = min(
         result.bound if result.status != "infeasible" else best.length for result in results
     )
+    message = (
+        f"{best.family.name}; HiGHS's bound {bound * R:.9g} holds for paths on the grid"
+        f" of {headings} headings only, not for the scenario"
+    )
+    if claim is not Claim.LIMIT and (reason := one_sided_only(model.question, path)):
+        claim, message = Claim.FAILED, reason
     return Solution(
         claim,
-        path=Path(scenario.start, np.array(curvature) / R, np.array(length) * R),
+        path=path,
         claimed_length=best.length * R,
         multipliers=None if duals is None else in_world(scenario, *map(float, duals)),
-        message=f"{best.family.name}; HiGHS's bound {bound * R:.9g} holds for paths on the grid"
-        f" of {headings} headings only, not for the scenario",
+        message=message,
         **counts,
     )

@@ -62,7 +62,7 @@ class Case(NamedTuple):
 
 
 class Model(NamedTuple):
-    """A question, and the words whose structures may reach the target."""
+    """A question, and its words as structures."""
 
     question: Question
     cases: list[Case]
@@ -82,6 +82,7 @@ class Shooting(Solver):
         tol: largest residual of an extremal: the miss in radii, and every costate condition with
             (nu0, nu1, nu2) of length 1.
         max_evaluations: largest number of evaluations of the conditions from one initial guess.
+        presolve: whether words that cannot exist are left out (`solvers.presolve`).
     """
 
     initial_guess: str = "bearing"
@@ -90,6 +91,7 @@ class Shooting(Solver):
     root: str = "hybr"
     tol: float = 1e-9
     max_evaluations: int = 200
+    presolve: bool = False
 
     name: ClassVar[str] = "shooting"
     method: ClassVar[str] = "indirect"
@@ -114,21 +116,16 @@ class Shooting(Solver):
 
     def build(self, question: Question) -> Model:
         cases = []
-        for subproblem in subproblems(question, "words", "both"):
+        for subproblem in subproblems(question, "words", "both", self.presolve):
             X, Y = target(question.scenario, subproblem.mirrored)
             first, second = (TURNS[i] for i in subproblem.free)
-            structure = Structure((first, second), X, Y)
-            if structure.short_of_reach() <= self._allowed(structure):
-                cases.append(Case(subproblem, structure))
+            cases.append(Case(subproblem, Structure((first, second), X, Y)))
         return Model(question, cases)
 
     def solve(self, model: Model, limit: float) -> Solution:
         question = model.question
         if there := at_start(question, self.tol):
             return there
-        if not model.cases:
-            reason = f"no path of the branch {question.branch} ends at the target"
-            return Solution(Claim.INFEASIBLE, iterations=0, evaluations=0, message=reason)
         attempts = [
             Attempts(
                 partial(self._from, case, question.branch in ("LR", "RL")),

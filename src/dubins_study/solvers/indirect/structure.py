@@ -81,15 +81,6 @@ class Structure:
         nu0, nu1, nu2 = (value / size for value in nu)
         return np.array((nu0, nu1, nu2, -self.turns[0] * (nu0 + nu1)))
 
-    def short_of_reach(self) -> float:
-        """A lower bound on the distance (radii) of the target from all reachable points.
-
-        The target may be reachable if this is zero or negative. One arc and its tangents never
-        enter the arc's circle; a second arc starts on that circle and stays within 2 of its start.
-        """
-        distance = math.hypot(self.X, self.Y - self.turns[0])
-        return 1 - distance if self.singular else max(1 - distance, distance - 3)
-
     def pieces(self, first: float, second: float) -> tuple[Piece, Piece]:
         """The states after both pieces; durations in radii, any sign."""
         u, w = self.turns

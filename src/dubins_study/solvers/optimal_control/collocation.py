@@ -22,15 +22,16 @@ from dubins_study.solvers.optimal_control.collocation_guesses import guesses
 from dubins_study.solvers.optimal_control.collocation_model import Elements, Template, template
 from dubins_study.solvers.optimal_control.turn_rate_dynamics import RATES, Rates
 from dubins_study.solvers.paper_nlp.best_point import total
+from dubins_study.solvers.paper_nlp.polish import one_sided_only
+from dubins_study.solvers.presolve import words
 from dubins_study.solvers.protocol import Guarantee, Question, Solution, Solver
 from dubins_study.solvers.setting_checks import one_of, whole, within
-from dubins_study.solvers.vehicle_frame import in_world, staying, unreachable
+from dubins_study.solvers.vehicle_frame import in_world, staying
 from dubins_study.study.claim import Claim
 from dubins_study.study.path import FloatArray, Path
 from dubins_study.study.vehicle_frame import Local, local
 
 MESHES = ("free", "equal")
-_QUICKLY_COMPILED = 500  # collocation points
 _ARRIVED = 1e-8  # radii; a hundredth of what the check allows
 _ROUNDED = 32 * math.ulp(1.0)  # of the target's distance
 _SAME = 1e-6  # relative; of two answers this near, the one that Ipopt calls a solution is taken
@@ -78,6 +79,7 @@ class Collocation(Solver):
         correct: whether a last correction removes the miss.
         tol, max_iter: Ipopt's own.
         via: `executable`, `library` or `auto`: the executable if PATH has one.
+        presolve: whether no guess is shaped like a word that cannot exist (`solvers.presolve`).
     """
 
     n: int = 5
@@ -87,6 +89,7 @@ class Collocation(Solver):
     tol: float = 1e-9
     max_iter: int = 200
     via: str = "auto"
+    presolve: bool = False
 
     name: ClassVar[str] = "collocation"
     method: ClassVar[str] = "transcription"
@@ -112,8 +115,8 @@ class Collocation(Solver):
 
     @property
     def keeps_limit(self) -> bool:
-        # Pyomo lets the executable run; compiling takes 0.4 s at the size named here, 5 s at 5000
-        return not by_executable(self.via) and self.n * self.points <= _QUICKLY_COMPILED
+        # Pyomo lets the executable run; compiling takes 0.4 s at 500 points and 5 s at 5000
+        return not by_executable(self.via) and self.n * self.points <= 250
 
     def library_versions(self) -> dict[str, str]:
         return library_versions.ipopt(by_executable(self.via))
@@ -130,11 +133,10 @@ class Collocation(Solver):
         question, place = model.question, model.place
         if place.X == place.Y == 0:
             return staying(question)
-        if reason := unreachable(place, question.branch):
-            return Solution(Claim.INFEASIBLE, iterations=0, evaluations=0, message=reason)
         runs: list[Run] = []
         until = perf_counter() + limit
-        for word in guesses(question, place, self.n, self.mesh == "equal"):
+        shapes = words(question, self.presolve)
+        for word in guesses(question, place, shapes, self.n, self.mesh == "equal"):
             for guess in word:
                 if perf_counter() > until:
                     return _answer(model, runs, in_time=False)
@@ -185,18 +187,22 @@ def _answer(model: Model, runs: list[Run], in_time: bool) -> Solution:
     elif claim is not Claim.LOCAL:
         # Ipopt gave up, or wrongly called it infeasible; the corrected path may still arrive
         claim = Claim.FEASIBLE if _arrives(best.miss, model.target) else Claim.FAILED
+    elements = best.elements
+    rate = np.clip(elements.rate, model.rates.lower, model.rates.upper)
+    path = Path(scenario.start, rate / scenario.radius, elements.length * scenario.radius)
+    message = f"{best.native.message}; missed by {best.missed:.1e} radii before the correction"
+    if claim in (Claim.LOCAL, Claim.FEASIBLE) and (reason := one_sided_only(model.question, path)):
+        claim, message = Claim.FAILED, reason
     multipliers = None
     if best.native.duals is not None and claim is Claim.LOCAL:
         multipliers = in_world(scenario, *map(float, best.native.duals))
-    elements = best.elements
-    rate = np.clip(elements.rate, model.rates.lower, model.rates.upper)
     return Solution(
         claim,
-        path=Path(scenario.start, rate / scenario.radius, elements.length * scenario.radius),
+        path=path,
         claimed_length=elements.total * scenario.radius,
         multipliers=multipliers,
         iterations=total(run.native.iterations for run in runs),
         evaluations=total(n for run in runs for n in (run.native.evaluations, run.rollouts)),
         native_status=best.native.status,
-        message=f"{best.native.message}; missed by {best.missed:.1e} radii before the correction",
+        message=message,
     )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from itertools import chain
 
 import numpy as np
@@ -11,7 +11,6 @@ import numpy as np
 from dubins_study.solvers.optimal_control.collocation_model import Elements
 from dubins_study.solvers.paper_nlp.model import FULL_TURN
 from dubins_study.solvers.protocol import Question
-from dubins_study.solvers.vehicle_frame import unreachable
 from dubins_study.study.path import Path, drivable
 from dubins_study.study.scenario import Pose
 from dubins_study.study.vehicle_frame import Local
@@ -28,15 +27,18 @@ _LEAST = 1e-3  # radii; elements of no length would be a poor guess
 _HERE = Pose(0.0, 0.0, 0.0)
 
 
-def guesses(question: Question, target: Local, n: int, equal: bool) -> Iterator[Iterator[Elements]]:
+def guesses(
+    question: Question, target: Local, shapes: Sequence[str], n: int, equal: bool
+) -> Iterator[Iterator[Elements]]:
     """Initial guesses for a question: for each word, the guesses to try until one succeeds.
 
     The question's own path goes first if it can be driven: among the guesses of the word that is
     asked for, or alone if the branch is `best`.
 
     Args:
-        question: its branch says which words.
+        question: its branch is `best` or a word.
         target: in the vehicle's frame.
+        shapes: the words.
         n: number of elements.
         equal: whether they must be equally long.
     """
@@ -46,7 +48,10 @@ def guesses(question: Question, target: Local, n: int, equal: bool) -> Iterator[
         return
     if warm:
         yield iter(warm)
-    for word in _words(target):
+    # the nearer side first
+    for word in ("LS", "RS", "RL", "LR") if target.Y >= 0 else ("RS", "LS", "LR", "RL"):
+        if word not in shapes:
+            continue
         yield (cut(path, n, equal) for path in _shaped(word, target))
 
 
@@ -55,19 +60,6 @@ def _given(question: Question) -> Iterator[Path]:
     path, radius = question.initial_guess, question.scenario.radius
     if path is not None and drivable(path) and path.total_length > 0:
         yield Path(_HERE, path.curvature * radius, path.length / radius)
-
-
-def _words(target: Local) -> Iterator[str]:
-    """The words that can end at the target, the nearer side first."""
-    X, Y = target.X, target.Y
-    near, far = ("L", "R") if Y >= 0 else ("R", "L")
-    for side in (near, far):
-        if unreachable(target, side + "S") is None:
-            yield side + "S"
-    for last, first in ((near, far), (far, near)):
-        # the second arc's circle is 2 from the first one's: farther than 3 it cannot reach
-        if math.hypot(X, Y + (1 if last == "L" else -1)) <= 3:
-            yield first + last
 
 
 def _shaped(word: str, target: Local) -> Iterator[Path]:

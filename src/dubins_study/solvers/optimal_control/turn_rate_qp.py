@@ -13,12 +13,13 @@ import numpy as np
 from dubins_study.solvers.optimal_control.turn_rate_dynamics import CLOSE, RATES, Controls, Rates
 from dubins_study.solvers.optimal_control.turn_rate_sequence import Limits, Run, Sequence
 from dubins_study.solvers.optimal_control.turn_rate_template import ENGINES, Template, template
+from dubins_study.solvers.paper_nlp.polish import one_sided_only
+from dubins_study.solvers.presolve import words
 from dubins_study.solvers.protocol import Guarantee, Question, Solution, Solver
 from dubins_study.solvers.setting_checks import missing_package, one_of, whole
-from dubins_study.solvers.vehicle_frame import coordinate_rounding, in_world, unreachable
+from dubins_study.solvers.vehicle_frame import coordinate_rounding, in_world
 from dubins_study.study.claim import Claim
 from dubins_study.study.path import FloatArray, Path, drivable
-from dubins_study.study.vehicle_frame import local
 
 _PACKAGES = {"highs": "highspy"}
 MESHES = ("equal", "graded")
@@ -51,6 +52,7 @@ class TurnRateQp(Solver):
             circle's length at the start, where the path turns.
         tolerance: a sequence has converged when a QP promises less than this times the length.
         max_qps: most QPs from one initial guess.
+        presolve: whether no guess is shaped like a word that cannot exist (`solvers.presolve`).
     """
 
     n: int = 50
@@ -58,6 +60,7 @@ class TurnRateQp(Solver):
     mesh: str = "equal"
     tolerance: float = 1e-7
     max_qps: int = 60
+    presolve: bool = False
 
     name: ClassVar[str] = "turn-rate-qp"
     method: ClassVar[str] = "sequential convex"
@@ -92,17 +95,14 @@ class TurnRateQp(Solver):
 
     def solve(self, model: TurnRateModel, limit: float) -> Solution:
         deadline = time.perf_counter() + limit
-        scenario, branch = model.question.scenario, model.question.branch
-        if math.hypot(*model.target) <= coordinate_rounding(scenario):
+        if math.hypot(*model.target) <= coordinate_rounding(model.question.scenario):
             stay = Controls(np.zeros(self.n), 0.0)
             run = Run(Claim.LOCAL, stay, 0.0, None, 0, 0, "the target is at the start")
             return _solution(model, [run])
-        if reason := unreachable(local(scenario), branch):
-            return Solution(Claim.INFEASIBLE, iterations=0, evaluations=0, message=reason)
         limits = Limits(self.tolerance, self.max_qps, deadline)
         sequence = Sequence(model.qp, model.target, model.shares, model.rates, limits)
         runs: list[Run] = []
-        for guess in _guesses(model, runs):
+        for guess in _guesses(model, runs, self.presolve):
             runs.append(sequence.run(guess))
             if runs[-1].claim is Claim.LIMIT:
                 break
@@ -118,12 +118,12 @@ def _shares(n: int, mesh: str, distance: float) -> FloatArray:
     return np.repeat((share / turning, (1 - share) / straight), (turning, straight))
 
 
-def _guesses(model: TurnRateModel, runs: list[Run]) -> Iterator[Controls]:
+def _guesses(model: TurnRateModel, runs: list[Run], presolve: bool) -> Iterator[Controls]:
     """Initial guesses in the order to be tried; `runs` are the answers so far.
 
     The question's own guess comes first, then one guess shaped like each word: a turn to the
-    target's bearing and a straight, or two arcs where the target is near enough. `LS` and `RS`
-    end with the first guess that succeeds.
+    target's bearing and a straight, or two arcs. `LS` and `RS` end with the first guess that
+    succeeds.
     """
     question, ends = model.question, np.cumsum(model.shares)
     X, Y = model.target
@@ -136,13 +136,14 @@ def _guesses(model: TurnRateModel, runs: list[Run]) -> Iterator[Controls]:
         if not (runs and runs[-1].claim is Claim.LOCAL):
             yield _turn_then_straight(question.branch, X, Y, ends)
         return
-    sides = ("L", "R") if Y >= 0 else ("R", "L")
-    for side in sides:
-        yield _turn_then_straight(side, X, Y, ends)
-    for side in sides:
-        # the second arc's circle is 2 from the first one's: farther than 3 it cannot reach
-        if math.hypot(X, Y + (1 if side == "L" else -1)) <= 3:
-            yield _two_arcs(side, ends)
+    shapes = words(question, presolve)
+    for word in ("LS", "RS", "RL", "LR") if Y >= 0 else ("RS", "LS", "LR", "RL"):
+        if word not in shapes:
+            continue
+        if word[1] == "S":
+            yield _turn_then_straight(word, X, Y, ends)
+        else:
+            yield _two_arcs(word[1], ends)
 
 
 def _turn_then_straight(word: str, X: float, Y: float, ends: FloatArray) -> Controls:
@@ -193,16 +194,20 @@ def _solution(model: TurnRateModel, runs: list[Run]) -> Solution:
     with np.errstate(invalid="ignore"):
         rate = np.where(steps > 0, best.controls.turns / steps, 0.0)
     rate = np.clip(rate, model.rates.lower, model.rates.upper)
+    path = Path(scenario.start, rate / scenario.radius, steps * scenario.radius)
+    message = "; ".join(dict.fromkeys(run.status for run in runs))
+    if claim in (Claim.LOCAL, Claim.FEASIBLE) and (reason := one_sided_only(model.question, path)):
+        claim, message = Claim.FAILED, reason
     multipliers = None
     if best.duals is not None and claim is Claim.LOCAL:
         multipliers = in_world(scenario, *map(float, best.duals))
     return Solution(
         claim,
-        path=Path(scenario.start, rate / scenario.radius, steps * scenario.radius),
+        path=path,
         claimed_length=best.controls.length * scenario.radius,
         multipliers=multipliers,
         iterations=sum(run.qps for run in runs),
         evaluations=sum(run.rollouts for run in runs),
         native_status=best.status,
-        message="; ".join(dict.fromkeys(run.status for run in runs)),
+        message=message,
     )

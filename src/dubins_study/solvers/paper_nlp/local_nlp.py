@@ -64,7 +64,8 @@ class LocalNlp(Solver):
 
     `model` and `order` choose the subproblems (`paper_nlp.model.subproblems`); `initial_guess`,
     `seed` and `count` choose where the search begins (`paper_nlp.initial_guesses`).
-    `capped` bounds arcs by a full turn, which the paper does not.
+    `capped` bounds arcs by a full turn, which the paper does not. `presolve` leaves out words that
+    cannot exist (`solvers.presolve`).
     """
 
     model: str = "words"
@@ -73,6 +74,7 @@ class LocalNlp(Solver):
     seed: int = 0
     count: int = 10
     capped: bool = True
+    presolve: bool = False
 
     method: ClassVar[str] = "local NLP"
     branches: ClassVar[tuple[str, ...]] = BRANCHES
@@ -103,7 +105,7 @@ class LocalNlp(Solver):
                 target(question.scenario, subproblem.mirrored),
                 unit,
             )
-            for subproblem in subproblems(question, self.model, self.order)
+            for subproblem in subproblems(question, self.model, self.order, self.presolve)
         ]
         return Model(question, cases, self.engine())
 

@@ -14,6 +14,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from dubins_study.solvers.presolve import words
 from dubins_study.solvers.protocol import Question
 from dubins_study.study.path import FloatArray, Path
 from dubins_study.study.scenario import Scenario
@@ -63,22 +64,19 @@ UNITS = ("radius", "scenario")
 ORDERS = {"LRS": ("LRS",), "RLS": ("RLS",), "both": ("LRS", "RLS")}
 
 
-def subproblems(question: Question, model: str, order: str) -> list[Subproblem]:
+def subproblems(
+    question: Question, model: str, order: str, presolve: bool = False
+) -> list[Subproblem]:
     """The subproblems to solve for a question.
 
     Args:
         question: its branch is `best` or a word, which is then the subproblem.
         model: `words` takes one two-variable problem per word, `joint` the paper's model unsplit.
         order: of the joint model: `LRS` (the paper's), `RLS` or `both`.
+        presolve: whether words that cannot exist are left out.
     """
-    if question.branch != "best":
-        chosen: tuple[str, ...] = (question.branch,)
-    elif model == "joint":
-        chosen = ORDERS[order]
-    else:
-        # an arc's chord is at most 2 radii long, so two arcs end within 4
-        near = math.hypot(*question.scenario.local()) <= 4
-        chosen = ("LS", "RS", "LR", "RL") if near else ("LS", "RS")
+    joint = model == "joint" and question.branch == "best"
+    chosen = ORDERS[order] if joint else words(question, presolve)
     return [SUBPROBLEMS[name] for name in chosen]
 
 

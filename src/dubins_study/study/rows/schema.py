@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 if TYPE_CHECKING:
     import pyarrow as pa
 
-VERSION = 4
+VERSION = 5
 # Keys of a part's Parquet metadata: the version of this schema, the run that wrote the part, and,
 # of a streamed part, its chunk as JSON (`study.rows.chunk.Chunk`).
 VERSION_KEY = "dubins-study schema"
@@ -55,6 +55,7 @@ ANSWER = (
     Column("reference_word", "string", "", "letters of the shortest path of the branch"),
     Column("outcome", "string", "", "what happened to the process"),
     Column("claim", "string", "", "what the solver says"),
+    Column("presolved", "bool", "", "the presolve answered, and no engine was asked"),
     Column("verdict", "string", "", "what the check finds"),
     Column("false_claim", "bool", "", "the claim is stronger than the verdict"),
     Column("wrong_basin", "bool", "", "longer, and turns by another angle or is of another word"),

@@ -10,9 +10,9 @@ import pandas as pd
 from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
-from dubins_study.report.data.attempts import SUCCESSES
 from dubins_study.report.elements import plane_axes
 from dubins_study.report.elements.style import BLUE, INK, MUTED, ORANGE, RULE, VERMILION
+from dubins_study.report.statistics.metrics import success
 from dubins_study.report.topics.plane.numbers import grid_of
 
 _HATCHES = {"LS": "", "RS": "", "RL": "////", "LR": "\\\\\\\\"}
@@ -90,9 +90,9 @@ _WRONG: dict[str, dict[str, Any]] = {
 def plot_failures(ax: Axes, rows: pd.DataFrame) -> None:
     """Draw one solver's answers on a grid: a dot for a right answer, else a mark for the verdict.
 
-    Columns: target_x, target_y, verdict.
+    Columns: target_x, target_y, verdict, presolved.
     """
-    right = rows[rows["verdict"].isin(SUCCESSES)]
+    right = rows[success(rows)]
     ax.plot(right["target_x"], right["target_y"], ".", color=MUTED, markersize=1.5, label="right")
     for verdict, look in _WRONG.items():
         group = rows[rows["verdict"] == verdict]

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
-from dubins_study.report.data.attempts import VERDICTS
+from dubins_study.report.data.attempts import PRESOLVED, VERDICTS
 from dubins_study.report.elements.axes import log_axis, mark_limit, percent_axis
 from dubins_study.report.elements.formats import count
 from dubins_study.report.elements.looks import Palette, name_of
@@ -20,6 +20,7 @@ from dubins_study.report.statistics.metrics import solver_order
 VERDICT_LOOK = {
     "optimal": (BLUE, ""),
     "none exists": ("#b9def3", ""),
+    PRESOLVED: ("#e6f2fa", "|"),
     "longer": (ORANGE, "///"),
     "misses": (VERMILION, "xx"),
     "none": (RULE, "..."),

@@ -50,7 +50,12 @@ def success_section(results: Results) -> Section | None:
 def _experiment_table(each: Mapping[str, Attempts]) -> Table:
     parts = [summary(one.verdicts()).assign(experiment=name) for name, one in each.items()]
     frame = pd.concat(parts, ignore_index=True)
-    left_out = ("optimal", "none exists", "not_returned")  # the rest says it, and fits
+    left_out = (
+        "optimal",
+        "none exists",
+        "by presolve",
+        "not_returned",
+    )  # the rest says it, and fits
     kept = [column for column in VERDICT_COLUMNS if column.key not in left_out]
     shown = (*columns(kind="code", experiment="experiment"), *kept)
     caption = "The same counts per experiment: not all experiments ask the same solvers."

@@ -32,8 +32,9 @@ def summary_section(results: Results) -> Section | None:
     frame = summary(attempts.verdicts())
     caption = (
         "What the check finds of every attempt. Success is optimal or none exists, as a share of "
-        "all attempts, those that failed included. A false claim says more than the check finds; "
-        "a wrong basin is a longer path that turns by another angle. "
+        "all attempts, those that failed included. By presolve: the solver's setting presolve "
+        "answered that no path exists, which is no success of its engine. A false claim says more "
+        "than the check finds; a wrong basin is a longer path that turns by another angle. "
         "Not returned: timed out, crashed, raised, unsupported or unavailable."
         f"{attempts.precision}"
     )

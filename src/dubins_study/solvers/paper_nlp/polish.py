@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+from itertools import product
 from typing import NamedTuple
 
 import numpy as np
 
 from dubins_study.solvers.paper_nlp.model import FULL_TURN, SUBPROBLEMS, equations, jacobian, target
-from dubins_study.study.path import FloatArray
+from dubins_study.solvers.protocol import Question
+from dubins_study.study.path import FloatArray, Path
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.vehicle_frame import EPS
 
@@ -17,6 +19,9 @@ from dubins_study.study.vehicle_frame import EPS
 _STEPS = 40
 _HALVINGS = 8
 
+
+# radii; a straight to begin with, towards a target next to the circle
+_OUTSIDE = 0.05
 
 # relative; a polished path is the solver's own if their lengths are as close as a tolerance of 1e-6
 # on the squared length of the straight leaves them
@@ -48,8 +53,7 @@ def meet_target(
         word: the solver's.
         z: shape (3,): how far it turns to the left and to the right (rad), then goes straight.
     """
-    X, Y = scenario.local()
-    rounding = 8 * EPS * (1 + math.hypot(X, Y) + scenario.extent / scenario.radius)
+    rounding = _rounding(scenario)
     first = None
     for name in (word, *(other for other in words if other != word)):
         mirrored = SUBPROBLEMS[name].mirrored
@@ -60,6 +64,38 @@ def meet_target(
         first = first or polished
     assert first is not None  # `word` itself is always tried
     return word, first
+
+
+def one_sided_only(question: Question, path: Path) -> str | None:
+    """Why a path that turns one way and arrives is no answer to `LS` or `RS`; None if it is one.
+
+    Such a path may go straight first and then turn, and so enter the turning circle, which no path
+    of the word does. Therefore the word is driven with the path's own turn and straight, moved
+    until they meet the target. If they miss it by more than the path, it is not of that word.
+    """
+    scenario, word = question.scenario, question.branch
+    if word not in ("LS", "RS"):
+        return None
+    free, turn = list(SUBPROBLEMS[word].free), abs(path.turn)
+    straight = path.total_length / scenario.radius - turn
+    end = path.end
+    missed = math.hypot(end.x - scenario.target_x, end.y - scenario.target_y) / scenario.radius
+    arcs = turn % FULL_TURN, min(turn, FULL_TURN)  # either side of a full turn
+    least = math.inf
+    # On the circle, without a straight, the equations are singular: begin a little outside as well.
+    for arc, outside in product(arcs, (0.0, _OUTSIDE)):
+        moved = min(outside, arc / 2)
+        z = np.zeros(3)
+        z[free] = arc - moved, straight + moved
+        least = min(least, polish(word, z, *target(scenario, mirrored=False))[1])
+        if least <= missed + _rounding(scenario):
+            return None
+    return f"turning to one side arrives, but {word} itself misses by {least:.1e} radii"
+
+
+def _rounding(scenario: Scenario) -> float:
+    """The miss (radii) that rounding explains."""
+    return 8 * EPS * (1 + math.hypot(*scenario.local()) + scenario.extent / scenario.radius)
 
 
 def polish(word: str, z: FloatArray, X: float, Y: float) -> tuple[FloatArray, float]:

@@ -1,0 +1,233 @@
+"""The presolve: right by brute force, silent near a circle, the same for every engine, marked."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pandas as pd
+import pytest
+from flint import arb, ctx
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from dubins_study import solve_frame
+from dubins_study.cli.solve import answer_json, answer_text
+from dubins_study.experiments.isolation.messages import WorkerReply, decode_reply, encode_reply
+from dubins_study.solvers.attempt import attempt
+from dubins_study.solvers.presolve import WORDS, unreachable, words
+from dubins_study.solvers.protocol import Outcome, Question, Solution
+from dubins_study.solvers.registry import available_solvers, load
+from dubins_study.solvers.registry import settings as settings_of
+from dubins_study.solvers.reply import Reply, Times, ask
+from dubins_study.study.check.verdict import Verdict
+from dubins_study.study.claim import Claim
+from dubins_study.study.path import Path
+from dubins_study.study.scenario import Pose, Scenario
+from dubins_study.study.vehicle_frame import local
+from dubins_study.study.words import TURN
+
+ENGINES = [name for name in available_solvers() if name != "analytic"]
+# branch -> targets (radii) that no path of the branch ends at: inside, and out of reach
+WITHOUT_A_PATH = {
+    "LS": [(0.3, 0.8), (-0.6, 1.3)],
+    "RS": [(0.3, -0.8), (-0.6, -1.3)],
+    "LR": [(0.3, 0.8), (0.0, 5.0), (-40.0, 3.0)],
+    "RL": [(0.3, -0.8), (0.0, -5.0), (-40.0, 3.0)],
+}
+QUESTIONS = [
+    Question(Scenario(2, -1, 0.7, *world, 2.5), branch)
+    for branch, targets in WITHOUT_A_PATH.items()
+    for X, Y in targets
+    for world in [
+        (
+            2 + 2.5 * (X * math.cos(0.7) - Y * math.sin(0.7)),
+            -1 + 2.5 * (X * math.sin(0.7) + Y * math.cos(0.7)),
+        )
+    ]
+]
+
+
+def presolving(name: str):
+    return load(f"{name}[presolve=true]")
+
+
+@pytest.mark.parametrize("name", ENGINES)
+def test_it_is_a_setting_of_every_engine_and_off_by_default(name):
+    """Of the closed form it is none: it has no engine to be spared."""
+    assert settings_of(load(name))["presolve"] is False
+    assert presolving(name).presolve is True
+    assert "presolve" not in settings_of(load("analytic"))
+
+
+@pytest.mark.parametrize("question", QUESTIONS, ids=lambda q: f"{q.branch}")
+def test_every_engine_gives_the_same_answer_and_it_is_marked(question):
+    """Claim, message and counts; what the check finds of it; the row."""
+    solvers = [presolving(name) for name in ENGINES]
+    asked = [solver for solver in solvers if question.branch in solver.branches]
+
+    assert asked
+    assert len({ask(solver, question).solution for solver in asked}) == 1
+    for solver in asked:
+        answer = attempt(solver, question)
+        assert answer.outcome is Outcome.RETURNED
+        assert (answer.claim, answer.verdict) == (Claim.INFEASIBLE, Verdict.NONE_EXISTS)
+        assert (answer.iterations, answer.evaluations, answer.path) == (0, 0, None)
+        assert answer.presolved
+        assert answer.row()["presolved"] is True
+        assert answer.message.startswith("presolve: the target is ")
+
+
+@pytest.mark.parametrize("name", ENGINES)
+def test_without_it_no_engine_knows_for_nothing(name):
+    """It searches, and ends soon, with a claim that is not false and that nothing else made."""
+    solver = load(name)
+    for question in QUESTIONS:
+        if question.branch not in solver.branches:
+            continue
+        answer = attempt(solver, question, 20.0)
+
+        assert answer.outcome is Outcome.RETURNED
+        assert not answer.presolved
+        assert not answer.false_claim
+        assert answer.claim in (Claim.FAILED, Claim.LIMIT, Claim.INFEASIBLE)
+        worked = (answer.iterations or 0) + (answer.evaluations or 0)
+        assert worked > 0 or answer.claim is Claim.FAILED, question
+        assert answer.wall_s < 10  # measured: under half a second alone on the machine
+
+
+@pytest.mark.parametrize("name", ENGINES)
+@pytest.mark.parametrize("target", [(0.3, 0.8), (4.0, 2.0), (-0.6, -1.3), (-3.0, 0.5)])
+def test_the_best_path_is_found_without_the_words_that_cannot_exist(name, target):
+    """No shortest path is lost with them, and the answer is the engine's own."""
+    scenario = Scenario(0, 0, 0, *target, 1)
+    with_all = attempt(load(name), Question(scenario))
+    answer = attempt(presolving(name), Question(scenario))
+
+    assert not answer.presolved
+    assert answer.verdict is with_all.verdict
+    assert answer.length == pytest.approx(with_all.length, rel=1e-6)
+
+
+STEPS = 3000
+
+
+def nearest(word: str, X: float, Y: float) -> float:
+    """The least distance (radii) from a target to a path of a word, over many first turns.
+
+    The first turn is driven; of the second piece, a ray or a circle, the nearest point is taken.
+    """
+    turn = TURN[word[0]]
+    path = Path(Pose(0.0, 0.0, 0.0), [turn], [2 * math.pi])
+    x, y, heading = path.at(np.linspace(0.0, 2 * math.pi, STEPS)).T
+    along = (X - x) * np.cos(heading) + (Y - y) * np.sin(heading)
+    across = (Y - y) * np.cos(heading) - (X - x) * np.sin(heading)
+    if word[1] == "S":
+        return float(np.hypot(across, np.minimum(along, 0.0)).min())
+    return float(np.abs(np.hypot(along, across - TURN[word[1]]) - 1).min())
+
+
+# to 1e-6, so that 1 - |T - C|^2 is zero or at least 1e-12, far above the rounding of `nearest`
+places = st.one_of(
+    st.tuples(st.floats(-5, 5), st.floats(-5, 5)),
+    st.tuples(st.floats(-1, 1), st.floats(-2, 2)),
+).map(lambda place: (round(place[0], 6), round(place[1], 6)))
+
+
+@given(place=places, word=st.sampled_from(WORDS))
+@settings(max_examples=400)
+def test_what_it_says_is_right_by_brute_force(place, word):
+    """It says that a word does not exist just where no path of many comes near the target."""
+    distance = nearest(word, *place)
+    scenario = Scenario(0, 0, 0, *place, 1)
+
+    if unreachable(scenario, word):
+        assert distance > local(scenario).delta
+    else:
+        # the paths' ends are at most 6 radii from the centre of the turn, a step apart in angle
+        assert distance < 2 * math.pi / STEPS * 8
+
+
+def exact_distances(scenario: Scenario, word: str) -> tuple[float, float]:
+    """Distances (radii) of a target from the circles of radius 1 and 3 about the first turn's
+    centre, from balls of 300 bits."""
+    before, ctx.prec = ctx.prec, 300
+    try:
+        cos, sin = arb(scenario.heading).cos(), arb(scenario.heading).sin()
+        dx = arb(scenario.target_x) - arb(scenario.x)
+        dy = arb(scenario.target_y) - arb(scenario.y)
+        X = (dx * cos + dy * sin) / arb(scenario.radius)
+        Y = (dy * cos - dx * sin) / arb(scenario.radius) - arb(TURN[word[0]])
+        distance = (X * X + Y * Y).sqrt()
+        return float(abs(distance - 1)), float(abs(distance - 3))
+    finally:
+        ctx.prec = before
+
+
+@given(
+    word=st.sampled_from(WORDS),
+    size=st.sampled_from((1, 3)),
+    angle=st.floats(-4, 4),
+    steps=st.integers(-12, 12),
+    start=st.tuples(st.floats(-1e6, 1e6), st.floats(-1e6, 1e6)) | st.just((0.0, 0.0)),
+    heading=st.floats(-50, 50) | st.just(0.0),
+    radius=st.floats(1e-3, 1e3),
+)
+@settings(max_examples=600)
+def test_it_is_silent_within_delta_of_a_circle(word, size, angle, steps, start, heading, radius):
+    """Targets within a few delta of the circles of radius 1 and 3: where it speaks, all of delta's
+    square around the target is on the far side, by the exact distance."""
+    delta = local(Scenario(*start, heading, *start, radius)).delta + 1e-14
+    r = size + steps * delta
+    X, Y = r * math.sin(angle), TURN[word[0]] - r * math.cos(angle)
+    cos, sin = math.cos(heading), math.sin(heading)
+    target = (
+        start[0] + radius * (X * cos - Y * sin),
+        start[1] + radius * (X * sin + Y * cos),
+    )
+    scenario = Scenario(*start, heading, *target, radius)
+    from_1, from_3 = exact_distances(scenario, word)
+    reason = unreachable(scenario, word)
+
+    if reason:
+        limit = from_1 if "inside" in reason else from_3
+        assert limit > math.sqrt(2) * local(scenario).delta
+        assert size == (1 if "inside" in reason else 3)
+
+
+@given(place=places)
+@settings(max_examples=100)
+def test_some_word_is_always_left(place):
+    """For the branch best, with the presolve; all four without it."""
+    question = Question(Scenario(0, 0, 0, *place, 1))
+
+    assert {"LS", "RS"} & set(words(question, presolve=True))
+    assert words(question, presolve=False) == WORDS
+
+
+def test_the_mark_travels_from_a_worker():
+    """As a plain value."""
+    solution = Solution(Claim.INFEASIBLE, message="presolve: so", presolved=True)
+    sent = WorkerReply(Reply(Outcome.RETURNED, solution, Times(0.0, 0.0, 0.0)))
+
+    assert decode_reply(encode_reply(sent)).reply.solution.presolved is True
+
+
+def test_rows_of_frames_are_marked():
+    """Row by row, of a frame solver never."""
+    frame = pd.DataFrame({"x": 0.0, "y": 0.0, "heading": 0.0, "target_x": [0.3, 4.0]})
+    frame = frame.assign(target_y=0.8, radius=1.0)
+
+    assert solve_frame(frame, "slsqp[presolve=true]", "LS")["presolved"].tolist() == [True, False]
+    assert not solve_frame(frame, "slsqp", "LS")["presolved"].any()
+    assert not solve_frame(frame, "analytic", "LS")["presolved"].any()
+
+
+def test_the_command_says_who_answered():
+    """In the lines and in the JSON object."""
+    for presolve in ("true", "false"):
+        solver = load(f"slsqp[presolve={presolve}]")
+        answer = attempt(solver, Question(Scenario(0, 0, 0, 0.3, 0.8, 1), "LS"))
+
+        assert ("presolve  answered" in answer_text(answer)) is (presolve == "true")
+        assert f'"presolved": {presolve}' in answer_json(answer)
