@@ -42,7 +42,11 @@ def _registered() -> dict[str, EntryPoint]:
 
 def ours(spec: str) -> bool:
     """Whether a spec, valid or not, can only name code of this package."""
-    name = spec.partition("[")[0].strip() if isinstance(spec, str) else ""
+    return _our_name(spec.partition("[")[0].strip() if isinstance(spec, str) else "")
+
+
+@cache  # reading the name of a distribution takes longer than a quick solve
+def _our_name(name: str) -> bool:
     point = _registered().get(name)
     if point is None:
         return ".py:" not in name

@@ -32,7 +32,6 @@ from dubins_study.study.path import FloatArray, Path
 from dubins_study.study.vehicle_frame import Local, local
 
 MESHES = ("free", "equal")
-_QUICKLY_COMPILED = 500  # collocation points
 _ARRIVED = 1e-8  # radii; a hundredth of what the check allows
 _ROUNDED = 32 * math.ulp(1.0)  # of the target's distance
 _SAME = 1e-6  # relative; of two answers this near, the one that Ipopt calls a solution is taken
@@ -116,8 +115,8 @@ class Collocation(Solver):
 
     @property
     def keeps_limit(self) -> bool:
-        # Pyomo lets the executable run; compiling takes 0.4 s at the size named here, 5 s at 5000
-        return not by_executable(self.via) and self.n * self.points <= _QUICKLY_COMPILED
+        # Pyomo lets the executable run; compiling takes 0.4 s at 500 points and 5 s at 5000
+        return not by_executable(self.via) and self.n * self.points <= 250
 
     def library_versions(self) -> dict[str, str]:
         return library_versions.ipopt(by_executable(self.via))

@@ -184,6 +184,9 @@ class Compiled:
         raw = self.chain.solver.solve_via_data(
             data, warm_start=True, verbose=False, solver_opts=options, solver_cache=self.memory
         )
+        # OSQP catches Ctrl-C itself
+        if getattr(getattr(raw, "info", None), "status", None) == "interrupted":
+            raise KeyboardInterrupt
         with warnings.catch_warnings():
             # the caller judges an answer at the engine's limit
             warnings.filterwarnings("ignore", "Solution may be inaccurate")

@@ -1,0 +1,84 @@
+"""Plug-ins for `test_limits`: what a solver may do to the process that asks it."""
+
+from __future__ import annotations
+
+import ctypes
+import os
+import signal
+from dataclasses import dataclass
+
+from dubins_study import Claim, Solution, solve
+from dubins_study.solvers.analytic import Analytic
+
+
+@dataclass(frozen=True)
+class Base(Analytic):
+    """Answers with the closed form; no plug-in inherits its promise."""
+
+    name = "base"
+    solve_frame = None
+
+    def solve(self, model, limit):
+        return super().solve(model, limit)
+
+
+class Sleeps(Base):
+    """As a library that holds the interpreter's lock and looks at no time."""
+
+    def solve(self, model, limit):
+        ctypes.PyDLL(None).sleep(1000)
+
+
+class Spins(Base):
+    def solve(self, model, limit):
+        while True:
+            pass
+
+
+class Dies(Base):
+    def solve(self, model, limit):
+        os.kill(os.getpid(), signal.SIGKILL)
+
+
+class Prints(Base):
+    """A MiB, more than a pipe holds, by way of the descriptors and of Python."""
+
+    def solve(self, model, limit):
+        for _ in range(1024):
+            os.write(1, b"o" * 1024)
+            os.write(2, b"e" * 1024)
+            print("p" * 1023)
+        return super().solve(model, limit)
+
+
+class Repeats(Base):
+    """Its answer is the initial guess; the message names the process."""
+
+    warm = True
+
+    def solve(self, model, limit):
+        guess = model.initial_guess
+        return Solution(Claim.FEASIBLE, guess, message=f"process {os.getpid()}")
+
+
+class Promises(Repeats):
+    keeps_limit = True
+
+
+class Moody(Repeats):
+    """Hangs where the target lies behind."""
+
+    def solve(self, model, limit):
+        while model.scenario.target_x < 0:
+            pass
+        return super().solve(model, limit)
+
+
+class Asks(Base):
+    """Asks other solvers, which are asked in workers of their own."""
+
+    def solve(self, model, limit):
+        spec = f"{__file__}:Spins"
+        inner = solve(model.scenario, spec, limit=0.5)
+        outer = solve(model.scenario, "slsqp", isolated=True)
+        return Solution(Claim.LOCAL, outer.path, message=f"{inner.outcome}, {outer.outcome}")
