@@ -84,9 +84,13 @@ def test_the_frame_finds_what_the_scalar_finds(name):
 
     for column in ("verdict", "claim", "proof", "region", "false_claim", "false_bound"):
         assert row[column] == getattr(answer, column), column
-    for column in ("length", "reference_low", "reference_high"):
-        scalar = getattr(answer, column)
-        np.testing.assert_allclose(row[column], np.nan if scalar is None else scalar, rtol=1e-15)
+    length = np.nan if answer.length is None else answer.length
+    np.testing.assert_allclose(row.length, length, rtol=1e-15)
+    if answer.reference_low is None:
+        assert np.isnan([row.reference_low, row.reference_high]).all()
+        return
+    assert row.reference_low <= answer.reference_low
+    assert answer.reference_high <= row.reference_high
 
 
 def test_the_exact_length_of_the_doubles_lies_in_the_interval():

@@ -145,7 +145,8 @@ def test_multipliers_are_compared_with_the_costates(branch):
 def test_a_frame_is_certified_as_one_by_one(branch):
     """Closed-form answers of the hard frame, made longer here and there: same words, same numbers.
 
-    Numbers to 1e-6: costates have no bound where a second arc nears half a turn.
+    Numbers to 1e-6: costates have no bound where a second arc nears half a turn. An interval of the
+    frame contains that of the row alone.
     """
     frame = hard_frame(400, seed=21)
     solution = load("analytic").solve_frame(frame, branch)
@@ -161,6 +162,11 @@ def test_a_frame_is_certified_as_one_by_one(branch):
         one = certify(scenario, path, judge(scenario, path, code, branch), branch)
         assert PROOFS[found.proof[row]] is one.proof, scenario
         assert found.abnormal[row] == one.abnormal
+        if one.reference_low is None or one.reference_high is None:
+            assert np.isnan([found.reference_low[row], found.reference_high[row]]).all()
+        else:
+            assert found.reference_low[row] <= one.reference_low
+            assert one.reference_high <= found.reference_high[row]
         for name in MEASURED:
             value, other = getattr(one, name), columns[name][row]
             if value is None:

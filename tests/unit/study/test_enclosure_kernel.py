@@ -225,10 +225,3 @@ def test_mirror_images_have_equal_bounds():
     for branch, other in (("best", "best"), ("LS", "RS"), ("LR", "RL")):
         for a, b in zip(bounded(frame, branch), bounded(mirrored, other), strict=True):
             np.testing.assert_array_equal(a, b)
-
-
-def test_a_heading_beyond_the_loops_is_enclosed_all_the_same():
-    """By the balls, which `certify_frame` asks."""
-    scenario = Scenario(heading=1e15, target_x=3, target_y=1)
-
-    assert enclose(scenario).exists
