@@ -23,6 +23,32 @@ StartPose = Annotated[
 Radius = Annotated[str, typer.Option(help="minimum turning radius")]
 
 
+def whole_number(text: str | int) -> int:
+    """The value of an option that is a whole number, or its default.
+
+    Raises:
+        typer.BadParameter: naming the value and what was expected.
+    """
+    try:
+        if "_" in str(text):  # which Python takes within a number
+            raise ValueError
+        return int(text)
+    except ValueError:
+        raise typer.BadParameter(f"{text!r:.60}; expected a whole number") from None
+
+
+def number(text: str | float) -> float:
+    """The value of an option that is a number, or its default.
+
+    Raises:
+        typer.BadParameter: naming the value and what was expected.
+    """
+    try:
+        return _number("", str(text))
+    except CommandError:
+        raise typer.BadParameter(f"{text!r:.60}; expected a number") from None
+
+
 class CommandError(DubinsStudyError, ValueError):
     """The command line cannot be read, or its result cannot be printed or saved."""
 
