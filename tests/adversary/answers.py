@@ -65,7 +65,7 @@ def answer(
         table.note("arrival", found != arrives, line)
     length = _Length(truth, branch, scenario, path.total_length)
     if found:
-        if length.wrong:
+        if length.wrong and judged.verdict is Verdict.OPTIMAL:
             truth.refine(rng)
             length = _Length(truth, branch, scenario, path.total_length)
         _verdict(table, judged, length, line)

@@ -27,6 +27,7 @@ from tests.adversary.truth import Truth
 from tests.adversary.wrong import Answer, wrong_answer
 
 BLOCK = 500  # cases; what a frame holds, and what a worker does before it reports
+_SHOWN = 10  # counterexamples of a check, after which the next are only counted
 _SELF_CHECKED = 50  # one case in so many is sampled densely, and used against the oracle itself
 
 
@@ -91,8 +92,9 @@ def campaign(cases: int, seed: int, workers: int) -> Table:
         blocks = {pool.submit(run, seed, low, min(low + BLOCK, cases)): low for low in lows}
         for done, block in enumerate(as_completed(blocks), 1):
             fresh = block.result()
-            for check in fresh.first.keys() - table.first.keys():
-                print(f"{check}: {fresh.first[check]}", file=sys.stderr, flush=True)
+            for check, line in fresh.first.items():
+                if table.count(check) < _SHOWN:
+                    print(f"{check}: {line}", file=sys.stderr, flush=True)
             table.add(fresh)
             if done % 20 == 0:
                 spent = perf_counter() - began

@@ -91,6 +91,10 @@ class Table:
     def wrong(self) -> int:
         return sum(cell.wrong for cell in self.cells.values())
 
+    def count(self, check: str) -> int:
+        """Counterexamples of one check."""
+        return sum(cell.wrong for (_, name), cell in self.cells.items() if name == check)
+
     def lines(self) -> Iterator[str]:
         """The table as text: each generator and check, then each check alone, then what failed."""
         head = f"{'cases':>12}{'worst':>10} {'allowed':12}{'wrong':>8}"

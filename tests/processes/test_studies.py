@@ -108,16 +108,19 @@ target_y = -1.2
 
 
 def test_real_answers_are_certified(tmp_path):
-    """Right answers to easy questions are all proved, RS to the right disc by its absence; the
-    enclosures hold the closed form's length and are narrower than 1e-12."""
+    """Right answers to easy questions are all proved, RS to the right disc by its absence, which
+    shooting cannot find; the enclosures hold the closed form's length and are narrower than 1e-12.
+    """
     (tmp_path / "certified.toml").write_text(CERTIFICATES, encoding="utf-8")
     results = load([run(str(tmp_path / "certified.toml"), tmp_path / "out")])
     loaded, table = results.rows, results.attempts.proofs().set_index("solver")
     disc = loaded[loaded["region"] == "right disc"]
 
-    assert table["none"].sum() == 0
+    assert table["none"].to_dict() == {"analytic": 0, "disjunctive": 0, "shooting": 1}
     assert table.loc["analytic", "proved"] == 4
-    assert set(disc.loc[disc["branch"] == "RS", "verdict"]) == {"none exists"}
+    absent = disc[disc["branch"] == "RS"].set_index("solver")
+    assert set(absent.drop("shooting")["verdict"]) == {"none exists"}
+    assert absent.loc["shooting", ["claim", "verdict"]].tolist() == ["failed", "misses"]
     assert table["enclosed"].sum() == 3 * 3
     assert table["width"].max() < 1e-12
     assert table["false_bounds"].sum() == 0
@@ -188,7 +191,7 @@ def test_a_miss_buys_a_turn_only_inside_the_front_half(tmp_path):
     attempts = rungs(load([folder]).rows)
     short = attempts[attempts["finding"] == "by its miss"]
 
-    assert set(short["solver"]) == {"slsqp", "ipopt", "shooting", "disjunctive"}
+    assert set(short["solver"]) == {"slsqp", "ipopt", "collocation", "shooting", "disjunctive"}
     assert set(zip(short["side"], short["rung"], strict=True)) == {("front, inside", -11)}
     assert attempts.drop(short.index)["finding"].eq("right").all()
     assert not attempts["false_claim"].any()

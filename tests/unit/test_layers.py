@@ -263,7 +263,7 @@ def test_the_closed_form_and_what_asks_do_import_them():
         "from dubins_study.study import check",
         "def solve():\n    from dubins_study.study.check import verdict",
         "if TYPE_CHECKING:\n    from dubins_study.study.check.verdict import Verdict",
-        "from dubins_study.solvers.attempt import solve",
+        "from dubins_study.experiments.solve import solve",
         "from dubins_study import solve",
     ],
 )

@@ -46,14 +46,15 @@ def report_text(page: FilePath) -> str:
     from dubins_study.study.printable import plain
 
     with (page.parent / "tables" / "summary.csv").open(encoding="utf-8", newline="") as stream:
-        rows = [
-            [
-                plain(row[name]) if name != "wall_s" else _milliseconds(row[name])
-                for name in _SUMMARY
-            ]
-            for row in csv.DictReader(stream)
-        ]
-    return f"{table(list(_SUMMARY.values()), rows)}\n\npage: {plain(str(page))}"
+        lines = list(csv.DictReader(stream))
+    shown = dict(_SUMMARY)
+    if all(row["by presolve"] == "0" for row in lines):
+        del shown["by presolve"]  # which few runs have, and the table is wide
+    rows = [
+        [plain(row[name]) if name != "wall_s" else _milliseconds(row[name]) for name in shown]
+        for row in lines
+    ]
+    return f"{table(list(shown.values()), rows)}\n\npage: {plain(str(page))}"
 
 
 def _milliseconds(seconds: str) -> str:

@@ -296,3 +296,21 @@ def test_a_ripple_on_a_straight_names_no_letter():
     path = Path(PROBLEM.start, rate, np.concatenate((np.full(5, 0.3), np.full(5, 2.0))))
 
     assert path.word(0.05) == "LS"
+
+
+def test_next_to_the_start_a_miss_reaches_the_circle_for_all_its_rounding():
+    """A path that ends inside, 5e-12 R off a target 2e-14 R inside, where delta is 1e-16 R: the
+    nearest point of the circle counts as a target that RS reaches, whatever its rounding."""
+    scenario = Scenario(
+        *(0, 0, -2.809937325251296, 1.9494799770390372e-07, 7.027045308769248e-08),
+        7.2433132805187565e-06,
+    )
+    X, Y = scenario.local()
+    turn = math.atan2(X, 1 + Y) % (2 * math.pi)
+    lengths = scenario.radius * np.array([5e-12, turn])
+    path = Path(scenario.start, [0.0, -1 / scenario.radius], lengths)
+
+    found = judge(scenario, path, Claim.LOCAL, "RS")
+
+    assert 1e-12 < found.miss / scenario.radius < 1e-11
+    assert (found.verdict, found.false_claim) == (Verdict.OPTIMAL, False)

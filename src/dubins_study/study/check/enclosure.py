@@ -149,7 +149,7 @@ def _right_left(X: arb, Y: arb) -> tuple[list[arb], bool]:
     w = _power(X, Y)
     parts: list[arb] = []
     for inside in (False, True):
-        if not (w < 0 if inside else w > 0):
+        if not (w <= 0 if inside else w > 0):
             solutions = _right_left_solutions(X, Y, inside)
             parts += _below(_ceiling(solutions), [*chain(*solutions)])
     return parts, not (p >= 0 and q >= 0)
@@ -174,13 +174,24 @@ def _below(ceiling: arb, options: Iterable[arb]) -> list[arb]:
 
 def _power(X: arb, Y: arb) -> arb:
     """w = 1 - |T - C_L|^2."""
-    return Y * (2 - Y) - X * X
+    x, y = X.mid(), Y.mid()
+    return y * (2 - y) - x * x + _spread(X.rad(), x) + _spread(Y.rad(), 1 - y)
 
 
 def _reach(X: arb, Y: arb) -> tuple[arb, arb]:
     """|T - C_R|^2 - 1 and 9 - |T - C_R|^2, between whose zeros RL exists."""
-    p = X * X + Y * (Y + 2)
+    x, y = X.mid(), Y.mid()
+    p = y * (y + 2) + x * x + _spread(X.rad(), x) + _spread(Y.rad(), 1 + y)
     return p, 8 - p
+
+
+def _spread(rad: arb, value: arb) -> arb:
+    """How much the square of a value changes when the value does by up to `rad`.
+
+    Balls that meet in a product count as independent: 2Y - Y^2 would spread twice as far.
+    """
+    most = rad * (2 * abs(value) + rad)
+    return most.union(-most)
 
 
 def _tangents(X: arb, Y: arb, w: arb, ahead_of_axis: bool) -> list[arb]:

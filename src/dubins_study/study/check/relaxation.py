@@ -64,11 +64,15 @@ def _shortest_length(scenario: Scenario, branch: str) -> float | None:
 
 
 def _onto_circle(scenario: Scenario) -> tuple[float, float]:
-    """The point of the nearer turning circle that is nearest to the target."""
+    """The point of the nearer turning circle that is nearest to the target.
+
+    It lies outside by rounding, never inside: next to the start delta is finer than the rounding of
+    this point.
+    """
     _, Y = scenario.local()
     side = math.copysign(scenario.radius, Y)
     x = scenario.x - side * math.sin(scenario.heading)
     y = scenario.y + side * math.cos(scenario.heading)
     dx, dy = scenario.target_x - x, scenario.target_y - y
-    stretch = scenario.radius / math.hypot(dx, dy)
+    stretch = scenario.radius * (1.0 + ROUNDED) / math.hypot(dx, dy)
     return x + dx * stretch, y + dy * stretch

@@ -1,9 +1,9 @@
 """The closed form over arrays: `study.closed_form.shortest` for millions of targets at once.
 
 Strict IEEE arithmetic and the formulas of `study.closed_form.shortest`. Sine, cosine and arctangent
-are computed here, so that lengths differ from its lengths by up to 4 ulp. Rows where the last ulp
-decides the word, or where it would move the length by more, are done with its own functions and the
-C library's, and are equal to the bit.
+are computed here, so that lengths differ from its lengths by up to 4 EPS max(length, R). Rows where
+the last ulp decides the word, or would move the length by more, are done with its own functions and
+the C library's, and are equal to the bit.
 """
 
 from __future__ import annotations
@@ -45,10 +45,10 @@ _TWO_PI = 2 * math.pi
 _LARGEST = np.finfo(np.float64).max
 _BLOCK = 64
 _LEFT = 254  # word code of a row that the vector loops leave
-# Below this w, and inside the disc below this q, a row is delicate. At q = 1/4 the length
-# changes by sqrt(32) per shift of the target.
+# Below this w, and inside the disc below this q, a row is delicate. At q = 1/2 the length
+# changes by 4 per shift of the target.
 _NEAR = 1e-5
-_STEEP = 0.25
+_STEEP = 0.5
 # delta is at most 2 + 12 sqrt(2) EPS times the coordinates' size in radii
 _FOUR_DELTA = 80.0 * EPS
 
