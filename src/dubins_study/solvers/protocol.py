@@ -98,9 +98,7 @@ class Solution:
             object.__setattr__(self, name, _count(name, getattr(self, name)))
         object.__setattr__(self, "multipliers", _pair(self.multipliers))
         for name in ("native_status", "message"):
-            # a plain str of any subclass, and of what a row can hold
-            text = str.encode(str(getattr(self, name)), "utf-8", "replace").decode()
-            object.__setattr__(self, name, text)
+            object.__setattr__(self, name, _text(getattr(self, name)))
         object.__setattr__(self, "presolved", bool(self.presolved))
 
     def copy(self) -> Solution:
@@ -117,6 +115,13 @@ class Solution:
 
 
 _FIELDS = [field.name for field in fields(Solution)]
+
+
+def _text(value: Any) -> str:
+    """The value as a plain str, of any subclass too, and of what a row can hold."""
+    if type(value) is str and value.isascii():
+        return value
+    return str.encode(str(value), "utf-8", "replace").decode()
 
 
 def _claim(value: Any) -> Claim:

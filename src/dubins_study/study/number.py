@@ -23,6 +23,8 @@ def real_number(value: Any) -> float:
         TypeError: if it is a boolean, complex, a text, bytes, a duration, a date or an array.
         Exception: whatever `float` raises, such as OverflowError for an integer of 400 digits.
     """
+    if type(value) is float:  # as nearly all are
+        return value
     if isinstance(value, np.ndarray) and value.ndim == 0:
         value = value[()]
     if isinstance(value, _NO_NUMBERS):
@@ -36,6 +38,8 @@ def doubles(name: str, values: Any) -> NDArray[np.float64]:
     Raises:
         TypeError: naming the array, a value or its type, and what was expected.
     """
+    if type(values) is np.ndarray and values.dtype == np.float64 and values.dtype.isnative:
+        return values
     if isinstance(values, np.ma.MaskedArray):
         values = np.ma.filled(values.astype(np.float64), np.nan)
     array = np.asarray(values)
