@@ -53,7 +53,7 @@ def solve(
     Raises:
         SolverError, ProfileError, QuestionError: if the request is not a valid one. A solver that
             fails raises nothing: it is an outcome, a claim and a verdict.
-        RunError: if no worker process can be started.
+        RunError, ForkServerError: if no worker process can be started.
     """
     check_request(branch, limit)
     if not isinstance(scenario, Scenario):
@@ -106,7 +106,7 @@ def solve_frame(
 
     Raises:
         ScenarioError, SolverError, ProfileError, QuestionError: if the request is not a valid one.
-        RunError: if no worker process can be started.
+        RunError, ForkServerError: if no worker process can be started.
     """
     from dubins_study.solvers import frame
 

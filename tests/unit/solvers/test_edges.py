@@ -100,6 +100,28 @@ def test_the_exact_length_of_the_doubles_lies_in_the_interval():
         assert answer.reference_low <= exact <= answer.reference_high
 
 
+def test_a_full_turn_to_a_target_that_is_the_start_exactly_is_longer():
+    """All coordinates are zero, and so is delta."""
+    scenario = Scenario(0, 0, 0.4, 0, 0, 1)
+    for branch in ("best", "LS", "RL"):
+        assert enclose(scenario, branch)[:3] == (0.0, math.ulp(0.0), False)
+        turn = judge(scenario, as_path(scenario, "L", Segments(2 * math.pi, 0.0)), branch=branch)
+        assert turn.verdict in ("longer", "misses")
+
+
+def test_the_path_ends_within_delta_of_the_target_where_two_edges_meet():
+    """Just behind the start, which is beside the axis and a circle."""
+    scenario = Scenario(
+        *(-631863061.6509018, -1270932786.5693164, -1.0650437884893282),
+        *(-631863061.6682206, -1270932786.5380447, 565.3008639090407),
+    )
+    X, Y, delta = local(scenario)
+    best = shortest(scenario)
+    end = as_path(Scenario(0, 0, 0, 0, 0, 1), best.word, best.segments).end
+
+    assert max(abs(end.x - X), abs(end.y - Y)) <= delta + 1e-15
+
+
 def framed(scenarios: list[Scenario]) -> pd.DataFrame:
     names = ("x", "y", "heading", "target_x", "target_y", "radius")
     return pd.DataFrame([{name: getattr(one, name) for name in names} for one in scenarios])

@@ -121,6 +121,27 @@ def test_an_interior_point_leaves_its_barrier_in_the_degenerate_arc(radius):
     assert answer.gap < 1e-8
 
 
+@pytest.mark.parametrize("spec", ["slsqp[maxiter=1000000000,ftol=1e-16]", "ipopt[max_iter=2000]"])
+def test_a_run_of_many_iterations_ends_when_time_is_up(spec):
+    """Between two iterations; where the number of them is small nobody looks at the time."""
+    solver = load(spec)
+    model = solver.build(Question(PAPER["problem 1"]))
+    case = model.cases[0]
+
+    point = model.run(case, 5.0 * case.subproblem.mask, -1.0)
+
+    assert point.claim is Claim.LIMIT
+    assert point.iterations <= 1
+
+
+def test_random_guesses_are_drawn_one_by_one():
+    """A billion of them take neither memory nor time before the first."""
+    answer = solve(PAPER["problem 1"], "slsqp[initial_guess=random,count=1000000000]", limit=0.1)
+
+    assert answer.outcome == "returned"
+    assert answer.claim is Claim.LOCAL
+
+
 def test_slsqp_gets_nowhere_from_the_zero_that_ampl_starts_at():
     """At z = 0 the two gradients are parallel: SLSQP stops with a singular matrix."""
     answer = solve(

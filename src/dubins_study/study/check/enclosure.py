@@ -149,7 +149,7 @@ def _right_left(X: arb, Y: arb) -> tuple[list[arb], bool]:
     w = _power(X, Y)
     parts: list[arb] = []
     for inside in (False, True):
-        if not (w < 0 if inside else w > 0):
+        if not (w <= 0 if inside else w > 0):
             solutions = _right_left_solutions(X, Y, inside)
             parts += _below(_ceiling(solutions), [*chain(*solutions)])
     return parts, not (p >= 0 and q >= 0)

@@ -48,6 +48,9 @@ from dubins_study.study.vehicle_frame import EPS, PER_DISTANCE, PER_EXTENT
 # A row is left where the radius of its interval is above these parts of the length and of delta:
 # the arithmetic makes of one delta some five, but next to (0, 2) any number.
 _WIDEST, _STEEPEST = 2.0**-42, 32.0
+# So is one whose radius is above this part of the length (or of the turning radius): far from the
+# origin it could reach what the gap's tolerance, 1e-4, keeps apart from the ball's interval.
+_BLUNTEST = 1e-6
 # An interval is made an eighth wider, so that it holds the one that `enclose` gives, whose balls
 # may be a twentieth wider next to an edge.
 _MARGIN = 1.125
@@ -219,6 +222,7 @@ def _bound_rows(scenarios: ScenarioArrays, form: int, mirrored: bool, bounds: Bo
             length, decided = _shortest(X, Y, form, mirrored)
             none = length.mid == math.inf
             useful = length.rad <= _WIDEST * length.mid + _STEEPEST * delta
+            useful &= length.rad <= _BLUNTEST * max(length.mid, 1.0)
             scaled = times(Interval(length.mid, _MARGIN * length.rad), exact(radius[i]))
             # one step outwards for the rounding of each end
             below = (scaled.mid - scaled.rad) * (1.0 - 2.0 * EPS)

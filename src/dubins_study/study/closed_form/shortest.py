@@ -135,7 +135,7 @@ def shortest_local(target: Local, branch: str = "best") -> Shortest | None:
         arcs = find(X, Y, delta)
         return None if math.isnan(arcs[0]) else _named(branch, Segments(*arcs))
     X, Y, delta = target
-    left, on_axis = chosen_side(Y, delta), abs(Y) <= 0.5 * delta
+    left, on_axis = chosen_side(Y, delta), chosen_side(-abs(Y), delta)
     first, second, arcs_only = best_segments(X, abs(Y), delta)
     letters = ("RL" if left else "LR") if arcs_only else ("LS" if left else "RS")
     shortest = _named(letters, Segments(first, second))
@@ -145,8 +145,12 @@ def shortest_local(target: Local, branch: str = "best") -> Shortest | None:
 
 
 def chosen_side(Y: float, delta: float) -> bool:
-    """Whether the shortest path of all turns left first, as for a target on the axis."""
-    return -0.5 * delta <= Y
+    """Whether the shortest path of all turns left first, as for a target on the axis.
+
+    Of a target within delta / 4 to the right it is the mirror image's path, which ends within
+    delta / 2 of the target.
+    """
+    return -0.25 * delta <= Y
 
 
 def _named(letters: str, segments: Segments) -> Shortest:
