@@ -255,5 +255,5 @@ def test_the_command_says_who_answered():
         solver = load(f"slsqp[presolve={presolve}]")
         answer = attempt(solver, Question(Scenario(0, 0, 0, 0.3, 0.8, 1), "LS"))
 
-        assert ("presolve  answered" in answer_text(answer)) is (presolve == "true")
+        assert ("presolve    answered" in answer_text(answer)) is (presolve == "true")
         assert f'"presolved": {presolve}' in answer_json(answer)
