@@ -60,11 +60,13 @@ class FrameSolution:
                 object.__setattr__(self, name, real_array(name, getattr(self, name), (n,)))
         if not isinstance(self.claim, Claim):
             codes = np.asarray(self.claim)
-            if codes.dtype.kind not in "iu" or not np.isin(codes, range(len(CLAIMS))).all():
+            known = codes.dtype.kind in "iu" and codes.min(initial=0) >= 0
+            if not known or codes.max(initial=0) >= len(CLAIMS):
                 raise TypeError("claim is neither a Claim nor indices into CLAIMS")
             if codes.shape != (n,):
                 raise TypeError(f"claim has shape {codes.shape}; expected {(n,)}")
-            object.__setattr__(self, "claim", codes.astype(np.intp))
+            native = codes.astype(codes.dtype.newbyteorder("="), copy=False)
+            object.__setattr__(self, "claim", native)
         if not isinstance(self.native_status, str):
             raise TypeError(f"native_status is {short(self.native_status)}; expected a text")
         if isinstance(self.message, str):
