@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-import pandas as pd
 
 from dubins_study.solvers.analytic import Analytic
 from dubins_study.solvers.protocol import Question
@@ -20,11 +19,12 @@ from dubins_study.study.check.verdict_kernel import REGIONS, VERDICTS
 from dubins_study.study.closed_form.kernel import shortest_rows
 from dubins_study.study.closed_form.shortest import shortest_path
 from dubins_study.study.paths import Paths
-from dubins_study.study.scenario import COLUMNS, NUMBERS, Scenario
+from dubins_study.study.scenario import NUMBERS, Scenario
 from dubins_study.study.words import BRANCHES
 from tests.adversary.checks import ulp
 from tests.adversary.table import Table, paste, paste_path
 from tests.adversary.wrong import Answer
+from tests.cases import scenario_frame
 
 Cases = Sequence[tuple[str, Scenario]]
 Hulls = dict[str, tuple[float, float]]  # least and greatest length (length unit) by branch
@@ -39,15 +39,9 @@ class Judged(NamedTuple):
     certificate: Certificate
 
 
-def _frame(scenarios: Iterable[Scenario]) -> pd.DataFrame:
-    rows = list(scenarios)
-    columns = {name: [getattr(row, name) for row in rows] for name in COLUMNS}
-    return pd.DataFrame(columns).astype(dict.fromkeys(NUMBERS, float))
-
-
 def closed_forms(table: Table, cases: Cases) -> None:
     """`shortest_rows` of every branch beside `shortest_path`."""
-    frame = _frame(scenario for _, scenario in cases)
+    frame = scenario_frame(scenario for _, scenario in cases)
     columns = [frame[name].to_numpy() for name in NUMBERS if name != "speed"]
     for branch in BRANCHES:
         rows = shortest_rows(*columns, branch=branch)
@@ -66,7 +60,7 @@ def judgements(table: Table, cases: Cases, sampled: Sequence[Hulls]) -> None:
 
     `sampled` are the least and the greatest of each case's sampled lengths.
     """
-    frame = _frame(scenario for _, scenario in cases)
+    frame = scenario_frame(scenario for _, scenario in cases)
     solver = Analytic()
     for branch in BRANCHES:
         solution = solver.solve_frame(frame.copy(), branch)
@@ -107,7 +101,7 @@ def wrong_answers(table: Table, answers: Sequence[Judged]) -> None:
         ]
         if not some:
             continue
-        frame = _frame(one.answer.scenario for one in some)
+        frame = scenario_frame(one.answer.scenario for one in some)
         controls = np.zeros((2, 2, len(some)))
         for row, one in enumerate(some):
             path = one.answer.path

@@ -31,7 +31,7 @@ CHECKS = {
     "parts hold many": Check("ulp", 0, "of some hundred targets more"),
     "absent": Check("wrong", 0, "is true where a target of the set has no path, and only there"),
     "enclosure decided": Check("wrong", 0, "the interval is finite where a path exists"),
-    "enclosure width": Check("spread", 4, "away from edges, beside that of sampled targets"),
+    "enclosure width": Check("spread", 8, "away from edges, beside that of sampled targets"),
     "bounds": Check("wrong", 0, "false above the truth, never below"),
     "frame judgement": Check("wrong", 0, "verdict, region, word, proof and flags equal scalar's"),
     "frame gap": Check("ulp", 8, "of lengths: frame equals scalar"),
