@@ -10,7 +10,7 @@ import errno
 import os
 import re
 import sys
-from typing import Any
+from typing import Annotated, Any
 
 from dubins_study.errors import DubinsStudyError
 
@@ -29,6 +29,26 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
 )
+
+
+def _print_version(asked: bool) -> None:
+    if asked:
+        from importlib.metadata import version
+
+        print(f"dubins-study {version('dubins-study')}")
+        raise typer.Exit
+
+
+@app.callback()
+def _options(
+    version: Annotated[
+        bool,
+        typer.Option("--version", callback=_print_version, is_eager=True, help="print the version"),
+    ] = False,
+) -> None:
+    """Optimisation solvers judged on the shortest Dubins path to a point."""
+
+
 app.command(context_settings=NEGATIVE_NUMBERS)(solve.solve)
 app.command(context_settings=NEGATIVE_NUMBERS)(export.export)
 app.command()(solvers.solvers)

@@ -23,6 +23,32 @@ StartPose = Annotated[
 Radius = Annotated[str, typer.Option(help="minimum turning radius")]
 
 
+def whole_number(text: str | int) -> int:
+    """The value of an option that is a whole number, or its default.
+
+    Raises:
+        typer.BadParameter: naming the value and what was expected.
+    """
+    try:
+        if "_" in str(text):  # which Python takes within a number
+            raise ValueError
+        return int(text)
+    except ValueError:
+        raise typer.BadParameter(f"{text!r:.60}; expected a whole number") from None
+
+
+def number(text: str | float) -> float:
+    """The value of an option that is a number, or its default.
+
+    Raises:
+        typer.BadParameter: naming the value and what was expected.
+    """
+    try:
+        return _number("", str(text))
+    except CommandError:
+        raise typer.BadParameter(f"{text!r:.60}; expected a number") from None
+
+
 class CommandError(DubinsStudyError, ValueError):
     """The command line cannot be read, or its result cannot be printed or saved."""
 
@@ -40,8 +66,8 @@ def _check_rest(target: tuple[str, str], rest: list[str], command: str) -> None:
 
 def _is_number(text: str) -> bool:
     try:
-        float(text)
-    except ValueError:
+        _number("", text)
+    except CommandError:
         return False
     return True
 
@@ -79,7 +105,11 @@ def scenario_of(
 
 
 def _number(name: str, text: str) -> float:
+    from dubins_study.study.printable import short
+
     try:
+        if "_" in text:  # which Python takes within a number
+            raise ValueError
         return float(text)
     except ValueError:
-        raise CommandError(f"{name} is {text!r}; expected a number") from None
+        raise CommandError(f"{name} is {short(text)}; expected a number") from None

@@ -8,6 +8,8 @@ from typing import Annotated
 
 import typer
 
+from dubins_study.cli.arguments import number, whole_number
+
 
 def run(
     experiment: Annotated[str, typer.Argument(help="a name, or the path of a .toml file")],
@@ -17,12 +19,18 @@ def run(
     solver: Annotated[
         list[str] | None, typer.Option(metavar="NAME", help="instead of the experiment's own")
     ] = None,
-    jobs: Annotated[int, typer.Option(help="processes; 1 where times are quoted")] = 1,
+    jobs: Annotated[
+        int, typer.Option(parser=whole_number, help="processes; 1 where times are quoted")
+    ] = 1,
     time_limit: Annotated[
-        float | None, typer.Option(help="seconds after which a solve is ended")
+        float | None, typer.Option(parser=number, help="seconds after which a solve is ended")
     ] = None,
-    memory_limit: Annotated[float | None, typer.Option(help="GiB that a solve may hold")] = None,
-    repeats: Annotated[int | None, typer.Option(help="attempts per cell")] = None,
+    memory_limit: Annotated[
+        float | None, typer.Option(parser=number, help="GiB that a solve may hold")
+    ] = None,
+    repeats: Annotated[
+        int | None, typer.Option(parser=whole_number, help="attempts per cell")
+    ] = None,
     restart: Annotated[bool, typer.Option("--restart", help="throw away earlier rows")] = False,
     trust_plugins: Annotated[
         bool, typer.Option("--trust-plugins", help="the experiment may name plug-ins and programs")
@@ -45,6 +53,7 @@ def run(
             from dubins_study.experiments.store.status import status as status_of
 
             stop.check()
+            _check_section(experiment)
             with streams.solvers_to_stderr(), streams.progress(experiment, counts) as progress:
                 folder = run_experiment(
                     experiment,
@@ -66,3 +75,23 @@ def run(
         cells = " ({} of {} cells done)".format(*counts) if counts else ""
         print(f"interrupted; what was done is kept, {next_step} to go on{cells}", file=sys.stderr)
         raise typer.Exit(130) from None
+
+
+def _check_section(experiment: str) -> None:
+    """Say so where an experiment's file names a section that the report does not have.
+
+    Rows are rows whatever the report makes of them, so that the run goes on.
+    """
+    from dubins_study.experiments.definition.experiment import packaged, read
+
+    section = None if experiment in packaged() else read(experiment).experiment.section
+    if section is None:
+        return
+    from dubins_study.report.page.sections import KEYS
+
+    if section not in KEYS:
+        print(
+            f"dubins-study: no section of the report is called {section!r}; "
+            f"choose one of: {', '.join(KEYS)}",
+            file=sys.stderr,
+        )

@@ -15,6 +15,7 @@ from dubins_study.cli.arguments import (
     StartPose,
     TargetX,
     TargetY,
+    number,
     scenario_of,
 )
 
@@ -42,7 +43,9 @@ def solve(
     solver: Annotated[str, typer.Option(help="name or name[setting=value]")] = "analytic",
     branch: Annotated[str, typer.Option(help="best, LS, RS, LR or RL")] = "best",
     profile: Annotated[str, typer.Option(help="default, fast or accurate")] = "default",
-    time_limit: Annotated[float, typer.Option(help="seconds that the solve may take")] = 60.0,
+    time_limit: Annotated[
+        float, typer.Option(parser=number, help="seconds that the solve may take")
+    ] = 60.0,
     as_json: Annotated[bool, typer.Option("--json", help="print one JSON object")] = False,
     plot: Annotated[
         FilePath | None, typer.Option(metavar="FILE", help="draw the path: .svg, .pdf or .png")
@@ -112,28 +115,45 @@ def answer_text(answer: Answer) -> str:
     from dubins_study.solvers.protocol import Outcome
     from dubins_study.study.printable import plain
 
-    lines = [f"verdict   {answer.verdict}", f"claim     {answer.claim}  ({answer.solver})"]
+    lines = [
+        _line("verdict", _verdict(answer)),
+        _line("claim", f"{answer.claim}  ({answer.solver})"),
+    ]
     if answer.presolved:
-        lines.append("presolve  answered, and the engine was not asked")
-    lines.append(f"proof     {answer.proof}")
+        lines.append(_line("presolve", "answered, and the engine was not asked"))
+    lines.append(_line("proof", answer.proof))
     if answer.length is not None:
         ties = [word for word in answer.tied_words if word != answer.reference_word]
         tied = f"  (tied with {', '.join(ties)})" if ties else ""
         lines = [
-            f"word      {answer.word or 'none: the target is the start'}{tied}",
-            f"length    {answer.length:.12g}",
-            f"time      {answer.travel_time:.12g}",
+            _line("word", f"{answer.word or 'none: the target is the start'}{tied}"),
+            _line("length", f"{answer.length:.12g}"),
+            _line("travel time", f"{answer.travel_time:.12g}"),
             *lines,
-            f"gap       {'–' if answer.gap is None else format(answer.gap, '.3g')}",
-            f"miss      {'–' if answer.miss is None else format(answer.miss, '.3g')}",
+            _line("gap", "–" if answer.gap is None else format(answer.gap, ".3g")),
+            _line("miss", "–" if answer.miss is None else format(answer.miss, ".3g")),
         ]
-    lines.append(f"region    {answer.region}, {answer.margin:.3g} R from the nearer turning circle")
+    circle = f"{answer.margin:.3g} R from the nearer turning circle"
+    lines.append(_line("region", f"{answer.region}, {circle}"))
     if answer.false_claim:
         lines.append("false claim: the claim is stronger than the verdict")
     if answer.false_bound:
         lines.append("false bound: the solver's lower bound lies above the shortest length")
     if answer.outcome != Outcome.RETURNED:
-        lines.append(f"outcome   {answer.outcome}")
+        lines.append(_line("outcome", answer.outcome))
     if answer.message:
-        lines.append(f"message   {plain(answer.message)}")
+        lines.append(_line("message", plain(answer.message)))
     return "\n".join(lines)
+
+
+def _line(name: str, value: str) -> str:
+    return f"{name:<12}{value}"
+
+
+def _verdict(answer: Answer) -> str:
+    """The verdict, and of a path that misses, why."""
+    if answer.verdict != "misses" or answer.path is None:
+        return str(answer.verdict)
+    from dubins_study.study.check.miss_reason import miss_reason
+
+    return f"{answer.verdict}: {miss_reason(answer.scenario, answer.path, answer.branch)}"

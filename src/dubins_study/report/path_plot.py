@@ -13,6 +13,7 @@ from dubins_study.report.elements.figure_file import figure_bytes, fix_layout
 from dubins_study.report.elements.style import drawing, new_figure
 from dubins_study.report.topics.paper.figures import aspect_of, plot_paths
 from dubins_study.study.path import Path
+from dubins_study.study.printable import short
 from dubins_study.study.scenario import Scenario
 
 if TYPE_CHECKING:
@@ -50,7 +51,8 @@ def plot_path(drawn: Answered | Path, file: str | FilePath | None = None) -> Fig
         The figure.
 
     Raises:
-        PlotError: if there is no path, the format is unknown or the file cannot be written.
+        PlotError: if there is no path, `drawn` is something else, the format is unknown or the
+            file cannot be written.
     """
     place = None if file is None else check_format(file)
     name, path, scenario = _subject(drawn)
@@ -90,6 +92,9 @@ def _subject(drawn: Answered | Path) -> tuple[str, Path, Scenario]:
         radius = 1 / sharpest if sharpest > 0 else 1.0
         x, y = drawn.end.x, drawn.end.y
         return "path", drawn, Scenario(*drawn.start, target_x=x, target_y=y, radius=radius)
+    wanted = ("scenario", "path", "solver")
+    if isinstance(drawn, type) or not all(hasattr(drawn, name) for name in wanted):
+        raise PlotError(f"drawn is {short(drawn)}; expected an answer of solve, or a Path")
     if drawn.path is None:
         raise PlotError(f"there is no path to draw: {drawn.solver} returned none")
     return drawn.solver, drawn.path, drawn.scenario

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
+from dataclasses import fields
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
@@ -13,7 +14,7 @@ from dubins_study.solvers.frame_solution import FrameSolution
 from dubins_study.solvers.profiles import tolerances
 from dubins_study.solvers.protocol import Outcome, Question
 from dubins_study.solvers.registry import load, unavailable
-from dubins_study.solvers.reply import DEFAULT_LIMIT
+from dubins_study.solvers.reply import DEFAULT_LIMIT, exception_text
 from dubins_study.study.check.certificate import Proof
 from dubins_study.study.check.extremal import MEASURED
 from dubins_study.study.claim import Claim
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
     from dubins_study.study.check.verdict_frame import FrameJudgement
     from dubins_study.study.paths import Paths
 
+_FIELDS = [field.name for field in fields(FrameSolution)]
 COLUMNS = [*names(SCENARIO), *names(ANSWER)]
 
 
@@ -84,13 +86,15 @@ def _run(
         solution = whole(frame, branch)
         if not isinstance(solution, FrameSolution):
             raise TypeError(f"solve_frame returned {type(solution).__name__}, no FrameSolution")
+        # checked anew: a plug-in may have changed its solution since it was made
+        solution = FrameSolution(**{name: getattr(solution, name) for name in _FIELDS})
         if len(solution.paths) != len(frame):
             raise TypeError(f"there are {len(solution.paths)} paths for {len(frame)} scenarios")
     except (Exception, SystemExit) as error:  # what a backend raises is its result
         seconds = perf_counter() - began
         none = np.zeros((2, len(frame)))
         nothing = Paths(none, none, np.zeros(len(frame), np.bool_))
-        message = f"{type(error).__name__}: {error}"
+        message = exception_text(error)
         return Outcome.RAISED, FrameSolution(Claim.NONE, nothing, message=message), seconds
     return Outcome.RETURNED, solution, perf_counter() - began
 
@@ -165,14 +169,19 @@ def _texts(codes: Any, texts: Iterable[str]) -> Any:
     import pandas as pd
 
     signed = np.asarray(codes, np.uint8).view(np.int8)  # in which 255 is -1, as pandas wants it
-    categories = pd.Index([str(text) for text in texts])
+    categories = pd.Index([_storable(str(text)) for text in texts])
     return pd.Categorical.from_codes(signed, categories, validate=False)
 
 
 def _text(values: Any) -> Any:
     import pandas as pd
 
-    return pd.Categorical(values)
+    return pd.Categorical([None if value is None else _storable(value) for value in values])
+
+
+def _storable(text: str) -> str:
+    """The text without surrogates, which no column holds."""
+    return str.encode(text, "utf-8", "replace").decode()
 
 
 def _numbers(values: FloatArray | None, n: int) -> FloatArray:

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from dubins_study.study.claim import Claim
 from dubins_study.study.path import FloatArray
+from dubins_study.study.printable import short
 
 if TYPE_CHECKING:
     from dubins_study.study.paths import Paths
@@ -31,6 +32,10 @@ class FrameSolution:
         lower_bound: proven bounds (length unit), shape (n,), or None.
         native_status, message: the solver's status and message, one for all rows; there may be
             n messages.
+
+    Raises:
+        TypeError: naming the field, its shape or type, and what was expected. It is raised inside
+            the solver that makes the solution, and so counts as that solver's failure.
     """
 
     claim: Claim | ArrayLike
@@ -41,16 +46,31 @@ class FrameSolution:
     message: str | Sequence[str] = ""
 
     def __post_init__(self) -> None:
-        from dubins_study.study.paths import CLAIMS
+        from dubins_study.study.number import real_array
+        from dubins_study.study.paths import CLAIMS, Paths
 
+        paths = self.paths
+        if not isinstance(paths, Paths):
+            raise TypeError(f"paths is {short(paths)}; expected Paths")
+        # checked anew: a plug-in may have replaced the arrays since
+        object.__setattr__(self, "paths", Paths(paths.curvature, paths.length, paths.returned))
         n = len(self.paths)
-        per_row = {"claimed_length": self.claimed_length, "lower_bound": self.lower_bound}
+        for name in ("claimed_length", "lower_bound"):
+            if getattr(self, name) is not None:
+                object.__setattr__(self, name, real_array(name, getattr(self, name), (n,)))
         if not isinstance(self.claim, Claim):
-            per_row["claim"] = codes = np.asarray(self.claim)
+            codes = np.asarray(self.claim)
             if codes.dtype.kind not in "iu" or not np.isin(codes, range(len(CLAIMS))).all():
                 raise TypeError("claim is neither a Claim nor indices into CLAIMS")
-        for name, values in per_row.items():
-            if values is not None and np.shape(values) != (n,):
-                raise TypeError(f"{name} has shape {np.shape(values)}; expected {(n,)}")
-        if not isinstance(self.message, str) and len(self.message) != n:
+            if codes.shape != (n,):
+                raise TypeError(f"claim has shape {codes.shape}; expected {(n,)}")
+            object.__setattr__(self, "claim", codes.astype(np.intp))
+        if not isinstance(self.native_status, str):
+            raise TypeError(f"native_status is {short(self.native_status)}; expected a text")
+        if isinstance(self.message, str):
+            return
+        if len(self.message) != n:
             raise TypeError(f"there are {len(self.message)} messages; expected 1 or {n}")
+        for row, message in enumerate(self.message):
+            if not isinstance(message, str):
+                raise TypeError(f"row {row}: message is {short(message)}; expected a text")

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from enum import StrEnum
 from operator import index
 from typing import TYPE_CHECKING, Any, ClassVar
 
-import numpy as np
-
 from dubins_study.study.claim import Claim
+from dubins_study.study.number import real_number
 from dubins_study.study.path import Path
+from dubins_study.study.printable import short
 from dubins_study.study.scenario import Scenario
 
 if TYPE_CHECKING:
@@ -87,7 +87,7 @@ class Solution:
         path = self.path
         if path is not None and type(path) is not Path:
             if not isinstance(path, Path):
-                raise TypeError(f"path is {_short(path)}; expected a Path or None")
+                raise TypeError(f"path is {short(path)}; expected a Path or None")
             # a subclass may report another end or length than its controls have
             path = Path(path.start, path.curvature, path.length)
         object.__setattr__(self, "path", path)
@@ -98,32 +98,46 @@ class Solution:
             object.__setattr__(self, name, _count(name, getattr(self, name)))
         object.__setattr__(self, "multipliers", _pair(self.multipliers))
         for name in ("native_status", "message"):
-            object.__setattr__(self, name, str(getattr(self, name)))
+            object.__setattr__(self, name, _text(getattr(self, name)))
         object.__setattr__(self, "presolved", bool(self.presolved))
 
+    def copy(self) -> Solution:
+        """The solution made anew of plain values, its path too, whoever else holds the parts.
 
-def _short(value: Any) -> str:
-    text = repr(value)
-    return text if len(text) <= 60 else f"{text[:57]}..."
+        Raises:
+            TypeError: as above: a plug-in may have changed its solution since it was made.
+        """
+        copy = Solution(*[getattr(self, name) for name in _FIELDS])
+        if (path := copy.path) is not None:
+            path = Path(path.start, path.curvature, path.length)
+            object.__setattr__(copy, "path", path)
+        return copy
+
+
+_FIELDS = [field.name for field in fields(Solution)]
+
+
+def _text(value: Any) -> str:
+    """The value as a plain str, of any subclass too, and of what a row can hold."""
+    if type(value) is str and value.isascii():
+        return value
+    return str.encode(str(value), "utf-8", "replace").decode()
 
 
 def _claim(value: Any) -> Claim:
     try:
         return Claim(value)
     except ValueError:
-        raise TypeError(f"claim is {_short(value)}; expected one of: {', '.join(Claim)}") from None
+        raise TypeError(f"claim is {short(value)}; expected one of: {', '.join(Claim)}") from None
 
 
 def _number(name: str, value: Any) -> float | None:
     if value is None:
         return None
     try:
-        # `float` accepts these, but they are no numbers
-        if isinstance(value, str | bytes | bytearray | bool | np.bool_):
-            raise TypeError
-        return float(value)
-    except (TypeError, ValueError, OverflowError):
-        raise TypeError(f"{name} is {_short(value)}; expected a number or None") from None
+        return real_number(value)
+    except Exception:  # of a class of a plug-in
+        raise TypeError(f"{name} is {short(value)}; expected a number or None") from None
 
 
 # The largest count that a results folder holds: beyond it doubles leave out whole numbers.
@@ -136,7 +150,7 @@ def _count(name: str, value: Any) -> int | None:
     except TypeError:
         count = -1
     if count is not None and not 0 <= count <= _MAX_COUNT:
-        raise TypeError(f"{name} is {_short(value)}; expected a count or None")
+        raise TypeError(f"{name} is {short(value)}; expected a count or None")
     return count
 
 
@@ -148,7 +162,7 @@ def _pair(value: Any) -> tuple[float, float] | None:
     except (TypeError, ValueError):
         x = y = None
     if x is None or y is None:
-        raise TypeError(f"multipliers is {_short(value)}; expected two numbers or None")
+        raise TypeError(f"multipliers is {short(value)}; expected two numbers or None")
     return x, y
 
 

@@ -6,6 +6,7 @@ import math
 import re
 
 from dubins_study.errors import DubinsStudyError
+from dubins_study.study.printable import short
 
 _NUMBER = r"(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
 _WITH_UNIT = re.compile(rf"([+-]?{_NUMBER})\s*(deg|°|rad)")
@@ -35,7 +36,7 @@ def parse_angle(text: str | float) -> float:
     else:
         value = _evaluate(text.strip())
     if value is None or not math.isfinite(value):
-        raise AngleError(f"{text!r} is not an angle; expected e.g. 120deg, 2.0944 or 2pi/3")
+        raise AngleError(f"{short(text)} is not an angle; expected e.g. 120deg, 2.0944 or 2pi/3")
     return value
 
 
@@ -53,5 +54,8 @@ def _evaluate(text: str) -> float | None:
         return None
     value = float(text)
     if _FULL_TURN < abs(value) < math.inf:
-        raise AngleError(f"{text} is more than a full turn; write {text}deg, or {text}rad")
+        wanted = (
+            f"write {text}deg, or {text}rad" if len(text) < 40 else "write its unit, deg or rad"
+        )
+        raise AngleError(f"{short(text)[1:-1]} is more than a full turn; {wanted}")
     return value

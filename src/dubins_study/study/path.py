@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from dubins_study.study.number import doubles, real_number
 from dubins_study.study.scenario import Pose
 
 FloatArray = NDArray[np.float64]
@@ -32,6 +33,7 @@ class Path:
 
     Raises:
         ValueError: if the two arrays are not of one shape (n,).
+        TypeError: if one of them holds something else than numbers (`study.number`).
 
     Any numbers are accepted, since a path may come from a solver that went wrong; whether it
     can be driven (finite, no negative length) is for `study.check.verdict` to say.
@@ -42,15 +44,14 @@ class Path:
     length: FloatArray
 
     def __init__(self, start: Pose, curvature: ArrayLike, length: ArrayLike) -> None:
-        k = np.array(curvature, dtype=np.float64)
-        lengths = np.array(length, dtype=np.float64)
+        k, lengths = doubles("curvature", curvature).copy(), doubles("length", length).copy()
         if k.ndim != 1 or k.shape != lengths.shape:
             raise ValueError(
                 f"curvature has shape {k.shape} and length {lengths.shape}; expected one shape (n,)"
             )
         for array in (k, lengths):
             array.setflags(write=False)
-        object.__setattr__(self, "start", Pose(*map(float, start)))
+        object.__setattr__(self, "start", Pose(*map(real_number, start)))
         object.__setattr__(self, "curvature", k)
         object.__setattr__(self, "length", lengths)
 

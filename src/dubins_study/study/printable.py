@@ -21,6 +21,18 @@ def plain(text: str, kept: str = "") -> str:
     return "".join(c if c.isprintable() or c in kept else repr(c)[1:-1] for c in text)
 
 
+def short(value: Any) -> str:
+    """The value's repr, shortened to what fits into a message."""
+    try:
+        text = repr(value)
+    except Exception:  # an integer of more than 4300 digits, or a class of a plug-in
+        return f"a value of type {type(value).__name__}"
+    return text if len(text) <= _SHORT else f"{text[: _SHORT - 3]}..."
+
+
+_SHORT = 60  # characters
+
+
 def printable_text(text: str) -> str:
     """The text with what cannot be printed written out; line breaks and tabs stay."""
     return plain(text, "\n\t")

@@ -11,6 +11,8 @@ import numpy as np
 
 from dubins_study.errors import DubinsStudyError
 from dubins_study.study.angle import AngleError, parse_angle
+from dubins_study.study.number import real_number
+from dubins_study.study.printable import short
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -32,17 +34,20 @@ class ScenarioError(DubinsStudyError, ValueError):
 class Scenario:
     """One vehicle and one target.
 
+    A number is an int or a float, one of numpy's, a Fraction or a Decimal: no text, boolean or
+    complex number (`study.number.real_number`).
+
     Args:
         x, y: start position; any length unit, the same for all lengths.
         heading: start heading, counter-clockwise from +x: rad, or a text such as `120deg`.
         target_x, target_y: target position.
         radius: minimum turning radius.
         speed: length units per time unit; travel time = length / speed.
-        label: a name of the caller's choice.
+        label: a text of the caller's choice.
 
     Raises:
-        ScenarioError: if the target is missing, a number is not finite, or `radius` or `speed` is
-            not positive.
+        ScenarioError: if the target is missing, a number is none or not finite, `radius` or `speed`
+            is not positive, or the label is no text.
     """
 
     x: float
@@ -70,7 +75,7 @@ class Scenario:
         given = (x, y, heading, target_x, target_y, radius, speed)
         for name, value in zip(NUMBERS, given, strict=True):
             object.__setattr__(self, name, _number(name, value))  # floats: 1 and 1.0 are one value
-        object.__setattr__(self, "label", label)
+        object.__setattr__(self, "label", _label(label))
         if self.extent > LARGEST_EXTENT * self.radius:
             raise ScenarioError(_lost_in_rounding(self.extent, self.radius))
 
@@ -98,7 +103,7 @@ NUMBERS = COLUMNS[:-1]
 _DEFAULTS: dict[str, Any] = {"speed": 1.0, "label": ""}
 _POSITIVE = ("radius", "speed")
 LARGEST, SMALLEST = 1e150, 1e-150  # beyond them squares overflow or vanish
-LARGEST_EXTENT = 1e14  # radii; beyond it a coordinate's last digit is a hundredth of the radius
+LARGEST_EXTENT = 1e13  # radii; a path of ten times as many cannot be driven to within a radius
 
 
 def _heading(text: str) -> float:
@@ -106,16 +111,29 @@ def _heading(text: str) -> float:
         return parse_angle(text)
     except AngleError as error:
         expected = "expected a number, in radians, or an angle such as 120deg"
-        raise ScenarioError(f"heading is {text!r}; {expected} ({error})") from None
+        raise ScenarioError(f"heading is {short(text)}; {expected} ({error})") from None
+
+
+def _label(text: str) -> str:
+    if not isinstance(text, str):
+        raise ScenarioError(f"label is {short(text)}; expected a text")
+    try:
+        return str.encode(text).decode()  # a plain str of any subclass, as a row can hold it
+    except UnicodeError:
+        raise ScenarioError(f"label is {short(text)}; expected a text without surrogates") from None
 
 
 def _number(name: str, value: float | None) -> float:
     if value is None:
         raise ScenarioError(f"{name} is missing; expected a number")
     try:
-        number = float(value)
-    except (TypeError, ValueError, OverflowError):
-        raise ScenarioError(f"{name} is {value!r}; expected a number") from None
+        number = real_number(value)
+    except OverflowError:
+        raise ScenarioError(
+            f"{name} is {short(value)}; expected a number of size up to {LARGEST:g}"
+        ) from None
+    except Exception:  # of a class of the caller's
+        raise ScenarioError(f"{name} is {short(value)}; expected a number") from None
     if problem := _problem(name, number):
         raise ScenarioError(problem)
     return number
@@ -142,11 +160,13 @@ def _problem(name: str, value: float) -> str | None:
 def check_frame(frame: pd.DataFrame) -> pd.DataFrame:
     """The frame with the columns of `COLUMNS` in order, float64 where they are numbers.
 
-    `speed` and `label` may be left out. The caller's frame is not changed; its index is kept.
+    `speed` and `label` may be left out, and a label that is missing is empty. The caller's frame
+    is not changed; its index is kept. Columns of any type are read if each value is a number as
+    `Scenario` takes it (a heading is in radians) or, of `label`, a text.
 
     Raises:
-        ScenarioError: naming the column that is missing, unknown or not numeric, or the field,
-            the value and the index label of the first row that no scenario may have.
+        ScenarioError: naming the column that is missing or unknown, or the field, the value and
+            the index label of the first row that no scenario may have.
     """
     import pandas as pd
 
@@ -166,15 +186,21 @@ def check_frame(frame: pd.DataFrame) -> pd.DataFrame:
             _column(frame, name) if name in names else np.full(len(frame), _DEFAULTS[name])
         )
     _check_extent(frame, checked)
-    checked["label"] = frame["label"] if "label" in names else ""
+    checked["label"] = _labels(frame) if "label" in names else ""
     return pd.DataFrame(checked, index=frame.index, copy=False)
 
 
 def _column(frame: pd.DataFrame, name: str) -> np.ndarray[Any, np.dtype[np.float64]]:
-    try:
-        values = frame[name].to_numpy(dtype=np.float64, na_value=np.nan)
-    except (TypeError, ValueError):
-        raise ScenarioError(_first_non_number(frame, name)) from None
+    column = frame[name]
+    kinds = column.dtype.kind if column.dtype != object else ""
+    if kinds in tuple("iuf") or (not kinds and set(map(type, column)) <= {int, float}):
+        try:
+            with np.errstate(over="ignore"):
+                values = column.to_numpy(dtype=np.float64, na_value=np.nan)
+        except OverflowError:
+            values = _one_by_one(frame, name)
+    else:
+        values = _one_by_one(frame, name)
     # min and max see NaN and both infinities without a temporary array of the frame's length
     low, high = (values.min(), values.max()) if values.size else (1.0, 1.0)
     values = values.view()
@@ -184,7 +210,43 @@ def _column(frame: pd.DataFrame, name: str) -> np.ndarray[Any, np.dtype[np.float
         return values
     bad = ~((least <= values) & (values <= LARGEST))
     row = int(np.flatnonzero(bad)[0])
-    raise ScenarioError(f"row {frame.index[row]!r}: {_problem(name, float(values[row]))}")
+    raise ScenarioError(f"{_row(frame, row)}: {_problem(name, float(values[row]))}")
+
+
+def _one_by_one(frame: pd.DataFrame, name: str) -> np.ndarray[Any, np.dtype[np.float64]]:
+    """A column of which not every value need be a number."""
+    values = np.empty(len(frame))
+    for row, value in enumerate(frame[name]):
+        try:
+            values[row] = np.nan if value is None else _number(name, value)
+        except ScenarioError as error:
+            raise ScenarioError(f"{_row(frame, row)}: {error}") from None
+    return values
+
+
+def _labels(frame: pd.DataFrame) -> pd.Series[Any]:
+    """The labels, empty where they are missing."""
+    import pandas as pd
+    from pandas.api.types import infer_dtype
+
+    labels = frame["label"]
+    if labels.dtype == "category":
+        labels = labels.astype(object)
+    missing = labels.isna()
+    if infer_dtype(labels, skipna=False) in ("string", "empty") and not missing.any():
+        return frame["label"]
+    texts = ["" if none else text for text, none in zip(labels, missing, strict=True)]
+    for row, text in enumerate(texts):
+        try:
+            _label(text)
+        except ScenarioError as error:
+            raise ScenarioError(f"{_row(frame, row)}: {error}") from None
+    return pd.Series(texts, frame.index, "str")
+
+
+def _row(frame: pd.DataFrame, row: int) -> str:
+    label = frame.index[row]
+    return f"row {short(label.item() if isinstance(label, np.generic) else label)}"
 
 
 def _check_extent(frame: pd.DataFrame, numbers: dict[str, Any]) -> None:
@@ -199,16 +261,7 @@ def _check_extent(frame: pd.DataFrame, numbers: dict[str, Any]) -> None:
     extent = sum(np.abs(numbers[name]) for name in ("x", "y", "target_x", "target_y"))
     for row in np.flatnonzero(extent > LARGEST_EXTENT * numbers["radius"])[:1]:
         problem = _lost_in_rounding(float(extent[row]), float(numbers["radius"][row]))
-        raise ScenarioError(f"row {frame.index[row]!r}: {problem}")
-
-
-def _first_non_number(frame: pd.DataFrame, name: str) -> str:
-    for row, value in zip(frame.index, frame[name], strict=True):
-        try:
-            float(value)
-        except (TypeError, ValueError):
-            return f"row {row!r}: {name} is {value!r}; expected a number"
-    return f"column {name!r} does not hold numbers"
+        raise ScenarioError(f"{_row(frame, int(row))}: {problem}")
 
 
 def scenarios(frame: pd.DataFrame) -> Iterator[Scenario]:

@@ -3,11 +3,18 @@
 from __future__ import annotations
 
 import json
+from importlib.metadata import version
 
 import pytest
 from typer.testing import CliRunner
 
+from dubins_study import Scenario, plot_path
 from dubins_study.cli.app import app
+from dubins_study.cli.arguments import CommandError
+from dubins_study.experiments.definition.experiment import ExperimentError
+from dubins_study.report.path_plot import PlotError
+from dubins_study.study.rows.files import ResultsError
+from dubins_study.study.rows.manifest import read_manifest
 
 FIELDS = {
     *("word", "length", "travel_time", "segments", "gap", "verdict", "claim", "proof", "solver"),
@@ -58,3 +65,105 @@ def test_experiments():
 
     assert {"name": "paper", "title": "The paper's five test problems"} in listed
     assert "The paper's five test problems" in asked("experiments").stdout
+
+
+def test_the_text_names_what_it_shows():
+    """Travel time is no time of the solver's, and every name has a column of its own."""
+    lines = asked(*PATH, "--speed", "2").stdout.splitlines()
+
+    assert "travel time 5.59864663148" in [line[:25] for line in lines]
+    assert not any(line.startswith("time") for line in lines)
+
+
+MISSES = {
+    "Path(s.start, [0.0], [1.0])": "misses: the path ends 10.3 R from the target",
+    "Path(s.start, [2.0], [1.0])": "misses: the curvature is 1 / R beyond what the branch allows",
+    "Path((1, 0, 0), [0.0], [1.0])": "misses: the path starts elsewhere",
+    "Path(s.start, [0.0], [-1.0])": "misses: the path has a number that is not finite, or a length",
+    "Path(s.start, [0.0], [1e16])": "misses: the path ends 1e+16 R from the target",
+}
+
+
+@pytest.mark.parametrize("path", MISSES)
+def test_a_path_that_misses_says_why(path, tmp_path):
+    plugin = tmp_path / "misses.py"
+    plugin.write_text(
+        "from dubins_study import Claim, Path, Solution, Solver\n"
+        "class Misses(Solver):\n"
+        "    name = 'misses'\n"
+        "    def solve(self, question, limit):\n"
+        "        s = question.scenario\n"
+        f"        return Solution(Claim.LOCAL, {path})\n"
+    )
+    done = asked(*PATH, "--solver", f"{plugin}:Misses")
+
+    verdict = next(line for line in done.stdout.splitlines() if line.startswith("verdict"))
+    assert verdict.removeprefix("verdict     ").startswith(MISSES[path])
+
+
+def test_the_version():
+    assert asked("--version").stdout == f"dubins-study {version('dubins-study')}\n"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("run", "paper", "--jobs", "x"), "'--jobs': 'x'; expected a whole number"),
+        (("run", "paper", "--repeats", "1_0"), "'--repeats': '1_0'; expected a whole number"),
+        (("run", "paper", "--time-limit", "x"), "'--time-limit': 'x'; expected a number"),
+        (("run", "paper", "--memory-limit", "4_0"), "'--memory-limit': '4_0'; expected a number"),
+        ((*PATH, "--time-limit", "6_0"), "'--time-limit': '6_0'; expected a number"),
+    ],
+)
+def test_an_option_that_is_no_number(arguments, message):
+    """In our words, and not in those of a library that reads options."""
+    done = asked(*arguments)
+
+    assert done.exit_code == 2
+    assert f"Invalid value for {message}" in done.stderr
+
+
+@pytest.mark.parametrize("arguments", [("1_0", "5"), ("10", "5", "--radius", "1_0")])
+def test_digits_are_not_grouped(arguments):
+    """As in a heading; Python reads 1_0 as ten."""
+    with pytest.raises(CommandError, match="is '1_0'; expected a number"):
+        CliRunner().invoke(app, ("solve", *arguments), catch_exceptions=False)
+
+
+TOML = """
+title = "t"
+question = "q"
+section = "{}"
+solvers = ["analytic"]
+[[scenarios]]
+target_x = 3
+target_y = 2
+"""
+
+
+def test_an_unknown_section_is_named_and_the_run_goes_on(tmp_path):
+    file = tmp_path / "mine.toml"
+    file.write_text(TOML.format("nonesuch"))
+    done = asked("run", str(file), "--out", str(tmp_path / "rows"))
+
+    assert "no section of the report is called 'nonesuch'; choose one of: paper," in done.stderr
+    assert "1 of 1 cells done" in done.stdout
+
+
+def test_a_section_that_is_no_name(tmp_path):
+    file = tmp_path / "mine.toml"
+    file.write_text(TOML.format("No Name"))
+    with pytest.raises(ExperimentError, match="section is 'No Name': expected a name of small"):
+        CliRunner().invoke(app, ("run", str(file)), catch_exceptions=False)
+
+
+@pytest.mark.parametrize("drawn", [3, None, "path", Scenario(target_x=1, target_y=0), type])
+def test_only_answers_and_paths_are_drawn(drawn):
+    with pytest.raises(PlotError, match=r"drawn is .*; expected an answer of solve, or a Path"):
+        plot_path(drawn)
+
+
+def test_a_truncated_manifest_says_how_to_go_on(tmp_path):
+    (tmp_path / "manifest.json").write_text('{"schema": 4, "runs"')
+    with pytest.raises(ResultsError, match=r"cannot be read as JSON: .*again with --restart"):
+        read_manifest(tmp_path)

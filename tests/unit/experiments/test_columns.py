@@ -152,7 +152,7 @@ def test_a_latin_hypercube_too_large_to_draw_is_refused(monkeypatch):
     [
         ({"radius": [1, 1, -2]}, "scenario 2: radius is -2.0; expected a number above 0"),
         ({"target_x": [1, 1e200]}, "scenario 1: target_x is 1e+200; expected a number of size"),
-        ({"target_x": [0, 1e16]}, r"scenario 1: radius is 1.0; expected at least 100 beside"),
+        ({"target_x": [0, 1e16]}, r"scenario 1: radius is 1.0; expected at least 1e+03 beside"),
         (
             {"target_x": None, "target_y": None, "arc": 1, "margin": [0, -3]},
             "scenario 1: margin is -3.0; expected at least -1",

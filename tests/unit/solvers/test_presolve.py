@@ -96,6 +96,32 @@ def test_without_it_no_engine_knows_for_nothing(name):
         assert answer.wall_s < 10  # measured: under half a second alone on the machine
 
 
+@pytest.mark.parametrize("name", ["turn-rate-qp", "collocation", "heading-milp"])
+def test_turning_one_way_into_the_circle_is_not_called_the_word(name):
+    """Straight first and then left leads into the rear half at any depth, and LS does not."""
+    solver = load(name)
+    for exponent in range(1, 16):
+        for arc in (3.5, 4.5, 5.9):
+            r = 1 - 10.0**-exponent
+            scenario = Scenario(0, 0, 0, r * math.sin(arc), 1 - r * math.cos(arc), 1)
+            answer = attempt(solver, Question(scenario, "LS"))
+            assert not answer.false_claim, (exponent, arc)
+    for place in [(-0.4499593609480958, 1.8930490319658606), (-7.604903753467853e-08, 3.9e-15)]:
+        assert not attempt(solver, Question(Scenario(0, 0, 0, *place, 1), "LS")).false_claim
+
+
+@pytest.mark.parametrize("name", ["turn-rate-qp", "collocation", "heading-milp"])
+def test_a_word_that_exists_is_not_taken_for_turning_one_way(name):
+    """On the circle and outside, down to 1e-15 R, where the word's equations become singular."""
+    solver = load(name)
+    for distance in (0.0, *(10.0**-exponent for exponent in range(1, 16))):
+        for arc in (3.5, 5.9):
+            r = 1 + distance
+            scenario = Scenario(0, 0, 0, r * math.sin(arc), 1 - r * math.cos(arc), 1)
+            answer = attempt(solver, Question(scenario, "LS"))
+            assert "turning to one side" not in answer.message, (distance, arc)
+
+
 @pytest.mark.parametrize("name", ENGINES)
 @pytest.mark.parametrize("target", [(0.3, 0.8), (4.0, 2.0), (-0.6, -1.3), (-3.0, 0.5)])
 def test_the_best_path_is_found_without_the_words_that_cannot_exist(name, target):
@@ -229,5 +255,5 @@ def test_the_command_says_who_answered():
         solver = load(f"slsqp[presolve={presolve}]")
         answer = attempt(solver, Question(Scenario(0, 0, 0, 0.3, 0.8, 1), "LS"))
 
-        assert ("presolve  answered" in answer_text(answer)) is (presolve == "true")
+        assert ("presolve    answered" in answer_text(answer)) is (presolve == "true")
         assert f'"presolved": {presolve}' in answer_json(answer)

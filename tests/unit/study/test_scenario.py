@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 import re
+from decimal import Decimal
+from fractions import Fraction
 
 import numpy as np
 import pandas as pd
@@ -60,6 +62,123 @@ def test_numbers_whose_squares_overflow_or_vanish(field, value):
 def test_a_number_too_large_for_a_double():
     with pytest.raises(ScenarioError, match="x is 1000000"):
         Scenario(**(GOOD | {"x": 10**400}))
+
+
+class Hostile:
+    """A value that raises whatever is asked of it."""
+
+    def __repr__(self):
+        raise RuntimeError
+
+    def __float__(self):
+        raise RuntimeError
+
+
+NO_NUMBERS = [
+    ("1", "'1'"),
+    ("1_0", "'1_0'"),
+    (b"1", "b'1'"),
+    (True, "True"),
+    (1j, "1j"),
+    (1 + 0j, r"\(1\+0j\)"),
+    (np.True_, r"np\.True_"),
+    (np.complex64(2), r"np\.complex64\(2\+0j\)"),
+    (np.timedelta64(1, "s"), "np.timedelta64"),
+    (pd.Timedelta(1), "Timedelta"),
+    (pd.Timestamp(0), "Timestamp"),
+    ((1,), r"\(1,\)"),
+    (Hostile(), "a value of type Hostile"),
+    (10**400, r"1000\d{0,60}\.\.\."),
+    (10**5000, "a value of type int"),  # Python refuses to print as many digits
+    (Decimal("sNaN"), r"Decimal\('sNaN'\)"),
+]
+
+
+@pytest.mark.parametrize(("value", "shown"), NO_NUMBERS, ids=[shown for _, shown in NO_NUMBERS])
+@pytest.mark.parametrize("field", ["x", "heading", "radius"])
+def test_what_is_no_number(field, value, shown):
+    """Named in few words, from a scenario and from a frame; only a heading may be a text."""
+    if field == "heading" and shown == "'1'":
+        assert Scenario(**(GOOD | {field: value})).heading == 1.0
+    else:
+        with pytest.raises(
+            ScenarioError, match=rf"^{field} is {shown}.*; expected a number"
+        ) as one:
+            Scenario(**(GOOD | {field: value}))
+        assert len(str(one.value)) < 200
+    column = pd.Series([1.0, 1.0, None], dtype=object)
+    column[2] = value
+    frame = pd.DataFrame([GOOD] * 3).assign(**{field: column})
+    with pytest.raises(ScenarioError, match=rf"^row 2: {field} is {shown}.*; expected a number"):
+        check_frame(frame)
+
+
+@pytest.mark.parametrize(
+    "value",
+    [2, np.float32(2), np.int8(2), Decimal(2), Fraction(2), np.array(2.0), np.longdouble(2)],
+)
+def test_what_is_a_number(value):
+    assert Scenario(**(GOOD | {"x": value})) == Scenario(**(GOOD | {"x": 2.0}))
+    frame = pd.DataFrame([GOOD | {"x": 2.0}]).assign(x=pd.Series([value], dtype=object))
+    assert list(scenarios(check_frame(frame))) == [Scenario(**(GOOD | {"x": 2.0}))]
+
+
+COLUMNS_OF_NUMBERS = {
+    "big-endian": np.array([1, 2], ">f8"),
+    "big-endian integers": np.array([1, 2], ">i2"),
+    "small": np.array([1, 2], np.float16),
+    "objects": np.array([1, 2.0], object),
+    "nullable": pd.array([1, 2], dtype="Int64"),
+    "categories": pd.Categorical([1.0, 2.0]),
+    "sparse": pd.arrays.SparseArray([1.0, 2.0]),
+}
+OTHER_COLUMNS = {
+    "complex": (np.array([1 + 2j, 2]), r"\(1\+2j\)"),
+    "complex without an imaginary part": (np.array([1 + 0j, 2]), r"\(1\+0j\)"),
+    "text": (np.array(["1_0", "2"]), "'1_0'"),
+    "nullable text": (pd.array(["1", "2"], dtype="string"), "'1'"),
+    "categories of text": (pd.Categorical(["1", "2"]), "'1'"),
+    "durations": (pd.to_timedelta([1, 2]), "Timedelta"),
+    "dates": (pd.to_datetime([1, 2]), "Timestamp"),
+    "booleans": (np.array([True, False]), "True"),
+    "nullable booleans": (pd.array([True, None], dtype="boolean"), ".*True"),
+    "missing": (pd.array([None, 2], dtype="Int64"), "nan"),
+    "masked": (pd.Series(np.ma.masked_array([1.0, 2.0], [True, False])), "nan"),
+}
+
+
+@pytest.mark.parametrize("name", COLUMNS_OF_NUMBERS)
+@pytest.mark.parametrize("field", ["target_x", "radius"])
+def test_columns_of_every_type_of_number(field, name):
+    """Read for what they hold, whatever the index."""
+    frame = pd.DataFrame([GOOD] * 2).assign(**{field: COLUMNS_OF_NUMBERS[name]})
+    checked = check_frame(frame.set_axis([7, 7]))
+
+    assert checked[field].tolist() == [1.0, 2.0]
+    assert checked[field].dtype == np.float64
+    assert checked.index.tolist() == [7, 7]
+
+
+@pytest.mark.parametrize("name", OTHER_COLUMNS)
+@pytest.mark.parametrize("field", ["target_x", "radius"])
+def test_columns_of_something_else(field, name):
+    column, shown = OTHER_COLUMNS[name]
+    frame = pd.DataFrame([GOOD] * 2).assign(**{field: column})
+    with pytest.raises(ScenarioError, match=rf"^row 'a': {field} is {shown}.*; expected a "):
+        check_frame(frame.set_axis(["a", "b"]))
+
+
+@pytest.mark.parametrize("label", [[1], {}, None, 3, b"a", "\ud800"])
+def test_a_label_is_a_text(label):
+    """In a frame a missing one is empty, as CSV files read; anything else is named and its row."""
+    with pytest.raises(ScenarioError, match=r"^label is .*; expected a text"):
+        Scenario(**(GOOD | {"label": label}))
+    frame = pd.DataFrame([GOOD] * 2).assign(label=pd.Series(["a", None], dtype=object))
+    assert check_frame(frame)["label"].tolist() == ["a", ""]
+    if label not in (None, "\ud800"):
+        frame.at[1, "label"] = label
+        with pytest.raises(ScenarioError, match=r"^row 1: label is .*; expected a text"):
+            check_frame(frame)
 
 
 def test_a_radius_lost_in_rounding():

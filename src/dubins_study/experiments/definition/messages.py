@@ -12,6 +12,9 @@ _WHOLE, _NUMBER, _TEXT = "expected a whole number", "expected a number", "expect
 _EXPECTED = {
     "too_short": "expected at least one",
     "string_too_short": "expected a text that is not empty",
+    "too_long": "expected at most {max_length}",
+    "string_too_long": "expected a text of at most {max_length} characters",
+    "string_pattern_mismatch": "expected a name of small letters, digits and hyphens",
     "list_type": "expected a list",
     "tuple_type": "expected a list",
     "string_type": _TEXT,

@@ -132,8 +132,6 @@ def _encode_path(path: Path | None) -> list[Any] | None:
     """A path's start, followed by its two arrays in one text."""
     if path is None:
         return None
-    # Check again: a plug-in may have replaced the arrays since the path was created.
-    path = Path(path.start, path.curvature, path.length)
     arrays = [np.asarray(values, np.float64).tobytes() for values in (path.curvature, path.length)]
     return [*map(float, path.start), b2a_base64(b"".join(arrays), newline=False).decode()]
 
@@ -145,18 +143,10 @@ def _decode_path(values: list[Any] | None) -> Path | None:
     return Path(Pose(*start), *np.frombuffer(a2b_base64(arrays)).reshape(2, -1))
 
 
-_NAMES = [field.name for field in fields(Solution)]
-
-
 def encode_reply(sent: WorkerReply) -> list[Any]:
-    """A reply as plain values.
-
-    Raises:
-        Exception: any exception that a plug-in's values raise when they are read.
-    """
+    """A reply as plain values."""
     reply = sent.reply
-    # Check again: a plug-in may have changed its solution since it was created.
-    solution = Solution(*[getattr(reply.solution, name) for name in _NAMES])
+    solution = reply.solution  # of plain values, as `ask` hands it on
     dual = solution.multipliers
     return [
         str(reply.outcome.value),

@@ -12,7 +12,7 @@ from dubins_study.solvers.paper_nlp.model import FULL_TURN, SUBPROBLEMS, equatio
 from dubins_study.solvers.protocol import Question
 from dubins_study.study.path import FloatArray, Path
 from dubins_study.study.scenario import Scenario
-from dubins_study.study.vehicle_frame import EPS
+from dubins_study.study.vehicle_frame import EPS, local
 
 # Where a word's two solutions meet (on a turning circle) a Newton step only halves the distance
 # to them, so from a tolerance of 1e-6 some 25 steps lead to the last digit that there is.
@@ -53,7 +53,8 @@ def meet_target(
         word: the solver's.
         z: shape (3,): how far it turns to the left and to the right (rad), then goes straight.
     """
-    rounding = _rounding(scenario)
+    X, Y = scenario.local()
+    rounding = 8 * EPS * (1 + math.hypot(X, Y) + scenario.extent / scenario.radius)
     first = None
     for name in (word, *(other for other in words if other != word)):
         mirrored = SUBPROBLEMS[name].mirrored
@@ -81,6 +82,8 @@ def one_sided_only(question: Question, path: Path) -> str | None:
     end = path.end
     missed = math.hypot(end.x - scenario.target_x, end.y - scenario.target_y) / scenario.radius
     arcs = turn % FULL_TURN, min(turn, FULL_TURN)  # either side of a full turn
+    # within delta of the target the word may exist; EPS is the rounding of the word's own end
+    allowed = max(missed + EPS, local(scenario).delta)
     least = math.inf
     # On the circle, without a straight, the equations are singular: begin a little outside as well.
     for arc, outside in product(arcs, (0.0, _OUTSIDE)):
@@ -88,14 +91,9 @@ def one_sided_only(question: Question, path: Path) -> str | None:
         z = np.zeros(3)
         z[free] = arc - moved, straight + moved
         least = min(least, polish(word, z, *target(scenario, mirrored=False))[1])
-        if least <= missed + _rounding(scenario):
+        if least <= allowed:
             return None
     return f"turning to one side arrives, but {word} itself misses by {least:.1e} radii"
-
-
-def _rounding(scenario: Scenario) -> float:
-    """The miss (radii) that rounding explains."""
-    return 8 * EPS * (1 + math.hypot(*scenario.local()) + scenario.extent / scenario.radius)
 
 
 def polish(word: str, z: FloatArray, X: float, Y: float) -> tuple[FloatArray, float]:

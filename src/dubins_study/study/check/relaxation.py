@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from copy import copy
 
 from dubins_study.study.closed_form.shortest import Shortest, margin, shortest
 from dubins_study.study.scenario import Scenario
@@ -34,7 +34,7 @@ def relaxed_reference(
     bare = None if optimum is None else optimum.total * scenario.radius
     if bare is not None and length >= bare * (1.0 - ROUNDED):
         return bare
-    at_end = _shortest_length(replace(scenario, target_x=end[0], target_y=end[1]), branch)
+    at_end = _shortest_length(_moved(scenario, *end), branch)
     if optimum is not None and bare is not None:
         explained = bare - _steepness(optimum) * miss
         if length >= explained:
@@ -42,9 +42,16 @@ def relaxed_reference(
             return length if jumps or at_end is None else min(bare, at_end)
     lengths = [at_end]
     if margin(scenario) * scenario.radius <= miss:
-        x, y = _onto_circle(scenario)
-        lengths.append(_shortest_length(replace(scenario, target_x=x, target_y=y), branch))
+        lengths.append(_shortest_length(_moved(scenario, *_onto_circle(scenario)), branch))
     return min((value for value in (bare, *lengths) if value is not None), default=None)
+
+
+def _moved(scenario: Scenario, x: float, y: float) -> Scenario:
+    """The scenario with another target, which may be beyond what a scenario may ask for."""
+    moved = copy(scenario)
+    object.__setattr__(moved, "target_x", x)
+    object.__setattr__(moved, "target_y", y)
+    return moved
 
 
 def _steepness(optimum: Shortest) -> float:

@@ -195,7 +195,10 @@ def _read_object(folder: FilePath, file: FilePath) -> dict[str, Any]:
     try:
         content = json.loads(text.decode(), parse_constant=_finite, parse_float=_finite)
     except (ValueError, RecursionError) as error:
-        raise ResultsError(f"{file} cannot be read as JSON: {error}") from None
+        raise ResultsError(
+            f"{file} cannot be read as JSON: {error}; bring back a whole copy, or run the "
+            "experiment again with --restart"
+        ) from None
     if not isinstance(content, dict):
         raise ResultsError(f"{file} holds {content!r:.60}; expected an object")
     return content

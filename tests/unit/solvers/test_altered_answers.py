@@ -1,0 +1,195 @@
+"""Answers that a plug-in alters after they were made: judged are plain values, and no copy lies."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pandas as pd
+import pytest
+from cases import scenario_frame
+from hypothesis import given
+from hypothesis import strategies as st
+
+from dubins_study.experiments.isolation.messages import WorkerReply, decode_reply, encode_reply
+from dubins_study.solvers.attempt import attempt, judged
+from dubins_study.solvers.frame import solve_frame
+from dubins_study.solvers.frame_solution import FrameSolution
+from dubins_study.solvers.protocol import Outcome, Question, Solution, Solver
+from dubins_study.solvers.reply import ask
+from dubins_study.study.check.verdict import Verdict
+from dubins_study.study.claim import Claim
+from dubins_study.study.path import Path
+from dubins_study.study.paths import Paths
+from dubins_study.study.scenario import Pose, Scenario
+
+ASKED = Scenario(0, 0, 0.3, 3, 2, 1)
+
+
+class Alike(tuple):
+    """A start pose that equals every other."""
+
+    x, y, heading = 3.0, 2.0, 0.0
+
+    def __eq__(self, other):
+        return True
+
+    def __ne__(self, other):
+        return False
+
+    __hash__ = None
+
+
+class Claiming(np.ndarray):
+    """Lengths that are short when they are summed."""
+
+    def tolist(self):
+        return [0.0]
+
+    def sum(self, *args, **options):
+        return 0.0
+
+
+def altered(field, value):
+    path = Path(ASKED.start, [0.0], [1.0])
+    object.__setattr__(path, field, value)
+    return path
+
+
+HOSTILE = {
+    "a start at the target": altered("start", Pose(3.0, 2.0, 0.0)),
+    "a start that equals every other": altered("start", Alike((3.0, 2.0, 0.0))),
+    "lengths that lie": altered("length", np.array([1.0]).view(Claiming)),
+    "complex lengths": altered("length", np.array([1.0 + 5j])),
+    "lengths of text": altered("length", np.array(["1_0"])),
+    "lengths of objects": altered("length", np.array([object()])),
+    "too many lengths": altered("length", np.ones(3)),
+    "no array": altered("curvature", "none"),
+    "a start of two numbers": altered("start", (0.0, 0.0)),
+}
+RAISED = ("complex", "text", "objects", "too many", "no array", "two numbers")
+
+
+class Plain(Solver):
+    name = "plain"
+
+    def __init__(self, path):
+        self.path = path
+
+    def solve(self, question, limit):
+        solution = Solution(Claim.OPTIMAL)
+        object.__setattr__(solution, "path", self.path)
+        return solution
+
+
+@pytest.mark.parametrize("name", HOSTILE)
+def test_a_path_that_lies_is_judged_by_its_controls(name):
+    """The same from Python as from a worker's reply."""
+    solver, question = Plain(HOSTILE[name]), Question(ASKED)
+    answer = attempt(solver, question)
+    sent = decode_reply(encode_reply(WorkerReply(ask(solver, question)))).reply
+
+    assert answer.verdict in (Verdict.MISSES, Verdict.NONE)
+    assert answer.gap is None
+    assert answer.verdict is judged("plain", question, sent).verdict
+    assert (answer.outcome is Outcome.RAISED) == any(word in name for word in RAISED)
+    assert answer.length is None or answer.length == 1.0
+
+
+@pytest.mark.parametrize("text", ["\ud800", "a\0b"])
+def test_texts_that_no_row_holds(text):
+    solution = Solution(Claim.NONE, message=text, native_status=text)
+
+    assert solution.message.encode()
+
+
+N = 3
+GOOD = {"curvature": np.zeros((2, N)), "length": np.ones((2, N)), "returned": np.ones(N, bool)}
+ARRAYS = {
+    "big-endian": {"length": np.ones((2, N), ">f8")},
+    "integers": {"length": np.ones((2, N), int), "curvature": np.ones((2, N), np.int8)},
+    "read-only": {"length": np.broadcast_to(1.0, (2, N))},
+    "of objects": {"length": np.ones((2, N), object)},
+    "lists": {"length": [[1.0] * N] * 2},
+    "NaN": {"length": np.full((2, N), np.nan)},
+    "strided": {"length": np.ones((4, 2 * N))[::2, ::2]},
+    "claims": {"claim": np.ones(N, ">i4")},
+    "bounds": {"lower_bound": np.ones(N, ">f4"), "claimed_length": [1, 2, 3]},
+}
+BAD_ARRAYS = {
+    "complex": ({"length": np.ones((2, N), complex)}, "length is an array of complex128"),
+    "of text": ({"length": np.full((2, N), "1_0")}, "length is an array of <U3"),
+    "booleans": ({"curvature": np.ones((2, N), bool)}, "curvature is an array of bool"),
+    "of odd objects": ({"length": np.full((2, N), None)}, "length holds None"),
+    "durations": ({"length": np.ones((2, N), "m8[s]")}, "length is an array of timedelta64"),
+    "of one row": ({"length": np.ones(N)}, r"length has shape \(3,\); expected \(2, 3\)"),
+    "flat": ({"curvature": np.ones(N), "length": np.ones(N)}, r"curvature has shape \(3,\)"),
+    "numbers for flags": ({"returned": np.ones(N)}, "returned is an array of float64"),
+    "few flags": ({"returned": np.ones(1, bool)}, r"returned has shape \(1,\); expected \(3,\)"),
+    "claims that are NaN": ({"claim": np.full(N, np.nan)}, "claim is neither a Claim nor indices"),
+    "claims of text": ({"claim": ["optimal"] * N}, "claim is neither a Claim nor indices"),
+    "claims too many": (
+        {"claim": np.zeros(N + 1, int)},
+        r"claim has shape \(4,\); expected \(3,\)",
+    ),
+    "complex bounds": ({"lower_bound": np.ones(N, complex)}, "lower_bound is an array of complex"),
+    "a bound": ({"lower_bound": 1.0}, r"lower_bound has shape \(\); expected \(3,\)"),
+    "messages of lists": ({"message": [[1]] * N}, r"row 0: message is \[1\]; expected a text"),
+    "few messages": ({"message": ["a"]}, "there are 1 messages; expected 1 or 3"),
+    "a status": ({"native_status": 3}, "native_status is 3; expected a text"),
+    "no paths": ({"paths": None}, "paths is None; expected Paths"),
+}
+
+
+def frame_of(monkeypatch, changes, late):
+    """The rows of a plug-in whose arrays are so; `late`: changed after its solution was made."""
+
+    class Whole(Plain):
+        branches = ("best",)
+
+        def solve_frame(self, frame, branch):
+            if not late:
+                arrays = GOOD | {k: v for k, v in changes.items() if k in GOOD}
+                others = {"claim": Claim.NONE, "paths": Paths(**arrays)}
+                return FrameSolution(**others | {k: v for k, v in changes.items() if k not in GOOD})
+            solution = FrameSolution(Claim.NONE, Paths(**GOOD))
+            for name, value in changes.items():
+                object.__setattr__(solution.paths if name in GOOD else solution, name, value)
+            return solution
+
+    monkeypatch.setattr("dubins_study.solvers.frame.load", lambda spec, profile: Whole(None))
+    return solve_frame(scenario_frame([ASKED] * N), certified=True)
+
+
+@pytest.mark.parametrize("late", [False, True])
+@pytest.mark.parametrize("name", ARRAYS)
+def test_arrays_of_every_kind_are_read(monkeypatch, name, late):
+    rows = frame_of(monkeypatch, ARRAYS[name], late)
+
+    assert set(rows["outcome"]) == {"returned"}
+    assert set(rows["verdict"]) == {"misses"}
+
+
+@pytest.mark.parametrize("late", [False, True])
+@pytest.mark.parametrize("name", BAD_ARRAYS)
+def test_other_arrays_are_the_plug_ins_failure(monkeypatch, name, late):
+    """One message that names the field, its value and what was expected."""
+    changes, message = BAD_ARRAYS[name]
+    rows = frame_of(monkeypatch, changes, late)
+
+    assert set(rows["outcome"]) == {"raised"}
+    assert rows["message"].astype(str).str.contains(message).all(), rows["message"].iloc[0]
+    assert rows["length"].isna().all()
+    assert isinstance(rows, pd.DataFrame)
+
+
+@given(st.lists(st.floats(), max_size=4), st.lists(st.floats(), max_size=4))
+def test_any_numbers_make_an_answer(curvature, length):
+    if len(curvature) != len(length):
+        with pytest.raises(ValueError, match="expected one shape"):
+            Path(ASKED.start, curvature, length)
+        return
+    answer = attempt(Plain(Path(ASKED.start, curvature, length)), Question(ASKED))
+
+    assert answer.outcome is Outcome.RETURNED
+    assert answer.length is None or math.isfinite(answer.length)

@@ -1,0 +1,122 @@
+"""The edges of what a scenario may be: all that is accepted is judged, and nothing raises."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from cases import scenario_frame
+from hypothesis import given
+from hypothesis import strategies as st
+
+from dubins_study import solve, solve_frame
+from dubins_study.study.check.certificate import Proof, certify
+from dubins_study.study.check.certificate_frame import certify_frame
+from dubins_study.study.check.verdict import Verdict, judge
+from dubins_study.study.check.verdict_frame import judge_frame
+from dubins_study.study.claim import Claim
+from dubins_study.study.path import Path
+from dubins_study.study.paths import Paths
+from dubins_study.study.scenario import LARGEST_EXTENT, Scenario, ScenarioError, check_frame
+from dubins_study.study.words import BRANCHES
+
+SHARES = st.lists(st.floats(-1, 1), min_size=4, max_size=4).filter(lambda w: sum(map(abs, w)) > 0.1)
+
+
+def at_the_limit(shares, radius, heading) -> Scenario:
+    """A scenario whose coordinates together are as large as they may be."""
+    size = sum(map(abs, shares))
+    for _ in range(9):  # the sum of the scaled shares may round above the limit
+        x, y, target_x, target_y = (w / size * LARGEST_EXTENT * radius for w in shares)
+        try:
+            return Scenario(x, y, heading, target_x, target_y, radius)
+        except ScenarioError:
+            size *= 1 + 2e-16
+    raise AssertionError
+
+
+@given(
+    SHARES,
+    st.floats(-150, 136).map(lambda exponent: 10.0**exponent),
+    st.one_of(st.floats(-7, 7), st.sampled_from([0.0, math.pi / 2, 1e150])),
+    st.sampled_from(BRANCHES),
+)
+def test_at_the_largest_extent_answers_arrive(shares, radius, heading, branch):
+    """An exact answer is never said to miss, from the scalar nor from the frame."""
+    scenario = at_the_limit(shares, radius, heading)
+    answer = solve(scenario, branch=branch)
+    row = solve_frame(scenario_frame([scenario]), branch=branch, certified=True).iloc[0]
+
+    assert scenario.extent >= 0.99 * LARGEST_EXTENT * radius
+    assert answer.verdict in (Verdict.OPTIMAL, Verdict.NONE_EXISTS)
+    assert not answer.false_claim
+    assert (row["verdict"], row["proof"]) == (answer.verdict, answer.proof)
+
+
+def test_beyond_the_largest_extent():
+    with pytest.raises(ScenarioError, match=r"radius is 1\.0; expected at least 1\.01 beside"):
+        Scenario(target_x=1.01e13, target_y=0)
+
+
+def test_a_path_whose_end_no_scenario_may_have_is_judged():
+    """Found by fuzzing: the end of an answer may lie beyond the largest coordinate."""
+    scenario = Scenario(0, 0, 0.5, -1e150, 1e149, 1e150)
+    exact = solve(scenario)
+    beyond = Path(scenario.start, exact.path.curvature, exact.path.length * (1 - 1e-9))
+    at_edge = Path(scenario.start, [0.0], [1.0])
+    for path in (exact.path, beyond, at_edge):
+        found = judge(scenario, path, Claim.OPTIMAL)
+        assert found.verdict in (Verdict.OPTIMAL, Verdict.MISSES)
+    assert solve(scenario, "ipopt").verdict is Verdict.OPTIMAL
+
+
+NUMBERS = st.one_of(
+    st.sampled_from([0.0, -0.0, 5e-324, 1.0, -1.0, 1e13, 1e150, -1e150, 1e-150, math.pi, 2.0]),
+    st.sampled_from([math.nan, math.inf, -math.inf, 1e308, -1e308, 1e-308, 1e300]),
+    st.floats(-10, 10),
+    st.floats(),
+)
+SIZES = st.sampled_from([1.0, 1e150, 1e-150, 1e-140, 1e137, 3e5])
+
+
+@st.composite
+def extreme_scenarios(draw):
+    """Any accepted scenario, its sizes drawn from the limits."""
+    radius = draw(SIZES)
+    numbers = [
+        draw(st.floats(-3, 3)) * draw(st.sampled_from([1, 8e11, 1e-12, 0])) for _ in range(4)
+    ]
+    heading = draw(st.sampled_from([0.0, 0.5, -1e150, 3.0]))
+    scaled = [max(-1e150, min(1e150, number * radius)) for number in numbers]
+    return Scenario(*scaled[:2], heading, *scaled[2:], radius, draw(st.sampled_from([1.0, 1e-150])))
+
+
+@given(
+    extreme_scenarios(),
+    st.lists(st.tuples(NUMBERS, NUMBERS), max_size=9),
+    st.booleans(),
+    st.sampled_from(BRANCHES),
+    st.one_of(st.none(), NUMBERS),
+    st.booleans(),
+)
+def test_the_check_never_raises(scenario, pieces, in_radii, branch, bound, exact):
+    """Of any path, drivable or not, and any bound: a verdict and a certificate."""
+    unit = scenario.radius if in_radii else 1.0
+    with np.errstate(over="ignore", invalid="ignore"):
+        curvature = np.array([k for k, _ in pieces]) / unit
+        length = np.array([s for _, s in pieces]) * unit
+    path = Path(scenario.start, curvature, length)
+    if exact:  # next to the answer, and so near the target
+        answer = solve(scenario, branch=branch).path
+        path = answer and Path(scenario.start, answer.curvature, answer.length * (1 - 1e-9))
+    judged = judge(scenario, path, Claim.OPTIMAL, branch)
+    found = certify(scenario, path, judged, branch, lower_bound=bound)
+
+    assert judged.verdict in Verdict
+    assert found.proof in Proof
+    if path is not None and len(path.length) == 2:
+        frame = check_frame(scenario_frame([scenario]))
+        both = Paths(path.curvature[:, None], path.length[:, None])
+        rows = judge_frame(frame, both, Claim.OPTIMAL, branch)
+        assert len(certify_frame(frame, both, rows, branch).proof) == 1
