@@ -41,7 +41,9 @@ def run(seed: int, low: int, high: int) -> Table:
     for number, (kind, scenario) in zip(numbers, cases, strict=True):
         table.generator = kind
         rng = np.random.default_rng((seed, number, 1))
-        sampled.append(_one(table, scenario, rng, self_checked=number % _SELF_CHECKED == 0))
+        # by lot: generators take turns with the number
+        self_checked = rng.random() * _SELF_CHECKED < 1
+        sampled.append(_one(table, scenario, rng, self_checked))
         altered.append(_answer(table, scenario, rng))
     frames.closed_forms(table, cases)
     frames.judgements(table, cases, sampled)

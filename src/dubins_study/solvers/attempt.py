@@ -197,6 +197,8 @@ def _judged(spec: str, question: Question, reply: Reply, allowed: Tolerances) ->
         multipliers=multipliers,
         tolerances=allowed,
     )
+    if solution.presolved:  # whatever the check finds, no engine has proved anything
+        certificate = certificate._replace(proof=Proof.NONE)
     dual_x, dual_y = multipliers or (None, None)
     answer = {
         "solver": spec,

@@ -75,6 +75,7 @@ def test_every_engine_gives_the_same_answer_and_it_is_marked(question):
         assert (answer.iterations, answer.evaluations, answer.path) == (0, 0, None)
         assert answer.presolved
         assert answer.row()["presolved"] is True
+        assert answer.proof == "none"
         assert answer.message.startswith("presolve: the target is ")
 
 

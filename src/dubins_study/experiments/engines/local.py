@@ -27,7 +27,10 @@ def local_engine(jobs: int) -> Iterator[Engine]:
     ) -> Generator[list[Row], None, None]:
         pool_probed = None if probed is None else lambda seconds: probed(seconds, 0)
         with WorkerPool(jobs, limits(unit.settings), probed=pool_probed) as pool:
-            yield from solve_chains(pool, unit, stop)
+            try:
+                yield from solve_chains(pool, unit, stop)
+            except RunError as error:
+                raise RunError(f"{error}; the rows written so far are kept") from None
 
     yield Engine(jobs, {}, solve)
 

@@ -39,7 +39,7 @@ _MAX_FALSE_STARTS = 3
 
 
 class RunError(DubinsStudyError, RuntimeError):
-    """The run cannot continue; the rows written so far are kept."""
+    """No more questions can be asked; in a run the rows written so far are kept."""
 
 
 # Jobs and the replies to them.
@@ -163,8 +163,7 @@ class WorkerPool:
             try:
                 worker = WorkerProcess(self.limits.memory_bytes, group)
             except (OSError, ForkServerError) as error:
-                message = f"no worker process starts ({error}); the rows written so far are kept"
-                raise RunError(message) from None
+                raise RunError(f"no worker process starts ({error})") from None
             self._workers[place] = worker
         return worker if len(worker.pending) < (share if worker.quick else 1) else None
 
@@ -240,7 +239,7 @@ class WorkerPool:
             if self._false_starts >= _MAX_FALSE_STARTS:
                 raise RunError(
                     "worker processes end before they solve anything "
-                    f"({crash_reply.solution.message}); the rows written so far are kept"
+                    f"({crash_reply.solution.message})"
                 )
             return []
         self._false_starts = 0

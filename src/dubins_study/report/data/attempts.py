@@ -227,10 +227,9 @@ class Attempts:
         return f'{name}("{column}", {q})'
 
 
-# What the presolve answered is neither an engine's success nor its proof.
+# What the presolve answered is no success of an engine.
 _ENGINES_OWN = f"""* REPLACE (
-    CASE WHEN presolved THEN '{PRESOLVED}' ELSE verdict END AS verdict,
-    CASE WHEN presolved THEN 'none' ELSE proof END AS proof)"""
+    CASE WHEN presolved THEN '{PRESOLVED}' ELSE verdict END AS verdict)"""
 # DuckDB's `greatest` ignores nulls, so a null is replaced explicitly.
 _GAP = "CASE WHEN gap IS NULL THEN 'inf'::DOUBLE ELSE greatest(gap, 0.0) END"
 _REGION = "CASE WHEN GROUPING(region) = 1 THEN 'all' ELSE region END"

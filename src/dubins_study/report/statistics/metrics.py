@@ -42,17 +42,14 @@ def solver_order(solvers: Sequence[str]) -> list[str]:
 
 def success(rows: pd.DataFrame) -> pd.Series[bool]:
     """Whether the check accepted each attempt's answer as right, and an engine gave it."""
-    return rows["verdict"].isin(SUCCESSES) & ~_presolved(rows)
+    presolved = rows["presolved"].fillna(False).astype(bool)
+    return rows["verdict"].isin(SUCCESSES) & ~presolved
 
 
 def proof(rows: pd.DataFrame) -> pd.Series:
-    """The kind of proof of each attempt; `none` if no engine answered."""
+    """The kind of proof of each attempt; `none` if there is none."""
     given = rows["proof"].astype(object)
-    return given.where(given.isin(PROOFS) & ~_presolved(rows), "none")
-
-
-def _presolved(rows: pd.DataFrame) -> pd.Series[bool]:
-    return rows["presolved"].fillna(False).astype(bool)
+    return given.where(given.isin(PROOFS), "none")
 
 
 def by_solver(frame: pd.DataFrame) -> pd.DataFrame:
