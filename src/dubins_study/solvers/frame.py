@@ -141,17 +141,17 @@ def _columns(
     return columns
 
 
-def _certificate(found: FrameCertificate) -> dict[str, Any]:
+def _certificate(certificate: FrameCertificate) -> dict[str, Any]:
     from dubins_study.study.check.certificate_frame import PROOFS
 
     return {
-        "proof": _texts(found.proof, PROOFS),
-        "reference_low": found.reference_low,
-        "reference_high": found.reference_high,
-        **found.columns(),
-        "abnormal": found.abnormal,
-        "costate_error": _numbers(None, len(found.proof)),
-        "false_bound": found.false_bound,
+        "proof": _texts(certificate.proof, PROOFS),
+        "reference_low": certificate.reference_low,
+        "reference_high": certificate.reference_high,
+        **certificate.columns(),
+        "abnormal": certificate.abnormal,
+        "costate_error": _numbers(None, len(certificate.proof)),
+        "false_bound": certificate.false_bound,
     }
 
 

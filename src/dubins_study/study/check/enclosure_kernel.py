@@ -85,7 +85,7 @@ def bound_rows(scenarios: ScenarioArrays, branch: str = "best") -> Bounds:
     return bounds
 
 
-class _Found(NamedTuple):
+class _Shortest(NamedTuple):
     """A shortest length in radii, and whether it is decided; infinite where there is no path."""
 
     length: Interval
@@ -121,7 +121,7 @@ def _bearing(rise: Interval, run: Interval) -> tuple[Interval, bool]:
 
 
 @inlined
-def _left_straight(X: Interval, Y: Interval, w: Interval) -> _Found:
+def _left_straight(X: Interval, Y: Interval, w: Interval) -> _Shortest:
     """LS of a target outside the left disc: its bearing from the circle's centre, and s - atan s.
 
     The bearing of the tangent's point of contact is less by atan s, that of a triangle with sides
@@ -136,11 +136,11 @@ def _left_straight(X: Interval, Y: Interval, w: Interval) -> _Found:
     most = s.mid + s.rad
     spread = s.rad * min(most * most, 1.0) * GROWTH
     rest = minus(exact(s.mid), corner)
-    return _Found(plus(bearing, Interval(rest.mid, rest.rad + spread)), decided)
+    return _Shortest(plus(bearing, Interval(rest.mid, rest.rad + spread)), decided)
 
 
 @inlined
-def _right_left(X: Interval, Y: Interval, p: Interval, long: bool) -> _Found:
+def _right_left(X: Interval, Y: Interval, p: Interval, long: bool) -> _Shortest:
     """RL of a target that the right circle's centre is 1 to 3 radii from, p = d^2 - 1.
 
     The triangle of that centre, the second arc's centre and the target has sides 2, 1 and d, so
@@ -156,7 +156,7 @@ def _right_left(X: Interval, Y: Interval, p: Interval, long: bool) -> _Found:
     first, decided = _bearing(rise, run)
     corner = angle_above(D, minus(exact(4.0), p))
     second = minus(full_turn(), corner) if long else corner
-    return _Found(plus(first, second), decided)
+    return _Shortest(plus(first, second), decided)
 
 
 @inlined
@@ -167,29 +167,29 @@ def _squares(X: Interval, Y: Interval) -> tuple[Interval, Interval]:
 
 
 @inlined
-def _best(X: Interval, Y: Interval) -> _Found:
+def _best(X: Interval, Y: Interval) -> _Shortest:
     """The shortest of all for Y = |Y|, which is as far from the right circle as -Y from the left.
 
     The edges are both circles, and the start lies on them.
     """
     w, p = _squares(X, Y)
-    found = _right_left(X, Y, p, True) if w.mid > 0.0 else _left_straight(X, Y, w)
-    return _Found(found.length, found.decided & is_signed(w))
+    shortest = _right_left(X, Y, p, True) if w.mid > 0.0 else _left_straight(X, Y, w)
+    return _Shortest(shortest.length, shortest.decided & is_signed(w))
 
 
 @inlined
-def _straight_word(X: Interval, Y: Interval) -> _Found:
+def _straight_word(X: Interval, Y: Interval) -> _Shortest:
     """LS; its edges are the left circle and the axis ahead, where the start is."""
     w, _ = _squares(X, Y)
     if w.mid > 0.0:
-        return _Found(exact(math.inf), is_signed(w))
-    found = _left_straight(X, Y, w)
+        return _Shortest(exact(math.inf), is_signed(w))
+    shortest = _left_straight(X, Y, w)
     off_axis = is_signed(Y) | positive(negative(X))
-    return _Found(found.length, found.decided & is_signed(w) & off_axis)
+    return _Shortest(shortest.length, shortest.decided & is_signed(w) & off_axis)
 
 
 @inlined
-def _arcs_word(X: Interval, Y: Interval) -> _Found:
+def _arcs_word(X: Interval, Y: Interval) -> _Shortest:
     """The shorter RL; its edges are the circles of 1 and 3 radii about C_R, and the left circle.
 
     On that one a first arc begins or ends to be a whole turn, which its bearing tells.
@@ -198,13 +198,13 @@ def _arcs_word(X: Interval, Y: Interval) -> _Found:
     q = minus(exact(8.0), p)
     in_reach = is_signed(p) & is_signed(q)
     if p.mid < 0.0 or q.mid < 0.0:
-        return _Found(exact(math.inf), in_reach)
+        return _Shortest(exact(math.inf), in_reach)
     a, b = _right_left(X, Y, p, True), _right_left(X, Y, p, False)
-    return _Found(lesser(a.length, b.length), a.decided & b.decided & in_reach)
+    return _Shortest(lesser(a.length, b.length), a.decided & b.decided & in_reach)
 
 
 @inlined
-def _shortest(X: Interval, Y: Interval, form: int, mirrored: bool) -> _Found:
+def _of_form(X: Interval, Y: Interval, form: int, mirrored: bool) -> _Shortest:
     if form == _BEST:
         return _best(X, Interval(abs(Y.mid), Y.rad))
     Y = negative(Y) if mirrored else Y
@@ -219,7 +219,7 @@ def _bound_rows(scenarios: ScenarioArrays, form: int, mirrored: bool, bounds: Bo
         first, end = chunk_bounds(chunk, x.size)
         for i in range(first, end):
             X, Y, delta = _square(x[i], y[i], heading[i], tx[i], ty[i], radius[i])
-            length, decided = _shortest(X, Y, form, mirrored)
+            length, decided = _of_form(X, Y, form, mirrored)
             none = length.mid == math.inf
             useful = length.rad <= _WIDEST * length.mid + _STEEPEST * delta
             useful &= length.rad <= _BLUNTEST * max(length.mid, 1.0)
