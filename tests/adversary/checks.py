@@ -25,8 +25,8 @@ _SURE = 2.0  # a set so many times as wide meets no edge: then nothing is open
 
 
 def ulp(length: float, radius: float) -> float:
-    """An ulp of max(length, radius): the unit of every difference of lengths."""
-    return math.ulp(max(length, radius))
+    """2^-52 of max(length, radius), one ulp or two: the unit of every difference of lengths."""
+    return max(math.ulp(0.0), _EPS * max(length, radius))
 
 
 def outside(value: arb, hulls: Sequence[tuple[arb, arb]]) -> arb:

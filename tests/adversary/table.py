@@ -18,7 +18,7 @@ class Check(NamedTuple):
     promise: str
 
 
-# a length's ulp is that of max(length, radius)
+# a length's ulp is 2^-52 of max(length, radius)
 CHECKS = {
     "delta": Check("eps", 64, "the documented half width of the set"),
     "closed form length": Check("ulp", 4, "lies in the truth"),
