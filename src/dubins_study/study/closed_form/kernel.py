@@ -43,12 +43,11 @@ WORDS = ("", "S", "L", "R", "LS", "RS", "LR", "RL")
 CHUNK = 512  # rows; what a chunk reads and writes stays in the first-level cache
 _TWO_PI = 2 * math.pi
 _LARGEST = np.finfo(np.float64).max
-_BLOCK = 64
-_LEFT = 254  # word code of a row that the vector loops leave
-# Below this w, and inside the disc below this q, a row is delicate. At q = 1/2 the length
-# changes by 4 per shift of the target.
+_BLOCK = 32
+# Below this w, and inside the disc below this q, a row is delicate. At that q the length
+# changes by 3.4 per shift of the target; of 4e7 rows beyond it none was off by 3.6 EPS or more.
 _NEAR = 1e-5
-_STEEP = 0.5
+_STEEP = 0.7
 # delta is at most 2 + 12 sqrt(2) EPS times the coordinates' size in radii
 _FOUR_DELTA = 80.0 * EPS
 
@@ -114,20 +113,13 @@ def to_local(
 
 
 @inlined
-def is_delicate(X: float, y: float, four_delta: float) -> bool:
-    """Whether a row is near an edge, or so near (0, 2) that its last ulp would count too much.
+def _best(X: float, y: float, right: int) -> tuple[float, float, int, float]:
+    """`best_exactly` for y = |Y|: both segments, the word, and how far from an edge the target is.
 
-    Two evaluations of X, Y and w differ by less than delta. Inside the disc the length changes by
-    1 / sqrt(q / 8) per shift of the target (docs/derivation.md, section 9).
-    """
-    w = y * (2.0 - y) - X * X
-    q = 4.0 * (2.0 - y) + w
-    return (min(abs(w) - _NEAR, y) <= four_delta) | ((w > 0.0) & (q < _STEEP))
-
-
-@inlined
-def _best(X: float, y: float, right: int) -> tuple[float, float, int]:
-    """`best_exactly` for y = |Y| where the row is not delicate: both segments and the word.
+    Where that is not above 4 delta the row is delicate: two evaluations of X, Y and w differ by
+    less than delta, and may take different sides of the edge. So near (0, 2) that the last ulp
+    counts too much it is below zero: inside the disc the length changes by 1 / sqrt(q / 8) per
+    shift of the target (docs/derivation.md, section 9).
 
     Outside the disc LS needs one arctangent, inside it RL needs two; the arguments of the first
     are selected before it is taken. sqrt(p q) is the D of `shortest.right_left_pair`, and the
@@ -153,7 +145,9 @@ def _best(X: float, y: float, right: int) -> tuple[float, float, int]:
     first = 2.0 * upper_arctangent(rise, run)
     arc = _TWO_PI - upper_arctangent(root, 4.0 - p)
     second = arc if inside else root
-    return first, second, 7 - right if inside else 4 + right
+    steepness = q - _STEEP if inside else y
+    clear = min(min(abs(w) - _NEAR, y), steepness)
+    return first, second, 7 - right if inside else 4 + right, clear
 
 
 @inlined
@@ -177,8 +171,8 @@ def _best_chunk(chunk: int, scenarios: ScenarioArrays, rows: Rows) -> int:
     """One chunk of rows in two loops, each small enough for the vector registers.
 
     Between them the target in the vehicle's frame lies in the output arrays. Returns how many
-    rows are left, their word being `_LEFT`. That count does a second service: LLVM interleaves two
-    vectors only in loops that have a reduction.
+    rows are left: those of a huge heading, and those without a finite length. That count does a
+    second service: LLVM interleaves two vectors only in loops that have a reduction.
     """
     x, y, heading, tx, ty, radius = scenarios
     length, first, second, word = rows
@@ -189,21 +183,18 @@ def _best_chunk(chunk: int, scenarios: ScenarioArrays, rows: Rows) -> int:
         X, Y, four_delta = to_local(x[i], y[i], sine, cosine, tx[i], ty[i], radius[i])
         first[i] = X
         second[i] = abs(Y)
-        # a delta without bound makes a row delicate
-        length[i] = four_delta if abs(heading[i]) <= LARGEST_ANGLE else math.inf
+        length[i] = four_delta
         word[i] = 0 if Y >= 0.0 else 1
-        left += not (four_delta <= _LARGEST)
+        left += not (abs(heading[i]) <= LARGEST_ANGLE)
     for i in range(low, high):
-        a, b, code = _best(first[i], second[i], word[i])
-        delicate = is_delicate(first[i], second[i], length[i])
+        a, b, code, clear = _best(first[i], second[i], word[i])
         a *= radius[i]
         b *= radius[i]
         first[i] = a
         second[i] = b
-        length[i] = a + b
-        usual = (a + b <= _LARGEST) & (not delicate)
-        word[i] = code if usual else _LEFT
-        left += not usual
+        length[i] = a + b if clear > length[i] else math.nan
+        word[i] = code
+        left += not (length[i] <= _LARGEST)
     return left
 
 
@@ -217,23 +208,24 @@ def _best_rows(scenarios: ScenarioArrays, rows: Rows) -> None:
 @separate
 def _finish_chunk(chunk: int, scenarios: ScenarioArrays, rows: Rows) -> None:
     """The rows that the vector loops leave: delicate ones, huge headings, radii near underflow."""
-    low, high = chunk * CHUNK, min((chunk + 1) * CHUNK, scenarios.x.size)
-    for block in range((high - low + _BLOCK - 1) // _BLOCK):
-        begin = low + block * _BLOCK
-        end = min(begin + _BLOCK, high)
+    first, last = chunk_bounds(chunk, scenarios.x.size)
+    for block in range(CHUNK // _BLOCK):
+        begin = min(first + np.uint64(block * _BLOCK), last)
+        end = min(begin + np.uint64(_BLOCK), last)
         left = 0  # counted by a vector loop, since most blocks have none
         for i in range(begin, end):
-            left += rows.word[i] == _LEFT
+            usual = (abs(scenarios.heading[i]) <= LARGEST_ANGLE) & (rows.length[i] <= _LARGEST)
+            left += not usual
         if left:
-            _finish_rows(begin, end, scenarios, rows)
+            _finish_block(begin, end, scenarios, rows)
 
 
 @separate
-def _finish_rows(begin: int, end: int, scenarios: ScenarioArrays, rows: Rows) -> None:
+def _finish_block(begin: np.uint64, end: np.uint64, scenarios: ScenarioArrays, rows: Rows) -> None:
     x, y, heading, tx, ty, radius = scenarios
     length, first, second, word = rows
     for i in range(begin, end):
-        if word[i] != _LEFT:
+        if abs(heading[i]) <= LARGEST_ANGLE and length[i] <= _LARGEST:
             continue
         X, Y, delta = to_local_exactly(x[i], y[i], heading[i], tx[i], ty[i], radius[i])
         a, b, code = best_exactly(X, Y, delta)
