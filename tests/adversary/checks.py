@@ -37,8 +37,8 @@ def outside(value: arb, hulls: Sequence[tuple[arb, arb]]) -> arb:
 
 def closed_form(table: Table, scenario: Scenario, truth: Truth, rng: np.random.Generator) -> None:
     """The scalar closed form of every branch: length, end and existence."""
-    # products of eps and a coordinate below 1e-292 have lost digits
-    tiny = arb(1e-290) / arb(scenario.radius)
+    # products of eps and a coordinate below 1e-292 have lost digits, and so has a tiny delta
+    tiny = greatest((arb(1e-290) / arb(scenario.radius), arb(1e-300)))
     off = abs(arb(local(scenario).delta) - truth.delta) / greatest((truth.delta, tiny))
     table.note("delta", float(off) / _EPS, f"local({paste(scenario)}).delta")
     for branch in BRANCHES:
