@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 
 import pandas as pd
 
-from dubins_study.report.data.attempts import Attempts
+from dubins_study.report.data.attempts import PRESOLVED, Attempts
 from dubins_study.report.data.results import Folder, Results
 from dubins_study.report.elements.columns import SOLVER, columns
 from dubins_study.report.elements.content import Picture, Section, Table, picture
@@ -53,7 +53,7 @@ def _experiment_table(each: Mapping[str, Attempts]) -> Table:
     left_out = (
         "optimal",
         "none exists",
-        "by presolve",
+        PRESOLVED,
         "not_returned",
     )  # the rest says it, and fits
     kept = [column for column in VERDICT_COLUMNS if column.key not in left_out]
