@@ -111,6 +111,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--workers", type=int, default=os.cpu_count() or 1)
     asked = parser.parse_args(arguments)
+    if asked.cases < 1 or asked.seed < 0 or asked.workers < 1:
+        parser.error("expected at least one case and one worker, and a seed of 0 or more")
     began = perf_counter()
     table = campaign(asked.cases, asked.seed, asked.workers)
     print(f"{asked.cases:,} cases, seed {asked.seed}, {perf_counter() - began:.0f} s")

@@ -359,3 +359,21 @@ def test_ctrl_c_goes_through(spec, scenario):
 def test_what_is_no_choice_is_refused():
     with pytest.raises(ValueError, match="isolated is 'yes'; expected True, False or None"):
         solve(EASY, "slsqp", isolated="yes")
+
+
+def test_a_plugin_may_print_while_it_is_loaded(tmp_path):
+    """More than a pipe holds: nobody waits for a reader."""
+    plugin = tmp_path / "loud.py"
+    plugin.write_text(
+        "from dataclasses import dataclass\n"
+        "from dubins_study import Claim, Path, Solution, Solver\n"
+        f"print('x' * {3 * PRINTED})\n"
+        "@dataclass(frozen=True)\n"
+        "class Loud(Solver):\n"
+        "    name = 'loud'\n"
+        "    def solve(self, question, limit):\n"
+        "        return Solution(Claim.FEASIBLE, Path(question.scenario.start, [0.0], [1.0]))\n",
+        encoding="utf-8",
+    )
+
+    assert solve(EASY, f"{plugin}:Loud", limit=5.0).outcome == "returned"

@@ -16,6 +16,7 @@ from dubins_study.solvers.protocol import Question
 from dubins_study.solvers.registry import load, ours
 from dubins_study.solvers.reply import DEFAULT_LIMIT
 from dubins_study.study.path import Path
+from dubins_study.study.printable import short
 from dubins_study.study.scenario import Scenario
 
 if TYPE_CHECKING:
@@ -56,6 +57,7 @@ def solve(
         RunError, ForkServerError: if no worker process can be started.
     """
     check_request(branch, limit)
+    limit = float(limit)
     if not isinstance(scenario, Scenario):
         raise QuestionError(f"scenario is {scenario!r}; expected a Scenario")
     if initial_guess is not None and not isinstance(initial_guess, Path):
@@ -91,8 +93,8 @@ def solve_frame(
         profile: `default`, `fast` or `accurate`.
         limit: seconds that the solver is asked to keep to, for each scenario.
         certified: whether a solver that answers the whole frame at once has its answers certified
-            too, at some 0.4 microseconds a row; without, the certificate's columns are null. One
-            that is asked row by row always has.
+            too, at some 0.4 microseconds a row; without, the certificate's numbers are null
+            and its flags False. One that is asked row by row always has.
         isolated: as for `solve`, with one worker for all rows, which is replaced when it is
             killed. With None, a solver that answers the whole frame at once does so in this
             process, without a limit; with True it is asked row by row.
@@ -111,6 +113,7 @@ def solve_frame(
     from dubins_study.solvers import frame
 
     check_request(branch, limit)
+    limit = float(limit)
     tolerances(profile)
     if not _in_worker(solver, profile, isolated, frames=True):
         with _ctrl_c():
@@ -131,8 +134,8 @@ def _in_worker(spec: str, profile: str, isolated: bool | None, *, frames: bool =
     Raises:
         SolverError, QuestionError: if the spec or `isolated` is not a valid one.
     """
-    if isolated not in (None, True, False):
-        raise QuestionError(f"isolated is {isolated!r}; expected True, False or None")
+    if isolated is not None and not isinstance(isolated, bool):
+        raise QuestionError(f"isolated is {short(isolated)}; expected True, False or None")
     if isolated is False:
         return False
     if ours(spec):

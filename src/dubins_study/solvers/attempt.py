@@ -15,8 +15,9 @@ from dubins_study.study.check.certificate import Certificate, Proof, certify
 from dubins_study.study.check.verdict import Judgement, Tolerances, Verdict, judge
 from dubins_study.study.claim import Claim
 from dubins_study.study.closed_form.shortest import shortest
+from dubins_study.study.number import real_number
 from dubins_study.study.path import Path
-from dubins_study.study.printable import plain
+from dubins_study.study.printable import plain, short
 from dubins_study.study.rows.schema import ANSWER, SCENARIO, names
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import BRANCHES
@@ -128,11 +129,15 @@ def check_request(branch: str, limit: float, limit_name: str = "limit") -> None:
     Raises:
         QuestionError: naming the value and what was expected.
     """
-    if branch not in BRANCHES:
-        raise QuestionError(f"no branch named {branch!r}; choose one of: {', '.join(BRANCHES)}")
-    number = isinstance(limit, int | float) and not isinstance(limit, bool)
-    if not (number and math.isfinite(limit) and limit > 0):
-        raise QuestionError(f"{limit_name} is {limit!r}; expected a number of seconds above 0")
+    if not isinstance(branch, str) or branch not in BRANCHES:
+        names = ", ".join(BRANCHES)
+        raise QuestionError(f"no branch named {short(branch)}; choose one of: {names}")
+    try:
+        seconds = real_number(limit)
+    except Exception:  # `float` of a value of any type may raise anything
+        seconds = math.nan
+    if not (math.isfinite(seconds) and seconds > 0):
+        raise QuestionError(f"{limit_name} is {short(limit)}; expected a number of seconds above 0")
 
 
 def attempt(

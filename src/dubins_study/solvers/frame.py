@@ -90,7 +90,9 @@ def _run(
         solution = FrameSolution(**{name: getattr(solution, name) for name in _FIELDS})
         if len(solution.paths) != len(frame):
             raise TypeError(f"there are {len(solution.paths)} paths for {len(frame)} scenarios")
-    except (Exception, SystemExit) as error:  # what a backend raises is its result
+    except KeyboardInterrupt:
+        raise
+    except BaseException as error:  # what a backend raises is its result
         seconds = perf_counter() - began
         none = np.zeros((2, len(frame)))
         nothing = Paths(none, none, np.zeros(len(frame), np.bool_))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dubins_study.errors import DubinsStudyError
 from dubins_study.study.check.verdict import Tolerances
+from dubins_study.study.printable import short
 
 # `default` calls four digits of the length optimal: what a plotted path or a flight plan can use.
 # `accurate` asks for what an NLP solver reaches at its usual tolerance; `fast` for three digits.
@@ -24,6 +25,7 @@ def tolerances(profile: str) -> Tolerances:
     Raises:
         ProfileError: naming the profiles that exist.
     """
-    if profile not in PROFILES:
-        raise ProfileError(f"no profile named {profile!r}; choose one of: {', '.join(PROFILES)}")
+    if not isinstance(profile, str) or profile not in PROFILES:
+        names = ", ".join(PROFILES)
+        raise ProfileError(f"no profile named {short(profile)}; choose one of: {names}")
     return PROFILES[profile]

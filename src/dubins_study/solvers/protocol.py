@@ -53,13 +53,17 @@ class Question:
     initial_guess: Path | None = None
 
 
+# The check has no time limit of its own: it takes 20 microseconds and 4 KB for every arc.
+MAX_ARCS = 2**16
+
+
 @dataclass(frozen=True, slots=True)
 class Solution:
-    """The answer of a solver. The path is kept whatever the claim, unless that is `infeasible`.
+    """The answer of a solver. The path is kept and judged whatever the claim.
 
     Args:
         claim: what the solver says of its answer.
-        path: controls, or None if there is no point to return.
+        path: controls of at most `MAX_ARCS` arcs, or None if there is no point to return.
         claimed_length: objective value as the solver reports it (length unit).
         lower_bound: a bound on the scenario's shortest length, if the method proves one.
         multipliers: duals of the end point's two equations, in the world frame (dimensionless).
@@ -90,6 +94,8 @@ class Solution:
                 raise TypeError(f"path is {short(path)}; expected a Path or None")
             # a subclass may report another end or length than its controls have
             path = Path(path.start, path.curvature, path.length)
+        if path is not None and path.length.size > MAX_ARCS:
+            raise TypeError(f"path has {path.length.size} arcs; expected at most {MAX_ARCS}")
         object.__setattr__(self, "path", path)
         object.__setattr__(self, "claim", _claim(self.claim))
         for name in ("claimed_length", "lower_bound"):

@@ -65,7 +65,9 @@ def ask(solver: Solver, question: Question, limit: float = DEFAULT_LIMIT) -> Rep
             raise TypeError(f"solve returned {type(solution).__name__}; expected a Solution")
         # judged are values that the solver cannot change any more, nor lie about
         solution = Solution.copy(solution)
-    except (Exception, SystemExit) as error:  # what a backend raises is its result
+    except KeyboardInterrupt:
+        raise
+    except BaseException as error:  # what a backend raises is its result
         ended = perf_counter()
         build = None if built is None else built - began
         outcome = Outcome.OUT_OF_MEMORY if isinstance(error, MemoryError) else Outcome.RAISED

@@ -233,7 +233,8 @@ def _labels(frame: pd.DataFrame) -> pd.Series[Any]:
     if labels.dtype == "category":
         labels = labels.astype(object)
     missing = labels.isna()
-    if infer_dtype(labels, skipna=False) in ("string", "empty") and not missing.any():
+    plain = infer_dtype(labels, skipna=False) in ("string", "empty") and not missing.any()
+    if plain and all(map(str.isascii, labels.unique())):
         return frame["label"]
     texts = ["" if none else text for text, none in zip(labels, missing, strict=True)]
     for row, text in enumerate(texts):

@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -11,11 +14,13 @@ from cases import scenario_frame
 from hypothesis import given
 from hypothesis import strategies as st
 
+from dubins_study.errors import DubinsStudyError
 from dubins_study.experiments.isolation.messages import WorkerReply, decode_reply, encode_reply
-from dubins_study.solvers.attempt import attempt, judged
+from dubins_study.experiments.solve import solve
+from dubins_study.solvers.attempt import QuestionError, attempt, judged
 from dubins_study.solvers.frame import solve_frame
 from dubins_study.solvers.frame_solution import FrameSolution
-from dubins_study.solvers.protocol import Outcome, Question, Solution, Solver
+from dubins_study.solvers.protocol import MAX_ARCS, Outcome, Question, Solution, Solver
 from dubins_study.solvers.reply import ask
 from dubins_study.study.check.verdict import Verdict
 from dubins_study.study.claim import Claim
@@ -193,3 +198,57 @@ def test_any_numbers_make_an_answer(curvature, length):
 
     assert answer.outcome is Outcome.RETURNED
     assert answer.length is None or math.isfinite(answer.length)
+
+
+class Odd(BaseException):
+    """Neither an Exception nor an interruption."""
+
+
+@dataclass(frozen=True)
+class Raises(Solver):
+    """Raises what it is given."""
+
+    name = "raises"
+    error: Any = Odd
+
+    def solve(self, model, limit):
+        raise self.error("now")
+
+
+def test_what_a_solver_raises_is_its_result_but_an_interruption():
+    """Whatever class it invents; Ctrl-C belongs to the caller."""
+    question = Question(Scenario(target_x=3, target_y=1))
+
+    assert attempt(Raises(), question).outcome == "raised"
+    with pytest.raises(KeyboardInterrupt):
+        attempt(Raises(KeyboardInterrupt), question)
+
+
+def test_a_path_of_more_arcs_than_can_be_judged_is_refused():
+    """The check has no limit of time and memory of its own."""
+    arcs = np.full(MAX_ARCS + 1, 1e-3)
+    start = Scenario(target_x=3, target_y=1).start
+
+    Solution(Claim.LOCAL, Path(start, arcs[1:], arcs[1:]))
+    with pytest.raises(TypeError, match="path has 65537 arcs; expected at most 65536"):
+        Solution(Claim.LOCAL, Path(start, arcs, arcs))
+
+
+@pytest.mark.parametrize("limit", [10**400, True, 0, -1.0, "5", math.nan, math.inf, None])
+def test_a_limit_that_is_none_is_refused(limit):
+    with pytest.raises(QuestionError, match="expected a number of seconds above 0"):
+        solve(Scenario(target_x=3, target_y=1), "slsqp", limit=limit)
+
+
+def test_any_number_is_a_limit():
+    for limit in (5, np.int64(5), np.float32(1), Fraction(5, 2)):
+        assert solve(Scenario(target_x=3, target_y=1), "slsqp", limit=limit).verdict == "optimal"
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [("branch", np.array(["best", "LS"])), ("profile", []), ("isolated", np.array([1, 2]))],
+)
+def test_requests_of_other_types_are_refused_by_name(name, value):
+    with pytest.raises(DubinsStudyError, match=name):
+        solve(Scenario(target_x=3, target_y=1), "slsqp", **{name: value})

@@ -17,6 +17,7 @@ import socket
 import subprocess
 import sys
 import threading
+import time
 from contextlib import ExitStack, suppress
 from pathlib import Path as FilePath
 from typing import Any, NamedTuple
@@ -36,6 +37,7 @@ _START_UP_S = 120.0
 # Seconds to wait until a killed process has ended, and until a stopped server has killed its
 # descendants and ended.
 _KILL_WAIT_S, _STOP_WAIT_S = 2.0, 5.0
+_READ_BYTES = 2**20
 _OUTPUT_PIPE_BYTES = 2**20
 
 
@@ -68,6 +70,21 @@ class ForkedProcess(NamedTuple):
         text = os.read(self.exit_pipe, 32)
         # If the server itself was killed, the kernel has killed its processes.
         return int(text) if text else -signal.SIGKILL
+
+    def wait(self, timeout_s: float) -> int | None:
+        """As `exit_code`, reading what the process prints: a full pipe would hold it up."""
+        poll, end = select.poll(), time.monotonic() + timeout_s
+        poll.register(self.exit_pipe, select.POLLIN)
+        poll.register(self.output, select.POLLIN)
+        while (left := end - time.monotonic()) > 0:
+            ready = dict(poll.poll(1000.0 * left))
+            if self.exit_pipe in ready:
+                break
+            if self.output in ready:
+                with suppress(BlockingIOError):
+                    if not os.read(self.output, _READ_BYTES):
+                        poll.unregister(self.output)
+        return self.exit_code(0.0)
 
     def kill(self) -> None:
         """Kill the process if it has not ended; the server kills its descendants."""

@@ -70,7 +70,7 @@ def _described_in_new_process(spec: str, profile: str) -> dict[str, Any]:
     """The fields of a plug-in's description, determined in a separate process."""
     process = fork(f"{__name__}:send_description", [spec, profile])
     try:
-        exit_code = process.exit_code(_LOAD_LIMIT_S)
+        exit_code = process.wait(_LOAD_LIMIT_S)
         answer = next(process.channel.received(), None)
     except (EOFError, OSError, MessageError):
         answer = None
