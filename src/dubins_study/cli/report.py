@@ -48,7 +48,7 @@ def report_text(page: FilePath) -> str:
     with (page.parent / "tables" / "summary.csv").open(encoding="utf-8", newline="") as stream:
         lines = list(csv.DictReader(stream))
     shown = dict(_SUMMARY)
-    if all(row["by presolve"] == "0" for row in lines):
+    if all(row.get("by presolve", "0") == "0" for row in lines):
         del shown["by presolve"]  # which few runs have, and the table is wide
     rows = [
         [plain(row[name]) if name != "wall_s" else _milliseconds(row[name]) for name in shown]

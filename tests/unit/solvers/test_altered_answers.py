@@ -230,7 +230,7 @@ def test_a_path_of_more_arcs_than_can_be_judged_is_refused():
     start = Scenario(target_x=3, target_y=1).start
 
     Solution(Claim.LOCAL, Path(start, arcs[1:], arcs[1:]))
-    with pytest.raises(TypeError, match="path has 65537 arcs; expected at most 65536"):
+    with pytest.raises(TypeError, match="path has 1048577 arcs; expected at most 1048576"):
         Solution(Claim.LOCAL, Path(start, arcs, arcs))
 
 
