@@ -94,7 +94,7 @@ def _status(
     current = [count for count in counts if digests.get(count.solver) == count.code_digest]
     rows, failing = Counter[str](), Counter[str]()
     verdicts = defaultdict[str, Counter[str]](Counter)
-    for count in sorted(current, key=repr):  # a damaged row may lack its verdict
+    for count in sorted(current):
         rows[count.solver] += count.rows
         returned = count.outcome == "returned"
         if not returned:
