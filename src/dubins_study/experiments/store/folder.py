@@ -216,8 +216,9 @@ def count_rows(folder: FilePath) -> tuple[list[RowCount], int]:
     grouped = _unique_rows(tables, columns).group_by(_KIND)
     kinds = grouped.aggregate([([], "count_all"), ("wall_s", "sum")])
     for *made_by, rows, wall_s in zip(*(c.to_pylist() for c in kinds.columns), strict=True):
-        texts = ("" if text is None else text for text in made_by)  # a spoilt row may lack any
-        counts.append(RowCount(*texts, rows, wall_s or 0.0))
+        # a spoilt row may lack any of them
+        solver, code_digest, outcome, verdict, run_id = (text or "" for text in made_by)
+        counts.append(RowCount(solver, code_digest, outcome, verdict, run_id, rows, wall_s or 0.0))
     return counts, damaged
 
 
