@@ -118,7 +118,7 @@ def test_every_solver_keeps_a_limit_in_this_process(name):
         *(f"turn-rate-qp[n=640,engine={engine}]" for engine in ("clarabel", "osqp", "highs")),
         *("turn-rate-qp[n=1000]", "turn-rate-qp[n=640,mesh=graded]"),
         *("heading-milp[headings=144]", "heading-milp[headings=1000,legs=1]"),
-        *("collocation[n=50]", "collocation[n=25,points=10,mesh=equal]"),
+        *("collocation[n=50]", "collocation[n=15,points=10,mesh=equal]"),
         *("disjunctive[transformation=hull]", "disjunctive[emphasis=default]"),
         "slsqp[maxiter=1000000,ftol=1e-16]",
         "ipopt[max_iter=1000000,model=joint,initial_guess=zero,capped=False]",
