@@ -12,9 +12,9 @@ from tests.fuzz.hostile import integers, nested, scalars, texts
 
 SPECS = (
     *("analytic", "*", "slsqp[count=3]", "slsqp[count={1,2}]", "ipopt", "turn-rate-qp[n=50]"),
-    *("nlp[solver=canary]", "nlp[solver=../canary]", "nlp[solver=/bin/sh]", "ipopt[engine={a,b}]"),
+    *("nlp[engine=canary]", "nlp[engine=../canary]", "nlp[engine=/bin/sh]", "ipopt[engine={a,b}]"),
     *("CANARY", "CANARY[a=1]", " CANARY ", "{CANARY,analytic}", "analytic[x=CANARY]"),
-    *("canary.py:Canary", "~/canary.py:Canary", "{canary,a}.py:Canary", "nlp[solver={canary}]"),
+    *("canary.py:Canary", "~/canary.py:Canary", "{canary,a}.py:Canary", "nlp[engine={canary}]"),
     *("slsqp" + "[", "slsqp]", "slsqp[count={1,2]", "slsqp[count=}", "{", "{}", "{,}", "[]", "x[]"),
     *("slsqp[count={1,{2,3}}]", "{analytic,}" * 40, "{" * 3000 + "}" * 3000, "{a,b}" * 2000),
     *("slsqp[count=" + "9" * 5000 + "]", "slsqp[count=1e999]", "slsqp[count=nan,count=2]"),

@@ -164,7 +164,7 @@ def wider(folder, table):
 
 def older(folder, table):
     """As schema 2 had them."""
-    pq.write_table(table.drop_columns(["code_digest", "engine"]), folder / "parts" / "zz.parquet")
+    pq.write_table(table.drop_columns(["code_digest", "executor"]), folder / "parts" / "zz.parquet")
     return "it has no column 'code_digest'"
 
 

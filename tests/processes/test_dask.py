@@ -81,8 +81,8 @@ def test_the_rows_are_those_of_a_serial_run(experiment, tmp_path, address):
     other = run(experiment, tmp_path / "other", engine="dask", scheduler=address)
 
     here.assert_same(one, other)
-    rows = read_rows(other, ["engine", "jobs"]).to_pandas()
-    assert set(rows["engine"]) == {"dask"}
+    rows = read_rows(other, ["executor", "jobs"]).to_pandas()
+    assert set(rows["executor"]) == {"dask"}
     assert set(rows["jobs"]) == {2}
     entry = json.loads((other / "manifest.json").read_text())["runs"][-1]
     assert (entry["engine"], entry["jobs"], entry["workers"]) == ("dask", 2, 2)
@@ -211,7 +211,7 @@ def test_another_engine_goes_on_where_one_left_off(experiment, tmp_path, address
     run(experiment, out, solvers=["slsqp"], engine="dask", scheduler=address)
 
     here.assert_same(one, out)
-    engines = set(read_rows(out, ["engine"])["engine"].to_pylist())
+    engines = set(read_rows(out, ["executor"])["executor"].to_pylist())
     assert engines == {"local", "dask"}
 
 

@@ -60,7 +60,7 @@ def test_a_cluster_of_users_own_is_found_by_its_address(experiment, tmp_path):
     with here.scheduler(tmp_path) as address, here.worker(address, "--nthreads", "2") as worker:
         other = run(experiment, tmp_path / "other", engine="dask", scheduler=address)
         assert set(read_rows(other, ["jobs"])["jobs"].to_pylist()) <= {1, 2}
-        assert set(read_rows(other, ["engine"])["engine"].to_pylist()) == {"dask"}
+        assert set(read_rows(other, ["executor"])["executor"].to_pylist()) == {"dask"}
         # the run is over: no solver's process is left in the cluster, which lives on
         forks = [p for p in here.family(worker.pid) if "fork_server" in " ".join(p.cmdline())]
         assert len(forks) == 1  # the server itself

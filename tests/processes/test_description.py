@@ -36,7 +36,7 @@ def test_our_own_are_described_as_they_are(spec):
 
 
 def test_a_program_on_path_is_told():
-    assert describe_solver("nlp[solver=bonmin]").runs == "bonmin"
+    assert describe_solver("nlp[engine=bonmin]").runs == "bonmin"
 
 
 def test_a_plugin_is_loaded_by_another_process(tmp_path):
@@ -71,7 +71,7 @@ def test_a_plugin_that_breaks_where_it_is_loaded_is_a_message(tmp_path, text, me
 
 @pytest.mark.parametrize("where", ["experiment", "block"])
 @pytest.mark.parametrize(
-    "spec", ["{here}/plain.py:Plain", "nlp[solver=touch]", "slsqp[count={{2,3}}]"]
+    "spec", ["{here}/plain.py:Plain", "nlp[engine=touch]", "slsqp[count={{2,3}}]"]
 )
 def test_an_experiment_does_not_choose_what_is_run(tmp_path, spec, where):
     """Unless it is trusted; what the caller names himself always is."""

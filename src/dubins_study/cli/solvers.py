@@ -32,7 +32,8 @@ def solvers_text(entries: list[Entry]) -> str:
     rows = [
         (
             entry.name,
-            entry.method,
+            entry.formulation,
+            entry.engine,
             entry.guarantee,
             ", ".join(entry.branches),
             "yes" if entry.reason is None else f"no: {plain(entry.reason)}",
@@ -40,5 +41,5 @@ def solvers_text(entries: list[Entry]) -> str:
         )
         for entry in entries
     ]
-    head = ("solver", "method", "guarantee", "branches", "available", "summary")
+    head = ("solver", "formulation", "engine", "guarantee", "branches", "available", "summary")
     return table(head, rows)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
-from dubins_study.solvers.protocol import Guarantee, Question, Solution, Solver
+from dubins_study.solvers.protocol import Guarantee, Method, Question, Solution, Solver
 from dubins_study.study.claim import Claim
 from dubins_study.study.closed_form.shortest import as_path, shortest
 from dubins_study.study.scenario import NUMBERS
@@ -24,10 +24,13 @@ class Analytic(Solver):
     """The closed form: `study.closed_form.shortest`; for frames `study.closed_form.kernel`."""
 
     name: ClassVar[str] = "analytic"
-    method: ClassVar[str] = "closed form"
     guarantee: ClassVar[Guarantee] = Guarantee.EXACT
     branches: ClassVar[tuple[str, ...]] = BRANCHES
     summary: ClassVar[str] = "the closed form: exact, every branch, no iteration"
+
+    @property
+    def method(self) -> Method:
+        return Method("closed form", "closed form")
 
     @property
     def keeps_limit(self) -> bool:

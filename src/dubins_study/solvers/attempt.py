@@ -9,7 +9,8 @@ from typing import Any
 
 from dubins_study.errors import DubinsStudyError
 from dubins_study.solvers.profiles import PROFILES
-from dubins_study.solvers.protocol import Outcome, Question, Solver
+from dubins_study.solvers.protocol import Method, Outcome, Question, Solution, Solver
+from dubins_study.solvers.registry import stated_method
 from dubins_study.solvers.reply import DEFAULT_LIMIT, Reply, ask
 from dubins_study.study.check.certificate import Certificate, Proof, certify
 from dubins_study.study.check.verdict import Judgement, Tolerances, Verdict, judge
@@ -37,6 +38,10 @@ class Answer:
     scenario: Scenario
     solver: str
     branch: str
+    formulation: str
+    engine: str
+    guess: str
+    tolerance: float | None
     path: Path | None
     region: str
     margin: float
@@ -78,6 +83,12 @@ class Answer:
     wall_s: float | None
     iterations: int | None
     evaluations: int | None
+    subproblems: str | None
+    subproblem_runs: list[float] | None
+    subproblem_evaluations: list[float] | None
+    subproblem_s: list[float] | None
+    best_run_evaluations: int | None
+    best_run_s: float | None
 
     def __repr__(self) -> str:
         scenario = self.scenario
@@ -152,23 +163,32 @@ def attempt(
     A solver that raises, returns something else than a `Solution`, cannot run here or cannot
     answer the branch yields a row that says so.
     """
-    return judged(spec or solver.name, question, ask(solver, question, limit), allowed)
+    reply = ask(solver, question, limit)
+    return judged(spec or solver.name, question, reply, allowed, stated_method(solver))
 
 
 def judged(
-    spec: str, question: Question, reply: Reply, allowed: Tolerances = PROFILES["default"]
+    spec: str,
+    question: Question,
+    reply: Reply,
+    allowed: Tolerances = PROFILES["default"],
+    method: Method = Method(),  # noqa: B008  (frozen)
 ) -> Answer:
     """A reply judged by the check and certified."""
     path, scenario = reply.solution.path, question.scenario
-    return Answer(scenario=scenario, path=path, **_judged(spec, question, reply, allowed))
+    return Answer(scenario=scenario, path=path, **_judged(spec, question, reply, allowed, method))
 
 
 def judged_row(
-    spec: str, question: Question, reply: Reply, allowed: Tolerances = PROFILES["default"]
+    spec: str,
+    question: Question,
+    reply: Reply,
+    allowed: Tolerances = PROFILES["default"],
+    method: Method = Method(),  # noqa: B008  (frozen)
 ) -> dict[str, Any]:
     """The row of the answer that `judged` returns, quicker than by way of the answer."""
     path, scenario = reply.solution.path, question.scenario
-    row = _judged(spec, question, reply, allowed)
+    row = _judged(spec, question, reply, allowed, method)
     row.update(zip(_SCENARIO, _scenario_numbers(scenario), strict=True))
     row["curvatures"], row["lengths"] = controls(path)
     return row
@@ -187,7 +207,9 @@ _SCENARIO, _ANSWER = names(SCENARIO), names(ANSWER)
 _scenario_numbers = attrgetter(*_SCENARIO)
 
 
-def _judged(spec: str, question: Question, reply: Reply, allowed: Tolerances) -> dict[str, Any]:
+def _judged(
+    spec: str, question: Question, reply: Reply, allowed: Tolerances, method: Method
+) -> dict[str, Any]:
     """The fields of an answer that are columns of a row under the same name."""
     outcome, solution, times = reply
     scenario, branch, path = question.scenario, question.branch, solution.path
@@ -223,11 +245,28 @@ def _judged(spec: str, question: Question, reply: Reply, allowed: Tolerances) ->
         "iterations": solution.iterations,
         "evaluations": solution.evaluations,
     }
+    answer |= method.columns(question) | _efforts(solution)
     answer.update(zip(_JUDGED, judgement, strict=True))
     answer.update(zip(_CERTIFIED, certificate, strict=True))
     return answer
 
 
+def _efforts(solution: Solution) -> dict[str, Any]:
+    """The columns of what each subproblem cost; null where a solver does not tell."""
+    efforts, best_run = solution.efforts, solution.best_run
+    columns: dict[str, Any] = dict.fromkeys(_EFFORTS)
+    if efforts:
+        names, runs, evaluations, seconds = zip(*efforts, strict=True)
+        counts = [math.nan if count is None else float(count) for count in evaluations]
+        values = " ".join(names), [float(number) for number in runs], counts, list(seconds)
+        columns = dict(zip(_EFFORTS, values, strict=True))
+    return columns | {
+        "best_run_evaluations": None if best_run is None else best_run.evaluations,
+        "best_run_s": None if best_run is None else _finite(best_run.seconds),
+    }
+
+
+_EFFORTS = ("subproblems", "subproblem_runs", "subproblem_evaluations", "subproblem_s")
 _JUDGED, _CERTIFIED = Judgement._fields, Certificate._fields
 
 

@@ -12,8 +12,8 @@ import numpy as np
 from dubins_study.solvers.attempt import Answer, attempt, check_request
 from dubins_study.solvers.frame_solution import FrameSolution
 from dubins_study.solvers.profiles import tolerances
-from dubins_study.solvers.protocol import Outcome, Question
-from dubins_study.solvers.registry import load, unavailable
+from dubins_study.solvers.protocol import Method, Outcome, Question
+from dubins_study.solvers.registry import load, stated_method, unavailable
 from dubins_study.solvers.reply import DEFAULT_LIMIT, exception_text
 from dubins_study.study.check.certificate import Proof
 from dubins_study.study.check.extremal import MEASURED
@@ -31,6 +31,8 @@ if TYPE_CHECKING:
     from dubins_study.study.paths import Paths
 
 _FIELDS = [field.name for field in fields(FrameSolution)]
+_COUNTS = ("iterations", "evaluations", "best_run_evaluations")
+_LISTS = ("subproblem_runs", "subproblem_evaluations", "subproblem_s")
 COLUMNS = [*names(SCENARIO), *names(ANSWER)]
 
 
@@ -67,7 +69,7 @@ def solve_frame(
     outcome, solution, seconds = _run(whole, frame.copy(deep=False), branch)
     judged = judge_frame(frame, solution.paths, solution.claim, branch, allowed)
     columns = _columns(solution, outcome, judged, seconds / max(1, len(frame)))
-    columns |= _no_certificate(len(frame))
+    columns |= _no_certificate(len(frame)) | _method(stated_method(backend), len(frame))
     if certified:
         bound = solution.lower_bound
         asked = frame, solution.paths, judged, branch, bound, allowed
@@ -134,13 +136,23 @@ def _columns(
         "build_s": np.zeros(n),
         "solve_s": np.full(n, seconds),
         "wall_s": np.full(n, seconds),
-        "iterations": _no_counts(n),
-        "evaluations": _no_counts(n),
+        "best_run_s": _numbers(None, n),
+        "subproblems": _texts(np.full(n, 255, np.uint8), [""]),
     }
+    columns |= {name: _no_counts(n) for name in _COUNTS} | {name: _no_lists(n) for name in _LISTS}
     measured = ("margin", "false_claim", "wrong_basin", "length", "travel_time", "reference", "gap")
     for name in (*measured, "miss", "curvature_excess"):
         columns[name] = getattr(judged, name)
     return columns
+
+
+def _method(method: Method, n: int) -> dict[str, Any]:
+    """The method's columns: the same texts in every row."""
+    same, tolerance = np.zeros(n, np.int8), method.tolerance
+    texts = ("formulation", "engine", "guess")
+    return {name: _texts(same, [getattr(method, name)]) for name in texts} | {
+        "tolerance": np.full(n, np.nan if tolerance is None else tolerance)
+    }
 
 
 def _certificate(certificate: FrameCertificate) -> dict[str, Any]:
@@ -194,6 +206,15 @@ def _no_counts(n: int) -> Any:
     import pandas as pd
 
     return pd.arrays.IntegerArray(np.zeros(n, np.int64), np.ones(n, np.bool_))
+
+
+def _no_lists(n: int) -> Any:
+    """A list column without values, which takes no memory to speak of."""
+    import pandas as pd
+    import pyarrow as pa
+
+    empty: Any = pa.nulls(n, pa.large_list(pa.float64()))
+    return pd.arrays.ArrowExtensionArray(empty)
 
 
 def _controls(paths: Paths) -> tuple[Any, Any]:

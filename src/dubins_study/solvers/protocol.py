@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, fields
 from enum import StrEnum
 from operator import index
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 from dubins_study.study.claim import Claim
 from dubins_study.study.number import real_number
@@ -45,12 +45,44 @@ class Outcome(StrEnum):
 class Question:
     """A scenario, the branch that is asked for, and an initial guess.
 
-    The guess is a path when warm, and None when cold.
+    The guess is a path when warm, and None when cold. `repeat` numbers the times that the question
+    is put to a solver; one that draws random numbers adds it to its seed.
     """
 
     scenario: Scenario
     branch: str = "best"
     initial_guess: Path | None = None
+    repeat: int = 0
+
+
+class Method(NamedTuple):
+    """The columns that a comparison of solvers needs, the same for all questions to a solver.
+
+    Args:
+        formulation: the problem that is handed over, one of `study.words.FORMULATIONS` if it fits.
+        engine: the library that solves it, as its makers write it, e.g. `Ipopt`.
+        guess: where the search begins: `bearing`, `zero`, `random`, `given` or `none`.
+        tolerance: the feasibility that the engine is asked for, in its own terms; None without.
+    """
+
+    formulation: str = "not stated"
+    engine: str = "not stated"
+    guess: str = "none"
+    tolerance: float | None = None
+
+    def columns(self, question: Question) -> dict[str, Any]:
+        """The row's columns; the guess is `warm` if the question hands one to a search."""
+        warm = question.initial_guess is not None and self.guess != "none"
+        return self._asdict() | ({"guess": "warm"} if warm else {})
+
+
+class Effort(NamedTuple):
+    """What a solver spent on a subproblem: runs of the engine, their evaluations, their seconds."""
+
+    subproblem: str
+    runs: int
+    evaluations: int | None
+    seconds: float
 
 
 # The check has no limits of its own: of so many arcs it takes some ten seconds and 2 GB.
@@ -70,6 +102,8 @@ class Solution:
         iterations, evaluations: the solver's own counts, summed over its subproblems.
         native_status, message: the status and message of the library that solved.
         presolved: whether the presolve answered (`solvers.presolve`), and no engine was asked.
+        efforts: what each subproblem cost, in the order in which they were solved.
+        best_run: what the one run cost that the answer comes from.
 
     Raises:
         TypeError: naming the field, its value and what was expected. It is raised inside the
@@ -86,6 +120,8 @@ class Solution:
     native_status: str = ""
     message: str = ""
     presolved: bool = False
+    efforts: tuple[Effort, ...] = ()
+    best_run: Effort | None = None
 
     def __post_init__(self) -> None:
         path = self.path
@@ -106,6 +142,9 @@ class Solution:
         for name in ("native_status", "message"):
             object.__setattr__(self, name, _text(getattr(self, name)))
         object.__setattr__(self, "presolved", bool(self.presolved))
+        object.__setattr__(self, "efforts", tuple(_effort(effort) for effort in self.efforts))
+        best_run = self.best_run
+        object.__setattr__(self, "best_run", None if best_run is None else _effort(best_run))
 
     def copy(self) -> Solution:
         """The solution made anew of plain values, its path too, whoever else holds the parts.
@@ -160,6 +199,18 @@ def _count(name: str, value: Any) -> int | None:
     return count
 
 
+def _effort(value: Any) -> Effort:
+    try:
+        subproblem, runs, evaluations, seconds = value
+        counts, duration = (
+            (_count("runs", runs), _count("evaluations", evaluations)),
+            float(seconds),
+        )
+    except (TypeError, ValueError):
+        raise TypeError(f"efforts hold {short(value)}; expected an Effort") from None
+    return Effort(_text(subproblem), counts[0] or 0, counts[1], duration)
+
+
 def _pair(value: Any) -> tuple[float, float] | None:
     if value is None:
         return None
@@ -181,7 +232,6 @@ class Solver:
 
     Class attributes:
         name: the name in the registry, e.g. `turn-rate-qp`.
-        method: the kind of method, e.g. `local NLP`.
         guarantee: what the method promises.
         branches: the branches that the solver can answer.
         warm: whether the solver uses `Question.initial_guess`.
@@ -196,7 +246,6 @@ class Solver:
     """
 
     name: ClassVar[str] = ""
-    method: ClassVar[str] = "not stated"
     guarantee: ClassVar[Guarantee] = Guarantee.LOCAL
     branches: ClassVar[tuple[str, ...]] = ("best",)
     warm: ClassVar[bool] = False
@@ -206,6 +255,11 @@ class Solver:
     variants: ClassVar[tuple[str, ...]] = ()
     solve_frame: Callable[[pd.DataFrame, str], FrameSolution] | None = None
     presolve: bool = False
+
+    @property
+    def method(self) -> Method:
+        """Formulation, engine and initial guess; a plug-in may give a plain tuple."""
+        return Method()
 
     @property
     def runs(self) -> str | None:

@@ -13,7 +13,7 @@ from pathlib import Path as FilePath
 from typing import Any, NamedTuple
 
 from dubins_study.errors import DubinsStudyError
-from dubins_study.solvers.protocol import Solver
+from dubins_study.solvers.protocol import Method, Solver
 
 GROUP = "dubins_study.solvers"
 _SPEC = re.compile(r"(?P<name>[^\[\]]+?)(?:\[(?P<settings>[^\[\]]*)\])?")
@@ -27,7 +27,8 @@ class Entry(NamedTuple):
     """One line of `dubins-study solvers`."""
 
     name: str
-    method: str
+    formulation: str
+    engine: str
     guarantee: str
     branches: tuple[str, ...]
     summary: str
@@ -71,7 +72,7 @@ def entries() -> list[Entry]:
     listed = []
     for name in registered():
         listed.append(_entry(name))
-        if listed[-1].method:
+        if listed[-1].formulation:
             listed += [_entry(spec) for spec in _kind(name).variants]
     return listed
 
@@ -80,11 +81,12 @@ def _entry(name: str) -> Entry:
     try:
         solver = load(name)
     except SolverError as error:
-        return Entry(name, "", "", (), "", {}, str(error))
-    kind = type(solver)
+        return Entry(name, "", "", "", (), "", {}, str(error))
+    kind, method = type(solver), stated_method(solver)
     return Entry(
         name,
-        kind.method,
+        method.formulation,
+        method.engine,
         str(kind.guarantee),
         kind.branches,
         kind.summary,
@@ -99,6 +101,26 @@ def unavailable(solver: Solver) -> str | None:
         return solver.unavailable()
     except (Exception, SystemExit) as error:  # a plug-in may fail in any way; it is a reason
         return f"asking whether it is available raised {type(error).__name__}: {error}"
+
+
+def stated_method(solver: Solver) -> Method:
+    """A solver's formulation, engine and initial guess, as far as it states them.
+
+    Raises:
+        SolverError: if it states something else.
+    """
+    stated: Any = solver.method
+    try:
+        method = Method(*stated) if isinstance(stated, tuple) else None
+        tolerance = None if method is None or method.tolerance is None else float(method.tolerance)
+    except (TypeError, ValueError):
+        method = None
+    if method is None or not all(isinstance(text, str) for text in method[:3]):
+        raise SolverError(
+            f"solver {solver.name!r}: method is {stated!r:.80}; expected a tuple of texts: "
+            "formulation, engine and, if there is one, the kind of initial guess"
+        )
+    return method._replace(tolerance=tolerance)
 
 
 def settings(solver: Solver) -> dict[str, Any]:
@@ -140,7 +162,11 @@ def load(spec: str, profile: str = "default") -> Solver:
     kind = _kind(name)
     values = {**kind.profiles.get(profile, {}), **_convert(name, kind, given)}
     try:
-        return kind(**values)
+        solver = kind(**values)
+        stated_method(solver)
+        return solver
+    except SolverError:
+        raise
     except ValueError as error:
         raise SolverError(f"solver {spec!r}: {error}") from None
     except (Exception, SystemExit) as error:  # a plug-in may fail in any way

@@ -14,7 +14,7 @@ from dubins_study.experiments.engines.judging import row_of
 from dubins_study.experiments.isolation.messages import WorkerReply
 from dubins_study.experiments.plan.cells import Cell
 from dubins_study.experiments.run_settings import RunSettings
-from dubins_study.solvers.protocol import Outcome, Solution
+from dubins_study.solvers.protocol import Method, Outcome, Solution
 from dubins_study.solvers.reply import Reply, Times
 from dubins_study.study.claim import Claim
 from dubins_study.study.closed_form.shortest import shortest_path
@@ -31,7 +31,7 @@ lengths = st.lists(st.floats(0, 1e9), max_size=5)
 
 
 def cell(number: int, scenario: Scenario, start: str = "warm") -> Cell:
-    return Cell(f"id{number}", "slsqp", "default", "best", start, 0, "0" * 12, scenario)
+    return Cell(f"id{number}", "slsqp", "default", "best", start, 0, "0" * 12, scenario, Method())
 
 
 @st.composite

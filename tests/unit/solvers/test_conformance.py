@@ -14,7 +14,7 @@ from dubins_study.study.check.verdict import Verdict
 from dubins_study.study.claim import Claim
 from dubins_study.study.closed_form.shortest import shortest
 from dubins_study.study.scenario import Scenario
-from dubins_study.study.words import BRANCHES
+from dubins_study.study.words import BRANCHES, FORMULATIONS
 
 # A gap that the method's kind may leave: rounding; the solver's tolerance of 1e-8 on lengths; the
 # coarseness of 50 steps, which falls like 1/n^2.
@@ -31,7 +31,8 @@ def test_every_entry_says_what_it_is():
     """Name, method, guarantee, branches and a line of summary, available or not."""
     assert {"analytic", "slsqp", "ipopt", "turn-rate-qp"} <= set(registered())
     for entry in entries():
-        assert entry.method
+        assert entry.formulation in FORMULATIONS
+        assert entry.engine
         assert entry.guarantee in set(Guarantee)
         assert entry.summary
         assert {"best", "LS", "RS"} <= set(entry.branches) <= set(BRANCHES)
@@ -154,7 +155,12 @@ def test_whatever_a_solver_does_becomes_a_row():
     from dubins_study.solvers.attempt import attempt
 
     class Hostile(Solver):
-        name, method, guarantee, branches = "hostile", "local NLP", Guarantee.LOCAL, ("best",)
+        name, method, guarantee, branches = (
+            "hostile",
+            ("penalty", "hostile"),
+            Guarantee.LOCAL,
+            ("best",),
+        )
         warm, packages, summary = False, (), "does what it is told"
 
         def __init__(self, behaviour):

@@ -48,7 +48,7 @@ def test_a_solution_of_wrong_types_is_its_makers_failure(field):
 class Sneaky(Solver):
     """A solver that changes what it was asked, or hands in a path that lies about its end."""
 
-    name, method, guarantee, branches = "sneaky", "none", Guarantee.LOCAL, ("best",)
+    name, method, guarantee, branches = "sneaky", ("penalty", "sneaky"), Guarantee.LOCAL, ("best",)
     warm, packages, summary = False, (), "nothing"
 
     def __init__(self, trick):

@@ -154,7 +154,7 @@ def test_an_executable_solves_the_papers_model(programs):
     put_solver(programs, "snopt")
     problem = PAPER["problem 4"]
 
-    ours, same = solve(problem, "nlp[solver=snopt]"), solve(problem, "ipopt[via=library]")
+    ours, same = solve(problem, "nlp[engine=snopt]"), solve(problem, "ipopt[via=library]")
 
     assert (ours.word, ours.verdict, ours.claim) == ("RS", Verdict.OPTIMAL, Claim.LOCAL)
     assert ours.length == pytest.approx(same.length, rel=1e-9)
@@ -169,8 +169,8 @@ def test_an_executable_in_the_left_disc(programs):
     """RL is found there, in a mirror; LS does not exist, and the solver's 200 says so."""
     put_solver(programs, "snopt")
 
-    best = solve(Scenario(0, 0, 0.4, 0, 1, 1), "nlp[solver=snopt]", "RL")
-    none = solve(LEFT_DISC, "nlp[solver=snopt]", "LS")
+    best = solve(Scenario(0, 0, 0.4, 0, 1, 1), "nlp[engine=snopt]", "RL")
+    none = solve(LEFT_DISC, "nlp[engine=snopt]", "LS")
 
     assert best.word == "RL"
     assert best.verdict is Verdict.OPTIMAL
@@ -181,7 +181,7 @@ def test_an_executable_in_the_left_disc(programs):
 
 @pytest.mark.parametrize("program", ["ls", "true", "cat", "yes"])
 def test_an_executable_that_is_no_solver_is_a_failure_with_a_message(program):
-    answer = solve(PAPER["problem 1"], f"nlp[solver={program}]", "LS", limit=5)
+    answer = solve(PAPER["problem 1"], f"nlp[engine={program}]", "LS", limit=5)
 
     assert answer.outcome is Outcome.RETURNED
     assert answer.claim is Claim.FAILED
@@ -197,7 +197,7 @@ def test_an_executable_that_never_ends_is_stopped_with_its_children(programs):
     put_program(programs, "slow", f"#!/bin/sh\nsleep 60 &\necho $! > {mark}\nwait\n")
     began = time.perf_counter()
 
-    answer = solve(PAPER["problem 1"], "nlp[solver=slow]", limit=0.5)
+    answer = solve(PAPER["problem 1"], "nlp[engine=slow]", limit=0.5)
 
     assert time.perf_counter() - began < 0.5 + 2  # to start and end a process on a busy machine
     assert answer.claim is Claim.LIMIT
@@ -233,7 +233,7 @@ def test_a_broken_sol_file_is_a_failure_with_a_message(programs, text, message):
         programs, "broken", f"#!/bin/sh\nprintf '{text!r}' > model.sol\n".replace("''", "'")
     )
 
-    answer = solve(PAPER["problem 1"], "nlp[solver=broken]", "LS")
+    answer = solve(PAPER["problem 1"], "nlp[engine=broken]", "LS")
 
     assert answer.outcome is Outcome.RETURNED
     assert answer.claim is Claim.FAILED
@@ -257,7 +257,7 @@ def test_ampls_result_codes_are_claims(programs, code, claim):
     sol = f"said so\\n\\nOptions\\n3\\n1\\n1\\n0\\n2\\n0\\n2\\n2\\n1\\n1\\nobjno 0 {code}\\n"
     put_program(programs, "says", f"#!/bin/sh\nprintf '{sol}' > model.sol\n")
 
-    answer = solve(PAPER["problem 1"], "nlp[solver=says]", "LS")
+    answer = solve(PAPER["problem 1"], "nlp[engine=says]", "LS")
 
     assert answer.claim is claim
     assert answer.message == "LS: said so"
@@ -276,19 +276,19 @@ def test_a_sol_file_with_a_tolerance_among_its_options():
 def test_a_solver_is_a_name_and_no_path(name):
     """An experiment's text cannot choose a file to run."""
     with pytest.raises(ValueError, match="no folders"):
-        Nlp(solver=name)
+        Nlp(engine=name)
 
 
 def test_absence_has_its_reason(monkeypatch):
     """A name that PATH does not have, KNITRO without its package."""
     assert Nlp().unavailable() is None
-    answer = solve(PAPER["problem 1"], "nlp[solver=no-such-solver]")
+    answer = solve(PAPER["problem 1"], "nlp[engine=no-such-solver]")
     assert answer.outcome is Outcome.UNAVAILABLE
     assert answer.message == "no executable 'no-such-solver' on PATH"
     with pytest.raises(SolverError, match="no folders"):
-        load("nlp[solver=./x]")
+        load("nlp[engine=./x]")
     monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
-    assert Nlp(solver="knitro").unavailable() == "the package knitro is not installed"
+    assert Nlp(engine="knitro").unavailable() == "the package knitro is not installed"
 
 
 @pytest.mark.skipif(find_spec("knitro") is None, reason="the package knitro is not installed")
@@ -303,7 +303,7 @@ def test_knitro_without_a_licence_says_exactly_that(capfd):
     )
     printed = capfd.readouterr()
     assert printed.out + printed.err == ""
-    answer = solve(PAPER["problem 1"], "nlp[solver=knitro]")
+    answer = solve(PAPER["problem 1"], "nlp[engine=knitro]")
     assert answer.outcome is Outcome.UNAVAILABLE
     assert answer.message == reason
 
@@ -346,4 +346,4 @@ def test_the_papers_own_solver_has_a_line_of_its_own():
     lines = {entry.name: entry.reason for entry in entries()}
 
     assert lines["nlp"] is None
-    assert lines["nlp[solver=knitro]"] == Nlp(solver="knitro").unavailable()
+    assert lines["nlp[engine=knitro]"] == Nlp(engine="knitro").unavailable()

@@ -9,7 +9,7 @@ from dubins_study.experiments.code_digest import code_digest
 from dubins_study.experiments.solve import solve, solve_frame
 from dubins_study.solvers.attempt import QuestionError
 from dubins_study.solvers.profiles import ProfileError
-from dubins_study.solvers.protocol import Outcome
+from dubins_study.solvers.protocol import Method, Outcome
 from dubins_study.solvers.registry import SolverError, canonical, load, settings
 from dubins_study.study.scenario import Scenario
 
@@ -25,7 +25,7 @@ class Straight(Solver):
     """Drives straight on, whatever the target."""
     far: float = 1.0
     name: ClassVar[str] = "straight"
-    method: ClassVar[str] = "local NLP"
+    method: ClassVar[tuple[str, str]] = ("one NLP a word", "mine")
     guarantee: ClassVar[Guarantee] = Guarantee.LOCAL
     branches: ClassVar[tuple[str, ...]] = ("best",)
     warm: ClassVar[bool] = False
@@ -149,7 +149,7 @@ def test_a_plug_in_in_eight_lines(tmp_path):
     assert solve(EASY, spec, "LS").outcome is Outcome.UNSUPPORTED
     assert solve_frame(pd.DataFrame([{**FRAME_ROW, "target_x": 3.0}]), spec)["miss"].tolist() == [0]
     solver = load(spec)
-    assert (solver.method, solver.guarantee, solver.warm) == ("not stated", "local", False)
+    assert (solver.method, solver.guarantee, solver.warm) == (Method(), "local", False)
     assert (solver.packages, solver.variants, solver.profiles, solver.runs) == ((), (), {}, None)
     assert solver.unavailable() is None
     assert solver.library_versions() == {}
@@ -171,7 +171,6 @@ def test_a_plug_in_may_look_like_our_own(tmp_path):
             "class Plug(Solver):\n"
             f"    n: int = {answer}\n"
             "    name: ClassVar[str] = 'plug'\n"
-            "    method: ClassVar[str] = 'none'\n"
             "    guarantee: ClassVar[Guarantee] = Guarantee.LOCAL\n"
             "    branches: ClassVar[tuple[str, ...]] = ('best',)\n"
             "    warm: ClassVar[bool] = False\n"

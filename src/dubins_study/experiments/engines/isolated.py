@@ -8,6 +8,7 @@ from dubins_study.experiments.interruption import Interruption
 from dubins_study.experiments.isolation.job_queue import Job
 from dubins_study.experiments.isolation.monitor import Limits
 from dubins_study.experiments.isolation.pool import WorkerPool
+from dubins_study.experiments.plan.solver_description import describe_solver
 from dubins_study.experiments.run_settings import BYTES_PER_GIB
 from dubins_study.solvers.attempt import Answer, judged
 from dubins_study.solvers.profiles import tolerances
@@ -50,8 +51,8 @@ def ask_isolated(
 
 
 def _judged(solver: str, profile: str, question: Question, reply: Reply) -> Answer:
-    allowed = tolerances(profile)
+    known = tolerances(profile), describe_solver(solver, profile).method
     try:
-        return judged(solver, question, reply, allowed)
+        return judged(solver, question, reply, *known)
     except Exception as error:  # the check cannot drive the path: an answer too, as in a run
-        return judged(solver, question, no_answer(Outcome.RAISED, exception_text(error)), allowed)
+        return judged(solver, question, no_answer(Outcome.RAISED, exception_text(error)), *known)

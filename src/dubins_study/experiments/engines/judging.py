@@ -24,11 +24,13 @@ def row_of(
     """The row for a worker's reply to a cell, and the path if it reaches the target."""
     known = dict(zip(_KEY, cell.key, strict=True))
     known |= run_columns(settings, answer.started or now(), answer.versions)
-    question = Question(cell.scenario, cell.branch, initial_guess)
+    question = Question(cell.scenario, cell.branch, initial_guess, cell.repeat)
     try:
-        row = judged_row(cell.solver, question, answer.reply, tolerances(cell.profile))
+        allowed = tolerances(cell.profile)
+        row = judged_row(cell.solver, question, answer.reply, allowed, cell.method)
     except Exception as error:  # the check cannot drive the path: recorded as a row too
         known |= {name: getattr(cell.scenario, name) for name in _SCENARIO}
+        known |= cell.method.columns(question)
         return raised_row(known, exception_text(error)), None
     row.update(known)
     return row, answer.reply.solution.path if row["gap"] is not None else None
@@ -41,7 +43,7 @@ def run_columns(settings: RunSettings, started: str, versions: str) -> Row:
         "machine": host(),
         "threads": THREADS,
         "jobs": settings.jobs,
-        "engine": settings.engine,
+        "executor": settings.engine,
         "run_id": settings.run_id,
         "started": started,
     }

@@ -74,7 +74,7 @@ def solve_chains(
 
 def _job(state: ChainState) -> Job:
     cell = state.cell
-    question = Question(cell.scenario, cell.branch, state.initial_guess())
+    question = Question(cell.scenario, cell.branch, state.initial_guess(), cell.repeat)
     return Job(cell.solver, cell.profile, question, state)
 
 

@@ -119,13 +119,13 @@ _scenario_values = attrgetter(*(field.name for field in fields(Scenario)))
 def encode_question(question: Question) -> list[Any]:
     """A question as plain values."""
     guess = _encode_path(question.initial_guess)
-    return [_scenario_values(question.scenario), question.branch, guess]
+    return [_scenario_values(question.scenario), question.branch, guess, question.repeat]
 
 
 def decode_question(values: list[Any]) -> Question:
     """The question that was encoded."""
-    scenario, branch, guess = values
-    return Question(Scenario(*scenario), branch, _decode_path(guess))
+    scenario, branch, guess, repeat = values
+    return Question(Scenario(*scenario), branch, _decode_path(guess), repeat)
 
 
 def _encode_path(path: Path | None) -> list[Any] | None:
@@ -161,6 +161,8 @@ def encode_reply(sent: WorkerReply) -> list[Any]:
         _plain(solution.native_status),
         _plain(solution.message),
         bool(solution.presolved),
+        [[_plain(value) for value in effort] for effort in solution.efforts],
+        None if solution.best_run is None else [_plain(value) for value in solution.best_run],
         *sent[1:],
     ]
 

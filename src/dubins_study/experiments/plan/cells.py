@@ -12,13 +12,14 @@ from dubins_study.experiments.definition.experiment import Experiment, Experimen
 from dubins_study.experiments.plan.block_plan import BlockPlan, block_plans
 from dubins_study.experiments.plan.scenario_columns import scenarios
 from dubins_study.experiments.plan.scenario_ids import scenario_id
+from dubins_study.solvers.protocol import Method
 from dubins_study.study.path import Path
 from dubins_study.study.rows.schema import Key
 from dubins_study.study.scenario import Scenario
 
 
 class Cell(NamedTuple):
-    """One question to one solver; all fields except the scenario form the key of its row."""
+    """One question to one solver; all fields up to the code digest form the key of its row."""
 
     scenario_id: str
     solver: str
@@ -28,6 +29,7 @@ class Cell(NamedTuple):
     repeat: int
     code_digest: str
     scenario: Scenario
+    method: Method
 
     @property
     def key(self) -> Key:
@@ -73,8 +75,9 @@ def _block_chains(plan: BlockPlan, profile: str) -> Iterator[Chain]:
     for solver in solvers:
         guesses = list(plan.guesses(solver))
         for branch, repeat, guess in itertools.product(plan.branches, range(plan.repeats), guesses):
+            digest, method = solver.code_digest, solver.method
             cells = (
-                Cell(id_, solver.spec, profile, branch, guess, repeat, solver.code_digest, scenario)
+                Cell(id_, solver.spec, profile, branch, guess, repeat, digest, scenario, method)
                 for id_, scenario in zip(ids, block_scenarios, strict=True)
             )
             if guess == "warm":

@@ -14,7 +14,8 @@ from dubins_study.experiments.isolation.fork_server import exit_status, fork
 from dubins_study.experiments.isolation.messages import Channel, MessageError
 from dubins_study.experiments.provenance import versions_of
 from dubins_study.solvers.analytic import Analytic
-from dubins_study.solvers.registry import SolverError, canonical, load, ours
+from dubins_study.solvers.protocol import Method
+from dubins_study.solvers.registry import SolverError, canonical, load, ours, stated_method
 from dubins_study.solvers.reply import exception_text
 
 _LOAD_LIMIT_S = 60.0  # Seconds that the import of a plug-in may take.
@@ -25,6 +26,7 @@ class SolverDescription(NamedTuple):
 
     Args:
         spec: its canonical spec, as in rows.
+        method: its formulation, engine and initial guess.
         code_digest: see `code_digest.code_digest`.
         settings: its settings as values that JSON can hold.
         packages: the distributions that it uses.
@@ -37,6 +39,7 @@ class SolverDescription(NamedTuple):
     """
 
     spec: str
+    method: Method
     code_digest: str
     settings: dict[str, Any]
     packages: tuple[str, ...]
@@ -63,7 +66,8 @@ def describe_solver(spec: str, profile: str = "default") -> SolverDescription:
     if ours(spec):
         return _describe(spec, profile)
     fields = _described_in_new_process(spec, profile)
-    return SolverDescription(**(fields | {"packages": tuple(fields["packages"])}))
+    packages, method = tuple(fields["packages"]), Method(*fields["method"])
+    return SolverDescription(**(fields | {"packages": packages, "method": method}))
 
 
 def _described_in_new_process(spec: str, profile: str) -> dict[str, Any]:
@@ -91,6 +95,7 @@ def _describe(spec: str, profile: str) -> SolverDescription:
     solver = load(spec, profile)
     return SolverDescription(
         canonical(spec, profile),
+        stated_method(solver),
         code_digest(spec, profile),
         plain_settings(solver),
         tuple(str(package) for package in solver.packages),

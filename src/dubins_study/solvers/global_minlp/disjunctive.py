@@ -18,7 +18,7 @@ from dubins_study.solvers.global_minlp.scip import BROKEN, Native, ScipSettings,
 from dubins_study.solvers.paper_nlp.model import SUBPROBLEMS, as_path
 from dubins_study.solvers.paper_nlp.polish import Polished, meet_target
 from dubins_study.solvers.presolve import words
-from dubins_study.solvers.protocol import Guarantee, Question, Solution, Solver
+from dubins_study.solvers.protocol import Guarantee, Method, Question, Solution, Solver
 from dubins_study.solvers.setting_checks import missing_package, one_of, within
 from dubins_study.solvers.vehicle_frame import at_start
 from dubins_study.study.claim import Claim
@@ -80,7 +80,6 @@ class Disjunctive(Solver):
     presolve: bool = False
 
     name: ClassVar[str] = "disjunctive"
-    method: ClassVar[str] = "global MINLP"
     guarantee: ClassVar[Guarantee] = Guarantee.GLOBAL
     branches: ClassVar[tuple[str, ...]] = ("best", *WORDS)
     packages: ClassVar[tuple[str, ...]] = ("pyomo", "pyscipopt")
@@ -98,6 +97,10 @@ class Disjunctive(Solver):
         # SCIP takes tolerances up to 1e-3, and what it calls infeasible is asked again at 100 times
         # ours; what is closed to no more than a hundredth proves nothing
         within(gap=(self.gap, 1e-12, 1e-2), feastol=(self.feastol, 1e-12, 1e-5))
+
+    @property
+    def method(self) -> Method:
+        return Method("disjunction", "SCIP", "none", self.feastol)
 
     def unavailable(self) -> str | None:
         return missing_package(*self.packages)

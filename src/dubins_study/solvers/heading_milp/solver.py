@@ -14,7 +14,7 @@ from dubins_study.solvers.heading_milp.legs import ROUNDED, Legs, controls, leas
 from dubins_study.solvers.heading_milp.template import Template, template
 from dubins_study.solvers.paper_nlp.polish import one_sided_only
 from dubins_study.solvers.presolve import words
-from dubins_study.solvers.protocol import Guarantee, Question, Solution, Solver
+from dubins_study.solvers.protocol import Guarantee, Method, Question, Solution, Solver
 from dubins_study.solvers.setting_checks import missing_package, whole
 from dubins_study.solvers.vehicle_frame import at_start, coordinate_rounding, in_world
 from dubins_study.study.claim import Claim
@@ -80,7 +80,6 @@ class HeadingMilp(Solver):
     presolve: bool = False
 
     name: ClassVar[str] = "heading-milp"
-    method: ClassVar[str] = "MILP"
     guarantee: ClassVar[Guarantee] = Guarantee.DISCRETISED
     branches: ClassVar[tuple[str, ...]] = BRANCHES
     packages: ClassVar[tuple[str, ...]] = ("cvxpy", "highspy")
@@ -96,6 +95,10 @@ class HeadingMilp(Solver):
         whole(headings=(self.headings, 12, 1000), legs=(self.legs, 1, 12))
         if not 0 < self.gap < 1:
             raise ValueError(f"gap is {self.gap!r}; expected a number from 0 to 1")
+
+    @property
+    def method(self) -> Method:
+        return Method("grid of headings", "HiGHS", "none")
 
     def unavailable(self) -> str | None:
         return missing_package(*self.packages)

@@ -37,7 +37,7 @@ from dubins_study.solvers.paper_nlp.initial_guesses import (
     needs_every_guess,
 )
 from dubins_study.solvers.paper_nlp.model import Subproblem, subproblems, target
-from dubins_study.solvers.protocol import Question, Solution, Solver
+from dubins_study.solvers.protocol import Method, Question, Solution, Solver
 from dubins_study.solvers.setting_checks import one_of, positive
 from dubins_study.solvers.vehicle_frame import at_start
 from dubins_study.study.claim import Claim
@@ -94,7 +94,6 @@ class Shooting(Solver):
     presolve: bool = False
 
     name: ClassVar[str] = "shooting"
-    method: ClassVar[str] = "indirect"
     branches: ClassVar[tuple[str, ...]] = ("best", "LS", "RS", "LR", "RL")
     warm: ClassVar[bool] = True
     packages: ClassVar[tuple[str, ...]] = ("scipy",)
@@ -109,6 +108,10 @@ class Shooting(Solver):
         positive(count=self.count, tol=self.tol, max_evaluations=self.max_evaluations)
         if self.seed < 0:
             raise ValueError(f"seed is {self.seed}; expected a whole number from 0 up")
+
+    @property
+    def method(self) -> Method:
+        return Method("Pontryagin's system", f"MINPACK {self.root}", self.initial_guess, self.tol)
 
     @property
     def keeps_limit(self) -> bool:

@@ -24,7 +24,7 @@ from dubins_study.solvers.optimal_control.turn_rate_dynamics import RATES, Rates
 from dubins_study.solvers.paper_nlp.best_point import total
 from dubins_study.solvers.paper_nlp.polish import one_sided_only
 from dubins_study.solvers.presolve import words
-from dubins_study.solvers.protocol import Guarantee, Question, Solution, Solver
+from dubins_study.solvers.protocol import Guarantee, Method, Question, Solution, Solver
 from dubins_study.solvers.setting_checks import one_of, whole, within
 from dubins_study.solvers.vehicle_frame import in_world, staying
 from dubins_study.study.claim import Claim
@@ -92,7 +92,6 @@ class Collocation(Solver):
     presolve: bool = False
 
     name: ClassVar[str] = "collocation"
-    method: ClassVar[str] = "transcription"
     guarantee: ClassVar[Guarantee] = Guarantee.DISCRETISED
     branches: ClassVar[tuple[str, ...]] = tuple(RATES)
     warm: ClassVar[bool] = True
@@ -109,6 +108,10 @@ class Collocation(Solver):
         whole(n=(self.n, 3, 1000), points=(self.points, 1, 10), max_iter=(self.max_iter, 1, 10**6))
         one_of(mesh=(self.mesh, MESHES), via=(self.via, VIAS))
         within(tol=(self.tol, 1e-14, 1e-2))
+
+    @property
+    def method(self) -> Method:
+        return Method("Radau collocation", "Ipopt", "bearing", self.tol)
 
     def unavailable(self) -> str | None:
         return unavailable(self.via)

@@ -15,13 +15,14 @@ from dubins_study.solvers.optimal_control.turn_rate_sequence import Limits, Run,
 from dubins_study.solvers.optimal_control.turn_rate_template import ENGINES, Template, template
 from dubins_study.solvers.paper_nlp.polish import one_sided_only
 from dubins_study.solvers.presolve import words
-from dubins_study.solvers.protocol import Guarantee, Question, Solution, Solver
+from dubins_study.solvers.protocol import Guarantee, Method, Question, Solution, Solver
 from dubins_study.solvers.setting_checks import missing_package, one_of, whole
 from dubins_study.solvers.vehicle_frame import coordinate_rounding, in_world
 from dubins_study.study.claim import Claim
 from dubins_study.study.path import FloatArray, Path, drivable
 
 _PACKAGES = {"highs": "highspy"}
+_LABELS = {"piqp": "PIQP", "clarabel": "Clarabel", "osqp": "OSQP", "highs": "HiGHS"}
 MESHES = ("equal", "graded")
 _TURNING = 2 * math.pi  # radii; a turn towards a target far away is shorter than a full circle
 
@@ -63,7 +64,6 @@ class TurnRateQp(Solver):
     presolve: bool = False
 
     name: ClassVar[str] = "turn-rate-qp"
-    method: ClassVar[str] = "sequential convex"
     guarantee: ClassVar[Guarantee] = Guarantee.DISCRETISED
     branches: ClassVar[tuple[str, ...]] = tuple(RATES)
     warm: ClassVar[bool] = True
@@ -78,6 +78,10 @@ class TurnRateQp(Solver):
         one_of(engine=(self.engine, ENGINES), mesh=(self.mesh, MESHES))
         if not 0 < self.tolerance < 1:
             raise ValueError(f"tolerance is {self.tolerance!r}; expected a number from 0 to 1")
+
+    @property
+    def method(self) -> Method:
+        return Method("turn rates", _LABELS[self.engine], "bearing", self.tolerance)
 
     def unavailable(self) -> str | None:
         return missing_package("cvxpy", _PACKAGES.get(self.engine, self.engine))

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from dubins_study.solvers.paper_nlp.model import Subproblem, as_path, equations, target
-from dubins_study.solvers.protocol import Question, Solution
+from dubins_study.solvers.protocol import Effort, Question, Solution
 from dubins_study.solvers.vehicle_frame import at_start, in_world
 from dubins_study.study.claim import Claim
 from dubins_study.study.path import FloatArray
@@ -50,30 +50,39 @@ def answer(question: Question, attempts: list[Attempts], limit: float) -> Soluti
     No attempt begins after `limit` seconds. If the target is the start, nothing is attempted: at
     z = 0 no constraint qualification holds, so that no NLP method can certify this point.
     """
-    return at_start(question) or choose(question, _points(attempts, limit))
+    return at_start(question) or choose(question, _runs(attempts, limit))
 
 
-def _points(attempts: list[Attempts], limit: float) -> list[Point]:
+class TimedRun(NamedTuple):
+    """A run's end, and how long it took (s)."""
+
+    point: Point
+    seconds: float
+
+
+def _runs(attempts: list[Attempts], limit: float) -> list[TimedRun]:
     deadline = perf_counter() + limit
-    points: list[Point] = []
+    runs: list[TimedRun] = []
     for solve, guesses, every in attempts:
         for guess in guesses:
-            left = deadline - perf_counter()
-            if left < 0:
-                return points
-            points.append(solve(guess, left))
-            if points[-1].claim is Claim.LOCAL and not every:
+            began = perf_counter()
+            if began > deadline:
+                return runs
+            point = solve(guess, deadline - began)
+            runs.append(TimedRun(point, perf_counter() - began))
+            if point.claim is Claim.LOCAL and not every:
                 break
-    return points
+    return runs
 
 
-def choose(question: Question, points: list[Point]) -> Solution:
-    """The answer to a question from the points of all its subproblems and initial guesses.
+def choose(question: Question, runs: list[TimedRun]) -> Solution:
+    """The answer to a question from the runs of all its subproblems and initial guesses.
 
     It is the shortest point that the solver calls a solution. If there is none, it is the point
     that ends nearest to the target, with the claim that all points share, or `failed`.
     """
     scenario = question.scenario
+    points = [run.point for run in runs]
     solved = [point for point in points if point.claim is Claim.LOCAL]
     if solved:
         best = min(solved, key=lambda point: float(point.z.sum()))
@@ -100,7 +109,23 @@ def choose(question: Question, points: list[Point]) -> Solution:
         evaluations=total([point.evaluations for point in points]),
         native_status=best.status,
         message=f"{best.subproblem.name}: {best.message}",
+        efforts=efforts(runs),
+        best_run=next(_effort([run]) for run in runs if run.point is best),
     )
+
+
+def efforts(runs: Iterable[TimedRun]) -> tuple[Effort, ...]:
+    """What each subproblem cost, in the order in which they were begun."""
+    by_name: dict[str, list[TimedRun]] = {}
+    for run in runs:
+        by_name.setdefault(run.point.subproblem.name, []).append(run)
+    return tuple(_effort(of_one) for of_one in by_name.values())
+
+
+def _effort(runs: list[TimedRun]) -> Effort:
+    evaluations = total(run.point.evaluations for run in runs)
+    seconds = sum(run.seconds for run in runs)
+    return Effort(runs[0].point.subproblem.name, len(runs), evaluations, seconds)
 
 
 def total(counts: Iterable[int | None]) -> int | None:

@@ -28,6 +28,7 @@ from dubins_study.solvers.paper_nlp.best_point import Point
 from dubins_study.solvers.paper_nlp.local_nlp import Case, LocalNlp, Run
 from dubins_study.solvers.paper_nlp.model import UNITS
 from dubins_study.solvers.paper_nlp.pyomo_case import pyomo_model
+from dubins_study.solvers.protocol import Method
 from dubins_study.solvers.setting_checks import one_of, positive, within
 from dubins_study.study.claim import Claim
 from dubins_study.study.path import FloatArray
@@ -71,6 +72,10 @@ class Ipopt(LocalNlp):
         within(tol=(self.tol, 1e-14, 1e-2), bound_relax=(self.bound_relax, 0, 1e-2))
         within(mu_target=(self.mu_target, 0, 1))
 
+    @property
+    def method(self) -> Method:
+        return Method(self.formulation, "Ipopt", self.initial_guess, self.tol)
+
     def unavailable(self) -> str | None:
         return unavailable(self.via)
 
@@ -84,7 +89,7 @@ class Ipopt(LocalNlp):
     def unit(self, scenario: Scenario) -> float:
         return scenario.radius if self.units == "scenario" else 1.0
 
-    def engine(self) -> Run:
+    def run(self) -> Run:
         options = (
             ("tol", self.tol),
             ("max_iter", self.max_iter),

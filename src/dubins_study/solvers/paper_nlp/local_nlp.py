@@ -60,7 +60,7 @@ class Model(NamedTuple):
 
 @dataclass(frozen=True)
 class LocalNlp(Solver):
-    """Model (4.12) by a local NLP solver, which an adapter names in `engine`.
+    """Model (4.12) by a local NLP solver, which an adapter names in `run`.
 
     `model` and `order` choose the subproblems (`paper_nlp.model.subproblems`); `initial_guess`,
     `seed` and `count` choose where the search begins (`paper_nlp.initial_guesses`).
@@ -76,7 +76,6 @@ class LocalNlp(Solver):
     capped: bool = True
     presolve: bool = False
 
-    method: ClassVar[str] = "local NLP"
     branches: ClassVar[tuple[str, ...]] = BRANCHES
     warm: ClassVar[bool] = True
 
@@ -88,7 +87,13 @@ class LocalNlp(Solver):
         )
         positive(count=self.count)
 
-    def engine(self) -> Run:
+    @property
+    def formulation(self) -> str:
+        """One of `study.words.FORMULATIONS`."""
+        orders = "both orders" if self.order == "both" else self.order
+        return f"joint NLP, {orders}" if self.model == "joint" else "one NLP a word"
+
+    def run(self) -> Run:
         """The function that solves one case from one initial guess."""
         raise NotImplementedError
 
@@ -107,7 +112,7 @@ class LocalNlp(Solver):
             )
             for subproblem in subproblems(question, self.model, self.order, self.presolve)
         ]
-        return Model(question, cases, self.engine())
+        return Model(question, cases, self.run())
 
     def solve(self, model: Model, limit: float) -> Solution:
         question, kind = model.question, self.initial_guess

@@ -13,6 +13,7 @@ import numpy as np
 from dubins_study.solvers.paper_nlp.best_point import Point
 from dubins_study.solvers.paper_nlp.local_nlp import Case, LocalNlp, Run
 from dubins_study.solvers.paper_nlp.model import UNITS, equations, jacobian
+from dubins_study.solvers.protocol import Method
 from dubins_study.solvers.setting_checks import one_of, positive, within
 from dubins_study.study.claim import Claim
 from dubins_study.study.path import FloatArray
@@ -61,13 +62,17 @@ class Slsqp(LocalNlp):
         within(ftol=(self.ftol, 1e-16, 1e-2))
 
     @property
+    def method(self) -> Method:
+        return Method(self.formulation, "SLSQP", self.initial_guess, self.ftol)
+
+    @property
     def keeps_limit(self) -> bool:
         return True
 
     def unit(self, scenario: Scenario) -> float:
         return scenario.radius if self.units == "scenario" else 1.0
 
-    def engine(self) -> Run:
+    def run(self) -> Run:
         return self._run
 
     def _run(self, case: Case, guess: FloatArray, seconds: float) -> Point:

@@ -21,6 +21,7 @@ ARROW_SCHEMA = arrow_schema()
 # Columns that no solver fills, which are kept of an answer that does not fit.
 _NOT_SOLVERS = (
     *names(KEY + SCENARIO + RUN),
+    *("formulation", "engine", "guess", "tolerance"),
     *("region", "margin", "reference_word", "reference", "build_s", "solve_s", "wall_s"),
 )
 

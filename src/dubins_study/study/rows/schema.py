@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 if TYPE_CHECKING:
     import pyarrow as pa
 
-VERSION = 5
+VERSION = 6
 # Keys of a part's Parquet metadata: the version of this schema, the run that wrote the part, and,
 # of a streamed part, its chunk as JSON (`study.rows.chunk.Chunk`).
 VERSION_KEY = "dubins-study schema"
@@ -49,6 +49,12 @@ SCENARIO = (
     Column("label", "string", "", "name given to the scenario"),
 )
 ANSWER = (
+    Column("formulation", "string", "", "the problem that is handed over, e.g. joint NLP, LRS"),
+    Column("engine", "string", "", "the library that solves it, e.g. Ipopt"),
+    Column("guess", "string", "", "where the search begins: bearing, zero, random, warm or none"),
+    Column(
+        "tolerance", "float64", "", "feasibility that the engine is asked for, in its own terms"
+    ),
     Column("region", "string", "", "outside, left disc, right disc or circle"),
     Column("margin", "float64", "radius", "distance from the target to the nearer turning circle"),
     Column("word", "string", "", "letters of the returned path"),
@@ -91,13 +97,19 @@ ANSWER = (
     Column("wall_s", "float64", "s", "time of the whole attempt, judging left out"),
     Column("iterations", "int64", "", "the solver's own count"),
     Column("evaluations", "int64", "", "the solver's own count of function evaluations"),
+    Column("subproblems", "string", "", "what was solved in turn, e.g. LS RS LR RL"),
+    Column("subproblem_runs", "list<float64>", "", "runs of the engine, by subproblem"),
+    Column("subproblem_evaluations", "list<float64>", "", "evaluations, by subproblem"),
+    Column("subproblem_s", "list<float64>", "s", "time in the engine, by subproblem"),
+    Column("best_run_evaluations", "int64", "", "evaluations of the run that gave the answer"),
+    Column("best_run_s", "float64", "s", "time of that run: the engine called once"),
 )
 RUN = (
     Column("versions", "string", "", "of the solver's libraries and ours, as JSON"),
     Column("machine", "string", "", "machine kind: system, processor, cores"),
     Column("threads", "int64", "", "threads the numerical libraries may use"),
     Column("jobs", "int64", "", "processes that solved side by side"),
-    Column("engine", "string", "", "local or dask"),
+    Column("executor", "string", "", "local or dask: what ran the cells"),
     Column("run_id", "string", "", "which run wrote the row"),
     Column("started", "string", "UTC", "when the attempt started, ISO 8601"),
 )

@@ -1,0 +1,133 @@
+"""A nonlinear program with equations and bounds, as every engine of this room takes it.
+
+A formulation writes its program once, in casadi's expressions with parameters; a question then
+gives the parameters, the bounds and an initial guess. Engines that want expressions get them,
+engines that want functions get compiled ones.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from dubins_study.study.claim import Claim
+from dubins_study.study.path import FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class Expressions:
+    """min f(x, p) subject to g(x, p) = 0 and bounds on x, in casadi's SX symbols.
+
+    Engines compile it once and keep what they compiled, so a formulation makes one object and
+    keeps it (two objects are never equal).
+
+    Args:
+        x: variables, shape (n,).
+        p: parameters, shape (k,).
+        f: the objective.
+        g: left-hand sides of the equations, shape (m,).
+    """
+
+    x: Any
+    p: Any
+    f: Any
+    g: Any
+
+    @cached_property
+    def _compiled(self) -> dict[str, Any]:
+        import casadi
+
+        weights = casadi.SX.sym("weights", self.g.numel())
+        lagrangian = self.f + casadi.dot(weights, self.g)
+        given = [self.x, self.p]
+        return {
+            "f": casadi.Function("f", given, [self.f]),
+            "gradient": casadi.Function("gradient", given, [casadi.gradient(self.f, self.x)]),
+            "g": casadi.Function("g", given, [self.g]),
+            "jacobian": casadi.Function("jacobian", given, [casadi.jacobian(self.g, self.x)]),
+            "hessian": casadi.Function(
+                "hessian", [*given, weights], [casadi.hessian(lagrangian, self.x)[0]]
+            ),
+        }
+
+    def functions(self, p: FloatArray) -> Functions:
+        """The program's functions for parameters p, shape (k,)."""
+        compiled = self._compiled
+        return Functions(
+            lambda x: float(compiled["f"](x, p)),
+            lambda x: np.asarray(compiled["gradient"](x, p).full()).ravel(),
+            lambda x: np.asarray(compiled["g"](x, p).full()).ravel(),
+            lambda x: np.asarray(compiled["jacobian"](x, p).full()),
+            lambda x, weights: np.asarray(compiled["hessian"](x, p, weights).full()),
+        )
+
+
+class Functions(NamedTuple):
+    """A program's functions of x, shape (n,).
+
+    Args:
+        objective: f.
+        gradient: of f, shape (n,).
+        equations: g, shape (m,).
+        jacobian: of g, shape (m, n).
+        hessian: (x, weights of shape (m,)) -> second derivative of f + weights g, shape (n, n).
+    """
+
+    objective: Callable[[FloatArray], float]
+    gradient: Callable[[FloatArray], FloatArray]
+    equations: Callable[[FloatArray], FloatArray]
+    jacobian: Callable[[FloatArray], FloatArray]
+    hessian: Callable[[FloatArray, FloatArray], FloatArray]
+
+
+@dataclass(frozen=True, eq=False)
+class Program:
+    """One question's nonlinear program.
+
+    Args:
+        expressions: with parameters.
+        p: the parameters' values, shape (k,).
+        lower, upper: bounds of x, shape (n,); infinite where there is none.
+        written: functions written by hand, if the formulation has quicker ones than casadi's.
+    """
+
+    expressions: Expressions
+    p: FloatArray
+    lower: FloatArray
+    upper: FloatArray
+    written: Functions | None = None
+
+    @cached_property
+    def functions(self) -> Functions:
+        """The functions, for engines that call some."""
+        return self.written or self.expressions.functions(self.p)
+
+
+class EngineResult(NamedTuple):
+    """The end of one run of an engine.
+
+    Args:
+        x: shape (n,); NaN where the engine returns no point.
+        claim: the engine's own status as a claim.
+        duals: of the equations, shape (m,): f + duals g is stationary in the free variables; None
+            if the engine has none.
+        iterations, evaluations: the engine's counts; evaluations are those of the equations (or of
+            the objective, if more), not of derivatives.
+        status, message: the engine's own.
+    """
+
+    x: FloatArray
+    claim: Claim
+    duals: FloatArray | None
+    iterations: int | None
+    evaluations: int | None
+    status: str
+    message: str
+
+
+# (the program, an initial guess of shape (n,), the seconds left) -> the result
+Engine = Callable[[Program, FloatArray, float], EngineResult]
