@@ -9,7 +9,7 @@ import pandas as pd
 import pytest
 
 from dubins_study.report.data.attempts import VERDICTS
-from dubins_study.report.statistics import metrics, timing
+from dubins_study.report.statistics import metrics
 from dubins_study.report.topics.agreement.numbers import agreement
 from dubins_study.report.topics.discretisation.numbers import work_precision
 from dubins_study.report.topics.success.numbers import failures, gap_quantiles
@@ -193,11 +193,6 @@ def test_runs_of_equal_words():
     """First, past the last, word."""
     assert metrics.runs_of(["LS", "LS", "RL"]) == [(0, 2, "LS"), (2, 3, "RL")]
     assert metrics.runs_of([]) == []
-
-
-def test_shifted_geometric_mean_by_hand():
-    """Times 1 and 7 with shift 1: sqrt(2 * 8) - 1 = 3."""
-    assert timing.shifted_geometric_mean([1.0, 7.0], 1.0) == pytest.approx(3.0)
 
 
 def test_mean_times_use_only_what_every_solver_got_right():
