@@ -66,6 +66,25 @@ class Expressions:
         )
 
 
+class DeferredExpressions(Expressions):
+    """Expressions that are written when an engine first reads them.
+
+    An engine that calls functions which a formulation has written by hand then loads no casadi.
+    """
+
+    def __init__(self, write: Callable[[], Expressions]) -> None:
+        object.__setattr__(self, "write", write)
+
+    def __getattr__(self, name: str) -> Any:
+        # called for what is not set yet
+        if name not in ("x", "p", "f", "g"):
+            raise AttributeError(name)
+        expressions = self.__dict__["write"]()
+        for part in ("x", "p", "f", "g"):
+            object.__setattr__(self, part, getattr(expressions, part))
+        return getattr(self, name)
+
+
 class Functions(NamedTuple):
     """A program's functions of x, shape (n,).
 
@@ -93,6 +112,8 @@ class Program:
         p: the parameters' values, shape (k,).
         lower, upper: bounds of x, shape (n,); infinite where there is none.
         written: functions written by hand, if the formulation has quicker ones than casadi's.
+        magnitude: of the terms that the equations add up: some 1e-16 of it is their rounding, which
+            no engine can do better than.
     """
 
     expressions: Expressions
@@ -100,6 +121,7 @@ class Program:
     lower: FloatArray
     upper: FloatArray
     written: Functions | None = None
+    magnitude: float = 1.0
 
     @cached_property
     def functions(self) -> Functions:

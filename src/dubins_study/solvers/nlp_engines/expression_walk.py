@@ -1,0 +1,133 @@
+"""A program's casadi expressions rebuilt in the language of another modelling interface.
+
+casadi keeps the functions of its SX symbols as lists of instructions. Carried out with numbers the
+instructions give values; carried out with the variables of Pyomo, SCIP, Gurobi or Xpress they give
+expressions of these, so that every engine with such an interface reads every program.
+"""
+
+from __future__ import annotations
+
+import math
+import operator
+from collections.abc import Callable, Sequence
+from functools import lru_cache
+from typing import Any, NamedTuple
+
+from dubins_study.solvers.nlp_engines.program import Expressions, Program
+
+# What Python's operators do for every type of operand, by casadi's name of the operation. A square
+# is a power, which the interfaces recognise as convex, and not a product of two expressions.
+_ARITHMETIC: dict[str, Callable[..., Any]] = {
+    "OP_ASSIGN": lambda a: a,
+    "OP_ADD": operator.add,
+    "OP_SUB": operator.sub,
+    "OP_MUL": operator.mul,
+    "OP_DIV": operator.truediv,
+    "OP_NEG": operator.neg,
+    "OP_SQ": lambda a: a**2,
+    "OP_TWICE": lambda a: 2.0 * a,
+    "OP_INV": lambda a: 1.0 / a,
+    "OP_POW": operator.pow,
+    "OP_CONSTPOW": operator.pow,
+}
+# What each interface has functions of its own for, under the names that `math` uses too.
+_FUNCTIONS = {
+    f"OP_{name.upper()}": name
+    for name in ("sqrt", "exp", "log", "sin", "cos", "tan", "asin", "acos", "atan")
+}
+
+
+class UnknownOperationError(ValueError):
+    """An expression holds an operation that the walk, or the other interface, does not have."""
+
+
+class Rebuilt(NamedTuple):
+    """A program's objective and the left-hand sides of its equations, shape (m,), rebuilt."""
+
+    objective: Any
+    equations: list[Any]
+
+
+def rebuilt(program: Program, x: Sequence[Any], functions: Any = math) -> Rebuilt:
+    """A program's objective and equations, at its parameters, in other variables.
+
+    Args:
+        program: at its parameters' values, which become constants.
+        x: shape (n,): the other interface's variables, or numbers.
+        functions: where the interface keeps `sin`, `cos`, ...: a module, or any object with
+            attributes of these names. Functions of numbers alone are computed by `math`.
+
+    Raises:
+        UnknownOperationError: naming the operation.
+    """
+    function = _function(program.expressions)
+    objective, equations = carried_out(function, [x, program.p.tolist()], functions)
+    return Rebuilt(objective[0], equations)
+
+
+@lru_cache(maxsize=256)
+def _function(expressions: Expressions) -> Any:
+    import casadi
+
+    sides = [casadi.densify(side) for side in (expressions.f, expressions.g)]
+    return casadi.Function("sides", [expressions.x, expressions.p], sides)
+
+
+def carried_out(function: Any, given: Sequence[Sequence[Any]], functions: Any = math) -> list[Any]:
+    """The outputs of a `casadi.Function` of dense SX for operands of any type.
+
+    Args:
+        function: its inputs and outputs are dense.
+        given: for each input its elements, column by column.
+        functions: as for `rebuilt`.
+
+    Returns:
+        For each output the list of its elements, column by column.
+
+    Raises:
+        UnknownOperationError: naming the operation.
+    """
+    names = _operation_names()
+    work: list[Any] = [0.0] * function.sz_w()
+    outputs: list[Any] = [[0.0] * function.numel_out(i) for i in range(function.n_out())]
+    for k in range(function.n_instructions()):
+        name = names[function.instruction_id(k)]
+        source, place = function.instruction_input(k), function.instruction_output(k)
+        if name == "OP_CONST":
+            work[place[0]] = function.instruction_constant(k)
+        elif name == "OP_INPUT":
+            work[place[0]] = given[source[0]][source[1]]
+        elif name == "OP_OUTPUT":
+            outputs[place[0]][place[1]] = work[source[0]]
+        else:
+            operands = [work[i] for i in source]
+            work[place[0]] = _operation(name, operands, functions)(*operands)
+    return outputs
+
+
+def _operation(name: str, operands: list[Any], functions: Any) -> Callable[..., Any]:
+    """What carries out an operation on operands."""
+    if name in _ARITHMETIC:
+        return _ARITHMETIC[name]
+    numbers = all(isinstance(operand, (int, float)) for operand in operands)
+    place = math if numbers else functions
+    function: Callable[..., Any] | None = getattr(place, _FUNCTIONS.get(name, ""), None)
+    if function is None:
+        known = ", ".join(sorted({*_ARITHMETIC, *_FUNCTIONS}))
+        raise UnknownOperationError(
+            f"casadi's operation {name} has no counterpart in {_name(place)}; state the program "
+            f"with operations out of: {known}"
+        )
+    return function
+
+
+def _name(place: Any) -> str:
+    return str(getattr(place, "__name__", type(place).__name__))
+
+
+@lru_cache(maxsize=1)
+def _operation_names() -> dict[int, str]:
+    """casadi's names of its operations, by their numbers."""
+    import casadi
+
+    return {getattr(casadi, name): name for name in dir(casadi) if name.startswith("OP_")}

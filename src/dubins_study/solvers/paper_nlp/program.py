@@ -1,0 +1,116 @@
+"""Cases of the paper's model (4.12) as programs for the engines of `solvers.nlp_engines`.
+
+A program has the free lengths of its case alone: min z1 + z2 + z3 such that the two equations
+(`paper_nlp.model.equations`) are zero and 0 <= z <= upper.
+"""
+
+from __future__ import annotations
+
+import math
+from functools import cache
+
+import numpy as np
+
+from dubins_study.solvers.nlp_engines.program import (
+    DeferredExpressions,
+    Engine,
+    Expressions,
+    Functions,
+    Program,
+)
+from dubins_study.solvers.paper_nlp.best_point import Point
+from dubins_study.solvers.paper_nlp.local_nlp import Case
+from dubins_study.solvers.paper_nlp.model import equations, hessian, jacobian
+from dubins_study.study.path import FloatArray
+
+
+def program(case: Case) -> Program:
+    """The program of a case; its variables are the free lengths in the case's unit, shape (n,).
+
+    The parameters are the target (X, Y), and the radius after it where the unit is not the radius.
+    """
+    X, Y = case.target
+    free, unit = case.subproblem.free, case.unit
+    scaled = unit != 1.0
+    return Program(
+        expressions(free, scaled),
+        unit * np.array((X, Y, 1.0) if scaled else (X, Y)),
+        np.zeros(len(free)),
+        unit * case.upper[list(free)],
+        _written(case) if scaled else _written_in_radii(case),
+        unit * math.hypot(X, Y),
+    )
+
+
+def solve(case: Case, guess: FloatArray, seconds: float, engine: Engine) -> Point:
+    """The point that an engine reaches from `guess`, shape (3,), in the seconds that are left."""
+    free = list(case.subproblem.free)
+    result = engine(program(case), case.unit * guess[free], seconds)
+    duals = result.duals
+    return Point(
+        case.subproblem,
+        _full(result.x / case.unit, free),
+        result.claim,
+        None if duals is None else (float(duals[0]), float(duals[1])),
+        result.iterations,
+        result.evaluations,
+        result.status,
+        result.message,
+    )
+
+
+@cache
+def expressions(free: tuple[int, ...], scaled: bool = False) -> Expressions:
+    """Model (4.12) with only some lengths, the others zero.
+
+    Args:
+        free: indices into (z1, z2, z3), ascending.
+        scaled: whether the radius is a parameter, or 1.
+    """
+
+    def write() -> Expressions:
+        import casadi
+
+        x = casadi.SX.sym("z", len(free))
+        p = casadi.SX.sym("p", 3 if scaled else 2)
+        R = p[2] if scaled else casadi.SX(1)
+        z = [x[free.index(i)] if i in free else casadi.SX(0) for i in range(3)]
+        z1, th = z[0] / R, (z[0] - z[1]) / R
+        sin, cos = casadi.sin, casadi.cos
+        x_end = R * (2 * sin(z1) - sin(th)) + z[2] * cos(th)
+        y_end = R * (1 - 2 * cos(z1) + cos(th)) + z[2] * sin(th)
+        return Expressions(x, p, casadi.sum1(x), casadi.vertcat(p[0] - x_end, p[1] - y_end))
+
+    return DeferredExpressions(write)
+
+
+def _written_in_radii(case: Case) -> Functions:
+    """The functions written by hand, for the unit of one radius."""
+    X, Y = case.target
+    free = list(case.subproblem.free)
+    ones, block = np.ones(len(free)), np.ix_(free, free)
+    return Functions(
+        np.sum,
+        lambda z: ones,
+        lambda z: equations(_full(z, free), X, Y),
+        lambda z: jacobian(_full(z, free))[:, free],
+        lambda z, weights: hessian(_full(z, free), weights)[block],
+    )
+
+
+def _written(case: Case) -> Functions:
+    """The same functions, their variables and equations in another unit."""
+    unit, radii = case.unit, _written_in_radii(case)
+    return Functions(
+        radii.objective,
+        radii.gradient,
+        lambda z: unit * radii.equations(z / unit),
+        lambda z: radii.jacobian(z / unit),
+        lambda z, weights: radii.hessian(z / unit, weights) / unit,
+    )
+
+
+def _full(z: FloatArray, free: list[int]) -> FloatArray:
+    full = np.zeros(3)
+    full[free] = z
+    return full

@@ -1,0 +1,89 @@
+"""expression_walk: casadi's expressions carried out with other operands."""
+
+from __future__ import annotations
+
+import io
+import math
+
+import casadi
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from dubins_study.solvers.nlp_engines.expression_walk import (
+    UnknownOperationError,
+    carried_out,
+    rebuilt,
+)
+from dubins_study.solvers.nlp_engines.program import Expressions, Program
+
+
+def program(p=(0.7, 1.3)):
+    """A program in three variables that has every operation of the walk in it."""
+    x, q = casadi.SX.sym("x", 3), casadi.SX.sym("q", 2)
+    f = x[0] + 2 * x[1] + x[2] ** 2 + casadi.sqrt(x[0]) - casadi.exp(-x[1]) / x[2]
+    turn = casadi.sin(x[0] - x[1]) * q[0] - casadi.cos(x[0]) * casadi.sin(q[1])
+    powers = x[1] ** 1.5 + casadi.log(x[2]) + 1 / x[0] + x[0] ** x[2]
+    inverse = casadi.atan(x[1]) + casadi.tan(q[0]) - casadi.asin(0.1 * x[2]) * casadi.acos(0.5)
+    g = casadi.vertcat(turn, casadi.SX(0), powers, inverse)
+    return Program(Expressions(x, q, f, g), np.array(p), np.full(3, 0.1), np.full(3, 5.0))
+
+
+@given(st.lists(st.floats(0.1, 5.0), min_size=3, max_size=3))
+def test_with_numbers_the_walk_is_casadis_evaluation(x):
+    """The same operations in the same order; libm's functions may differ in the last digit."""
+    posed = program()
+    functions = posed.expressions.functions(posed.p)
+
+    objective, equations = rebuilt(posed, x)
+
+    assert objective == pytest.approx(functions.objective(np.array(x)), rel=1e-14, abs=1e-14)
+    # sums of a few terms, the largest of them 5^5
+    assert equations == pytest.approx(functions.equations(np.array(x)), rel=1e-13, abs=1e-14)
+
+
+def test_with_pyomos_variables_the_walk_is_a_model():
+    """It evaluates as casadi does, and the NL writer takes it."""
+    import pyomo.environ as pyomo
+    from pyomo.repn.plugins.nl_writer import NLWriter
+
+    posed, x = program(), np.array((0.4, 1.1, 2.3))
+    model = pyomo.ConcreteModel()
+    model.x = pyomo.Var(range(3), initialize=dict(enumerate(x)))
+    objective, equations = rebuilt(posed, list(model.x.values()), pyomo)
+    model.objective = pyomo.Objective(expr=objective)
+    model.rows = pyomo.ConstraintList()
+    for side in equations:
+        if not isinstance(side, float):  # the second is 0 = 0
+            model.rows.add(side == 0)
+    text = io.StringIO()
+    NLWriter().write(model, text)
+
+    functions = posed.expressions.functions(posed.p)
+    assert pyomo.value(model.objective) == pytest.approx(functions.objective(x), rel=1e-14)
+    assert [pyomo.value(side) for side in equations] == pytest.approx(functions.equations(x))
+    assert text.getvalue().splitlines()[1].split()[:2] == ["3", "3"]  # variables, constraints
+
+
+def test_parameters_become_constants():
+    """Another value of the parameters gives other equations, from the same expressions."""
+    sides = [rebuilt(program(p), [0.4, 1.1, 2.3]).equations[0] for p in ((0.7, 1.3), (0.0, 0.0))]
+
+    turn = math.sin(0.4 - 1.1) * 0.7 - math.cos(0.4) * math.sin(1.3)
+    assert sides == pytest.approx([turn, 0.0], abs=1e-15)
+
+
+def test_an_operation_that_is_not_known_is_named():
+    """Neither by the walk, nor by the interface whose functions are taken."""
+    x = casadi.SX.sym("x")
+    steps = casadi.Function("steps", [x], [casadi.floor(x)])
+    waves = casadi.Function("waves", [x], [casadi.sin(x)])
+
+    class Algebra:
+        """An interface without sines, and its variable."""
+
+    with pytest.raises(UnknownOperationError, match="OP_FLOOR has no counterpart in math"):
+        carried_out(steps, [[0.5]])
+    with pytest.raises(UnknownOperationError, match="OP_SIN has no counterpart in Algebra"):
+        carried_out(waves, [[Algebra()]], Algebra())
