@@ -99,6 +99,10 @@ def test_mean_table_by_hand():
     assert table["par2"].tolist() == [(1 + 4 + 2 + 14) / 4, (2 + 14 + 1 + 14) / 4]
     assert table.loc["a", "mean_limit"] == pytest.approx((2 * 5 * 3 * 8) ** 0.25 - 1)
     assert table["mean_common"].tolist() == pytest.approx([6**0.5 - 1] * 2)
+    late = means.mean_table(TABLE, 3.0, 1.0)  # a's answer after 4 came too late
+    assert late["solved"].tolist() == [2, 2]
+    in_half = means.mean_table(TABLE, 1.5, 1.0)  # of the common questions nobody answers two
+    assert (in_half["common"].tolist(), in_half["solved"].tolist()) == ([0, 0], [1, 1])
 
 
 def test_a_rank_that_depends_on_a_choice_is_none():
@@ -114,6 +118,10 @@ def test_a_rank_that_depends_on_a_choice_is_none():
     assert ranking.loc["c", "rank"] == 3
     assert ranking[["best", "worst"]].to_numpy().tolist() == [[1, 2], [1, 2], [3, 3]]
     assert means.ranking(table[["b", "c"]], 10.0)["rank"].tolist() == [1, 2]
+    by_shift = means.ranking(table, 10.0, 2.0, penalties=[1.0])
+    assert by_shift["rank"].isna().tolist() == [True, True, False]
+    chosen = means.ranking(table, 10.0, 2.0, penalties=[1.0], shift_factors=[1.0])
+    assert chosen["rank"].tolist() == [1, 2, 3]
 
 
 def test_a_penalty_alone_may_take_a_rank_away():
