@@ -23,18 +23,11 @@ import numpy as np
 from dubins_study.solvers.ipopt_library.deadline import Deadline
 from dubins_study.solvers.ipopt_library.engine import CLAIMS, Ask, Options, Program, compiled
 from dubins_study.solvers.nlp_engines.program import EngineResult
-from dubins_study.solvers.optimal_control.elements import Elements
+from dubins_study.solvers.optimal_control.elements import MOST_TURN, MOST_TURN_EACH, Elements
 from dubins_study.solvers.optimal_control.transcription import Transcribed
 from dubins_study.solvers.optimal_control.turn_rate_dynamics import Rates
 from dubins_study.study.claim import Claim
 from dubins_study.study.path import FloatArray
-
-# Bounds on turns (rad). Without them a few elements take all the turning, and the error of their
-# quadrature makes the path shorter. A shortest path turns by less than a full turn and, if it has
-# two arcs, by pi/3 at most the other way (docs/derivation.md, section 4): elements of free length
-# share MOST_TURN. No equally long element needs more than half a turn.
-MOST_TURN = 3 * math.pi
-MOST_TURN_EACH = math.pi
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,7 +10,14 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from dubins_study.solvers.optimal_control.turn_rate_dynamics import CLOSE, RATES, Controls, Rates
+from dubins_study.solvers.optimal_control.turn_rate_dynamics import (
+    CLOSE,
+    RATES,
+    SHARINGS,
+    Controls,
+    Rates,
+    step_shares,
+)
 from dubins_study.solvers.optimal_control.turn_rate_sequence import Limits, Run, Sequence
 from dubins_study.solvers.optimal_control.turn_rate_template import ENGINES, Template, template
 from dubins_study.solvers.paper_nlp.polish import one_sided_only
@@ -23,8 +30,6 @@ from dubins_study.study.path import FloatArray, Path, drivable
 
 _PACKAGES = {"highs": "highspy"}
 _LABELS = {"piqp": "PIQP", "clarabel": "Clarabel", "osqp": "OSQP", "highs": "HiGHS"}
-MESHES = ("equal", "graded")
-_TURNING = 2 * math.pi  # radii; a turn towards a target far away is shorter than a full circle
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,7 +80,7 @@ class TurnRateQp(Solver):
     def __post_init__(self) -> None:
         # the QPs are dense: a larger one takes gigabytes
         whole(n=(self.n, 2, 2000), max_qps=(self.max_qps, 1, 10**6))
-        one_of(engine=(self.engine, ENGINES), mesh=(self.mesh, MESHES))
+        one_of(engine=(self.engine, ENGINES), mesh=(self.mesh, SHARINGS))
         if not 0 < self.tolerance < 1:
             raise ValueError(f"tolerance is {self.tolerance!r}; expected a number from 0 to 1")
 
@@ -93,7 +98,7 @@ class TurnRateQp(Solver):
 
     def build(self, question: Question) -> TurnRateModel:
         target = np.array(question.scenario.local())
-        shares = _shares(self.n, self.mesh, math.hypot(*target))
+        shares = step_shares(self.n, self.mesh, math.hypot(*target))
         qp = template(self.n, self.engine)
         return TurnRateModel(question, target, shares, RATES[question.branch], qp)
 
@@ -111,15 +116,6 @@ class TurnRateQp(Solver):
             if runs[-1].claim is Claim.LIMIT:
                 break
         return _solution(model, runs)
-
-
-def _shares(n: int, mesh: str, distance: float) -> FloatArray:
-    """The steps' shares (n,) of the length, summing to 1, for a target so many radii away."""
-    turning, straight = (n + 1) // 2, n // 2
-    share = _TURNING / (_TURNING + distance)
-    if mesh == "equal" or share >= turning / n:
-        return np.full(n, 1.0 / n)
-    return np.repeat((share / turning, (1 - share) / straight), (turning, straight))
 
 
 def _guesses(model: TurnRateModel, runs: list[Run], presolve: bool) -> Iterator[Controls]:
