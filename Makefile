@@ -7,7 +7,7 @@ JOBS := $(shell nproc 2> /dev/null || echo 2)
 STUDIES := paper radius-sweep-full random plane discretisation basins bias scale convergence ladder proofs
 
 .DEFAULT_GOAL := help
-.PHONY: help study studies reference test test-all adversary rooms check bench lock clean
+.PHONY: help study studies benchmark test test-all adversary rooms check bench lock clean
 
 help:  ## list the targets
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 12
@@ -38,12 +38,13 @@ study: $(READY)  ## run the experiments paper and radius-sweep and write the rep
 	$(BIN)/dubins-study run radius-sweep --jobs $(JOBS)
 	$(BIN)/dubins-study report results/paper results/radius-sweep --out results/report
 
-studies: $(READY)  ## run every experiment but the reference and write one report of all
+studies: $(READY)  ## run every experiment but the benchmark and write one report of all
 	for name in $(STUDIES); do $(BIN)/dubins-study run $$name --jobs 2 || exit $$?; done
 	$(BIN)/dubins-study report $(STUDIES:%=results/%) --out results/studies
 
-reference: $(READY)  ## make the committed reference run anew
-	$(BIN)/dubins-study run reference --out results/reference --restart
+benchmark: $(READY)  ## make the committed benchmark run anew, and its report
+	$(BIN)/dubins-study run benchmark --out results/benchmark --jobs 2 --restart
+	$(BIN)/dubins-study report results/benchmark --out results/benchmark-report
 
 # a group keeps the tests that watch time, memory or processes in one worker
 PYTEST := $(BIN)/python -m pytest -n $(JOBS) --dist loadgroup $(ARGS)

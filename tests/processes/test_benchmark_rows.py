@@ -1,0 +1,106 @@
+"""The committed rows of the benchmark: whole, and still what the check says of their controls.
+
+The rows may be of earlier code of a solver: an hour's run is not repeated for every edit. So that
+they stay true nevertheless, the check judges the stored controls anew, and a sample of the cells
+is solved anew.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path as FilePath
+
+import numpy as np
+import pytest
+
+from dubins_study.experiments.definition.experiment import read
+from dubins_study.experiments.plan.cells import chains
+from dubins_study.experiments.solve import solve
+from dubins_study.experiments.store.folder import read_rows
+from dubins_study.solvers.registry import load, unavailable
+from dubins_study.study.check.certificate import certify
+from dubins_study.study.check.verdict import judge
+from dubins_study.study.claim import Claim
+from dubins_study.study.path import Path
+from dubins_study.study.rows.manifest import read_manifest
+from dubins_study.study.rows.schema import ANSWER, CELL, KEY, RUN, SCENARIO, names
+from dubins_study.study.scenario import Scenario
+from dubins_study.study.words import FORMULATIONS
+
+FOLDER = FilePath(__file__).parents[2] / "results" / "benchmark"
+# Engines whose makers do not wish that others publish their times.
+LICENSED = {"Gurobi", "Xpress", "KNITRO", "COPT", "BARON"}
+
+
+@pytest.fixture(scope="module")
+def table():
+    columns = [*names(KEY), *names(SCENARIO), *names(ANSWER), *names(RUN)]
+    return read_rows(FOLDER, list(dict.fromkeys(columns))).to_pandas()
+
+
+def rows_of(table):
+    return table.to_dict("records")
+
+
+def scenario_of(row):
+    return Scenario(**{name: row[name] for name in names(SCENARIO)})
+
+
+def test_it_is_the_experiment_of_today(table):
+    """Its text and its cells are those that `dubins-study run benchmark` would ask for now."""
+    packaged = read("benchmark")
+    asked = {cell.key[:-1] for chain in chains(packaged.experiment) for cell in chain}
+
+    assert read_manifest(FOLDER).experiment.text == packaged.text
+    assert asked == set(table[names(CELL)].itertuples(index=False, name=None))
+
+
+def test_every_row_names_its_formulation_engine_and_guess(table):
+    assert set(table["formulation"]) <= set(FORMULATIONS)
+    assert set(table["formulation"]) == set(FORMULATIONS)
+    assert table[["engine", "guess"]].notna().all(axis=None)
+    assert not set(table["engine"]) & LICENSED
+
+
+def check_judged_anew(rows):
+    for row in rows:
+        scenario = scenario_of(row)
+        path = None
+        if row["curvatures"] is not None:
+            path = Path(scenario.start, row["curvatures"], row["lengths"])
+        bound = None if np.isnan(row["lower_bound"]) else row["lower_bound"]
+        judgement = judge(scenario, path, Claim(row["claim"]), row["branch"])
+        certificate = certify(scenario, path, judgement, row["branch"], lower_bound=bound)
+
+        assert judgement.verdict == row["verdict"]
+        assert judgement.false_claim == row["false_claim"]
+        assert certificate.false_bound == row["false_bound"]
+        if not row["presolved"]:
+            assert certificate.proof == row["proof"]
+        if not np.isnan(row["gap"]):
+            # other libraries' sines and sums: a few ulp
+            np.testing.assert_allclose(judgement.gap, row["gap"], rtol=1e-6, atol=1e-13)
+
+
+def test_its_verdicts_are_what_the_check_says_today(table):
+    """A twentieth of the rows, judged and certified again from the stored controls."""
+    check_judged_anew(rows_of(table.sample(frac=0.05, random_state=1)))
+
+
+@pytest.mark.slow
+def test_all_its_verdicts_are_what_the_check_says_today(table):
+    """Every row of the first repeat, judged and certified again: nothing has drifted."""
+    check_judged_anew(rows_of(table[table["repeat"] == 0]))
+
+
+@pytest.mark.slow
+def test_easy_cells_solved_anew_end_alike(table):
+    """Two cells of each solver that it had right, near the start and in the open: right again."""
+    easy = table[(table["label"] == "outside, near") & (table["repeat"] == 0)]
+    easy = easy[(easy["verdict"] == "optimal") & easy["curvatures"].notna()]
+    for spec, cells in easy.groupby("solver"):
+        if unavailable(load(str(spec))) is not None:
+            continue
+        for row in rows_of(cells.head(2)):
+            answer = solve(scenario_of(row), str(spec), row["branch"], limit=30.0, isolated=True)
+
+            assert answer.verdict == "optimal", (spec, row["scenario_id"], answer.message)
