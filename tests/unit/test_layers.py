@@ -46,7 +46,11 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
         "solvers.paper_nlp",  # its initial guesses
     ),
     "solvers.indirect": ("study.*", "solvers", "solvers.paper_nlp"),
-    "solvers.global_minlp": ("study.*", "solvers", "solvers.paper_nlp"),
+    "solvers.minlp_engines": ("study.*", "solvers"),
+    "solvers.global_minlp": (
+        *("study.*", "solvers", "solvers.paper_nlp"),
+        *("solvers.minlp_engines", "solvers.nlp_engines"),
+    ),
     "solvers.heading_milp": (
         *("study.*", "solvers", "solvers.optimal_control"),
         "solvers.paper_nlp",  # whether a path of one-sided turning is a word

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import warnings
 from functools import cache
+from importlib import import_module
 from typing import Any
 
 import numpy as np
@@ -29,8 +30,10 @@ def xpress(settings: Settings) -> MinlpEngine:
     """Xpress' global solver with MIPRELSTOP and FEASTOL; `lean` changes nothing."""
 
     def run(program: MixedProgram, seconds: float) -> ProvenResult:
-        library = _library()
+        library: Any = import_module("xpress")
+
         try:
+            _start()
             return _run(library, program, settings, seconds)
         except (library.SolverError, library.ModelError, library.InterfaceError) as error:
             # a licence too small or expired among others
@@ -98,11 +101,10 @@ _CTRL_C = 2  # XPRS_STOP_CTRLC
 
 
 @cache
-def _library() -> Any:
-    """The module, its licence read without the warning that it is the one in the wheel."""
-    import xpress as library
+def _start() -> None:
+    """Read the licence, once a process and without the warning that it is the one in the wheel."""
+    library: Any = import_module("xpress")
 
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", library.LicenseWarning)
         library.init()
-    return library
