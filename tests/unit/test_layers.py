@@ -42,7 +42,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     "solvers.nlp_engines": ("study.*", "solvers"),
     "solvers.paper_nlp": ("study.*", "solvers", "solvers.nlp_engines", "solvers.ipopt_library"),
     "solvers.optimal_control": (
-        *("study.*", "solvers", "solvers.ipopt_library"),
+        *("study.*", "solvers", "solvers.nlp_engines", "solvers.ipopt_library"),
         "solvers.paper_nlp",  # its initial guesses
     ),
     "solvers.indirect": ("study.*", "solvers", "solvers.paper_nlp"),
