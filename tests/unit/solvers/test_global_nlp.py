@@ -62,11 +62,15 @@ def test_a_word_without_a_path_is_called_infeasible(engine):
 
 
 @pytest.mark.parametrize("engine", INSTALLED)
-def test_an_engine_prints_nothing_and_repeats_itself(engine, capfd):
+def test_an_engine_prints_and_writes_nothing_and_repeats_itself(
+    engine, capfd, tmp_path, monkeypatch
+):
     """Neither by Python nor by its library; the second answer is the first one."""
+    monkeypatch.chdir(tmp_path)
     first, second = (ask(3.0, 2.0, engine=engine, feastol=1e-6) for _ in range(2))
 
     assert capfd.readouterr() == ("", "")
+    assert list(tmp_path.iterdir()) == []
     assert first.path == second.path
     assert first.lower_bound == second.lower_bound
 

@@ -215,7 +215,7 @@ class GlobalNlp(Solver):
 
 
 def _program(question: Question, subproblem: Subproblem, lifted: bool) -> MixedProgram:
-    """The program of a subproblem, which if `lifted` and joint has the final heading as variable."""
+    """The program of a subproblem; a joint one, if `lifted`, with the final heading in it."""
     X, Y = target(question.scenario, subproblem.mirrored)
     upper = np.array((FULL_TURN, FULL_TURN, math.hypot(X, Y) + 2))
     posed = program(Case(subproblem, np.where(subproblem.mask, upper, 0.0), (X, Y)))

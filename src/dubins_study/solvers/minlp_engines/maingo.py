@@ -40,15 +40,14 @@ def maingo(settings: Settings) -> MinlpEngine:
             "deltaEq": settings.feastol,
             "deltaIneq": settings.feastol,
             "maxTime": max(seconds, 1e-3),
-            "targetLowerBound": settings.cutoff,
             "BAB_verbosity": maingopy.VERB_NONE,
             "LBP_verbosity": maingopy.VERB_NONE,
             "UBP_verbosity": maingopy.VERB_NONE,
             "loggingDestination": maingopy.LOGGING_NONE,
+            "writeResultFile": False,  # into whatever folder the process is in
         }
         for name, value in options.items():
-            if math.isfinite(value):
-                assert solver.set_option(name, value), name
+            assert solver.set_option(name, value), name
         status = solver.solve().name
         return _result(solver, status)
 
