@@ -123,6 +123,15 @@ def test_every_group_has_the_share_of_its_attempts():
     assert empty.empty
 
 
+def test_a_missing_key_takes_no_attempt_away():
+    """A crash may leave no region behind; it stays a group and a trial."""
+    rows = pd.DataFrame({"region": [None, "outside"], "scenario_id": ["1", None], "ok": False})
+    table = scenario_shares(rows, by=["region"], success="ok", scenario=["scenario_id"])
+
+    assert table["trials"].tolist() == [1, 1]
+    assert scenario_share(rows["ok"], rows["scenario_id"]).trials == 2
+
+
 def test_the_interval_of_scenarios_covers_as_often_as_it_claims():
     """Simulated: repeats that always agree, with the share 0.9 of 100 scenarios.
 

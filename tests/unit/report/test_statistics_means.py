@@ -171,6 +171,22 @@ def test_cost_table_takes_the_median_over_repeats_and_no_half_right_answer():
     assert shared_questions(table).index.tolist() == ["p"]
 
 
+def test_a_question_without_a_name_is_a_question():
+    """A missing value in a key takes no attempt away: pandas drops such groups by default."""
+    rows = pd.DataFrame(
+        {
+            "scenario": ["p", "p", None, None],
+            "branch": ["best"] * 4,
+            "solver": ["a", "b", "a", "b"],
+            "wall_s": [1.0, 2.0, 3.0, 4.0],
+            "right": [True, True, True, False],
+        }
+    )
+    table = cost_table(rows, cost="wall_s", right="right", question=["scenario", "branch"])
+
+    assert sorted(map(tuple, table.to_numpy().tolist())) == [(1.0, 2.0), (3.0, INF)]
+
+
 def test_cost_tables_with_a_mistake_are_refused():
     """A negative cost, and two columns of one name."""
     with pytest.raises(ValueError, match="cost of -1"):

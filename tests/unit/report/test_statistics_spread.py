@@ -108,6 +108,14 @@ def test_costs_that_are_not_finite_are_left_out():
     assert not spread.loc[("a", "q"), "changes"]
 
 
+def test_a_missing_key_takes_no_attempt_away():
+    """A question whose name is missing has its repeats, a repeat without a number its attempts."""
+    rows = ROWS.assign(scenario_id=[None] * 3 + list("qqqp"), repeat=[None, 1, 1, 1, 1, 1, 0])
+
+    assert question_spread(rows, question=["scenario_id"])["repeats"].sum() == len(ROWS)
+    assert seed_success(rows).loc["a", "repeats"] == 2
+
+
 def test_no_rows():
     """Tables with their columns and without lines."""
     spread = question_spread(ROWS.iloc[:0], question=["scenario_id"])

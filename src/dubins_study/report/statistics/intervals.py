@@ -92,7 +92,7 @@ def scenario_share(success: pd.Series, scenario: pd.Series, level: float = 0.95)
         scenario: the scenario of each attempt, shape (m,), with the index of `success`.
         level: confidence level, in (0, 1).
     """
-    rates = success.astype(np.float64).groupby(scenario, observed=True).mean()
+    rates = success.astype(np.float64).groupby(scenario, observed=True, dropna=False).mean()
     trials = len(rates)
     k = min(float(rates.sum()), trials)  # a sum of shares may exceed their number by rounding
     return Share(
@@ -120,8 +120,12 @@ def scenario_shares(
         Indexed by `by`; columns successes, trials, share, low, high, as in `Share`.
     """
     keys = [*by, *(name for name in scenario if name not in by)]
-    rates = rows[success].astype(np.float64).groupby([rows[key] for key in keys], observed=True)
-    groups = rates.mean().groupby(level=list(range(len(by))), observed=True)
+    rates = (
+        rows[success]
+        .astype(np.float64)
+        .groupby([rows[key] for key in keys], observed=True, dropna=False)
+    )
+    groups = rates.mean().groupby(level=list(range(len(by))), observed=True, dropna=False)
     frame = pd.DataFrame({"successes": groups.sum(), "trials": groups.size()})
     frame["successes"] = frame["successes"].clip(upper=frame["trials"])
     frame["share"] = frame["successes"] / frame["trials"]
