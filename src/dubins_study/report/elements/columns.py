@@ -18,7 +18,8 @@ class Column:
         key: name of the column in the frame and in the CSV file.
         title: its heading, with the unit.
         show: converts a value to text; a missing value is shown as a dash instead.
-        kind: `number` (aligned right), `text`, `prose` (long text), or `code` (such as a spec).
+        kind: `number` (aligned right), `text`, `prose` (long text), `code` (such as a spec), or
+            `cell` (a number with its interval, over several lines).
     """
 
     key: str
@@ -38,6 +39,11 @@ def columns(show: Format = str, /, kind: str = "number", **titles: str) -> tuple
 
 
 SOLVER = Column("solver", "solver", kind="code")
+# A result belongs to a formulation, an engine and a guess; the spec has the other settings.
+METHOD_COLUMNS = (
+    *columns(kind="text", formulation="formulation", engine="engine", guess="guess"),
+    SOLVER,
+)
 
 
 def marks(frame: pd.DataFrame, *keys: str) -> dict[tuple[int, str], str]:

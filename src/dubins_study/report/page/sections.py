@@ -17,6 +17,7 @@ from dubins_study.report.topics.bias.section import bias_section
 from dubins_study.report.topics.certificates.section import certificates_section
 from dubins_study.report.topics.convergence.section import convergence_section
 from dubins_study.report.topics.discretisation.section import discretisation_section
+from dubins_study.report.topics.existence.section import existence_section
 from dubins_study.report.topics.ladder.section import ladder_section
 from dubins_study.report.topics.map.section import map_section
 from dubins_study.report.topics.paper.section import figures_section, paper_section
@@ -67,6 +68,7 @@ TOPICS = (
     Topic("length, time and word against radius", radius_section, EVERY),
     Topic("agreement", agreement_section, COMPARED),
     Topic("success and gaps", success_section, POOLED, counted=True),
+    Topic("where no path exists", existence_section, POOLED, counted=True),
     Topic("certificates", certificates_section, POOLED, counted=True),
     Topic("time", time_section, COMPARED),
     Topic("work and precision", discretisation_section, "discretisation"),
