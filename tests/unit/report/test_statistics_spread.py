@@ -55,6 +55,16 @@ def test_solvers_are_judged_by_the_questions_that_were_repeated():
     assert line["cv"] == pytest.approx(math.sqrt(7) / 6)
 
 
+def test_one_unsteady_question_does_not_make_a_solver_unsteady():
+    """Medians over questions: of three, two take the same time with every seed."""
+    rows = pd.DataFrame(
+        {"solver": "a", "scenario_id": list("pqr") * 2, "wall_s": [1.0, 2.0, 3.0, 1.0, 2.0, 9.0]}
+    ).assign(verdict="optimal", right=True)
+    line = solver_spread(question_spread(rows, question=["scenario_id"])).loc["a"]
+
+    assert (line["iqr_relative"], line["cv"], line["changing"]) == (0.0, 0.0, 0.0)
+
+
 def test_success_had_one_seed_been_run():
     """Repeat 0 and 2 answer one of two questions, repeat 1 none; b has one repeat."""
     table = seed_success(ROWS)
@@ -96,6 +106,14 @@ def test_costs_that_are_not_finite_are_left_out():
     assert spread.loc[("a", "p"), ["median", "iqr", "verdicts"]].tolist() == [1.0, 0.0, 2]
     assert spread.loc[("a", "q"), ["median", "iqr", "cv"]].isna().all()
     assert not spread.loc[("a", "q"), "changes"]
+
+
+def test_a_missing_key_takes_no_attempt_away():
+    """A question whose name is missing has its repeats, a repeat without a number its attempts."""
+    rows = ROWS.assign(scenario_id=[None] * 3 + list("qqqp"), repeat=[None, 1, 1, 1, 1, 1, 0])
+
+    assert question_spread(rows, question=["scenario_id"])["repeats"].sum() == len(ROWS)
+    assert seed_success(rows).loc["a", "repeats"] == 2
 
 
 def test_no_rows():

@@ -39,11 +39,6 @@ def columns(show: Format = str, /, kind: str = "number", **titles: str) -> tuple
 
 
 SOLVER = Column("solver", "solver", kind="code")
-# A result belongs to a formulation, an engine and a guess; the spec has the other settings.
-METHOD_COLUMNS = (
-    *columns(kind="text", formulation="formulation", engine="engine", guess="guess"),
-    SOLVER,
-)
 
 
 def marks(frame: pd.DataFrame, *keys: str) -> dict[tuple[int, str], str]:

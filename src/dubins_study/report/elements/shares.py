@@ -36,10 +36,10 @@ def with_share(
 
 
 def share_text(share: float, low: float, high: float, of: float) -> str:
-    """`98.4 % (91.7–99.7) of 64`; a dash if there is nothing that it is a share of."""
+    """`98.4 % (91.7 to 99.7) of 64`; a dash if there is nothing that it is a share of."""
     if not of > 0:
         return ABSENT
-    return f"{percent(share)} % ({percent(low)}–{percent(high)}) of {questions(of)}"
+    return f"{percent(share)} % ({percent(low)} to {percent(high)}) of {questions(of)}"
 
 
 def percent(share: float) -> str:

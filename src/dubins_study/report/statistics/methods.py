@@ -1,71 +1,85 @@
-"""What a result belongs to: a formulation, an engine and an initial guess."""
+"""The methods that are compared: formulation, engine, initial guess, and settings that differ."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import pandas as pd
 
-from dubins_study.report.statistics.metrics import solver_order
+from dubins_study.report.statistics.metrics import parse_spec
 from dubins_study.study.words import FORMULATIONS
 
-# The columns that name a method. Two solvers may differ in other settings alone: the spec says so.
-METHOD = ["formulation", "engine", "guess", "solver"]
-
-# Most curves, bars or rows that a panel of a figure holds.
-MOST = 10
+UNSTATED = "not stated"
+_STATED = ["formulation", "engine", "guess"]
+_GUESSES = ("none", "bearing", "zero", "random", "warm", "given")
 
 
-def by_method(frame: pd.DataFrame) -> pd.DataFrame:
-    """The rows by formulation in the order of `FORMULATIONS`, then by engine, guess and solver.
+def methods_of(rows: pd.DataFrame) -> pd.DataFrame:
+    """The methods of some attempts, in the order of tables.
+
+    Rows of attempts that failed may lack a method's columns; another row of the solver gives them.
+
+    Returns:
+        Indexed by solver. Columns formulation, engine, guess; settings: those of the spec that
+        tell solvers with the same three apart, empty if there is one such solver (the solver's name
+        if it states no engine); short: engine, guess and settings, for a figure of one formulation;
+        name: the formulation too.
+    """
+    stated = rows.groupby("solver", observed=True)[_STATED].first().fillna(UNSTATED)
+    settings: dict[str, str] = {}
+    for (_, engine, _), group in stated.groupby(_STATED, sort=False):
+        settings |= _differing(group.index.tolist(), named=engine == UNSTATED)
+    frame = stated.assign(settings=[settings[spec] for spec in stated.index])
+    guess = frame["guess"].where(frame["guess"] != "none", "")
+    parts = pd.concat([frame["engine"], guess, frame["settings"]], axis=1)
+    frame["short"] = [", ".join(filter(None, line)) for line in parts.itertuples(index=False)]
+    frame["name"] = frame["short"] + " on " + frame["formulation"]
+    order = frame.assign(
+        formulation=_places(frame["formulation"], FORMULATIONS),
+        guess=_places(frame["guess"], _GUESSES),
+        engine=frame["engine"].str.casefold(),
+        spec=frame.index,
+    )
+    return frame.loc[order.sort_values([*_STATED, "settings", "spec"]).index]
+
+
+def best_methods(frame: pd.DataFrame, keys: list[str]) -> pd.DataFrame:
+    """The method with the most right answers of each group, the fastest where several have as many.
 
     Args:
-        frame: the columns of `METHOD`, and any others; rows of one method keep their order.
+        frame: one row per method; the columns `keys`, which name the groups; right_share (NaN if it
+            was asked nothing) and wall_s (median time).
+        keys: e.g. formulation and engine.
+    Returns:
+        Some rows of the frame, in its order.
     """
-    ranks = pd.DataFrame(
-        {
-            "formulation": _ranks(frame["formulation"], formulation_order(frame["formulation"])),
-            "engine": frame["engine"].str.casefold(),
-            "guess": frame["guess"],
-            "solver": _ranks(frame["solver"], solver_order(frame["solver"].tolist())),
-        }
+    ranked = frame.reset_index(drop=True).sort_values(
+        ["right_share", "wall_s"], ascending=[False, True], kind="stable"
     )
-    order = ranks.sort_values(list(ranks.columns), kind="stable").index
-    return frame.loc[order].reset_index(drop=True)
+    kept = ranked.drop_duplicates(keys).index
+    return frame.iloc[sorted(kept)]
 
 
-def formulation_order(formulations: Sequence[str] | pd.Series) -> list[str]:
-    """Distinct formulations in the order of `FORMULATIONS`, unknown ones last by name."""
-    given = set(formulations)
-    known = [name for name in FORMULATIONS if name in given]
-    return known + sorted(given - set(known))
+def without_setting(spec: str, key: str) -> tuple[str, str | None]:
+    """A spec without one setting, in a fixed order of settings; and that setting's value."""
+    name, settings = parse_spec(spec)
+    value = settings.pop(key, None)
+    items = ",".join(f"{item}={settings[item]}" for item in sorted(settings))
+    return f"{name}[{items}]", value
 
 
-def best_guesses(frame: pd.DataFrame) -> pd.DataFrame:
-    """For each formulation and engine, the guess and settings with the most right answers.
-
-    Args:
-        frame: the columns of `METHOD`, right_share (NaN if nothing was asked) and wall_s, which
-            decides where shares are equal.
-    """
-    ranked = frame.sort_values(
-        ["right_share", "wall_s"], ascending=[False, True], kind="stable", na_position="last"
-    )
-    return by_method(ranked.drop_duplicates(["formulation", "engine"]))
-
-
-def best_engines(frame: pd.DataFrame, most: int = MOST) -> pd.DataFrame:
-    """The best guess of each engine, and of each formulation at most so many of the best engines.
-
-    Args:
-        frame: as for `best_guesses`.
-        most: how many engines to keep in each formulation.
-    """
-    ranked = best_guesses(frame).sort_values(
-        ["right_share", "wall_s"], ascending=[False, True], kind="stable", na_position="last"
-    )
-    return by_method(ranked.groupby("formulation", sort=False).head(most))
+def _differing(specs: list[str], *, named: bool) -> dict[str, str]:
+    """For each spec the settings, and the name, that the specs do not share."""
+    parsed = [parse_spec(spec) for spec in specs]
+    keys = dict.fromkeys(key for _, settings in parsed for key in settings)
+    shown = [key for key in keys if len({settings.get(key) for _, settings in parsed}) > 1]
+    several_names = named or len({name for name, _ in parsed}) > 1
+    texts = {}
+    for spec, (name, settings) in zip(specs, parsed, strict=True):
+        items = [f"{key}={settings[key].lower()}" for key in shown if key in settings]
+        texts[spec] = ", ".join(([name] if several_names else []) + items)
+    return texts
 
 
-def _ranks(values: pd.Series, order: Sequence[str]) -> pd.Series:
-    return values.map({value: place for place, value in enumerate(order)})
+def _places(values: pd.Series[str], order: tuple[str, ...]) -> pd.Series[int]:
+    """The place of each value in an order; unknown values come last."""
+    places = {value: place for place, value in enumerate(order)}
+    return values.map(places).fillna(len(order)).astype(int)

@@ -7,7 +7,7 @@ import pandas as pd
 
 from dubins_study.report.elements.shares import with_share
 from dubins_study.report.statistics.bootstrap import median_intervals
-from dubins_study.report.statistics.methods import by_method
+from dubins_study.report.statistics.methods import methods_of
 
 # Scenarios that a bootstrap interval is of, at most: more would take memory and change nothing.
 MOST_SCENARIOS = 2000
@@ -24,15 +24,15 @@ def existence(counts: pd.DataFrame, methods: pd.DataFrame) -> pd.DataFrame:
     Returns:
         The columns of both; reached (questions without a path that reached the engine); those of
         `with_share` for right, silent and wrong, shares of `reached`, and for denied, a share of
-        the questions that have a path.
+        the questions that have a path; in the order of `methods_of`.
     """
-    frame = counts.merge(methods, on="solver", validate="one_to_one")
+    frame = methods_of(methods).join(counts.set_index("solver")).reset_index()
     frame["reached"] = frame[list(_ANSWERS)].sum(axis="columns").round(6)
     for name in _ANSWERS:
         frame = with_share(frame, name, frame[name], frame["reached"])
     frame = with_share(frame, "denied", frame["denied"], frame["questions"])
     asked = (frame[["reached", "presolved"]] > 0).any(axis="columns")
-    return by_method(frame[asked | (frame["denied"] > 0)])
+    return frame[asked | (frame["denied"] > 0)].reset_index(drop=True)
 
 
 def engine_times(rows: pd.DataFrame) -> pd.DataFrame:

@@ -10,21 +10,21 @@ import pandas as pd
 from dubins_study.report.data.results import Results
 from dubins_study.report.data.verdicts import existence as counts
 from dubins_study.report.data.verdicts import methods
-from dubins_study.report.elements.columns import METHOD_COLUMNS, columns, marks
+from dubins_study.report.elements.columns import columns, marks
 from dubins_study.report.elements.content import Section, Table
 from dubins_study.report.elements.formats import ABSENT, seconds, sentences, share
+from dubins_study.report.elements.identity import method_columns
 from dubins_study.report.elements.shares import questions
 from dubins_study.report.topics.existence.numbers import engine_times, existence
 
 _COLUMNS = (
-    *METHOD_COLUMNS,
     *columns(questions, presolved="by presolve", reached="reached the engine"),
     *columns(kind="cell", right_text="right", silent_text="silent", wrong_text="wrong"),
     *columns(kind="cell", time_text="median time"),
     *columns(kind="cell", denied_text="denies a path that exists"),
 )
 _NUMBERS = (
-    *("unasked", "wall_s", "wall_low_s", "wall_high_s", "presolve_s"),
+    *("solver", "unasked", "wall_s", "wall_low_s", "wall_high_s", "presolve_s"),
     *(f"{name}_{end}" for name in ("right", "silent", "wrong") for end in ("share", "low", "high")),
     *("questions", "denied", "denied_share", "denied_low", "denied_high"),
 )
@@ -52,7 +52,7 @@ def _time_text(row: Mapping[Hashable, Any]) -> str:
     if not row["wall_s"] >= 0:  # no attempt reached the engine
         return ABSENT
     low, high = row["wall_low_s"], row["wall_high_s"]
-    interval = f" ({seconds(low)}–{seconds(high)})" if low >= 0 else ""
+    interval = f" ({seconds(low)} to {seconds(high)})" if low >= 0 else ""
     return f"{seconds(row['wall_s'])}{interval}"
 
 
@@ -74,7 +74,7 @@ def _text(frame: pd.DataFrame) -> str:
         f"Of those that reached an engine, {', '.join(parts)}." if reached else "",
         *(
             f"{len(denied)} of {len(frame)} solvers call a question infeasible that has a path, "
-            f"most often {row['solver']}: {row['denied_text']}."
+            f"most often {row['name']}: {row['denied_text']}."
             for row in worst
         ),
     )
@@ -94,7 +94,7 @@ def _table(frame: pd.DataFrame) -> Table:
         "existence",
         caption,
         frame,
-        _COLUMNS,
+        (*method_columns(frame), *_COLUMNS),
         {
             **marks(frame.assign(wrong_text=frame["wrong"] > 0), "wrong_text"),
             **marks(frame.assign(denied_text=frame["denied"] > 0), "denied_text"),

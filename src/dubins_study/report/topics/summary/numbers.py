@@ -5,7 +5,7 @@ from __future__ import annotations
 import pandas as pd
 
 from dubins_study.report.elements.shares import with_share
-from dubins_study.report.statistics.methods import by_method
+from dubins_study.report.statistics.methods import methods_of
 
 
 def summary(verdicts: pd.DataFrame, methods: pd.DataFrame) -> pd.DataFrame:
@@ -16,7 +16,8 @@ def summary(verdicts: pd.DataFrame, methods: pd.DataFrame) -> pd.DataFrame:
         methods: from `report.data.verdicts.methods`.
 
     Returns:
-        The columns of both, and those of `with_share` for `right`, a share of the questions.
+        The columns of both, those of `methods_of`, and those of `with_share` for `right`, a share
+        of the questions; in the order of `methods_of`.
     """
     frame = with_share(verdicts, "right", verdicts["right"], verdicts["questions"])
-    return by_method(frame.merge(methods, on="solver", validate="one_to_one"))
+    return methods_of(methods).join(frame.set_index("solver")).reset_index()

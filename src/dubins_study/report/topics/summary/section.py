@@ -7,14 +7,17 @@ import pandas as pd
 from dubins_study.report.data.attempts import PRESOLVED, Attempts
 from dubins_study.report.data.results import Results
 from dubins_study.report.data.verdicts import methods, verdicts
-from dubins_study.report.elements.columns import METHOD_COLUMNS, Column, columns, marks
+from dubins_study.report.elements.columns import SOLVER, Column, columns, marks
 from dubins_study.report.elements.content import Section, Table
 from dubins_study.report.elements.formats import count, seconds, sentences, share, some
+from dubins_study.report.elements.identity import METHOD
 from dubins_study.report.elements.shares import INTERVAL_TEXT
 from dubins_study.report.topics.summary.numbers import summary
 
+# The spec instead of the settings: it is what a reader hands to the command.
 _COLUMNS = (
-    *METHOD_COLUMNS,
+    *METHOD[:-1],
+    SOLVER,
     *columns(kind="cell", right_text="right of n, 95 %"),
     *(Column(key, key, count) for key in ("none exists", PRESOLVED)),
     *columns(count, longer="longer", misses="misses", none="none"),
