@@ -47,6 +47,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     ),
     "solvers.indirect": ("study.*", "solvers", "solvers.paper_nlp"),
     "solvers.global_minlp": ("study.*", "solvers", "solvers.paper_nlp"),
+    "solvers.stochastic": ("study.*", "solvers", "solvers.paper_nlp"),
     "solvers.heading_milp": (
         *("study.*", "solvers", "solvers.optimal_control"),
         "solvers.paper_nlp",  # whether a path of one-sided turning is a word
