@@ -12,6 +12,7 @@ from dubins_study.experiments.engines.local import local_engine
 from dubins_study.experiments.engines.stream import solve_streams, streamed_totals, streams_done
 from dubins_study.experiments.interruption import Interruption
 from dubins_study.experiments.isolation.sandbox import THREADS, pinned_threads
+from dubins_study.experiments.plan.matrix import matrix
 from dubins_study.experiments.plan.run_plan import Request, RunPlan, cell_counts, plan_run
 from dubins_study.experiments.plan.solver_description import describe_solver
 from dubins_study.experiments.provenance import machine, now, source, versions
@@ -182,6 +183,7 @@ def _new_manifest(plan: RunPlan, command: str) -> Manifest:
         profile=experiment.profile,
         gap_tolerance=tolerances(experiment.profile).gap,
         cells=0,
+        matrix=matrix() if experiment.matrix else [],
         solvers={
             spec: SolverEntry(
                 settings=solver.settings, code_digest=solver.code_digest, packages=solver.versions

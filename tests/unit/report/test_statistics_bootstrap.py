@@ -76,8 +76,8 @@ def test_medians_and_means_as_of_every_resample_written_out(rows, seed):
     """numpy's median of each written-out resample, repeats of a scenario (first entry) together."""
     scenarios, values = [row[0] for row in rows], np.array([row[1:] for row in rows])
     table = pd.DataFrame(values, scenarios, ["a", "b"])
-    medians = bootstrap.median_intervals(table, level=0.5, resamples=9, seed=seed)
-    means = bootstrap.mean_intervals(table, 2.0, level=0.5, resamples=9, seed=seed)
+    medians = bootstrap.median_intervals(table, level=0.5, resamples=8, seed=seed)
+    means = bootstrap.mean_intervals(table, 2.0, level=0.5, resamples=8, seed=seed)
 
     for place, solver in enumerate(table.columns):
         for line, statistic in (
@@ -86,7 +86,7 @@ def test_medians_and_means_as_of_every_resample_written_out(rows, seed):
         ):
             samples = [
                 values[:, place],
-                *(s[:, place] for s in resampled(values, scenarios, seed, 9)),
+                *(s[:, place] for s in resampled(values, scenarios, seed, 8)),
             ]
             known = [sample[~np.isnan(sample)] for sample in samples]
             with np.errstate(invalid="ignore"):  # numpy's mean of two infinite values
@@ -134,12 +134,12 @@ def test_intervals_as_those_of_scipy(name):
 
 def test_the_interval_of_a_mean_covers_as_often_as_it_claims():
     """400 samples of 50 normal values: the mean 0 is inside in 95 of 100, which is uncertain by
-    0.011; percentile intervals of 50 values are some hundredths too short."""
+    0.011; quantiles of the normal instead of the t distribution take about 0.01 away."""
     values = np.random.default_rng(5).normal(size=(50, 400))
     frame = bootstrap.average_intervals(pd.DataFrame(values))
 
     inside = ((frame["low"] <= 0) & (frame["high"] >= 0)).mean()
-    assert inside == pytest.approx(0.94, abs=0.04)
+    assert inside == pytest.approx(0.94, abs=0.03)
 
 
 def width(frame):

@@ -13,6 +13,7 @@ from scipy.stats import binomtest
 
 from dubins_study.report.statistics.intervals import (
     scenario_share,
+    scenario_shares,
     wilson_interval,
     wilson_intervals,
 )
@@ -64,6 +65,13 @@ def test_all_none_and_nothing():
     assert wilson_intervals([[1], [2]], [4, 5, 6]).shape == (2, 3, 2)
 
 
+@given(st.integers(1, 10**6), st.floats(0.01, 0.999))
+def test_the_outer_ends_are_free_of_rounding(trials, level):
+    """None of n: exactly 0; n of n: exactly 1."""
+    assert wilson_interval(0, trials, level)[0] == 0.0
+    assert wilson_interval(trials, trials, level)[1] == 1.0
+
+
 @pytest.mark.parametrize(
     ("successes", "trials", "level", "message"),
     [
@@ -88,6 +96,40 @@ def test_repeats_of_one_scenario_are_one_trial():
 
     assert share[:3] == (1.5, 3, 0.5)
     assert share[3:] == wilson_interval(1.5, 3)
+
+
+def test_every_group_has_the_share_of_its_attempts():
+    """Each line is `scenario_share` of the rows of one solver in one region; c never succeeds."""
+    rng = np.random.default_rng(2)
+    rows = pd.DataFrame(
+        {
+            "solver": rng.choice(["a", "b", "c"], 200),
+            "region": rng.choice(["outside", "left disc"], 200),
+            "experiment": rng.choice(["x", "y"], 200),
+            "scenario_id": rng.choice(["1", "2", "3"], 200),
+        }
+    )
+    rows["ok"] = (rows["solver"] != "c") & (rng.random(200) < 0.8)
+    table = scenario_shares(
+        rows, by=["solver", "region"], success="ok", scenario=["experiment", "scenario_id"]
+    )
+
+    assert len(table) == 6
+    for key, part in rows.groupby(["solver", "region"]):
+        expected = scenario_share(part["ok"], part["experiment"] + part["scenario_id"])
+        assert table.loc[key].tolist() == pytest.approx(list(expected))
+    assert (table.loc["c", "low"] == 0).all()
+    empty = scenario_shares(rows.iloc[:0], by=["solver"], success="ok", scenario=["scenario_id"])
+    assert empty.empty
+
+
+def test_a_missing_key_takes_no_attempt_away():
+    """A crash may leave no region behind; it stays a group and a trial."""
+    rows = pd.DataFrame({"region": [None, "outside"], "scenario_id": ["1", None], "ok": False})
+    table = scenario_shares(rows, by=["region"], success="ok", scenario=["scenario_id"])
+
+    assert table["trials"].tolist() == [1, 1]
+    assert scenario_share(rows["ok"], rows["scenario_id"]).trials == 2
 
 
 def test_the_interval_of_scenarios_covers_as_often_as_it_claims():

@@ -99,6 +99,10 @@ def test_mean_table_by_hand():
     assert table["par2"].tolist() == [(1 + 4 + 2 + 14) / 4, (2 + 14 + 1 + 14) / 4]
     assert table.loc["a", "mean_limit"] == pytest.approx((2 * 5 * 3 * 8) ** 0.25 - 1)
     assert table["mean_common"].tolist() == pytest.approx([6**0.5 - 1] * 2)
+    late = means.mean_table(TABLE, 3.0, 1.0)  # a's answer after 4 came too late
+    assert late["solved"].tolist() == [2, 2]
+    in_half = means.mean_table(TABLE, 1.5, 1.0)  # of the common questions nobody answers two
+    assert (in_half["common"].tolist(), in_half["solved"].tolist()) == ([0, 0], [1, 1])
 
 
 def test_a_rank_that_depends_on_a_choice_is_none():
@@ -114,6 +118,10 @@ def test_a_rank_that_depends_on_a_choice_is_none():
     assert ranking.loc["c", "rank"] == 3
     assert ranking[["best", "worst"]].to_numpy().tolist() == [[1, 2], [1, 2], [3, 3]]
     assert means.ranking(table[["b", "c"]], 10.0)["rank"].tolist() == [1, 2]
+    by_shift = means.ranking(table, 10.0, 2.0, penalties=[1.0])
+    assert by_shift["rank"].isna().tolist() == [True, True, False]
+    chosen = means.ranking(table, 10.0, 2.0, penalties=[1.0], shift_factors=[1.0])
+    assert chosen["rank"].tolist() == [1, 2, 3]
 
 
 def test_a_penalty_alone_may_take_a_rank_away():
@@ -161,6 +169,22 @@ def test_cost_table_takes_the_median_over_repeats_and_no_half_right_answer():
     assert table.loc["p"].to_dict() == {"a": 2.0, "b": INF}
     assert table.loc["q"].isna().all()
     assert shared_questions(table).index.tolist() == ["p"]
+
+
+def test_a_question_without_a_name_is_a_question():
+    """A missing value in a key takes no attempt away: pandas drops such groups by default."""
+    rows = pd.DataFrame(
+        {
+            "scenario": ["p", "p", None, None],
+            "branch": ["best"] * 4,
+            "solver": ["a", "b", "a", "b"],
+            "wall_s": [1.0, 2.0, 3.0, 4.0],
+            "right": [True, True, True, False],
+        }
+    )
+    table = cost_table(rows, cost="wall_s", right="right", question=["scenario", "branch"])
+
+    assert sorted(map(tuple, table.to_numpy().tolist())) == [(1.0, 2.0), (3.0, INF)]
 
 
 def test_cost_tables_with_a_mistake_are_refused():

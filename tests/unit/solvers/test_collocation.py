@@ -19,11 +19,12 @@ from stand_in import put_solver
 
 from dubins_study.experiments.solve import solve
 from dubins_study.solvers.ipopt_library.engine import Result
-from dubins_study.solvers.optimal_control.collocation import RATES, Collocation
-from dubins_study.solvers.optimal_control.collocation_correction import closed
-from dubins_study.solvers.optimal_control.collocation_guesses import cut, guesses
-from dubins_study.solvers.optimal_control.collocation_model import Elements, program, template
-from dubins_study.solvers.optimal_control.turn_rate_dynamics import Rates
+from dubins_study.solvers.optimal_control.collocation import Collocation
+from dubins_study.solvers.optimal_control.collocation_model import program, template
+from dubins_study.solvers.optimal_control.elements import Elements, cut
+from dubins_study.solvers.optimal_control.end_correction import closed
+from dubins_study.solvers.optimal_control.turn_rate_dynamics import RATES, Rates
+from dubins_study.solvers.optimal_control.word_guesses import trials
 from dubins_study.solvers.protocol import Question
 from dubins_study.study.check.verdict import Verdict, judge
 from dubins_study.study.claim import Claim
@@ -178,13 +179,13 @@ def test_a_warm_start_comes_first():
     start = solve(scenario, "analytic", "RS").path
     question = Question(scenario, "RS", start)
 
-    words = list(guesses(question, local(scenario), ("RS",), 5, False))
+    (trial,) = trials(question, local(scenario), ("RS",), 5, None, RATES["RS"])
 
-    assert len(words) == 1
-    first = next(words[0])
+    label, first = next(trial.guesses)
+    assert label == "warm"
     assert first.total * scenario.radius == pytest.approx(start.total_length)
     assert first.path.end[:2] == pytest.approx(scenario.local(), abs=1e-9)
-    assert len(list(words[0])) > 1  # if it fails there are others
+    assert {guess.subproblem for guess in trial.guesses} == {"RS"}  # if it fails there are others
 
 
 @pytest.mark.parametrize(
@@ -306,7 +307,7 @@ def test_cutting_a_path_keeps_its_turn_and_length(arcs, seed, n, equal):
     random = np.random.default_rng(seed)
     path = Path(Pose(0, 0, 0), random.uniform(-1, 1, arcs), random.uniform(0, 2, arcs))
 
-    elements = cut(path, n, equal)
+    elements = cut(path, n, np.full(n, 1 / n) if equal else None)
 
     assert elements.length.shape == (n,)
     assert elements.total == pytest.approx(path.total_length)
@@ -330,7 +331,7 @@ def test_a_guess_follows_its_controls(equal):
         return Result(start, None, "", "", 0, 0)
 
     compiled = template(4, 6, equal, (), by_executable=False)
-    guess = cut(Path(Pose(0, 0, 0), [0.9, -0.5], [1.5, 1.5]), 4, equal)
+    guess = cut(Path(Pose(0, 0, 0), [0.9, -0.5], [1.5, 1.5]), 4, compiled.shares)
     end = np.array(guess.path.end[:2])
     replace(compiled, ask=ask).solve(guess, RATES["best"], end, math.inf)
     for variable, value in zip(asked.variables, given[0], strict=True):

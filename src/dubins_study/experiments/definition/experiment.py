@@ -35,6 +35,8 @@ class Experiment(StrictModel):
     are solved one after another, each from the path of the scenario before it. A solve is stopped
     when it takes longer than `time_limit_s`, or when its process and the children of that process
     hold more than `memory_limit_gib`. `section` names the report's section about this experiment.
+    `matrix` says that the experiment compares every formulation with every engine: the manifest
+    then lists all pairs, and why some cannot be asked.
     """
 
     title: str = Field(min_length=1)
@@ -49,6 +51,7 @@ class Experiment(StrictModel):
     time_limit_s: Seconds = 60.0
     memory_limit_gib: Gibibytes = 4.0
     seed: Seed = 0
+    matrix: bool = False
 
     @field_validator("branches")
     @classmethod

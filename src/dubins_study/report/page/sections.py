@@ -13,9 +13,11 @@ from dubins_study.report.elements.formats import count, slug
 from dubins_study.report.topics.agreement.section import agreement_section
 from dubins_study.report.topics.audit.section import audit_section
 from dubins_study.report.topics.basins.section import basins_section
+from dubins_study.report.topics.belief.section import belief_section
 from dubins_study.report.topics.bias.section import bias_section
 from dubins_study.report.topics.certificates.section import certificates_section
 from dubins_study.report.topics.convergence.section import convergence_section
+from dubins_study.report.topics.cost.section import cost_section
 from dubins_study.report.topics.discretisation.section import discretisation_section
 from dubins_study.report.topics.ladder.section import ladder_section
 from dubins_study.report.topics.map.section import map_section
@@ -79,6 +81,8 @@ TOPICS = (
     Topic("the order of convergence", convergence_section, "convergence"),
     Topic("the ladder toward a circle", ladder_section, "ladder"),
     Topic("what a proof costs", proofs_section, "proofs"),
+    Topic("cost where it arises", cost_section, "benchmark"),
+    Topic("whom one can believe", belief_section, "benchmark"),
     Topic("the runs and their machines", runs_section, EVERY, counted=True),
 )
 KEYS = tuple(dict.fromkeys(topic.about for topic in TOPICS if isinstance(topic.about, str)))

@@ -1,1 +1,1 @@
-"""Pure functions that compute numbers from rows."""
+"""Pure functions of arrays and frames: means, intervals, tests, profiles. No files, no figures."""

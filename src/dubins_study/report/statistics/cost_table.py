@@ -23,12 +23,12 @@ def cost_table(
         rows: one row per attempt.
         cost: name of the column with the cost of an attempt, in any unit; NaN if not counted.
         right: name of the column that says whether the answer is right.
-        question: names of the columns that tell questions apart.
+        question: names of the columns that tell questions apart; a missing value is a value.
         solver: name of the column that tells solvers apart.
     Returns:
         One row per question, one column per solver; the unit of `cost`.
     """
-    groups = rows.groupby([*question, solver], observed=True)
+    groups = rows.groupby([*question, solver], observed=True, dropna=False)
     table = groups.agg(cost=(cost, "median"), right=(right, "all"))
     costs = table["cost"].where(table["right"].astype(bool), np.inf)
     return pd.DataFrame(costs.unstack(solver)).astype(np.float64)

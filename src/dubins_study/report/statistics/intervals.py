@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from statistics import NormalDist
 from typing import NamedTuple
 
@@ -63,8 +64,8 @@ def wilson_intervals(successes: ArrayLike, trials: ArrayLike, level: float = 0.9
     variance = k * (n - k) / np.where(n > 0, n, 1.0)
     half = z * np.sqrt(variance + z * z / 4)
     low, high = (k + z * z / 2 - half) / (n + z * z), (k + z * z / 2 + half) / (n + z * z)
-    # With no successes the lower end is 0, with nothing else the upper one 1, but for rounding.
-    return np.stack([np.where(k > 0, low, 0.0), np.where(k < n, high, 1.0)], axis=-1)
+    # With successes alone the upper end is 1, but for rounding.
+    return np.stack([low, np.where(k < n, high, 1.0)], axis=-1)
 
 
 def wilson_interval(successes: float, trials: float, level: float = 0.95) -> tuple[float, float]:
@@ -91,7 +92,42 @@ def scenario_share(success: pd.Series, scenario: pd.Series, level: float = 0.95)
         scenario: the scenario of each attempt, shape (m,), with the index of `success`.
         level: confidence level, in (0, 1).
     """
-    rates = success.astype(np.float64).groupby(scenario, observed=True).mean()
-    k, n = float(rates.sum()), len(rates)
-    low, high = wilson_interval(min(k, n), n, level)
-    return Share(k, n, k / n if n else float("nan"), low, high)
+    rates = success.astype(np.float64).groupby(scenario, observed=True, dropna=False).mean()
+    trials = len(rates)
+    k = min(float(rates.sum()), trials)  # a sum of shares may exceed their number by rounding
+    return Share(
+        k, trials, k / trials if trials else float("nan"), *wilson_interval(k, trials, level)
+    )
+
+
+def scenario_shares(
+    rows: pd.DataFrame,
+    *,
+    by: Sequence[str],
+    success: str,
+    scenario: Sequence[str],
+    level: float = 0.95,
+) -> pd.DataFrame:
+    """`scenario_share` of every group of attempts.
+
+    Args:
+        rows: one row per attempt.
+        by: names of the columns that make a group, e.g. solver and region.
+        success: name of the column that says whether an attempt succeeded.
+        scenario: names of the columns that tell scenarios apart.
+        level: confidence level, in (0, 1).
+    Returns:
+        Indexed by `by`; columns successes, trials, share, low, high, as in `Share`.
+    """
+    keys = [*by, *(name for name in scenario if name not in by)]
+    rates = (
+        rows[success]
+        .astype(np.float64)
+        .groupby([rows[key] for key in keys], observed=True, dropna=False)
+    )
+    groups = rates.mean().groupby(level=list(range(len(by))), observed=True, dropna=False)
+    frame = pd.DataFrame({"successes": groups.sum(), "trials": groups.size()})
+    frame["successes"] = frame["successes"].clip(upper=frame["trials"])
+    frame["share"] = frame["successes"] / frame["trials"]
+    ends = wilson_intervals(frame["successes"], frame["trials"], level)
+    return frame.assign(low=ends[:, 0], high=ends[:, 1])

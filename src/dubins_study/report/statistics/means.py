@@ -96,6 +96,12 @@ def par(table: pd.DataFrame, limit: float, factor: float = 2.0) -> pd.Series:
     return penalised(table, limit, factor).mean(axis=0)
 
 
+def in_time(table: pd.DataFrame, limit: float) -> pd.DataFrame:
+    """The table, an answer that came after the limit being a failure."""
+    costs = checked_costs(table)
+    return pd.DataFrame(costs.mask(costs > limit, np.inf))
+
+
 def solved_by_all(table: pd.DataFrame) -> pd.DataFrame:
     """The questions that every solver answered correctly."""
     costs = shared_questions(table)
@@ -117,13 +123,13 @@ def mean_table(table: pd.DataFrame, limit: float, shift: float | None = None) ->
         mean_common: shifted geometric mean over those (NaN if there are none), which says nothing
         of failures and leaves out the hard questions.
     """
-    costs = shared_questions(table)
+    costs = in_time(shared_questions(table), limit)
     shift = chosen_shift(costs) if shift is None else shift
     common = solved_by_all(costs)
     at_limit = penalised(costs, limit)
     frame = pd.DataFrame(index=costs.columns.rename("solver"))
     frame["questions"] = len(costs)
-    frame["solved"] = (costs <= limit).sum(axis=0)
+    frame["solved"] = np.isfinite(costs).sum(axis=0)
     frame["par2"] = par(costs, limit)
     frame["mean_limit"] = _column_means(at_limit, shift)
     frame["common"] = len(common)
@@ -154,7 +160,7 @@ def ranking(
         Indexed by solver. mean: with the shift itself and failures at the limit; rank: 1 is best,
         equal means share the better rank, <NA> if it is none; best and worst: the rank's range.
     """
-    costs = shared_questions(table)
+    costs = in_time(shared_questions(table), limit)
     shift = chosen_shift(costs) if shift is None else shift
     ranks = [
         ranks_of(_column_means(penalised(costs, limit, penalty), factor * shift))

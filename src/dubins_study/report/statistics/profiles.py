@@ -100,9 +100,9 @@ def pairwise_shares(table: pd.DataFrame, factor: float = 1.0) -> pd.DataFrame:
     Each pair has the questions put to both; NaN on the diagonal and where there are none.
 
     Raises:
-        ValueError: if the factor is below 1.
+        ValueError: if the factor is below 1 or infinite.
     """
-    if not factor >= 1:
+    if not 1 <= factor < np.inf:
         raise ValueError(
             f"a factor of {factor!r}: no answer is cheaper than the cheapest, give >= 1"
         )

@@ -46,7 +46,7 @@ def question_spread(
         right=rows[right].astype(np.float64),
         cost=rows[cost].astype(np.float64).where(np.isfinite(rows[cost].astype(np.float64))),
     )
-    groups = kept.groupby([solver, *question], observed=True)
+    groups = kept.groupby([solver, *question], observed=True, dropna=False)
     costs = groups["cost"]
     frame = pd.DataFrame({"repeats": groups.size(), "success": groups["right"].mean()})
     frame["verdicts"] = groups["verdict"].nunique()
@@ -75,7 +75,7 @@ def solver_spread(spread: pd.DataFrame, level: float = 0.95) -> pd.DataFrame:
         sometimes=lambda frame: (frame["success"] > 0) & (frame["success"] < 1),
         relative=lambda frame: frame["iqr"] / frame["median"].where(frame["median"] > 0),
     )
-    groups = repeated.groupby(level=0, observed=True)
+    groups = repeated.groupby(level=0, observed=True, dropna=False)
     frame = pd.DataFrame({"questions": groups.size(), "repeats": groups["repeats"].min()})
     frame["success"] = groups["success"].mean()
     changing = groups["changes"].sum()
@@ -102,8 +102,11 @@ def seed_success(
         Indexed by solver; columns repeats, lowest, mean, highest: shares of attempts.
     """
     each = (
-        rows[right].astype(np.float64).groupby([rows[solver], rows[repeat]], observed=True).mean()
+        rows[right]
+        .astype(np.float64)
+        .groupby([rows[solver], rows[repeat]], observed=True, dropna=False)
+        .mean()
     )
-    groups = each.groupby(level=0, observed=True)
+    groups = each.groupby(level=0, observed=True, dropna=False)
     ends = {"lowest": groups.min(), "mean": groups.mean(), "highest": groups.max()}
     return pd.DataFrame({"repeats": groups.size(), **ends})

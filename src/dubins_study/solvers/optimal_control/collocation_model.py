@@ -16,15 +16,18 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from dubins_study.solvers.ipopt_library.deadline import Deadline
-from dubins_study.solvers.ipopt_library.engine import Ask, Options, Program, Result, compiled
+from dubins_study.solvers.ipopt_library.engine import CLAIMS, Ask, Options, Program, compiled
+from dubins_study.solvers.nlp_engines.program import EngineResult
+from dubins_study.solvers.optimal_control.elements import Elements
+from dubins_study.solvers.optimal_control.transcription import Transcribed
 from dubins_study.solvers.optimal_control.turn_rate_dynamics import Rates
-from dubins_study.study.path import FloatArray, Path
-from dubins_study.study.scenario import Pose
+from dubins_study.study.claim import Claim
+from dubins_study.study.path import FloatArray
 
 # Bounds on turns (rad). Without them a few elements take all the turning, and the error of their
 # quadrature makes the path shorter. A shortest path turns by less than a full turn and, if it has
@@ -32,35 +35,6 @@ from dubins_study.study.scenario import Pose
 # share MOST_TURN. No equally long element needs more than half a turn.
 MOST_TURN = 3 * math.pi
 MOST_TURN_EACH = math.pi
-
-
-class Elements(NamedTuple):
-    """Turns (n,) in rad, positive to the left, and lengths (n,) in radii of the elements."""
-
-    turn: FloatArray
-    length: FloatArray
-
-    @property
-    def rate(self) -> FloatArray:
-        """Turn rates (n,) in units of 1 / radius; 0 for an element of no length."""
-        some = self.length > 0
-        return np.divide(self.turn, self.length, out=np.zeros_like(self.turn), where=some)
-
-    @property
-    def total(self) -> float:
-        return float(self.length.sum())
-
-    @property
-    def path(self) -> Path:
-        """The path in the vehicle's frame at unit radius."""
-        return Path(Pose(0.0, 0.0, 0.0), self.rate, self.length)
-
-
-class Transcribed(NamedTuple):
-    """Ipopt's solution of the transcription."""
-
-    elements: Elements
-    native: Result
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,15 +56,13 @@ class Template:
     ask: Ask
     deadline: Deadline
 
-    def solve(self, guess: Elements, rates: Rates, target: FloatArray, until: float) -> Transcribed:
-        """Solve from a guess whose states follow its controls exactly.
+    @property
+    def shares(self) -> FloatArray | None:
+        """As `transcription.Template.shares`."""
+        return np.full(self.n, 1 / self.n) if self.equal else None
 
-        Args:
-            guess: where to begin; equally long elements if the mesh is equal.
-            rates: least and largest turn rate allowed.
-            target: shape (2,), radii.
-            until: when to stop (s, on `perf_counter`).
-        """
+    def solve(self, guess: Elements, rates: Rates, target: FloatArray, until: float) -> Transcribed:
+        """As `transcription.Template.solve`; the states of the guess follow its controls."""
         n, durations = self.n, 1 if self.equal else self.n
         values = np.concatenate((self._durations(guess), guess.turn, target, self._states(guess)))
         lower, upper = np.full(values.size, -math.inf), np.full(values.size, math.inf)
@@ -106,7 +78,9 @@ class Template:
         if self.equal:
             length = np.full(n, length[0] / n)
         turn = np.clip(result.point[turns], rates.lower * length, rates.upper * length)
-        return Transcribed(Elements(turn, length), result)
+        claim = CLAIMS.get(result.status, Claim.FAILED)
+        native = EngineResult(result.point, claim, *result[1:2], *result[4:], *result[2:4])
+        return Transcribed(Elements(turn, length), native)
 
     def _durations(self, guess: Elements) -> FloatArray:
         return np.array([guess.total]) if self.equal else guess.length

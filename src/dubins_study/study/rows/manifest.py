@@ -63,6 +63,19 @@ class SolverEntry(_Record):
     cells: Count = 0
 
 
+class MatrixEntry(_Record):
+    """A formulation and an engine: the spec that asks for the pair, or why there is none.
+
+    `kind` is the engine's: it heads a group of engines in tables.
+    """
+
+    formulation: str
+    engine: str
+    kind: str = ""
+    spec: str | None = None
+    reason: str | None = None
+
+
 class RunEntry(_Record):
     """A run: what it was asked, where, and how it went.
 
@@ -129,6 +142,7 @@ class Manifest(_Record):
         schema_version: of the rows; `schema` in the file.
         cells: how many the folder is asked for.
         gap_tolerance: gaps of two attempts that differ by more contradict each other.
+        matrix: every formulation with every engine, if the experiment compares them all.
         solvers: by spec; rows of another code than an entry's `code_digest` are stale.
         created, finished: UTC, ISO 8601; `finished` is None until every cell has its row.
         runs: an entry a run, the earliest first.
@@ -143,6 +157,7 @@ class Manifest(_Record):
     profile: str | None = None
     gap_tolerance: Annotated[float, Field(gt=0)] = Tolerances().gap
     cells: Count
+    matrix: list[MatrixEntry] = []
     solvers: dict[str, SolverEntry] = {}
     versions: dict[str, Any] = {}
     machine: dict[str, Any] = {}

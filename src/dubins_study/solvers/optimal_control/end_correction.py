@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from dubins_study.solvers.optimal_control.collocation_model import Elements
+from dubins_study.solvers.optimal_control.elements import Elements
 from dubins_study.solvers.optimal_control.turn_rate_dynamics import (
     CLOSE,
     Controls,

@@ -1,0 +1,104 @@
+"""The attempts by which solvers are compared, and the methods that made them."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from dubins_study.report.data.attempts import EXACT, SUCCESSES
+from dubins_study.report.data.results import Results
+from dubins_study.report.statistics.methods import methods_of
+
+_NEVER_SOLVED = ("unavailable", "unsupported")
+_QUESTION = ["experiment", "scenario_id", "branch"]
+
+
+@dataclass(frozen=True)
+class Compared:
+    """Cold attempts of engines that could be called.
+
+    Args:
+        rows: one row per attempt, with the columns of the schema and `question` and `scenario`
+            (whole numbers), `right` (the check accepts the answer, and an engine gave it) and
+            `stratum` (the scenario's label).
+        methods: indexed by solver, in the order of tables; columns of `methods_of`.
+        limit_s: the time limit of an attempt.
+        strata: the strata in the order of the experiment's file.
+    """
+
+    rows: pd.DataFrame
+    methods: pd.DataFrame
+    limit_s: float
+    strata: tuple[str, ...]
+
+    @cached_property
+    def answerable(self) -> pd.DataFrame:
+        """The attempts at questions that have a path."""
+        return self.rows[self.rows["answerable"]]
+
+    @cached_property
+    def scenario_of(self) -> pd.Series[int]:
+        """Question -> scenario, for resampling."""
+        first = self.rows.drop_duplicates("question").set_index("question")
+        return first["scenario"]
+
+    @cached_property
+    def engines(self) -> pd.DataFrame:
+        """The methods without the closed form."""
+        return self.methods[self.methods.index != EXACT]
+
+    def select(self, keep: pd.Series[bool]) -> Compared:
+        """Some of the attempts; a method without attempts is left out."""
+        rows = self.rows[keep]
+        methods = self.methods[self.methods.index.isin(rows["solver"].unique())]
+        return replace(self, rows=rows, methods=methods)
+
+    def by_scenario(self, table: pd.DataFrame) -> pd.DataFrame:
+        """A table of questions, indexed by their scenarios, as the bootstrap needs it."""
+        return table.set_axis(self.scenario_of.reindex(table.index).to_numpy(), axis=0)
+
+
+def compared(results: Results) -> Compared | None:
+    """The attempts by which solvers are compared; None if there are none.
+
+    Left out: attempts from another solver's path, and those of engines that are not installed or
+    cannot read the question.
+    """
+    rows = results.rows
+    kept = rows[(rows["initial_guess"] == "cold") & ~rows["outcome"].isin(_NEVER_SOLVED)]
+    if kept.empty:
+        return None
+    presolved = kept["presolved"].eq(True).fillna(False).astype(bool)
+    methods = methods_of(kept)
+    stated = methods[["formulation", "engine", "guess"]]
+    kept = kept.assign(
+        question=kept.groupby(_QUESTION, observed=True, sort=False).ngroup(),
+        scenario=pd.factorize(kept["scenario_id"])[0],
+        right=kept["verdict"].isin(SUCCESSES).fillna(False).astype(bool) & ~presolved,
+        presolved=presolved,
+        stratum=kept["label"].fillna(""),
+        **{str(name): kept["solver"].map(values) for name, values in stated.items()},
+    )
+    return Compared(kept, methods, _limit(results, kept), _strata(results, kept))
+
+
+def _strata(results: Results, rows: pd.DataFrame) -> tuple[str, ...]:
+    """The labels of the scenarios, in the order in which the experiments' files name them."""
+    text = "\n".join(folder.manifest.experiment.text for folder in results.folders)
+    places = {name: text.find(json.dumps(name)) for name in sorted(set(rows["stratum"]))}
+    return tuple(sorted(places, key=lambda name: (places[name] < 0, places[name])))
+
+
+def _limit(results: Results, rows: pd.DataFrame) -> float:
+    """The largest time limit of the runs; if none is stated, the longest attempt's time (s)."""
+    limits: list[Any] = [folder.manifest.time_limit_s for folder in results.folders]
+    stated = [float(limit) for limit in limits if limit is not None and np.isfinite(limit)]
+    if stated and max(stated) > 0:
+        return max(stated)
+    longest = float(rows["wall_s"].max())
+    return longest if longest > 0 else 1.0

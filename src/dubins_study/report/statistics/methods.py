@@ -1,0 +1,67 @@
+"""The methods that are compared: formulation, engine, initial guess, and settings that differ."""
+
+from __future__ import annotations
+
+import pandas as pd
+
+from dubins_study.report.statistics.metrics import parse_spec
+from dubins_study.study.words import FORMULATIONS
+
+UNSTATED = "not stated"
+_STATED = ["formulation", "engine", "guess"]
+_GUESSES = ("none", "bearing", "zero", "random", "warm", "given")
+
+
+def methods_of(rows: pd.DataFrame) -> pd.DataFrame:
+    """The methods of some attempts, in the order of tables.
+
+    Rows of attempts that failed may lack a method's columns; another row of the solver gives them.
+
+    Returns:
+        Indexed by solver. Columns formulation, engine, guess; settings: those of the spec that
+        tell solvers with the same three apart, empty if there is one such solver; short: engine,
+        guess and settings, for a figure of one formulation; name: the formulation too.
+    """
+    stated = rows.groupby("solver", observed=True)[_STATED].first().fillna(UNSTATED)
+    settings: dict[str, str] = {}
+    for _, group in stated.groupby(_STATED, sort=False):
+        settings |= _differing(group.index.tolist())
+    frame = stated.assign(settings=[settings[spec] for spec in stated.index])
+    guess = frame["guess"].where(frame["guess"] != "none", "")
+    parts = pd.concat([frame["engine"], guess, frame["settings"]], axis=1)
+    frame["short"] = [", ".join(filter(None, line)) for line in parts.itertuples(index=False)]
+    frame["name"] = frame["short"] + " on " + frame["formulation"]
+    order = frame.assign(
+        formulation=_places(frame["formulation"], FORMULATIONS),
+        guess=_places(frame["guess"], _GUESSES),
+        engine=frame["engine"].str.casefold(),
+        spec=frame.index,
+    )
+    return frame.loc[order.sort_values([*_STATED, "settings", "spec"]).index]
+
+
+def without_setting(spec: str, key: str) -> tuple[str, str | None]:
+    """A spec without one setting, in a fixed order of settings; and that setting's value."""
+    name, settings = parse_spec(spec)
+    value = settings.pop(key, None)
+    items = ",".join(f"{item}={settings[item]}" for item in sorted(settings))
+    return f"{name}[{items}]", value
+
+
+def _differing(specs: list[str]) -> dict[str, str]:
+    """For each spec the settings, and the name, that the specs do not share."""
+    parsed = [parse_spec(spec) for spec in specs]
+    keys = dict.fromkeys(key for _, settings in parsed for key in settings)
+    shown = [key for key in keys if len({settings.get(key) for _, settings in parsed}) > 1]
+    several_names = len({name for name, _ in parsed}) > 1
+    texts = {}
+    for spec, (name, settings) in zip(specs, parsed, strict=True):
+        items = [f"{key}={settings[key].lower()}" for key in shown if key in settings]
+        texts[spec] = ", ".join(([name] if several_names else []) + items)
+    return texts
+
+
+def _places(values: pd.Series[str], order: tuple[str, ...]) -> pd.Series[int]:
+    """The place of each value in an order; unknown values come last."""
+    places = {value: place for place, value in enumerate(order)}
+    return values.map(places).fillna(len(order)).astype(int)

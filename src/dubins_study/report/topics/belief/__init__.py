@@ -1,0 +1,1 @@
+"""The topic `belief` of the report."""

@@ -1,0 +1,1 @@
+"""The topic `comparison` of the report."""

@@ -1,0 +1,1 @@
+"""The topic `cost` of the report."""

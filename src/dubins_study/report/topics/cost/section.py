@@ -1,0 +1,193 @@
+"""The section on what evaluations and seconds go to."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import pandas as pd
+
+from dubins_study.report.data.results import Results
+from dubins_study.report.elements.columns import Column, columns
+from dubins_study.report.elements.content import Picture, Section, Table
+from dubins_study.report.elements.formats import count, digits, seconds, sentences
+from dubins_study.report.elements.identity import (
+    interval_columns,
+    method_columns,
+    with_interval,
+)
+from dubins_study.report.elements.panels import most_per_formulation
+from dubins_study.report.statistics.compared import Compared, compared
+from dubins_study.report.topics.cost.efforts import Split, split
+from dubins_study.report.topics.cost.figures import plot_cost_shares
+from dubins_study.report.topics.cost.numbers import (
+    example,
+    factors,
+    presolve_savings,
+    shares,
+    strata,
+)
+
+# Eight bars in a panel can be read; the tables hold every method.
+_MOST = 8
+_RATIO = digits(3)
+
+
+def cost_section(results: Results) -> Section | None:
+    """What evaluations and seconds go to, against one run of the engine."""
+    attempts = compared(results)
+    if attempts is None:
+        return None
+    answers = split(attempts)
+    if answers.answers.empty:
+        return None
+    table = factors(attempts, answers)
+    savings = presolve_savings(attempts, answers)
+    blocks: list[Picture | Table] = [
+        _picture(attempts, answers, amount)
+        for amount in ("evaluations", "seconds")
+        if len(shares(attempts, answers, amount))
+    ]
+    blocks.append(_factor_table(table))
+    if len(savings):
+        blocks.append(_presolve_table(savings))
+    by_stratum = _stratum_table(attempts, answers)
+    if by_stratum is not None:
+        blocks.append(by_stratum)
+    text = sentences(
+        "See in the figures how little of the cost is the run that gives the answer (dark): the "
+        "rest goes to restarts, to words that lose, to words that have no path, and to building. "
+        "Only right answers at questions with a path count. The floor is the winning run: the same "
+        "engine called once, from the same guess.",
+        _most_and_least(table),
+        _saved(savings),
+        _example(example(attempts, answers)),
+    )
+    return Section("cost", "Cost where it arises", text, tuple(blocks))
+
+
+def _most_and_least(table: pd.DataFrame) -> str:
+    ratios = table["evaluations"].dropna()
+    if len(ratios) < 2:
+        return ""
+    order = table.loc[ratios.sort_values().index].to_dict("records")
+    best, worst = order[0], order[-1]
+    return (
+        f"In the median over questions {worst['name']} takes {_of(worst, 'evaluations')} times the "
+        f"evaluations of its winning run, {best['name']} {_of(best, 'evaluations')} times."
+    )
+
+
+def _of(row: Mapping[Any, Any], key: str) -> str:
+    return with_interval(_RATIO, row[key], row[f"{key}_low"], row[f"{key}_high"])
+
+
+def _saved(savings: pd.DataFrame) -> str:
+    parts = [
+        f"{row['name']} by {_of(row, 'evaluations')}"
+        for row in savings.dropna(subset="evaluations").to_dict("records")
+    ]
+    if not parts:
+        return ""
+    return f"The presolve divides the evaluations, in the median, of {'; of '.join(parts)}."
+
+
+def _example(table: pd.DataFrame) -> str:
+    parts = [f"{row['name']} {_RATIO(row['ratio'])}" for row in table.to_dict("records")]
+    if not parts:
+        return ""
+    return (
+        "For the target (10, 5) from (0, 0, 120°) at R = 4, the evaluations as a multiple of those "
+        f"of the winning run: {'; '.join(parts)}."
+    )
+
+
+def _picture(attempts: Compared, answers: Split, amount: str) -> Picture:
+    table = shares(attempts, answers, amount)
+    shown = most_per_formulation(table.sort_values("total"), _MOST)
+    shown = shown.loc[[solver for solver in table.index if solver in shown.index]]
+    left_out = len(table) - len(shown)
+    rest = f" The table has {count(left_out)} dearer methods more." if left_out else ""
+    if amount == "evaluations":
+        what = "function evaluations; at the right their mean number in an answer"
+    else:
+        what = "seconds, building included; at the right their mean in an answer"
+    caption = (
+        f"What an answer's cost goes to, in {what}. Winning run: the run that gives the answer. "
+        "Restarts: other runs on the same word. Losing words have a path, but a longer one, or "
+        "are the joint model's other order. Whether a word has a path is computed from the "
+        f"scenario.{rest}"
+    )
+    alt = f"Stacked bars of the shares of {amount}, one per method, in panels by formulation"
+    return Picture(f"cost-{amount}", caption, plot_cost_shares(shown, amount), alt)
+
+
+def _factor_table(table: pd.DataFrame) -> Table:
+    mean = digits(3)
+    shown = (
+        *method_columns(table),
+        *columns(count, questions="questions"),
+        *columns(mean, evaluations_total="evaluations", evaluations_floor="winning run"),
+        *interval_columns(_RATIO, "evaluations", "total / winning"),
+        *columns(seconds, seconds_total="time", seconds_floor="winning run"),
+        *interval_columns(_RATIO, "seconds", "total / winning"),
+    )
+    caption = (
+        "Total cost against the winning run: means over right answers, then the median over "
+        "questions of total / winning run, with its 95 % interval (bootstrap over scenarios). "
+        "A dash: the engine does not count evaluations."
+    )
+    return Table("cost", caption, table, shown)
+
+
+def _presolve_table(savings: pd.DataFrame) -> Table:
+    shown = (
+        *method_columns(savings),
+        *columns(count, questions="questions"),
+        *columns(_RATIO, evaluations_off="evaluations / winning, without", evaluations_on="with"),
+        *interval_columns(_RATIO, "evaluations", "saved factor"),
+        *columns(_RATIO, seconds_off="time / winning, without", seconds_on="with"),
+        *interval_columns(_RATIO, "seconds", "saved factor"),
+    )
+    caption = (
+        "With and without the presolve, which drops the words that elementary geometry excludes, "
+        "on the questions that both answer: median of total / winning run, and median over "
+        "questions of the total without / with it, with its 95 % interval."
+    )
+    return Table("cost-presolve", caption, savings, shown)
+
+
+def _present(attempts: Compared, table: pd.DataFrame) -> list[str]:
+    return [stratum for stratum in attempts.strata if stratum in set(table["stratum"])]
+
+
+def _stratum_table(attempts: Compared, answers: Split) -> Table | None:
+    """Strata in lines, methods that have something to enumerate in columns."""
+    table = strata(attempts, answers, "evaluations")
+    split_methods = table[table["estimate"] > 1]["solver"].unique()
+    chosen = [solver for solver in attempts.methods.index if solver in split_methods]
+    words = attempts.methods.loc[chosen]
+    chosen = list(words[words["formulation"] == "one NLP a word"].index)[:_MOST] or chosen[:_MOST]
+    kept = table[table["solver"].isin(chosen)]
+    if kept.empty or kept["stratum"].nunique() < 2:
+        return None
+    texts = kept.assign(
+        text=[
+            with_interval(digits(2), *each)
+            for each in zip(kept["estimate"], kept["low"], kept["high"], strict=True)
+        ]
+    ).pivot(index="stratum", columns="solver", values="text")
+    texts = texts.reindex(index=_present(attempts, kept), columns=chosen)
+    medians = kept.groupby("solver")["estimate"].median().reindex(chosen)
+    texts.loc["median over the strata"] = [digits(2)(value) for value in medians]
+    frame = texts.reset_index()
+    names = attempts.methods["short"]
+    shown = (
+        Column("stratum", "stratum", kind="text"),
+        *(Column(solver, str(names[solver]), kind="text") for solver in chosen),
+    )
+    caption = (
+        "Evaluations / those of the winning run, by stratum: median over questions with its 95 % "
+        f"interval; {attempts.methods.loc[chosen[0], 'formulation']}."
+    )
+    return Table("cost-strata", caption, frame, shown)

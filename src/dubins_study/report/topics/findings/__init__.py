@@ -1,0 +1,1 @@
+"""The topic `findings` of the report."""

@@ -1,0 +1,143 @@
+"""APOPT, an active-set SQP method, in the APMonitor program that the package gekko brings.
+
+The program is started as `gekko.GEKKO(remote=False).solve()` starts it: in a folder of its own, on
+a model and options in APMonitor's language (apmonitor.com/wiki). It writes ten digits of a point.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+import json
+import math
+import os
+import platform
+import subprocess
+import sys
+import tempfile
+from pathlib import Path as FilePath
+
+import numpy as np
+
+from dubins_study.solvers.nlp_engines.algebra_text import Language, algebra_text
+from dubins_study.solvers.nlp_engines.program import Engine, EngineResult, Program
+from dubins_study.study.claim import Claim
+from dubins_study.study.path import FloatArray
+from dubins_study.study.vehicle_frame import EPS
+
+# APOPT's last words
+_CLAIMS = {
+    "Successful solution": Claim.LOCAL,
+    "No feasible solution": Claim.INFEASIBLE,
+    "Maximum iterations": Claim.LIMIT,
+}
+
+# lines may have 15000 characters
+_LANGUAGE = Language("APMonitor", "x[{}]", "(({})^({}))", 2000)
+
+_MODEL = "model"  # APMonitor's names of its files
+
+# of the equations' rounding: nearer to zero than that they do not come
+_ROUNDINGS = 64 * EPS
+
+
+def apopt(tol: float, max_iter: int) -> Engine:
+    """APOPT; `tol` is its RTOL (equations) and OTOL (objective)."""
+
+    def run(program: Program, guess: FloatArray, seconds: float) -> EngineResult:
+        residual = max(tol, _ROUNDINGS * program.magnitude)
+        options = {"solver": 1, "imode": 3, "rtol": residual, "otol": tol, "max_iter": max_iter}
+        with tempfile.TemporaryDirectory() as name:
+            folder = FilePath(name)
+            (folder / f"{_MODEL}.apm").write_text(_model(program, guess))
+            lines = [f"apm.{option} = {value}\n" for option, value in options.items()]
+            (folder / f"{_MODEL}.dbs").write_text("".join(lines))
+            log = _log(folder, seconds)
+            x = _point(folder / "results.json", guess.size)
+        if log is None:
+            return EngineResult(x, Claim.LIMIT, None, None, None, "time limit", "stopped")
+        status = next((line for line in _CLAIMS if line in log), "no status")
+        claim = _CLAIMS.get(status, Claim.FAILED)
+        if claim is Claim.LOCAL and np.isnan(x).any():
+            claim, status = Claim.FAILED, "no results.json"
+        message = log[log.find("@error") :].strip() if "@error" in log else status
+        return EngineResult(x, claim, None, _iterations(log), None, status, message)
+
+    return run
+
+
+def unavailable() -> str | None:
+    """Why the program cannot run here, or None."""
+    file = _program()
+    if os.access(file, os.X_OK):
+        return None
+    return f"gekko's program {file.name} cannot be run on this machine"
+
+
+def _program() -> FilePath:
+    """The program for this machine, chosen as gekko does."""
+    spec = importlib.util.find_spec("gekko")
+    assert spec is not None
+    assert spec.origin is not None
+    names = {"darwin": "apm_mac", "win32": "apm.exe"}
+    arm = {"aarch64": "apm_aarch64", "arm64": "apm_aarch64", "armv7l": "apm_arm"}
+    name = names.get(sys.platform) or arm.get(platform.machine(), "apm")
+    return FilePath(spec.origin).parent / "bin" / name
+
+
+def _model(program: Program, guess: FloatArray) -> str:
+    """The program in APMonitor's language."""
+    text = algebra_text(program, _LANGUAGE)
+    bounds = zip(guess.tolist(), program.lower.tolist(), program.upper.tolist(), strict=True)
+    variables = [
+        f"{name} = {value!r}{_bound('>=', lower)}{_bound('<=', upper)}"
+        for name, (value, lower, upper) in zip(text.variables, bounds, strict=True)
+    ]
+    intermediates = [f"{name} = {expression}" for name, expression in text.intermediates]
+    equations = [f"{side} = 0" for side in text.equations]
+    sections = {
+        "Variables": variables,
+        "Intermediates": intermediates,
+        "Equations": [*equations, f"minimize {text.objective}"],
+    }
+    lines = [line for name, body in sections.items() for line in (name, *body, f"End {name}")]
+    return "\n".join(("Model", *lines, "End Model", ""))
+
+
+def _bound(sign: str, value: float) -> str:
+    return f", {sign} {value!r}" if math.isfinite(value) else ""
+
+
+def _log(folder: FilePath, seconds: float) -> str | None:
+    """What the program prints; None if it was stopped for its time."""
+    try:
+        ended = subprocess.run(
+            [_program(), _MODEL],
+            cwd=folder,
+            env={"PATH": str(folder)},
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            timeout=seconds,
+            check=False,
+        )
+    except subprocess.TimeoutExpired:
+        return None
+    return ended.stdout.decode(errors="replace")
+
+
+def _point(file: FilePath, n: int) -> FloatArray:
+    """The variables that the program leaves, NaN where it leaves none; shape (n,)."""
+    if not file.is_file():
+        return np.full(n, math.nan)
+    values = json.loads(file.read_text())
+    return np.array([values[f"x[{i}]"][-1] for i in range(1, n + 1)], dtype=float)
+
+
+def _iterations(log: str) -> int | None:
+    """The number of the last line of the table of iterations."""
+    last = None
+    for line in log.partition("Convergence")[2].splitlines():
+        words = line.split()
+        if len(words) == 3 and words[0].isdigit():
+            last = int(words[0])
+    return last

@@ -1,0 +1,99 @@
+"""Uno by its makers' own wheel, `unopy`, with the ingredients of the solver filterSQP."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from dubins_study.solvers.nlp_engines.program import Engine, EngineResult, Program
+from dubins_study.study.claim import Claim
+from dubins_study.study.path import FloatArray
+from dubins_study.study.vehicle_frame import EPS
+
+# Uno says how it stopped, and what the point is; the second counts where it ended of itself.
+_SUCCESS = {
+    "FEASIBLE_KKT_POINT": Claim.LOCAL,
+    "FEASIBLE_FJ_POINT": Claim.FEASIBLE,
+    "FEASIBLE_SMALL_STEP": Claim.FEASIBLE,
+    "INFEASIBLE_STATIONARY_POINT": Claim.INFEASIBLE,
+}
+_LIMITS = ("ITERATION_LIMIT", "TIME_LIMIT")
+
+# of the equations' rounding: nearer to zero than that they do not come
+_ROUNDINGS = 64 * EPS
+
+
+def filtersqp(tol: float, max_iter: int) -> Engine:
+    """Fletcher and Leyffer's filterSQP as Uno rebuilds it, with their QP solver BQPD.
+
+    `tol` is the violation of the equations, and the residual of stationarity.
+    """
+
+    def run(program: Program, guess: FloatArray, seconds: float) -> EngineResult:
+        import unopy
+
+        solver = unopy.UnoSolver()
+        solver.set_preset("filtersqp")
+        for name, value in {
+            "logger": "SILENT",
+            "primal_tolerance": max(tol, _ROUNDINGS * program.magnitude),
+            "dual_tolerance": tol,
+            "max_iterations": max_iter,
+            "time_limit": float(seconds),
+        }.items():
+            solver.set_option(name, value)
+        result = solver.optimize(_model(program, guess))
+        ending, point = result.optimization_status.name, result.solution_status.name
+        if ending == "SUCCESS":
+            claim, status = _SUCCESS.get(point, Claim.FAILED), point
+        else:
+            claim, status = Claim.LIMIT if ending in _LIMITS else Claim.FAILED, ending
+        return EngineResult(
+            np.array(result.primal_solution),
+            claim,
+            np.array(result.constraint_dual_solution),
+            int(result.number_iterations),
+            int(result.number_constraint_evaluations),
+            status,
+            status.replace("_", " ").lower(),
+        )
+
+    return run
+
+
+def _model(program: Program, guess: FloatArray) -> Any:
+    """The program as Uno takes it: every derivative dense, the Lagrangian f + multipliers g."""
+    import unopy
+
+    functions = program.functions
+    n, m = guess.size, functions.equations(guess).size
+    rows, columns = np.tril_indices(n)
+
+    def gradient(x: Any, values: Any) -> None:
+        values[:] = functions.gradient(np.asarray(x))
+
+    def equations(x: Any, values: Any) -> None:
+        values[:] = functions.equations(np.asarray(x))
+
+    def jacobian(x: Any, values: Any) -> None:
+        values[:] = functions.jacobian(np.asarray(x)).ravel()
+
+    def hessian(x: Any, weight: float, multipliers: Any, values: Any) -> None:
+        x = np.asarray(x)
+        curved = functions.hessian(x, np.asarray(multipliers))
+        if weight != 1.0:  # 0 while Uno looks for a feasible point
+            curved = curved - (1.0 - weight) * functions.hessian(x, np.zeros(m))
+        values[:] = curved[rows, columns]
+
+    model = unopy.Model("NLP", n, program.lower, program.upper, unopy.ZERO_BASED_INDEXING)
+    model.set_objective(
+        unopy.MINIMIZE, lambda x: float(functions.objective(np.asarray(x))), gradient
+    )
+    zeros, everywhere = np.zeros(m), np.indices((m, n)).reshape(2, -1).tolist()
+    model.set_constraints(m, equations, zeros, zeros, m * n, *everywhere, jacobian)
+    triangle = (rows.tolist(), columns.tolist())
+    model.set_lagrangian_hessian(rows.size, unopy.LOWER_TRIANGLE, *triangle, hessian)
+    model.set_lagrangian_sign_convention(unopy.MULTIPLIER_POSITIVE)
+    model.set_initial_primal_iterate(guess)
+    return model

@@ -1,0 +1,259 @@
+"""What all transcriptions of the optimal-control problem (2.2) share: settings, search, answer."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+from time import perf_counter
+from typing import ClassVar, NamedTuple, Protocol
+
+import numpy as np
+
+from dubins_study.solvers.nlp_engines import table
+from dubins_study.solvers.nlp_engines.program import EngineResult
+from dubins_study.solvers.optimal_control.elements import Elements
+from dubins_study.solvers.optimal_control.end_correction import closed, miss
+from dubins_study.solvers.optimal_control.turn_rate_dynamics import RATES, Rates
+from dubins_study.solvers.optimal_control.word_guesses import Guess, Kind, trials
+from dubins_study.solvers.paper_nlp.best_point import total
+from dubins_study.solvers.paper_nlp.initial_guesses import INITIAL_GUESSES
+from dubins_study.solvers.paper_nlp.polish import one_sided_only
+from dubins_study.solvers.presolve import words
+from dubins_study.solvers.protocol import Effort, Guarantee, Method, Question, Solution, Solver
+from dubins_study.solvers.setting_checks import one_of, whole, within
+from dubins_study.solvers.vehicle_frame import in_world, staying
+from dubins_study.study.claim import Claim
+from dubins_study.study.path import FloatArray, Path
+from dubins_study.study.vehicle_frame import Local, local
+
+MESHES = ("free", "equal")
+_ARRIVED = 1e-8  # radii; a hundredth of what the check allows
+_ROUNDED = 32 * math.ulp(1.0)  # of the target's distance
+_SAME = (
+    1e-6  # relative; of two answers this near, the one that its engine calls a solution is taken
+)
+
+
+class Transcribed(NamedTuple):
+    """An engine's solution of a transcription; the duals (2,) are those of the end point."""
+
+    elements: Elements
+    native: EngineResult
+
+
+class Template(Protocol):
+    """A transcription, compiled for its settings."""
+
+    @property
+    def shares(self) -> FloatArray | None:
+        """Shares of the whole length that the elements have, shape (n,); None if free."""
+
+    def solve(self, guess: Elements, rates: Rates, target: FloatArray, until: float) -> Transcribed:
+        """Solve from a guess.
+
+        Args:
+            guess: where to begin; its elements have the shares.
+            rates: least and largest turn rate allowed.
+            target: shape (2,), radii.
+            until: when to stop (s, on `perf_counter`).
+        """
+
+
+class Model(NamedTuple):
+    """A question in the vehicle's frame, in radii."""
+
+    question: Question
+    place: Local
+    rates: Rates
+    template: Template
+
+    @property
+    def target(self) -> FloatArray:
+        """Shape (2,)."""
+        return np.array((self.place.X, self.place.Y))
+
+
+class Run(NamedTuple):
+    """One solve by the engine; `missed` and `miss` (radii) are before and after the correction."""
+
+    claim: Claim
+    elements: Elements
+    missed: float
+    miss: float
+    native: EngineResult
+    effort: Effort
+
+
+@dataclass(frozen=True)
+class Transcription(Solver):
+    """Problem (2.2) of the paper over n elements, each of one turn rate.
+
+    The engine's controls are integrated exactly; where the path misses by the transcription's own
+    error or the engine's tolerance, a last correction removes the miss. `LS` and `RS` forbid
+    turning the other way. For `best`, the engine starts from the shape of every word, and the
+    shortest path is the answer.
+
+    Args:
+        n: number of elements.
+        engine: one of `nlp_engines.table`.
+        mesh: `free` elements, whose lengths are variables, so that a switch falls between two of
+            them and the gap is the engine's tolerance; or `equal` ones, whose gap falls like
+            1 / n^2.
+        initial_guess, seed, count: where the search begins (`word_guesses.trials`).
+        correct: whether a last correction removes the miss.
+        tol, max_iter: the engine's own.
+        presolve: whether no guess is shaped like a word that cannot exist (`solvers.presolve`).
+    """
+
+    n: int = 5
+    engine: str = "ipopt"
+    mesh: str = "free"
+    initial_guess: str = "bearing"
+    seed: int = 0
+    count: int = 10
+    correct: bool = True
+    tol: float = 1e-9
+    max_iter: int = 200
+    presolve: bool = False
+
+    formulation: ClassVar[str]
+    meshes: ClassVar[tuple[str, ...]] = MESHES
+    guarantee: ClassVar[Guarantee] = Guarantee.DISCRETISED
+    branches: ClassVar[tuple[str, ...]] = tuple(RATES)
+    warm: ClassVar[bool] = True
+
+    def __post_init__(self) -> None:
+        # Three elements hold every word: an arc of up to a full turn takes two free elements. A
+        # thousand take minutes.
+        whole(n=(self.n, 3, 1000), max_iter=(self.max_iter, 1, 10**6))
+        whole(seed=(self.seed, 0, 2**32), count=(self.count, 1, 10**6))
+        one_of(
+            engine=(self.engine, table.ENGINES),
+            mesh=(self.mesh, self.meshes),
+            initial_guess=(self.initial_guess, INITIAL_GUESSES),
+        )
+        within(tol=(self.tol, 1e-14, 1e-2))
+
+    @property
+    def method(self) -> Method:
+        label = table.ENGINES[self.engine].label
+        return Method(self.formulation, label, self.initial_guess, self.tol)
+
+    def unavailable(self) -> str | None:
+        return table.unavailable(self.engine)
+
+    def template(self, distance: float) -> Template:
+        """The compiled transcription for a target so far away (radii)."""
+        raise NotImplementedError
+
+    def build(self, question: Question) -> Model:
+        place = local(question.scenario)
+        template = self.template(math.hypot(place.X, place.Y))
+        return Model(question, place, RATES[question.branch], template)
+
+    def solve(self, model: Model, limit: float) -> Solution:
+        question, place, rates, template = model
+        if place.X == place.Y == 0:
+            return staying(question)
+        runs: list[Run] = []
+        until = perf_counter() + limit
+        shapes = words(question, self.presolve)
+        kind = Kind(self.initial_guess, self.seed, self.count)
+        for trial in trials(question, place, shapes, self.n, template.shares, rates, kind):
+            for guess in trial.guesses:
+                if perf_counter() > until:
+                    return _answer(model, runs, in_time=False)
+                runs.append(self._run(model, guess, until))
+                if runs[-1].claim is Claim.LOCAL and not trial.every:
+                    break
+        return _answer(model, runs, in_time=perf_counter() <= until)
+
+    def _run(self, model: Model, guess: Guess, until: float) -> Run:
+        began, target = perf_counter(), model.target
+        elements, native = model.template.solve(guess.elements, model.rates, target, until)
+        # what is optimal for a transcription is not proven for the problem itself
+        claim = Claim.LOCAL if native.claim is Claim.OPTIMAL else native.claim
+        missed, off, rollouts = math.inf, math.inf, 0
+        if not (np.isfinite(elements.turn).all() and np.isfinite(elements.length).all()):
+            claim = Claim.FAILED
+        else:
+            missed, rollouts = miss(elements, target), 1
+            off = missed
+            if self.correct:
+                fixed = model.template.shares is not None
+                elements, off, rollouts = closed(elements, model.rates, target, fixed)
+                if claim is Claim.LOCAL and not _arrives(off, target):
+                    claim = Claim.FAILED
+        evaluations = total((native.evaluations, rollouts))
+        effort = Effort(guess.subproblem, 1, evaluations, perf_counter() - began)
+        return Run(claim, elements, missed, off, native, effort)
+
+
+def _arrives(off: float, target: FloatArray) -> bool:
+    return off <= max(_ARRIVED, _ROUNDED * float(np.abs(target).sum()))
+
+
+def _chosen(model: Model, runs: list[Run]) -> Run:
+    """The shortest run that arrives, or else the run that ends nearest to the target.
+
+    Of runs that are equally short, one that the engine calls a solution goes first.
+    """
+    arrived = [run for run in runs if run.claim is Claim.LOCAL or _arrives(run.miss, model.target)]
+    if not arrived:
+        return min(runs, key=lambda run: run.miss)
+    shortest = min(run.elements.total for run in arrived)
+    tied = [run for run in arrived if run.elements.total <= shortest * (1 + _SAME)]
+    return min(tied, key=lambda run: (run.claim is not Claim.LOCAL, run.elements.total))
+
+
+def _answer(model: Model, runs: list[Run], in_time: bool) -> Solution:
+    if not runs:
+        return Solution(Claim.LIMIT, message="no time to begin")
+    best = _chosen(model, runs)
+    scenario, claim = model.question.scenario, best.claim
+    if not in_time:
+        claim = Claim.LIMIT
+    elif claim is not Claim.LOCAL:
+        # the engine gave up, or wrongly called it infeasible; the corrected path may still arrive
+        claim = Claim.FEASIBLE if _arrives(best.miss, model.target) else Claim.FAILED
+    elements, native = best.elements, best.native
+    path = None
+    message = f"{native.message}; missed by {best.missed:.1e} radii before the correction"
+    if math.isfinite(best.miss):
+        rate = np.clip(elements.rate, model.rates.lower, model.rates.upper)
+        path = Path(scenario.start, rate / scenario.radius, elements.length * scenario.radius)
+        if claim in (Claim.LOCAL, Claim.FEASIBLE):
+            reason = one_sided_only(model.question, path)
+            claim, message = (Claim.FAILED, reason) if reason else (claim, message)
+    multipliers = None
+    if native.duals is not None and claim is Claim.LOCAL:
+        multipliers = in_world(scenario, *map(float, native.duals))
+    return Solution(
+        claim,
+        path=path,
+        claimed_length=None if path is None else elements.total * scenario.radius,
+        multipliers=multipliers,
+        iterations=total(run.native.iterations for run in runs),
+        evaluations=total(run.effort.evaluations for run in runs),
+        native_status=native.status,
+        message=message,
+        efforts=summed(run.effort for run in runs),
+        best_run=best.effort,
+    )
+
+
+def summed(efforts: Iterable[Effort]) -> tuple[Effort, ...]:
+    """Efforts by subproblem, in the order in which these were begun."""
+    by_name: dict[str, list[Effort]] = {}
+    for effort in efforts:
+        by_name.setdefault(effort.subproblem, []).append(effort)
+    return tuple(
+        Effort(
+            name,
+            sum(effort.runs for effort in group),
+            total(effort.evaluations for effort in group),
+            sum(effort.seconds for effort in group),
+        )
+        for name, group in by_name.items()
+    )

@@ -1,0 +1,49 @@
+"""The table of formulations and engines: whole, and each pair what it says."""
+
+from __future__ import annotations
+
+import pytest
+
+from dubins_study.experiments.plan.matrix import matrix
+from dubins_study.solvers.registry import load, stated_method, unavailable
+from dubins_study.study.words import FORMULATIONS
+
+
+@pytest.fixture(scope="module")
+def entries():
+    return matrix()
+
+
+def test_every_formulation_has_every_engine(entries):
+    engines = {entry.engine for entry in entries}
+
+    assert len(entries) == len(FORMULATIONS) * len(engines)
+    assert {(entry.formulation, entry.engine) for entry in entries} == {
+        (formulation, engine) for formulation in FORMULATIONS for engine in engines
+    }
+    assert len(engines) >= 15
+
+
+def test_a_pair_is_asked_or_has_a_reason(entries):
+    for entry in entries:
+        assert bool(entry.spec) != bool(entry.reason), entry
+
+
+def test_the_spec_of_a_pair_is_that_pair(entries):
+    """The spec's solver names the pair's formulation and engine, and can run here."""
+    for entry in entries:
+        if entry.spec is None:
+            continue
+        solver = load(entry.spec)
+        assert stated_method(solver)[:2] == (entry.formulation, entry.engine)
+        assert unavailable(solver) is None
+
+
+def test_every_formulation_and_every_engine_is_asked_somewhere(entries):
+    """No formulation without an engine; an engine without one is not installed or licensed."""
+    asked = [entry for entry in entries if entry.spec]
+
+    assert {entry.formulation for entry in asked} == set(FORMULATIONS)
+    for engine in {entry.engine for entry in entries} - {entry.engine for entry in asked}:
+        reasons = {entry.reason for entry in entries if entry.engine == engine}
+        assert any("licen" in str(reason) or "package" in str(reason) for reason in reasons), engine

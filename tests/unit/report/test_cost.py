@@ -1,0 +1,195 @@
+"""What evaluations and seconds go to: numbers by hand on made-up rows, and the section."""
+
+from __future__ import annotations
+
+import pandas as pd
+import pytest
+
+from dubins_study.report.data.results import load
+from dubins_study.report.statistics.compared import compared
+from dubins_study.report.topics.cost.efforts import split
+from dubins_study.report.topics.cost.numbers import (
+    example,
+    factors,
+    presolve_pairs,
+    presolve_savings,
+    shares,
+    strata,
+)
+from dubins_study.report.topics.cost.section import cost_section
+from dubins_study.study.claim import Claim
+from dubins_study.study.closed_form.shortest import shortest
+from dubins_study.study.scenario import Scenario
+from tests.unit.report.results_folder import attempt
+
+WORDS = ("LS", "RS", "LR", "RL")
+
+
+def outside(n=4):
+    """Scenarios whose shortest path is LS, to which RS exists too and LR and RL do not."""
+    places = [Scenario(0, 0, 0, 8 + k, 3 + k / 2, 1, label=f"stratum {k % 2}") for k in range(n)]
+    for scenario in places:
+        assert shortest(scenario).word == "LS"
+        assert shortest(scenario, "RS") is not None
+        assert shortest(scenario, "LR") is None
+        assert shortest(scenario, "RL") is None
+    return places
+
+
+def costly(scenario, solver="ipopt", **changes):
+    """Four words: 10 of the winner's 30 evaluations count, 20 lose, 50 + 100 are for nothing."""
+    made = {
+        "engine": "Ipopt",
+        "subproblems": " ".join(WORDS),
+        "subproblem_runs": [3.0, 1.0, 5.0, 5.0],
+        "subproblem_evaluations": [30.0, 20.0, 50.0, 100.0],
+        "subproblem_s": [0.03, 0.02, 0.05, 0.10],
+        "best_run_evaluations": 10,
+        "best_run_s": 0.01,
+        "evaluations": 205,
+        "build_s": 0.02,
+        "solve_s": 0.2,
+        "wall_s": 0.23,
+    }
+    return attempt(scenario, solver, claim=Claim.LOCAL, **(made | changes))
+
+
+def presolved(scenario):
+    """The same engine, which is not given the words that do not exist."""
+    return costly(
+        scenario,
+        "ipopt[presolve=True]",
+        subproblems="LS RS",
+        subproblem_runs=[3.0, 1.0],
+        subproblem_evaluations=[30.0, 20.0],
+        subproblem_s=[0.03, 0.02],
+        evaluations=50,
+        wall_s=0.08,
+    )
+
+
+def attempts(results, rows):
+    folder = results("benchmark", rows)
+    loaded = load([folder])
+    return loaded, compared(loaded)
+
+
+def test_every_evaluation_and_second_has_one_kind(results):
+    """The parts of an answer's cost, by hand; they add up to the total."""
+    _, made = attempts(results, [costly(scenario) for scenario in outside()])
+    parts = split(made)
+
+    assert parts.evaluations.iloc[0].to_dict() == {
+        "winning run": 10,
+        "restarts": 20,
+        "losing words": 20,
+        "words without a path": 150,
+        "building": 0,
+        "rest": 5,
+        "total": 205,
+    }
+    assert parts.seconds.iloc[0].to_dict() == pytest.approx(
+        {
+            "winning run": 0.01,
+            "restarts": 0.02,
+            "losing words": 0.02,
+            "words without a path": 0.15,
+            "building": 0.02,
+            "rest": 0.01,
+            "total": 0.23,
+        }
+    )
+    for frame in (parts.evaluations, parts.seconds):
+        summed = frame.drop(columns="total").sum(axis=1)
+        assert summed.to_numpy() == pytest.approx(frame["total"].to_numpy())
+
+
+def test_the_winner_is_the_word_of_the_answer_that_took_long_enough(results):
+    """A path LS comes from the joint model's order LRS; a tie is decided by the engine's time."""
+    joint = costly(
+        outside()[0],
+        "ipopt[model=joint]",
+        formulation="joint NLP, both orders",
+        subproblems="RLS LRS",
+        subproblem_runs=[1.0, 1.0],
+        subproblem_evaluations=[44.0, 20.0],
+        subproblem_s=[0.03, 0.02],
+        best_run_evaluations=20,
+        best_run_s=0.02,
+        evaluations=64,
+    )
+    _, made = attempts(results, [joint])
+    line = split(made).evaluations.iloc[0]
+
+    assert (line["winning run"], line["restarts"], line["losing words"]) == (20, 0, 44)
+    assert line["words without a path"] == 0
+
+
+def test_factors_and_shares(results):
+    """205 / 10 evaluations and 0.23 / 0.01 s everywhere; the presolve saves 205 / 50."""
+    rows = [make(scenario) for scenario in outside() for make in (costly, presolved)]
+    _, made = attempts(results, rows)
+    parts = split(made)
+    line = factors(made, parts).loc["ipopt"]
+    saved = presolve_savings(made, parts).iloc[0]
+    part = shares(made, parts, "evaluations").loc["ipopt"]
+
+    assert (line["questions"], line["evaluations"], line["seconds"]) == (4, 20.5, pytest.approx(23))
+    assert line["evaluations_low"] == line["evaluations_high"] == 20.5
+    assert presolve_pairs(made.engines) == [("ipopt", "ipopt[presolve=True]")]
+    assert (saved["questions"], saved["evaluations"]) == (4, pytest.approx(205 / 50))
+    assert (saved["evaluations_off"], saved["evaluations_on"]) == (20.5, 5)
+    assert part["words without a path"] == pytest.approx(150 / 205)
+    assert strata(made, parts, "evaluations")["stratum"].unique().tolist() == [
+        "stratum 0",
+        "stratum 1",
+    ]
+
+
+def test_wrong_answers_and_engines_that_do_not_count(results):
+    """Only right answers have a winning run; without counts the seconds still do."""
+    first, second, *_ = outside()
+    uncounted = costly(
+        first,
+        evaluations=None,
+        best_run_evaluations=None,
+        subproblem_evaluations=[float("nan")] * 4,
+    )
+    wrong = attempt(second, "ipopt", path=None, claim=Claim.FAILED, best_run_s=0.5)
+    _, made = attempts(results, [uncounted, wrong])
+    parts = split(made)
+
+    assert parts.evaluations["total"].isna().all()
+    assert parts.seconds["total"].tolist() == [0.23]
+    assert shares(made, parts, "evaluations").empty
+    assert pd.isna(factors(made, parts).loc["ipopt", "evaluations"])
+
+
+def test_the_example_is_named_only_if_it_was_asked(results):
+    """The target (10, 5) from (0, 0, 120deg) at R = 4."""
+    _, without = attempts(results, [costly(scenario) for scenario in outside()])
+    assert example(without, split(without)).empty
+
+    rows = [costly(Scenario(0, 0, "120deg", 10, 5, 4))]
+    folder = results("other", rows)
+    made = compared(load([folder]))
+
+    assert example(made, split(made))["ratio"].tolist() == [20.5]
+
+
+def test_the_section_is_there_only_with_efforts(results):
+    """Text, two figures and tables; None without the columns of efforts."""
+    rows = [make(scenario) for scenario in outside() for make in (costly, presolved)]
+    loaded, _ = attempts(results, rows)
+    section = cost_section(loaded)
+    bare = load([results("bare", [attempt(scenario) for scenario in outside()])])
+
+    assert [block.name for block in section.blocks] == [
+        "cost-evaluations",
+        "cost-seconds",
+        "cost",
+        "cost-presolve",
+        "cost-strata",
+    ]
+    assert "The presolve divides the evaluations" in section.text
+    assert cost_section(bare) is None
