@@ -51,6 +51,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
         *("study.*", "solvers", "solvers.paper_nlp"),
         *("solvers.minlp_engines", "solvers.nlp_engines"),
     ),
+    "solvers.stochastic": ("study.*", "solvers", "solvers.paper_nlp"),
     "solvers.heading_milp": (
         *("study.*", "solvers", "solvers.optimal_control"),
         "solvers.paper_nlp",  # whether a path of one-sided turning is a word
