@@ -12,23 +12,9 @@ from typing import Any
 
 import numpy as np
 
+from dubins_study.solvers.nlp_engines.gams import status
 from dubins_study.solvers.nlp_engines.program import Engine, EngineResult, Functions, Program
-from dubins_study.study.claim import Claim
 from dubins_study.study.path import FloatArray
-
-# GAMS's model status, which CONOPT reports; it calls optimal what it solves as a linear problem
-_MODEL = {1: "optimal", 2: "locally optimal", 4: "infeasible", 5: "locally infeasible"}
-_CLAIMS = {1: Claim.LOCAL, 2: Claim.LOCAL, 4: Claim.INFEASIBLE, 5: Claim.INFEASIBLE}
-
-# GAMS's solver status; 1 is a normal end
-_ENDINGS = {
-    2: "iteration limit",
-    3: "time limit",
-    4: "stopped by itself",
-    5: "evaluation errors",
-    7: "no licence for a problem of this size",
-}
-_LIMITS = (2, 3)
 
 
 def conopt(tol: float, max_iter: int) -> Engine:
@@ -45,19 +31,15 @@ def conopt(tol: float, max_iter: int) -> Engine:
         solver.setResLim(float(seconds))
         solver.setThreadS(1)
         solver.solve()
-        ending, point = solver.solutionStatus(), solver.modelStatus()
-        if ending in _ENDINGS:
-            claim = Claim.LIMIT if ending in _LIMITS else Claim.FAILED
-            message = _ENDINGS[ending]
-        else:
-            claim, message = _CLAIMS.get(point, Claim.FAILED), _MODEL.get(point, "")
+        numbers = solver.solutionStatus(), solver.modelStatus()
+        message, claim = status(*numbers)
         return EngineResult(
             np.array(solver.getVariableValues()),
             claim,
             -np.array(solver.getConstraintMarginals())[:-1],
             int(solver.iterations()),
             model.points,
-            f"solver status {ending}, model status {point}",
+            "solver status {}, model status {}".format(*numbers),
             message,
         )
 

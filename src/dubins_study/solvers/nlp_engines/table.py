@@ -35,6 +35,7 @@ _TRUST_CONSTR = "dubins_study.solvers.nlp_engines.trust_constr:trust_constr"
 _CASADI = "dubins_study.solvers.nlp_engines.casadi_nlpsol:"
 _APOPT = "dubins_study.solvers.nlp_engines.apopt:"
 _CONOPT = "dubins_study.solvers.nlp_engines.conopt_grg:"
+_GAMS = "dubins_study.solvers.nlp_engines.gams:"
 _NLOPT = "dubins_study.solvers.nlp_engines.nlopt_local:"
 _UNO = "dubins_study.solvers.nlp_engines.uno:"
 ENGINES = {
@@ -60,6 +61,12 @@ ENGINES = {
     ),
     "apopt": EngineEntry("APOPT", _APOPT + "apopt", ("gekko",), _APOPT + "unavailable"),
     "conopt": EngineEntry("CONOPT", _CONOPT + "conopt", ("conopt",)),
+    "gams-minos": EngineEntry(
+        "MINOS", _GAMS + "minos", ("gamspy_base", "gamspy_minos"), _GAMS + "unavailable"
+    ),
+    "gams-snopt": EngineEntry(
+        "SNOPT", _GAMS + "snopt", ("gamspy_base", "gamspy_snopt"), _GAMS + "unavailable"
+    ),
     "nlopt-slsqp": EngineEntry("NLopt SLSQP", _NLOPT + "slsqp", ("nlopt",)),
     "nlopt-auglag": EngineEntry("NLopt AUGLAG", _NLOPT + "auglag", ("nlopt",)),
     "nlopt-cobyla": EngineEntry("NLopt COBYLA", _NLOPT + "cobyla", ("nlopt",)),
