@@ -138,7 +138,7 @@ def test_trust_constr_keeps_its_limit_and_says_so():
     assert time.perf_counter() - began < 0.2 + 1.0
     assert answer.outcome is Outcome.RETURNED
     assert solve(PAPER["problem 4"], "nlp", limit=1e-9).claim is Claim.LIMIT
-    within = trust_constr(_ls(PAPER["problem 4"]), np.ones(3), 0.0, 1e-9, 200)
+    within = solve_program(_ls(PAPER["problem 4"]), np.ones(3), 0.0, trust_constr(1e-9, 200))
     assert (within.claim, within.iterations) == (Claim.LIMIT, 1)
 
 
