@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -27,11 +28,13 @@ class Compared:
             `stratum` (the scenario's label).
         methods: indexed by solver, in the order of tables; columns of `methods_of`.
         limit_s: the time limit of an attempt.
+        strata: the strata in the order of the experiment's file.
     """
 
     rows: pd.DataFrame
     methods: pd.DataFrame
     limit_s: float
+    strata: tuple[str, ...]
 
     @cached_property
     def answerable(self) -> pd.DataFrame:
@@ -81,7 +84,14 @@ def compared(results: Results) -> Compared | None:
         stratum=kept["label"].fillna(""),
         **{str(name): kept["solver"].map(values) for name, values in stated.items()},
     )
-    return Compared(kept, methods, _limit(results, kept))
+    return Compared(kept, methods, _limit(results, kept), _strata(results, kept))
+
+
+def _strata(results: Results, rows: pd.DataFrame) -> tuple[str, ...]:
+    """The labels of the scenarios, in the order in which the experiments' files name them."""
+    text = "\n".join(folder.manifest.experiment.text for folder in results.folders)
+    places = {name: text.find(json.dumps(name)) for name in sorted(set(rows["stratum"]))}
+    return tuple(sorted(places, key=lambda name: (places[name] < 0, places[name])))
 
 
 def _limit(results: Results, rows: pd.DataFrame) -> float:

@@ -18,7 +18,7 @@ from pathlib import Path as FilePath
 
 import numpy as np
 
-from dubins_study.solvers.nlp_engines.apmonitor_text import model_text
+from dubins_study.solvers.nlp_engines.algebra_text import Language, algebra_text
 from dubins_study.solvers.nlp_engines.program import Engine, EngineResult, Program
 from dubins_study.study.claim import Claim
 from dubins_study.study.path import FloatArray
@@ -30,6 +30,9 @@ _CLAIMS = {
     "No feasible solution": Claim.INFEASIBLE,
     "Maximum iterations": Claim.LIMIT,
 }
+
+# lines may have 15000 characters
+_LANGUAGE = Language("APMonitor", "x[{}]", "(({})^({}))", 2000)
 
 _MODEL = "model"  # APMonitor's names of its files
 
@@ -45,7 +48,7 @@ def apopt(tol: float, max_iter: int) -> Engine:
         options = {"solver": 1, "imode": 3, "rtol": residual, "otol": tol, "max_iter": max_iter}
         with tempfile.TemporaryDirectory() as name:
             folder = FilePath(name)
-            (folder / f"{_MODEL}.apm").write_text(model_text(program, guess))
+            (folder / f"{_MODEL}.apm").write_text(_model(program, guess))
             lines = [f"apm.{option} = {value}\n" for option, value in options.items()]
             (folder / f"{_MODEL}.dbs").write_text("".join(lines))
             log = _log(folder, seconds)
@@ -79,6 +82,29 @@ def _program() -> FilePath:
     arm = {"aarch64": "apm_aarch64", "arm64": "apm_aarch64", "armv7l": "apm_arm"}
     name = names.get(sys.platform) or arm.get(platform.machine(), "apm")
     return FilePath(spec.origin).parent / "bin" / name
+
+
+def _model(program: Program, guess: FloatArray) -> str:
+    """The program in APMonitor's language."""
+    text = algebra_text(program, _LANGUAGE)
+    bounds = zip(guess.tolist(), program.lower.tolist(), program.upper.tolist(), strict=True)
+    variables = [
+        f"{name} = {value!r}{_bound('>=', lower)}{_bound('<=', upper)}"
+        for name, (value, lower, upper) in zip(text.variables, bounds, strict=True)
+    ]
+    intermediates = [f"{name} = {expression}" for name, expression in text.intermediates]
+    equations = [f"{side} = 0" for side in text.equations]
+    sections = {
+        "Variables": variables,
+        "Intermediates": intermediates,
+        "Equations": [*equations, f"minimize {text.objective}"],
+    }
+    lines = [line for name, body in sections.items() for line in (name, *body, f"End {name}")]
+    return "\n".join(("Model", *lines, "End Model", ""))
+
+
+def _bound(sign: str, value: float) -> str:
+    return f", {sign} {value!r}" if math.isfinite(value) else ""
 
 
 def _log(folder: FilePath, seconds: float) -> str | None:

@@ -7,28 +7,15 @@ scaled.
 
 from __future__ import annotations
 
+import math
 from functools import cache
 from typing import Any
 
 import numpy as np
 
+from dubins_study.solvers.nlp_engines.gams import status
 from dubins_study.solvers.nlp_engines.program import Engine, EngineResult, Functions, Program
-from dubins_study.study.claim import Claim
 from dubins_study.study.path import FloatArray
-
-# GAMS's model status, which CONOPT reports; it calls optimal what it solves as a linear problem
-_MODEL = {1: "optimal", 2: "locally optimal", 4: "infeasible", 5: "locally infeasible"}
-_CLAIMS = {1: Claim.LOCAL, 2: Claim.LOCAL, 4: Claim.INFEASIBLE, 5: Claim.INFEASIBLE}
-
-# GAMS's solver status; 1 is a normal end
-_ENDINGS = {
-    2: "iteration limit",
-    3: "time limit",
-    4: "stopped by itself",
-    5: "evaluation errors",
-    7: "no licence for a problem of this size",
-}
-_LIMITS = (2, 3)
 
 
 def conopt(tol: float, max_iter: int) -> Engine:
@@ -45,20 +32,16 @@ def conopt(tol: float, max_iter: int) -> Engine:
         solver.setResLim(float(seconds))
         solver.setThreadS(1)
         solver.solve()
-        ending, point = solver.solutionStatus(), solver.modelStatus()
-        if ending in _ENDINGS:
-            claim = Claim.LIMIT if ending in _LIMITS else Claim.FAILED
-            message = _ENDINGS[ending]
-        else:
-            claim, message = _CLAIMS.get(point, Claim.FAILED), _MODEL.get(point, "")
+        numbers = solver.solutionStatus(), solver.modelStatus()
+        x, marginals = solver.getVariableValues(), solver.getConstraintMarginals()
         return EngineResult(
-            np.array(solver.getVariableValues()),
-            claim,
-            -np.array(solver.getConstraintMarginals())[:-1],
+            np.array(x) if x else np.full(guess.size, math.nan),
+            status(*numbers)[1],
+            -np.array(marginals[:-1]) if marginals else None,
             int(solver.iterations()),
             model.points,
-            f"solver status {ending}, model status {point}",
-            message,
+            "solver status {}, model status {}".format(*numbers),
+            messages.last,
         )
 
     return run
@@ -128,18 +111,31 @@ def _classes() -> tuple[type, type]:
         def evaluateSDLagrangian(  # noqa: N802
             self, x: Any, u: Any, hessianrow: Any, hessiancol: Any
         ) -> list[float]:
-            x, weights = np.array(x), np.array(u)
-            curved = self.functions.hessian(x, weights[:-1])
-            if weights[-1] != 1.0:
-                straight = self.functions.hessian(x, np.zeros(self.m))
-                curved = curved + (weights[-1] - 1.0) * straight
-            values: list[float] = curved[list(hessianrow), list(hessiancol)].tolist()
-            return values
+            values = self._curvature(x, u)[list(hessianrow), list(hessiancol)]
+            return values.tolist()  # type: ignore[no-any-return]
 
-    class Silence(conopt.MessageHandler):  # type: ignore[misc]
-        """Takes CONOPT's messages and prints none."""
+        def evaluateSDDirLagrangian(  # noqa: N802
+            self, x: Any, dx: Any, u: Any, newpoint: bool
+        ) -> list[float]:
+            return (self._curvature(x, u) @ np.array(dx)).tolist()  # type: ignore[no-any-return]
+
+        def _curvature(self, x: Any, u: Any) -> FloatArray:
+            """Second derivative of the rows' sum, each times its weight in u."""
+            point, weights = np.array(x), np.array(u)
+            curved = self.functions.hessian(point, weights[:-1])
+            if weights[-1] != 1.0:
+                objective = self.functions.hessian(point, np.zeros(self.m))
+                curved = curved + (weights[-1] - 1.0) * objective
+            return curved
+
+    class Messages(conopt.MessageHandler):  # type: ignore[misc]
+        """Keeps the last of CONOPT's statements, which begin with two stars; prints none."""
+
+        last = ""
 
         def message(self, smsg: int, dmsg: int, nmsg: int, msgv: Any) -> int:
+            statements = [line for line in msgv if line.startswith(" ** ")]
+            self.last = statements[-1].strip(" *") if statements else self.last
             return 0
 
         def errorMessage(self, rowno: int, colno: int, posno: int, msg: str) -> int:  # noqa: N802
@@ -148,4 +144,4 @@ def _classes() -> tuple[type, type]:
         def progress(self, progressdata: Any) -> int:
             return 0
 
-    return ModelData, Silence
+    return ModelData, Messages

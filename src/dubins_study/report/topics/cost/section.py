@@ -28,8 +28,8 @@ from dubins_study.report.topics.cost.numbers import (
     strata,
 )
 
-# Ten bars in a panel can be read; the tables hold every method.
-_MOST = 10
+# Eight bars in a panel can be read; the tables hold every method.
+_MOST = 8
 _RATIO = digits(3)
 
 
@@ -157,6 +157,10 @@ def _presolve_table(savings: pd.DataFrame) -> Table:
     return Table("cost-presolve", caption, savings, shown)
 
 
+def _present(attempts: Compared, table: pd.DataFrame) -> list[str]:
+    return [stratum for stratum in attempts.strata if stratum in set(table["stratum"])]
+
+
 def _stratum_table(attempts: Compared, answers: Split) -> Table | None:
     """Strata in lines, methods that have something to enumerate in columns."""
     table = strata(attempts, answers, "evaluations")
@@ -173,7 +177,7 @@ def _stratum_table(attempts: Compared, answers: Split) -> Table | None:
             for each in zip(kept["estimate"], kept["low"], kept["high"], strict=True)
         ]
     ).pivot(index="stratum", columns="solver", values="text")
-    texts = texts.reindex(index=kept["stratum"].unique(), columns=chosen)
+    texts = texts.reindex(index=_present(attempts, kept), columns=chosen)
     medians = kept.groupby("solver")["estimate"].median().reindex(chosen)
     texts.loc["median over the strata"] = [digits(2)(value) for value in medians]
     frame = texts.reset_index()

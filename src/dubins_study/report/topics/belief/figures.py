@@ -1,0 +1,27 @@
+"""The figure of what claims are worth."""
+
+from __future__ import annotations
+
+import pandas as pd
+from matplotlib.figure import Figure
+
+from dubins_study.report.elements.formats import count
+from dubins_study.report.elements.panels import plot_stacked_shares
+from dubins_study.report.elements.style import BLUE, RULE, VERMILION
+
+# From dark to light; only false claims are hatched, so that grey print shows them.
+LOOKS = {
+    "true": (BLUE, ""),
+    "less than known": ("#b9def3", ""),
+    "says nothing": (RULE, ""),
+    "false": (VERMILION, "xx"),
+}
+
+
+def plot_beliefs(table: pd.DataFrame) -> Figure:
+    """The share of each worth of the claims, one bar per method; the number of false claims beside.
+
+    Columns of `numbers.beliefs`, and formulation, short and attempts (number of false claims).
+    """
+    notes = [f"{count(n)} false" if n else "" for n in table["attempts"]]
+    return plot_stacked_shares(table, LOOKS, notes, "share of questions")

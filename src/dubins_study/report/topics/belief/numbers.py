@@ -1,0 +1,172 @@
+"""How true the claims of engines are, and which of their proofs are false."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Mapping
+
+import numpy as np
+import pandas as pd
+
+from dubins_study.report.statistics.compared import Compared
+from dubins_study.report.statistics.question_shares import question_shares
+
+# What a claim is worth, the check being right: it says no more than what is so; it says less than
+# the answer allows (no claim of a path that arrives, or of an optimal one only that it is
+# feasible); it says nothing and there is nothing; it, or its bound, says more than what is so.
+TRUTHS = ("true", "less than known", "says nothing", "false")
+_SILENT = ("failed", "limit", "none")
+# Kinds of false proof, the strongest first.
+PROOFS = (
+    "its bound lies above the shortest length",
+    "it calls a path optimal that is longer",
+    "it calls a question infeasible that has a path",
+    "it calls a path found that does not arrive",
+)
+
+
+def truth(rows: pd.DataFrame) -> pd.Series[str]:
+    """The worth of each attempt's claim, one of `TRUTHS`.
+
+    Columns claim, verdict, false_claim, false_bound. A local optimum of another word is no false
+    claim of a local solver.
+    """
+    claim, verdict = rows["claim"].fillna("none"), rows["verdict"].fillna("none")
+    silent = claim.isin(_SILENT)
+    arrives = verdict.isin(["optimal", "longer"])
+    less = (silent & arrives) | ((claim == "feasible") & (verdict == "optimal"))
+    false = _yes(rows["false_claim"]) | _yes(rows["false_bound"])
+    values = np.select([false, less, silent], [TRUTHS[3], TRUTHS[1], TRUTHS[2]], TRUTHS[0])
+    return pd.Series(values, rows.index)
+
+
+def _yes(values: pd.Series) -> pd.Series[bool]:
+    return values.eq(True).fillna(False).astype(bool)
+
+
+def claims(compared: Compared) -> pd.DataFrame:
+    """The attempts whose claim is an engine's: none of the presolve; with `truth` and `proof`.
+
+    `proof` is the kind of a false claim, one of `PROOFS`; missing if the claim is not false.
+    """
+    rows = compared.rows[~compared.rows["presolved"]]
+    worth = truth(rows)
+    claim, verdict = rows["claim"].fillna("none"), rows["verdict"].fillna("none")
+    kind = np.select(
+        [
+            _yes(rows["false_bound"]),
+            (claim == "optimal") & (verdict == "longer"),
+            claim == "infeasible",
+        ],
+        PROOFS[:3],
+        PROOFS[3],
+    )
+    proof = pd.Series(kind, rows.index, dtype=object).where(worth == "false")
+    return rows.assign(truth=worth, proof=proof)
+
+
+def beliefs(rows: pd.DataFrame, keys: list[str]) -> pd.DataFrame:
+    """The shares of each worth, by groups; the unit is the question.
+
+    Args:
+        rows: from `claims`.
+        keys: columns that name a group.
+    Returns:
+        Indexed by group. questions; a share for each of `TRUTHS`: the mean over questions of the
+        share of its repeats; Wilson's interval of each (`true_low`, ...) for as many trials as
+        there are questions; and one count of attempts for each of `PROOFS`.
+    """
+    parts = []
+    for name in TRUTHS:
+        shares = question_shares(rows.assign(hit=rows["truth"] == name), "hit", keys)
+        titles = {"share": name, "low": f"{name}_low", "high": f"{name}_high"}
+        parts.append(shares.rename(columns=titles))
+    frame = pd.concat([parts[0], *(part.drop(columns="questions") for part in parts[1:])], axis=1)
+    kinds = pd.get_dummies(rows["proof"]).reindex(columns=list(PROOFS), fill_value=False)
+    return frame.join(kinds.groupby([rows[key] for key in keys]).sum())
+
+
+def false_proofs(rows: pd.DataFrame) -> pd.DataFrame:
+    """The false claims by solver and kind, each with its plainest example.
+
+    Args:
+        rows: from `claims`.
+    Returns:
+        One row per solver and kind, in the order of `PROOFS`: solver, proof, attempts, questions,
+        and of the example: index (of its row), x, y, heading, target_x, target_y, radius, branch,
+        lower_bound, length, reference_high, command.
+    """
+    false = rows[rows["truth"] == "false"]
+    if false.empty:
+        return pd.DataFrame(columns=["solver", "proof"])
+    order = false.assign(
+        digits=_digits(false),
+        distance=np.hypot(false["target_x"] - false["x"], false["target_y"] - false["y"])
+        / false["radius"],
+        place=false["proof"].map({name: place for place, name in enumerate(PROOFS)}),
+    ).sort_values(["place", "digits", "distance"], kind="stable")
+    groups = order.groupby(["solver", "proof"], sort=False)
+    kept = [*_SCENARIO, "branch", "lower_bound", "length", "reference_high"]
+    frame = order.drop_duplicates(["solver", "proof"])[["solver", "proof", *kept]]
+    counts = groups.agg(attempts=("question", "size"), questions=("question", "nunique"))
+    frame = frame.reset_index(names="index").join(counts, on=["solver", "proof"])
+    frame["command"] = [command(line) for line in frame.to_dict("records")]
+    return frame
+
+
+_SCENARIO = ["x", "y", "heading", "target_x", "target_y", "radius"]
+
+
+def _digits(rows: pd.DataFrame) -> pd.Series[int]:
+    """How many characters a scenario's numbers take: few for a round one."""
+    sizes = [rows[name].map(lambda value: len(_number(value))) for name in _SCENARIO]
+    return pd.concat(sizes, axis=1).sum(axis=1)
+
+
+def command(line: Mapping[Hashable, object]) -> str:
+    """The command that asks a row's question again; numbers with all their digits."""
+    x, y, heading, target_x, target_y, radius = (_number(line[name]) for name in _SCENARIO)
+    parts = ["dubins-study solve"]
+    # Without the dashes a negative number would be read as an option.
+    parts += [f"--from {x} {y} {heading}"] if (x, y, heading) != ("0", "0", "0") else []
+    parts += [f"--radius {radius}"] if radius != "1" else []
+    parts += [f"--branch {line['branch']}"] if line["branch"] != "best" else []
+    parts += [f"--solver '{line['solver']}' -- {target_x} {target_y}"]
+    return " ".join(parts)
+
+
+def _number(value: object) -> str:
+    text = repr(float(str(value)))
+    return text.removesuffix(".0")
+
+
+def cures(rows: pd.DataFrame, methods: pd.DataFrame) -> pd.DataFrame:
+    """For methods with false claims: the same engine otherwise set, without any at the questions.
+
+    A cure has the same engine and formulation, was asked at least one of the questions at which the
+    method makes a false claim, and makes none at any question. Without such a cure, the engine's
+    other formulations are taken.
+
+    Args:
+        rows: from `claims`.
+        methods: columns of `methods_of`, by solver.
+    Returns:
+        One row per method with false claims and cure (one with an empty `cure` if there is none):
+        solver, cure, questions (with a false claim), tried (how many of them the cure was asked),
+        right (how many of those it answers correctly in all repeats).
+    """
+    false = rows[rows["truth"] == "false"]
+    bad = {str(solver): set(group) for solver, group in false.groupby("solver")["question"]}
+    right = rows.groupby(["question", "solver"])["right"].all().unstack("solver")
+    honest = [solver for solver in methods.index if solver not in bad and solver in right]
+    lines = []
+    for solver in methods.index.intersection(list(bad)):
+        questions = sorted(bad[solver])
+        same = [s for s in honest if methods["engine"][s] == methods["engine"][solver]]
+        near = [s for s in same if methods["formulation"][s] == methods["formulation"][solver]]
+        answers = {s: right.loc[questions, s].dropna() for s in near or same}
+        tried = {
+            s: (len(values), int(values.sum())) for s, values in answers.items() if len(values)
+        }
+        for cure, counts in (tried or {"": (0, 0)}).items():
+            lines.append((solver, cure, len(questions), *counts))
+    return pd.DataFrame(lines, columns=["solver", "cure", "questions", "tried", "right"])

@@ -1,0 +1,170 @@
+"""The section on whom one can believe."""
+
+from __future__ import annotations
+
+import pandas as pd
+
+from dubins_study.report.data.attempts import EXACT
+from dubins_study.report.data.results import Results
+from dubins_study.report.elements.columns import Column, columns, marks
+from dubins_study.report.elements.content import Picture, Section, Table
+from dubins_study.report.elements.formats import count, digits, sentences, share, some
+from dubins_study.report.elements.identity import (
+    interval_columns,
+    method_columns,
+    with_interval,
+)
+from dubins_study.report.elements.panels import most_per_formulation
+from dubins_study.report.statistics.compared import Compared, compared
+from dubins_study.report.topics.belief.figures import plot_beliefs
+from dubins_study.report.topics.belief.numbers import (
+    PROOFS,
+    TRUTHS,
+    beliefs,
+    claims,
+    cures,
+    false_proofs,
+)
+
+_MOST = 8  # bars in a panel, and columns of the table by stratum
+_MOST_EXAMPLES = 40
+
+
+def belief_section(results: Results) -> Section | None:
+    """What claims are worth, which proofs are false, and what cures them."""
+    attempts = compared(results)
+    if attempts is None:
+        return None
+    rows = claims(attempts)
+    if rows.empty:
+        return None
+    names = attempts.methods
+    table = names.join(beliefs(rows, ["solver"]), how="inner")
+    table["attempts"] = table[list(PROOFS)].sum(axis=1)
+    false = false_proofs(rows)
+    blocks: list[Picture | Table] = [_picture(table), _belief_table(table)]
+    if len(false):
+        by_stratum = _stratum_table(rows, attempts)
+        blocks += [by_stratum] if by_stratum is not None else []
+        blocks.append(_proof_table(false, names))
+        blocks.append(_cure_table(cures(rows, names), names))
+    text = sentences(
+        "See in the figure which engines say what is not so (hatched). A claim is true if it says "
+        "no more than the check finds; a local solver's longer path is a true claim of a local "
+        "optimum. It is less than known if a path arrives and the engine does not say so, or only "
+        "calls the shortest path feasible. What the presolve answered is no engine's claim.",
+        _liars(table),
+    )
+    return Section("belief", "Whom one can believe", text, tuple(blocks))
+
+
+def _liars(table: pd.DataFrame) -> str:
+    liars = table[table["attempts"] > 0]
+    if liars.empty:
+        questions = int(table["questions"].max())
+        return f"No method makes a false claim at any of up to {some(questions, 'question')}."
+    worst = liars.sort_values("false", ascending=False).to_dict("records")[0]
+    text = with_interval(share, worst["false"], worst["false_low"], worst["false_high"])
+    return (
+        f"{len(liars)} of {some(len(table), 'method')} make false claims; most often "
+        f"{worst['name']}: at {text} of its questions."
+    )
+
+
+def _picture(table: pd.DataFrame) -> Picture:
+    engines = table[table.index != EXACT].sort_values("false", ascending=False)
+    shown = most_per_formulation(engines if len(engines) else table, _MOST)
+    shown = table[table.index.isin(shown.index)]
+    left_out = len(engines) - len(shown)
+    rest = (
+        f" {count(left_out)} methods with fewer false claims are left out." if left_out > 0 else ""
+    )
+    caption = (
+        "What the claims are worth, as shares of the questions, those without a path included; "
+        f"at the right the number of attempts with a false claim.{rest}"
+    )
+    alt = "Stacked bars of true, weak, silent and false claims, in panels by formulation"
+    return Picture("belief-claims", caption, plot_beliefs(shown), alt)
+
+
+def _belief_table(table: pd.DataFrame) -> Table:
+    shown = (
+        *method_columns(table),
+        *columns(count, questions="questions"),
+        *interval_columns(share, "true", "true"),
+        *(Column(name, name, share) for name in TRUTHS[1:3]),
+        *interval_columns(share, "false", "false"),
+        *(
+            Column(name, title, count)
+            for name, title in zip(
+                PROOFS,
+                ("bound too high", "optimal, but longer", "infeasible, but not", "misses"),
+                strict=True,
+            )
+        ),
+    )
+    caption = (
+        "Shares of questions (one with a false claim in one of three repeats counts a third) with "
+        " Wilson's 95 % intervals for as many trials as there are questions; at the right the "
+        "attempts with a false claim, by kind."
+    )
+    return Table("belief", caption, table, shown, marks(table, "false", *PROOFS))
+
+
+def _stratum_table(rows: pd.DataFrame, attempts: Compared) -> Table | None:
+    """The share of false claims in each stratum, for the methods that make any."""
+    names = attempts.methods
+    liars = rows.loc[rows["truth"] == "false", "solver"].value_counts().index[:_MOST]
+    chosen = [solver for solver in names.index if solver in set(liars)]
+    if rows["stratum"].nunique() < 2:
+        return None
+    table = beliefs(rows[rows["solver"].isin(chosen)], ["stratum", "solver"])
+    ends = zip(table["false"], table["false_low"], table["false_high"], strict=True)
+    texts = pd.Series([with_interval(share, *each) for each in ends], table.index)
+    frame = texts.unstack("solver").reindex(attempts.strata).dropna(how="all")
+    frame = frame.rename_axis(columns=None).reset_index(names="stratum")
+    shown = (
+        Column("stratum", "stratum", kind="text"),
+        *(Column(solver, str(names["name"][solver]), kind="text") for solver in chosen),
+    )
+    caption = (
+        "Share of questions with a false claim, by stratum, with Wilson's 95 % intervals; the "
+        f"{len(chosen)} methods with the most false claims."
+    )
+    return Table("belief-strata", caption, frame, shown)
+
+
+def _proof_table(false: pd.DataFrame, names: pd.DataFrame) -> Table:
+    frame = names.reindex(false["solver"]).reset_index(drop=True)
+    frame = frame.join(false.reset_index(drop=True)).head(_MOST_EXAMPLES)
+    shown = (
+        *method_columns(frame),
+        *columns(kind="text", proof="what is false"),
+        *columns(count, attempts="attempts", questions="questions"),
+        *columns(
+            digits(9), lower_bound="its bound", length="its length", reference_high="shortest"
+        ),
+        *columns(kind="code", command="ask again"),
+    )
+    caption = (
+        "False claims by name, each with its plainest example: the one with the roundest numbers, "
+        "then the nearest target. Lengths in the scenario's unit; the shortest length is the upper "
+        "end of its proven bounds. The command repeats the example."
+    )
+    return Table("belief-false", caption, frame, shown)
+
+
+def _cure_table(cure: pd.DataFrame, names: pd.DataFrame) -> Table:
+    frame = names.reindex(cure["solver"]).reset_index(drop=True).join(cure)
+    frame["cured_by"] = cure["cure"].map(names["name"]).fillna("none among the rows")
+    shown = (
+        *method_columns(frame),
+        *columns(count, questions="questions with a false claim"),
+        *columns(kind="text", cured_by="the same engine without false claims"),
+        *columns(count, tried="asked of those questions", right="right"),
+    )
+    caption = (
+        "What cures false claims, as far as the rows tell: methods with the same engine (and the "
+        "same formulation, if there is one) that make no false claim at any question."
+    )
+    return Table("belief-cures", caption, frame, shown)

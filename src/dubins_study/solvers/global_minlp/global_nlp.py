@@ -1,0 +1,282 @@
+"""The paper's model (4.12) with its sines and cosines, solved to proven global optimality.
+
+`disjunctive` is stated as an engine of global optimisation likes it. This solver hands over the
+equations as they stand in the paper, and so measures what an engine makes of them.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cache
+from time import perf_counter
+from typing import Any, ClassVar, NamedTuple
+
+import numpy as np
+
+from dubins_study.solvers import library_versions
+from dubins_study.solvers.minlp_engines.program import (
+    MixedProgram,
+    ProvenResult,
+    Settings,
+    Written,
+)
+from dubins_study.solvers.minlp_engines.table import ENGINES, engine, unavailable
+from dubins_study.solvers.nlp_engines.expression_walk import rebuilt
+from dubins_study.solvers.nlp_engines.program import Expressions, Program
+from dubins_study.solvers.paper_nlp.local_nlp import Case
+from dubins_study.solvers.paper_nlp.model import (
+    FULL_TURN,
+    MODELS,
+    ORDERS,
+    SUBPROBLEMS,
+    Subproblem,
+    as_path,
+    subproblems,
+    target,
+)
+from dubins_study.solvers.paper_nlp.polish import meet_target
+from dubins_study.solvers.paper_nlp.program import program
+from dubins_study.solvers.protocol import Effort, Guarantee, Method, Question, Solution, Solver
+from dubins_study.solvers.setting_checks import one_of, within
+from dubins_study.solvers.vehicle_frame import at_start
+from dubins_study.study.claim import Claim
+from dubins_study.study.path import FloatArray, Path
+from dubins_study.study.words import BRANCHES
+
+EMPHASES = ("default", "lean")
+HEADINGS = ("variable", "expression")
+
+
+class Model(NamedTuple):
+    """A question, translated for `solve`."""
+
+    question: Question
+    programs: list[tuple[Subproblem, MixedProgram]]
+
+
+class Run(NamedTuple):
+    """The end of an engine's run on one subproblem, and how long it took (s)."""
+
+    subproblem: Subproblem
+    result: ProvenResult
+    seconds: float
+
+    @property
+    def z(self) -> FloatArray | None:
+        """The point as three lengths, those that are not free zero; None without a point."""
+        if self.result.x is None:
+            return None
+        z = np.zeros(3)
+        free = list(self.subproblem.free)
+        z[free] = self.result.x[: len(free)]
+        return z
+
+    @property
+    def length(self) -> float:
+        """Of the point (radii); infinite without one."""
+        return math.inf if self.z is None else float(self.z.sum())
+
+    @property
+    def effort(self) -> Effort:
+        return Effort(self.subproblem.name, 1, None, self.seconds)
+
+
+@dataclass(frozen=True)
+class GlobalNlp(Solver):
+    """Model (4.12) by an engine that proves a bound, one program for each word or each order.
+
+        minimise  z1 + z2 + z3  subject to  (4.10), (4.11),  0 <= z1, z2 <= 2 pi,  0 <= z3 <= d + 2
+
+    in the vehicle's frame and in radii, d the target's distance: no optimum has a full turn in it,
+    and the one turn of an optimum with a straight moves the vehicle by at most 2 radii.
+
+    Args:
+        engine: `scip`, `gurobi`, `xpress` or `maingo`.
+        model: `words` takes one two-variable program per word, `joint` the paper's model unsplit.
+        order: of the joint model: `LRS` (the paper's), `RLS` or `both`.
+        heading: whether the final heading z1 - z2 of the joint model is a `variable` with an
+            equation of its own, as theta2 is in the paper, or an `expression` inside its sines and
+            cosines, which the same engine may take a thousand times as long with.
+        gap: relative difference of point and bound at which the engine may stop.
+        feastol: the engine's tolerance on the two equations, in radii.
+        emphasis: SCIP's `default`, or `lean`, its branch and bound without heuristics, cutting
+            planes, presolving and propagation. The other engines have no such setting.
+        polish: whether the engine's point is moved until it meets the target to rounding, where
+            that is possible near by; else it is returned as it is.
+        presolve: whether words that cannot exist are left out (`solvers.presolve`).
+
+    The claim is the engine's own, of all programs together: `optimal` if each is solved to its
+    optimum or proved to have no point. `lower_bound` is the least of the engine's bounds, as the
+    engine gives them, and there is one only if the programs cover the question: the order LRS
+    alone lacks the word RL, so its optimum is a local claim without a bound. Engines work to
+    `feastol`, so that a bound may lie above the shortest length by about as much, or near the
+    front of a turning circle a whole turn below it; the tolerance stands in every row.
+    """
+
+    engine: str = "scip"
+    model: str = "joint"
+    order: str = "both"
+    heading: str = "variable"
+    gap: float = 1e-6
+    feastol: float = 1e-8
+    emphasis: str = "default"
+    polish: bool = True
+    presolve: bool = False
+
+    name: ClassVar[str] = "global-nlp"
+    guarantee: ClassVar[Guarantee] = Guarantee.GLOBAL
+    branches: ClassVar[tuple[str, ...]] = BRANCHES
+    packages: ClassVar[tuple[str, ...]] = (
+        *("casadi", "pyscipopt", "gurobipy", "xpress", "maingopy"),
+    )
+    summary: ClassVar[str] = "the paper's model (4.12), proven by SCIP, Gurobi, Xpress or MAiNGO"
+    variants: ClassVar[tuple[str, ...]] = tuple(
+        f"global-nlp[engine={name}]" for name in ENGINES if name != "scip"
+    )
+    profiles: ClassVar[dict[str, dict[str, Any]]] = {
+        "fast": {"gap": 1e-4, "feastol": 1e-6},
+        "accurate": {"gap": 1e-7, "feastol": 1e-9},
+    }
+
+    def __post_init__(self) -> None:
+        one_of(
+            engine=(self.engine, ENGINES),
+            model=(self.model, MODELS),
+            order=(self.order, ORDERS),
+            heading=(self.heading, HEADINGS),
+            emphasis=(self.emphasis, EMPHASES),
+        )
+        within(gap=(self.gap, 1e-12, 1e-2), feastol=(self.feastol, 1e-9, 1e-3))
+
+    @property
+    def method(self) -> Method:
+        orders = "both orders" if self.order == "both" else self.order
+        joint = self.model == "joint"
+        formulation = f"joint NLP, {orders}" if joint else "one NLP a word"
+        return Method(formulation, ENGINES[self.engine].label, "none", self.feastol)
+
+    def unavailable(self) -> str | None:
+        return unavailable(self.engine)
+
+    def library_versions(self) -> dict[str, str]:
+        return library_versions.scip() if self.engine == "scip" else {}
+
+    @property
+    def keeps_limit(self) -> bool:
+        return True
+
+    def build(self, question: Question) -> Model:
+        chosen = subproblems(question, self.model, self.order, self.presolve)
+        lifted = self.heading == "variable"
+        return Model(question, [(one, _program(question, one, lifted)) for one in chosen])
+
+    def solve(self, model: Model, limit: float) -> Solution:
+        deadline = perf_counter() + limit
+        covers = self.model == "words" or self.order == "both" or model.question.branch != "best"
+        if there := at_start(model.question):
+            return replace(there, claim=Claim.OPTIMAL, lower_bound=0.0) if covers else there
+        run = engine(self.engine, Settings(self.gap, self.feastol, self.emphasis == "lean"))
+        runs: list[Run] = []
+        for subproblem, posed in model.programs:
+            began = perf_counter()
+            if began > deadline:
+                return self._answer(model.question, runs, covers, complete=False)
+            result = run(posed, deadline - began)
+            runs.append(Run(subproblem, result, perf_counter() - began))
+        return self._answer(model.question, runs, covers, complete=True)
+
+    def _answer(
+        self, question: Question, runs: list[Run], covers: bool, complete: bool
+    ) -> Solution:
+        """The best point of all runs, with the claim and the bound of all together."""
+        R = question.scenario.radius
+        claim = _claim(runs, covers) if complete else Claim.LIMIT
+        bound = min((run.result.bound for run in runs), default=-math.inf)
+        nodes = [run.result.nodes for run in runs]
+        solution = Solution(
+            claim,
+            lower_bound=bound * R if complete and covers and math.isfinite(bound) else None,
+            iterations=None if None in nodes else sum(node or 0 for node in nodes),
+            native_status="; ".join(f"{run.subproblem.name} {run.result.status}" for run in runs),
+            message="; ".join(f"{run.subproblem.name}: {run.result.message}" for run in runs),
+            efforts=tuple(run.effort for run in runs),
+        )
+        best = min(runs, key=lambda run: run.length, default=None)
+        if best is None or best.z is None:
+            return solution
+        return replace(
+            solution,
+            path=_path(question, best.subproblem, best.z, self.polish),
+            claimed_length=best.length * R,
+            best_run=best.effort,
+        )
+
+
+def _program(question: Question, subproblem: Subproblem, lifted: bool) -> MixedProgram:
+    """The program of a subproblem; a joint one, if `lifted`, with the final heading in it."""
+    X, Y = target(question.scenario, subproblem.mirrored)
+    upper = np.array((FULL_TURN, FULL_TURN, math.hypot(X, Y) + 2))
+    posed = program(Case(subproblem, np.where(subproblem.mask, upper, 0.0), (X, Y)))
+    if lifted and len(subproblem.free) == 3:
+        turn = (-FULL_TURN, FULL_TURN)
+        bounds = np.append(posed.lower, turn[0]), np.append(posed.upper, turn[1])
+        posed = Program(_with_heading(), posed.p, *bounds)
+
+    def write(x: Sequence[Any], functions: Any) -> Written:
+        objective, equations = rebuilt(posed, x, functions)
+        return Written(objective, equations, [])
+
+    return MixedProgram(posed.lower, posed.upper, np.zeros(posed.lower.size, np.bool_), write)
+
+
+@cache
+def _with_heading() -> Expressions:
+    """Model (4.12) in four variables, the last one the final heading; p is the target (X, Y)."""
+    import casadi
+
+    x, p = casadi.SX.sym("x", 4), casadi.SX.sym("p", 2)
+    z1, z2, z3, th = (x[i] for i in range(4))
+    sin, cos = casadi.sin, casadi.cos
+    x_end = 2 * sin(z1) - sin(th) + z3 * cos(th)
+    y_end = 1 - 2 * cos(z1) + cos(th) + z3 * sin(th)
+    return Expressions(x, p, z1 + z2 + z3, casadi.vertcat(p[0] - x_end, p[1] - y_end, th - z1 + z2))
+
+
+def _claim(runs: list[Run], covers: bool) -> Claim:
+    """The engine's claim of all programs together."""
+    claims = {run.result.claim for run in runs}
+    if claims == {Claim.INFEASIBLE}:
+        return Claim.INFEASIBLE if covers else Claim.FAILED
+    if claims <= {Claim.OPTIMAL, Claim.INFEASIBLE}:
+        return Claim.OPTIMAL if covers else Claim.LOCAL
+    if Claim.LIMIT in claims:
+        return Claim.LIMIT
+    has_point = any(run.result.x is not None for run in runs)
+    return Claim.FEASIBLE if has_point else Claim.FAILED
+
+
+def _path(question: Question, subproblem: Subproblem, z: FloatArray, polish: bool) -> Path:
+    """The path of a point z, shape (3,), in the subproblem's order of turns."""
+    scenario = question.scenario
+    if polish:
+        turns = z[[1, 0, 2]] if subproblem.mirrored else z  # left, right, straight
+        words = _words(subproblem, z)
+        word, polished = meet_target(scenario, words, words[0], turns)
+        if polished.meets:
+            return as_path(scenario, SUBPROBLEMS[word], polished.z)
+    return as_path(scenario, subproblem, z)
+
+
+def _words(subproblem: Subproblem, z: FloatArray) -> tuple[str, ...]:
+    """The words that a point's lengths may stand for: the one whose missing length is least first.
+
+    An optimum of the joint model has two lengths of the three; the third is zero to a tolerance.
+    """
+    if len(subproblem.free) == 2:
+        return (subproblem.name,)
+    letters = subproblem.name
+    return tuple(
+        letters[:i] + letters[i + 1 :] for i in sorted(range(3), key=lambda i: float(z[i]))
+    )

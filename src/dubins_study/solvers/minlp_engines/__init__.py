@@ -1,0 +1,1 @@
+"""One adapter for each engine that solves mixed-integer nonlinear programs and proves a bound."""

@@ -1,0 +1,92 @@
+"""Gurobi, by its Python interface, with the licence that it finds or the one in its wheel."""
+
+from __future__ import annotations
+
+import math
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from dubins_study.solvers.minlp_engines.program import (
+    MinlpEngine,
+    MixedProgram,
+    ProvenResult,
+    Settings,
+)
+from dubins_study.study.claim import Claim
+
+# Gurobi's status codes (Gurobi Optimizer reference manual, Optimization Status Codes)
+_CLAIMS = {
+    2: Claim.OPTIMAL,
+    3: Claim.INFEASIBLE,
+    4: Claim.INFEASIBLE,
+    6: Claim.INFEASIBLE,
+    9: Claim.LIMIT,
+    13: Claim.FEASIBLE,
+}
+# the smallest of FeasibilityTol, IntFeasTol and OptimalityTol that Gurobi takes
+LEAST_TOLERANCE = 1e-9
+
+
+def gurobi(settings: Settings) -> MinlpEngine:
+    """Gurobi with MIPGap and FeasibilityTol; `lean` changes nothing."""
+
+    def run(program: MixedProgram, seconds: float) -> ProvenResult:
+        import gurobipy
+
+        try:
+            with gurobipy.Model(env=_environment()) as model:
+                return _run(model, program, settings, seconds)
+        except gurobipy.GurobiError as error:  # a licence too small or expired among others
+            message = f"Gurobi error {error.errno}: {error}"
+            return ProvenResult(
+                None, Claim.FAILED, -math.inf, None, None, str(error.errno), message
+            )
+
+    return run
+
+
+def _run(model: Any, program: MixedProgram, settings: Settings, seconds: float) -> ProvenResult:
+    import gurobipy
+    from gurobipy import nlfunc
+
+    kinds = np.where(program.binary, gurobipy.GRB.BINARY, gurobipy.GRB.CONTINUOUS)
+    x = model.addMVar(program.lower.size, program.lower, program.upper, vtype=kinds).tolist()
+    written = program.write(x, nlfunc)
+    model.setObjective(written.objective)
+    for sides, least in ((written.equations, 0.0), (written.inequalities, -math.inf)):
+        for side in sides:
+            if isinstance(side, gurobipy.NLExpr):  # taken only as the value of a variable
+                model.addConstr(model.addVar(least, 0.0) == side)
+            else:
+                model.addConstr(side <= 0 if least else side == 0)
+    model.Params.Threads = 1
+    model.Params.MIPGap = settings.gap
+    model.Params.MIPGapAbs = 0.0
+    model.Params.FeasibilityTol = max(settings.feastol, LEAST_TOLERANCE)
+    model.Params.TimeLimit = max(seconds, 0.0)
+    if math.isfinite(settings.cutoff):
+        model.Params.Cutoff = settings.cutoff
+    model.optimize()
+    status = model.Status
+    if status == gurobipy.GRB.INTERRUPTED:
+        raise KeyboardInterrupt
+    point = np.array([variable.X for variable in x]) if model.SolCount else None
+    return ProvenResult(
+        point,
+        _CLAIMS.get(status, Claim.FAILED if point is None else Claim.FEASIBLE),
+        math.inf if _CLAIMS.get(status) is Claim.INFEASIBLE else float(model.ObjBound),
+        int(model.NodeCount),
+        int(model.IterCount),
+        f"status {status}",
+        f"status {status}",
+    )
+
+
+@cache
+def _environment() -> Any:
+    """One silent environment for the process: starting it reads the licence."""
+    import gurobipy
+
+    return gurobipy.Env(params={"OutputFlag": 0, "LogToConsole": 0})

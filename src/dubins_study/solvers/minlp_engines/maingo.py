@@ -1,0 +1,105 @@
+"""MAiNGO, McCormick-based deterministic global optimisation, by its Python interface."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from dubins_study.solvers.minlp_engines.program import (
+    MinlpEngine,
+    MixedProgram,
+    ProvenResult,
+    Settings,
+)
+from dubins_study.study.claim import Claim
+
+_CLAIMS = {
+    "GLOBALLY_OPTIMAL": Claim.OPTIMAL,
+    "BOUND_TARGETS": Claim.OPTIMAL,
+    "INFEASIBLE": Claim.INFEASIBLE,
+    "FEASIBLE_POINT": Claim.LIMIT,
+    "NO_FEASIBLE_POINT_FOUND": Claim.LIMIT,
+}
+
+
+def maingo(settings: Settings) -> MinlpEngine:
+    """MAiNGO with epsilonR, deltaEq and deltaIneq; `lean` changes nothing."""
+
+    def run(program: MixedProgram, seconds: float) -> ProvenResult:
+        import maingopy
+
+        model = _model_class()(program)  # kept: MAiNGO does not keep Python's half of it alive
+        solver = maingopy.MAiNGO(model)
+        options = {
+            "epsilonR": settings.gap,
+            "epsilonA": settings.gap,
+            "deltaEq": settings.feastol,
+            "deltaIneq": settings.feastol,
+            "maxTime": max(seconds, 1e-3),
+            "BAB_verbosity": maingopy.VERB_NONE,
+            "LBP_verbosity": maingopy.VERB_NONE,
+            "UBP_verbosity": maingopy.VERB_NONE,
+            "loggingDestination": maingopy.LOGGING_NONE,
+            "writeResultFile": False,  # into whatever folder the process is in
+        }
+        for name, value in options.items():
+            assert solver.set_option(name, value), name
+        status = solver.solve().name
+        return _result(solver, status)
+
+    return run
+
+
+def _result(solver: Any, status: str) -> ProvenResult:
+    claim = _CLAIMS.get(status, Claim.FAILED)
+    point = None
+    if status in ("GLOBALLY_OPTIMAL", "BOUND_TARGETS", "FEASIBLE_POINT"):
+        point = np.array(solver.get_solution_point(), dtype=np.float64)
+    infeasible = claim is Claim.INFEASIBLE
+    return ProvenResult(
+        point,
+        claim,
+        math.inf if infeasible else float(solver.get_final_LBD()),
+        int(solver.get_iterations()),
+        None,
+        status,
+        status.replace("_", " ").lower(),
+    )
+
+
+@cache
+def _model_class() -> type[Any]:
+    """A class of the package's own kind of model; made when the package is first needed."""
+    import maingopy
+
+    class Posed(maingopy.MAiNGOmodel):  # type: ignore[misc]
+        def __init__(self, program: MixedProgram) -> None:
+            super().__init__()
+            self.program = program
+
+        def get_variables(self) -> list[Any]:
+            kinds = maingopy.VT_CONTINUOUS, maingopy.VT_BINARY
+            bounds = zip(
+                self.program.lower.tolist(),
+                self.program.upper.tolist(),
+                self.program.binary.tolist(),
+                strict=True,
+            )
+            return [
+                maingopy.OptimizationVariable(maingopy.Bounds(lower, upper), kinds[binary])
+                for lower, upper, binary in bounds
+            ]
+
+        def evaluate(self, variables: Sequence[Any]) -> Any:
+            written = self.program.write(variables, maingopy)
+            result = maingopy.EvaluationContainer()
+            result.objective = written.objective
+            result.eq = written.equations
+            result.ineq = written.inequalities
+            return result
+
+    return Posed

@@ -1,0 +1,130 @@
+"""SCIP, spatial branch and bound, by its Python interface."""
+
+from __future__ import annotations
+
+import math
+from functools import lru_cache
+from threading import current_thread, main_thread
+from typing import Any
+
+import numpy as np
+
+from dubins_study.solvers.minlp_engines.program import (
+    MinlpEngine,
+    MixedProgram,
+    ProvenResult,
+    Settings,
+)
+from dubins_study.solvers.minlp_engines.quiet import silent
+from dubins_study.study.claim import Claim
+
+# what the message of every error of SCIP's own begins with: they have no type of their own
+BROKEN = "SCIP:"
+
+_CLAIMS = {
+    "optimal": Claim.OPTIMAL,
+    "gaplimit": Claim.OPTIMAL,
+    "infeasible": Claim.INFEASIBLE,
+    "timelimit": Claim.LIMIT,
+}
+
+
+def scip(settings: Settings) -> MinlpEngine:
+    """SCIP with numerics/feastol and limits/gap; `lean` leaves bare branch and bound."""
+
+    def run(program: MixedProgram, seconds: float) -> ProvenResult:
+        """An error of SCIP's own is a result.
+
+        Raises:
+            KeyboardInterrupt: if Ctrl-C has ended SCIP, which catches it.
+        """
+        model, x = _translated(program)
+        options = dict(_lean() if settings.lean else ())
+        options |= {"numerics/feastol": settings.feastol, "limits/gap": settings.gap}
+        options |= {"limits/time": max(seconds, 0.0)}
+        # in the main thread Ctrl-C must end SCIP, since Python sees it only afterwards
+        options |= {"misc/catchctrlc": current_thread() is main_thread()}
+        for name, setting in options.items():
+            model.setParam(name, setting)
+        if math.isfinite(settings.cutoff):
+            model.setObjlimit(settings.cutoff)
+        model.hideOutput()
+        try:
+            # In about a third of all questions SoPlex, SCIP's own linear solver, writes to the
+            # descriptor 2 that it takes no tolerance below 1e-10, up to thousands of times; no
+            # parameter of SCIP's turns that off. SCIP holds the interpreter's lock, so no thread
+            # writes at that time in Python.
+            with silent(2):
+                model.optimize()
+        except Exception as error:
+            if not str(error).startswith(BROKEN):
+                raise
+            return ProvenResult(None, Claim.FAILED, -math.inf, 0, None, str(error), str(error))
+        return _result(model, x)
+
+    return run
+
+
+def _result(model: Any, x: list[Any]) -> ProvenResult:
+    status = str(model.getStatus())
+    if status == "userinterrupt":
+        raise KeyboardInterrupt
+    point = None
+    if model.getNSols():
+        best = model.getBestSol()
+        point = np.array([model.getSolVal(best, variable) for variable in x])
+    bound = float(model.getDualbound())
+    bound = math.copysign(math.inf, bound) if abs(bound) >= model.infinity() else bound
+    return ProvenResult(
+        point,
+        _CLAIMS.get(status, Claim.FAILED if point is None else Claim.FEASIBLE),
+        bound,
+        int(model.getNNodes()),
+        int(model.getNLPIterations()),
+        status,
+        f"status {status}",
+    )
+
+
+def _translated(program: MixedProgram) -> tuple[Any, list[Any]]:
+    """The program as a `pyscipopt.Model`, and its variables."""
+    import pyscipopt
+
+    model = pyscipopt.Model()
+    x = [
+        model.addVar(
+            lb=lower if math.isfinite(lower) else None,
+            ub=upper if math.isfinite(upper) else None,
+            vtype="B" if binary else "C",
+        )
+        for lower, upper, binary in zip(
+            program.lower.tolist(), program.upper.tolist(), program.binary.tolist(), strict=True
+        )
+    ]
+    written = program.write(x, pyscipopt)
+    for side in written.equations:
+        model.addCons(side == 0)
+    for side in written.inequalities:
+        model.addCons(side <= 0)
+    # SCIP takes linear objectives only; one variable above the objective serves for all
+    objective = model.addVar(lb=None, obj=1.0)
+    model.addCons(objective >= written.objective)
+    return model, x
+
+
+@lru_cache(maxsize=1)
+def _lean() -> tuple[tuple[str, Any], ...]:
+    """SCIP's parameters for branch and bound without heuristics, cutting planes, presolving and
+    propagation."""
+    from pyscipopt import Model as Scip
+    from pyscipopt.scip import PY_SCIP_PARAMSETTING as SCIP_PARAMSETTING
+
+    scip = Scip()
+    before = scip.getParams()
+    scip.setHeuristics(SCIP_PARAMSETTING.OFF)
+    scip.setSeparating(SCIP_PARAMSETTING.OFF)
+    scip.setParam("presolving/maxrounds", 0)
+    scip.setParam("propagating/maxrounds", 0)
+    scip.setParam("propagating/maxroundsroot", 0)
+    after = scip.getParams()
+    return tuple((name, value) for name, value in after.items() if value != before[name])

@@ -1,0 +1,211 @@
+"""SNOPT and MINOS as GAMS runs them, from the wheels that its Python package installs.
+
+Each run has a folder of its own, with links to the files of the wheels, since GAMS looks for its
+solvers beside its own program. The demo licence in the wheels takes 1000 variables and 1000
+equations, and expires five months after their release.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from functools import cache
+from importlib import import_module
+from pathlib import Path as FilePath
+
+import numpy as np
+
+from dubins_study.solvers.nlp_engines.algebra_text import Language, algebra_text
+from dubins_study.solvers.nlp_engines.program import Engine, EngineResult, Program
+from dubins_study.study.claim import Claim
+from dubins_study.study.path import FloatArray
+from dubins_study.study.vehicle_frame import EPS
+
+# GAMS's model status, and what it claims; a local solver calls a linear problem's point optimal
+_MODEL_STATUS = {
+    1: ("optimal", Claim.LOCAL),
+    2: ("locally optimal", Claim.LOCAL),
+    4: ("infeasible", Claim.INFEASIBLE),
+    5: ("locally infeasible", Claim.INFEASIBLE),
+    7: ("feasible", Claim.FEASIBLE),
+}
+# GAMS's solver status, where it is not 1, a normal end
+_SOLVER_STATUS = {
+    2: ("iteration limit", Claim.LIMIT),
+    3: ("time limit", Claim.LIMIT),
+    4: ("stopped by the solver", Claim.FAILED),
+    5: ("evaluation errors", Claim.FAILED),
+    6: ("a function that the solver does not have", Claim.FAILED),
+    7: ("no licence for a problem of this size", Claim.FAILED),
+}
+
+_LANGUAGE = Language("GAMS", "x{}", "power({}, {})", sys.maxsize)
+
+# of the equations' rounding: nearer to zero than that they do not come
+_ROUNDINGS = 64 * EPS
+
+# in files of options: feasibility, optimality, limit of iterations
+_SNOPT = ("major feasibility tolerance", "major optimality tolerance", "major iterations limit")
+_MINOS = ("row tolerance", "optimality tolerance", "major iterations")
+
+_MINOR_ITERATIONS = 10  # in a major one; MINOS heeds no limit of these, and may not end
+
+_NO_LICENCE = 7  # GAMS's exit code
+_START_S = 10.0  # for GAMS to start, which takes 20 ms
+
+# what the listing of results has for a number that there is not
+_NUMBERS = {"UNDF": math.nan, "NA": math.nan, "+INF": math.inf, "-INF": -math.inf, "EPS": 0.0}
+
+
+def status(solver: int, model: int) -> tuple[str, Claim]:
+    """What GAMS's two status numbers say, and claim."""
+    if solver != 1:
+        return _SOLVER_STATUS.get(solver, ("solver failure", Claim.FAILED))
+    return _MODEL_STATUS.get(model, ("no solution", Claim.FAILED))
+
+
+def snopt(tol: float, max_iter: int) -> Engine:
+    """SNOPT: Gill, Murray and Saunders's sparse sequential quadratic programming."""
+    return _engine("snopt", _SNOPT, tol, max_iter)
+
+
+def minos(tol: float, max_iter: int) -> Engine:
+    """MINOS: Murtagh and Saunders's projected Lagrangian method."""
+    return _engine("minos", _MINOS, tol, max_iter)
+
+
+def unavailable() -> str | None:
+    """Why GAMS cannot run here although its packages are installed, or None."""
+    if sys.platform != "linux":
+        return "GAMS's wheels are run on Linux only"
+    exit_code = _exit_code()
+    if exit_code == 0:
+        return None
+    licence = (
+        ": its demo licence is missing, invalid or expired" if exit_code == _NO_LICENCE else ""
+    )
+    return f"GAMS ends with exit code {exit_code}{licence}"
+
+
+@cache
+def _exit_code() -> int | None:
+    """How GAMS ends on a model without a solver; None if it does not end."""
+    with _folder() as folder:
+        (folder / "program.gms").write_text("scalar one / 1 /;\n")
+        return _run(folder, _START_S)
+
+
+def _engine(name: str, options: tuple[str, str, str], tol: float, max_iter: int) -> Engine:
+    """A solver of GAMS, with its names of feasibility, optimality and the limit of iterations."""
+
+    def run(program: Program, guess: FloatArray, seconds: float) -> EngineResult:
+        residual = max(tol, _ROUNDINGS * program.magnitude)
+        values = zip(options, (residual, tol, max_iter), strict=True)
+        lines = [f"{option} {value!r}\n" for option, value in values]
+        with _folder(name) as folder:
+            minor = _MINOR_ITERATIONS * max_iter
+            (folder / "program.gms").write_text(_model(program, guess, name, minor))
+            (folder / f"{name}.opt").write_text("".join(lines))
+            exit_code = _run(folder, seconds)
+            file = folder / "results.txt"
+            words = file.read_text().split() if file.is_file() else []
+        nothing = np.full(guess.size, math.nan)
+        if exit_code is None:
+            return EngineResult(nothing, Claim.LIMIT, None, None, None, "time limit", "stopped")
+        if len(words) < 3 + guess.size:
+            return EngineResult(
+                nothing, Claim.FAILED, None, None, None, f"exit code {exit_code}", "no results"
+            )
+        numbers = np.array([_NUMBERS.get(word) or float(word) for word in words])
+        solver, model, iterations = (int(number) for number in numbers[:3])
+        message, claim = status(solver, model)
+        x, marginals = np.split(numbers[3:], [guess.size])
+        native = f"solver status {solver}, model status {model}"
+        return EngineResult(x, claim, -marginals, iterations, None, native, message)
+
+    return run
+
+
+def _model(program: Program, guess: FloatArray, solver: str, minor: int) -> str:
+    """The program in GAMS's language, with a limit of minor iterations.
+
+    It writes the two status numbers, the number of minor iterations, x and marginals.
+    """
+    text = algebra_text(program, _LANGUAGE)
+    rows = [f"e{i + 1}" for i in range(len(text.equations))]
+    bounds = zip(guess.tolist(), program.lower.tolist(), program.upper.tolist(), strict=True)
+    starts = [
+        f"{name}.{field} = {value!r};"
+        for name, values in zip(text.variables, bounds, strict=True)
+        for field, value in zip(("l", "lo", "up"), values, strict=True)
+        if math.isfinite(value)
+    ]
+    # GAMS takes a star in the first column for a comment, hence the space after the new line
+    equations = [
+        f"{row}.. {side} =e= 0;".replace(" ", "\n ")
+        for row, side in zip(rows, text.equations, strict=True)
+    ]
+    wanted = ["program.solvestat", "program.modelstat", "program.iterusd"]
+    wanted += [f"{name}.l" for name in text.variables] + [f"{row}.m" for row in rows]
+    return "\n".join(
+        (
+            f"variables {', '.join(text.variables)}, length;",
+            f"equations {', '.join(rows)}, objective;",
+            *starts,
+            *equations,
+            f"objective.. length =e= {text.objective};".replace(" ", "\n "),
+            f"model program / all /; option nlp = {solver}, iterlim = {minor};",
+            "program.optfile = 1;",
+            "solve program using nlp minimizing length;",
+            "file results / 'results.txt' /; results.nr = 2; results.nd = 15; results.nw = 30;",
+            "put results;",
+            *(f"put {name} /;" for name in wanted),
+            "",
+        )
+    )
+
+
+@contextmanager
+def _folder(*solvers: str) -> Iterator[FilePath]:
+    """A folder to work in, and GAMS in a folder `system` in it, removed at the end."""
+    with tempfile.TemporaryDirectory() as name:
+        system = FilePath(name) / "system"
+        system.mkdir()
+        added = [import_module(f"gamspy_{solver}") for solver in solvers]
+        for package in (import_module("gamspy_base"), *added):
+            for file in FilePath(package.directory).iterdir():
+                with suppress(FileExistsError):  # Python's own files, and no matter
+                    (system / file.name).symlink_to(file)
+        for changed in ("gams", "gmscmpun.txt"):  # GAMS looks for its files beside the first
+            original = (system / changed).resolve()
+            (system / changed).unlink()
+            shutil.copy(original, system / changed)
+        known, _, defaults = (system / "gmscmpun.txt").read_text().partition("DEFAULTS")
+        entries = [known, *(f"{package.verbatim}\n\n" for package in added), "DEFAULTS", defaults]
+        (system / "gmscmpun.txt").write_text("".join(entries))
+        yield FilePath(name)
+
+
+def _run(folder: FilePath, seconds: float) -> int | None:
+    """GAMS's exit code on the model in a folder; None if it was stopped for its time."""
+    system = folder / "system"
+    try:
+        ended = subprocess.run(
+            [system / "gams", "program.gms", "lo=0"],
+            cwd=folder,
+            env=os.environ | {"LD_LIBRARY_PATH": str(system)},
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+            timeout=seconds,
+            check=False,
+        )
+    except subprocess.TimeoutExpired:
+        return None
+    return ended.returncode

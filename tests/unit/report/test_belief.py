@@ -1,0 +1,157 @@
+"""What claims are worth: made-up rows of each kind, by hand; false proofs by name, and cures."""
+
+from __future__ import annotations
+
+import shlex
+
+import pytest
+
+from dubins_study.report.data.results import load
+from dubins_study.report.statistics.compared import compared
+from dubins_study.report.topics.belief.numbers import (
+    PROOFS,
+    beliefs,
+    claims,
+    command,
+    cures,
+    false_proofs,
+)
+from dubins_study.report.topics.belief.section import belief_section
+from dubins_study.study.claim import Claim
+from dubins_study.study.closed_form.shortest import shortest_path
+from dubins_study.study.path import Path
+from dubins_study.study.scenario import Scenario
+from tests.unit.report.results_folder import attempt
+
+PLAIN = Scenario(0, 0, 0, 5, 2, 1, label="plain")
+FAR = Scenario(0, 0, 0.123456, 50, 20, 1, label="far")
+# The target lies in the left disc: no path LS.
+DISC = Scenario(0, 0, 0, 0.5, 1, 1, label="disc")
+
+
+def longer(scenario):
+    """A path of the other side."""
+    return shortest_path(scenario, "RS")
+
+
+def honest(scenario, solver, claim, path="exact", branch="best", **changes):
+    return attempt(scenario, solver, branch, path, claim, **({"false_bound": False} | changes))
+
+
+def frame(results, rows, name="benchmark"):
+    return claims(compared(load([results(name, rows)])))
+
+
+@pytest.mark.parametrize(
+    ("claim", "path", "worth"),
+    [
+        (Claim.OPTIMAL, "exact", "true"),
+        (Claim.OPTIMAL, "longer", "false"),
+        (Claim.LOCAL, "longer", "true"),
+        (Claim.LOCAL, "misses", "false"),
+        (Claim.FEASIBLE, "exact", "less than known"),
+        (Claim.FEASIBLE, "longer", "true"),
+        (Claim.FAILED, "exact", "less than known"),
+        (Claim.LIMIT, "longer", "less than known"),
+        (Claim.FAILED, "misses", "says nothing"),
+        (Claim.NONE, None, "says nothing"),
+        (Claim.INFEASIBLE, None, "false"),
+    ],
+)
+def test_the_worth_of_each_claim(results, claim, path, worth):
+    """Of a question that has a path."""
+    paths = {"longer": longer(PLAIN), "misses": Path(PLAIN.start, [0.0], [1.0])}
+    rows = [honest(PLAIN, "scip", claim, paths.get(path, path))]
+
+    assert frame(results, rows)["truth"].tolist() == [worth]
+
+
+def test_without_a_path_infeasible_is_true(results):
+    """And a bound above the shortest length makes a true claim false."""
+    rows = [
+        honest(DISC, "scip", Claim.INFEASIBLE, None, "LS"),
+        honest(PLAIN, "scip", Claim.OPTIMAL, false_bound=True, lower_bound=9.0),
+    ]
+    made = frame(results, rows)
+
+    assert made["truth"].tolist() == ["true", "false"]
+    assert made["proof"].tolist()[1] == PROOFS[0]
+
+
+def test_the_presolves_answers_are_no_claims(results):
+    """No engine was asked."""
+    rows = [
+        honest(PLAIN, "scip", Claim.OPTIMAL),
+        honest(DISC, "scip", Claim.INFEASIBLE, None, "LS", presolved=True),
+    ]
+
+    assert len(frame(results, rows)) == 1
+
+
+def test_a_question_counts_once_however_often_it_is_asked(results):
+    """False in one of three repeats counts a third; the interval is that of two trials."""
+    rows = [
+        honest(PLAIN, "scip", Claim.OPTIMAL, "exact" if n else longer(PLAIN), repeat=n)
+        for n in range(3)
+    ] + [honest(FAR, "scip", Claim.OPTIMAL, repeat=n) for n in range(3)]
+    line = beliefs(frame(results, rows), ["solver"]).loc["scip"]
+
+    assert (line["questions"], line["false"]) == (2, pytest.approx(1 / 6))
+    assert line["true"] == pytest.approx(5 / 6)
+    assert line["false_low"] < 1 / 6 < line["false_high"]
+    # Wilson's interval of no successes in two trials ends at z^2 / (2 + z^2), this one beyond.
+    assert line["false_high"] > 1.96**2 / (2 + 1.96**2)
+
+
+def test_the_plainest_example_and_its_command(results):
+    """The round numbers are shown; the command holds all digits of the question."""
+    rows = [honest(s, "scip[a=1]", Claim.INFEASIBLE, None) for s in (FAR, PLAIN)]
+    (line,) = false_proofs(frame(results, rows)).to_dict("records")
+
+    assert (line["proof"], line["attempts"], line["questions"]) == (PROOFS[2], 2, 2)
+    assert line["command"] == "dubins-study solve --solver 'scip[a=1]' -- 5 2"
+    assert line["reference_high"] is None or line["reference_high"] != 0
+
+
+def test_a_command_asks_the_question_again():
+    """Negative numbers are no options; radius, heading and branch are given if they matter."""
+    values = {"x": 0.1, "y": 0.0, "heading": -2.5, "target_x": -3.0, "target_y": 1e-7}
+    text = command({**values, "radius": 2.0, "branch": "LS", "solver": "nlp[a=b,c=d]"})
+
+    assert shlex.split(text) == [
+        *("dubins-study", "solve", "--from", "0.1", "0", "-2.5", "--radius", "2"),
+        *("--branch", "LS", "--solver", "nlp[a=b,c=d]", "--", "-3", "1e-07"),
+    ]
+
+
+def test_a_cure_is_the_same_engine_without_false_claims(results):
+    """Not one that lies elsewhere, nor another engine; none is said to be none."""
+    shared = {"engine": "SCIP", "formulation": "disjunction"}
+    liar = [honest(PLAIN, "scip", Claim.INFEASIBLE, None, **shared)]
+    cure = [honest(PLAIN, "scip[tight=True]", Claim.OPTIMAL, **shared)]
+    other = [honest(FAR, "scip[loose=True]", Claim.INFEASIBLE, None, **shared)]
+    stranger = [honest(PLAIN, "gurobi", Claim.OPTIMAL, **(shared | {"engine": "Gurobi"}))]
+
+    def cured(rows, name):
+        made = compared(load([results(name, rows)]))
+        return cures(claims(made), made.methods).set_index("solver")["cure"].to_dict()
+
+    assert cured(liar + cure + stranger, "a") == {"scip": "scip[tight=True]"}
+    assert cured(liar + other + stranger, "b") == {"scip": "", "scip[loose=True]": ""}
+
+
+def test_the_section(results):
+    """It names the liar; without false claims it says so, and has no table of them."""
+    liar = load([results("liar", [honest(PLAIN, "scip", Claim.INFEASIBLE, None)])])
+    good = load([results("good", [honest(PLAIN, "scip", Claim.OPTIMAL)])])
+
+    section = belief_section(liar)
+    assert [block.name for block in section.blocks] == [
+        "belief-claims",
+        "belief",
+        "belief-false",
+        "belief-cures",
+    ]
+    assert "most often scip" in section.text
+    assert "No method makes a false claim" in belief_section(good).text
+    assert len(belief_section(good).blocks) == 2

@@ -1,0 +1,169 @@
+"""global-nlp: what is handed to the engines, and what is claimed of all their answers together."""
+
+from __future__ import annotations
+
+import math
+import time
+
+import numpy as np
+import pytest
+from cases import PAPER
+
+from dubins_study.solvers.attempt import attempt
+from dubins_study.solvers.global_minlp import global_nlp
+from dubins_study.solvers.global_minlp.global_nlp import GlobalNlp
+from dubins_study.solvers.minlp_engines.program import ProvenResult
+from dubins_study.solvers.minlp_engines.table import ENGINES, unavailable
+from dubins_study.solvers.paper_nlp.model import equations
+from dubins_study.solvers.protocol import Question
+from dubins_study.study.check.certificate import Proof
+from dubins_study.study.check.verdict import Verdict
+from dubins_study.study.claim import Claim
+from dubins_study.study.closed_form.shortest import shortest
+from dubins_study.study.scenario import Scenario
+
+INSTALLED = [name for name in ENGINES if unavailable(name) is None]
+
+
+def ask(X, Y, branch="best", limit=20.0, **settings):
+    question = Question(Scenario(0, 0, 0, X, Y, 1), branch)
+    return attempt(GlobalNlp(**settings), question, limit)
+
+
+@pytest.mark.parametrize("engine", INSTALLED)
+@pytest.mark.parametrize("model", ["joint", "words"])
+@pytest.mark.parametrize("target", [(3.0, 2.0), (-1.0, 2.5), (0.4, -1.9)])
+def test_the_optimum_is_proven(engine, model, target):
+    """Outside, behind and inside a disc: the closed form's length, and a bound up to it."""
+    answer = ask(*target, engine=engine, model=model, gap=1e-4, feastol=1e-6)
+
+    assert answer.claim is Claim.OPTIMAL, answer.message
+    assert answer.verdict is Verdict.OPTIMAL
+    assert answer.gap < 1e-12  # polished to rounding
+    # above by the tolerance, times ten as an arc's end may move; below by the gap that was asked
+    # for, and as much again: each engine has a formula of its own for it
+    assert answer.reference * (1 - 2e-4) <= answer.lower_bound <= answer.reference + 1e-5
+    names = "LRS RLS" if model == "joint" else "LS RS LR RL"
+    assert answer.subproblems == names
+    assert answer.best_run_s in answer.subproblem_s
+
+
+@pytest.mark.parametrize("engine", INSTALLED)
+def test_a_word_without_a_path_is_called_infeasible(engine):
+    """No LS path ends inside the left disc, and RL does: its own program says so."""
+    none = ask(0.3, 1.2, "LS", engine=engine, feastol=1e-6)
+    some = ask(0.3, 1.2, "RL", engine=engine, feastol=1e-6)
+
+    assert none.claim is Claim.INFEASIBLE
+    assert none.verdict is Verdict.NONE_EXISTS
+    assert none.path is None
+    assert some.claim is Claim.OPTIMAL
+    assert some.length == pytest.approx(shortest(some.scenario, "RL").total)
+
+
+@pytest.mark.parametrize("engine", INSTALLED)
+def test_an_engine_prints_and_writes_nothing_and_repeats_itself(
+    engine, capfd, tmp_path, monkeypatch
+):
+    """Neither by Python nor by its library; the second answer is the first one."""
+    monkeypatch.chdir(tmp_path)
+    first, second = (ask(3.0, 2.0, engine=engine, feastol=1e-6) for _ in range(2))
+
+    assert capfd.readouterr() == ("", "")
+    assert list(tmp_path.iterdir()) == []
+    assert first.path == second.path
+    assert first.lower_bound == second.lower_bound
+
+
+@pytest.mark.parametrize("engine", INSTALLED)
+def test_a_limit_is_kept_and_claimed(engine):
+    """0.02 s is less than any engine takes for both orders of this question at a gap of 1e-12."""
+    solver = GlobalNlp(engine=engine, gap=1e-12, feastol=1e-9)
+    solver.build(Question(PAPER["problem 2"]))
+    began = time.perf_counter()
+    answer = attempt(solver, Question(PAPER["problem 2"]), 0.02)
+
+    assert time.perf_counter() - began < 1.5  # the limit, a second, and the library's first import
+    assert answer.claim is Claim.LIMIT, answer.message
+    assert not answer.false_claim
+
+
+def test_one_order_alone_proves_nothing():
+    """(4.12) has no RL: inside the left disc its optimum is longer, and no bound is passed on."""
+    answer = ask(0.3, 1.2, order="LRS", feastol=1e-6)
+
+    assert answer.claim is Claim.LOCAL
+    assert answer.verdict is Verdict.LONGER
+    assert answer.lower_bound is None
+    assert answer.proof is not Proof.BOUNDED
+    assert answer.formulation == "joint NLP, LRS"
+    at_start = ask(0.0, 0.0, order="LRS")
+    assert (at_start.claim, at_start.lower_bound) == (Claim.LOCAL, None)
+    both = ask(0.0, 0.0)
+    assert (both.claim, both.lower_bound) == (Claim.OPTIMAL, 0.0)
+
+
+def test_a_raw_point_is_the_engines():
+    """Without polish the path misses by up to the tolerance, and has the engine's length."""
+    raw = ask(3.0, 2.0, polish=False, gap=1e-4, feastol=1e-6, engine="scip")
+    polished = ask(3.0, 2.0, gap=1e-4, feastol=1e-6, engine="scip")
+
+    assert 0 < raw.miss <= 2e-6
+    # a length that the engine leaves below zero by its tolerance is not driven
+    assert raw.length == pytest.approx(raw.claimed_length, abs=2e-6)
+    assert polished.miss < 1e-14
+
+
+def test_the_program_is_the_papers_model():
+    """Its equations are those that the other solvers of (4.12) are given, its bounds those said."""
+    question = Question(Scenario(0, 0, 0, 3.0, -2.0, 1))
+    z, heading = np.array((0.3, 1.4, 2.2)), 0.3 - 1.4
+    upper = [2 * math.pi, 2 * math.pi, math.hypot(3, 2) + 2]
+    for kind, x in (("expression", z), ("variable", np.append(z, heading))):
+        for subproblem, posed in GlobalNlp(heading=kind).build(question).programs:
+            objective, sides, inequalities = posed.write(x.tolist(), math)
+            Y = 2.0 if subproblem.mirrored else -2.0
+
+            assert objective == pytest.approx(z.sum())
+            assert sides[:2] == pytest.approx(equations(z, 3.0, Y))
+            assert sides[2:] == pytest.approx([0.0] * (x.size - 3), abs=1e-15)
+            assert inequalities == []
+            assert posed.lower.tolist()[:3] == [0, 0, 0]
+            assert posed.upper[:3] == pytest.approx(upper)
+
+
+FOUND = ProvenResult(np.array((1.0, 2.0)), Claim.OPTIMAL, 2.9, 5, 7, "done", "done")
+NONE = ProvenResult(None, Claim.INFEASIBLE, math.inf, 1, 0, "none", "none")
+STOPPED = ProvenResult(None, Claim.LIMIT, 1.0, 9, 9, "limit", "limit")
+BROKEN = ProvenResult(None, Claim.FAILED, -math.inf, None, None, "error", "licence expired")
+
+
+@pytest.mark.parametrize(
+    ("results", "claim", "bound"),
+    [
+        ([FOUND, NONE, NONE, FOUND], Claim.OPTIMAL, 2.9),
+        ([FOUND, NONE, STOPPED, NONE], Claim.LIMIT, 1.0),
+        ([FOUND, NONE, BROKEN, NONE], Claim.FEASIBLE, None),
+        ([BROKEN, BROKEN, BROKEN, BROKEN], Claim.FAILED, None),
+        ([NONE, NONE, NONE, NONE], Claim.INFEASIBLE, None),
+    ],
+)
+def test_claims_and_bounds_of_all_programs_together(monkeypatch, results, claim, bound):
+    """The least bound of the four words, if all have one; optimal only if all are solved."""
+    left = iter(results)
+    monkeypatch.setattr(global_nlp, "engine", lambda name, settings: lambda *_: next(left))
+    solver = GlobalNlp(model="words", polish=False)
+    question = Question(Scenario(0, 0, 0, 3.0, 2.0, 10.0))
+    solution = solver.solve(solver.build(question), 10.0)
+
+    assert solution.claim is claim
+    assert solution.lower_bound == (None if bound is None else 10.0 * bound)
+    assert (solution.path is not None) == (results[0] is FOUND)
+    assert ("licence expired" in solution.message) == any(one is BROKEN for one in results)
+
+
+def test_settings_out_of_range_are_refused():
+    for settings in ({"engine": "baron"}, {"gap": 0.1}, {"feastol": 1e-12}, {"model": "both"}):
+        (name,) = settings
+        with pytest.raises(ValueError, match=name):
+            GlobalNlp(**settings)
