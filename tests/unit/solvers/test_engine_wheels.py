@@ -195,6 +195,13 @@ def test_conopt_says_when_its_demo_mode_is_too_small():
     assert result.message == "Limits for Demo Version Exceeded."
 
 
+def test_rows_hold_the_tolerance_that_the_engine_has():
+    """CONOPT's cannot be set; what is asked of the others is what they get."""
+    tolerances = [load_solver(f"nlp[engine={name},tol=1e-6]").method.tolerance for name in WHEELS]
+
+    assert tolerances == [1e-7 if name == "conopt" else 1e-6 for name in WHEELS]
+
+
 def test_text_means_what_the_expressions_mean():
     """Python reads the text too; two values of the parameters, long expressions cut in pieces."""
     x, p = casadi.SX.sym("x", 3), casadi.SX.sym("p", 2)
