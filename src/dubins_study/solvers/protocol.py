@@ -27,6 +27,7 @@ class Guarantee(StrEnum):
     LOCAL = "local"
     DISCRETISED = "discretised"
     GLOBAL = "global"
+    STOCHASTIC = "stochastic"
 
 
 class Outcome(StrEnum):

@@ -23,6 +23,7 @@ LARGEST_GAP = {
     Guarantee.LOCAL: 1e-7,
     Guarantee.GLOBAL: 1e-6,
     Guarantee.DISCRETISED: 1e-3,
+    Guarantee.STOCHASTIC: 1e-4,
 }
 EASY = Scenario(0, 0, 0.3, 3, 2, 1)
 

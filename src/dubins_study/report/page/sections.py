@@ -16,9 +16,11 @@ from dubins_study.report.topics.basins.section import basins_section
 from dubins_study.report.topics.belief.section import belief_section
 from dubins_study.report.topics.bias.section import bias_section
 from dubins_study.report.topics.certificates.section import certificates_section
+from dubins_study.report.topics.comparison.section import comparison_section
 from dubins_study.report.topics.convergence.section import convergence_section
 from dubins_study.report.topics.cost.section import cost_section
 from dubins_study.report.topics.discretisation.section import discretisation_section
+from dubins_study.report.topics.existence.section import existence_section
 from dubins_study.report.topics.ladder.section import ladder_section
 from dubins_study.report.topics.map.section import map_section
 from dubins_study.report.topics.paper.section import figures_section, paper_section
@@ -69,6 +71,7 @@ TOPICS = (
     Topic("length, time and word against radius", radius_section, EVERY),
     Topic("agreement", agreement_section, COMPARED),
     Topic("success and gaps", success_section, POOLED, counted=True),
+    Topic("where no path exists", existence_section, POOLED, counted=True),
     Topic("certificates", certificates_section, POOLED, counted=True),
     Topic("time", time_section, COMPARED),
     Topic("work and precision", discretisation_section, "discretisation"),
@@ -81,6 +84,7 @@ TOPICS = (
     Topic("the order of convergence", convergence_section, "convergence"),
     Topic("the ladder toward a circle", ladder_section, "ladder"),
     Topic("what a proof costs", proofs_section, "proofs"),
+    Topic("the comparison of methods", comparison_section, "benchmark"),
     Topic("cost where it arises", cost_section, "benchmark"),
     Topic("whom one can believe", belief_section, "benchmark"),
     Topic("the runs and their machines", runs_section, EVERY, counted=True),

@@ -20,14 +20,18 @@ class EngineEntry(NamedTuple):
         packages: the packages that must be installed.
         reason: `module:function` that says why it cannot run here although its packages are
             installed (a licence), or returns None; empty if nothing else is needed.
+        keeps_limit: whether a run ends at most a second after its seconds are up.
     """
 
     label: str
     place: str
     packages: tuple[str, ...]
     reason: str = ""
+    keeps_limit: bool = True
 
 
+_SCIPY = "dubins_study.solvers.nlp_engines.scipy_minimize:"
+_TRUST_CONSTR = "dubins_study.solvers.nlp_engines.trust_constr:trust_constr"
 _CASADI = "dubins_study.solvers.nlp_engines.casadi_nlpsol:"
 _APOPT = "dubins_study.solvers.nlp_engines.apopt:"
 _CONOPT = "dubins_study.solvers.nlp_engines.conopt_grg:"
@@ -35,7 +39,26 @@ _GAMS = "dubins_study.solvers.nlp_engines.gams:"
 _NLOPT = "dubins_study.solvers.nlp_engines.nlopt_local:"
 _UNO = "dubins_study.solvers.nlp_engines.uno:"
 ENGINES = {
+    "slsqp": EngineEntry("SLSQP", _SCIPY + "slsqp", ("scipy",)),
+    "trust-constr": EngineEntry("trust-constr", _TRUST_CONSTR, ("scipy",)),
+    "cobyqa": EngineEntry("COBYQA", _SCIPY + "cobyqa", ("scipy",)),
     "ipopt": EngineEntry("Ipopt", _CASADI + "ipopt", ("casadi",)),
+    "uno": EngineEntry("Uno", _CASADI + "uno", ("casadi",)),
+    "fatrop": EngineEntry("fatrop", _CASADI + "fatrop", ("casadi",), keeps_limit=False),
+    "alpaqa": EngineEntry("alpaqa", _CASADI + "alpaqa", ("casadi",), keeps_limit=False),
+    "bonmin": EngineEntry("Bonmin", _CASADI + "bonmin", ("casadi",), keeps_limit=False),
+    "sleqp": EngineEntry("SLEQP", _CASADI + "sleqp", ("casadi",), keeps_limit=False),
+    "sqpmethod": EngineEntry("casadi sqpmethod", _CASADI + "sqpmethod", ("casadi",)),
+    "qrsqp": EngineEntry("casadi qrsqp", _CASADI + "qrsqp", ("casadi",)),
+    "blocksqp": EngineEntry(
+        "blockSQP", _CASADI + "blocksqp", ("casadi",), _CASADI + "blocksqp_unavailable"
+    ),
+    "feasiblesqpmethod": EngineEntry(
+        "casadi feasiblesqpmethod",
+        _CASADI + "feasiblesqpmethod",
+        ("casadi",),
+        _CASADI + "feasiblesqpmethod_unavailable",
+    ),
     "apopt": EngineEntry("APOPT", _APOPT + "apopt", ("gekko",), _APOPT + "unavailable"),
     "conopt": EngineEntry("CONOPT", _CONOPT + "conopt", ("conopt",)),
     "gams-minos": EngineEntry(

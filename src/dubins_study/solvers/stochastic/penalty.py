@@ -1,0 +1,244 @@
+"""`penalty`: the paper's model (4.12) as one function of its lengths, searched by sampling.
+
+The function and what its weight must be: `solvers.stochastic.penalty_function`. It is minimised in
+the order LRS and in the order RLS, in a box that holds every solution. The weight follows the
+classical penalty method (Nocedal and Wright 2006, Numerical Optimization, Framework 17.2): begin
+with a small one, under which the function is well conditioned, and while the least point misses the
+target, multiply it and search anew.
+
+No engine here checks a condition of optimality, and the function has no gradient where the path
+arrives: an engine stops because its sample has shrunk or its budget is spent. So the claim
+is `feasible`, of the length nothing is said, and that no path exists is never said.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from time import perf_counter
+from typing import Any, ClassVar, NamedTuple
+
+import numpy as np
+
+from dubins_study.solvers.paper_nlp.best_point import Point, TimedRun, efforts, total
+from dubins_study.solvers.paper_nlp.initial_guesses import initial_guesses
+from dubins_study.solvers.paper_nlp.model import (
+    ORDERS,
+    Subproblem,
+    as_path,
+    equations,
+    subproblems,
+    target,
+)
+from dubins_study.solvers.paper_nlp.polish import polish
+from dubins_study.solvers.protocol import Guarantee, Method, Question, Solution, Solver
+from dubins_study.solvers.setting_checks import one_of, whole, within
+from dubins_study.solvers.stochastic.engines import ENGINES, engine, unavailable
+from dubins_study.solvers.stochastic.penalty_function import PenaltyFunction
+from dubins_study.solvers.stochastic.search import (
+    CountedFunction,
+    SearchEndError,
+    Task,
+)
+from dubins_study.solvers.vehicle_frame import at_start, coordinate_rounding
+from dubins_study.study.claim import Claim
+from dubins_study.study.path import FloatArray
+from dubins_study.study.words import BRANCHES
+
+_GUESSES = ("bearing", "zero", "random")
+_GROWTH = 4.0
+# radii: a point that misses by more has stopped short of the target, which a larger weight cures;
+# one that misses by less is the target's, as exactly as the engine got
+_SHORT = 1e-2
+_ARRIVES = 1e-6  # radii, as in the check
+_MOST = 10**9  # evaluations; beyond it no machine gets
+
+
+class Model(NamedTuple):
+    """A question and the subproblems to search."""
+
+    question: Question
+    cases: list[Subproblem]
+
+
+class _Candidate(NamedTuple):
+    """A search's end: its point after the correction, and how it misses (radii)."""
+
+    run: TimedRun
+    z: FloatArray
+    miss: float
+    value: float
+
+
+@dataclass(frozen=True)
+class Penalty(Solver):
+    """An exact penalty function of (4.12), minimised by sampling.
+
+    Args:
+        engine: a name in `solvers.stochastic.engines`.
+        order: of the turns: `LRS`, `RLS` or `both`. A word as branch has its own.
+        weight: of the miss in the first search; 1 is the norm of the multipliers of a path that
+            ends straight, and 1.3 at a disc's centre.
+        rounds: searches at most, each with four times the weight of the one before.
+        evaluations: of the function, at most, for each search.
+        polish: whether Newton's method moves the point until it arrives; without it the point is
+            the engine's own.
+        initial_guess, count: where an engine that needs a guess begins
+            (`paper_nlp.initial_guesses`); engines that search the whole box take none.
+        seed: of all random numbers, together with the question's repeat.
+        presolve: whether a word as branch that cannot exist is answered without a search.
+    """
+
+    engine: str = "differential-evolution"
+    order: str = "both"
+    weight: float = 2.0
+    rounds: int = 4
+    evaluations: int = 8000
+    polish: bool = True
+    initial_guess: str = "bearing"
+    count: int = 10
+    seed: int = 0
+    presolve: bool = False
+
+    name: ClassVar[str] = "penalty"
+    guarantee: ClassVar[Guarantee] = Guarantee.STOCHASTIC
+    branches: ClassVar[tuple[str, ...]] = BRANCHES
+    packages: ClassVar[tuple[str, ...]] = ("scipy", "cma")
+    summary: ClassVar[str] = "length plus weighted miss, searched without derivatives"
+    variants: ClassVar[tuple[str, ...]] = tuple(
+        f"penalty[engine={name}]" for name in list(ENGINES)[1:]
+    )
+    profiles: ClassVar[dict[str, dict[str, Any]]] = {
+        "fast": {"evaluations": 4000},
+        "accurate": {"evaluations": 20000},
+    }
+
+    def __post_init__(self) -> None:
+        one_of(
+            engine=(self.engine, ENGINES),
+            order=(self.order, ORDERS),
+            initial_guess=(self.initial_guess, _GUESSES),
+        )
+        whole(
+            rounds=(self.rounds, 1, 9),
+            evaluations=(self.evaluations, 1, _MOST),
+            count=(self.count, 1, _MOST),
+            seed=(self.seed, 0, _MOST),
+        )
+        within(weight=(self.weight, 1e-3, 1e9))
+        if self.initial_guess != "bearing" and not self._guided:
+            raise ValueError(
+                f"initial_guess is {self.initial_guess!r}, but the engine {self.engine} searches "
+                "the whole box and takes none; leave it out"
+            )
+
+    @property
+    def _guided(self) -> bool:
+        return ENGINES[self.engine].guided
+
+    @property
+    def method(self) -> Method:
+        guess = self.initial_guess if self._guided else "none"
+        return Method("penalty", ENGINES[self.engine].label, guess)
+
+    @property
+    def keeps_limit(self) -> bool:
+        return True  # every evaluation looks at the time
+
+    def unavailable(self) -> str | None:
+        return unavailable(self.engine)
+
+    def build(self, question: Question) -> Model:
+        return Model(question, subproblems(question, "joint", self.order))
+
+    def solve(self, model: Model, limit: float) -> Solution:
+        if there := at_start(model.question):
+            return there
+        until = perf_counter() + limit
+        candidates = [
+            candidate
+            for number, case in enumerate(model.cases)
+            for candidate in self._searches(model.question, case, number, until)
+        ]
+        return _answer(model.question, candidates)
+
+    def _searches(
+        self, question: Question, case: Subproblem, number: int, until: float
+    ) -> Iterator[_Candidate]:
+        """The ends of the searches of a subproblem."""
+        random = np.random.default_rng((self.seed + question.repeat, number))
+        guesses: list[FloatArray | None] = [None]
+        if self._guided:
+            kind, seed = self.initial_guess, self.seed + question.repeat
+            guesses = list(initial_guesses(question, case, kind, seed, self.count))
+        for guess in guesses:
+            at, weight = guess, self.weight
+            for _ in range(self.rounds):
+                candidate = self._search(question, case, weight, at, random, until)
+                yield candidate
+                missed = _miss(question, case, candidate.run.point.z)
+                if candidate.run.point.claim is Claim.LIMIT and perf_counter() > until:
+                    return
+                if missed <= _SHORT:
+                    break
+                weight *= _GROWTH
+                at = candidate.run.point.z if self._guided else None
+
+    def _search(
+        self,
+        question: Question,
+        case: Subproblem,
+        weight: float,
+        guess: FloatArray | None,
+        random: np.random.Generator,
+        until: float,
+    ) -> _Candidate:
+        began = perf_counter()
+        aim = target(question.scenario, case.mirrored)
+        function = CountedFunction(PenaltyFunction(case, aim, weight), self.evaluations, until)
+        begin = (
+            None if guess is None else np.clip(guess[list(case.free)], 0.0, function.function.upper)
+        )
+        claim = Claim.FEASIBLE
+        try:
+            message = engine(self.engine)(Task(function, begin, random))
+        except SearchEndError as end:
+            claim, message = Claim.LIMIT, str(end)
+        z = function.function.lengths(function.best)
+        moved, missed = z, _miss(question, case, z)
+        if self.polish and np.isfinite(z).all():
+            moved, missed = polish(case.name, z, *aim)
+        point = Point(case, z, claim, None, None, function.evaluations, claim.value, message)
+        return _Candidate(TimedRun(point, perf_counter() - began), moved, missed, function.value)
+
+
+def _miss(question: Question, case: Subproblem, z: FloatArray) -> float:
+    return float(np.hypot(*equations(z, *target(question.scenario, case.mirrored))))
+
+
+def _answer(question: Question, candidates: list[_Candidate]) -> Solution:
+    """The shortest path that arrives; if none does, the one that ends nearest to the target."""
+    scenario = question.scenario
+    begun = [candidate for candidate in candidates if np.isfinite(candidate.z).all()]
+    if not begun:
+        return Solution(Claim.LIMIT, message="no time to begin")
+    allowed = max(_ARRIVES, coordinate_rounding(scenario))
+    arriving = [candidate for candidate in begun if candidate.miss <= allowed]
+    if arriving:
+        best, claim = min(arriving, key=lambda candidate: float(candidate.z.sum())), Claim.FEASIBLE
+    else:
+        best = min(begun, key=lambda candidate: candidate.miss)
+        ended = {candidate.run.point.claim for candidate in begun}
+        claim = Claim.LIMIT if ended == {Claim.LIMIT} else Claim.FAILED
+    runs = [candidate.run for candidate in candidates]
+    point = best.run.point
+    return Solution(
+        claim,
+        path=as_path(scenario, point.subproblem, best.z),
+        claimed_length=float(best.z.sum()) * scenario.radius if arriving else None,
+        evaluations=total(run.point.evaluations for run in runs),
+        native_status=point.status,
+        message=f"{point.subproblem.name}: {point.message}",
+        efforts=efforts(runs),
+        best_run=efforts([best.run])[0],
+    )

@@ -1,0 +1,85 @@
+"""The paper's model (4.12) without its equations: length plus a weight times the miss.
+
+    phi(z) = z1 + z2 + z3 + weight * |T - E(z)|,    0 <= z1, z2 <= 2 pi,   0 <= z3 <= |T| + 3
+
+where E(z) is the end of the word (docs/derivation.md, eq. 7) and T the target, in radii. It is
+the exact penalty function of the Euclidean norm (Nocedal and Wright 2006, Numerical Optimization,
+section 15.4): not smooth where the path arrives, and least there, if the weight is large enough.
+
+*How large, locally.* If z solves (4.12) with multipliers m, phi has a local minimum at z for every
+weight above |m|, the dual norm. docs/derivation.md, section 9, gives m: the unit vector of the
+final heading for a path that ends straight, |m| = 1, and |m| = 1 / |cos(a2 / 2)| for CC whose
+second arc turns by a2, which has no bound as a2 falls to pi (at (0, 2), the far side of the disc).
+
+*How large, globally.* Let V(E) be the shortest length to E. The least phi of all z that end at E is
+V(E) + weight |T - E|. So phi is least at the shortest path to T exactly if
+
+    weight >= (V(T) - V(E)) / |T - E|     for all E.
+
+V jumps, by up to 2 pi, across the front half of each turning circle (section 6 there) and at the
+start. No weight is enough for all targets: inside a disc, at a distance c from the front of its
+circle, it must be about 2 pi / c, or a path that stops short of the target has the least phi. The
+same holds for targets behind the vehicle at a distance c from the start.
+
+*Why the box holds every solution.* Full turns are never part of a shortest path (section 7 there).
+The straight is a tangent of the second turn's circle, whose centre is within 3 of the start, so
+its length is at most the target's distance from that centre, at most |T| + 3.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from dubins_study.solvers.paper_nlp.model import FULL_TURN, Subproblem
+from dubins_study.study.path import FloatArray
+
+_FARTHEST_CENTRE = 3.0  # radii from the start: 1 to the first circle's centre, 2 to the second's
+
+
+class PenaltyFunction:
+    """phi of the lengths that a subproblem leaves free.
+
+    Args:
+        subproblem: which of z1, z2, z3 are free; the others are zero.
+        target: in the subproblem's frame, radii.
+        weight: of the miss, dimensionless.
+    """
+
+    def __init__(self, subproblem: Subproblem, target: tuple[float, float], weight: float) -> None:
+        self._free = list(subproblem.free)
+        self._target, self._weight = target, weight
+        farthest = math.hypot(*target) + _FARTHEST_CENTRE
+        # upper bounds of the free lengths, shape (n,); the lower ones are 0
+        self.upper: FloatArray = np.array((FULL_TURN, FULL_TURN, farthest))[self._free]
+
+    def at(self, free: FloatArray) -> float:
+        """phi at one point of the free lengths, shape (n,), in radii."""
+        z = [0.0, 0.0, 0.0]
+        for index, length in zip(self._free, free.tolist(), strict=True):
+            z[index] = length
+        z1, z2, z3 = z
+        th, (X, Y) = z1 - z2, self._target
+        cos, sin = math.cos(th), math.sin(th)
+        x = 2 * math.sin(z1) - sin + z3 * cos
+        y = 1 - 2 * math.cos(z1) + cos + z3 * sin
+        return z1 + z2 + z3 + self._weight * math.hypot(X - x, Y - y)
+
+    def at_each(self, free: FloatArray) -> FloatArray:
+        """phi at each of several points, shape (n, points) -> (points,)."""
+        z = np.zeros((3, free.shape[1]))
+        z[self._free] = free
+        z1, z2, z3 = z
+        th, (X, Y) = z1 - z2, self._target
+        cos, sin = np.cos(th), np.sin(th)
+        x = 2 * np.sin(z1) - sin + z3 * cos
+        y = 1 - 2 * np.cos(z1) + cos + z3 * sin
+        values: FloatArray = z1 + z2 + z3 + self._weight * np.hypot(X - x, Y - y)
+        return values
+
+    def lengths(self, free: FloatArray) -> FloatArray:
+        """All three lengths z of a point of the free ones, cut to the box; shape (n,) -> (3,)."""
+        z = np.zeros(3)
+        z[self._free] = np.clip(free, 0.0, self.upper)
+        return z
