@@ -21,6 +21,7 @@ from dubins_study.solvers.paper_nlp.ampl import read_sol
 from dubins_study.solvers.paper_nlp.local_nlp import Case
 from dubins_study.solvers.paper_nlp.model import FULL_TURN, SUBPROBLEMS, hessian, jacobian, target
 from dubins_study.solvers.paper_nlp.nlp import Nlp
+from dubins_study.solvers.paper_nlp.program import solve as solve_program
 from dubins_study.solvers.paper_nlp.pyomo_direct import knitro_unavailable
 from dubins_study.solvers.paper_nlp.pyomo_direct import solve as solve_direct
 from dubins_study.solvers.protocol import Outcome, Question
