@@ -20,6 +20,7 @@ from dubins_study.report.topics.comparison.section import comparison_section
 from dubins_study.report.topics.convergence.section import convergence_section
 from dubins_study.report.topics.cost.section import cost_section
 from dubins_study.report.topics.discretisation.section import discretisation_section
+from dubins_study.report.topics.findings.section import findings_section
 from dubins_study.report.topics.ladder.section import ladder_section
 from dubins_study.report.topics.map.section import map_section
 from dubins_study.report.topics.paper.section import figures_section, paper_section
@@ -63,6 +64,7 @@ class Topic(NamedTuple):
 
 EVERY, POOLED, COMPARED = General.EVERY, General.POOLED, General.COMPARED
 TOPICS = (
+    Topic("what the study found", findings_section, "benchmark"),
     Topic("summary", summary_section, POOLED, counted=True),
     Topic("the paper's tables", paper_section, "paper", (POOLED, COMPARED)),
     Topic("the audit of the paper", audit_section, "paper", counted=True),
