@@ -39,7 +39,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     "study.rows": ("study", "study.check"),  # the tolerances that a verdict was found by
     "solvers": ("study.*",),
     "solvers.ipopt_library": ("study.*", "solvers"),
-    "solvers.nlp_engines": ("study.*", "solvers"),
+    "solvers.nlp_engines": ("study.*", "solvers", "solvers.ipopt_library"),
     "solvers.paper_nlp": ("study.*", "solvers", "solvers.nlp_engines", "solvers.ipopt_library"),
     "solvers.optimal_control": (
         *("study.*", "solvers", "solvers.nlp_engines", "solvers.ipopt_library"),

@@ -20,6 +20,7 @@ from dubins_study.report.topics.comparison.section import comparison_section
 from dubins_study.report.topics.convergence.section import convergence_section
 from dubins_study.report.topics.cost.section import cost_section
 from dubins_study.report.topics.discretisation.section import discretisation_section
+from dubins_study.report.topics.existence.section import existence_section
 from dubins_study.report.topics.findings.section import findings_section
 from dubins_study.report.topics.ladder.section import ladder_section
 from dubins_study.report.topics.map.section import map_section
@@ -72,6 +73,7 @@ TOPICS = (
     Topic("length, time and word against radius", radius_section, EVERY),
     Topic("agreement", agreement_section, COMPARED),
     Topic("success and gaps", success_section, POOLED, counted=True),
+    Topic("where no path exists", existence_section, POOLED, counted=True),
     Topic("certificates", certificates_section, POOLED, counted=True),
     Topic("time", time_section, COMPARED),
     Topic("work and precision", discretisation_section, "discretisation"),

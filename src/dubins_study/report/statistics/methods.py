@@ -19,13 +19,14 @@ def methods_of(rows: pd.DataFrame) -> pd.DataFrame:
 
     Returns:
         Indexed by solver. Columns formulation, engine, guess; settings: those of the spec that
-        tell solvers with the same three apart, empty if there is one such solver; short: engine,
-        guess and settings, for a figure of one formulation; name: the formulation too.
+        tell solvers with the same three apart, empty if there is one such solver (the solver's name
+        if it states no engine); short: engine, guess and settings, for a figure of one formulation;
+        name: the formulation too.
     """
     stated = rows.groupby("solver", observed=True)[_STATED].first().fillna(UNSTATED)
     settings: dict[str, str] = {}
-    for _, group in stated.groupby(_STATED, sort=False):
-        settings |= _differing(group.index.tolist())
+    for (_, engine, _), group in stated.groupby(_STATED, sort=False):
+        settings |= _differing(group.index.tolist(), named=engine == UNSTATED)
     frame = stated.assign(settings=[settings[spec] for spec in stated.index])
     guess = frame["guess"].where(frame["guess"] != "none", "")
     parts = pd.concat([frame["engine"], guess, frame["settings"]], axis=1)
@@ -47,6 +48,23 @@ def methods_of(rows: pd.DataFrame) -> pd.DataFrame:
     return frame.loc[order.sort_values([*_STATED, "settings", "spec"]).index]
 
 
+def best_methods(frame: pd.DataFrame, keys: list[str]) -> pd.DataFrame:
+    """The method with the most right answers of each group, the fastest where several have as many.
+
+    Args:
+        frame: one row per method; the columns `keys`, which name the groups; right_share (NaN if it
+            was asked nothing) and wall_s (median time).
+        keys: e.g. formulation and engine.
+    Returns:
+        Some rows of the frame, in its order.
+    """
+    ranked = frame.reset_index(drop=True).sort_values(
+        ["right_share", "wall_s"], ascending=[False, True], kind="stable"
+    )
+    kept = ranked.drop_duplicates(keys).index
+    return frame.iloc[sorted(kept)]
+
+
 def without_setting(spec: str, key: str) -> tuple[str, str | None]:
     """A spec without one setting, in a fixed order of settings; and that setting's value."""
     name, settings = parse_spec(spec)
@@ -55,12 +73,12 @@ def without_setting(spec: str, key: str) -> tuple[str, str | None]:
     return f"{name}[{items}]", value
 
 
-def _differing(specs: list[str]) -> dict[str, str]:
+def _differing(specs: list[str], *, named: bool) -> dict[str, str]:
     """For each spec the settings, and the name, that the specs do not share."""
     parsed = [parse_spec(spec) for spec in specs]
     keys = dict.fromkeys(key for _, settings in parsed for key in settings)
     shown = [key for key in keys if len({settings.get(key) for _, settings in parsed}) > 1]
-    several_names = len({name for name, _ in parsed}) > 1
+    several_names = named or len({name for name, _ in parsed}) > 1
     texts = {}
     for spec, (name, settings) in zip(specs, parsed, strict=True):
         items = [f"{key}={settings[key].lower()}" for key in shown if key in settings]
