@@ -31,7 +31,14 @@ def methods_of(rows: pd.DataFrame) -> pd.DataFrame:
     guess = frame["guess"].where(frame["guess"] != "none", "")
     parts = pd.concat([frame["engine"], guess, frame["settings"]], axis=1)
     frame["short"] = [", ".join(filter(None, line)) for line in parts.itertuples(index=False)]
-    frame["name"] = frame["short"] + " on " + frame["formulation"]
+    inner = pd.concat([guess, frame["settings"]], axis=1).itertuples(index=False)
+    settled = [", ".join(filter(None, line)) for line in inner]
+    frame["name"] = [
+        f"{engine} ({text}) on {formulation}" if text else f"{engine} on {formulation}"
+        for engine, text, formulation in zip(
+            frame["engine"], settled, frame["formulation"], strict=True
+        )
+    ]
     order = frame.assign(
         formulation=_places(frame["formulation"], FORMULATIONS),
         guess=_places(frame["guess"], _GUESSES),
