@@ -16,6 +16,7 @@ import pytest
 from dubins_study.solvers.nlp_engines import gams, table
 from dubins_study.solvers.nlp_engines.algebra_text import Language, algebra_text
 from dubins_study.solvers.nlp_engines.program import Expressions, Functions, Program
+from dubins_study.solvers.registry import load
 from dubins_study.study.claim import Claim
 
 GRADIENTS = ("nlopt-slsqp", "nlopt-auglag", "uno-filtersqp", "conopt")
@@ -193,6 +194,13 @@ def test_conopt_says_when_its_demo_mode_is_too_small():
 
     assert result.claim is Claim.FAILED
     assert result.message == "Limits for Demo Version Exceeded."
+
+
+def test_rows_hold_the_tolerance_that_the_engine_has():
+    """CONOPT's cannot be set; what is asked of the others is what they get."""
+    tolerances = [load(f"nlp[engine={name},tol=1e-6]").method.tolerance for name in WHEELS]
+
+    assert tolerances == [1e-7 if name == "conopt" else 1e-6 for name in WHEELS]
 
 
 def test_text_means_what_the_expressions_mean():

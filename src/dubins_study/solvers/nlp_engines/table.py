@@ -21,6 +21,7 @@ class EngineEntry(NamedTuple):
         reason: `module:function` that says why it cannot run here although its packages are
             installed (a licence), or returns None; empty if nothing else is needed.
         keeps_limit: whether a run ends at most a second after its seconds are up.
+        fixed_tol: the feasibility, if it is the engine's own whatever `tol` is.
     """
 
     label: str
@@ -28,6 +29,7 @@ class EngineEntry(NamedTuple):
     packages: tuple[str, ...]
     reason: str = ""
     keeps_limit: bool = True
+    fixed_tol: float | None = None
 
 
 _SCIPY = "dubins_study.solvers.nlp_engines.scipy_minimize:"
@@ -60,7 +62,7 @@ ENGINES = {
         _CASADI + "feasiblesqpmethod_unavailable",
     ),
     "apopt": EngineEntry("APOPT", _APOPT + "apopt", ("gekko",), _APOPT + "unavailable"),
-    "conopt": EngineEntry("CONOPT", _CONOPT + "conopt", ("conopt",)),
+    "conopt": EngineEntry("CONOPT", _CONOPT + "conopt", ("conopt",), fixed_tol=1e-7),
     "gams-minos": EngineEntry(
         "MINOS", _GAMS + "minos", ("gamspy_base", "gamspy_minos"), _GAMS + "unavailable"
     ),
@@ -78,6 +80,11 @@ def engine(name: str, tol: float, max_iter: int) -> Engine:
     """The engine of a name in `ENGINES`."""
     made: Engine = _load(ENGINES[name].place)(tol, max_iter)
     return made
+
+
+def tolerance(name: str, tol: float) -> float:
+    """The feasibility that an engine is run with if it is asked for `tol`."""
+    return ENGINES[name].fixed_tol or tol
 
 
 def unavailable(name: str) -> str | None:

@@ -77,7 +77,8 @@ class Nlp(LocalNlp, _Named):
     def method(self) -> Method:
         entry = ENGINES.get(self.engine)
         label = entry.label if entry else "KNITRO" if self.engine == _KNITRO else self.engine
-        return Method(self.formulation, label, self.initial_guess, self.tol if entry else None)
+        tol = table.tolerance(self.engine, self.tol) if entry else None
+        return Method(self.formulation, label, self.initial_guess, tol)
 
     @property
     def runs(self) -> str | None:
