@@ -36,7 +36,7 @@ def test_our_own_are_described_as_they_are(spec):
 
 
 def test_a_program_on_path_is_told():
-    assert describe_solver("nlp[engine=bonmin]").runs == "bonmin"
+    assert describe_solver("nlp[engine=couenne]").runs == "couenne"
 
 
 def test_a_plugin_is_loaded_by_another_process(tmp_path):

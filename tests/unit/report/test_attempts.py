@@ -15,14 +15,18 @@ from hypothesis.extra import numpy as arrays
 
 from dubins_study.report.data import attempts as attempts_module
 from dubins_study.report.data.attempts import PRESOLVED, PROOFS, VERDICTS
+from dubins_study.report.data.verdicts import KINDS, methods, verdicts
+from dubins_study.report.data.verdicts import existence as existence_counts
+from dubins_study.report.data.verdicts import failures as failure_counts
 from dubins_study.report.statistics import metrics
+from dubins_study.report.topics.existence.numbers import existence
 from dubins_study.report.topics.success.numbers import (
     failures,
     gap_quantiles,
     gap_shares,
     gist,
 )
-from dubins_study.report.topics.summary.numbers import summary
+from dubins_study.report.topics.summary.section import solver_summary
 from tests.unit.report.results_folder import attempts_of
 
 SOLVERS = ("analytic", "slsqp", "slsqp[count=3]")
@@ -78,8 +82,9 @@ def attempts(draw):
 def tables(counted):
     """All numbers that are made of attempts."""
     frames = {
-        "summary": summary(counted.verdicts()),
-        "failures": failures(counted.failures()),
+        "summary": solver_summary(counted),
+        "existence": existence(existence_counts(counted), methods(counted)),
+        "failures": failures(failure_counts(counted)),
         "gap quantiles": gap_quantiles(counted.gap_quantiles()),
         "times": metrics.by_solver(counted.times()),
         "proofs": metrics.by_solver(counted.proofs()),
@@ -147,19 +152,27 @@ test_numbers_are_those_of_the_frame_often = pytest.mark.slow(
 
 
 def numbers_are_those_of(found, rows):
-    verdict = rows["verdict"].mask(rows["presolved"] == True, PRESOLVED)  # noqa: E712 (None too)
-    rows = rows.assign(verdict=verdict)
-    for line in summary(found.verdicts()).to_dict("records"):
+    presolved = (rows["presolved"] == True) & (rows["verdict"] == "none exists")  # noqa: E712 (None)
+    rows = rows.assign(verdict=rows["verdict"].mask(presolved, PRESOLVED))
+    # every row is another repeat of its question; whether that has a path is drawn for each row
+    weight = 1 / rows.groupby(["solver", *QUESTION])["solver"].transform("size")
+    rows = rows.assign(weight=weight)
+    existence_is_that_of(found, rows)
+    every, rows = rows, rows[rows["reference_word"].notna()]
+    lines = solver_summary(found).to_dict("records")
+    assert {line["solver"] for line in lines} == set(every["solver"])
+    for line in lines:
         own = rows[rows["solver"] == line["solver"]]
         assert line["attempts"] == len(own)
         right = own["verdict"].isin(["optimal", "none exists"])
-        assert line["success"] == pytest.approx(right.mean())
+        assert line["questions"] == pytest.approx(own["weight"].sum(), abs=1e-5)
+        assert line["right"] == pytest.approx(own.loc[right, "weight"].sum(), abs=1e-5)
         assert line["false_claims"] == own["false_claim"].sum()
         assert line["not_returned"] == (own["outcome"] == "timeout").sum()
         assert line["wall_s"] == pytest.approx(own["wall_s"].median(), nan_ok=True)
         assert all(line[v] == (own["verdict"] == v).sum() for v in VERDICTS)
     for line in gap_quantiles(found.gap_quantiles()).to_dict("records"):
-        own = rows[(rows["solver"] == line["solver"]) & rows["reference_word"].notna()]
+        own = rows[rows["solver"] == line["solver"]]
         own = own if line["region"] == "all" else own[own["region"] == line["region"]]
         gaps = np.sort(own["gap"].fillna(np.inf).clip(lower=0))
         assert line["attempts"] == len(gaps)
@@ -171,13 +184,34 @@ def numbers_are_those_of(found, rows):
         given = [line[f"solve_s{suffix}"] for suffix in ("_q1", "", "_q3")]
         assert given == pytest.approx(expected, nan_ok=True)
     bad = rows[~rows["verdict"].isin(["optimal", "none exists", PRESOLVED])]
-    table = failures(found.failures())
+    table = failures(failure_counts(found))
     assert table["attempts"].sum() == len(bad)
     said = [
         m if isinstance(m, str) and m else s
         for m, s in zip(bad.message, bad.native_status, strict=True)
     ]
     assert set(table["message"]) == set(map(gist, said))
+
+
+QUESTION = ["experiment", "branch", "initial_guess"]
+
+
+def existence_is_that_of(found, rows):
+    """Counted row by row, in Python."""
+    for line in existence_counts(found).to_dict("records"):
+        counted = dict.fromkeys(KINDS, 0.0)
+        own = rows[(rows["solver"] == line["solver"]) & rows["reference_word"].isna()]
+        for row in own.to_dict("records"):
+            counted[kind_of(row)] += row["weight"]
+        assert {kind: line[kind] for kind in KINDS} == pytest.approx(counted, abs=1e-5)
+
+
+def kind_of(row):
+    if row["verdict"] == PRESOLVED:
+        return "presolved"
+    if row["verdict"] in ("optimal", "none exists"):
+        return "right"
+    return "wrong" if row["false_claim"] else "silent"
 
 
 def test_texts_as_dictionaries_are_texts(tmp_path):
@@ -268,4 +302,4 @@ def test_approximate_times_are_near(tmp_path, monkeypatch):
     (line,) = counted.times().to_dict("records")
     for suffix, q in (("_q1", 0.25), ("", 0.5), ("_q3", 0.75)):
         assert (took <= line[f"wall_s{suffix}"]).mean() == pytest.approx(q, abs=0.01)
-    assert counted.verdicts()["wall_s"].iloc[0] == pytest.approx(np.median(took), rel=0.03)
+    assert verdicts(counted)["wall_s"].iloc[0] == pytest.approx(np.median(took), rel=0.03)

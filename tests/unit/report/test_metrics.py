@@ -9,11 +9,12 @@ import pandas as pd
 import pytest
 
 from dubins_study.report.data.attempts import VERDICTS
+from dubins_study.report.data.verdicts import failures as failure_counts
 from dubins_study.report.statistics import metrics
 from dubins_study.report.topics.agreement.numbers import agreement
 from dubins_study.report.topics.discretisation.numbers import work_precision
 from dubins_study.report.topics.success.numbers import failures, gap_quantiles
-from dubins_study.report.topics.summary.numbers import summary
+from dubins_study.report.topics.summary.section import solver_summary
 from dubins_study.report.topics.time.numbers import mean_times, time_ratios
 from dubins_study.report.topics.warm.numbers import warm_starts
 from dubins_study.study.path import Path
@@ -57,17 +58,39 @@ def frame(**columns):
 
 
 def test_failures_stay_in_every_denominator(tmp_path):
-    """Four attempts, one optimal and one right refusal: half succeed, whatever the others did."""
+    """Four questions with a path, two answered optimally: half are right, whatever came of the
+    others. What was asked where no path exists is not counted."""
     rows = frame(
-        verdict=["optimal", "none exists", "misses", "none"],
-        outcome=["returned", "returned", "returned", "timeout"],
-        false_claim=[False, False, True, False],
+        scenario_id=list("01234"),
+        verdict=["optimal", "optimal", "misses", "none", "misses"],
+        outcome=["returned", "returned", "returned", "timeout", "crashed"],
+        false_claim=[False, False, True, False, True],
+        reference_word=["LS"] * 4 + [None],
     )
-    line = summary(attempts_of(tmp_path, rows).verdicts()).iloc[0]
+    line = solver_summary(attempts_of(tmp_path, rows)).iloc[0]
 
-    assert (line["attempts"], line["success"]) == (4, 0.5)
-    assert (line["misses"], line["none"], line["none exists"]) == (1, 1, 1)
+    assert (line["attempts"], line["questions"], line["right_share"]) == (4, 4, 0.5)
+    # Wilson's interval of 2 of 4 by hand: 1/2 -+ (1.96 / sqrt(4 + 1.96^2)) / 2
+    assert line["right_low"] == pytest.approx(0.1500, abs=5e-5)
+    assert line["right_text"] == "50.0 % of 4,\n15.0 to 85.0 %"
+    assert (line["misses"], line["none"]) == (1, 1)
     assert (line["false_claims"], line["not_returned"]) == (1, 1)
+
+
+def test_repeats_are_parts_of_a_question(tmp_path):
+    """Right in two of three repeats counts 2/3; the interval is that of two questions, not six."""
+    rows = frame(
+        scenario_id=["0"] * 3 + ["1"] * 3,
+        verdict=["optimal"] * 5 + ["longer"],
+        repeat=[0, 1, 2] * 2,
+    )
+    attempts = attempts_of(tmp_path, rows)
+    line = solver_summary(attempts).iloc[0]
+
+    assert (line["attempts"], line["questions"]) == (6, 2)
+    assert line["right"] == pytest.approx(5 / 3)
+    assert line["right_share"] == pytest.approx(5 / 6)
+    assert line["right_low"] < 0.3  # of six trials it would be 0.44
 
 
 def test_every_attempt_is_in_one_verdict_column(tmp_path):
@@ -76,14 +99,14 @@ def test_every_attempt_is_in_one_verdict_column(tmp_path):
         verdict=["optimal", "longer", "longer", "misses", "none", "none exists", "none exists"],
         presolved=[False] * 6 + [True],
     )
-    line = summary(attempts_of(tmp_path, rows).verdicts()).iloc[0]
+    line = solver_summary(attempts_of(tmp_path, rows)).iloc[0]
 
     assert (line["none exists"], line["by presolve"]) == (1, 1)
     assert sum(line[verdict] for verdict in VERDICTS) == line["attempts"]
 
 
 def test_what_the_presolve_answered_is_no_success_of_an_engine(tmp_path):
-    """It stays in the denominators, and is no failure either; by rows and by counting alike."""
+    """Nor a failure; by rows and by counting alike."""
     rows = frame(
         verdict=["none exists"] * 3,
         proof=["proved", "none", "proved"],
@@ -91,14 +114,24 @@ def test_what_the_presolve_answered_is_no_success_of_an_engine(tmp_path):
         gap=NAN,
     )
     counted = attempts_of(tmp_path, rows)
-    line, proofs = summary(counted.verdicts()).iloc[0], counted.proofs().iloc[0]
+    line, proofs = solver_summary(counted).iloc[0], counted.proofs().iloc[0]
 
     assert metrics.success(rows).tolist() == [True, False, True]
     assert metrics.proof(rows).tolist() == ["proved", "none", "proved"]
     assert (line["attempts"], line["none exists"], line["by presolve"]) == (3, 2, 1)
-    assert line["success"] == pytest.approx(2 / 3)
+    assert line["right_share"] == pytest.approx(2 / 3)
     assert (proofs["proved"], proofs["none"]) == (2, 1)
-    assert counted.failures().empty
+    assert failure_counts(counted).empty
+
+
+def test_a_presolve_that_denies_a_path_is_a_failure(tmp_path):
+    """It is wrong, and no success is credited to anybody."""
+    rows = frame(verdict=["none"], claim=["infeasible"], presolved=True, false_claim=True, gap=NAN)
+    counted = attempts_of(tmp_path, rows)
+    line = solver_summary(counted).iloc[0]
+
+    assert (line["by presolve"], line["none"], line["false_claims"]) == (0, 1, 1)
+    assert len(failure_counts(counted)) == 1
 
 
 def test_gap_quantiles_count_what_did_not_arrive_as_infinite(tmp_path):
@@ -228,7 +261,7 @@ def test_time_ratios_keep_failures_as_never_solved():
 def test_messages_that_differ_in_numbers_are_one(tmp_path):
     """Grouping failures by their gist."""
     rows = frame(verdict="none", message=["off by 2.3e-01; off by 1.1e+02", "off by 7; off by 0.5"])
-    table = failures(attempts_of(tmp_path, rows).failures())
+    table = failures(failure_counts(attempts_of(tmp_path, rows)))
 
     assert table[["message", "attempts"]].to_numpy().tolist() == [["off by #", 2]]
 

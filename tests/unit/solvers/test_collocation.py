@@ -18,7 +18,7 @@ from scipy.integrate import solve_ivp
 from stand_in import put_solver
 
 from dubins_study.experiments.solve import solve
-from dubins_study.solvers.ipopt_library.engine import Result
+from dubins_study.solvers.nlp_engines.program import EngineResult
 from dubins_study.solvers.optimal_control.collocation import Collocation
 from dubins_study.solvers.optimal_control.collocation_model import program, template
 from dubins_study.solvers.optimal_control.elements import Elements, cut
@@ -328,9 +328,9 @@ def test_a_guess_follows_its_controls(equal):
 
     def ask(start, lower, upper):
         given.append(start)
-        return Result(start, None, "", "", 0, 0)
+        return EngineResult(start, Claim.LOCAL, None, 0, 0, "", "")
 
-    compiled = template(4, 6, equal, (), by_executable=False)
+    compiled = template(4, 6, equal, "ipopt", 1e-9, 100, by_executable=False)
     guess = cut(Path(Pose(0, 0, 0), [0.9, -0.5], [1.5, 1.5]), 4, compiled.shares)
     end = np.array(guess.path.end[:2])
     replace(compiled, ask=ask).solve(guess, RATES["best"], end, math.inf)

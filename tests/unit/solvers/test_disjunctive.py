@@ -15,9 +15,12 @@ from hypothesis import strategies as st
 
 from dubins_study.experiments.solve import solve
 from dubins_study.solvers.attempt import attempt
-from dubins_study.solvers.global_minlp import disjunctive, scip
+from dubins_study.solvers.global_minlp import disjunctive
 from dubins_study.solvers.global_minlp.disjunctive import Disjunctive
 from dubins_study.solvers.global_minlp.model import WORDS, gdp_model, transformed
+from dubins_study.solvers.minlp_engines import scip
+from dubins_study.solvers.minlp_engines.program import ProvenResult
+from dubins_study.solvers.minlp_engines.table import ENGINES, unavailable
 from dubins_study.solvers.paper_nlp.polish import meet_target
 from dubins_study.solvers.protocol import Question
 from dubins_study.study.check.verdict import Verdict
@@ -205,6 +208,34 @@ def test_settings_agree(problem):
         assert 0 <= answer.reference - answer.lower_bound <= gap * answer.reference
 
 
+@pytest.mark.parametrize("engine", [name for name in ENGINES if unavailable(name) is None])
+@pytest.mark.parametrize("transformation", ["bigm", "hull"])
+@pytest.mark.parametrize("target", [(3.0, 2.0), (0.3, 1.2)])
+def test_every_engine_proves_the_disjunction(engine, transformation, target, capfd):
+    """Outside and inside a disc, in silence; one program, whose run is the one that wins."""
+    # MAiNGO closes no gap near its tolerance
+    close = {"gap": 1e-4, "feastol": 1e-8 if engine == "maingo" else 1e-6}
+    answer = ask(*target, engine=engine, transformation=transformation, **close)
+
+    if "maximum is 200" in answer.message:  # rows and columns that the licence in a wheel allows
+        assert (engine, transformation, answer.claim) == ("xpress", "hull", Claim.FAILED)
+        return
+    assert answer.claim is Claim.OPTIMAL, answer.message
+    assert answer.verdict is Verdict.OPTIMAL
+    assert not answer.false_bound
+    assert (answer.subproblems, answer.subproblem_runs) == ("all words", [1.0])
+    assert answer.best_run_s == answer.subproblem_s[0] <= answer.solve_s
+    assert capfd.readouterr() == ("", "")
+
+
+@pytest.mark.parametrize("engine", [name for name in ENGINES if unavailable(name) is None])
+def test_every_engine_sees_that_a_word_is_not_there(engine):
+    answer = ask(0.3, 1.2, "LS", engine=engine, feastol=1e-6)
+
+    assert answer.claim is Claim.INFEASIBLE, answer.message
+    assert answer.verdict is Verdict.NONE_EXISTS
+
+
 def test_far_away_nothing_is_claimed_to_be_proven():
     """Here SCIP's bound is 2e-6 above the shortest length (`solvers.global_minlp.disjunctive`)."""
     answer = ask(25.422563016520616, -2538547.0079247607)
@@ -260,6 +291,7 @@ def test_errors_of_scip_are_a_failed_claim(monkeypatch):
     assert ask(3, 2).claim is Claim.FAILED
     assert "LP solver" in ask(3, 2).native_status
     assert model.optimize.call_count == 4  # each time with a looser tolerance too
+    assert ask(3, 2).subproblem_runs == [2]
     model.optimize.side_effect = Exception("something else")
     assert "something else" in ask(3, 2).message
 
@@ -277,12 +309,12 @@ def test_the_second_run_gets_the_time_that_is_left(monkeypatch):
     """An infeasible word is asked again with a looser tolerance, within the one limit."""
     limits = []
 
-    def run_scip(program, words, settings):
-        limits.append(settings.limit)
+    def engine(program, seconds):
+        limits.append(seconds)
         time.sleep(0.1)
-        return scip.Native("infeasible", 0.0, None, None, 1, settings.feastol)
+        return ProvenResult(None, Claim.INFEASIBLE, math.inf, 1, 0, "infeasible", "")
 
-    monkeypatch.setattr(disjunctive, "run_scip", run_scip)
+    monkeypatch.setattr(disjunctive, "engine", lambda name, settings: engine)
     solver = Disjunctive()
     solver.solve(solver.build(Question(Scenario(0, 0, 0, 0, 1, 1), "LS")), 5.0)
 
@@ -292,7 +324,13 @@ def test_the_second_run_gets_the_time_that_is_left(monkeypatch):
 
 @pytest.mark.parametrize(
     "setting",
-    [{"transformation": "cuttingplane"}, {"emphasis": "fast"}, {"gap": 0.0}, {"feastol": -1e-6}],
+    [
+        {"engine": "highs"},
+        {"transformation": "cuttingplane"},
+        {"emphasis": "fast"},
+        {"gap": 0.0},
+        {"feastol": -1e-6},
+    ],
 )
 def test_bad_settings_are_refused(setting):
     """The message names the setting and its value."""

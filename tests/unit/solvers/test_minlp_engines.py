@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from dubins_study.solvers.minlp_engines.program import MixedProgram, Settings, Written
+from dubins_study.solvers.minlp_engines.program import MixedProgram, Row, Settings, Written
 from dubins_study.solvers.minlp_engines.table import ENGINES, engine, unavailable
 from dubins_study.study.claim import Claim
 
@@ -19,7 +19,7 @@ def linear(n):
     """A linear program of n variables and n equations, whose optimum is n."""
 
     def write(x, functions):
-        return Written(sum(x), [variable - 1 for variable in x], [])
+        return Written(sum(x), [Row(variable, 1.0, 1.0) for variable in x])
 
     return MixedProgram(np.zeros(n), np.full(n, 2.0), np.zeros(n, bool), write)
 
@@ -35,7 +35,8 @@ def test_a_program_with_binaries_and_curves(name, lean):
 
     def write(x, functions):
         curve = x[0] ** 2 + functions.cos(x[0]) - 2
-        return Written(x[0] - x[1], [], [math.sin(2) * x[1] - x[0], curve])
+        rows = [Row(x[0] - math.sin(2) * x[1], 0.0, 9.0), Row(curve, -math.inf, 0.0)]
+        return Written(x[0] - x[1], rows)
 
     program = MixedProgram(np.zeros(2), np.array((3.0, 1.0)), np.array((False, True)), write)
     result = engine(name, Settings(1e-6, 1e-6, lean))(program, 20.0)
@@ -51,7 +52,7 @@ def test_what_has_no_point_is_infeasible(name):
     """x = y and x = y + 2 - sin(x) / 10 cannot both be."""
 
     def write(x, functions):
-        return Written(x[0], [x[0] - x[1], x[0] - x[1] - 2 + functions.sin(x[0]) / 10], [])
+        return Written(x[0], [Row(x[0] - x[1]), Row(x[0] - x[1] - 2 + functions.sin(x[0]) / 10)])
 
     program = MixedProgram(np.zeros(2), np.full(2, 3.0), np.zeros(2, bool), write)
     result = engine(name, SETTINGS)(program, 20.0)

@@ -16,13 +16,14 @@ from stand_in import put_program, put_solver
 
 from dubins_study.experiments.solve import solve
 from dubins_study.solvers.attempt import attempt
+from dubins_study.solvers.nlp_engines.trust_constr import trust_constr
 from dubins_study.solvers.paper_nlp.ampl import read_sol
 from dubins_study.solvers.paper_nlp.local_nlp import Case
 from dubins_study.solvers.paper_nlp.model import FULL_TURN, SUBPROBLEMS, hessian, jacobian, target
 from dubins_study.solvers.paper_nlp.nlp import Nlp
+from dubins_study.solvers.paper_nlp.program import solve as solve_program
 from dubins_study.solvers.paper_nlp.pyomo_direct import knitro_unavailable
 from dubins_study.solvers.paper_nlp.pyomo_direct import solve as solve_direct
-from dubins_study.solvers.paper_nlp.trust_constr import trust_constr
 from dubins_study.solvers.protocol import Outcome, Question
 from dubins_study.solvers.registry import SolverError, entries, load
 from dubins_study.study.check.verdict import Verdict
@@ -138,7 +139,7 @@ def test_trust_constr_keeps_its_limit_and_says_so():
     assert time.perf_counter() - began < 0.2 + 1.0
     assert answer.outcome is Outcome.RETURNED
     assert solve(PAPER["problem 4"], "nlp", limit=1e-9).claim is Claim.LIMIT
-    within = trust_constr(_ls(PAPER["problem 4"]), np.ones(3), 0.0, 1e-9, 200)
+    within = solve_program(_ls(PAPER["problem 4"]), np.ones(3), 0.0, trust_constr(1e-9, 200))
     assert (within.claim, within.iterations) == (Claim.LIMIT, 1)
 
 
@@ -284,7 +285,7 @@ def test_absence_has_its_reason(monkeypatch):
     assert Nlp().unavailable() is None
     answer = solve(PAPER["problem 1"], "nlp[engine=no-such-solver]")
     assert answer.outcome is Outcome.UNAVAILABLE
-    assert answer.message == "no executable 'no-such-solver' on PATH"
+    assert answer.message.startswith("no executable 'no-such-solver' on PATH, and no engine of")
     with pytest.raises(SolverError, match="no folders"):
         load("nlp[engine=./x]")
     monkeypatch.setattr("importlib.util.find_spec", lambda name: None)

@@ -43,6 +43,7 @@ _NO_NLP = _FORMULA | {
     "grid of headings": "has integer variables",
     "disjunction": "has integer variables",
     "penalty": "has a kink wherever a path arrives: made for engines without derivatives",
+    "other": "reaches this engine only as Pyomo's model of (4.12)",
 }
 _GLOBAL = {
     "one NLP a word": "global-nlp[engine={},model=words]",
@@ -62,7 +63,9 @@ _NO_GLOBAL = _FORMULA | {
 def _families() -> Iterator[_Family]:
     """The families in the order of tables. Adapters are loaded here, their libraries are not."""
     from dubins_study.solvers.indirect.shooting import ROOTS
+    from dubins_study.solvers.minlp_engines.table import ENGINES as MINLP_ENGINES
     from dubins_study.solvers.nlp_engines.table import ENGINES
+    from dubins_study.solvers.stochastic.engines import ENGINES as SEARCHES
 
     no_engine = {"other": "no engine is needed for a formula"}
     yield _Family("exact", {"closed form": "analytic"}, no_engine, ("analytic",))
@@ -72,6 +75,13 @@ def _families() -> Iterator[_Family]:
         yield _Family("local NLP", own | _TRANSCRIBED, _NO_NLP, (name,))
     others = tuple(name for name in ENGINES if name not in ("slsqp", "ipopt"))
     yield _Family("local NLP", _PAPER_NLP | _TRANSCRIBED, _NO_NLP, (*others, "knitro"))
+    yield _Family("global, with proof", _GLOBAL, _NO_GLOBAL, tuple(MINLP_ENGINES))
+    bounds_only = _FORMULA | {
+        "other": "takes bounds and no equations, of which the penalty is made"
+    }
+    for kind, guided in (("stochastic or direct search", False), ("derivative-free, local", True)):
+        names = tuple(name for name, entry in SEARCHES.items() if entry.guided is guided)
+        yield _Family(kind, {"penalty": "penalty[engine={}]"}, bounds_only, names)
     roots = {"Pontryagin's system": "shooting[root={}]"}
     no_roots = _FORMULA | {
         "other": "finds roots of as many equations as unknowns, minimises nothing"

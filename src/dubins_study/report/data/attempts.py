@@ -40,7 +40,7 @@ class Attempts:
     def __init__(self, database: Database, experiments: Collection[str]) -> None:
         self._database = database
         self.experiments = sorted(experiments)
-        self.count = int(self._frame("SELECT count(*) AS n FROM chosen")["n"].iloc[0])
+        self.count = int(self.frame("SELECT count(*) AS n FROM chosen")["n"].iloc[0])
 
     def only(self, experiments: Collection[str]) -> Attempts:
         """The attempts of some of these experiments."""
@@ -65,36 +65,8 @@ class Attempts:
             "1.2 % too large, those of times are of a rank that is off by about a hundredth."
         )
 
-    def verdicts(self) -> pd.DataFrame:
-        """One row per solver.
-
-        Columns: solver, attempts, one count per verdict, false_claims, wrong_basins, not_returned
-        (timeout, crashed, raised, ...), wall_s (median, s).
-        """
-        counts = ", ".join(f"count(*) FILTER (verdict = '{v}') AS \"{v}\"" for v in VERDICTS)
-        return self._frame(
-            f"""SELECT solver, count(*) AS attempts, {counts},
-                count(*) FILTER (false_claim) AS false_claims,
-                count(*) FILTER (wrong_basin) AS wrong_basins,
-                count(*) FILTER (outcome IS DISTINCT FROM 'returned') AS not_returned,
-                {self._quantile("wall_s", 0.5)} AS wall_s
-            FROM chosen GROUP BY solver"""
-        )
-
-    def failures(self) -> pd.DataFrame:
-        """Attempts of engines without success, counted by outcome, claim, verdict and message.
-
-        Columns: solver, outcome, claim, verdict, message, native_status, attempts.
-        """
-        kinds = "solver, outcome, claim, verdict, message, native_status"
-        return self._frame(
-            f"""SELECT {kinds}, count(*) AS attempts FROM chosen
-            WHERE verdict IS NULL OR verdict NOT IN {(*SUCCESSES, PRESOLVED)}
-            GROUP BY {kinds}"""
-        )
-
     def times(self) -> pd.DataFrame:
-        """One row per solver that has cold attempts.
+        """Questions that have a path: one row per solver that has cold attempts at them.
 
         Columns: solver, timed (number of attempts), and for each of `TIMES` its median (s), lower
         quartile (`_q1`) and upper quartile (`_q3`).
@@ -106,11 +78,11 @@ class Attempts:
 
     def _quartiles(self, name: str) -> pd.DataFrame:
         timed = ", timed" if name == "wall_s" else ""
-        return self._frame(
+        return self.frame(
             f"""SELECT solver{timed}, q[1] AS {name}_q1, q[2] AS {name}, q[3] AS {name}_q3
             FROM (SELECT solver, count(wall_s) AS timed,
-                    {self._quantile(name, [0.25, 0.5, 0.75])} AS q
-                FROM chosen WHERE initial_guess = 'cold' GROUP BY solver)"""
+                    {self.quantile(name, [0.25, 0.5, 0.75])} AS q
+                FROM chosen WHERE initial_guess = 'cold' AND answerable GROUP BY solver)"""
         )
 
     def gap_quantiles(self) -> pd.DataFrame:
@@ -125,7 +97,7 @@ class Attempts:
         # With decimal shares DuckDB computes the positions of the quantiles in whole numbers.
         shares = ", ".join(f"{q:.2f}" for q in QUANTILES)
         gaps = f"quantile_disc({_GAP}, [{shares}])" if self.exact else f"[max({_GAP})]"
-        frame = self._frame(
+        frame = self.frame(
             f"""SELECT solver, {_REGION} AS region, count(*) AS attempts, count(gap) AS arrived,
                 {gaps} AS gaps
             FROM chosen WHERE answerable
@@ -158,7 +130,7 @@ class Attempts:
         return bins[bins["region"] == "all"].drop(columns="region")
 
     def _gap_bins(self) -> pd.DataFrame:
-        frame = self._frame(
+        frame = self.frame(
             f"""SELECT solver, {_REGION} AS region,
                 ceil({_BINS} * log10(greatest({_GAP}, {_LEAST_GAP}))) AS bin, count(*) AS attempts
             FROM chosen WHERE answerable
@@ -180,13 +152,13 @@ class Attempts:
         target lies) and width (largest relative distance of the other bounds).
         """
         counts = ", ".join(f"count(*) FILTER (proof = '{p}') AS \"{p}\"" for p in PROOFS[:-1])
-        return self._frame(
+        return self.frame(
             f"""SELECT solver, count(*) AS attempts, count(proof) AS certified, {counts},
                 count(*) FILTER (proof IS NULL OR proof NOT IN {PROOFS[:-1]}) AS "none",
                 max(pmp_residual) FILTER ({_RIGHT}) AS pmp_residual,
                 min(cut_margin) FILTER ({_RIGHT} AND branch = 'best') AS cut_margin,
                 count(*) FILTER ({_COMPARED}) AS multipliers,
-                {self._quantile("costate_error", 0.5)} FILTER ({_COMPARED}) AS costate_median,
+                {self.quantile("costate_error", 0.5)} FILTER ({_COMPARED}) AS costate_median,
                 max(costate_error) FILTER ({_COMPARED}) AS costate_error,
                 count(lower_bound) AS bounds,
                 count(*) FILTER (false_bound) AS false_bounds,
@@ -199,11 +171,11 @@ class Attempts:
     def values(self, column: str) -> list[Any]:
         """The distinct values of a column, sorted and without nulls."""
         query = f'SELECT DISTINCT "{column}" AS v FROM chosen WHERE v IS NOT NULL ORDER BY v'
-        return self._frame(query)["v"].tolist()
+        return self.frame(query)["v"].tolist()
 
     def planes(self) -> dict[str, PlaneMap]:
         """Experiment -> map of the targets of the closed form's answers to the branch best."""
-        cells = self._frame(
+        cells = self.frame(
             f"""SELECT experiment, word, {_cell("dx * c + dy * s")} AS ahead,
                 {_cell("dy * c - dx * s")} AS "left",
                 count(*) AS attempts, min(size) AS least, max(size) AS largest
@@ -217,19 +189,21 @@ class Attempts:
         )
         return {str(name): PlaneMap.of(own) for name, own in cells.groupby("experiment")}
 
-    def _frame(self, query: str) -> pd.DataFrame:
+    def frame(self, query: str) -> pd.DataFrame:
         """The result of a query; in the query, `chosen` is the table of these attempts."""
         chosen = f"SELECT {_ENGINES_OWN} FROM attempts WHERE list_contains(?, experiment)"
         return self._database.frame(f"WITH chosen AS ({chosen}) {query}", [self.experiments])
 
-    def _quantile(self, column: str, q: float | list[float]) -> str:
+    def quantile(self, column: str, q: float | list[float]) -> str:
+        """The query of a column's quantile or quantiles."""
         name = "quantile_cont" if self.exact else "approx_quantile"
         return f'{name}("{column}", {q})'
 
 
-# What the presolve answered is no success of an engine.
+# What the presolve answered correctly is no success of an engine.
 _ENGINES_OWN = f"""* REPLACE (
-    CASE WHEN presolved THEN '{PRESOLVED}' ELSE verdict END AS verdict)"""
+    CASE WHEN presolved AND verdict = 'none exists' THEN '{PRESOLVED}' ELSE verdict END AS verdict)
+"""
 # DuckDB's `greatest` ignores nulls, so a null is replaced explicitly.
 _GAP = "CASE WHEN gap IS NULL THEN 'inf'::DOUBLE ELSE greatest(gap, 0.0) END"
 _REGION = "CASE WHEN GROUPING(region) = 1 THEN 'all' ELSE region END"

@@ -18,7 +18,8 @@ class Column:
         key: name of the column in the frame and in the CSV file.
         title: its heading, with the unit.
         show: converts a value to text; a missing value is shown as a dash instead.
-        kind: `number` (aligned right), `text`, `prose` (long text), or `code` (such as a spec).
+        kind: `number` (aligned right), `text`, `prose` (long text), `code` (such as a spec), or
+            `cell` (a number with its interval, over several lines).
     """
 
     key: str

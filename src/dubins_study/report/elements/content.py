@@ -25,6 +25,9 @@ class Table:
         columns: the columns that are shown, in order.
         marks: (row position, key) -> `good`, `bad` or `note`. The text also says what a mark says,
             for readers who do not see the colour.
+        numbers: more columns of the frame for the CSV file, such as the ends of an interval that
+            is shown as text.
+        dense: whether it has so many columns that its letters are smaller.
     """
 
     name: str
@@ -32,6 +35,8 @@ class Table:
     frame: pd.DataFrame
     columns: tuple[Column, ...]
     marks: dict[tuple[int, str], str] | None = None
+    numbers: tuple[str, ...] = ()
+    dense: bool = False
 
     def texts(self) -> list[list[str]]:
         """Every cell as text, row by row."""

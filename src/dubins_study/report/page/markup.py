@@ -18,6 +18,8 @@ _TEX = {symbol: f"\\{symbol}" for symbol in "&%$#_{}"} | {
 # Markdown's special characters: anywhere, at the start of a line, and after a list's number.
 _MARKDOWN = re.compile(r"([\\`*_\[\]|~$]|^[#+=-]|(?<=^\d)[.)](?=\s))")
 
+_RIGHT = ("number", "cell")  # kinds of columns that are aligned right
+
 _FORMULA = tuple("=+-@\t")  # a spreadsheet reads text that starts with one of these as a formula
 
 
@@ -37,11 +39,12 @@ def _one_line(text: str) -> str:
 
 
 def to_csv(table: Table) -> str:
-    """The shown columns with raw values: full digits, missing values empty.
+    """The shown columns and those of `Table.numbers`: full digits, missing values empty.
 
     A text that a spreadsheet would read as a formula gets a leading apostrophe.
     """
-    shown = table.frame[[column.key for column in table.columns]].copy()
+    keys = dict.fromkeys([*(column.key for column in table.columns), *table.numbers])
+    shown = table.frame[list(keys)].copy()
     for column in table.columns:
         if column.kind != "number":
             shown[column.key] = shown[column.key].map(_no_formula)
@@ -54,7 +57,7 @@ def _no_formula(value: object) -> object:
 
 def to_markdown(table: Table) -> str:
     """A pipe table; numbers are aligned right."""
-    rule = ["---:" if column.kind == "number" else "---" for column in table.columns]
+    rule = ["---:" if column.kind in _RIGHT else "---" for column in table.columns]
     rows = [[markdown(column.title) for column in table.columns], rule]
     rows += [[markdown(text) for text in row] for row in table.texts()]
     return "".join(f"| {' | '.join(row)} |\n" for row in rows)
@@ -62,7 +65,7 @@ def to_markdown(table: Table) -> str:
 
 def to_tex(table: Table) -> str:
     """A `tabular` with booktabs rules, ready for `\\input`."""
-    spec = "".join("r" if column.kind == "number" else "l" for column in table.columns)
+    spec = "".join("r" if column.kind in _RIGHT else "l" for column in table.columns)
     lines = [rf"\begin{{tabular}}{{{spec}}}", r"\toprule"]
     lines += [_tex_row([tex(column.title) for column in table.columns]), r"\midrule"]
     for row in table.texts():

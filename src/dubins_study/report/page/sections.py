@@ -16,11 +16,15 @@ from dubins_study.report.topics.basins.section import basins_section
 from dubins_study.report.topics.belief.section import belief_section
 from dubins_study.report.topics.bias.section import bias_section
 from dubins_study.report.topics.certificates.section import certificates_section
+from dubins_study.report.topics.comparison.section import comparison_section
 from dubins_study.report.topics.convergence.section import convergence_section
 from dubins_study.report.topics.cost.section import cost_section
 from dubins_study.report.topics.discretisation.section import discretisation_section
+from dubins_study.report.topics.existence.section import existence_section
+from dubins_study.report.topics.findings.section import findings_section
 from dubins_study.report.topics.ladder.section import ladder_section
 from dubins_study.report.topics.map.section import map_section
+from dubins_study.report.topics.matrix.section import matrix_section
 from dubins_study.report.topics.paper.section import figures_section, paper_section
 from dubins_study.report.topics.plane.section import plane_section
 from dubins_study.report.topics.proofs.section import proofs_section
@@ -62,13 +66,16 @@ class Topic(NamedTuple):
 
 EVERY, POOLED, COMPARED = General.EVERY, General.POOLED, General.COMPARED
 TOPICS = (
+    Topic("what the study found", findings_section, "benchmark"),
     Topic("summary", summary_section, POOLED, counted=True),
+    Topic("formulation by engine", matrix_section, "benchmark", counted=True),
     Topic("the paper's tables", paper_section, "paper", (POOLED, COMPARED)),
     Topic("the audit of the paper", audit_section, "paper", counted=True),
     Topic("the paper's figures", figures_section, "paper"),
     Topic("length, time and word against radius", radius_section, EVERY),
     Topic("agreement", agreement_section, COMPARED),
     Topic("success and gaps", success_section, POOLED, counted=True),
+    Topic("where no path exists", existence_section, POOLED, counted=True),
     Topic("certificates", certificates_section, POOLED, counted=True),
     Topic("time", time_section, COMPARED),
     Topic("work and precision", discretisation_section, "discretisation"),
@@ -81,6 +88,7 @@ TOPICS = (
     Topic("the order of convergence", convergence_section, "convergence"),
     Topic("the ladder toward a circle", ladder_section, "ladder"),
     Topic("what a proof costs", proofs_section, "proofs"),
+    Topic("the comparison of methods", comparison_section, "benchmark"),
     Topic("cost where it arises", cost_section, "benchmark"),
     Topic("whom one can believe", belief_section, "benchmark"),
     Topic("the runs and their machines", runs_section, EVERY, counted=True),

@@ -19,18 +19,26 @@ def methods_of(rows: pd.DataFrame) -> pd.DataFrame:
 
     Returns:
         Indexed by solver. Columns formulation, engine, guess; settings: those of the spec that
-        tell solvers with the same three apart, empty if there is one such solver; short: engine,
-        guess and settings, for a figure of one formulation; name: the formulation too.
+        tell solvers with the same three apart, empty if there is one such solver (the solver's name
+        if it states no engine); short: engine, guess and settings, for a figure of one formulation;
+        name: the formulation too.
     """
     stated = rows.groupby("solver", observed=True)[_STATED].first().fillna(UNSTATED)
     settings: dict[str, str] = {}
-    for _, group in stated.groupby(_STATED, sort=False):
-        settings |= _differing(group.index.tolist())
+    for (_, engine, _), group in stated.groupby(_STATED, sort=False):
+        settings |= _differing(group.index.tolist(), named=engine == UNSTATED)
     frame = stated.assign(settings=[settings[spec] for spec in stated.index])
     guess = frame["guess"].where(frame["guess"] != "none", "")
     parts = pd.concat([frame["engine"], guess, frame["settings"]], axis=1)
     frame["short"] = [", ".join(filter(None, line)) for line in parts.itertuples(index=False)]
-    frame["name"] = frame["short"] + " on " + frame["formulation"]
+    inner = pd.concat([guess, frame["settings"]], axis=1).itertuples(index=False)
+    settled = [", ".join(filter(None, line)) for line in inner]
+    frame["name"] = [
+        f"{engine} ({text}) on {formulation}" if text else f"{engine} on {formulation}"
+        for engine, text, formulation in zip(
+            frame["engine"], settled, frame["formulation"], strict=True
+        )
+    ]
     order = frame.assign(
         formulation=_places(frame["formulation"], FORMULATIONS),
         guess=_places(frame["guess"], _GUESSES),
@@ -38,6 +46,45 @@ def methods_of(rows: pd.DataFrame) -> pd.DataFrame:
         spec=frame.index,
     )
     return frame.loc[order.sort_values([*_STATED, "settings", "spec"]).index]
+
+
+def best_methods(frame: pd.DataFrame, keys: list[str]) -> pd.DataFrame:
+    """The method with the most right answers of each group, the fastest where several have as many.
+
+    Args:
+        frame: one row per method; the columns `keys`, which name the groups; right_share (NaN if it
+            was asked nothing) and wall_s (median time).
+        keys: e.g. formulation and engine.
+    Returns:
+        Some rows of the frame, in its order.
+    """
+    ranked = frame.reset_index(drop=True).sort_values(
+        ["right_share", "wall_s"], ascending=[False, True], kind="stable"
+    )
+    kept = ranked.drop_duplicates(keys).index
+    return frame.iloc[sorted(kept)]
+
+
+# As many methods at most have a bar or a curve each in one figure. Of more, only the best of each
+# engine are drawn, and at most `MOST_ENGINES` of a formulation.
+MOST_METHODS, MOST_ENGINES = 14, 10
+
+
+def drawn_methods(frame: pd.DataFrame) -> pd.DataFrame:
+    """The methods that figures with a panel per formulation show: the best of each engine.
+
+    Args:
+        frame: as for `best_methods`, with formulation and engine.
+    Returns:
+        Some rows of the frame, in its order; at most `MOST_ENGINES` of a formulation, those with
+        the most right answers; not the closed form, to which no engine compares.
+    """
+    engines = frame[frame["formulation"] != FORMULATIONS[0]]
+    best = best_methods(engines, ["formulation", "engine"])
+    best = best.assign(place=range(len(best)))
+    ranked = best.sort_values(["right_share", "wall_s"], ascending=[False, True], kind="stable")
+    kept = ranked.groupby("formulation", sort=False).head(MOST_ENGINES)
+    return kept.sort_values("place", kind="stable").drop(columns="place")
 
 
 def without_setting(spec: str, key: str) -> tuple[str, str | None]:
@@ -48,12 +95,12 @@ def without_setting(spec: str, key: str) -> tuple[str, str | None]:
     return f"{name}[{items}]", value
 
 
-def _differing(specs: list[str]) -> dict[str, str]:
+def _differing(specs: list[str], *, named: bool) -> dict[str, str]:
     """For each spec the settings, and the name, that the specs do not share."""
     parsed = [parse_spec(spec) for spec in specs]
     keys = dict.fromkeys(key for _, settings in parsed for key in settings)
     shown = [key for key in keys if len({settings.get(key) for _, settings in parsed}) > 1]
-    several_names = len({name for name, _ in parsed}) > 1
+    several_names = named or len({name for name, _ in parsed}) > 1
     texts = {}
     for spec, (name, settings) in zip(specs, parsed, strict=True):
         items = [f"{key}={settings[key].lower()}" for key in shown if key in settings]

@@ -1,7 +1,7 @@
-"""The shortest path as a disjunction of words, solved to proven global optimality by SCIP.
+"""The shortest path as a disjunction of words, solved to proven global optimality.
 
-Pyomo.GDP states the model (`solvers.global_minlp.model`), which is handed to SCIP through its
-Python interface (`solvers.global_minlp.scip`). SCIP's branch and bound proves that no path of any
+Pyomo.GDP states the model (`solvers.global_minlp.model`), which SCIP, Gurobi, Xpress or MAiNGO gets
+through its Python interface (`solvers.minlp_engines`). Branch and bound proves that no path of any
 word is shorter than its bound; its point, which meets the target only to a tolerance, is polished.
 """
 
@@ -12,38 +12,36 @@ from dataclasses import dataclass, replace
 from time import perf_counter
 from typing import Any, ClassVar, NamedTuple
 
+import numpy as np
+
 from dubins_study.solvers import library_versions
 from dubins_study.solvers.global_minlp.model import TRANSFORMATIONS, WORDS, gdp_model, transformed
-from dubins_study.solvers.global_minlp.scip import BROKEN, Native, ScipSettings, run_scip
+from dubins_study.solvers.global_minlp.pyomo_program import Translated, translated
+from dubins_study.solvers.minlp_engines.program import ProvenResult, Settings
+from dubins_study.solvers.minlp_engines.table import ENGINES, engine, unavailable
 from dubins_study.solvers.paper_nlp.model import SUBPROBLEMS, as_path
 from dubins_study.solvers.paper_nlp.polish import Polished, meet_target
 from dubins_study.solvers.presolve import words
-from dubins_study.solvers.protocol import Guarantee, Method, Question, Solution, Solver
-from dubins_study.solvers.setting_checks import missing_package, one_of, within
+from dubins_study.solvers.protocol import Effort, Guarantee, Method, Question, Solution, Solver
+from dubins_study.solvers.setting_checks import one_of, within
 from dubins_study.solvers.vehicle_frame import at_start
 from dubins_study.study.claim import Claim
+from dubins_study.study.path import FloatArray
 
 EMPHASES = ("lean", "default")
 
-# by SCIP's statuses; only `Disjunctive._claim` makes a stronger claim
-_CLAIMS = {
-    "optimal": Claim.FEASIBLE,
-    "gaplimit": Claim.FEASIBLE,
-    "infeasible": Claim.INFEASIBLE,
-    "timelimit": Claim.LIMIT,
-}
-# SCIP leaves this share of the gap for its tolerance on constraints, which counts as well.
+# The engine leaves this share of the gap for its tolerance on constraints, which counts as well.
 _SHARE = 0.1
 
-# Where SCIP finds no point, or fails, it runs again with a tolerance so many times larger.
+# Where the engine has no point, or fails, it runs again with a tolerance so many times larger.
 _LOOSER = 100
 
 # A point that misses by at most so many tolerances counts as feasible: each of the equations from
 # an arc to its end may be off by one tolerance.
 _SLACK = 10
 
-# radii; for farther targets the words' lengths differ by less than SCIP's tolerances: bounds above
-# the shortest length were seen from 1e6 radii on, none up to 1e5
+# radii; for farther targets the words' lengths differ by less than the tolerances: bounds of SCIP's
+# above the shortest length were seen from 1e6 radii on, none up to 1e5
 _PROVABLE = 1e5
 
 
@@ -52,27 +50,44 @@ class Model(NamedTuple):
 
     question: Question
     words: tuple[str, ...]
-    program: Any  # the transformed Pyomo model, of a type that its package does not state
+    pyomo: Any  # the transformed model, of a type that its package does not state
+    translated: Translated
+
+
+class Run(NamedTuple):
+    """An engine's result, in radii, the tolerance it was asked for, and what it took.
+
+    `word` and z (left, right, straight) are None without a point.
+    """
+
+    result: ProvenResult
+    word: str | None
+    z: FloatArray | None
+    feastol: float
+    effort: Effort
 
 
 @dataclass(frozen=True)
 class Disjunctive(Solver):
-    """One disjunct for each word, proven by SCIP's branch and bound.
+    """One disjunct for each word, proven by an engine's branch and bound.
 
-    `transformation` turns the disjunctions into linear constraints: `bigm` or `hull`. `gap` is the
-    largest relative difference of path and bound that counts as proven. `feastol` is SCIP's
-    tolerance on constraints (numerics/feastol, 1e-6 there). `emphasis` is `lean`, SCIP's bare
-    spatial branch and bound, or SCIP's `default`, whose heuristics and cutting planes take some
-    seventy times as long on the paper's problems, and whose presolving and propagation, working
-    with tolerances of their own, now and then cut off the optimum (see docs/decisions.md).
+    `engine` is `scip`, `gurobi`, `xpress` or `maingo`. `transformation` turns the disjunctions into
+    linear constraints: `bigm` or `hull`. `gap` is the largest relative difference of path and bound
+    that counts as proven. `feastol` is the engine's tolerance on constraints (1e-6 by their own
+    defaults). `emphasis` is SCIP's: `lean`, its bare spatial branch and bound, or `default`, with
+    heuristics and cutting planes, which take some seventy times as long on the paper's problems,
+    and with presolving and propagation, which work with tolerances of their own and now and then
+    cut off the optimum (see docs/decisions.md). The other engines run with their defaults.
 
-    A feasible point of SCIP's may miss the target by the tolerance. Near the front of a turning
-    circle that buys up to a full turn, and no polishing closes the miss: the point is then
+    A feasible point of the engine's may miss the target by the tolerance. Near the front of a
+    turning circle that buys up to a full turn, and no polishing closes the miss: the point is then
     returned as it is, claimed feasible and not optimal, and the bound, though low, still holds.
-    `lower_bound` is a bound for the branch that is asked. `presolve` leaves out words that cannot
-    exist (`solvers.presolve`): SCIP's bound then holds for the others.
+    `lower_bound` is a bound for the branch that is asked, the engine's less its tolerance.
+    `presolve` leaves out words that cannot exist (`solvers.presolve`): the bound then holds for the
+    others.
     """
 
+    engine: str = "scip"
     transformation: str = "bigm"
     gap: float = 1e-6
     feastol: float = 1e-8
@@ -82,8 +97,11 @@ class Disjunctive(Solver):
     name: ClassVar[str] = "disjunctive"
     guarantee: ClassVar[Guarantee] = Guarantee.GLOBAL
     branches: ClassVar[tuple[str, ...]] = ("best", *WORDS)
-    packages: ClassVar[tuple[str, ...]] = ("pyomo", "pyscipopt")
-    summary: ClassVar[str] = "one disjunct per word in Pyomo.GDP, proven by SCIP"
+    packages: ClassVar[tuple[str, ...]] = ("pyomo", "pyscipopt", "gurobipy", "xpress", "maingopy")
+    summary: ClassVar[str] = "one disjunct per word in Pyomo.GDP, proven by SCIP or another engine"
+    variants: ClassVar[tuple[str, ...]] = tuple(
+        f"disjunctive[engine={name}]" for name in ENGINES if name != "scip"
+    )
     profiles: ClassVar[dict[str, dict[str, Any]]] = {
         "fast": {"gap": 1e-4, "feastol": 1e-6},
         "accurate": {"gap": 1e-7, "feastol": 1e-9},
@@ -91,76 +109,93 @@ class Disjunctive(Solver):
 
     def __post_init__(self) -> None:
         one_of(
+            engine=(self.engine, ENGINES),
             transformation=(self.transformation, TRANSFORMATIONS),
             emphasis=(self.emphasis, EMPHASES),
         )
-        # SCIP takes tolerances up to 1e-3, and what it calls infeasible is asked again at 100 times
-        # ours; what is closed to no more than a hundredth proves nothing
+        # the engines take tolerances up to 1e-3, and what they call infeasible is asked again at
+        # 100 times ours; what is closed to no more than a hundredth proves nothing
         within(gap=(self.gap, 1e-12, 1e-2), feastol=(self.feastol, 1e-12, 1e-5))
 
     @property
     def method(self) -> Method:
-        return Method("disjunction", "SCIP", "none", self.feastol)
+        return Method("disjunction", ENGINES[self.engine].label, "none", self.feastol)
 
     def unavailable(self) -> str | None:
-        return missing_package(*self.packages)
+        return unavailable(self.engine)
 
     def library_versions(self) -> dict[str, str]:
-        return library_versions.scip()
+        return library_versions.scip() if self.engine == "scip" else {}
 
     @property
     def keeps_limit(self) -> bool:
-        return True
+        return self.engine != "maingo"  # which counts the processor's seconds
 
     def build(self, question: Question) -> Model:
         disjuncts = words(question, self.presolve)
-        program = transformed(gdp_model(*question.scenario.local(), disjuncts), self.transformation)
-        return Model(question, disjuncts, program)
+        pyomo = transformed(gdp_model(*question.scenario.local(), disjuncts), self.transformation)
+        return Model(question, disjuncts, pyomo, translated(pyomo))
 
     def solve(self, model: Model, limit: float) -> Solution:
         there = at_start(model.question)
         if there is not None:
             return replace(there, claim=Claim.OPTIMAL, lower_bound=0.0)
         until = perf_counter() + limit
-        settings = ScipSettings(self.gap * _SHARE, self.feastol, self.emphasis == "lean", limit)
-        native = run_scip(model.program, model.words, settings)
-        if native.status == "infeasible" or native.status.startswith(BROKEN):
+        runs = [self._run(model, self.feastol, limit)]
+        if runs[0].result.claim in (Claim.INFEASIBLE, Claim.FAILED):
             # A looser tolerance admits more: what is infeasible to it as well is so more surely,
-            # and linear programs that SCIP fails to solve are solved.
-            left = until - perf_counter()
-            looser = settings._replace(feastol=_LOOSER * self.feastol, limit=left)
-            native = run_scip(model.program, model.words, looser)
-        return self._answer(model, native)
+            # and linear programs that the engine fails to solve are solved.
+            runs.append(self._run(model, _LOOSER * self.feastol, until - perf_counter()))
+        spent = Effort("all words", len(runs), None, sum(run.effort.seconds for run in runs))
+        return replace(self._answer(model, runs[-1]), efforts=(spent,), best_run=runs[-1].effort)
 
-    def _answer(self, model: Model, native: Native) -> Solution:
-        question, scenario = model.question, model.question.scenario
-        # Node bounds come from linear programs solved to SCIP's tolerance, not exactly.
-        bound = max(0.0, native.bound - native.feastol * (1 + abs(native.bound)))
+    def _run(self, model: Model, feastol: float, seconds: float) -> Run:
+        settings = Settings(self.gap * _SHARE, feastol, self.emphasis == "lean")
+        began = perf_counter()
+        result = engine(self.engine, settings)(model.translated.program, seconds)
+        effort = Effort("all words", 1, None, perf_counter() - began)
+        word = z = None
+        if (x := result.x) is not None:
+            place = model.translated.place
+            lengths = list(model.pyomo.z.values())
+            chosen = [model.pyomo.word[w].binary_indicator_var for w in model.words]
+            values = {id(variable): x[place[id(variable)]] for variable in (*lengths, *chosen)}
+            pairs = zip(model.words, chosen, strict=True)
+            word = max(pairs, key=lambda pair: values[id(pair[1])])[0]
+            z = np.array([values[id(length)] for length in lengths])
+        return Run(result, word, z, feastol, effort)
+
+    def _answer(self, model: Model, run: Run) -> Solution:
+        question, scenario, result = model.question, model.question.scenario, run.result
+        # Node bounds come from linear programs solved to the tolerance, not exactly.
+        bound = max(0.0, result.bound - run.feastol * (1 + abs(result.bound)))
         provable = math.hypot(*scenario.local()) <= _PROVABLE
         known = Solution(
-            _CLAIMS.get(native.status, Claim.FAILED),
+            # only `_claim` makes the claim that a path is optimal
+            Claim.FEASIBLE if result.claim is Claim.OPTIMAL else result.claim,
             lower_bound=bound * scenario.radius if provable else None,
-            iterations=native.nodes,
-            native_status=native.status,
+            iterations=result.nodes,
+            native_status=result.status,
+            message=result.message,
         )
-        if native.word is None or native.z is None:
+        if run.word is None or run.z is None:
             return _without_a_path(question, known)
-        word, polished = meet_target(scenario, model.words, native.word, native.z)
-        claim, message = self._claim(question, native, bound, polished)
+        word, polished = meet_target(scenario, model.words, run.word, run.z)
+        claim, message = self._claim(question, run, bound, polished)
         return replace(
             known,
             claim=claim,
             path=as_path(scenario, SUBPROBLEMS[word], polished.z),
-            claimed_length=float(native.z.sum()) * scenario.radius,
+            claimed_length=float(run.z.sum()) * scenario.radius,
             message=f"{word}: {message}",
         )
 
     def _claim(
-        self, question: Question, native: Native, bound: float, polished: Polished
+        self, question: Question, run: Run, bound: float, polished: Polished
     ) -> tuple[Claim, str]:
-        """The claim for a polished path, and why; SCIP's claim is for its own point only."""
+        """The claim for a polished path, and why; the engine's is for its own point only."""
         if not polished.meets:
-            close = polished.miss <= _SLACK * native.feastol
+            close = polished.miss <= _SLACK * run.feastol
             message = f"meets the target only to {polished.miss:.1e} radii"
             return (Claim.FEASIBLE, message) if close else (Claim.FAILED, message)
         length = float(polished.z.sum())
@@ -170,7 +205,7 @@ class Disjunctive(Solver):
             return Claim.FEASIBLE, f"{message}, which proves nothing beyond {_PROVABLE:g} radii"
         if gap <= self.gap:
             return Claim.OPTIMAL, message
-        reached = _CLAIMS.get(native.status) is Claim.LIMIT
+        reached = run.result.claim is Claim.LIMIT
         return (Claim.LIMIT if reached else Claim.FEASIBLE), message
 
 
@@ -178,6 +213,6 @@ def _without_a_path(question: Question, known: Solution) -> Solution:
     if known.claim is not Claim.INFEASIBLE:
         return known
     if question.branch == "best":
-        # Some word reaches every target, so SCIP has cut it off.
+        # Some word reaches every target, so the engine has cut it off.
         return replace(known, claim=Claim.FAILED, lower_bound=None, message="no word left")
     return replace(known, lower_bound=None, message=f"{question.branch} does not reach the target")

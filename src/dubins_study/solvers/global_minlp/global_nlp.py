@@ -19,6 +19,7 @@ from dubins_study.solvers import library_versions
 from dubins_study.solvers.minlp_engines.program import (
     MixedProgram,
     ProvenResult,
+    Row,
     Settings,
     Written,
 )
@@ -165,7 +166,7 @@ class GlobalNlp(Solver):
 
     @property
     def keeps_limit(self) -> bool:
-        return True
+        return self.engine != "maingo"  # which counts the processor's seconds
 
     def build(self, question: Question) -> Model:
         chosen = subproblems(question, self.model, self.order, self.presolve)
@@ -226,7 +227,7 @@ def _program(question: Question, subproblem: Subproblem, lifted: bool) -> MixedP
 
     def write(x: Sequence[Any], functions: Any) -> Written:
         objective, equations = rebuilt(posed, x, functions)
-        return Written(objective, equations, [])
+        return Written(objective, [Row(side) for side in equations])
 
     return MixedProgram(posed.lower, posed.upper, np.zeros(posed.lower.size, np.bool_), write)
 

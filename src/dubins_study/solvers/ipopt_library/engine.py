@@ -10,15 +10,14 @@ from __future__ import annotations
 import math
 import os
 import shutil
-import tempfile
 from collections.abc import Callable
 from functools import lru_cache
-from pathlib import Path as FilePath
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from dubins_study.solvers.ipopt_library.deadline import Deadline
+from dubins_study.solvers.ipopt_library.nl_file import Program, nl_file
 from dubins_study.solvers.setting_checks import missing_package
 from dubins_study.study.claim import Claim
 from dubins_study.study.path import FloatArray
@@ -44,15 +43,6 @@ CLAIMS = {
 }
 
 Options = tuple[tuple[str, float], ...]
-
-
-class Program(NamedTuple):
-    """A Pyomo model with its variables in the caller's order (n of them) and the rows, equations
-    with right-hand side 0, whose duals are wanted (m of them)."""
-
-    model: Any
-    variables: list[Any]
-    rows: list[Any]
 
 
 class Result(NamedTuple):
@@ -114,25 +104,15 @@ def compiled(
 def _library(program: Program, options: Options, deadline: Deadline | None) -> Ask:
     """Ipopt from the casadi wheel on the NL file that Pyomo writes."""
     import casadi
-    from pyomo.repn.plugins.nl_writer import NLWriter
 
-    with tempfile.TemporaryDirectory() as folder:
-        file = FilePath(folder) / "model.nl"
-        with file.open("w") as stream:
-            # no presolve: every variable must keep its place, fixed or not
-            info = NLWriter().write(program.model, stream, linear_presolve=False)
-        builder = casadi.NlpBuilder()
-        builder.import_nl(str(file))
-    ours = {id(variable): place for place, variable in enumerate(program.variables)}
-    to_file = np.array([ours[id(variable)] for variable in info.variables])
+    file = nl_file(program)
+    to_file = file.to_file
     from_file = np.argsort(to_file)
-    rows = {id(row): place for place, row in enumerate(info.constraints)}
-    wanted = [rows[id(row)] for row in program.rows]
-    watch = None if deadline is None else deadline.watch(len(builder.x), len(builder.g))
+    watch = None if deadline is None else deadline.watch(file.x.numel(), file.g.numel())
     solver = casadi.nlpsol(
         "ipopt",
         "ipopt",
-        {"x": casadi.vertcat(*builder.x), "f": builder.f, "g": casadi.vertcat(*builder.g)},
+        {"x": file.x, "f": file.f, "g": file.g},
         {
             "print_time": False,
             "expand": True,  # scalar expressions evaluate faster than the file's matrix ones
@@ -140,15 +120,14 @@ def _library(program: Program, options: Options, deadline: Deadline | None) -> A
             **({} if watch is None else {"iteration_callback": watch}),
         },
     )
-    g_low, g_high = builder.g_lb, builder.g_ub
 
     def ask(guess: FloatArray, lower: FloatArray, upper: FloatArray) -> Result:
         x0, low, high = guess[to_file], lower[to_file], upper[to_file]
-        solution = solver(x0=x0, lbx=low, ubx=high, lbg=g_low, ubg=g_high)
+        solution = solver(x0=x0, lbx=low, ubx=high, lbg=file.lower, ubg=file.upper)
         stats = solver.stats()
         return Result(
             solution["x"].full().ravel()[from_file],
-            solution["lam_g"].full().ravel()[wanted],
+            solution["lam_g"].full().ravel()[file.rows],
             str(stats["return_status"]),
             str(stats["return_status"]).replace("_", " ").lower(),
             int(stats["iter_count"]),

@@ -55,12 +55,12 @@ def _run(model: Any, program: MixedProgram, settings: Settings, seconds: float) 
     x = model.addMVar(program.lower.size, program.lower, program.upper, vtype=kinds).tolist()
     written = program.write(x, nlfunc)
     model.setObjective(written.objective)
-    for sides, least in ((written.equations, 0.0), (written.inequalities, -math.inf)):
-        for side in sides:
-            if isinstance(side, gurobipy.NLExpr):  # taken only as the value of a variable
-                model.addConstr(model.addVar(least, 0.0) == side)
-            else:
-                model.addConstr(side <= 0 if least else side == 0)
+    for row in written.rows:
+        if isinstance(row.body, gurobipy.NLExpr):  # taken only as the value of a variable
+            model.addConstr(model.addVar(row.lower, row.upper) == row.body)
+        else:
+            for relation in row.relations():
+                model.addConstr(relation)
     model.Params.Threads = 1
     model.Params.MIPGap = settings.gap
     model.Params.MIPGapAbs = 0.0

@@ -27,7 +27,10 @@ _CLAIMS = {
 
 
 def maingo(settings: Settings) -> MinlpEngine:
-    """MAiNGO with epsilonR, deltaEq and deltaIneq; `lean` changes nothing."""
+    """MAiNGO with epsilonR, deltaEq and deltaIneq; `lean` changes nothing.
+
+    Its time limit counts whole seconds of the processor.
+    """
 
     def run(program: MixedProgram, seconds: float) -> ProvenResult:
         import maingopy
@@ -39,7 +42,7 @@ def maingo(settings: Settings) -> MinlpEngine:
             "epsilonA": settings.gap,
             "deltaEq": settings.feastol,
             "deltaIneq": settings.feastol,
-            "maxTime": max(seconds, 1e-3),
+            "maxTime": max(math.ceil(seconds), 1),  # it cuts the digits after the point
             "BAB_verbosity": maingopy.VERB_NONE,
             "LBP_verbosity": maingopy.VERB_NONE,
             "UBP_verbosity": maingopy.VERB_NONE,
@@ -60,10 +63,11 @@ def _result(solver: Any, status: str) -> ProvenResult:
     if status in ("GLOBALLY_OPTIMAL", "BOUND_TARGETS", "FEASIBLE_POINT"):
         point = np.array(solver.get_solution_point(), dtype=np.float64)
     infeasible = claim is Claim.INFEASIBLE
+    bound = float(solver.get_final_LBD())
     return ProvenResult(
         point,
         claim,
-        math.inf if infeasible else float(solver.get_final_LBD()),
+        math.inf if infeasible else bound if bound > -1e300 else -math.inf,
         int(solver.get_iterations()),
         None,
         status,
@@ -98,8 +102,12 @@ def _model_class() -> type[Any]:
             written = self.program.write(variables, maingopy)
             result = maingopy.EvaluationContainer()
             result.objective = written.objective
-            result.eq = written.equations
-            result.ineq = written.inequalities
+            rows = written.rows
+            result.eq = [body - lower for body, lower, upper in rows if lower == upper]
+            result.ineq = [
+                *(body - upper for body, lower, upper in rows if lower < upper < math.inf),
+                *(lower - body for body, lower, upper in rows if -math.inf < lower < upper),
+            ]
             return result
 
     return Posed

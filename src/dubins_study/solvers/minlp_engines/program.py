@@ -6,6 +6,7 @@ engine gets it in expressions of its own interface.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
@@ -17,23 +18,35 @@ from dubins_study.study.claim import Claim
 from dubins_study.study.path import FloatArray
 
 
-class Written(NamedTuple):
-    """A program in an engine's expressions.
+class Row(NamedTuple):
+    """lower <= body <= upper, in an engine's expressions; an equation if both are equal.
 
-    Args:
-        objective: to be minimised.
-        equations: left-hand sides that are zero; numbers where nothing in them is free.
-        inequalities: left-hand sides that are at most zero.
+    Either bound may be infinite, with its sign.
     """
 
+    body: Any
+    lower: float = 0.0
+    upper: float = 0.0
+
+    def relations(self) -> list[Any]:
+        """The row as one or two relations that the operators of the body's own type make."""
+        if self.lower == self.upper:
+            return [self.body == self.lower]
+        least = [self.body >= self.lower] if math.isfinite(self.lower) else []
+        most = [self.body <= self.upper] if math.isfinite(self.upper) else []
+        return least + most
+
+
+class Written(NamedTuple):
+    """A program in an engine's expressions: the objective to be minimised, and the rows."""
+
     objective: Any
-    equations: list[Any]
-    inequalities: list[Any]
+    rows: list[Row]
 
 
 @dataclass(frozen=True, eq=False)
 class MixedProgram:
-    """min f(x) subject to equations, inequalities and bounds; some variables are binary.
+    """min f(x) subject to rows and bounds; some variables are binary.
 
     Args:
         lower, upper: bounds of x, shape (n,); infinite where there is none.

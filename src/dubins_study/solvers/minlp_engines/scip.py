@@ -102,10 +102,9 @@ def _translated(program: MixedProgram) -> tuple[Any, list[Any]]:
         )
     ]
     written = program.write(x, pyscipopt)
-    for side in written.equations:
-        model.addCons(side == 0)
-    for side in written.inequalities:
-        model.addCons(side <= 0)
+    for row in written.rows:
+        for relation in row.relations():
+            model.addCons(relation)
     # SCIP takes linear objectives only; one variable above the objective serves for all
     objective = model.addVar(lb=None, obj=1.0)
     model.addCons(objective >= written.objective)

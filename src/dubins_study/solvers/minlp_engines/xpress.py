@@ -56,13 +56,15 @@ def _run(library: Any, program: MixedProgram, settings: Settings, seconds: float
     ]
     written = program.write(x, library)
     problem.setObjective(written.objective)
-    problem.addConstraint(
-        [side == 0 for side in written.equations] + [side <= 0 for side in written.inequalities]
-    )
+    problem.addConstraint([relation for row in written.rows for relation in row.relations()])
     controls = {
         "threads": 1,
         "miprelstop": settings.gap,
         "mipabsstop": 0.0,
+        # by default no node is looked at that may gain less than 1e-5, or 1e-4 of the objective:
+        # then bounds stay that far below, whatever gap is asked for
+        "mipaddcutoff": 0.0,
+        "miprelcutoff": 0.0,
         "feastol": settings.feastol,
         "timelimit": max(seconds, 1e-3),  # 0 stands for no limit
     }

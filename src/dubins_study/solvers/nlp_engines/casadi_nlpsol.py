@@ -1,45 +1,210 @@
-"""The engines that casadi's wheel carries, all through its `nlpsol`."""
+"""The engines that casadi's wheel carries, all through its `nlpsol`.
+
+Options are the engines' own defaults but for tolerance, iterations and silence.
+"""
 
 from __future__ import annotations
 
-from functools import lru_cache
-from typing import Any
+import io
+from collections.abc import Callable
+from contextlib import redirect_stderr, redirect_stdout
+from functools import lru_cache, partial
+from time import perf_counter
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from dubins_study.solvers.ipopt_library.deadline import Deadline
+from dubins_study.solvers.ipopt_library.engine import CLAIMS
 from dubins_study.solvers.nlp_engines.program import Engine, EngineResult, Expressions, Program
 from dubins_study.study.claim import Claim
 from dubins_study.study.path import FloatArray
 
-_CLAIMS = {"Solve_Succeeded": Claim.LOCAL, "Infeasible_Problem_Detected": Claim.INFEASIBLE}
+# casadi's word of an engine's ending, where the engine's own is in no table
+_UNIFIED = {"SOLVER_RET_SUCCESS": Claim.LOCAL, "SOLVER_RET_LIMITED": Claim.LIMIT}
+
+# A run of so many iterations on so few variables takes less than a tenth of a second and needs no
+# look at the time, which would cost more than the iterations do.
+_QUICK_ITERATIONS = 1000
+_FEW_VARIABLES = 10
+
+
+class _Plugin(NamedTuple):
+    """A plug-in of `nlpsol`.
+
+    Args:
+        options: those of `nlpsol` for a tolerance and a number of iterations.
+        claims: the engine's statuses as claims; other statuses have casadi's word (`_UNIFIED`).
+        watched: whether it calls casadi's `iteration_callback` and so can be stopped.
+        raises: whether it raises where it fails.
+    """
+
+    options: Callable[[float, int], dict[str, Any]]
+    claims: dict[str, Claim]
+    watched: bool = False
+    raises: bool = False
+
+
+def _sqp(qp: dict[str, Any], tol: float, max_iter: int) -> dict[str, Any]:
+    quiet = {"print_header": False, "print_iteration": False}
+    return {"tol_pr": tol, "tol_du": tol, "max_iter": max_iter, "qpsol_options": qp, **quiet}
+
+
+_PLUGINS = {
+    "ipopt": _Plugin(
+        lambda tol, n: {"ipopt": {"tol": tol, "max_iter": n, "print_level": 0, "sb": "yes"}},
+        CLAIMS,
+        watched=True,
+    ),
+    # its statuses say both how it stopped and what the point is
+    "uno": _Plugin(
+        lambda tol, n: {
+            "uno": {
+                **{"primal_tolerance": tol, "dual_tolerance": tol, "max_iterations": n},
+                "logger": "SILENT",
+            }
+        },
+        {
+            "Converged with feasible KKT point": Claim.LOCAL,
+            "Converged with feasible FJ point": Claim.FEASIBLE,
+            "Terminated with feasible small step": Claim.FEASIBLE,
+            "Converged with infeasible stationary point": Claim.INFEASIBLE,
+            "Terminated with infeasible small step": Claim.FAILED,
+        },
+        watched=True,
+    ),
+    "fatrop": _Plugin(
+        lambda tol, n: {"fatrop": {"tolerance": tol, "max_iter": n, "print_level": 0}},
+        {"1": Claim.FAILED},  # of every kind; 0 is a success
+    ),
+    # the outer iterations, of the augmented Lagrangian; an inner one has 100 steps by default
+    "alpaqa": _Plugin(
+        lambda tol, n: {
+            "alpaqa": {"alm.tolerance": tol, "alm.dual_tolerance": tol, "alm.max_iter": n}
+        },
+        {},
+    ),
+    # without integers a branch and bound of one node: its Ipopt, and a presolve around it
+    "bonmin": _Plugin(
+        lambda tol, n: {
+            "bonmin": {
+                **{"tol": tol, "max_iter": n, "print_level": 0, "sb": "yes"},
+                **{"bb_log_level": 0, "nlp_log_level": 0},
+            }
+        },
+        {"INFEASIBLE": Claim.INFEASIBLE, "LIMIT_EXCEEDED": Claim.LIMIT},
+    ),
+    # casadi calls every ending a success, the dead point (SLEQP_STATUS_ABORT_DEADPOINT) too
+    "sleqp": _Plugin(
+        lambda tol, n: {"sleqp": {"feas_tol": tol}, "max_iter": n, "print_level": 0},
+        {
+            "optimal": Claim.LOCAL,
+            "feasible": Claim.FEASIBLE,
+            "infeasible": Claim.INFEASIBLE,
+            "deadpoint": Claim.FAILED,
+            "unbounded": Claim.FAILED,
+            "iteration limit": Claim.LIMIT,
+            "time limit": Claim.LIMIT,
+        },
+    ),
+    # both raise where a quadratic program has no solution
+    "sqpmethod": _Plugin(partial(_sqp, {"printLevel": "none"}), CLAIMS, watched=True, raises=True),
+    "qrsqp": _Plugin(
+        partial(_sqp, dict.fromkeys(("print_iter", "print_header", "print_info"), False)),
+        CLAIMS,
+        watched=True,
+        raises=True,
+    ),
+}
+
+
+class _Silence(io.TextIOBase):
+    """What casadi prints, plug-ins included, goes through Python's own streams, here nowhere."""
+
+    def write(self, text: str) -> int:
+        return len(text)
+
+
+class _Compiled(NamedTuple):
+    """A program compiled for an engine; the deadline, if there is one, stops it."""
+
+    solve: Any
+    deadline: Deadline | None
 
 
 @lru_cache(maxsize=256)
-def _compiled(expressions: Expressions, plugin: str, options: tuple[tuple[str, Any], ...]) -> Any:
+def _compiled(expressions: Expressions, plugin: str, tol: float, max_iter: int) -> _Compiled:
     import casadi
 
     problem = {name: getattr(expressions, name) for name in ("x", "p", "f", "g")}
-    silent = {"print_time": False, "expand": True}
-    return casadi.nlpsol("engine", plugin, problem, silent | {plugin: dict(options)})
+    options = {"print_time": False, "expand": True} | _PLUGINS[plugin].options(tol, max_iter)
+    n, m = expressions.x.numel(), expressions.g.numel()
+    deadline = None
+    if _PLUGINS[plugin].watched and (max_iter > _QUICK_ITERATIONS or n > _FEW_VARIABLES):
+        deadline = Deadline()
+        options["iteration_callback"] = deadline.watch(n, m)
+    return _Compiled(casadi.nlpsol("engine", plugin, problem, options), deadline)
 
 
-def ipopt(tol: float, max_iter: int) -> Engine:
-    """Ipopt, an interior-point method."""
-    options = (("print_level", 0), ("sb", "yes"), ("tol", tol), ("max_iter", max_iter))
-
+def _engine(plugin: str, tol: float, max_iter: int) -> Engine:
     def run(program: Program, guess: FloatArray, seconds: float) -> EngineResult:
-        compiled = _compiled(program.expressions, "ipopt", options)
-        end = compiled(x0=guess, p=program.p, lbx=program.lower, ubx=program.upper, lbg=0, ubg=0)
-        stats = compiled.stats()
-        status = str(stats["return_status"])
-        return EngineResult(
-            np.asarray(end["x"].full()).ravel(),
-            _CLAIMS.get(status, Claim.FAILED),
-            np.asarray(end["lam_g"].full()).ravel(),
-            int(stats["iter_count"]),
-            int(stats["n_call_nlp_g"]),
-            status,
-            status.replace("_", " ").lower(),
-        )
+        with redirect_stdout(_Silence()), redirect_stderr(_Silence()):
+            solve, deadline = _compiled(program.expressions, plugin, tol, max_iter)
+            if deadline is not None:
+                deadline.at = perf_counter() + seconds
+            bounds = {"lbx": program.lower, "ubx": program.upper, "lbg": 0, "ubg": 0}
+            try:
+                end = solve(x0=guess, p=program.p, **bounds)
+            except RuntimeError as error:
+                if not _PLUGINS[plugin].raises:
+                    raise
+                nowhere, reason = np.full(guess.size, np.nan), str(error).splitlines()[-1]
+                return EngineResult(nowhere, Claim.FAILED, None, None, None, "raised", reason)
+        return _result(plugin, end, solve.stats())
 
     return run
+
+
+def _result(plugin: str, end: dict[str, Any], stats: dict[str, Any]) -> EngineResult:
+    unified = str(stats["unified_return_status"])
+    status = str(stats.get("return_status", unified))
+    duals = end["lam_g"].full().ravel()
+    claim = _PLUGINS[plugin].claims.get(status) or _UNIFIED.get(unified, Claim.FAILED)
+    iterations = stats.get("iter_count")
+    return EngineResult(
+        end["x"].full().ravel(),
+        claim,
+        duals if np.isfinite(duals).all() else None,  # Bonmin returns none
+        None if iterations is None else int(iterations),
+        _evaluations(stats),
+        status,
+        status.replace("_", " ").lower(),
+    )
+
+
+def _evaluations(stats: dict[str, Any]) -> int:
+    """Evaluations of objective or equations, whichever are more; alpaqa's psi evaluates both."""
+    of_both = stats.get("n_call_nlp_fg", 0) + stats.get("n_call_nlp_psi", 0)
+    return int(of_both + max(stats.get("n_call_nlp_f", 0), stats.get("n_call_nlp_g", 0)))
+
+
+ipopt = partial(_engine, "ipopt")
+uno = partial(_engine, "uno")
+fatrop = partial(_engine, "fatrop")
+alpaqa = partial(_engine, "alpaqa")
+bonmin = partial(_engine, "bonmin")
+sleqp = partial(_engine, "sleqp")
+sqpmethod = partial(_engine, "sqpmethod")
+qrsqp = partial(_engine, "qrsqp")
+blocksqp = partial(_engine, "blocksqp")
+feasiblesqpmethod = partial(_engine, "feasiblesqpmethod")
+
+
+def blocksqp_unavailable() -> str:
+    """Why blockSQP cannot run: its first quadratic program asks for a linear solver of HSL."""
+    return "casadi's wheel lacks the linear solver of blockSQP's quadratic programs (HSL MA27)"
+
+
+def feasiblesqpmethod_unavailable() -> str:
+    """Why feasiblesqpmethod answers no question: it refuses every guess off the equations."""
+    return "feasiblesqpmethod asks for an initial guess that satisfies all equations"

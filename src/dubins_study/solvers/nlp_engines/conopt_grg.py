@@ -7,6 +7,7 @@ scaled.
 
 from __future__ import annotations
 
+import math
 from functools import cache
 from typing import Any
 
@@ -32,15 +33,15 @@ def conopt(tol: float, max_iter: int) -> Engine:
         solver.setThreadS(1)
         solver.solve()
         numbers = solver.solutionStatus(), solver.modelStatus()
-        message, claim = status(*numbers)
+        x, marginals = solver.getVariableValues(), solver.getConstraintMarginals()
         return EngineResult(
-            np.array(solver.getVariableValues()),
-            claim,
-            -np.array(solver.getConstraintMarginals())[:-1],
+            np.array(x) if x else np.full(guess.size, math.nan),
+            status(*numbers)[1],
+            -np.array(marginals[:-1]) if marginals else None,
             int(solver.iterations()),
             model.points,
             "solver status {}, model status {}".format(*numbers),
-            message,
+            messages.last,
         )
 
     return run
@@ -110,18 +111,31 @@ def _classes() -> tuple[type, type]:
         def evaluateSDLagrangian(  # noqa: N802
             self, x: Any, u: Any, hessianrow: Any, hessiancol: Any
         ) -> list[float]:
-            x, weights = np.array(x), np.array(u)
-            curved = self.functions.hessian(x, weights[:-1])
-            if weights[-1] != 1.0:
-                straight = self.functions.hessian(x, np.zeros(self.m))
-                curved = curved + (weights[-1] - 1.0) * straight
-            values: list[float] = curved[list(hessianrow), list(hessiancol)].tolist()
-            return values
+            values = self._curvature(x, u)[list(hessianrow), list(hessiancol)]
+            return values.tolist()  # type: ignore[no-any-return]
 
-    class Silence(conopt.MessageHandler):  # type: ignore[misc]
-        """Takes CONOPT's messages and prints none."""
+        def evaluateSDDirLagrangian(  # noqa: N802
+            self, x: Any, dx: Any, u: Any, newpoint: bool
+        ) -> list[float]:
+            return (self._curvature(x, u) @ np.array(dx)).tolist()  # type: ignore[no-any-return]
+
+        def _curvature(self, x: Any, u: Any) -> FloatArray:
+            """Second derivative of the rows' sum, each times its weight in u."""
+            point, weights = np.array(x), np.array(u)
+            curved = self.functions.hessian(point, weights[:-1])
+            if weights[-1] != 1.0:
+                objective = self.functions.hessian(point, np.zeros(self.m))
+                curved = curved + (weights[-1] - 1.0) * objective
+            return curved
+
+    class Messages(conopt.MessageHandler):  # type: ignore[misc]
+        """Keeps the last of CONOPT's statements, which begin with two stars; prints none."""
+
+        last = ""
 
         def message(self, smsg: int, dmsg: int, nmsg: int, msgv: Any) -> int:
+            statements = [line for line in msgv if line.startswith(" ** ")]
+            self.last = statements[-1].strip(" *") if statements else self.last
             return 0
 
         def errorMessage(self, rowno: int, colno: int, posno: int, msg: str) -> int:  # noqa: N802
@@ -130,4 +144,4 @@ def _classes() -> tuple[type, type]:
         def progress(self, progressdata: Any) -> int:
             return 0
 
-    return ModelData, Silence
+    return ModelData, Messages

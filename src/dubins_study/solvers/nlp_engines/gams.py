@@ -50,6 +50,12 @@ _LANGUAGE = Language("GAMS", "x{}", "power({}, {})", sys.maxsize)
 # of the equations' rounding: nearer to zero than that they do not come
 _ROUNDINGS = 64 * EPS
 
+# in files of options: feasibility, optimality, limit of iterations
+_SNOPT = ("major feasibility tolerance", "major optimality tolerance", "major iterations limit")
+_MINOS = ("row tolerance", "optimality tolerance", "major iterations")
+
+_MINOR_ITERATIONS = 10  # in a major one; MINOS heeds no limit of these, and may not end
+
 _NO_LICENCE = 7  # GAMS's exit code
 _START_S = 10.0  # for GAMS to start, which takes 20 ms
 
@@ -66,14 +72,12 @@ def status(solver: int, model: int) -> tuple[str, Claim]:
 
 def snopt(tol: float, max_iter: int) -> Engine:
     """SNOPT: Gill, Murray and Saunders's sparse sequential quadratic programming."""
-    return _engine(
-        "snopt", "major feasibility tolerance", "major optimality tolerance", tol, max_iter
-    )
+    return _engine("snopt", _SNOPT, tol, max_iter)
 
 
 def minos(tol: float, max_iter: int) -> Engine:
     """MINOS: Murtagh and Saunders's projected Lagrangian method."""
-    return _engine("minos", "row tolerance", "optimality tolerance", tol, max_iter)
+    return _engine("minos", _MINOS, tol, max_iter)
 
 
 def unavailable() -> str | None:
@@ -97,15 +101,16 @@ def _exit_code() -> int | None:
         return _run(folder, _START_S)
 
 
-def _engine(name: str, feasibility: str, optimality: str, tol: float, max_iter: int) -> Engine:
-    """A solver of GAMS, with its names of the two tolerances."""
+def _engine(name: str, options: tuple[str, str, str], tol: float, max_iter: int) -> Engine:
+    """A solver of GAMS, with its names of feasibility, optimality and the limit of iterations."""
 
     def run(program: Program, guess: FloatArray, seconds: float) -> EngineResult:
         residual = max(tol, _ROUNDINGS * program.magnitude)
-        options = {feasibility: residual, optimality: tol, "major iterations": max_iter}
-        lines = [f"{option} {value!r}\n" for option, value in options.items()]
+        values = zip(options, (residual, tol, max_iter), strict=True)
+        lines = [f"{option} {value!r}\n" for option, value in values]
         with _folder(name) as folder:
-            (folder / "program.gms").write_text(_model(program, guess, name))
+            minor = _MINOR_ITERATIONS * max_iter
+            (folder / "program.gms").write_text(_model(program, guess, name, minor))
             (folder / f"{name}.opt").write_text("".join(lines))
             exit_code = _run(folder, seconds)
             file = folder / "results.txt"
@@ -127,8 +132,11 @@ def _engine(name: str, feasibility: str, optimality: str, tol: float, max_iter: 
     return run
 
 
-def _model(program: Program, guess: FloatArray, solver: str) -> str:
-    """The program in GAMS's language; it writes two status numbers, iterations, x and marginals."""
+def _model(program: Program, guess: FloatArray, solver: str, minor: int) -> str:
+    """The program in GAMS's language, with a limit of minor iterations.
+
+    It writes the two status numbers, the number of minor iterations, x and marginals.
+    """
     text = algebra_text(program, _LANGUAGE)
     rows = [f"e{i + 1}" for i in range(len(text.equations))]
     bounds = zip(guess.tolist(), program.lower.tolist(), program.upper.tolist(), strict=True)
@@ -152,7 +160,8 @@ def _model(program: Program, guess: FloatArray, solver: str) -> str:
             *starts,
             *equations,
             f"objective.. length =e= {text.objective};".replace(" ", "\n "),
-            f"model program / all /; program.optfile = 1; option nlp = {solver};",
+            f"model program / all /; option nlp = {solver}, iterlim = {minor};",
+            "program.optfile = 1;",
             "solve program using nlp minimizing length;",
             "file results / 'results.txt' /; results.nr = 2; results.nd = 15; results.nw = 30;",
             "put results;",

@@ -20,14 +20,20 @@ class EngineEntry(NamedTuple):
         packages: the packages that must be installed.
         reason: `module:function` that says why it cannot run here although its packages are
             installed (a licence), or returns None; empty if nothing else is needed.
+        keeps_limit: whether a run ends at most a second after its seconds are up.
+        fixed_tol: the feasibility, if it is the engine's own whatever `tol` is.
     """
 
     label: str
     place: str
     packages: tuple[str, ...]
     reason: str = ""
+    keeps_limit: bool = True
+    fixed_tol: float | None = None
 
 
+_SCIPY = "dubins_study.solvers.nlp_engines.scipy_minimize:"
+_TRUST_CONSTR = "dubins_study.solvers.nlp_engines.trust_constr:trust_constr"
 _CASADI = "dubins_study.solvers.nlp_engines.casadi_nlpsol:"
 _APOPT = "dubins_study.solvers.nlp_engines.apopt:"
 _CONOPT = "dubins_study.solvers.nlp_engines.conopt_grg:"
@@ -35,9 +41,28 @@ _GAMS = "dubins_study.solvers.nlp_engines.gams:"
 _NLOPT = "dubins_study.solvers.nlp_engines.nlopt_local:"
 _UNO = "dubins_study.solvers.nlp_engines.uno:"
 ENGINES = {
+    "slsqp": EngineEntry("SLSQP", _SCIPY + "slsqp", ("scipy",)),
+    "trust-constr": EngineEntry("trust-constr", _TRUST_CONSTR, ("scipy",)),
+    "cobyqa": EngineEntry("COBYQA", _SCIPY + "cobyqa", ("scipy",)),
     "ipopt": EngineEntry("Ipopt", _CASADI + "ipopt", ("casadi",)),
+    "uno": EngineEntry("Uno", _CASADI + "uno", ("casadi",)),
+    "fatrop": EngineEntry("fatrop", _CASADI + "fatrop", ("casadi",), keeps_limit=False),
+    "alpaqa": EngineEntry("alpaqa", _CASADI + "alpaqa", ("casadi",), keeps_limit=False),
+    "bonmin": EngineEntry("Bonmin", _CASADI + "bonmin", ("casadi",), keeps_limit=False),
+    "sleqp": EngineEntry("SLEQP", _CASADI + "sleqp", ("casadi",), keeps_limit=False),
+    "sqpmethod": EngineEntry("casadi sqpmethod", _CASADI + "sqpmethod", ("casadi",)),
+    "qrsqp": EngineEntry("casadi qrsqp", _CASADI + "qrsqp", ("casadi",)),
+    "blocksqp": EngineEntry(
+        "blockSQP", _CASADI + "blocksqp", ("casadi",), _CASADI + "blocksqp_unavailable"
+    ),
+    "feasiblesqpmethod": EngineEntry(
+        "casadi feasiblesqpmethod",
+        _CASADI + "feasiblesqpmethod",
+        ("casadi",),
+        _CASADI + "feasiblesqpmethod_unavailable",
+    ),
     "apopt": EngineEntry("APOPT", _APOPT + "apopt", ("gekko",), _APOPT + "unavailable"),
-    "conopt": EngineEntry("CONOPT", _CONOPT + "conopt", ("conopt",)),
+    "conopt": EngineEntry("CONOPT", _CONOPT + "conopt", ("conopt",), fixed_tol=1e-7),
     "gams-minos": EngineEntry(
         "MINOS", _GAMS + "minos", ("gamspy_base", "gamspy_minos"), _GAMS + "unavailable"
     ),
@@ -55,6 +80,11 @@ def engine(name: str, tol: float, max_iter: int) -> Engine:
     """The engine of a name in `ENGINES`."""
     made: Engine = _load(ENGINES[name].place)(tol, max_iter)
     return made
+
+
+def tolerance(name: str, tol: float) -> float:
+    """The feasibility that an engine is run with if it is asked for `tol`."""
+    return ENGINES[name].fixed_tol or tol
 
 
 def unavailable(name: str) -> str | None:

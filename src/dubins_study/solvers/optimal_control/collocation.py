@@ -1,4 +1,4 @@
-"""`collocation`: the optimal-control problem in `pyomo.dae`, solved as one program by Ipopt."""
+"""`collocation`: the optimal-control problem in `pyomo.dae`, solved as one program."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from dubins_study.solvers import library_versions
 from dubins_study.solvers.ipopt_library.engine import VIAS, by_executable, unavailable
 from dubins_study.solvers.optimal_control.collocation_model import Template, template
 from dubins_study.solvers.optimal_control.transcription import Transcription
-from dubins_study.solvers.setting_checks import one_of, whole
+from dubins_study.solvers.setting_checks import missing_package, one_of, whole
 
 
 @dataclass(frozen=True)
@@ -18,6 +18,7 @@ class Collocation(Transcription):
 
     Args:
         points: collocation points in each element.
+        engine: Ipopt reads Pyomo's file as it is; the others read `collocation_program`.
         via: how Ipopt is reached: `executable`, `library` or `auto`: the executable if PATH has
             one.
     """
@@ -28,7 +29,7 @@ class Collocation(Transcription):
     name: ClassVar[str] = "collocation"
     formulation: ClassVar[str] = "Radau collocation"
     packages: ClassVar[tuple[str, ...]] = ("pyomo", "casadi")
-    summary: ClassVar[str] = "optimal control collocated in pyomo.dae, free elements, by Ipopt"
+    summary: ClassVar[str] = "optimal control collocated in pyomo.dae, free elements"
     profiles: ClassVar[dict[str, dict[str, Any]]] = {
         "fast": {"tol": 1e-7},
         "accurate": {"n": 6, "points": 6, "tol": 1e-11},
@@ -41,17 +42,22 @@ class Collocation(Transcription):
         one_of(via=(self.via, VIAS))
 
     def unavailable(self) -> str | None:
-        return unavailable(self.via)
+        if self.engine == "ipopt":
+            return unavailable(self.via)
+        return missing_package("pyomo", "casadi") or super().unavailable()
 
     @property
     def keeps_limit(self) -> bool:
         # Pyomo lets the executable run; compiling takes 0.4 s at 500 points and 5 s at 5000
-        return not by_executable(self.via) and self.n * self.points <= 250
+        quick = not by_executable(self.via) and self.n * self.points <= 250
+        return self.engine == "ipopt" and quick
 
     def library_versions(self) -> dict[str, str]:
+        if self.engine != "ipopt":
+            return super().library_versions()
         return library_versions.ipopt(by_executable(self.via))
 
     def template(self, distance: float) -> Template:
-        options = (("tol", self.tol), ("max_iter", self.max_iter), ("bound_relax_factor", 0.0))
         equal, executable = self.mesh == "equal", by_executable(self.via)
-        return template(self.n, self.points, equal, options, executable)
+        numbers = self.tol, self.max_iter
+        return template(self.n, self.points, equal, self.engine, *numbers, executable)

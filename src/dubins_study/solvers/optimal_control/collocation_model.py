@@ -21,20 +21,16 @@ from typing import Any
 import numpy as np
 
 from dubins_study.solvers.ipopt_library.deadline import Deadline
-from dubins_study.solvers.ipopt_library.engine import CLAIMS, Ask, Options, Program, compiled
+from dubins_study.solvers.ipopt_library.engine import CLAIMS, Options, compiled
+from dubins_study.solvers.ipopt_library.nl_file import Program
+from dubins_study.solvers.nlp_engines import table
 from dubins_study.solvers.nlp_engines.program import EngineResult
-from dubins_study.solvers.optimal_control.elements import Elements
+from dubins_study.solvers.optimal_control.collocation_program import Ask, asked
+from dubins_study.solvers.optimal_control.elements import MOST_TURN, MOST_TURN_EACH, Elements
 from dubins_study.solvers.optimal_control.transcription import Transcribed
 from dubins_study.solvers.optimal_control.turn_rate_dynamics import Rates
 from dubins_study.study.claim import Claim
 from dubins_study.study.path import FloatArray
-
-# Bounds on turns (rad). Without them a few elements take all the turning, and the error of their
-# quadrature makes the path shorter. A shortest path turns by less than a full turn and, if it has
-# two arcs, by pi/3 at most the other way (docs/derivation.md, section 4): elements of free length
-# share MOST_TURN. No equally long element needs more than half a turn.
-MOST_TURN = 3 * math.pi
-MOST_TURN_EACH = math.pi
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,8 +41,8 @@ class Template:
         equal: whether all elements are equally long.
         element: which element a collocation point lies in, shape (m,), from 0.
         fraction: how far into it, shape (m,), in (0, 1].
-        ask: the compiled program.
-        deadline: when a solve stops; the executable does not look at it.
+        ask: the compiled program and its engine.
+        deadline: when a solve stops; Ipopt's executable does not look at it.
     """
 
     n: int
@@ -74,13 +70,11 @@ class Template:
         lower[data] = upper[data] = target
         self.deadline.at = until
         result = self.ask(values, lower, upper)
-        length = np.maximum(result.point[:durations], 0.0)
+        length = np.maximum(result.x[:durations], 0.0)
         if self.equal:
             length = np.full(n, length[0] / n)
-        turn = np.clip(result.point[turns], rates.lower * length, rates.upper * length)
-        claim = CLAIMS.get(result.status, Claim.FAILED)
-        native = EngineResult(result.point, claim, *result[1:2], *result[4:], *result[2:4])
-        return Transcribed(Elements(turn, length), native)
+        turn = np.clip(result.x[turns], rates.lower * length, rates.upper * length)
+        return Transcribed(Elements(turn, length), result)
 
     def _durations(self, guess: Elements) -> FloatArray:
         return np.array([guess.total]) if self.equal else guess.length
@@ -98,15 +92,40 @@ def _sided(rate: float) -> float:
     return 0.0 if rate == 0 else math.copysign(math.inf, rate)
 
 
-@lru_cache(maxsize=16)
-def template(n: int, points: int, equal: bool, options: Options, by_executable: bool) -> Template:
-    """The transcription into n elements of so many points each, compiled once per setting."""
-    transcribed, deadline = program(n, points, equal), Deadline()
-    ask = compiled(transcribed, options, by_executable, deadline)
+@lru_cache(maxsize=64)
+def template(
+    n: int, points: int, equal: bool, engine: str, tol: float, max_iter: int, by_executable: bool
+) -> Template:
+    """The transcription into n elements of so many points each, compiled once per setting.
+
+    Args:
+        engine, tol, max_iter: as `nlp_engines.table.engine` takes them.
+        by_executable: whether Ipopt is the executable on PATH.
+    """
+    model, deadline = program(n, points, equal), Deadline()
+    if engine == "ipopt":
+        options = (("tol", tol), ("max_iter", max_iter), ("bound_relax_factor", 0.0))
+        ask = _by_ipopt(model, options, by_executable, deadline)
+    else:
+        first = 1 + n if equal else 2 * n  # of X and Y
+        data = slice(first, first + 2)
+        ask = asked(model, data, table.engine(engine, tol, max_iter), deadline)
     element = np.repeat(np.arange(n), points)
     # not from the points' labels in the model, which Pyomo rounds
-    fraction = np.tile(transcribed.model.tau.get_discretization_info()["tau_points"][1:], n)
+    fraction = np.tile(model.model.tau.get_discretization_info()["tau_points"][1:], n)
     return Template(n, equal, element, fraction, ask, deadline)
+
+
+def _by_ipopt(model: Program, options: Options, executable: bool, deadline: Deadline) -> Ask:
+    """Ipopt on the NL file as it is, with inequalities and fixed variables."""
+    run = compiled(model, options, executable, deadline)
+
+    def ask(guess: FloatArray, lower: FloatArray, upper: FloatArray) -> EngineResult:
+        point, duals, status, message, iterations, evaluations = run(guess, lower, upper)
+        claim = CLAIMS.get(status, Claim.FAILED)
+        return EngineResult(point, claim, duals, iterations, evaluations, status, message)
+
+    return ask
 
 
 def program(n: int, points: int, equal: bool) -> Program:

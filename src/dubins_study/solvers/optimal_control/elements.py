@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -10,6 +11,13 @@ from dubins_study.study.path import FloatArray, Path
 from dubins_study.study.scenario import Pose
 
 HERE = Pose(0.0, 0.0, 0.0)
+# Bounds on turns (rad). A shortest path turns by less than a full turn and, if it has two arcs, by
+# pi/3 at most the other way (docs/derivation.md, section 4): elements of free length share
+# MOST_TURN. No equally long element needs more than half a turn. Without these bounds a few
+# elements take all the turning: full turns that lead nowhere, which in a collocated element even
+# make the path shorter, by the error of the quadrature.
+MOST_TURN = 3 * math.pi
+MOST_TURN_EACH = math.pi
 LEAST = 1e-3  # radii; elements of no length would be a poor guess
 
 

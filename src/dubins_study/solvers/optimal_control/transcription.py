@@ -138,7 +138,8 @@ class Transcription(Solver):
     @property
     def method(self) -> Method:
         label = table.ENGINES[self.engine].label
-        return Method(self.formulation, label, self.initial_guess, self.tol)
+        tol = table.tolerance(self.engine, self.tol)
+        return Method(self.formulation, label, self.initial_guess, tol)
 
     def unavailable(self) -> str | None:
         return table.unavailable(self.engine)

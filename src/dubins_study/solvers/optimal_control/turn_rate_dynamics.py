@@ -9,6 +9,7 @@ linear |a_k| <= w_k T, exact for every T.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -17,6 +18,8 @@ import numpy as np
 from dubins_study.study.path import FloatArray
 
 CLOSE = 1e-10  # turning radii; two digits inside the 1e-8 promised, far above rounding
+SHARINGS = ("equal", "graded")
+_TURNING = 2 * math.pi  # radii; a turn towards a target far away is shorter than a full circle
 _CORRECTIONS = 30  # Newton's method takes 2 to 5; more are needed where rates reach their bounds
 
 
@@ -44,6 +47,19 @@ class Rates(NamedTuple):
 
 # by branch: LS and RS forbid turning the other way
 RATES = {"best": Rates(-1.0, 1.0), "LS": Rates(0.0, 1.0), "RS": Rates(-1.0, 0.0)}
+
+
+def step_shares(n: int, mesh: str, distance: float) -> FloatArray:
+    """The steps' shares (n,) of the length, summing to 1, for a target so many radii away.
+
+    On the mesh `equal` they are alike. On `graded` half of the steps share about a full circle's
+    length at the start, where the path turns, unless equal steps are shorter than that.
+    """
+    turning, straight = (n + 1) // 2, n // 2
+    share = _TURNING / (_TURNING + distance)
+    if mesh == "equal" or share >= turning / n:
+        return np.full(n, 1.0 / n)
+    return np.repeat((share / turning, (1 - share) / straight), (turning, straight))
 
 
 class Rollout(NamedTuple):

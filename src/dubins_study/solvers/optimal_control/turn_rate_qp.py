@@ -10,12 +10,20 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from dubins_study.solvers.optimal_control.turn_rate_dynamics import CLOSE, RATES, Controls, Rates
+from dubins_study.solvers.optimal_control.transcription import summed
+from dubins_study.solvers.optimal_control.turn_rate_dynamics import (
+    CLOSE,
+    RATES,
+    SHARINGS,
+    Controls,
+    Rates,
+    step_shares,
+)
 from dubins_study.solvers.optimal_control.turn_rate_sequence import Limits, Run, Sequence
 from dubins_study.solvers.optimal_control.turn_rate_template import ENGINES, Template, template
 from dubins_study.solvers.paper_nlp.polish import one_sided_only
 from dubins_study.solvers.presolve import words
-from dubins_study.solvers.protocol import Guarantee, Method, Question, Solution, Solver
+from dubins_study.solvers.protocol import Effort, Guarantee, Method, Question, Solution, Solver
 from dubins_study.solvers.setting_checks import missing_package, one_of, whole
 from dubins_study.solvers.vehicle_frame import coordinate_rounding, in_world
 from dubins_study.study.claim import Claim
@@ -23,8 +31,6 @@ from dubins_study.study.path import FloatArray, Path, drivable
 
 _PACKAGES = {"highs": "highspy"}
 _LABELS = {"piqp": "PIQP", "clarabel": "Clarabel", "osqp": "OSQP", "highs": "HiGHS"}
-MESHES = ("equal", "graded")
-_TURNING = 2 * math.pi  # radii; a turn towards a target far away is shorter than a full circle
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,7 +81,7 @@ class TurnRateQp(Solver):
     def __post_init__(self) -> None:
         # the QPs are dense: a larger one takes gigabytes
         whole(n=(self.n, 2, 2000), max_qps=(self.max_qps, 1, 10**6))
-        one_of(engine=(self.engine, ENGINES), mesh=(self.mesh, MESHES))
+        one_of(engine=(self.engine, ENGINES), mesh=(self.mesh, SHARINGS))
         if not 0 < self.tolerance < 1:
             raise ValueError(f"tolerance is {self.tolerance!r}; expected a number from 0 to 1")
 
@@ -93,7 +99,7 @@ class TurnRateQp(Solver):
 
     def build(self, question: Question) -> TurnRateModel:
         target = np.array(question.scenario.local())
-        shares = _shares(self.n, self.mesh, math.hypot(*target))
+        shares = step_shares(self.n, self.mesh, math.hypot(*target))
         qp = template(self.n, self.engine)
         return TurnRateModel(question, target, shares, RATES[question.branch], qp)
 
@@ -102,28 +108,25 @@ class TurnRateQp(Solver):
         if math.hypot(*model.target) <= coordinate_rounding(model.question.scenario):
             stay = Controls(np.zeros(self.n), 0.0)
             run = Run(Claim.LOCAL, stay, 0.0, None, 0, 0, "the target is at the start")
-            return _solution(model, [run])
+            return _solution(model, [run], [])
         limits = Limits(self.tolerance, self.max_qps, deadline)
         sequence = Sequence(model.qp, model.target, model.shares, model.rates, limits)
         runs: list[Run] = []
-        for guess in _guesses(model, runs, self.presolve):
+        efforts: list[Effort] = []
+        for subproblem, guess in _guesses(model, runs, self.presolve):
+            began = time.perf_counter()
             runs.append(sequence.run(guess))
+            seconds = time.perf_counter() - began
+            efforts.append(Effort(subproblem, 1, runs[-1].rollouts, seconds))
             if runs[-1].claim is Claim.LIMIT:
                 break
-        return _solution(model, runs)
+        return _solution(model, runs, efforts)
 
 
-def _shares(n: int, mesh: str, distance: float) -> FloatArray:
-    """The steps' shares (n,) of the length, summing to 1, for a target so many radii away."""
-    turning, straight = (n + 1) // 2, n // 2
-    share = _TURNING / (_TURNING + distance)
-    if mesh == "equal" or share >= turning / n:
-        return np.full(n, 1.0 / n)
-    return np.repeat((share / turning, (1 - share) / straight), (turning, straight))
-
-
-def _guesses(model: TurnRateModel, runs: list[Run], presolve: bool) -> Iterator[Controls]:
-    """Initial guesses in the order to be tried; `runs` are the answers so far.
+def _guesses(
+    model: TurnRateModel, runs: list[Run], presolve: bool
+) -> Iterator[tuple[str, Controls]]:
+    """Initial guesses in the order to be tried, and whose shape they have; `runs` as far as known.
 
     The question's own guess comes first, then one guess shaped like each word: a turn to the
     target's bearing and a straight, or two arcs. `LS` and `RS` end with the first guess that
@@ -135,19 +138,19 @@ def _guesses(model: TurnRateModel, runs: list[Run], presolve: bool) -> Iterator[
         question.initial_guess is not None
         and (warm := _resampled(question.initial_guess, model)) is not None
     ):
-        yield warm
+        yield "warm", warm
     if question.branch != "best":
         if not (runs and runs[-1].claim is Claim.LOCAL):
-            yield _turn_then_straight(question.branch, X, Y, ends)
+            yield question.branch, _turn_then_straight(question.branch, X, Y, ends)
         return
     shapes = words(question, presolve)
     for word in ("LS", "RS", "RL", "LR") if Y >= 0 else ("RS", "LS", "LR", "RL"):
         if word not in shapes:
             continue
         if word[1] == "S":
-            yield _turn_then_straight(word, X, Y, ends)
+            yield word, _turn_then_straight(word, X, Y, ends)
         else:
-            yield _two_arcs(word[1], ends)
+            yield word, _two_arcs(word[1], ends)
 
 
 def _turn_then_straight(word: str, X: float, Y: float, ends: FloatArray) -> Controls:
@@ -181,8 +184,11 @@ def _resampled(path: Path, model: TurnRateModel) -> Controls | None:
     return Controls(heading, path.total_length / model.question.scenario.radius)
 
 
-def _solution(model: TurnRateModel, runs: list[Run]) -> Solution:
-    """The shortest path that arrives, or else the nearest to the target, and its claim."""
+def _solution(model: TurnRateModel, runs: list[Run], efforts: list[Effort]) -> Solution:
+    """The shortest path that arrives, or else the nearest to the target, and its claim.
+
+    The efforts are those of the runs; none where no engine was needed.
+    """
     scenario = model.question.scenario
     arrived = [run for run in runs if run.miss <= CLOSE]
     if arrived:
@@ -214,4 +220,6 @@ def _solution(model: TurnRateModel, runs: list[Run]) -> Solution:
         evaluations=sum(run.rollouts for run in runs),
         native_status=best.status,
         message=message,
+        efforts=summed(efforts),
+        best_run=efforts[runs.index(best)] if efforts else None,
     )

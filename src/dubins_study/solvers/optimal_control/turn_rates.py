@@ -4,17 +4,22 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
+from time import perf_counter
 from typing import Any, ClassVar
 
 import numpy as np
 
 from dubins_study.solvers.nlp_engines import table
-from dubins_study.solvers.optimal_control.shooting_program import Shooting
-from dubins_study.solvers.optimal_control.transcription import Transcription
+from dubins_study.solvers.nlp_engines.program import Engine, Expressions, Program
+from dubins_study.solvers.optimal_control.arc_flow import chord
+from dubins_study.solvers.optimal_control.elements import MOST_TURN_EACH, Elements
+from dubins_study.solvers.optimal_control.transcription import Transcribed, Transcription
+from dubins_study.solvers.optimal_control.turn_rate_dynamics import SHARINGS, Rates, step_shares
 from dubins_study.study.path import FloatArray
 
-MESHES = ("equal", "graded")
-_TURNING = 2 * math.pi  # radii; a turn towards a target far away is shorter than a full circle
+# radii; a shortest path is longer than the target's distance by less than two full turns
+_DETOUR = 4 * math.pi
 
 
 @dataclass(frozen=True)
@@ -24,12 +29,12 @@ class TurnRates(Transcription):
     minimise    T
     subject to  (x, y)(u_1 .. u_n, T) = (X, Y),   -1 <= u_k <= 1,  T >= 0
 
-    Single shooting: the path is driven from the start to its end (`shooting_program`), so that
-    the end point's two equations are the only ones. `turn-rate-qp` solves the same problem as a
-    sequence of QPs.
+    Single shooting: the path is driven from the start to its end (`arc_flow`), so that the end
+    point's two equations are the only ones. `turn-rate-qp` solves the same problem as a sequence
+    of QPs. Steps so long that they could turn by more than half a circle get a smaller bound.
 
     Args:
-        mesh: `equal` steps, or `graded` ones (`graded_shares`).
+        mesh: `equal` steps, or `graded` ones (`turn_rate_dynamics.step_shares`).
     """
 
     n: int = 50
@@ -37,7 +42,7 @@ class TurnRates(Transcription):
 
     name: ClassVar[str] = "turn-rates"
     formulation: ClassVar[str] = "turn rates"
-    meshes: ClassVar[tuple[str, ...]] = MESHES
+    meshes: ClassVar[tuple[str, ...]] = SHARINGS
     packages: ClassVar[tuple[str, ...]] = ("casadi",)
     summary: ClassVar[str] = "optimal control over n turn rates and the length, one program"
     profiles: ClassVar[dict[str, dict[str, Any]]] = {
@@ -45,20 +50,58 @@ class TurnRates(Transcription):
         "accurate": {"n": 200, "mesh": "graded"},
     }
 
-    def template(self, distance: float) -> Shooting:
+    def template(self, distance: float) -> Steps:
+        shares = step_shares(self.n, self.mesh, distance)
+        most = np.minimum(1.0, MOST_TURN_EACH / (shares * (distance + _DETOUR)))
         engine = table.engine(self.engine, self.tol, self.max_iter)
-        shares = graded_shares(self.n, self.mesh, distance)
-        return Shooting(self.n, shares, False, "exact", engine)
+        return Steps(self.n, shares, most, engine)
 
 
-def graded_shares(n: int, mesh: str, distance: float) -> FloatArray:
-    """The steps' shares (n,) of the length, summing to 1, for a target so many radii away.
+@dataclass(frozen=True, eq=False)
+class Steps:
+    """The program over n turn rates, and its engine.
 
-    On the mesh `graded`, half of the steps share about a full circle's length at the start, where
-    the path turns, if equal steps were longer.
+    Args:
+        shares: the steps' shares of the length, shape (n,), summing to 1.
+        most: the largest turn rates, shape (n,), at most 1.
     """
-    turning, straight = (n + 1) // 2, n // 2
-    share = _TURNING / (_TURNING + distance)
-    if mesh == "equal" or share >= turning / n:
-        return np.full(n, 1.0 / n)
-    return np.repeat((share / turning, (1 - share) / straight), (turning, straight))
+
+    n: int
+    shares: FloatArray
+    most: FloatArray
+    engine: Engine
+
+    def solve(self, guess: Elements, rates: Rates, target: FloatArray, until: float) -> Transcribed:
+        """As `transcription.Template.solve`."""
+        lower, upper = rates.lower * self.most, rates.upper * self.most
+        program = Program(
+            expressions(self.n),
+            np.concatenate((target, self.shares)),
+            np.append(lower, 0.0),
+            np.append(upper, np.inf),
+            magnitude=1.0 + float(np.abs(target).sum()),
+        )
+        begin = np.append(np.clip(guess.rate, lower, upper), guess.total)
+        result = self.engine(program, begin, until - perf_counter())
+        length = self.shares * max(float(result.x[-1]), 0.0)
+        elements = Elements(np.clip(result.x[:-1], rates.lower, rates.upper) * length, length)
+        return Transcribed(elements, result)
+
+
+@lru_cache(maxsize=32)
+def expressions(n: int) -> Expressions:
+    """The program over the turn rates (n,) and the whole length.
+
+    Its parameters are the target (2,) and the steps' shares (n,) of the length.
+    """
+    import casadi as ca
+
+    rate, whole = ca.SX.sym("rate", n), ca.SX.sym("whole")
+    target, share = ca.SX.sym("target", 2), ca.SX.sym("share", n)
+    x, y, heading = ca.SX(0), ca.SX(0), ca.SX(0)
+    for k in range(n):
+        length = share[k] * whole
+        along, across = chord(heading, rate[k] * length, length)
+        x, y, heading = x + along, y + across, heading + rate[k] * length
+    gap = target - ca.vertcat(x, y)
+    return Expressions(ca.vertcat(rate, whole), ca.vertcat(target, share), whole, gap)

@@ -19,11 +19,11 @@ from dubins_study.solvers.ipopt_library.engine import (
     CLAIMS,
     VIAS,
     Options,
-    Program,
     by_executable,
     compiled,
     unavailable,
 )
+from dubins_study.solvers.ipopt_library.nl_file import Program
 from dubins_study.solvers.paper_nlp.best_point import Point
 from dubins_study.solvers.paper_nlp.local_nlp import Case, LocalNlp, Run
 from dubins_study.solvers.paper_nlp.model import UNITS

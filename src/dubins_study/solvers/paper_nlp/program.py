@@ -49,7 +49,7 @@ def solve(case: Case, guess: FloatArray, seconds: float, engine: Engine) -> Poin
     duals = result.duals
     return Point(
         case.subproblem,
-        _full(result.x / case.unit, free),
+        _point(result.x / case.unit, free),
         result.claim,
         None if duals is None else (float(duals[0]), float(duals[1])),
         result.iterations,
@@ -108,6 +108,11 @@ def _written(case: Case) -> Functions:
         lambda z: radii.jacobian(z / unit),
         lambda z, weights: radii.hessian(z / unit, weights) / unit,
     )
+
+
+def _point(z: FloatArray, free: list[int]) -> FloatArray:
+    """All three lengths, or three NaN where the engine returned no point."""
+    return np.full(3, np.nan) if np.isnan(z).all() else _full(z, free)
 
 
 def _full(z: FloatArray, free: list[int]) -> FloatArray:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 from functools import cache
+from pathlib import Path as FilePath
 from typing import Any
 
 import numpy as np
@@ -25,6 +27,10 @@ _CLAIMS = {
 }
 
 
+_LICENCE_VARIABLES = ("ARTELYS_", "ZIENA_")
+_LICENCE_FILES = ("artelys", "ziena")
+
+
 def knitro_unavailable() -> str | None:
     """Why KNITRO cannot solve here, or None."""
     missing = missing_package("knitro")
@@ -36,7 +42,16 @@ def knitro_unavailable() -> str | None:
 @cache
 def _licensed() -> bool:
     # looked for once: a licence is a file, or a seat at a server that takes its time to answer
-    return bool(_interface("knitro_direct").available())
+    return _licence_in_sight() and bool(_interface("knitro_direct").available())
+
+
+def _licence_in_sight() -> bool:
+    """Whether there is anything that KNITRO may read a licence from (Artelys License Manager
+    User's Manual, 2.2 and 3.6); to ask KNITRO itself takes seconds, most of them Pyomo's import."""
+    if os.name != "posix" or any(name.startswith(_LICENCE_VARIABLES) for name in os.environ):
+        return True
+    places = FilePath.home(), FilePath.home() / ".ziena", FilePath.cwd()
+    return any(next(place.glob(f"{start}_*"), None) for place in places for start in _LICENCE_FILES)
 
 
 def _interface(name: str) -> Any:

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 
 from dubins_study.report.statistics.compared import Compared
-from dubins_study.report.statistics.intervals import wilson_intervals
+from dubins_study.report.statistics.question_shares import question_shares
 
 # What a claim is worth, the check being right: it says no more than what is so; it says less than
 # the answer allows (no claim of a path that arrives, or of an optimal one only that it is
@@ -75,16 +75,12 @@ def beliefs(rows: pd.DataFrame, keys: list[str]) -> pd.DataFrame:
         share of its repeats; Wilson's interval of each (`true_low`, ...) for as many trials as
         there are questions; and one count of attempts for each of `PROOFS`.
     """
-    worths = pd.get_dummies(rows["truth"]).reindex(columns=list(TRUTHS), fill_value=False)
-    each = worths.astype(np.float64).groupby([*(rows[key] for key in keys), rows["question"]])
-    groups = each.mean().groupby(level=list(range(len(keys))))
-    sums, sizes = groups.sum(), groups.size()
-    frame = pd.DataFrame({"questions": sizes})
+    parts = []
     for name in TRUTHS:
-        frame[name] = sums[name] / sizes
-        # Sums of thirds may exceed their number by rounding.
-        ends = wilson_intervals(np.minimum(sums[name], sizes), sizes)
-        frame[f"{name}_low"], frame[f"{name}_high"] = ends[:, 0], ends[:, 1]
+        shares = question_shares(rows.assign(hit=rows["truth"] == name), "hit", keys)
+        titles = {"share": name, "low": f"{name}_low", "high": f"{name}_high"}
+        parts.append(shares.rename(columns=titles))
+    frame = pd.concat([parts[0], *(part.drop(columns="questions") for part in parts[1:])], axis=1)
     kinds = pd.get_dummies(rows["proof"]).reindex(columns=list(PROOFS), fill_value=False)
     return frame.join(kinds.groupby([rows[key] for key in keys]).sum())
 

@@ -6,17 +6,24 @@ from collections.abc import Iterable, Mapping
 
 import pandas as pd
 
-from dubins_study.report.data.attempts import PRESOLVED, Attempts
+from dubins_study.report.data.attempts import Attempts
 from dubins_study.report.data.results import Folder, Results
+from dubins_study.report.data.verdicts import failures as failure_counts
 from dubins_study.report.elements.columns import SOLVER, columns
 from dubins_study.report.elements.content import Picture, Section, Table, picture
 from dubins_study.report.elements.formats import count, digits, share, slug
 from dubins_study.report.elements.looks import Palette, legend_lines, lines_of_names
+from dubins_study.report.elements.panels import DRAWN_TEXT
 from dubins_study.report.elements.style import WIDE
-from dubins_study.report.topics.success.figures import plot_gap_profile, plot_verdicts
+from dubins_study.report.statistics.methods import MOST_METHODS, drawn_methods
+from dubins_study.report.topics.success.figures import (
+    plot_gap_profile,
+    plot_gap_profiles,
+    plot_verdict_grid,
+    plot_verdicts,
+)
 from dubins_study.report.topics.success.numbers import failures, gap_quantiles, gap_shares
-from dubins_study.report.topics.summary.numbers import summary
-from dubins_study.report.topics.summary.section import VERDICT_COLUMNS, failure_marks
+from dubins_study.report.topics.summary.section import solver_summary, summary_table
 
 _MOST_FAILURES = 25
 
@@ -25,7 +32,9 @@ def success_section(results: Results) -> Section | None:
     """Verdicts, gap profiles, gap quantiles per region, and what failed."""
     attempts = results.attempts
     each = {name: attempts.only({name}) for name in attempts.experiments}
-    blocks: list[Picture | Table] = [_verdict_picture(attempts)]
+    frame = solver_summary(attempts)
+    frame = frame[frame["attempts"] > 0]
+    blocks: list[Picture | Table] = [_verdict_picture(frame)] if len(frame) else []
     if len(each) > 1:
         blocks.append(_experiment_table(each))
     quantiles = gap_quantiles(attempts.gap_quantiles())
@@ -36,41 +45,47 @@ def success_section(results: Results) -> Section | None:
             _profile_picture(name, one, allowed.get(name), palette) for name, one in each.items()
         ]
         blocks.append(_quantile_table(quantiles, attempts.precision))
-    without_success = failures(attempts.failures())
+    without_success = failures(failure_counts(attempts))
     if len(without_success):
         blocks.append(_failure_table(without_success))
     text = (
-        "Every attempt counts, failed ones too. The gap is (length − reference) / "
-        "max(reference, R) and only a path that arrives has one; the others count as "
-        "infinitely far off."
+        "Questions that have a path; every attempt at them counts, failed ones too. The gap is "
+        "(length − reference) / max(reference, R) and only a path that arrives has one; the others "
+        "count as infinitely far off."
     )
-    return Section("success", "Success and gaps", text, tuple(blocks))
+    return Section("success", "Success and gaps", text, tuple(blocks)) if blocks else None
 
 
 def _experiment_table(each: Mapping[str, Attempts]) -> Table:
-    parts = [summary(one.verdicts()).assign(experiment=name) for name, one in each.items()]
+    parts = [solver_summary(one).assign(experiment=name) for name, one in each.items()]
     frame = pd.concat(parts, ignore_index=True)
-    left_out = (
-        "optimal",
-        "none exists",
-        PRESOLVED,
-        "not_returned",
-    )  # the rest says it, and fits
-    kept = [column for column in VERDICT_COLUMNS if column.key not in left_out]
-    shown = (*columns(kind="code", experiment="experiment"), *kept)
-    caption = "The same counts per experiment: not all experiments ask the same solvers."
-    return Table("summary-by-experiment", caption, frame, shown, failure_marks(frame))
+    caption = (
+        "The summary's numbers per experiment: not all experiments ask the same solvers. Questions "
+        "that have a path."
+    )
+    return summary_table(
+        "summary-by-experiment",
+        caption,
+        frame[frame["attempts"] > 0].reset_index(drop=True),
+        columns(kind="code", experiment="experiment"),
+    )
 
 
-def _verdict_picture(attempts: Attempts) -> Picture:
-    frame = summary(attempts.verdicts())
+def _verdict_picture(frame: pd.DataFrame) -> Picture:
+    what = (
+        "Verdicts as shares of all attempts at questions that have a path. The plain bar is "
+        "success, hatched ones are not"
+    )
+    alt = "Stacked bars of verdicts, one per solver"
+    if len(frame) > MOST_METHODS:
+        figure = plot_verdict_grid(drawn_methods(frame))
+        return Picture("verdicts", f"{what}. {DRAWN_TEXT}", figure, alt)
     return picture(
         "verdicts",
         plot_verdicts,
         frame,
-        caption="Verdicts as shares of all attempts. Plain bars are successes, hatched ones are "
-        "not; false claims and wrong basins are counted at the right.",
-        alt="Stacked bars of verdicts, one per solver",
+        caption=f"{what}; false claims and wrong basins are counted at the right.",
+        alt=alt,
         height=0.9 + max(0.42, 0.14 * lines_of_names(frame["solver"])) * len(frame),
         width=WIDE,
     )
@@ -88,14 +103,24 @@ def _profile_picture(
     experiment: str, attempts: Attempts, tolerance: float | None, palette: Palette
 ) -> Picture:
     shares = gap_shares(attempts.gap_profile())
+    name, alt = f"gap-profile-{slug(experiment)}", f"Share of attempts against gap, {experiment}"
+    caption = (
+        f"Experiment {experiment}: share of attempts within each gap. Higher is more reliable, "
+        "further left more accurate; a curve that ends below 100 % belongs to a solver that "
+        "sometimes does not arrive."
+    )
+    if len(shares) > MOST_METHODS:
+        frame = solver_summary(attempts)
+        drawn = drawn_methods(frame[frame["solver"].isin(list(shares))])
+        limit = "" if tolerance is None else " Dotted: optimal up to here."
+        figure = plot_gap_profiles(drawn, shares, tolerance)
+        return Picture(name, f"{caption}{limit} {DRAWN_TEXT}", figure, alt)
     return picture(
-        f"gap-profile-{slug(experiment)}",
+        name,
         plot_gap_profile,
         *(shares, palette, tolerance),
-        caption=f"Experiment {experiment}: share of attempts within each gap. Higher is more "
-        "reliable, further left more accurate; a curve that ends below 100 % belongs to a solver "
-        "that sometimes does not arrive.",
-        alt=f"Share of attempts against gap, {experiment}",
+        caption=caption,
+        alt=alt,
         height=3.0 + 0.17 * legend_lines(list(shares), width=40),
         legend=1,
     )
@@ -103,6 +128,9 @@ def _profile_picture(
 
 def _quantile_table(frame: pd.DataFrame, precision: str) -> Table:
     gap = digits(3)
+    several = frame["solver"].nunique() > MOST_METHODS
+    if several:  # else the table has some hundred lines
+        frame = frame[frame["region"] == "all"].reset_index(drop=True)
     shown = (
         SOLVER,
         *columns(kind="text", region="target lies"),
@@ -113,7 +141,7 @@ def _quantile_table(frame: pd.DataFrame, precision: str) -> Table:
     caption = (
         "Gap quantiles (relative, no unit) by where the target lies. ∞ means that so large a share "
         "of the attempts did not arrive that the quantile is not reached."
-        f"{precision}"
+        f"{' Of so many solvers only all regions together.' if several else ''}{precision}"
     )
     return Table("gap-quantiles", caption, frame, shown)
 
@@ -127,7 +155,7 @@ def _failure_table(failures_by_kind: pd.DataFrame) -> Table:
         *columns(count, attempts="attempts"),
     )
     caption = (
-        "Attempts without success by what was said of them (# stands for a number), the "
-        f"{_MOST_FAILURES} most frequent."
+        "Attempts without success at questions that have a path, by what was said of them (# "
+        f"stands for a number), the {_MOST_FAILURES} most frequent."
     )
     return Table("failures", caption, frame, shown)

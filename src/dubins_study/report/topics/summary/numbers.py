@@ -4,18 +4,20 @@ from __future__ import annotations
 
 import pandas as pd
 
-from dubins_study.report.data.attempts import SUCCESSES
-from dubins_study.report.statistics.metrics import by_solver
+from dubins_study.report.elements.shares import with_share
+from dubins_study.report.statistics.methods import methods_of
 
 
-def summary(verdicts: pd.DataFrame) -> pd.DataFrame:
-    """One row per solver: attempts, counts of each verdict, false claims, wrong basins, times.
+def summary(verdicts: pd.DataFrame, methods: pd.DataFrame) -> pd.DataFrame:
+    """One row per solver: verdicts, false claims, wrong basins and times where a path exists.
 
     Args:
-        verdicts: from `report.data.attempts.Attempts.verdicts`.
+        verdicts: from `report.data.verdicts.verdicts`.
+        methods: from `report.data.verdicts.methods`.
 
     Returns:
-        The columns of `verdicts`, and success (share of all attempts).
+        The columns of both, those of `methods_of`, and those of `with_share` for `right`, a share
+        of the questions; in the order of `methods_of`.
     """
-    right = verdicts[list(SUCCESSES)].sum(axis="columns")
-    return by_solver(verdicts.assign(success=right / verdicts["attempts"]))
+    frame = with_share(verdicts, "right", verdicts["right"], verdicts["questions"])
+    return methods_of(methods).join(frame.set_index("solver")).reset_index()

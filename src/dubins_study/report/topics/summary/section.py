@@ -4,56 +4,74 @@ from __future__ import annotations
 
 import pandas as pd
 
-from dubins_study.report.data.attempts import PRESOLVED, SUCCESSES, VERDICTS
+from dubins_study.report.data.attempts import PRESOLVED, Attempts
 from dubins_study.report.data.results import Results
-from dubins_study.report.elements.columns import SOLVER, columns, marks
+from dubins_study.report.data.verdicts import methods, verdicts
+from dubins_study.report.elements.columns import SOLVER, Column, columns, marks
 from dubins_study.report.elements.content import Section, Table
-from dubins_study.report.elements.formats import count, seconds, share, some
+from dubins_study.report.elements.formats import count, seconds, sentences, share, some
+from dubins_study.report.elements.identity import METHOD
+from dubins_study.report.elements.shares import INTERVAL_TEXT
 from dubins_study.report.topics.summary.numbers import summary
 
-VERDICT_COLUMNS = (
+# The spec instead of the settings: it is what a reader hands to the command.
+_COLUMNS = (
+    *METHOD[:-1],
     SOLVER,
-    *columns(count, **{key: key for key in ("attempts", *VERDICTS)}),
-    *columns(share, success="success"),
+    *columns(kind="cell", right_text="right of n, 95 %"),
+    *(Column(key, key, count) for key in ("none exists", PRESOLVED)),
+    *columns(count, longer="longer", misses="misses", none="none"),
     *columns(count, false_claims="false claims", wrong_basins="wrong basins"),
     *columns(count, not_returned="not returned"),
     *columns(seconds, wall_s="median time"),
 )
-
-_PRESOLVED_TEXT = (
-    "By presolve: the solver's setting presolve answered that no path exists, which is no success "
-    "of its engine. "
-)
+_NUMBERS = ("attempts", "questions", "optimal", "right_share", "right_low", "right_high")
 
 
-def failure_marks(frame: pd.DataFrame) -> dict[tuple[int, str], str]:
-    """Marks for the counts above zero of answers that are wrong or missing."""
-    return marks(frame, "misses", "none", "false_claims", "not_returned")
+def solver_summary(attempts: Attempts) -> pd.DataFrame:
+    """The table `summary` of attempts."""
+    return summary(verdicts(attempts), methods(attempts))
+
+
+def summary_table(name: str, caption: str, frame: pd.DataFrame, first: tuple[Column, ...]) -> Table:
+    """A table of `summary`, with columns before it; columns without any count are left out."""
+    rare = [key for key in ("none exists", PRESOLVED, "not_returned") if not frame[key].any()]
+    shown = [column for column in _COLUMNS if column.key not in rare]
+    bad = marks(frame, "misses", "none", "false_claims", "not_returned")
+    return Table(name, caption, frame, (*first, *shown), bad, _NUMBERS)
 
 
 def summary_section(results: Results) -> Section | None:
-    """Attempts, verdicts and times, solver by solver."""
+    """Verdicts and times where a path exists, solver by solver."""
     attempts = results.attempts
-    frame = summary(attempts.verdicts())
-    presolved = bool(frame[PRESOLVED].any())
-    caption = (
-        "What the check finds of every attempt. Success is optimal or none exists, as a share of "
-        f"all attempts, those that failed included. {_PRESOLVED_TEXT if presolved else ''}"
+    frame = solver_summary(attempts)
+    caption = sentences(
+        "Questions that have a path. Right: the check finds the answer optimal; shares are of all "
+        f"questions, those that failed included. {INTERVAL_TEXT} The other columns count attempts.",
+        "By presolve: the setting presolve answered that no path exists, and no engine was asked."
+        if frame[PRESOLVED].any()
+        else "",
         "A false claim says more than the check finds; a wrong basin is a longer path that turns "
         "by another angle. Not returned: timed out, crashed, raised, unsupported or unavailable."
-        f"{attempts.precision}"
+        f"{attempts.precision}",
     )
-    # the column makes the table too wide for the page where it is not needed
-    shown = [column for column in VERDICT_COLUMNS if presolved or column.key != PRESOLVED]
     experiments = list(
         dict.fromkeys(run.name for run in results.folders if run.name in attempts.experiments)
     )
-    right = frame[list(SUCCESSES)].to_numpy().sum() / attempts.count
-    text = (
+    asked, questions = int(frame["attempts"].sum()), frame["questions"].sum()
+    without = attempts.count - asked
+    text = sentences(
         f"{some(attempts.count, 'attempt')} by {some(len(frame), 'solver')} in the "
-        f"{'experiment' if len(experiments) == 1 else 'experiments'} {', '.join(experiments)}; "
-        f"success: {share(right)}. No number here rests on a solver's own word: each path "
-        "is driven again from its controls and judged against the closed form."
+        f"{'experiment' if len(experiments) == 1 else 'experiments'} {', '.join(experiments)}.",
+        f"Right where a path exists: {share(frame['right'].sum() / questions)}."
+        if questions
+        else "",
+        f"{some(without, 'attempt')} {'was' if without == 1 else 'were'} at questions that have no "
+        "path; whether solvers recognise that stands in the section on existence, and no number "
+        "here counts it."
+        if without
+        else "",
+        "No number here rests on a solver's own word: each path is driven again from its controls "
+        "and judged against the closed form.",
     )
-    table = Table("summary", caption, frame, tuple(shown), failure_marks(frame))
-    return Section("summary", "Summary", text, (table,))
+    return Section("summary", "Summary", text, (summary_table("summary", caption, frame, ()),))

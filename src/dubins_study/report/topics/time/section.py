@@ -18,7 +18,8 @@ from dubins_study.report.topics.time.numbers import mean_times, time_ratios
 
 def time_section(results: Results) -> Section | None:
     """Medians and quartiles; build and solve apart; shifted geometric means."""
-    cold = results.rows[results.rows["initial_guess"] == "cold"]
+    rows = results.rows
+    cold = rows[(rows["initial_guess"] == "cold") & rows["answerable"]]
     frame = by_solver(results.attempts.times())
     if frame.empty:
         return None

@@ -1,0 +1,1 @@
+"""The topic `existence` of the report."""

@@ -1,0 +1,103 @@
+"""The section on existence: who recognises that no path exists."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Mapping
+from typing import Any
+
+import pandas as pd
+
+from dubins_study.report.data.results import Results
+from dubins_study.report.data.verdicts import existence as counts
+from dubins_study.report.data.verdicts import methods
+from dubins_study.report.elements.columns import columns, marks
+from dubins_study.report.elements.content import Section, Table
+from dubins_study.report.elements.formats import ABSENT, seconds, sentences, share
+from dubins_study.report.elements.identity import method_columns
+from dubins_study.report.elements.shares import questions
+from dubins_study.report.topics.existence.numbers import engine_times, existence
+
+_COLUMNS = (
+    *columns(questions, presolved="by presolve", reached="reached the engine"),
+    *columns(kind="cell", right_text="right", silent_text="silent", wrong_text="wrong"),
+    *columns(kind="cell", time_text="median time"),
+    *columns(kind="cell", denied_text="denies a path that exists"),
+)
+_NUMBERS = (
+    *("solver", "unasked", "wall_s", "wall_low_s", "wall_high_s", "presolve_s"),
+    *(f"{name}_{end}" for name in ("right", "silent", "wrong") for end in ("share", "low", "high")),
+    *("questions", "denied", "denied_share", "denied_low", "denied_high"),
+)
+
+
+def existence_section(results: Results) -> Section | None:
+    """Right, silent and wrong answers where no path exists; paths that are denied."""
+    attempts = results.attempts
+    frame = existence(counts(attempts), methods(attempts))
+    if not (frame[["reached", "presolved"]].any(axis=None)):
+        return None
+    frame = _with_times(frame, engine_times(results.rows))
+    return Section("existence", "Where no path exists", _text(frame), (_table(frame),))
+
+
+def _with_times(frame: pd.DataFrame, times: pd.DataFrame) -> pd.DataFrame:
+    """The frame with the ends of the median's interval (s), and the three as text."""
+    ends = times.rename(columns={"low": "wall_low_s", "high": "wall_high_s"})
+    joined = frame.merge(ends.drop(columns="estimate"), on="solver", how="left")
+    texts = [_time_text(row) for row in joined.to_dict("records")]
+    return joined.assign(time_text=texts)
+
+
+def _time_text(row: Mapping[Hashable, Any]) -> str:
+    if not row["wall_s"] >= 0:  # no attempt reached the engine
+        return ABSENT
+    low, high = row["wall_low_s"], row["wall_high_s"]
+    interval = f" ({seconds(low)} to {seconds(high)})" if low >= 0 else ""
+    return f"{seconds(row['wall_s'])}{interval}"
+
+
+def _text(frame: pd.DataFrame) -> str:
+    reached, presolved = frame["reached"].sum(), frame["presolved"].sum()
+    total = reached + presolved
+    parts = [
+        f"{name}: {share(frame[name].sum() / reached)}" for name in ("right", "silent", "wrong")
+    ]
+    denied = frame[frame["denied"] > 0]
+    worst = denied.sort_values("denied_share", kind="stable").tail(1).to_dict("records")
+    return sentences(
+        "To recognise that no path exists is another task than to find one. See who proves it, who "
+        "says nothing, and who is wrong; a search that fails where there is nothing to find has "
+        "missed nothing.",
+        f"The presolve alone answers {share(presolved / total)} of the questions without a path."
+        if presolved
+        else "",
+        f"Of those that reached an engine, {', '.join(parts)}." if reached else "",
+        *(
+            f"{len(denied)} of {len(frame)} solvers call a question infeasible that has a path, "
+            f"most often {row['name']}: {row['denied_text']}."
+            for row in worst
+        ),
+    )
+
+
+def _table(frame: pd.DataFrame) -> Table:
+    caption = (
+        "Questions without a path, solver by solver. By presolve: elementary geometry excluded "
+        "them, and no engine was asked. Of those that reached the engine, right: it claims that "
+        "none exists; silent: it failed, reached a limit or claims nothing; wrong: it claims a "
+        "path. Median time of the attempts that reached the engine, whatever they say, with its "
+        "95 % bootstrap interval over scenarios. The last column is of questions that have a path. "
+        "Shares with their 95 % interval (Wilson), for as many trials as there are questions; a "
+        "repeat is a part of a question."
+    )
+    return Table(
+        "existence",
+        caption,
+        frame,
+        (*method_columns(frame), *_COLUMNS),
+        {
+            **marks(frame.assign(wrong_text=frame["wrong"] > 0), "wrong_text"),
+            **marks(frame.assign(denied_text=frame["denied"] > 0), "denied_text"),
+        },
+        _NUMBERS,
+    )

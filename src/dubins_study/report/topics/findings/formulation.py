@@ -1,0 +1,166 @@
+"""Findings about formulations: which to choose, and what a choice loses."""
+
+from __future__ import annotations
+
+import pandas as pd
+
+from dubins_study.report.elements.formats import some
+from dubins_study.report.topics.findings.evidence import Evidence
+from dubins_study.report.topics.findings.finding import (
+    PERCENT,
+    POINTS,
+    TIMES,
+    Estimate,
+    Finding,
+    percent,
+)
+
+WORDS, JOINT = "one NLP a word", "joint NLP, both orders"
+ORDERS = ("joint NLP, LRS", "joint NLP, RLS")
+TRANSCRIPTIONS = ("turn rates", "Radau collocation", "multiple shooting")
+RANKS = "Comparison of methods: means and ranks"
+# The check cannot tell a smaller gap from the miss that it allows.
+_RESOLVED = 1e-6
+
+
+def fastest_formulation(evidence: Evidence) -> Finding | None:
+    """The formulation whose best method is right everywhere and the fastest."""
+    best = evidence.reliable.drop_duplicates("formulation")
+    if len(best) < 2:
+        return None
+    first, second = map(str, best.index[:2])
+    ratio = evidence.time_ratio(second, first)
+    if ratio is None or not ratio.low > 1:
+        return None
+    right = evidence.share_of(evidence.rates[first])
+    share = "" if right is None else right.percent_text()
+    return Finding(
+        f"For a fast answer take {evidence.name(first)}: it is right on {share} of the questions, "
+        f"and the best method of another formulation, {evidence.name(second)}, takes "
+        f"{ratio.text()} times as long.",
+        ratio,
+        TIMES,
+        f"{some(ratio.questions, 'question')} with a path; the best method of each of "
+        f"{len(best)} formulations that are right on at least 99 %",
+        RANKS,
+    )
+
+
+def words_against_joint(evidence: Evidence) -> Finding | None:
+    """One problem a word against the joint model in both orders: same engine, same guess."""
+    pairs = evidence.pairs(["engine", "guess"], "formulation", WORDS, JOINT)
+    points = evidence.rate_difference(pairs)
+    if points is None or not points.excludes(0):
+        return None
+    better, worse = "one problem a word", "the joint model in both orders"
+    if points.value < 0:
+        points, better, worse = points.negated(), worse, better
+    return Finding(
+        f"Pose {better}: with the same engine and guess it is right on {points.text()} percentage "
+        f"points more of the questions than {worse}.",
+        points,
+        POINTS,
+        _asked(points, len(pairs), "engine"),
+        RANKS,
+    )
+
+
+def single_order(evidence: Evidence) -> Finding | None:
+    """What one order of the joint model loses against both, in the region where it loses most."""
+    best = _least_gaps(evidence)
+    if JOINT not in best:
+        return None
+    rows = evidence.compared.answerable.drop_duplicates("question").set_index("question")
+    regions = rows["region"].reindex(best.index)
+    losses: list[tuple[Estimate, str, str]] = []
+    for order in ORDERS:
+        if order not in best:
+            continue
+        for region, values in (best[order] - best[JOINT]).groupby(regions):
+            loss = evidence.mean_of(values)
+            if loss is not None and loss.low > _RESOLVED:
+                losses.append((percent(loss), order, str(region)))
+    if not losses:
+        return None
+    loss, order, region = max(losses)
+    where = "on a turning circle" if region == "circle" else f"in the {region}"
+    where = "outside the turning circles" if region == "outside" else where
+    return Finding(
+        f"Pose both orders: where the target lies {where}, the best path that any engine finds "
+        f"with the order {order[-3:]} alone is {loss.percent_text()} longer on average than "
+        "with both.",
+        loss,
+        PERCENT,
+        f"{some(loss.questions, 'question')} {where}, at which some engine arrives in both",
+        RANKS,
+    )
+
+
+def _least_gaps(evidence: Evidence) -> pd.DataFrame:
+    """The least gap of any method, questions by formulations."""
+    gaps = evidence.gaps
+    gaps = gaps[[solver for solver in gaps if solver in evidence.methods.index]]
+    formulation = evidence.methods["formulation"].reindex(gaps.columns)
+    return gaps.T.groupby(formulation).min().T
+
+
+def coarse_transcription(evidence: Evidence) -> Finding | None:
+    """How often direct transcription is too coarse: right turns, but a path that is longer."""
+    best = evidence.ranked.drop_duplicates("formulation").reset_index().set_index("formulation")
+    if WORDS not in best.index:
+        return None
+    words = evidence.share_of(evidence.coarse[best["solver"][WORDS]])
+    shares: list[tuple[Estimate, str]] = []
+    for name in TRANSCRIPTIONS:
+        if name in best.index and words is not None:
+            coarse = evidence.share_of(evidence.coarse[best["solver"][name]])
+            if coarse is not None and coarse.low > words.high:
+                shares.append((coarse, str(best["solver"][name])))
+    if words is None or not shares:
+        return None
+    coarse, solver = max(shares)
+    return Finding(
+        "Do not expect the shortest length from direct transcription: on "
+        f"{coarse.percent_text()} of the questions the path of {evidence.name(solver)} turns as "
+        "the shortest one and is yet longer than the check allows; for the best method with "
+        f"{WORDS} that is {words.percent_text()}.",
+        coarse,
+        PERCENT,
+        f"{some(coarse.questions, 'question')} with a path; the best method of each formulation",
+        "Comparison of methods: gap targets over time",
+    )
+
+
+def near_circles(evidence: Evidence) -> Finding | None:
+    """The method that loses most next to a turning circle."""
+    rows = evidence.compared.answerable.drop_duplicates("question").set_index("question")
+    margin = rows["margin"].abs().reindex(evidence.rates.index)
+    groups = evidence.rates[margin <= _NEAR], evidence.rates[margin >= _AWAY]
+    losses: list[tuple[float, str, Estimate, Estimate]] = []
+    asked = [solver for solver in evidence.rates if solver in evidence.methods.index]
+    for solver in asked:
+        near, away = (evidence.share_of(group[solver]) for group in groups)
+        if near is not None and away is not None and near.high < away.low:
+            losses.append((away.value - near.value, str(solver), near, away))
+    if not losses:
+        return None
+    _, solver, near, away = max(losses)
+    return Finding(
+        f"Distrust {evidence.name(solver)} next to a turning circle: within {_NEAR:g} radii of "
+        f"one it is right on {near.percent_text()} of the questions, elsewhere on "
+        f"{away.percent_text()}. "
+        f"{some(len(losses), 'method')} of {len(asked)} lose there.",
+        near,
+        PERCENT,
+        f"{some(near.questions, 'question')} within {_NEAR:g} radii of a circle, "
+        f"{away.questions} at least {_AWAY:g} radii from one",
+        "Whom one can believe, and success by stratum",
+    )
+
+
+# Strata lie at 1e-6 radii from a circle, at 1e-3, at 0.1, and farther.
+_NEAR, _AWAY = 1e-5, 0.05
+
+
+def _asked(estimate: Estimate, pairs: int, noun: str) -> str:
+    return f"{some(estimate.questions, 'question')} with a path, {some(pairs, noun)}, in pairs"

@@ -1,0 +1,1 @@
+"""The topic `matrix` of the report."""

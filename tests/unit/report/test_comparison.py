@@ -1,0 +1,165 @@
+"""The comparison of methods: numbers by hand on made-up rows, and what the section leaves out."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from dubins_study.report.data.results import load
+from dubins_study.report.statistics.compared import compared
+from dubins_study.report.statistics.methods import methods_of, without_setting
+from dubins_study.report.statistics.question_shares import question_shares
+from dubins_study.report.topics.comparison.numbers import (
+    best_of_formulations,
+    costs,
+    mean_ranks,
+)
+from dubins_study.report.topics.comparison.paired import (
+    engine_tests,
+    formulation_tests,
+    separated,
+)
+from dubins_study.report.topics.comparison.section import comparison_section, spread
+from dubins_study.study.claim import Claim
+from dubins_study.study.scenario import Scenario
+from tests.unit.report.results_folder import attempt
+
+WORD, JOINT = "one NLP a word", "joint NLP, both orders"
+QUESTIONS = [Scenario(0, 0, 0, 4 + k, 2, 1, label="far" if k > 3 else "near") for k in range(12)]
+
+
+def answer(scenario, solver, seconds, right=True, **changes):
+    path, claim = ("exact", Claim.LOCAL) if right else (None, Claim.FAILED)
+    changes = {"wall_s": seconds, "evaluations": round(1e4 * seconds), **changes}
+    return attempt(scenario, solver, path=path, claim=claim, **changes)
+
+
+def answers():
+    """Ipopt and SLSQP on two formulations: 2 and 1 ms on words, 4 ms and half wrong jointly."""
+    rows = []
+    for number, scenario in enumerate(QUESTIONS):
+        ipopt, slsqp = {"engine": "Ipopt"}, {"engine": "SLSQP"}
+        noise = 1 + number / 100
+        rows += [
+            answer(scenario, "analytic", 1e-6, formulation="closed form", guess="none"),
+            answer(scenario, "ipopt", 2e-3 * noise, **ipopt),
+            answer(scenario, "slsqp", 1e-3 * noise, **slsqp),
+            answer(
+                scenario,
+                "ipopt[model=joint]",
+                4e-3 * noise,
+                right=number % 2 == 0,
+                formulation=JOINT,
+                **ipopt,
+            ),
+        ]
+    return rows
+
+
+def loaded(results, rows, name="benchmark", **manifest):
+    return load([results(name, rows, **({"time_limit_s": 2.0} | manifest))])
+
+
+def test_costs_leave_out_the_closed_form_and_who_met_too_few(results):
+    rows = [*answers(), answer(QUESTIONS[0], "rare", 1.0)]
+    table = costs(compared(loaded(results, rows)))
+
+    assert list(table.columns) == ["ipopt", "slsqp", "ipopt[model=joint]"]
+    assert np.isinf(table["ipopt[model=joint]"]).sum() == 6
+
+
+def test_means_ranks_and_shares(results):
+    """By hand: half the questions at the limit of 2 s, PAR-2 with twice that."""
+    made = compared(loaded(results, answers()))
+    ranked, shift, common = mean_ranks(made, costs(made))
+    joint = ranked.loc["ipopt[model=joint]"]
+    times = [4e-3 * (1 + n / 100) for n in range(0, 12, 2)]
+
+    assert list(ranked.index) == ["slsqp", "ipopt", "ipopt[model=joint]"]
+    assert ranked["rank"].tolist() == [1, 2, 3]
+    assert (joint["questions"], joint["right"], common) == (12, 0.5, 6)
+    assert joint["par2"] == pytest.approx((sum(times) + 6 * 4.0) / 12)
+    logs = np.log(np.array([*times, *[2.0] * 6]) + shift)
+    assert joint["mean"] == pytest.approx(np.exp(logs.mean()) - shift)
+    assert joint["mean_low"] < joint["mean"] < joint["mean_high"]
+    assert list(best_of_formulations(ranked).index) == ["slsqp", "ipopt[model=joint]"]
+
+
+def test_paired_tests_share_a_formulation_or_an_engine(results):
+    """Twelve wins of twelve: p = 2 / 2^12 by the exact signed rank test."""
+    made = compared(loaded(results, answers()))
+    table = costs(made)
+    ranked, _, _ = mean_ranks(made, table)
+    (engine,) = engine_tests(table, ranked).to_dict("records")
+    (formulation,) = formulation_tests(table, ranked).to_dict("records")
+
+    assert (engine["shared"], engine["solver"], engine["rival"]) == (WORD, "slsqp", "ipopt")
+    assert (engine["wins"], engine["losses"]) == (12, 0)
+    assert engine["p_holm"] == pytest.approx(2 / 2**12)
+    assert (formulation["shared"], formulation["rival"]) == ("Ipopt", "ipopt[model=joint]")
+    assert separated(engine_tests(table, ranked)).tolist() == [True]
+
+
+def test_the_spread_counts_questions_whose_verdict_changes(results):
+    rows = [
+        answer(scenario, solver, 1e-3, right=repeat == 0 or number > 2, repeat=repeat)
+        for number, scenario in enumerate(QUESTIONS)
+        for solver in ("ipopt[initial_guess=random]",)
+        for repeat in range(2)
+    ]
+    line = spread(compared(loaded(results, rows))).iloc[0]
+
+    assert (line["questions"], line["changing"]) == (12, 0.25)
+    assert spread(compared(loaded(results, answers(), "single"))).empty
+
+
+def test_a_question_is_the_unit_of_a_share(results):
+    """Right in one of two repeats counts a half; the interval is that of as many questions."""
+    rows = [answer(s, "ipopt", 1e-3, right=r == 0, repeat=r) for s in QUESTIONS for r in range(2)]
+    made = compared(loaded(results, rows))
+    line = question_shares(made.answerable, "right", ["solver"]).loc["ipopt"]
+
+    assert (line["questions"], line["share"]) == (12, 0.5)
+    # Wilson's interval of 6 of 12: (6 + z^2 / 2 -+ z sqrt(3 + z^2 / 4)) / (12 + z^2)
+    z = 1.959963984540054
+    assert line["low"] == pytest.approx((6 + z * z / 2 - z * (3 + z * z / 4) ** 0.5) / (12 + z * z))
+
+
+def test_methods_are_named_by_the_settings_that_differ(results):
+    rows = [
+        answer(QUESTIONS[0], spec, 1e-3, engine="Ipopt")
+        for spec in ("ipopt", "ipopt[presolve=True]", "ipopt[presolve=True,polish=False]")
+    ]
+    rows.append(answer(QUESTIONS[0], "slsqp[presolve=True]", 1e-3, engine="SLSQP"))
+    names = methods_of(loaded(results, rows).rows)["short"]
+
+    assert names.to_dict() == {
+        "ipopt": "Ipopt, bearing",
+        "ipopt[presolve=True,polish=False]": "Ipopt, bearing, presolve=true, polish=false",
+        "ipopt[presolve=True]": "Ipopt, bearing, presolve=true",
+        "slsqp[presolve=True]": "SLSQP, bearing",
+    }
+    assert without_setting("a[c=1,b=2]", "c") == ("a[b=2]", "1")
+
+
+def test_the_section_and_what_has_none(results):
+    """One method alone, or failures alone, give no comparison that says more than there is."""
+    section = comparison_section(loaded(results, answers()))
+    single = loaded(results, [answer(s, "slsqp", 1e-3) for s in QUESTIONS], "single")
+    failed = [
+        answer(s, solver, 1e-3, right=False) for s in QUESTIONS for solver in ("slsqp", "ipopt")
+    ]
+
+    assert [block.name for block in section.blocks] == [
+        "comparison-profiles",
+        "comparison-pair",
+        "comparison-evaluations",
+        "comparison-targets",
+        "comparison-ranks",
+        "comparison-tests-formulation",
+        "comparison-tests-engine",
+        "comparison-virtual-best",
+    ]
+    assert "12 questions with a path, put to 3 methods" in section.text
+    assert comparison_section(single) is None
+    assert comparison_section(loaded(results, failed, "failed")) is not None

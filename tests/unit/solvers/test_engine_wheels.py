@@ -1,0 +1,228 @@
+"""The engines that come with wheels of their own: NLopt, Uno, APOPT, CONOPT, SNOPT and MINOS."""
+
+from __future__ import annotations
+
+import importlib.util
+import math
+import tempfile
+import time
+from functools import cache
+from typing import Any
+
+import casadi
+import numpy as np
+import pytest
+
+from dubins_study.solvers.nlp_engines import gams, table
+from dubins_study.solvers.nlp_engines.algebra_text import Language, algebra_text
+from dubins_study.solvers.nlp_engines.program import Expressions, Functions, Program
+from dubins_study.solvers.registry import load
+from dubins_study.study.claim import Claim
+
+GRADIENTS = ("nlopt-slsqp", "nlopt-auglag", "uno-filtersqp", "conopt")
+IN_PROCESS = (*GRADIENTS, "nlopt-cobyla")
+EXECUTABLES = ("apopt", "gams-snopt", "gams-minos")
+WHEELS = (*IN_PROCESS, *EXECUTABLES)
+WITH_DUALS = ("uno-filtersqp", "conopt", "gams-snopt", "gams-minos")
+# the relative error that a point may have: COBYLA's steps are as long as its trust region; APOPT
+# writes ten digits, and the others were asked for 1e-8
+_ACCURACY = {"nlopt-cobyla": 1e-3, "apopt": 1e-5}
+
+
+@cache
+def _expressions(number: int) -> Expressions:
+    """Problems of Hock and Schittkowski, Test Examples for Nonlinear Programming Codes (1981)."""
+    x, p = casadi.SX.sym("x", 2), casadi.SX.sym("p", 1)
+    if number == 6:
+        return Expressions(x, p, (1 - x[0]) ** 2, 10 * (x[1] - x[0] ** 2))
+    if number == 7:
+        f = casadi.log(1 + x[0] ** 2) - x[1]
+        return Expressions(x, p, f, (1 + x[0] ** 2) ** 2 + x[1] ** 2 - p[0])
+    # a turn to the left and a straight to a target inside the turning circle: there is no such path
+    end = (
+        casadi.sin(x[0]) + x[1] * casadi.cos(x[0]),
+        1 - casadi.cos(x[0]) + x[1] * casadi.sin(x[0]),
+    )
+    return Expressions(x, p, x[0] + x[1], casadi.vertcat(0.3 - end[0], 0.5 - end[1]))
+
+
+def _program(number: int, written: Functions | None = None) -> Program:
+    upper = np.full(2, math.inf)
+    lower = -upper if number else np.zeros(2)
+    return Program(_expressions(number), np.array([4.0]), lower, upper, written)
+
+
+_START = {6: np.array([-1.2, 1.0]), 7: np.array([2.0, 2.0]), 0: np.array([1.0, 1.0])}
+_SOLUTION = {6: np.array([1.0, 1.0]), 7: np.array([0.0, math.sqrt(3)])}
+
+
+def _run(name: str, number: int, max_iter: int = 200, seconds: float = 10.0) -> Any:
+    return table.engine(name, 1e-8, max_iter)(_program(number), _START[number], seconds)
+
+
+@pytest.mark.parametrize("number", [6, 7])
+@pytest.mark.parametrize("name", WHEELS)
+def test_published_solution(name, number):
+    """Every engine reaches the solution that is printed in the collection, and calls it one."""
+    result = _run(name, number)
+
+    assert result.claim is Claim.LOCAL
+    # where the objective's slope is zero, its error is the square of the point's
+    assert result.x == pytest.approx(_SOLUTION[number], abs=_ACCURACY.get(name, 1e-4))
+    assert abs(_program(number).functions.equations(result.x)).max() < 1e-6
+
+
+@pytest.mark.parametrize("name", WITH_DUALS)
+def test_duals_make_the_lagrangian_stationary(name):
+    """In problem 7 the slope by x2 is -1 + 2 sqrt(3) times the dual."""
+    result = _run(name, 7)
+
+    assert result.duals == pytest.approx([1 / math.sqrt(12)], rel=1e-6)
+
+
+@pytest.mark.parametrize("name", WHEELS)
+def test_what_has_no_point_is_not_called_solved(name):
+    """But COBYLA of NLopt calls where its steps end a success: a false claim, kept as it is."""
+    result = _run(name, 0)
+
+    if name == "nlopt-cobyla":
+        assert result.claim is Claim.LOCAL
+    elif name.startswith("nlopt"):
+        assert result.claim in (Claim.FAILED, Claim.LIMIT)
+    else:
+        assert result.claim is Claim.INFEASIBLE
+
+
+@pytest.mark.parametrize("name", WHEELS)
+def test_too_few_iterations_are_a_limit(name):
+    assert _run(name, 7, max_iter=1).claim is Claim.LIMIT
+
+
+@pytest.mark.parametrize("name", IN_PROCESS)
+def test_time_limit_of_engines_that_call_functions(name):
+    """The functions take longer than the limit, so that no engine can end before it."""
+    compiled = _expressions(7).functions(np.array([4.0]))
+
+    def equations(x: Any) -> Any:
+        time.sleep(0.05)
+        return compiled.equations(x)
+
+    slow = _program(7, compiled._replace(equations=equations))
+
+    result = table.engine(name, 1e-8, 200)(slow, _START[7], 0.04)
+
+    assert result.claim is Claim.LIMIT
+
+
+@pytest.mark.parametrize("name", EXECUTABLES)
+def test_executables_are_stopped_and_their_folders_removed(name, tmp_path, monkeypatch):
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    if table.ENGINES[name].reason:
+        table.unavailable(name)  # GAMS is asked once, and in time
+
+    stopped = _run(name, 7, seconds=1e-3)
+    solved = _run(name, 7)
+
+    assert (stopped.claim, solved.claim) == (Claim.LIMIT, Claim.LOCAL)
+    assert np.isnan(stopped.x).all()
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("name", WHEELS)
+def test_silent_and_repeatable(name, capfd):
+    first, second = _run(name, 6), _run(name, 6)
+
+    assert repr(first) == repr(second)
+    assert capfd.readouterr() == ("", "")
+
+
+@pytest.mark.parametrize("name", WHEELS)
+def test_missing_package_is_a_reason(name, monkeypatch):
+    absent = table.ENGINES[name].packages[-1]
+    find_spec = importlib.util.find_spec
+    monkeypatch.setattr(
+        importlib.util,
+        "find_spec",
+        lambda package: find_spec(package) if package != absent else None,
+    )
+
+    assert table.unavailable(name) == f"the package {absent} is not installed"
+
+
+@pytest.mark.parametrize("name", WHEELS)
+def test_installed_engines_have_no_reason(name):
+    assert table.unavailable(name) is None
+
+
+def test_gams_without_licence_is_a_reason(monkeypatch):
+    monkeypatch.setattr(gams, "_exit_code", lambda: 7)
+
+    assert "licence" in str(table.unavailable("gams-snopt"))
+
+
+def test_apopt_as_gekko_runs_it():
+    """gekko's own interface takes as many iterations, to the same ten digits."""
+    from gekko import GEKKO
+
+    model = GEKKO(remote=False)
+    try:
+        x = [model.Var(value=value) for value in _START[7]]
+        model.Equation((1 + x[0] ** 2) ** 2 + x[1] ** 2 - 4 == 0)
+        model.Minimize(model.log(1 + x[0] ** 2) - x[1])
+        options = {"SOLVER": 1, "RTOL": 1e-8, "OTOL": 1e-8, "MAX_ITER": 200}
+        for name, value in options.items():
+            setattr(model.options, name, value)
+        model.solve(disp=False)
+        expected = [variable.value[0] for variable in x]
+        iterations = model.options.ITERATIONS
+    finally:
+        model.cleanup()
+
+    result = _run("apopt", 7)
+
+    assert result.x == pytest.approx(expected, abs=1e-9)
+    assert result.iterations == iterations
+
+
+def test_conopt_says_when_its_demo_mode_is_too_small():
+    x = casadi.SX.sym("x", 1001)
+    large = Expressions(x, casadi.SX.sym("p", 1), casadi.sumsqr(x - 1), casadi.sin(x[0]) - 0.5)
+    bound = np.full(1001, 10.0)
+    program = Program(large, np.zeros(1), -bound, bound)
+
+    result = table.engine("conopt", 1e-8, 200)(program, np.zeros(1001), 10.0)
+
+    assert result.claim is Claim.FAILED
+    assert result.message == "Limits for Demo Version Exceeded."
+
+
+def test_rows_hold_the_tolerance_that_the_engine_has():
+    """CONOPT's cannot be set; what is asked of the others is what they get."""
+    tolerances = [load(f"nlp[engine={name},tol=1e-6]").method.tolerance for name in WHEELS]
+
+    assert tolerances == [1e-7 if name == "conopt" else 1e-6 for name in WHEELS]
+
+
+def test_text_means_what_the_expressions_mean():
+    """Python reads the text too; two values of the parameters, long expressions cut in pieces."""
+    x, p = casadi.SX.sym("x", 3), casadi.SX.sym("p", 2)
+    f = casadi.sin(x[0]) ** 2 - x[1] / p[0] + casadi.sqrt(x[2]) * casadi.exp(-x[0])
+    g = casadi.vertcat(p[1] - x[0] * casadi.cos(x[1] - x[2]), (x[0] - 2) ** 3 - 1e-7 * x[2])
+    bound = np.full(3, math.inf)
+    point = np.array([0.3, -1.7, 2.5])
+    scope = {name: getattr(math, name) for name in ("sin", "cos", "sqrt", "exp", "log")}
+    scope |= {f"x{i + 1}": value for i, value in enumerate(point.tolist())}
+
+    for longest in (10, 10_000):
+        for parameters in (np.array([3.0, -2.0]), np.array([-0.5, 1e-9])):
+            program = Program(Expressions(x, p, f, g), parameters, -bound, bound)
+            text = algebra_text(program, Language("Python", "x{}", "({})**({})", longest))
+            names = dict(scope)
+            for name, expression in text.intermediates:
+                names[name] = eval(expression, names)
+            sides = [eval(side, names) for side in (text.objective, *text.equations)]
+
+            functions = program.functions
+            expected = [functions.objective(point), *functions.equations(point)]
+            assert sides == pytest.approx(expected, rel=1e-14, abs=1e-15)
+            assert bool(text.intermediates) is (longest == 10)
