@@ -12,9 +12,12 @@ from dubins_study.report.elements.columns import Column, columns
 from dubins_study.report.elements.content import Picture, Section, Table
 from dubins_study.report.elements.formats import count, digits, seconds, sentences
 from dubins_study.report.elements.identity import (
-    interval_columns,
+    cell_text,
+    interval_column,
+    interval_keys,
     method_columns,
     with_interval,
+    with_interval_texts,
 )
 from dubins_study.report.elements.panels import most_per_formulation
 from dubins_study.report.statistics.compared import Compared, compared
@@ -31,6 +34,7 @@ from dubins_study.report.topics.cost.numbers import (
 # Eight bars in a panel can be read; the tables hold every method.
 _MOST = 8
 _RATIO = digits(3)
+_SHOWN = {"evaluations": _RATIO, "seconds": _RATIO}
 
 
 def cost_section(results: Results) -> Section | None:
@@ -128,16 +132,17 @@ def _factor_table(table: pd.DataFrame) -> Table:
         *method_columns(table),
         *columns(count, questions="questions"),
         *columns(mean, evaluations_total="evaluations", evaluations_floor="winning run"),
-        *interval_columns(_RATIO, "evaluations", "total / winning"),
+        interval_column("evaluations", "total / winning"),
         *columns(seconds, seconds_total="time", seconds_floor="winning run"),
-        *interval_columns(_RATIO, "seconds", "total / winning"),
+        interval_column("seconds", "total / winning"),
     )
     caption = (
         "Total cost against the winning run: means over right answers, then the median over "
         "questions of total / winning run, with its 95 % interval (bootstrap over scenarios). "
         "A dash: the engine does not count evaluations."
     )
-    return Table("cost", caption, table, shown)
+    frame = with_interval_texts(table, **_SHOWN)
+    return Table("cost", caption, frame, shown, numbers=interval_keys(*_SHOWN), dense=True)
 
 
 def _presolve_table(savings: pd.DataFrame) -> Table:
@@ -145,16 +150,17 @@ def _presolve_table(savings: pd.DataFrame) -> Table:
         *method_columns(savings),
         *columns(count, questions="questions"),
         *columns(_RATIO, evaluations_off="evaluations / winning, without", evaluations_on="with"),
-        *interval_columns(_RATIO, "evaluations", "saved factor"),
+        interval_column("evaluations", "saved factor"),
         *columns(_RATIO, seconds_off="time / winning, without", seconds_on="with"),
-        *interval_columns(_RATIO, "seconds", "saved factor"),
+        interval_column("seconds", "saved factor"),
     )
     caption = (
         "With and without the presolve, which drops the words that elementary geometry excludes, "
         "on the questions that both answer: median of total / winning run, and median over "
         "questions of the total without / with it, with its 95 % interval."
     )
-    return Table("cost-presolve", caption, savings, shown)
+    frame = with_interval_texts(savings, **_SHOWN)
+    return Table("cost-presolve", caption, frame, shown, numbers=interval_keys(*_SHOWN), dense=True)
 
 
 def _present(attempts: Compared, table: pd.DataFrame) -> list[str]:
@@ -173,7 +179,7 @@ def _stratum_table(attempts: Compared, answers: Split) -> Table | None:
         return None
     texts = kept.assign(
         text=[
-            with_interval(digits(2), *each)
+            cell_text(with_interval(digits(2), *each))
             for each in zip(kept["estimate"], kept["low"], kept["high"], strict=True)
         ]
     ).pivot(index="stratum", columns="solver", values="text")
@@ -184,10 +190,10 @@ def _stratum_table(attempts: Compared, answers: Split) -> Table | None:
     names = attempts.methods["short"]
     shown = (
         Column("stratum", "stratum", kind="text"),
-        *(Column(solver, str(names[solver]), kind="text") for solver in chosen),
+        *(Column(solver, str(names[solver]), kind="cell") for solver in chosen),
     )
     caption = (
         "Evaluations / those of the winning run, by stratum: median over questions with its 95 % "
         f"interval; {attempts.methods.loc[chosen[0], 'formulation']}."
     )
-    return Table("cost-strata", caption, frame, shown)
+    return Table("cost-strata", caption, frame, shown, dense=True)

@@ -35,8 +35,8 @@ def fastest_formulation(evidence: Evidence) -> Finding | None:
     right = evidence.share_of(evidence.rates[first])
     share = "" if right is None else right.percent_text()
     return Finding(
-        f"For a fast answer take {evidence.name(first)}: it is right on {share} of the questions, "
-        f"and the best method of another formulation, {evidence.name(second)}, takes "
+        f"Where no closed form serves, take {evidence.name(first)}: it is right on {share} of the "
+        f"questions, and the best method of another formulation, {evidence.name(second)}, takes "
         f"{ratio.text()} times as long.",
         ratio,
         TIMES,
@@ -149,7 +149,8 @@ def near_circles(evidence: Evidence) -> Finding | None:
         f"Distrust {evidence.name(solver)} next to a turning circle: within {_NEAR:g} radii of "
         f"one it is right on {near.percent_text()} of the questions, elsewhere on "
         f"{away.percent_text()}. "
-        f"{some(len(losses), 'method')} of {len(asked)} lose there.",
+        f"Of "
+        f"{some(len(asked), 'method')} {len(losses)} lose like that.",
         near,
         PERCENT,
         f"{some(near.questions, 'question')} within {_NEAR:g} radii of a circle, "
