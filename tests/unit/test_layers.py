@@ -53,7 +53,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     ),
     "solvers.stochastic": ("study.*", "solvers", "solvers.paper_nlp"),
     "solvers.heading_milp": (
-        *("study.*", "solvers", "solvers.optimal_control"),
+        *("study.*", "solvers", "solvers.optimal_control", "solvers.minlp_engines"),
         "solvers.paper_nlp",  # whether a path of one-sided turning is a word
     ),
     "solvers.export": ("study.*", "solvers", "solvers.paper_nlp", "solvers.global_minlp"),

@@ -42,12 +42,15 @@ def report_text(page: FilePath) -> str:
     from dubins_study.cli.table import table
     from dubins_study.study.printable import plain
 
+    def _line(text: str) -> str:
+        return plain(text.replace("\n", " "))
+
     with (page.parent / "tables" / "summary.csv").open(encoding="utf-8", newline="") as stream:
         lines = list(csv.DictReader(stream))
     # the report leaves out a column that its runs do not need
     shown = {name: title for name, title in _SUMMARY.items() if not lines or name in lines[0]}
     rows = [
-        [plain(row[name]) if name != "wall_s" else _milliseconds(row[name]) for name in shown]
+        [_milliseconds(row[name]) if name == "wall_s" else _line(row[name]) for name in shown]
         for row in lines
     ]
     return f"{table(list(shown.values()), rows)}\n\npage: {plain(str(page))}"

@@ -146,7 +146,7 @@ def test_an_unknown_section_is_named_and_the_run_goes_on(tmp_path):
     file.write_text(TOML.format("nonesuch"))
     done = asked("run", str(file), "--out", str(tmp_path / "rows"))
 
-    assert "no section of the report is called 'nonesuch'; choose one of: paper," in done.stderr
+    assert "no section of the report is called 'nonesuch'; choose one of: benchmark," in done.stderr
     assert "1 of 1 cells done" in done.stdout
 
 

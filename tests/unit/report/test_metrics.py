@@ -72,7 +72,7 @@ def test_failures_stay_in_every_denominator(tmp_path):
     assert (line["attempts"], line["questions"], line["right_share"]) == (4, 4, 0.5)
     # Wilson's interval of 2 of 4 by hand: 1/2 -+ (1.96 / sqrt(4 + 1.96^2)) / 2
     assert line["right_low"] == pytest.approx(0.1500, abs=5e-5)
-    assert line["right_text"] == "50.0 % (15.0 to 85.0) of 4"
+    assert line["right_text"] == "50.0 % of 4,\n15.0 to 85.0 %"
     assert (line["misses"], line["none"]) == (1, 1)
     assert (line["false_claims"], line["not_returned"]) == (1, 1)
 

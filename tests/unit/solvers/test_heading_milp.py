@@ -13,9 +13,11 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from scipy.optimize import linprog
 
+from dubins_study.solvers.attempt import attempt
 from dubins_study.solvers.heading_milp.grid import one_turn, two_turns
 from dubins_study.solvers.heading_milp.legs import controls, least_legs
 from dubins_study.solvers.heading_milp.solver import HeadingMilp
+from dubins_study.solvers.presolve import WORDS
 from dubins_study.solvers.protocol import Question, Solution
 from dubins_study.study.check.verdict import Judgement, Verdict, judge
 from dubins_study.study.claim import Claim
@@ -257,3 +259,33 @@ def test_a_bad_setting_is_refused(setting):
     """With its name and what was expected."""
     with pytest.raises(ValueError, match=f"{next(iter(setting))} is .*; expected"):
         HeadingMilp(**setting)
+
+
+OTHERS = [name for name in ("scip", "gurobi", "xpress") if HeadingMilp(name).unavailable() is None]
+
+
+@pytest.mark.parametrize("engine", OTHERS)
+@pytest.mark.parametrize(("target", "branch"), [((3, 2), "LS"), ((0.3, 1.2), "best")])
+def test_every_engine_finds_the_same_optimum(engine, target, branch, capfd):
+    """That of HiGHS, on a grid that fits into the licences of the wheels, and in silence."""
+    question = Question(Scenario(0, 0, 0, *target, 1), branch)
+    answer, highs = (attempt(HeadingMilp(name, 24, 2), question) for name in (engine, "highs"))
+
+    assert answer.claim is highs.claim is Claim.LOCAL
+    assert answer.length == pytest.approx(highs.length, rel=1e-6)  # their gap
+    assert answer.native_status.startswith(f"{answer.subproblems.split()[0]} ")
+    assert set(answer.subproblems.split()) == ({"LS"} if branch == "LS" else set(WORDS))
+    assert sum(answer.subproblem_evaluations) == answer.evaluations
+    assert capfd.readouterr() == ("", "")
+
+
+@pytest.mark.parametrize("engine", [name for name in OTHERS if name == "gurobi"])
+def test_a_licence_that_is_too_small_is_said_in_the_row(engine):
+    """The MILPs of RL and LR at 72 headings have 3 250 variables; LS and RS are answered."""
+    answer = attempt(HeadingMilp(engine=engine), Question(Scenario(0, 0, 0, 3, 2, 1)))
+
+    assert answer.verdict is Verdict.OPTIMAL
+    if answer.claim is not Claim.LOCAL:  # a full licence solves them all
+        assert answer.claim is Claim.FEASIBLE
+        assert "size-limited license" in answer.native_status
+        assert answer.message == "LS; not all words were solved"

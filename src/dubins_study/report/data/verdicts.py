@@ -45,6 +45,17 @@ def verdicts(attempts: Attempts) -> pd.DataFrame:
     )
 
 
+def evaluations(attempts: Attempts) -> pd.DataFrame:
+    """Median function evaluations of an attempt at a question that has a path: solver, evaluations.
+
+    Null where no attempt counts them.
+    """
+    median = attempts.quantile("evaluations", 0.5)
+    return attempts.frame(
+        f"SELECT solver, {median} FILTER (answerable) AS evaluations FROM chosen GROUP BY solver"
+    )
+
+
 KINDS = ("presolved", "unasked", "right", "wrong", "silent")
 
 

@@ -9,8 +9,8 @@ from dubins_study.report.elements.formats import ABSENT, count, digits
 from dubins_study.report.statistics.intervals import wilson_intervals
 
 INTERVAL_TEXT = (
-    "In brackets: 95 % interval (Wilson), for as many trials as there are questions; one that is "
-    "right in two of three repeats counts 2/3."
+    "Below each share its 95 % interval (Wilson), for as many trials as there are questions; a "
+    "question that is answered right in two of three repeats counts 2/3."
 )
 
 
@@ -36,10 +36,10 @@ def with_share(
 
 
 def share_text(share: float, low: float, high: float, of: float) -> str:
-    """`98.4 % (91.7 to 99.7) of 64`; a dash if there is nothing that it is a share of."""
+    """`98.4 % of 64` and below it `91.7 to 99.7 %`; a dash if there is nothing to divide by."""
     if not of > 0:
         return ABSENT
-    return f"{percent(share)} % ({percent(low)} to {percent(high)}) of {questions(of)}"
+    return f"{percent(share)} % of {questions(of)},\n{percent(low)} to {percent(high)} %"
 
 
 def percent(share: float) -> str:

@@ -21,8 +21,10 @@ from dubins_study.report.topics.convergence.section import convergence_section
 from dubins_study.report.topics.cost.section import cost_section
 from dubins_study.report.topics.discretisation.section import discretisation_section
 from dubins_study.report.topics.existence.section import existence_section
+from dubins_study.report.topics.findings.section import findings_section
 from dubins_study.report.topics.ladder.section import ladder_section
 from dubins_study.report.topics.map.section import map_section
+from dubins_study.report.topics.matrix.section import matrix_section
 from dubins_study.report.topics.paper.section import figures_section, paper_section
 from dubins_study.report.topics.plane.section import plane_section
 from dubins_study.report.topics.proofs.section import proofs_section
@@ -64,7 +66,9 @@ class Topic(NamedTuple):
 
 EVERY, POOLED, COMPARED = General.EVERY, General.POOLED, General.COMPARED
 TOPICS = (
+    Topic("what the study found", findings_section, "benchmark"),
     Topic("summary", summary_section, POOLED, counted=True),
+    Topic("formulation by engine", matrix_section, "benchmark", counted=True),
     Topic("the paper's tables", paper_section, "paper", (POOLED, COMPARED)),
     Topic("the audit of the paper", audit_section, "paper", counted=True),
     Topic("the paper's figures", figures_section, "paper"),

@@ -31,7 +31,14 @@ def methods_of(rows: pd.DataFrame) -> pd.DataFrame:
     guess = frame["guess"].where(frame["guess"] != "none", "")
     parts = pd.concat([frame["engine"], guess, frame["settings"]], axis=1)
     frame["short"] = [", ".join(filter(None, line)) for line in parts.itertuples(index=False)]
-    frame["name"] = frame["short"] + " on " + frame["formulation"]
+    inner = pd.concat([guess, frame["settings"]], axis=1).itertuples(index=False)
+    settled = [", ".join(filter(None, line)) for line in inner]
+    frame["name"] = [
+        f"{engine} ({text}) on {formulation}" if text else f"{engine} on {formulation}"
+        for engine, text, formulation in zip(
+            frame["engine"], settled, frame["formulation"], strict=True
+        )
+    ]
     order = frame.assign(
         formulation=_places(frame["formulation"], FORMULATIONS),
         guess=_places(frame["guess"], _GUESSES),
@@ -56,6 +63,28 @@ def best_methods(frame: pd.DataFrame, keys: list[str]) -> pd.DataFrame:
     )
     kept = ranked.drop_duplicates(keys).index
     return frame.iloc[sorted(kept)]
+
+
+# As many methods at most have a bar or a curve each in one figure. Of more, only the best of each
+# engine are drawn, and at most `MOST_ENGINES` of a formulation.
+MOST_METHODS, MOST_ENGINES = 14, 10
+
+
+def drawn_methods(frame: pd.DataFrame) -> pd.DataFrame:
+    """The methods that figures with a panel per formulation show: the best of each engine.
+
+    Args:
+        frame: as for `best_methods`, with formulation and engine.
+    Returns:
+        Some rows of the frame, in its order; at most `MOST_ENGINES` of a formulation, those with
+        the most right answers; not the closed form, to which no engine compares.
+    """
+    engines = frame[frame["formulation"] != FORMULATIONS[0]]
+    best = best_methods(engines, ["formulation", "engine"])
+    best = best.assign(place=range(len(best)))
+    ranked = best.sort_values(["right_share", "wall_s"], ascending=[False, True], kind="stable")
+    kept = ranked.groupby("formulation", sort=False).head(MOST_ENGINES)
+    return kept.sort_values("place", kind="stable").drop(columns="place")
 
 
 def without_setting(spec: str, key: str) -> tuple[str, str | None]:

@@ -9,42 +9,30 @@ from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
+from dubins_study.solvers import library_versions
+from dubins_study.solvers.heading_milp.answer import MilpResult, solution
 from dubins_study.solvers.heading_milp.grid import FULL_TURN, Family, one_turn, two_turns
-from dubins_study.solvers.heading_milp.legs import ROUNDED, Legs, controls, least_legs, rounding
-from dubins_study.solvers.heading_milp.template import Template, template
-from dubins_study.solvers.paper_nlp.polish import one_sided_only
+from dubins_study.solvers.heading_milp.legs import ROUNDED, least_legs, rounding
+from dubins_study.solvers.heading_milp.stated import Stated
+from dubins_study.solvers.heading_milp.template import TOLERANCE, Template, template
+from dubins_study.solvers.minlp_engines import table
 from dubins_study.solvers.presolve import words
 from dubins_study.solvers.protocol import Guarantee, Method, Question, Solution, Solver
-from dubins_study.solvers.setting_checks import missing_package, whole
-from dubins_study.solvers.vehicle_frame import at_start, coordinate_rounding, in_world
-from dubins_study.study.claim import Claim
-from dubins_study.study.path import FloatArray, Path
+from dubins_study.solvers.setting_checks import missing_package, one_of, whole
+from dubins_study.solvers.vehicle_frame import at_start, coordinate_rounding
+from dubins_study.study.path import FloatArray
 
 BRANCHES = ("best", "LS", "RS")
+_LABELS = {"highs": "HiGHS"} | {
+    name: table.ENGINES[name].label for name in ("scip", "gurobi", "xpress")
+}
 
 
 class Case(NamedTuple):
-    """One MILP of a question: the shape of its paths, and the compiled problem it is put into."""
+    """One MILP of a question: the shape of its paths, and the problem that it is put into."""
 
     family: Family
-    milp: Template
-
-
-class MilpResult(NamedTuple):
-    """The result of one MILP.
-
-    `length` and `bound` are in radii; the bound holds for paths on this grid only. Without a path
-    that arrives, `legs` is None and `length` infinite.
-    """
-
-    family: Family
-    status: str
-    choice: int
-    legs: Legs | None
-    length: float
-    bound: float
-    nodes: int
-    iterations: int
+    milp: Template | Stated
 
 
 class Model(NamedTuple):
@@ -61,7 +49,8 @@ class HeadingMilp(Solver):
 
     One MILP for each word: LS and RS with a binary for every turning step, and for `best` near the
     start also RL and LR with a binary for every pair of steps. The legs are continuous. The
-    optimum is that of the discretised problem, and so is HiGHS's bound, which the message states.
+    optimum is that of the discretised problem, and so is the engine's bound, which the message
+    states.
     LR and RL as branches allow nothing but two full-rate arcs. On a grid of headings these end in
     finitely many points, so the two branches are not answered.
 
@@ -70,10 +59,14 @@ class HeadingMilp(Solver):
         legs: number of parts of the last step before a straight; legs may be driven between them.
             With 1 they have the grid's headings only. Driving between two of these headings
             instead of along one costs a length that falls with the square of headings * legs.
-        gap: relative gap at which HiGHS calls an answer optimal.
+        engine: `highs`, in a problem that cvxpy has compiled; `scip`, `gurobi` or `xpress`, stated
+            anew for every question. The licences in the wheels of the last two end at 2 000
+            variables and at 5 000 variables and rows: near the start fewer headings fit.
+        gap: relative gap at which the engine calls an answer optimal.
         presolve: whether words that cannot exist are left out (`solvers.presolve`).
     """
 
+    engine: str = "highs"
     headings: int = 72
     legs: int = 6
     gap: float = 1e-6
@@ -82,14 +75,20 @@ class HeadingMilp(Solver):
     name: ClassVar[str] = "heading-milp"
     guarantee: ClassVar[Guarantee] = Guarantee.DISCRETISED
     branches: ClassVar[tuple[str, ...]] = BRANCHES
-    packages: ClassVar[tuple[str, ...]] = ("cvxpy", "highspy")
+    packages: ClassVar[tuple[str, ...]] = (
+        *("cvxpy", "highspy", "pyscipopt", "gurobipy", "xpress"),
+    )
     summary: ClassVar[str] = "turning steps between headings on a grid as binaries, HiGHS in cvxpy"
+    variants: ClassVar[tuple[str, ...]] = tuple(
+        f"heading-milp[engine={name}]" for name in _LABELS if name != "highs"
+    )
     profiles: ClassVar[dict[str, dict[str, Any]]] = {
         "fast": {"headings": 48},
         "accurate": {"headings": 144},
     }
 
     def __post_init__(self) -> None:
+        one_of(engine=(self.engine, _LABELS))
         # With steps above 30 degrees a CC path has hardly a first arc. cvxpy's memory grows with
         # the square of the number of headings, to two gigabytes at the upper ends.
         whole(headings=(self.headings, 12, 1000), legs=(self.legs, 1, 12))
@@ -98,10 +97,15 @@ class HeadingMilp(Solver):
 
     @property
     def method(self) -> Method:
-        return Method("grid of headings", "HiGHS", "none")
+        return Method("grid of headings", _LABELS[self.engine], "none", TOLERANCE)
 
     def unavailable(self) -> str | None:
-        return missing_package(*self.packages)
+        if self.engine == "highs":
+            return missing_package("cvxpy", "highspy")
+        return table.unavailable(self.engine)
+
+    def library_versions(self) -> dict[str, str]:
+        return library_versions.scip() if self.engine == "scip" else {}
 
     @property
     def keeps_limit(self) -> bool:
@@ -111,8 +115,11 @@ class HeadingMilp(Solver):
     def build(self, question: Question) -> Model:
         target = np.array(question.scenario.local())
         families = self._families(question, *map(float, target))
-        cases = [Case(family, template(*family.heading.shape)) for family in families]
+        cases = [Case(family, self._milp(*family.heading.shape)) for family in families]
         return Model(question, target, cases)
+
+    def _milp(self, n: int, m: int) -> Template | Stated:
+        return template(n, m) if self.engine == "highs" else Stated(n, m, self.engine)
 
     def _families(self, question: Question, X: float, Y: float) -> list[Family]:
         """The families of a question; the likelier side first, since its length cuts off others."""
@@ -137,7 +144,13 @@ class HeadingMilp(Solver):
                 break
             results.append(_solved(case, model.target, cutoff, self.gap, seconds))
             cutoff = min(cutoff, results[-1].length)
-        return _solution(model, results, self.headings)
+        return solution(
+            model.question,
+            results,
+            len(results) == len(model.cases),
+            f"the grid of {self.headings} headings",
+            _LABELS[self.engine],
+        )
 
     def _longest(self, distance: float) -> float:
         """An upper bound (radii) on the shortest length, with room to spare.
@@ -175,7 +188,9 @@ def _solved(
     # 1 - cos, which keeps no digits of small angles
     slope = bridged[:, None] * 2 * np.sin((family.heading - bearing) / 2) ** 2
     milp.slope[:] = slope.ravel()
+    began = time.perf_counter()
     answer = milp.solve(gap, cutoff - distance, seconds)
+    spent = time.perf_counter() - began
     choice, legs, length = answer.choice or 0, None, math.inf
     if answer.choice is not None:
         legs = least_legs(family.heading[choice], gaps[:, choice])
@@ -183,49 +198,5 @@ def _solved(
         length = float(family.length[choice] + legs.length.sum())
     bound = distance + answer.bound
     return MilpResult(
-        family, answer.status, choice, legs, length, bound, answer.nodes, answer.iterations
-    )
-
-
-def _solution(model: Model, results: list[MilpResult], headings: int) -> Solution:
-    """The shortest path of all MILPs, and the claim that follows from their statuses."""
-    scenario, R = model.question.scenario, model.question.scenario.radius
-    counts: dict[str, Any] = {
-        "iterations": sum(result.iterations for result in results),
-        "evaluations": sum(result.nodes for result in results),
-        "native_status": "; ".join(
-            dict.fromkeys(f"{result.family.name} {result.status}" for result in results)
-        ),
-    }
-    done = {result.status for result in results} <= {"optimal", "infeasible"}
-    stopped = len(results) < len(model.cases) or any(
-        result.status == "user_limit" for result in results
-    )
-    best = min(results, key=lambda result: result.length, default=None)
-    if best is None or best.legs is None:
-        message = f"no path on the grid of {headings} headings was found"
-        if not stopped and {result.status for result in results} == {"infeasible"}:
-            message = f"{message}: HiGHS proves that there is none, on this grid only"
-        return Solution(Claim.LIMIT if stopped else Claim.FAILED, message=message, **counts)
-    claim = Claim.LIMIT if stopped else Claim.LOCAL if done else Claim.FEASIBLE
-    duals = best.legs.duals
-    curvature, length = controls(best.family, best.choice, best.legs.length)
-    path = Path(scenario.start, np.array(curvature) / R, np.array(length) * R)
-    # "infeasible": the family has no path shorter than the best one, at whose length it is cut off
-    bound = min(
-        result.bound if result.status != "infeasible" else best.length for result in results
-    )
-    message = (
-        f"{best.family.name}; HiGHS's bound {bound * R:.9g} holds for paths on the grid"
-        f" of {headings} headings only, not for the scenario"
-    )
-    if claim is not Claim.LIMIT and (reason := one_sided_only(model.question, path)):
-        claim, message = Claim.FAILED, reason
-    return Solution(
-        claim,
-        path=path,
-        claimed_length=best.length * R,
-        multipliers=None if duals is None else in_world(scenario, *map(float, duals)),
-        message=message,
-        **counts,
+        family, answer.status, choice, legs, length, bound, answer.nodes, answer.iterations, spent
     )

@@ -11,6 +11,9 @@ from scipy.sparse import eye_array, kron
 from dubins_study.solvers.optimal_control.turn_rate_template import Compiled
 from dubins_study.study.path import FloatArray
 
+# of rows, in radii or shares of a gap: the least that HiGHS, Gurobi and SCIP all take
+TOLERANCE = 1e-9
+
 # The linear relaxation is nearly always integral, so that HiGHS hardly branches. Presolving and
 # heuristics, which save branching, take several times longer than all the rest.
 _OPTIONS = {
@@ -18,14 +21,14 @@ _OPTIONS = {
     "presolve": "off",
     "mip_detect_symmetry": False,
     "mip_heuristic_run_feasibility_jump": False,
-    "primal_feasibility_tolerance": 1e-9,
-    "mip_feasibility_tolerance": 1e-9,
+    "primal_feasibility_tolerance": TOLERANCE,
+    "mip_feasibility_tolerance": TOLERANCE,
     "mip_abs_gap": 1e-9,
 }
 
 
 class Answer(NamedTuple):
-    """HiGHS's answer; `choice` is None without a point, `bound` is proven on the objective."""
+    """The engine's answer; `choice` is None without a point, `bound` is proven on the objective."""
 
     status: str
     choice: int | None

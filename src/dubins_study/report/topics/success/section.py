@@ -13,8 +13,15 @@ from dubins_study.report.elements.columns import SOLVER, columns
 from dubins_study.report.elements.content import Picture, Section, Table, picture
 from dubins_study.report.elements.formats import count, digits, share, slug
 from dubins_study.report.elements.looks import Palette, legend_lines, lines_of_names
+from dubins_study.report.elements.panels import DRAWN_TEXT
 from dubins_study.report.elements.style import WIDE
-from dubins_study.report.topics.success.figures import plot_gap_profile, plot_verdicts
+from dubins_study.report.statistics.methods import MOST_METHODS, drawn_methods
+from dubins_study.report.topics.success.figures import (
+    plot_gap_profile,
+    plot_gap_profiles,
+    plot_verdict_grid,
+    plot_verdicts,
+)
 from dubins_study.report.topics.success.numbers import failures, gap_quantiles, gap_shares
 from dubins_study.report.topics.summary.section import solver_summary, summary_table
 
@@ -26,7 +33,8 @@ def success_section(results: Results) -> Section | None:
     attempts = results.attempts
     each = {name: attempts.only({name}) for name in attempts.experiments}
     frame = solver_summary(attempts)
-    blocks: list[Picture | Table] = [_verdict_picture(frame[frame["attempts"] > 0])]
+    frame = frame[frame["attempts"] > 0]
+    blocks: list[Picture | Table] = [_verdict_picture(frame)] if len(frame) else []
     if len(each) > 1:
         blocks.append(_experiment_table(each))
     quantiles = gap_quantiles(attempts.gap_quantiles())
@@ -45,7 +53,7 @@ def success_section(results: Results) -> Section | None:
         "(length − reference) / max(reference, R) and only a path that arrives has one; the others "
         "count as infinitely far off."
     )
-    return Section("success", "Success and gaps", text, tuple(blocks))
+    return Section("success", "Success and gaps", text, tuple(blocks)) if blocks else None
 
 
 def _experiment_table(each: Mapping[str, Attempts]) -> Table:
@@ -64,13 +72,20 @@ def _experiment_table(each: Mapping[str, Attempts]) -> Table:
 
 
 def _verdict_picture(frame: pd.DataFrame) -> Picture:
+    what = (
+        "Verdicts as shares of all attempts at questions that have a path. The plain bar is "
+        "success, hatched ones are not"
+    )
+    alt = "Stacked bars of verdicts, one per solver"
+    if len(frame) > MOST_METHODS:
+        figure = plot_verdict_grid(drawn_methods(frame))
+        return Picture("verdicts", f"{what}. {DRAWN_TEXT}", figure, alt)
     return picture(
         "verdicts",
         plot_verdicts,
         frame,
-        caption="Verdicts as shares of all attempts at questions that have a path. The plain bar "
-        "is success, hatched ones are not; false claims and wrong basins are counted at the right.",
-        alt="Stacked bars of verdicts, one per solver",
+        caption=f"{what}; false claims and wrong basins are counted at the right.",
+        alt=alt,
         height=0.9 + max(0.42, 0.14 * lines_of_names(frame["solver"])) * len(frame),
         width=WIDE,
     )
@@ -88,14 +103,24 @@ def _profile_picture(
     experiment: str, attempts: Attempts, tolerance: float | None, palette: Palette
 ) -> Picture:
     shares = gap_shares(attempts.gap_profile())
+    name, alt = f"gap-profile-{slug(experiment)}", f"Share of attempts against gap, {experiment}"
+    caption = (
+        f"Experiment {experiment}: share of attempts within each gap. Higher is more reliable, "
+        "further left more accurate; a curve that ends below 100 % belongs to a solver that "
+        "sometimes does not arrive."
+    )
+    if len(shares) > MOST_METHODS:
+        frame = solver_summary(attempts)
+        drawn = drawn_methods(frame[frame["solver"].isin(list(shares))])
+        limit = "" if tolerance is None else " Dotted: optimal up to here."
+        figure = plot_gap_profiles(drawn, shares, tolerance)
+        return Picture(name, f"{caption}{limit} {DRAWN_TEXT}", figure, alt)
     return picture(
-        f"gap-profile-{slug(experiment)}",
+        name,
         plot_gap_profile,
         *(shares, palette, tolerance),
-        caption=f"Experiment {experiment}: share of attempts within each gap. Higher is more "
-        "reliable, further left more accurate; a curve that ends below 100 % belongs to a solver "
-        "that sometimes does not arrive.",
-        alt=f"Share of attempts against gap, {experiment}",
+        caption=caption,
+        alt=alt,
         height=3.0 + 0.17 * legend_lines(list(shares), width=40),
         legend=1,
     )
@@ -103,6 +128,9 @@ def _profile_picture(
 
 def _quantile_table(frame: pd.DataFrame, precision: str) -> Table:
     gap = digits(3)
+    several = frame["solver"].nunique() > MOST_METHODS
+    if several:  # else the table has some hundred lines
+        frame = frame[frame["region"] == "all"].reset_index(drop=True)
     shown = (
         SOLVER,
         *columns(kind="text", region="target lies"),
@@ -113,7 +141,7 @@ def _quantile_table(frame: pd.DataFrame, precision: str) -> Table:
     caption = (
         "Gap quantiles (relative, no unit) by where the target lies. ∞ means that so large a share "
         "of the attempts did not arrive that the quantile is not reached."
-        f"{precision}"
+        f"{' Of so many solvers only all regions together.' if several else ''}{precision}"
     )
     return Table("gap-quantiles", caption, frame, shown)
 

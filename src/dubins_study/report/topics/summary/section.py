@@ -35,7 +35,7 @@ def solver_summary(attempts: Attempts) -> pd.DataFrame:
 
 def summary_table(name: str, caption: str, frame: pd.DataFrame, first: tuple[Column, ...]) -> Table:
     """A table of `summary`, with columns before it; columns without any count are left out."""
-    rare = [key for key in ("none exists", PRESOLVED) if not frame[key].any()]
+    rare = [key for key in ("none exists", PRESOLVED, "not_returned") if not frame[key].any()]
     shown = [column for column in _COLUMNS if column.key not in rare]
     bad = marks(frame, "misses", "none", "false_claims", "not_returned")
     return Table(name, caption, frame, (*first, *shown), bad, _NUMBERS)

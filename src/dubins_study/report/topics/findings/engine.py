@@ -1,0 +1,125 @@
+"""Findings about engines and their cost."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+
+from dubins_study.report.elements.formats import digits, some
+from dubins_study.report.topics.comparison.paired import engine_tests, separated
+from dubins_study.report.topics.cost.numbers import presolve_pairs
+from dubins_study.report.topics.findings.evidence import Evidence
+from dubins_study.report.topics.findings.finding import TIMES, Finding
+from dubins_study.report.topics.findings.formulation import RANKS
+
+STOCHASTIC = "penalty"
+_RIGHT_ENOUGH = 0.9
+
+
+def slowest_engine(evidence: Evidence) -> Finding | None:
+    """Within one formulation, the slowest against the fastest engine that is right everywhere."""
+    groups = [
+        (name, group.drop_duplicates("engine"))
+        for name, group in evidence.reliable.groupby("formulation")
+    ]
+    groups = [(name, group) for name, group in groups if len(group) > 1]
+    if not groups:
+        return None
+    name, group = max(groups, key=lambda pair: len(pair[1]))
+    medians = evidence.times[list(group.index)].median()
+    fastest, slowest = str(medians.idxmin()), str(medians.idxmax())
+    ratio = evidence.time_ratio(slowest, fastest)
+    if ratio is None or not ratio.low > 1:
+        return None
+    return Finding(
+        f"Choose the engine for its speed once the formulation is good: of {len(group)} engines "
+        f"that are right on at least 99 % of the questions with {name}, "
+        f"{group['engine'][slowest]} takes {ratio.text()} times as long as "
+        f"{group['engine'][fastest]}.",
+        ratio,
+        TIMES,
+        f"{some(ratio.questions, 'question')} with a path; {name}, each engine's best settings",
+        RANKS,
+    )
+
+
+def presolve(evidence: Evidence) -> Finding | None:
+    """What dropping words by geometry divides the evaluations by."""
+    table = evidence.evaluations.replace(np.inf, np.nan)
+    pairs = [p for p in presolve_pairs(evidence.methods) if set(p) <= set(table.columns)]
+    if not pairs:
+        return None
+    off, on = [a for a, _ in pairs], [b for _, b in pairs]
+    ratios = table[off].to_numpy() / table[on].to_numpy()
+    factor = evidence.median_of(pd.DataFrame(ratios, table.index).median(axis=1))
+    if factor is None or not factor.excludes(1):
+        return None
+    question = (
+        f"{some(factor.questions, 'question')} with a path, {some(len(pairs), 'method')} with and "
+        "without it"
+    )
+    if factor.value > 1:
+        sentence = (
+            "Drop the words that geometry excludes before any engine is called: that divides the "
+            f"function evaluations by {factor.text()} in the median."
+        )
+    else:
+        factor = factor.inverse()
+        sentence = (
+            "Do not drop words by geometry: that multiplies the function evaluations by "
+            f"{factor.text()} in the median."
+        )
+    return Finding(sentence, factor, TIMES, question, "Cost where it arises: the presolve")
+
+
+def stochastic_search(evidence: Evidence) -> Finding | None:
+    """Stochastic search on the penalty function against the best method of another formulation."""
+    ranked = evidence.ranked
+    search, others = (ranked[(ranked["formulation"] == STOCHASTIC) == is_it] for is_it in (1, 0))
+    if search.empty or others.empty:
+        return None
+    solver, rival = str(search.index[0]), str(others.index[0])
+    ratio, right = evidence.time_ratio(solver, rival), evidence.share_of(evidence.rates[solver])
+    if ratio is None or right is None or not ratio.excludes(1):
+        return None
+    advice = "Keep stochastic search for problems without derivatives"
+    if ratio.value < 1:
+        advice = "Try stochastic search first"
+    return Finding(
+        f"{advice}: the best of it, {evidence.name(solver)}, is right on {right.percent_text()} of "
+        f"the questions, and takes {ratio.text()} times as long as {evidence.name(rival)} "
+        "where both are right.",
+        ratio,
+        TIMES,
+        f"{some(right.questions, 'question')} with a path, {some(ratio.questions, 'question')} "
+        f"answered by both; {some(len(search), 'stochastic method')}",
+        RANKS,
+    )
+
+
+def no_rank(evidence: Evidence) -> Finding | None:
+    """Two methods of one formulation, right nearly everywhere, that the tests do not separate."""
+    ranked = evidence.ranked[evidence.ranked["right"] >= _RIGHT_ENOUGH]
+    if len(ranked) < 2:
+        return None
+    tests = engine_tests(evidence.times, ranked)
+    if tests.empty:
+        return None
+    for line in tests[~separated(tests) & tests["p"].notna()].to_dict("records"):
+        solver, rival = str(line["solver"]), str(line["rival"])
+        if ranked["engine"][solver] == ranked["engine"][rival]:
+            continue
+        ratio = evidence.time_ratio(rival, solver)
+        if ratio is not None and not ratio.excludes(1):
+            return Finding(
+                f"Do not conclude a rank between {ranked['short'][solver]} and "
+                f"{ranked['short'][rival]} on {line['shared']}: the ratio of their median times is "
+                f"{ratio.text()}, and the paired test does not separate them "
+                f"(p = {digits(2)(line['p_holm'])}).",
+                ratio,
+                TIMES,
+                f"{some(ratio.questions, 'question')} that both answer; Wilcoxon's test with "
+                f"Holm's correction for {len(tests)} pairs",
+                "Comparison of methods: paired tests",
+            )
+    return None

@@ -1,0 +1,160 @@
+"""The tables that findings are computed from, each made once."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cached_property
+
+import numpy as np
+import pandas as pd
+
+from dubins_study.report.statistics.bootstrap import (
+    average_intervals,
+    median_intervals,
+    median_ratio_intervals,
+)
+from dubins_study.report.statistics.compared import Compared
+from dubins_study.report.statistics.intervals import wilson_interval
+from dubins_study.report.topics.belief.numbers import claims
+from dubins_study.report.topics.comparison.numbers import evaluations, mean_ranks, times
+from dubins_study.report.topics.findings.finding import ENOUGH, Estimate, percent
+
+Pair = tuple[str, str]
+# Right on so many of the questions, a method may be advised.
+_RELIABLE = 0.99
+
+
+class Evidence:
+    """Tables of the engines' attempts at questions with a path.
+
+    Args:
+        compared: the attempts.
+    """
+
+    def __init__(self, compared: Compared) -> None:
+        self.compared = compared
+        self.methods = compared.engines
+
+    @cached_property
+    def rates(self) -> pd.DataFrame:
+        """Share of right repeats: questions by solvers; NaN where the solver was not asked."""
+        rows = self.compared.answerable
+        right = rows["right"].astype(np.float64)
+        return right.groupby([rows["question"], rows["solver"]]).mean().unstack()
+
+    @cached_property
+    def times(self) -> pd.DataFrame:
+        """Cost table of whole attempts (s)."""
+        return times(self.compared)
+
+    @cached_property
+    def evaluations(self) -> pd.DataFrame:
+        """Cost table of function evaluations."""
+        return evaluations(self.compared)
+
+    @cached_property
+    def gaps(self) -> pd.DataFrame:
+        """Largest gap over repeats: questions by solvers; NaN where no path arrived."""
+        rows = self.compared.answerable
+        gaps = rows["gap"].clip(lower=0.0)
+        return gaps.groupby([rows["question"], rows["solver"]]).max().unstack()
+
+    @cached_property
+    def coarse(self) -> pd.DataFrame:
+        """Share of repeats with a path that arrives, turns the same way, and is longer."""
+        rows = self.compared.answerable
+        longer = (rows["verdict"] == "longer") & ~rows["wrong_basin"].eq(True).fillna(False)
+        return (
+            longer.astype(np.float64).groupby([rows["question"], rows["solver"]]).mean().unstack()
+        )
+
+    @cached_property
+    def ranked(self) -> pd.DataFrame:
+        """The methods in the order of their mean times, failures at the limit; may be empty."""
+        if self.times.dropna().empty:
+            return self.methods.iloc[:0].assign(right=0.0, right_low=0.0, right_high=0.0)
+        return mean_ranks(self.compared)[0]
+
+    @cached_property
+    def claims(self) -> pd.DataFrame:
+        """All claims of engines, those at questions without a path too."""
+        rows = claims(self.compared)
+        return rows[rows["solver"].isin(self.methods.index)]
+
+    @cached_property
+    def provers(self) -> list[str]:
+        """Solvers that claim optimality or give a bound, in the order of tables."""
+        proof = (self.claims["claim"] == "optimal") | self.claims["lower_bound"].notna()
+        solvers = set(self.claims.loc[proof, "solver"])
+        return [str(solver) for solver in self.methods.index if solver in solvers]
+
+    @property
+    def reliable(self) -> pd.DataFrame:
+        """The ranked methods that are right on nearly all questions."""
+        return self.ranked[self.ranked["right"] >= _RELIABLE]
+
+    def name(self, solver: str) -> str:
+        """Engine, guess and settings on a formulation."""
+        return str(self.methods["name"][solver])
+
+    def pairs(self, same: list[str], differs: str, value: str, other: str) -> list[Pair]:
+        """Solvers that agree in some columns: the first with one value, the second with another.
+
+        The first solver of each kind in the order of tables is taken.
+        """
+        kinds = []
+        for wanted in (value, other):
+            chosen = self.methods[self.methods[differs] == wanted]
+            first = chosen.reset_index().drop_duplicates(same).set_index(same)["solver"]
+            kinds.append(first)
+        both = pd.concat(kinds, axis=1, join="inner", keys=["first", "second"])
+        return [(str(a), str(b)) for a, b in both.itertuples(index=False)]
+
+    def rate_difference(self, pairs: list[Pair]) -> Estimate | None:
+        """By how much the first of each pair is right more often: the mean over pairs.
+
+        A question counts if both of a pair were asked it; in percentage points.
+        """
+        known = [pair for pair in pairs if set(pair) <= set(self.rates.columns)]
+        if not known:
+            return None
+        first, second = [a for a, _ in known], [b for _, b in known]
+        values = self.rates[first].to_numpy() - self.rates[second].to_numpy()
+        points = pd.DataFrame(100 * values, self.rates.index).mean(axis=1)
+        return self._estimate(points, average_intervals)
+
+    def median_of(self, values: pd.Series[float]) -> Estimate | None:
+        """The median over questions."""
+        return self._estimate(values, median_intervals)
+
+    def mean_of(self, values: pd.Series[float]) -> Estimate | None:
+        """The mean over questions."""
+        return self._estimate(values, average_intervals)
+
+    def _estimate(
+        self, values: pd.Series[float], intervals: Callable[[pd.DataFrame], pd.DataFrame]
+    ) -> Estimate | None:
+        known = values.dropna().to_frame("value")
+        if len(known) < ENOUGH:
+            return None
+        (line,) = intervals(self.compared.by_scenario(known)).to_dict("records")
+        return Estimate(line["estimate"], line["low"], line["high"], len(known))
+
+    def share_of(self, rates: pd.Series[float]) -> Estimate | None:
+        """The mean of rates in per cent, with Wilson's interval for as many trials as questions."""
+        known = rates.dropna()
+        if len(known) < ENOUGH:
+            return None
+        low, high = wilson_interval(min(float(known.sum()), len(known)), len(known))
+        return percent(Estimate(float(known.mean()), low, high, len(known)))
+
+    def time_ratio(self, solver: str, base: str) -> Estimate | None:
+        """Median time of a solver over that of another, where both are right."""
+        if not {solver, base} <= set(self.times.columns):
+            return None
+        both = self.times[[solver, base]].replace(np.inf, np.nan).dropna()
+        if len(both) < ENOUGH:
+            return None
+        found = median_ratio_intervals(self.compared.by_scenario(both), base)
+        line = found.loc[[solver]].to_dict("records")[0]
+        return Estimate(line["estimate"], line["low"], line["high"], len(both))

@@ -1,0 +1,50 @@
+"""All findings, in the order of the page: what to choose first, then what not to conclude."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from dubins_study.report.topics.findings.engine import (
+    no_rank,
+    presolve,
+    slowest_engine,
+    stochastic_search,
+)
+from dubins_study.report.topics.findings.evidence import Evidence
+from dubins_study.report.topics.findings.finding import Finding
+from dubins_study.report.topics.findings.formulation import (
+    coarse_transcription,
+    fastest_formulation,
+    near_circles,
+    single_order,
+    words_against_joint,
+)
+from dubins_study.report.topics.findings.guess import random_restarts, repeats, zero_start
+from dubins_study.report.topics.findings.proof import (
+    false_proof,
+    infeasible_claims,
+    price_of_proof,
+)
+
+FINDINGS: tuple[Callable[[Evidence], Finding | None], ...] = (
+    fastest_formulation,
+    words_against_joint,
+    zero_start,
+    slowest_engine,
+    presolve,
+    price_of_proof,
+    false_proof,
+    infeasible_claims,
+    near_circles,
+    no_rank,
+    stochastic_search,
+    single_order,
+    coarse_transcription,
+    random_restarts,
+    repeats,
+)
+
+
+def findings(evidence: Evidence) -> list[Finding]:
+    """The findings that the rows carry."""
+    return [finding for find in FINDINGS if (finding := find(evidence)) is not None]

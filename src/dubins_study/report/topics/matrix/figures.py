@@ -1,0 +1,52 @@
+"""Figures of the shares of right answers: by formulation and engine, and by stratum."""
+
+from __future__ import annotations
+
+import textwrap
+
+import pandas as pd
+from matplotlib.axes import Axes
+
+from dubins_study.report.elements.heatmap import plot_share_map
+from dubins_study.report.elements.style import INK, MUTED
+from dubins_study.report.topics.matrix.numbers import Matrix
+
+
+def plot_matrix(ax: Axes, table: Matrix) -> None:
+    """Shares of right answers, engines by formulations; an empty cell has its reason's number."""
+    names = [engine for _, engine in table.engines]
+    cells = table.cells.assign(text=[f"[{note}]" if note else "" for note in table.cells["note"]])
+    wide = {
+        key: cells.pivot(index="engine", columns="formulation", values=key).reindex(
+            index=names, columns=table.formulations
+        )
+        for key in ("right_share", "text")
+    }
+    plot_share_map(ax, wide["right_share"], wide["text"])
+    titles = [textwrap.fill(name, 10, break_long_words=False) for name in table.formulations]
+    ax.set_xticks(range(len(titles)), titles, fontsize=6)
+    ax.xaxis.tick_top()
+    _name_kinds(ax, table)
+
+
+def _name_kinds(ax: Axes, table: Matrix) -> None:
+    """Write the kinds of engines at the right, and a line between two kinds."""
+    kinds = [kind for kind, _ in table.engines]
+    starts = [place for place, kind in enumerate(kinds) if place == 0 or kind != kinds[place - 1]]
+    for start in starts:
+        ax.text(
+            len(table.formulations) - 0.35,
+            start,
+            kinds[start],
+            va="center",
+            fontsize=7,
+            color=MUTED,
+        )
+        if start:
+            ax.axhline(start - 0.5, color=INK, linewidth=0.6)
+
+
+def plot_strata(ax: Axes, shares: pd.DataFrame) -> None:
+    """Shares of right answers of one formulation: methods by strata."""
+    plot_share_map(ax, shares, size=6.5)
+    ax.set_xticks(range(len(shares.columns)), shares.columns, rotation=90, fontsize=6.5)

@@ -1,0 +1,335 @@
+"""Each finding on made-up rows: with the effect, without it, and with too few rows.
+
+A finding that no effect can remove, or that no effect can make, would be a typed one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from functools import partial
+from typing import Any, NamedTuple
+
+import pandas as pd
+import pytest
+
+from dubins_study.report.data.results import load
+from dubins_study.report.statistics.compared import Compared, compared
+from dubins_study.report.statistics.methods import methods_of
+from dubins_study.report.topics.findings import engine, formulation, guess, proof
+from dubins_study.report.topics.findings.evidence import Evidence
+from dubins_study.report.topics.findings.finding import ENOUGH, Finding
+from dubins_study.report.topics.findings.numbers import FINDINGS, findings
+from dubins_study.report.topics.findings.section import findings_section
+from tests.unit.report.results_folder import attempt, paper_scenarios
+
+WORDS, JOINT, PENALTY = formulation.WORDS, formulation.JOINT, engine.STOCHASTIC
+MANY, FEW = 30, ENOUGH - 1
+Row = dict[str, Any]
+
+
+def row(question: int, solver: str, **changes: Any) -> Row:
+    """A right answer of a local engine, 1 ms; times differ a little from question to question."""
+    made = {
+        "solver": solver,
+        "question": question,
+        "scenario": question,
+        "stratum": "",
+        "repeat": 0,
+        "formulation": WORDS,
+        "engine": "Ipopt",
+        "guess": "bearing",
+        "verdict": "optimal",
+        "claim": "local",
+        "right": True,
+        "answerable": True,
+        "presolved": False,
+        "false_claim": False,
+        "false_bound": False,
+        "wrong_basin": False,
+        "gap": 1e-12,
+        "lower_bound": float("nan"),
+        "reference_high": 4.0,
+        "length": 4.0,
+        "region": "outside",
+        "margin": 1.0,
+        "evaluations": 10.0,
+        "wall_s": 1e-3,
+        **dict.fromkeys(("x", "y", "heading", "target_y"), 0.0),
+        **{"target_x": 4.0 + question, "radius": 1.0, "branch": "best"},
+    }
+    made |= changes
+    made["wall_s"] *= 1 + (question % 7) / 50
+    if not made["right"] and made["verdict"] == "optimal":
+        made |= {"verdict": "misses", "gap": float("nan"), "claim": "failed"}
+    return made
+
+
+def evidence(rows: Iterable[Row]) -> Evidence:
+    frame = pd.DataFrame(list(rows))
+    return Evidence(Compared(frame, methods_of(frame), 2.0, ()))
+
+
+class Case(NamedTuple):
+    """A finding, rows with the effect and without it, and what the sentence must hold."""
+
+    find: Callable[[Evidence], Finding | None]
+    made: Callable[[int, bool], list[Row]]
+    says: tuple[str, ...]
+    value: float
+
+
+def two(n: int, effect: bool, first: Row, second: Row) -> list[Row]:
+    """A solver against another that has the changes `effect` only with the effect."""
+    with_effect = second.pop("effect")
+    rows = [row(q, **first) for q in range(n)]
+    return rows + [row(q, **(second | (with_effect(q) if effect else {}))) for q in range(n)]
+
+
+def half_wrong(q: int) -> Row:
+    return {"right": q % 2 == 0}
+
+
+def slower(factor: float, _: int) -> Row:
+    return {"wall_s": factor * 1e-3}
+
+
+def of_two(first: Row, second: Row, effect: Callable[[int], Row]) -> Callable[..., list[Row]]:
+    return lambda n, there: two(n, there, dict(first), second | {"effect": effect})
+
+
+IPOPT = {"solver": "ipopt"}
+SLSQP = {"solver": "slsqp", "engine": "SLSQP"}
+BOTH_ORDERS = {"solver": "ipopt[model=joint]", "formulation": JOINT}
+SCIP = {"solver": "disjunctive", "engine": "SCIP", "formulation": "disjunction", "guess": "none"}
+PROOF = {"claim": "optimal", "lower_bound": 4.0}
+
+
+def lying(q: int) -> Row:
+    """A bound above the optimum on every fifth question."""
+    return {"false_bound": q % 5 == 0, "lower_bound": 5.0}
+
+
+def near_and_away(n: int, effect: bool) -> list[Row]:
+    """Half of the questions lie next to a circle."""
+    rows = []
+    for q in range(2 * n):
+        near = q % 2 == 0
+        wrong = near and effect
+        rows.append(row(q, "ipopt", margin=1e-6 if near else 0.3, right=not wrong))
+    return rows
+
+
+def infeasible(n: int, effect: bool) -> list[Row]:
+    """Every question is called infeasible; with the effect three in four have a path."""
+    changes = {"claim": "infeasible", "right": False, "verdict": "none", "gap": float("nan")}
+    rows = []
+    for q in range(n):
+        has_path = effect and q % 4 != 0
+        rows.append(row(q, "ipopt", answerable=has_path, false_claim=has_path, **changes))
+    return rows
+
+
+def changing(n: int, effect: bool) -> list[Row]:
+    """With the effect the verdict of every third question changes in the second repeat."""
+    wrong = [effect and q % 3 == 0 for q in range(n)]
+    solver = "ipopt[initial_guess=random]"
+    first = [row(q, solver, guess="random") for q in range(n)]
+    return first + [row(q, solver, guess="random", repeat=1, right=not wrong[q]) for q in range(n)]
+
+
+def alike(n: int, effect: bool) -> list[Row]:
+    """Two engines whose times differ by chance alone; without the effect, one is twice as slow."""
+    rows = [row(q, "ipopt", wall_s=1e-3 * (1.1 if q % 2 else 1)) for q in range(n)]
+    factor = 1 if effect else 2
+    return rows + [row(q, **SLSQP, wall_s=factor * 1e-3 * (1 if q % 2 else 1.1)) for q in range(n)]
+
+
+CASES = [
+    Case(
+        formulation.fastest_formulation,
+        of_two(IPOPT, SCIP, partial(slower, 3.0)),
+        ("Ipopt (bearing) on one NLP a word", "SCIP on disjunction", "3.00 (3.00 to 3.00) times"),
+        3.0,
+    ),
+    Case(
+        formulation.words_against_joint,
+        of_two(IPOPT, BOTH_ORDERS, half_wrong),
+        ("Pose one problem a word", "50.0 ("),
+        50.0,
+    ),
+    Case(
+        formulation.single_order,
+        of_two(
+            BOTH_ORDERS | {"region": "left disc"},
+            {"solver": "b", "formulation": "joint NLP, LRS", "region": "left disc"},
+            lambda _: {"gap": 0.3, "verdict": "longer", "right": False},
+        ),
+        ("in the left disc", "LRS alone", "it is 30.0 % (30.0 to 30.0) longer"),
+        100.0,
+    ),
+    Case(
+        formulation.coarse_transcription,
+        of_two(
+            IPOPT,
+            {"solver": "turn-rate-qp", "formulation": "turn rates", "engine": "PIQP"},
+            lambda q: {"right": q % 2 == 0, "verdict": "optimal" if q % 2 == 0 else "longer"},
+        ),
+        ("PIQP (bearing) on turn rates", "50.0 % ("),
+        50.0,
+    ),
+    Case(formulation.near_circles, near_and_away, ("Ipopt (bearing)", "0 % (0 to", "100 % ("), 0.0),
+    Case(
+        guess.zero_start,
+        of_two(IPOPT, {"solver": "ipopt[initial_guess=zero]", "guess": "zero"}, half_wrong),
+        ("Start from the bearing", "50.0 ("),
+        50.0,
+    ),
+    Case(
+        guess.random_restarts,
+        of_two({"solver": "r", "guess": "random", "wall_s": 5e-3}, IPOPT, half_wrong),
+        ("Try several random guesses", "50.0 (", "5.0 (5.0 to 5.0) times the median time"),
+        50.0,
+    ),
+    Case(guess.repeats, changing, ("more than once", "33.3 % ("), 100 / 3),
+    Case(
+        engine.slowest_engine,
+        of_two(IPOPT, SLSQP, partial(slower, 4.0)),
+        ("2 engines", "SLSQP takes 4.00 (4.00 to 4.00) times as long as Ipopt"),
+        4.0,
+    ),
+    Case(
+        engine.presolve,
+        of_two(
+            {"solver": "ipopt[presolve=True]"},
+            IPOPT | {"evaluations": 10.0},
+            lambda q: {"evaluations": 60.0 + q % 3},
+        ),
+        ("Drop the words", "6.10 ("),
+        6.1,
+    ),
+    Case(
+        engine.stochastic_search,
+        of_two(
+            IPOPT,
+            {"solver": "penalty", "engine": "CMA-ES", "formulation": PENALTY, "guess": "none"},
+            lambda q: {"wall_s": 0.02, "right": q % 3 != 0},
+        ),
+        ("CMA-ES on penalty", "66.7 % (", "20.0 ("),
+        20.0,
+    ),
+    Case(engine.no_rank, alike, ("Do not conclude a rank", "Ipopt", "SLSQP"), 1.0),
+    Case(
+        proof.price_of_proof,
+        of_two(IPOPT, SCIP | PROOF, partial(slower, 50.0)),
+        ("SCIP on disjunction takes 50.0 (50.0 to 50.0) times", "right on 100 % ("),
+        50.0,
+    ),
+    Case(
+        proof.false_proof,
+        of_two(IPOPT, SCIP | PROOF, lying),
+        ("SCIP on disjunction", "20.0 % (", "its bound lies above the shortest length"),
+        20.0,
+    ),
+    Case(proof.infeasible_claims, infeasible, ("calls infeasible, 73.3 % (",), 100 * 22 / 30),
+]
+NAMES = [case.find.__name__ for case in CASES]
+
+
+def test_every_finding_has_a_case():
+    """And every case is of a finding of the page."""
+    assert set(NAMES) == {find.__name__ for find in FINDINGS}
+
+
+@pytest.mark.parametrize("case", CASES, ids=NAMES)
+def test_with_the_effect_it_is_said(case):
+    """With its number, which lies in its interval, and the number of questions."""
+    finding = case.find(evidence(case.made(MANY, True)))
+
+    assert finding is not None
+    assert all(text in finding.sentence for text in case.says), finding.sentence
+    low, high = finding.estimate.low, finding.estimate.high
+    assert finding.estimate.value == pytest.approx(case.value, rel=0.03, abs=1e-12)
+    assert low <= finding.estimate.value <= high
+    assert finding.estimate.questions == MANY or case.find in (
+        formulation.near_circles,
+        engine.stochastic_search,
+    )
+    assert finding.question
+    assert finding.shown_in
+
+
+@pytest.mark.parametrize("case", CASES, ids=NAMES)
+def test_without_the_effect_it_is_not_said(case):
+    assert case.find(evidence(case.made(MANY, False))) is None
+
+
+@pytest.mark.parametrize("case", CASES, ids=NAMES)
+def test_of_too_few_rows_it_is_not_said(case):
+    assert case.find(evidence(case.made(FEW, True))) is None
+
+
+@pytest.mark.parametrize("find", FINDINGS, ids=lambda find: find.__name__)
+def test_a_run_of_one_solver_or_of_failures_finds_nothing_of_it(find):
+    """No pair, no proof, nothing right: no sentence, and no error."""
+    one = [row(q, "ipopt") for q in range(MANY)]
+    failed = [row(q, s, right=False) for q in range(MANY) for s in ("ipopt", "slsqp")]
+
+    assert find(evidence(one)) is None
+    assert find(evidence(failed)) is None
+
+
+def test_a_sentence_turns_round_with_the_rows():
+    """If the other choice is the better one, the advice is the other."""
+    swapped = of_two(BOTH_ORDERS, IPOPT, half_wrong)(MANY, True)
+    zero = of_two({"solver": "z", "guess": "zero"}, IPOPT, half_wrong)(MANY, True)
+    free = of_two(SCIP | PROOF, IPOPT, partial(slower, 9.0))(MANY, True)
+    costly = of_two(IPOPT, {"solver": "ipopt[presolve=True]"}, lambda _: {"evaluations": 40.0})(
+        MANY, True
+    )
+
+    joint = formulation.words_against_joint(evidence(swapped))
+    assert joint is not None
+    assert joint.sentence.startswith("Pose the joint model")
+    assert joint.estimate.low > 0
+    start = guess.zero_start(evidence(zero))
+    assert start is not None
+    assert start.sentence.startswith("Start from the zero point")
+    price = proof.price_of_proof(evidence(free))
+    assert price is not None
+    assert price.sentence.startswith("Take the proof")
+    drop = engine.presolve(evidence(costly))
+    assert drop is not None
+    assert drop.sentence.startswith("Do not drop words")
+    assert drop.estimate.value == 4.0
+
+
+def test_the_number_follows_the_rows():
+    """Twice the time makes twice the number."""
+
+    def ratio(factor: float) -> float:
+        rows = of_two(IPOPT, SLSQP, partial(slower, factor))(MANY, True)
+        finding = engine.slowest_engine(evidence(rows))
+        assert finding is not None
+        return finding.estimate.value
+
+    assert ratio(6.0) == pytest.approx(2 * ratio(3.0))
+
+
+def test_the_section_has_ten_sentences_first(results):
+    """Of real rows; and none where no row carries a finding."""
+    rows = []
+    for number in range(12):
+        scenario = paper_scenarios()[0]
+        moved = type(scenario)(0, 0, scenario.heading, 10 + number, 5, 1)
+        rows += [attempt(moved, "ipopt", engine="Ipopt", wall_s=1e-3)]
+        rows += [attempt(moved, "slsqp", engine="SLSQP", wall_s=3e-3)]
+    loaded = load([results("benchmark", rows)])
+    section = findings_section(loaded)
+    made = compared(loaded)
+
+    assert made is not None
+    every = findings(Evidence(made))
+    assert section is not None
+    assert section.blocks[0].frame["sentence"].tolist() == [f.sentence for f in every][:10]
+    assert "SLSQP takes 3.00" in " ".join(section.blocks[0].frame["sentence"])
+    assert findings_section(load([results("few", rows[:6])])) is None
