@@ -368,3 +368,17 @@ def test_a_resumed_sweep_starts_where_an_unbroken_one_would(tmp_path):
 
         assert again["message"].tolist() == started
         assert len(again) == 5
+
+
+def test_engines_whose_libraries_clash_share_no_worker(tmp_path):
+    """SLEQP loads another HiGHS than highspy's: in one process HiGHS then answers nothing."""
+    experiment = tmp_path / "clash.toml"
+    experiment.write_text(
+        'title = "t"\nquestion = "?"\nseed = 1\nrepeats = 2\n'
+        'solvers = ["nlp[engine=sleqp]", "heading-milp", "turn-rate-qp[engine=highs,n=10]"]\n'
+        "[[scenarios]]\ntarget_x = [3, 4]\ntarget_y = 2\n"
+    )
+
+    rows = read_rows(run(experiment, tmp_path / "out"), ["solver", "gap", "message"]).to_pandas()
+
+    assert rows["gap"].notna().all(), set(rows["message"])

@@ -278,6 +278,11 @@ class Solver:
         """
         return False
 
+    @property
+    def worker_group(self) -> str:
+        """In a run, only solvers of one group share worker processes; plug-ins share none."""
+        return ""
+
     def unavailable(self) -> str | None:
         """Why the solver cannot run here (a missing package, binary or licence), or None."""
         return None

@@ -11,8 +11,8 @@ from dubins_study.report.statistics.methods import methods_of, without_setting
 from dubins_study.report.statistics.question_shares import question_shares
 from dubins_study.report.topics.comparison.numbers import (
     best_of_formulations,
-    costs,
     mean_ranks,
+    times,
 )
 from dubins_study.report.topics.comparison.paired import (
     engine_tests,
@@ -62,7 +62,7 @@ def loaded(results, rows, name="benchmark", **manifest):
 
 def test_costs_leave_out_the_closed_form_and_who_met_too_few(results):
     rows = [*answers(), answer(QUESTIONS[0], "rare", 1.0)]
-    table = costs(compared(loaded(results, rows)))
+    table = times(compared(loaded(results, rows)))
 
     assert list(table.columns) == ["ipopt", "slsqp", "ipopt[model=joint]"]
     assert np.isinf(table["ipopt[model=joint]"]).sum() == 6
@@ -71,15 +71,15 @@ def test_costs_leave_out_the_closed_form_and_who_met_too_few(results):
 def test_means_ranks_and_shares(results):
     """By hand: half the questions at the limit of 2 s, PAR-2 with twice that."""
     made = compared(loaded(results, answers()))
-    ranked, shift, common = mean_ranks(made, costs(made))
+    ranked, shift, common = mean_ranks(made)
     joint = ranked.loc["ipopt[model=joint]"]
-    times = [4e-3 * (1 + n / 100) for n in range(0, 12, 2)]
+    joint_times = [4e-3 * (1 + n / 100) for n in range(0, 12, 2)]
 
     assert list(ranked.index) == ["slsqp", "ipopt", "ipopt[model=joint]"]
     assert ranked["rank"].tolist() == [1, 2, 3]
     assert (joint["questions"], joint["right"], common) == (12, 0.5, 6)
-    assert joint["par2"] == pytest.approx((sum(times) + 6 * 4.0) / 12)
-    logs = np.log(np.array([*times, *[2.0] * 6]) + shift)
+    assert joint["par2"] == pytest.approx((sum(joint_times) + 6 * 4.0) / 12)
+    logs = np.log(np.array([*joint_times, *[2.0] * 6]) + shift)
     assert joint["mean"] == pytest.approx(np.exp(logs.mean()) - shift)
     assert joint["mean_low"] < joint["mean"] < joint["mean_high"]
     assert list(best_of_formulations(ranked).index) == ["slsqp", "ipopt[model=joint]"]
@@ -88,8 +88,8 @@ def test_means_ranks_and_shares(results):
 def test_paired_tests_share_a_formulation_or_an_engine(results):
     """Twelve wins of twelve: p = 2 / 2^12 by the exact signed rank test."""
     made = compared(loaded(results, answers()))
-    table = costs(made)
-    ranked, _, _ = mean_ranks(made, table)
+    table = times(made)
+    ranked, _, _ = mean_ranks(made)
     (engine,) = engine_tests(table, ranked).to_dict("records")
     (formulation,) = formulation_tests(table, ranked).to_dict("records")
 

@@ -164,8 +164,8 @@ CASES = [
             {"solver": "b", "formulation": "joint NLP, LRS", "region": "left disc"},
             lambda _: {"gap": 0.3, "verdict": "longer", "right": False},
         ),
-        ("in the left disc", "LRS alone", "30.0 % (30.0 % to 30.0 %)"),
-        30.0,
+        ("in the left disc", "LRS alone", "it is 30.0 % (30.0 to 30.0) longer"),
+        100.0,
     ),
     Case(
         formulation.coarse_transcription,
@@ -177,7 +177,7 @@ CASES = [
         ("PIQP (bearing) on turn rates", "50.0 % ("),
         50.0,
     ),
-    Case(formulation.near_circles, near_and_away, ("Ipopt (bearing)", "0 % (0 %", "100 % ("), 0.0),
+    Case(formulation.near_circles, near_and_away, ("Ipopt (bearing)", "0 % (0 to", "100 % ("), 0.0),
     Case(
         guess.zero_start,
         of_two(IPOPT, {"solver": "ipopt[initial_guess=zero]", "guess": "zero"}, half_wrong),

@@ -64,7 +64,7 @@ def test_every_branch_at_every_kind_of_target(edge, branch):
     answer = solve(EDGES[edge], "collocation", branch)
 
     if shortest(EDGES[edge], branch) is None:
-        assert answer.claim is Claim.FAILED
+        assert answer.claim in (Claim.FAILED, Claim.INFEASIBLE)
         assert answer.iterations > 0
     else:
         assert answer.verdict is Verdict.OPTIMAL

@@ -9,7 +9,7 @@ from itertools import islice
 from typing import Any, NamedTuple
 
 from dubins_study.solvers.protocol import Question
-from dubins_study.solvers.registry import ours
+from dubins_study.solvers.registry import load, ours
 
 # A solver's spec and profile.
 SolverKey = tuple[str, str]
@@ -33,10 +33,10 @@ class Job(NamedTuple):
 def worker_group(solver: str) -> str:
     """The group of a solver: only jobs of the same group share workers.
 
-    All our own solvers are one group. Each plug-in is its own group, since it may have changed any
-    module of its process.
+    Our own solvers say which group is theirs: one for all, but for engines whose libraries clash.
+    Each plug-in is its own group, since it may have changed any module of its process.
     """
-    return "" if ours(solver) else solver
+    return load(solver).worker_group if ours(solver) else solver
 
 
 class JobQueue:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path as FilePath
 from typing import Any
 
@@ -75,6 +75,7 @@ class Results:
             most sections draw no path. A row's index is its position here, even if `rows` is a
             selection.
         solvers: all specs in the folders, even if `rows` is a selection.
+        selections: what `only` has selected so far, since several sections are about the same rows.
     """
 
     folders: tuple[Folder, ...]
@@ -82,6 +83,7 @@ class Results:
     rows: pd.DataFrame
     controls: pa.Table
     solvers: tuple[str, ...] = ()
+    selections: dict[frozenset[str], Results] = field(default_factory=dict, repr=False)
 
     @property
     def sampled(self) -> bool:
@@ -96,12 +98,16 @@ class Results:
 
     def only(self, experiments: Collection[str]) -> Results:
         """The attempts of some experiments, and their folders."""
-        return replace(
-            self,
-            folders=tuple(folder for folder in self.folders if folder.name in experiments),
-            attempts=self.attempts.only(experiments),
-            rows=self.rows[self.rows["experiment"].isin(list(experiments))],
-        )
+        names = frozenset(experiments)
+        if names not in self.selections:
+            self.selections[names] = replace(
+                self,
+                folders=tuple(folder for folder in self.folders if folder.name in names),
+                attempts=self.attempts.only(names),
+                rows=self.rows[self.rows["experiment"].isin(names)],
+                selections={},
+            )
+        return self.selections[names]
 
     def path(self, index: int) -> Path | None:
         """The path of the row with this index, or None if no path came back."""

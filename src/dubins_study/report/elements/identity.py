@@ -5,7 +5,8 @@ from __future__ import annotations
 import pandas as pd
 
 from dubins_study.report.elements.columns import Column
-from dubins_study.report.elements.formats import ABSENT, Format
+from dubins_study.report.elements.formats import ABSENT, Format, share
+from dubins_study.report.elements.shares import percent
 
 FORMULATION = Column("formulation", "formulation", kind="text")
 ENGINE = Column("engine", "engine", kind="text")
@@ -22,14 +23,37 @@ def method_columns(frame: pd.DataFrame) -> tuple[Column, ...]:
     return METHOD if frame["settings"].astype(bool).any() else METHOD[:-1]
 
 
-def interval_columns(show: Format, key: str, title: str) -> tuple[Column, ...]:
-    """Columns of a number and the ends of its 95 % interval: `key`, `key`_low and `key`_high."""
-    ends = (Column(f"{key}_low", "95 %: from", show), Column(f"{key}_high", "to", show))
-    return (Column(key, title, show), *ends)
+def interval_column(key: str, title: str) -> Column:
+    """The column of a number with its 95 % interval below it; see `with_interval_texts`."""
+    return Column(f"{key}_text", title, kind="cell")
+
+
+def interval_keys(*keys: str) -> tuple[str, ...]:
+    """The columns of numbers and of the ends of their intervals, for the CSV file."""
+    return tuple(f"{key}{end}" for key in keys for end in ("", "_low", "_high"))
+
+
+def with_interval_texts(frame: pd.DataFrame, **shows: Format) -> pd.DataFrame:
+    """The frame with a column `key`_text for each key, of `key`, `key`_low and `key`_high."""
+    texts = {}
+    for key, show in shows.items():
+        values = zip(*(frame[name] for name in interval_keys(key)), strict=True)
+        each = [with_interval(show, *line) for line in values]
+        texts[f"{key}_text"] = [cell_text(text) for text in each]
+    return frame.assign(**texts)
+
+
+def cell_text(text: str) -> str:
+    """A number and its interval in two lines that break nowhere else."""
+    return text.replace(" (", "\n(", 1).replace(" ", "\u00a0")
 
 
 def with_interval(show: Format, value: float, low: float, high: float) -> str:
-    """A number and its interval as text: `2.5 (2.1 to 3.4)`; a dash if it is not known."""
+    """A number and its interval as text: `2.5 (2.1 to 3.4)`; a dash if it is not known.
+
+    Of a share: `25.0 % (21.0 to 34.2)`.
+    """
     if value != value:
         return ABSENT
-    return show(value) if low != low else f"{show(value)} ({show(low)} to {show(high)})"
+    ends = percent if show is share else show
+    return show(value) if low != low else f"{show(value)} ({ends(low)} to {ends(high)})"

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cached_property
-from typing import Any
+from functools import cached_property, wraps
+from typing import Any, TypeVar
+from weakref import WeakKeyDictionary
 
 import numpy as np
 import pandas as pd
@@ -18,7 +20,10 @@ _NEVER_SOLVED = ("unavailable", "unsupported")
 _QUESTION = ["experiment", "scenario_id", "branch"]
 
 
-@dataclass(frozen=True)
+T = TypeVar("T")
+
+
+@dataclass(frozen=True, eq=False)
 class Compared:
     """Cold attempts of engines that could be called.
 
@@ -63,12 +68,34 @@ class Compared:
         return table.set_axis(self.scenario_of.reindex(table.index).to_numpy(), axis=0)
 
 
+def once(compute: Callable[[Compared], T]) -> Callable[[Compared], T]:
+    """The function, computed once for the same attempts; nobody may change its result."""
+    known: WeakKeyDictionary[Compared, T] = WeakKeyDictionary()
+
+    @wraps(compute)
+    def look_up(compared: Compared) -> T:
+        if compared not in known:
+            known[compared] = compute(compared)
+        return known[compared]
+
+    return look_up
+
+
 def compared(results: Results) -> Compared | None:
     """The attempts by which solvers are compared; None if there are none.
 
     Left out: attempts from another solver's path, and those of engines that are not installed or
-    cannot read the question.
+    cannot read the question. Sections share the answer, so nobody may change it.
     """
+    if results not in _KNOWN:
+        _KNOWN[results] = _compared(results)
+    return _KNOWN[results]
+
+
+_KNOWN: WeakKeyDictionary[Results, Compared | None] = WeakKeyDictionary()
+
+
+def _compared(results: Results) -> Compared | None:
     rows = results.rows
     kept = rows[(rows["initial_guess"] == "cold") & ~rows["outcome"].isin(_NEVER_SOLVED)]
     if kept.empty:

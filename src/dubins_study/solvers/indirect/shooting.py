@@ -34,7 +34,7 @@ from dubins_study.solvers.paper_nlp.best_point import Attempts, Point, answer
 from dubins_study.solvers.paper_nlp.initial_guesses import (
     INITIAL_GUESSES,
     initial_guesses,
-    needs_every_guess,
+    suffices,
 )
 from dubins_study.solvers.paper_nlp.model import Subproblem, subproblems, target
 from dubins_study.solvers.protocol import Method, Question, Solution, Solver
@@ -133,7 +133,7 @@ class Shooting(Solver):
             Attempts(
                 partial(self._from, case, question.branch in ("LR", "RL")),
                 self._guesses(question, case),
-                needs_every_guess(case.subproblem, self.initial_guess),
+                partial(suffices, question, case.subproblem, self.initial_guess),
             )
             for case in model.cases
         ]

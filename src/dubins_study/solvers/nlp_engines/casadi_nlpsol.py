@@ -165,15 +165,19 @@ def _engine(plugin: str, tol: float, max_iter: int) -> Engine:
     return run
 
 
+def claim_of(plugin: str, stats: dict[str, Any]) -> Claim:
+    """The claim in the statistics of a run."""
+    claims, unified = _PLUGINS[plugin].claims, str(stats["unified_return_status"])
+    return claims.get(str(stats.get("return_status"))) or _UNIFIED.get(unified, Claim.FAILED)
+
+
 def _result(plugin: str, end: dict[str, Any], stats: dict[str, Any]) -> EngineResult:
-    unified = str(stats["unified_return_status"])
-    status = str(stats.get("return_status", unified))
+    status = str(stats.get("return_status", stats["unified_return_status"]))
     duals = end["lam_g"].full().ravel()
-    claim = _PLUGINS[plugin].claims.get(status) or _UNIFIED.get(unified, Claim.FAILED)
     iterations = stats.get("iter_count")
     return EngineResult(
         end["x"].full().ravel(),
-        claim,
+        claim_of(plugin, stats),
         duals if np.isfinite(duals).all() else None,  # Bonmin returns none
         None if iterations is None else int(iterations),
         _evaluations(stats),

@@ -1,1 +1,1 @@
-"""The optimal-control problem (2.2): turn rates as a sequence of QPs, and Radau collocation."""
+"""The optimal-control problem (2.2): turn rates, multiple shooting, and Radau collocation."""

@@ -141,6 +141,10 @@ class Transcription(Solver):
         tol = table.tolerance(self.engine, self.tol)
         return Method(self.formulation, label, self.initial_guess, tol)
 
+    @property
+    def worker_group(self) -> str:
+        return self.engine if table.ENGINES[self.engine].alone else ""
+
     def unavailable(self) -> str | None:
         return table.unavailable(self.engine)
 
@@ -208,20 +212,28 @@ def _chosen(model: Model, runs: list[Run]) -> Run:
     return min(tied, key=lambda run: (run.claim is not Claim.LOCAL, run.elements.total))
 
 
+def _claim(model: Model, runs: list[Run], best: Run, in_time: bool) -> Claim:
+    """The claim of the best run, before its path is looked at as a word."""
+    if not in_time:
+        return Claim.LIMIT
+    if best.claim is Claim.LOCAL:
+        return Claim.LOCAL
+    if _arrives(best.miss, model.target):
+        # the engine gave up, or wrongly called it infeasible, but the corrected path arrives
+        return Claim.FEASIBLE
+    claims = {run.claim for run in runs}
+    return Claim.INFEASIBLE if claims == {Claim.INFEASIBLE} else Claim.FAILED
+
+
 def _answer(model: Model, runs: list[Run], in_time: bool) -> Solution:
     if not runs:
         return Solution(Claim.LIMIT, message="no time to begin")
     best = _chosen(model, runs)
-    scenario, claim = model.question.scenario, best.claim
-    if not in_time:
-        claim = Claim.LIMIT
-    elif claim is not Claim.LOCAL:
-        # the engine gave up, or wrongly called it infeasible; the corrected path may still arrive
-        claim = Claim.FEASIBLE if _arrives(best.miss, model.target) else Claim.FAILED
+    scenario, claim = model.question.scenario, _claim(model, runs, best, in_time)
     elements, native = best.elements, best.native
     path = None
     message = f"{native.message}; missed by {best.missed:.1e} radii before the correction"
-    if math.isfinite(best.miss):
+    if math.isfinite(best.miss) and claim is not Claim.INFEASIBLE:
         rate = np.clip(elements.rate, model.rates.lower, model.rates.upper)
         path = Path(scenario.start, rate / scenario.radius, elements.length * scenario.radius)
         if claim in (Claim.LOCAL, Claim.FEASIBLE):

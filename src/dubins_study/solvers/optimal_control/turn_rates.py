@@ -50,6 +50,11 @@ class TurnRates(Transcription):
         "accurate": {"n": 200, "mesh": "graded"},
     }
 
+    @property
+    def keeps_limit(self) -> bool:
+        # compiling takes 0.2 s at 50 steps and 5 s at 200, a dense engine's iteration as much
+        return table.ENGINES[self.engine].keeps_limit and self.n <= 50
+
     def template(self, distance: float) -> Steps:
         shares = step_shares(self.n, self.mesh, distance)
         most = np.minimum(1.0, MOST_TURN_EACH / (shares * (distance + _DETOUR)))

@@ -36,12 +36,12 @@ class Attempts(NamedTuple):
     Args:
         solve: solves the subproblem from an initial guess in the seconds that are left.
         guesses: the initial guesses, computed one by one since mostly the first one succeeds.
-        every: whether to solve from every guess, or only up to the first success.
+        suffices: whether a solution z, shape (3,), leaves no reason to solve from another guess.
     """
 
     solve: Callable[[FloatArray, float], Point]
     guesses: Iterable[FloatArray]
-    every: bool
+    suffices: Callable[[FloatArray], bool]
 
 
 def answer(question: Question, attempts: list[Attempts], limit: float) -> Solution:
@@ -63,14 +63,14 @@ class TimedRun(NamedTuple):
 def _runs(attempts: list[Attempts], limit: float) -> list[TimedRun]:
     deadline = perf_counter() + limit
     runs: list[TimedRun] = []
-    for solve, guesses, every in attempts:
+    for solve, guesses, suffices in attempts:
         for guess in guesses:
             began = perf_counter()
             if began > deadline:
                 return runs
             point = solve(guess, deadline - began)
             runs.append(TimedRun(point, perf_counter() - began))
-            if point.claim is Claim.LOCAL and not every:
+            if point.claim is Claim.LOCAL and suffices(point.z):
                 break
     return runs
 

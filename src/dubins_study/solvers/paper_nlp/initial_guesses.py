@@ -14,14 +14,18 @@ from dubins_study.study.path import FloatArray, Path
 INITIAL_GUESSES = ("bearing", "zero", "random", "given")
 
 # RL and LR have two isolated solutions each, and only the one whose second arc exceeds pi can be
-# optimal. Its first arc is at most pi/3 (docs/derivation.md, section 4). These guesses are near it.
-_LONG_SECOND_ARC = ((math.pi / 6, 3 * math.pi / 2), (0.1, 6.0), (0.8, 3.5))
+# optimal (docs/derivation.md, section 4). Seen from the first circle's centre, the second centre is
+# from 0 to pi/6 past the target there: the first guess lies in the middle, two at the ends.
+_LONG_SECOND_ARC = (math.pi / 12, 0.0, math.pi / 6)
+
+# rad; the long second arc falls from a full turn to half of one where the target's distance from
+# the first centre grows from 1 to 3 radii. Its guess falls with the distance as a line does, but
+# not below three quarters of a turn: from further down engines may reach the short second arc.
+_LONGEST_SECOND, _LEAST_SECOND = 6.0, 3 * math.pi / 2
 
 # If the branch is LR or RL itself, either solution may be the shorter: the second arc may be below
 # pi or above. These turn the first arc by so much past the target's direction from the first
-# circle's centre
-# (from there the second centre is within pi/6 of the target); (0, 0.1) is for targets near the
-# circle, where the short second arc vanishes.
+# circle's centre; (0, 0.1) is for targets near the circle, where the short second arc vanishes.
 _EITHER_SECOND_ARC = (
     (-math.pi / 6, math.pi / 2),
     (math.pi / 6, math.pi / 2),
@@ -56,7 +60,7 @@ def initial_guesses(
         seed, count: of the random points: arcs uniform in [0, 2 pi], straights up to twice the
             target's distance plus a turning circle's diameter.
 
-    `needs_every_guess` says whether to solve from all of them.
+    `suffices` says when to solve from no more of them.
     """
     X, Y = target(question.scenario, subproblem.mirrored)
     if question.initial_guess is not None:
@@ -78,25 +82,30 @@ def initial_guesses(
             yield np.array(point) * subproblem.mask
 
 
-def needs_every_guess(subproblem: Subproblem, kind: str) -> bool:
-    """Whether to solve from every initial guess, or only up to the first that succeeds.
+def suffices(question: Question, subproblem: Subproblem, kind: str, z: FloatArray) -> bool:
+    """Whether a solution z, shape (3,), of a subproblem leaves no reason to try another guess.
 
-    LS and RS have one solution below a full turn; the other words have more.
+    LS and RS have one solution below a full turn. Of the two of LR and RL only the one with the
+    long second arc can be optimal; where the branch asks for the word, either may be the shorter.
     """
-    return kind == "random" or subproblem.free == (0, 1)
+    if kind == "random":
+        return False
+    if subproblem.free != (0, 1):
+        return True
+    return question.branch != subproblem.name and bool(z[1] >= math.pi)
 
 
 def _bearing(
     X: float, Y: float, subproblem: Subproblem, prescribed: bool
 ) -> Iterator[tuple[float, float, float]]:
     bearing, distance = math.atan2(Y, X), max(math.hypot(X, Y), _SHORTEST)
-    if subproblem.free == (0, 1) and prescribed:
-        facing = math.atan2(Y - 1, X) + math.pi / 2
-        for aside, second in _EITHER_SECOND_ARC:
-            yield (facing + aside) % FULL_TURN, second, 0.0
-        return
     if subproblem.free == (0, 1):
-        yield from ((*arcs, 0.0) for arcs in _LONG_SECOND_ARC)
+        facing = math.atan2(Y - 1, X) + math.pi / 2
+        beyond = min(max(math.hypot(X, Y - 1) - 1, 0.0), 2.0)
+        long = min(max(FULL_TURN - beyond * math.pi / 2, _LEAST_SECOND), _LONGEST_SECOND)
+        arcs = _EITHER_SECOND_ARC if prescribed else [(a, long) for a in _LONG_SECOND_ARC]
+        for aside, second in arcs:
+            yield (facing + aside) % FULL_TURN, second, 0.0
         return
     if subproblem.free == (0, 1, 2):
         yield max(bearing, 0.0), max(-bearing, 0.0), distance

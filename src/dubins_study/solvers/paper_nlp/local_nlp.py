@@ -14,7 +14,7 @@ from dubins_study.solvers.paper_nlp.best_point import Attempts, Point, answer
 from dubins_study.solvers.paper_nlp.initial_guesses import (
     INITIAL_GUESSES,
     initial_guesses,
-    needs_every_guess,
+    suffices,
 )
 from dubins_study.solvers.paper_nlp.model import (
     FULL_TURN,
@@ -120,7 +120,7 @@ class LocalNlp(Solver):
             Attempts(
                 partial(model.run, case),
                 initial_guesses(question, case.subproblem, kind, self.seed, self.count),
-                needs_every_guess(case.subproblem, kind),
+                partial(suffices, question, case.subproblem, kind),
             )
             for case in model.cases
         ]

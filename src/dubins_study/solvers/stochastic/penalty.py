@@ -51,7 +51,8 @@ _GROWTH = 4.0
 # one that misses by less is the target's, as exactly as the engine got
 _SHORT = 1e-2
 _ARRIVES = 1e-6  # radii, as in the check
-_MOST = 10**9  # evaluations; beyond it no machine gets
+_MOST_EVALUATIONS = 10**6  # DIRECT takes memory for all of them at once, some seconds for more
+_MOST = 10**9
 
 
 class Model(NamedTuple):
@@ -80,7 +81,8 @@ class Penalty(Solver):
         weight: of the miss in the first search; 1 is the norm of the multipliers of a path that
             ends straight, and 1.3 at a disc's centre.
         rounds: searches at most, each with four times the weight of the one before.
-        evaluations: of the function, at most, for each search.
+        evaluations: of the function, at most, for each search; 0 for the engine's default
+            (`solvers.stochastic.engines`), with which a target outside the discs takes some 0.15 s.
         polish: whether Newton's method moves the point until it arrives; without it the point is
             the engine's own.
         initial_guess, count: where an engine that needs a guess begins
@@ -93,7 +95,7 @@ class Penalty(Solver):
     order: str = "both"
     weight: float = 2.0
     rounds: int = 4
-    evaluations: int = 8000
+    evaluations: int = 0
     polish: bool = True
     initial_guess: str = "bearing"
     count: int = 10
@@ -109,7 +111,7 @@ class Penalty(Solver):
         f"penalty[engine={name}]" for name in list(ENGINES)[1:]
     )
     profiles: ClassVar[dict[str, dict[str, Any]]] = {
-        "fast": {"evaluations": 4000},
+        "fast": {"rounds": 2},
         "accurate": {"evaluations": 20000},
     }
 
@@ -121,7 +123,7 @@ class Penalty(Solver):
         )
         whole(
             rounds=(self.rounds, 1, 9),
-            evaluations=(self.evaluations, 1, _MOST),
+            evaluations=(self.evaluations, 0, _MOST_EVALUATIONS),
             count=(self.count, 1, _MOST),
             seed=(self.seed, 0, _MOST),
         )
@@ -135,6 +137,10 @@ class Penalty(Solver):
     @property
     def _guided(self) -> bool:
         return ENGINES[self.engine].guided
+
+    @property
+    def _budget(self) -> int:
+        return self.evaluations or ENGINES[self.engine].evaluations
 
     @property
     def method(self) -> Method:
@@ -174,11 +180,11 @@ class Penalty(Solver):
         for guess in guesses:
             at, weight = guess, self.weight
             for _ in range(self.rounds):
+                if perf_counter() > until:
+                    return
                 candidate = self._search(question, case, weight, at, random, until)
                 yield candidate
                 missed = _miss(question, case, candidate.run.point.z)
-                if candidate.run.point.claim is Claim.LIMIT and perf_counter() > until:
-                    return
                 if missed <= _SHORT:
                     break
                 weight *= _GROWTH
@@ -195,7 +201,7 @@ class Penalty(Solver):
     ) -> _Candidate:
         began = perf_counter()
         aim = target(question.scenario, case.mirrored)
-        function = CountedFunction(PenaltyFunction(case, aim, weight), self.evaluations, until)
+        function = CountedFunction(PenaltyFunction(case, aim, weight), self._budget, until)
         begin = (
             None if guess is None else np.clip(guess[list(case.free)], 0.0, function.function.upper)
         )
@@ -204,6 +210,8 @@ class Penalty(Solver):
             message = engine(self.engine)(Task(function, begin, random))
         except SearchEndError as end:
             claim, message = Claim.LIMIT, str(end)
+        if function.evaluations >= self._budget:  # the engine counts as well
+            claim = Claim.LIMIT
         z = function.function.lengths(function.best)
         moved, missed = z, _miss(question, case, z)
         if self.polish and np.isfinite(z).all():
@@ -221,7 +229,8 @@ def _answer(question: Question, candidates: list[_Candidate]) -> Solution:
     scenario = question.scenario
     begun = [candidate for candidate in candidates if np.isfinite(candidate.z).all()]
     if not begun:
-        return Solution(Claim.LIMIT, message="no time to begin")
+        messages = [candidate.run.point.message for candidate in candidates]
+        return Solution(Claim.LIMIT, message=(messages or ["no time to begin"])[0])
     allowed = max(_ARRIVES, coordinate_rounding(scenario))
     arriving = [candidate for candidate in begun if candidate.miss <= allowed]
     if arriving:

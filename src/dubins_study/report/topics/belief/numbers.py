@@ -7,7 +7,7 @@ from collections.abc import Hashable, Mapping
 import numpy as np
 import pandas as pd
 
-from dubins_study.report.statistics.compared import Compared
+from dubins_study.report.statistics.compared import Compared, once
 from dubins_study.report.statistics.question_shares import question_shares
 
 # What a claim is worth, the check being right: it says no more than what is so; it says less than
@@ -43,6 +43,7 @@ def _yes(values: pd.Series) -> pd.Series[bool]:
     return values.eq(True).fillna(False).astype(bool)
 
 
+@once
 def claims(compared: Compared) -> pd.DataFrame:
     """The attempts whose claim is an engine's: none of the presolve; with `truth` and `proof`.
 

@@ -10,9 +10,12 @@ from dubins_study.report.elements.columns import Column, columns, marks
 from dubins_study.report.elements.content import Picture, Section, Table
 from dubins_study.report.elements.formats import count, digits, sentences, share, some
 from dubins_study.report.elements.identity import (
-    interval_columns,
+    cell_text,
+    interval_column,
+    interval_keys,
     method_columns,
     with_interval,
+    with_interval_texts,
 )
 from dubins_study.report.elements.panels import most_per_formulation
 from dubins_study.report.statistics.compared import Compared, compared
@@ -91,9 +94,7 @@ def _belief_table(table: pd.DataFrame) -> Table:
     shown = (
         *method_columns(table),
         *columns(count, questions="questions"),
-        *interval_columns(share, "true", "true"),
-        *(Column(name, name, share) for name in TRUTHS[1:3]),
-        *interval_columns(share, "false", "false"),
+        *(interval_column(name, name) for name in TRUTHS),
         *(
             Column(name, title, count)
             for name, title in zip(
@@ -108,7 +109,10 @@ def _belief_table(table: pd.DataFrame) -> Table:
         " Wilson's 95 % intervals for as many trials as there are questions; at the right the "
         "attempts with a false claim, by kind."
     )
-    return Table("belief", caption, table, shown, marks(table, "false", *PROOFS))
+    frame = with_interval_texts(table, **dict.fromkeys(TRUTHS, share))
+    bad = marks(table, *PROOFS)
+    bad |= {(row, "false_text"): "bad" for row, value in enumerate(table["false"]) if value}
+    return Table("belief", caption, frame, shown, bad, interval_keys(*TRUTHS), dense=True)
 
 
 def _stratum_table(rows: pd.DataFrame, attempts: Compared) -> Table | None:
@@ -120,18 +124,18 @@ def _stratum_table(rows: pd.DataFrame, attempts: Compared) -> Table | None:
         return None
     table = beliefs(rows[rows["solver"].isin(chosen)], ["stratum", "solver"])
     ends = zip(table["false"], table["false_low"], table["false_high"], strict=True)
-    texts = pd.Series([with_interval(share, *each) for each in ends], table.index)
+    texts = pd.Series([cell_text(with_interval(share, *each)) for each in ends], table.index)
     frame = texts.unstack("solver").reindex(attempts.strata).dropna(how="all")
     frame = frame.rename_axis(columns=None).reset_index(names="stratum")
     shown = (
         Column("stratum", "stratum", kind="text"),
-        *(Column(solver, str(names["name"][solver]), kind="text") for solver in chosen),
+        *(Column(solver, str(names["name"][solver]), kind="cell") for solver in chosen),
     )
     caption = (
         "Share of questions with a false claim, by stratum, with Wilson's 95 % intervals; the "
         f"{len(chosen)} methods with the most false claims."
     )
-    return Table("belief-strata", caption, frame, shown)
+    return Table("belief-strata", caption, frame, shown, dense=True)
 
 
 def _proof_table(false: pd.DataFrame, names: pd.DataFrame) -> Table:
@@ -151,7 +155,7 @@ def _proof_table(false: pd.DataFrame, names: pd.DataFrame) -> Table:
         "then the nearest target. Lengths in the scenario's unit; the shortest length is the upper "
         "end of its proven bounds. The command repeats the example."
     )
-    return Table("belief-false", caption, frame, shown)
+    return Table("belief-false", caption, frame, shown, dense=True)
 
 
 def _cure_table(cure: pd.DataFrame, names: pd.DataFrame) -> Table:

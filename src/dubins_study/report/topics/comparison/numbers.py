@@ -6,7 +6,7 @@ import pandas as pd
 
 from dubins_study.report.data.attempts import EXACT
 from dubins_study.report.statistics.bootstrap import average_intervals, mean_intervals
-from dubins_study.report.statistics.compared import Compared
+from dubins_study.report.statistics.compared import Compared, once
 from dubins_study.report.statistics.cost_table import cost_table, shared_questions
 from dubins_study.report.statistics.means import (
     SHIFT_FACTORS,
@@ -25,7 +25,19 @@ _ENOUGH_ASKED = 0.9
 _ENOUGH_RIGHT = 0.5
 
 
-def costs(compared: Compared, cost: str = "wall_s") -> pd.DataFrame:
+@once
+def times(compared: Compared) -> pd.DataFrame:
+    """The cost table of whole attempts (s); see `_costs`."""
+    return _costs(compared, "wall_s")
+
+
+@once
+def evaluations(compared: Compared) -> pd.DataFrame:
+    """The cost table of function evaluations; see `_costs`."""
+    return _costs(compared, "evaluations")
+
+
+def _costs(compared: Compared, cost: str) -> pd.DataFrame:
     """The cost table of the engines at questions with a path, the closed form left out.
 
     Methods that met fewer than nine tenths of the questions, or of which no right answer says its
@@ -41,12 +53,10 @@ def costs(compared: Compared, cost: str = "wall_s") -> pd.DataFrame:
     return table[kept]
 
 
-def mean_ranks(compared: Compared, table: pd.DataFrame) -> tuple[pd.DataFrame, float, int]:
-    """Shares right, means with failures counted three ways, and ranks.
+@once
+def mean_ranks(compared: Compared) -> tuple[pd.DataFrame, float, int]:
+    """Shares right, means of `times` with failures counted three ways, and ranks.
 
-    Args:
-        compared: the attempts.
-        table: a cost table in seconds, from `costs`.
     Returns:
         A frame indexed by solver in the order of the ranks: the method's columns; questions,
         right, right_low, right_high (share); mean, mean_low, mean_high (shifted geometric mean
@@ -55,7 +65,7 @@ def mean_ranks(compared: Compared, table: pd.DataFrame) -> tuple[pd.DataFrame, f
         changes with the shift or the penalty), best, worst, rank_tenth and rank_tenfold (at that
         multiple of the shift). Then the shift (s), and the number of questions behind `common`.
     """
-    shared = shared_questions(table)
+    shared = shared_questions(times(compared))
     shift = chosen_shift(shared)
     at_limit = penalised(shared, compared.limit_s)
     rows = compared.answerable

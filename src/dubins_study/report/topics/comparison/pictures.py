@@ -25,7 +25,7 @@ from dubins_study.report.topics.comparison.figures import (
     plot_profiles,
     plot_wide,
 )
-from dubins_study.report.topics.comparison.numbers import best_of_formulations, costs
+from dubins_study.report.topics.comparison.numbers import best_of_formulations, evaluations
 from dubins_study.study.path import FloatArray
 
 # Curves of a panel: more cannot be told apart.
@@ -37,10 +37,9 @@ def pictures(attempts: Compared, table: pd.DataFrame, ranked: pd.DataFrame) -> I
     if (ranked["formulation"].value_counts() > 1).any():
         yield _profiles(table, ranked)
     yield _pair(table, ranked)
-    evaluations = costs(attempts, "evaluations")
-    counted = ranked[ranked.index.isin(evaluations.columns)]
+    counted = ranked[ranked.index.isin(evaluations(attempts).columns)]
     if len(counted):
-        yield _evaluations(attempts, evaluations, best_of_formulations(counted)[:_MOST_WIDE])
+        yield _evaluations(attempts, best_of_formulations(counted)[:_MOST_WIDE])
     yield _targets(attempts, best_of_formulations(ranked)[:_MOST_WIDE])
 
 
@@ -93,8 +92,8 @@ def _pair(table: pd.DataFrame, ranked: pd.DataFrame) -> Picture:
     return Picture("comparison-pair", caption, figure, "Pairwise performance profile")
 
 
-def _evaluations(attempts: Compared, evaluations: pd.DataFrame, best: pd.DataFrame) -> Picture:
-    table = evaluations[list(best.index)]
+def _evaluations(attempts: Compared, best: pd.DataFrame) -> Picture:
+    table = evaluations(attempts)[list(best.index)]
     shares = data_profile(table, 0.0, _points(table))
     caption = (
         "Data profile: the share of questions that a method answers correctly within a number of "

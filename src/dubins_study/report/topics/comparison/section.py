@@ -12,7 +12,7 @@ from dubins_study.report.statistics.compared import Compared, compared
 from dubins_study.report.statistics.cost_table import shared_questions
 from dubins_study.report.statistics.spread import question_spread, solver_spread
 from dubins_study.report.statistics.virtual_best import contributions
-from dubins_study.report.topics.comparison.numbers import costs, mean_ranks
+from dubins_study.report.topics.comparison.numbers import mean_ranks, times
 from dubins_study.report.topics.comparison.paired import engine_tests, formulation_tests
 from dubins_study.report.topics.comparison.pictures import pictures
 from dubins_study.report.topics.comparison.tables import (
@@ -28,11 +28,11 @@ def comparison_section(results: Results) -> Section | None:
     attempts = compared(results)
     if attempts is None:
         return None
-    table = costs(attempts)
+    table = times(attempts)
     shared = shared_questions(table)
     if shared.empty or len(shared.columns) < 2:
         return None
-    ranked, shift, common = mean_ranks(attempts, table)
+    ranked, shift, common = mean_ranks(attempts)
     blocks: list[Picture | Table] = [*pictures(attempts, table, ranked)]
     blocks.append(rank_table(ranked, shift, common, attempts.limit_s))
     engines, formulations = engine_tests(table, ranked), formulation_tests(table, ranked)

@@ -7,7 +7,12 @@ import pandas as pd
 from dubins_study.report.elements.columns import Column, columns
 from dubins_study.report.elements.content import Table
 from dubins_study.report.elements.formats import count, digits, seconds, share
-from dubins_study.report.elements.identity import interval_columns, method_columns
+from dubins_study.report.elements.identity import (
+    interval_column,
+    interval_keys,
+    method_columns,
+    with_interval_texts,
+)
 from dubins_study.report.topics.comparison.paired import LEVEL, separated
 
 # Rivals of a formulation's or an engine's best method that a table of tests shows.
@@ -19,16 +24,16 @@ def rank_table(ranked: pd.DataFrame, shift: float, common: int, limit_s: float) 
     """Shares right, means and ranks."""
     places = zip(ranked["rank"], ranked["best"], ranked["worst"], strict=True)
     frame = ranked.assign(
-        place=[str(rank) if rank is not pd.NA else f"none ({a}–{b})" for rank, a, b in places]
+        place=[str(rank) if rank is not pd.NA else f"none\n({a} to {b})" for rank, a, b in places]
     )
     shown = (
         *method_columns(frame),
         *columns(count, questions="questions"),
-        *interval_columns(share, "right", "right"),
-        *interval_columns(seconds, "mean", "mean time"),
-        *columns(kind="text", place="rank"),
+        interval_column("right", "right"),
+        interval_column("mean", "mean time"),
+        *columns(kind="cell", place="rank"),
         *columns(count, rank_tenth="shift / 10", rank_tenfold="shift × 10"),
-        *interval_columns(seconds, "par2", "PAR-2"),
+        interval_column("par2", "PAR-2"),
         *columns(seconds, common="mean over common"),
     )
     caption = (
@@ -40,7 +45,11 @@ def rank_table(ranked: pd.DataFrame, shift: float, common: int, limit_s: float) 
         "right on at least half of them. 95 % intervals: Wilson's for shares, for as many trials "
         "as there are questions, and bootstrap over scenarios for means."
     )
-    return Table("comparison-ranks", caption, frame, shown)
+    shows = {"right": share, "mean": seconds, "par2": seconds}
+    frame = with_interval_texts(frame, **shows)
+    return Table(
+        "comparison-ranks", caption, frame, shown, numbers=interval_keys(*shows), dense=True
+    )
 
 
 def test_table(tests: pd.DataFrame, ranked: pd.DataFrame, shared: str) -> Table:
@@ -54,7 +63,7 @@ def test_table(tests: pd.DataFrame, ranked: pd.DataFrame, shared: str) -> Table:
     ).reset_index(drop=True)
     shown = (
         *columns(kind="text", shared=shared, solver_name="method", rival_name="rival"),
-        *columns(count, pairs="questions", wins="faster", losses="slower", ties="both fail"),
+        *columns(count, pairs="questions", wins="faster", losses="slower", ties="ties"),
         *columns(digits(2), p="p", p_holm="p, Holm"),
         *columns(kind="text", verdict="verdict"),
     )
@@ -67,10 +76,11 @@ def test_table(tests: pd.DataFrame, ranked: pd.DataFrame, shared: str) -> Table:
     )
     caption = (
         f"Paired tests of {what}: Wilcoxon's signed ranks of the ratio of times, question by "
-        "question; a failure loses to every right answer. Holm's correction over all "
-        f"{count(len(tests))} tests. No rank: p above {LEVEL}; do not say which is faster.{rest}"
+        "question; a failure loses to every right answer, two failures tie. Holm's correction over "
+        f"all {count(len(tests))} tests. No rank: p above {LEVEL}; do not say which is "
+        f"faster.{rest}"
     )
-    return Table(f"comparison-tests-{shared}", caption, frame, shown)
+    return Table(f"comparison-tests-{shared}", caption, frame, shown, dense=True)
 
 
 def virtual_table(added: pd.DataFrame, ranked: pd.DataFrame) -> Table:
@@ -89,7 +99,7 @@ def virtual_table(added: pd.DataFrame, ranked: pd.DataFrame) -> Table:
         "Added: by how much the virtual best solver's mean (PAR-2) rises without this method. "
         "Methods that are the fastest on less than 0.5 % of the questions are left out."
     )
-    return Table("comparison-virtual-best", caption, frame, shown)
+    return Table("comparison-virtual-best", caption, frame, shown, dense=True)
 
 
 def spread_table(spread: pd.DataFrame, methods: pd.DataFrame) -> Table:
@@ -100,7 +110,7 @@ def spread_table(spread: pd.DataFrame, methods: pd.DataFrame) -> Table:
     shown = (
         *method_columns(shown_rows),
         *columns(count, questions="questions", repeats="repeats"),
-        *interval_columns(share, "changing", "verdict changes"),
+        interval_column("changing", "verdict changes"),
         *columns(share, sometimes="right only sometimes"),
         *(Column(key, title, digits(2)) for key, title in _SPREADS),
     )
@@ -111,7 +121,9 @@ def spread_table(spread: pd.DataFrame, methods: pd.DataFrame) -> Table:
         f"{count(same)} methods give one verdict in all repeats"
         f"{' and are left out' if len(changing) else '; those with the widest spread are shown'}."
     )
-    return Table("comparison-spread", caption, shown_rows, shown)
+    shown_rows = with_interval_texts(shown_rows, changing=share)
+    numbers = interval_keys("changing")
+    return Table("comparison-spread", caption, shown_rows, shown, numbers=numbers, dense=True)
 
 
 _SPREADS = (("cv", "time: deviation / mean"), ("iqr_relative", "time: quartile range / median"))

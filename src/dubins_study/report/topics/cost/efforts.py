@@ -21,6 +21,11 @@ from dubins_study.study.words import BRANCHES
 KINDS = ("winning run", "restarts", "losing words", "words without a path", "building", "rest")
 _AMOUNTS = {"evaluations": "subproblem_evaluations", "seconds": "subproblem_s"}
 _RELATIVE_ROUNDING = 1e-9
+_READ = [
+    *("solver", "question", "scenario", "stratum", "word", "evaluations", "build_s", "wall_s"),
+    *("subproblems", "subproblem_evaluations", "subproblem_s"),
+    *("best_run_evaluations", "best_run_s", *COLUMNS),
+]
 
 
 class Split(NamedTuple):
@@ -48,7 +53,7 @@ class Split(NamedTuple):
 def split(compared: Compared) -> Split:
     """What the right answers cost; answers whose winning run is not known are left out."""
     rows = compared.answerable
-    rows = rows[rows["right"] & (rows["best_run_s"] > 0)]
+    rows = rows.loc[rows["right"] & (rows["best_run_s"] > 0), _READ]
     lines = _lines(rows)
     kinds = _kinds(lines, rows)
     return Split(
@@ -110,10 +115,11 @@ def _kinds(lines: pd.DataFrame, rows: pd.DataFrame) -> pd.Series[Any]:
     """The kind of each line; the winner's line is `restarts`, its best run included."""
     if lines.empty:
         return pd.Series("", lines.index)
-    attempts = rows.loc[lines["row"]]
-    words = attempts["word"].fillna("").to_numpy()
-    pairs = pd.Series(list(zip(words, lines["subproblem"], strict=True)), lines.index)
-    misfit = ~pairs.map({pair: _contains(*pair) for pair in pairs.unique()}).astype(bool)
+    attempts = rows[["word", "best_run_s", "scenario", *COLUMNS]].loc[lines["row"]]
+    place, pairs = pd.factorize(
+        pd.MultiIndex.from_arrays([attempts["word"].fillna("").to_numpy(), lines["subproblem"]])
+    )
+    misfit = np.array([not _contains(*pair) for pair in pairs])[place]
     best = attempts["best_run_s"].to_numpy()
     # The engine's time on the winner is at least that of its best run.
     too_short = lines["seconds"].to_numpy() < best * (1 - _RELATIVE_ROUNDING)
@@ -138,12 +144,13 @@ def _exists(attempts: pd.DataFrame, subproblems: FloatArray) -> FloatArray:
 
     The closed form decides, once for each scenario and word.
     """
-    place = pd.MultiIndex.from_arrays([attempts["scenario"].to_numpy(), subproblems])
-    codes, first = np.unique(place.factorize()[0], return_index=True)
+    pairs = pd.MultiIndex.from_arrays([attempts["scenario"].to_numpy(), subproblems])
+    place = pairs.factorize()[0]
+    _, first = np.unique(place, return_index=True)
     columns = attempts[list(COLUMNS)].iloc[first].to_dict("records")
     words = subproblems[first]
     known = [_has_path(line, word) for line, word in zip(columns, words, strict=True)]
-    every: FloatArray = np.array(known)[np.searchsorted(codes, place.factorize()[0])]
+    every: FloatArray = np.array(known)[place]
     return every
 
 

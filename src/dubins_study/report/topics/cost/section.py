@@ -12,9 +12,12 @@ from dubins_study.report.elements.columns import Column, columns
 from dubins_study.report.elements.content import Picture, Section, Table
 from dubins_study.report.elements.formats import count, digits, seconds, sentences
 from dubins_study.report.elements.identity import (
-    interval_columns,
+    cell_text,
+    interval_column,
+    interval_keys,
     method_columns,
     with_interval,
+    with_interval_texts,
 )
 from dubins_study.report.elements.panels import most_per_formulation
 from dubins_study.report.statistics.compared import Compared, compared
@@ -23,6 +26,7 @@ from dubins_study.report.topics.cost.figures import plot_cost_shares
 from dubins_study.report.topics.cost.numbers import (
     example,
     factors,
+    presolve_pairs,
     presolve_savings,
     shares,
     strata,
@@ -30,7 +34,10 @@ from dubins_study.report.topics.cost.numbers import (
 
 # Eight bars in a panel can be read; the tables hold every method.
 _MOST = 8
+# A winning run with more than this share of the cost is all that there is to show.
+_ONE_RUN = 0.995
 _RATIO = digits(3)
+_SHOWN = {"evaluations": _RATIO, "seconds": _RATIO}
 
 
 def cost_section(results: Results) -> Section | None:
@@ -83,13 +90,14 @@ def _of(row: Mapping[Any, Any], key: str) -> str:
 
 
 def _saved(savings: pd.DataFrame) -> str:
-    parts = [
-        f"{row['name']} by {_of(row, 'evaluations')}"
-        for row in savings.dropna(subset="evaluations").to_dict("records")
-    ]
-    if not parts:
+    order = savings.dropna(subset="evaluations").sort_values("evaluations").to_dict("records")
+    if not order:
         return ""
-    return f"The presolve divides the evaluations, in the median, of {'; of '.join(parts)}."
+    ends = [order[-1]] if len(order) == 1 else [order[-1], order[0]]
+    parts = [f"of {row['name']} by {_of(row, 'evaluations')}" for row in ends]
+    between = " (the most) and " if len(parts) > 1 else ""
+    last = " (the least)" if len(parts) > 1 else ""
+    return f"The presolve divides the evaluations, in the median, {between.join(parts)}{last}."
 
 
 def _example(table: pd.DataFrame) -> str:
@@ -104,10 +112,9 @@ def _example(table: pd.DataFrame) -> str:
 
 def _picture(attempts: Compared, answers: Split, amount: str) -> Picture:
     table = shares(attempts, answers, amount)
-    shown = most_per_formulation(table.sort_values("total"), _MOST)
-    shown = shown.loc[[solver for solver in table.index if solver in shown.index]]
+    shown = _bars(table, attempts)
     left_out = len(table) - len(shown)
-    rest = f" The table has {count(left_out)} dearer methods more." if left_out else ""
+    rest = f" The table below has {count(left_out)} methods more." if left_out else ""
     if amount == "evaluations":
         what = "function evaluations; at the right their mean number in an answer"
     else:
@@ -116,10 +123,22 @@ def _picture(attempts: Compared, answers: Split, amount: str) -> Picture:
         f"What an answer's cost goes to, in {what}. Winning run: the run that gives the answer. "
         "Restarts: other runs on the same word. Losing words have a path, but a longer one, or "
         "are the joint model's other order. Whether a word has a path is computed from the "
-        f"scenario.{rest}"
+        f"scenario. Methods of a single run are left out.{rest}"
     )
     alt = f"Stacked bars of the shares of {amount}, one per method, in panels by formulation"
     return Picture(f"cost-{amount}", caption, plot_cost_shares(shown, amount), alt)
+
+
+def _bars(table: pd.DataFrame, attempts: Compared) -> pd.DataFrame:
+    """The methods with more than one run: those with and without the presolve, then the cheapest.
+
+    If all have a single run, the cheapest.
+    """
+    paired = {solver for pair in presolve_pairs(attempts.engines) for solver in pair}
+    order = table.assign(single=~table.index.isin(list(paired))).sort_values(["single", "total"])
+    several = order[order["winning run"] < _ONE_RUN]
+    chosen = most_per_formulation(several if len(several) else order, _MOST)
+    return table[table.index.isin(chosen.index)]
 
 
 def _factor_table(table: pd.DataFrame) -> Table:
@@ -128,16 +147,17 @@ def _factor_table(table: pd.DataFrame) -> Table:
         *method_columns(table),
         *columns(count, questions="questions"),
         *columns(mean, evaluations_total="evaluations", evaluations_floor="winning run"),
-        *interval_columns(_RATIO, "evaluations", "total / winning"),
+        interval_column("evaluations", "total / winning"),
         *columns(seconds, seconds_total="time", seconds_floor="winning run"),
-        *interval_columns(_RATIO, "seconds", "total / winning"),
+        interval_column("seconds", "total / winning"),
     )
     caption = (
         "Total cost against the winning run: means over right answers, then the median over "
         "questions of total / winning run, with its 95 % interval (bootstrap over scenarios). "
         "A dash: the engine does not count evaluations."
     )
-    return Table("cost", caption, table, shown)
+    frame = with_interval_texts(table, **_SHOWN)
+    return Table("cost", caption, frame, shown, numbers=interval_keys(*_SHOWN), dense=True)
 
 
 def _presolve_table(savings: pd.DataFrame) -> Table:
@@ -145,16 +165,17 @@ def _presolve_table(savings: pd.DataFrame) -> Table:
         *method_columns(savings),
         *columns(count, questions="questions"),
         *columns(_RATIO, evaluations_off="evaluations / winning, without", evaluations_on="with"),
-        *interval_columns(_RATIO, "evaluations", "saved factor"),
+        interval_column("evaluations", "saved factor"),
         *columns(_RATIO, seconds_off="time / winning, without", seconds_on="with"),
-        *interval_columns(_RATIO, "seconds", "saved factor"),
+        interval_column("seconds", "saved factor"),
     )
     caption = (
         "With and without the presolve, which drops the words that elementary geometry excludes, "
         "on the questions that both answer: median of total / winning run, and median over "
         "questions of the total without / with it, with its 95 % interval."
     )
-    return Table("cost-presolve", caption, savings, shown)
+    frame = with_interval_texts(savings, **_SHOWN)
+    return Table("cost-presolve", caption, frame, shown, numbers=interval_keys(*_SHOWN), dense=True)
 
 
 def _present(attempts: Compared, table: pd.DataFrame) -> list[str]:
@@ -173,7 +194,7 @@ def _stratum_table(attempts: Compared, answers: Split) -> Table | None:
         return None
     texts = kept.assign(
         text=[
-            with_interval(digits(2), *each)
+            cell_text(with_interval(digits(2), *each))
             for each in zip(kept["estimate"], kept["low"], kept["high"], strict=True)
         ]
     ).pivot(index="stratum", columns="solver", values="text")
@@ -184,10 +205,10 @@ def _stratum_table(attempts: Compared, answers: Split) -> Table | None:
     names = attempts.methods["short"]
     shown = (
         Column("stratum", "stratum", kind="text"),
-        *(Column(solver, str(names[solver]), kind="text") for solver in chosen),
+        *(Column(solver, str(names[solver]), kind="cell") for solver in chosen),
     )
     caption = (
         "Evaluations / those of the winning run, by stratum: median over questions with its 95 % "
         f"interval; {attempts.methods.loc[chosen[0], 'formulation']}."
     )
-    return Table("cost-strata", caption, frame, shown)
+    return Table("cost-strata", caption, frame, shown, dense=True)

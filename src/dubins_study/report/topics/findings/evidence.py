@@ -16,7 +16,7 @@ from dubins_study.report.statistics.bootstrap import (
 from dubins_study.report.statistics.compared import Compared
 from dubins_study.report.statistics.intervals import wilson_interval
 from dubins_study.report.topics.belief.numbers import claims
-from dubins_study.report.topics.comparison.numbers import costs, mean_ranks
+from dubins_study.report.topics.comparison.numbers import evaluations, mean_ranks, times
 from dubins_study.report.topics.findings.finding import ENOUGH, Estimate, percent
 
 Pair = tuple[str, str]
@@ -45,12 +45,12 @@ class Evidence:
     @cached_property
     def times(self) -> pd.DataFrame:
         """Cost table of whole attempts (s)."""
-        return costs(self.compared)
+        return times(self.compared)
 
     @cached_property
     def evaluations(self) -> pd.DataFrame:
         """Cost table of function evaluations."""
-        return costs(self.compared, "evaluations")
+        return evaluations(self.compared)
 
     @cached_property
     def gaps(self) -> pd.DataFrame:
@@ -73,7 +73,7 @@ class Evidence:
         """The methods in the order of their mean times, failures at the limit; may be empty."""
         if self.times.dropna().empty:
             return self.methods.iloc[:0].assign(right=0.0, right_low=0.0, right_high=0.0)
-        return mean_ranks(self.compared, self.times)[0]
+        return mean_ranks(self.compared)[0]
 
     @cached_property
     def claims(self) -> pd.DataFrame:

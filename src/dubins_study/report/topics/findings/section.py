@@ -9,8 +9,8 @@ import pandas as pd
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import columns
 from dubins_study.report.elements.content import Section, Table
-from dubins_study.report.elements.formats import count, digits, some
-from dubins_study.report.elements.identity import interval_columns
+from dubins_study.report.elements.formats import count, some
+from dubins_study.report.elements.identity import interval_keys
 from dubins_study.report.statistics.compared import compared
 from dubins_study.report.topics.findings.evidence import Evidence
 from dubins_study.report.topics.findings.finding import ENOUGH, Finding
@@ -58,12 +58,10 @@ def _table(name: str, chosen: Sequence[Finding], first: int, title: str) -> Tabl
     shown = (
         *columns(count, place=""),
         *columns(kind="prose", sentence="finding"),
-        *interval_columns(digits(3), "value", "number"),
-        *columns(kind="text", unit="unit"),
         *columns(kind="prose", question="asked of", shown_in="shown in"),
     )
     caption = (
         f"{title} Intervals: Wilson's for shares, for as many trials as there are questions, and "
-        "bootstrap over scenarios for all others."
+        "bootstrap over scenarios for all others. The CSV file holds the numbers apart."
     )
-    return Table(name, caption, frame, shown)
+    return Table(name, caption, frame, shown, numbers=(*interval_keys("value"), "unit"))

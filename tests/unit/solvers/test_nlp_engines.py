@@ -1,0 +1,307 @@
+"""Every engine of nonlinear programs on the words of (4.12), SciPy's and casadi's in particular."""
+
+from __future__ import annotations
+
+import importlib.util
+import math
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+from cases import PAPER
+from hypothesis import given
+from hypothesis import strategies as st
+
+from dubins_study.solvers.nlp_engines import casadi_nlpsol, scipy_minimize, table
+from dubins_study.solvers.nlp_engines.program import Program
+from dubins_study.solvers.nlp_engines.table import ENGINES
+from dubins_study.solvers.paper_nlp.best_point import Point
+from dubins_study.solvers.paper_nlp.local_nlp import Case
+from dubins_study.solvers.paper_nlp.model import FULL_TURN, SUBPROBLEMS, target
+from dubins_study.solvers.paper_nlp.nlp import Nlp
+from dubins_study.solvers.paper_nlp.program import expressions, program, solve
+from dubins_study.solvers.registry import entries, load
+from dubins_study.study.claim import Claim
+from dubins_study.study.closed_form.shortest import shortest
+from dubins_study.study.scenario import Scenario
+
+AVAILABLE = [name for name in ENGINES if table.unavailable(name) is None]
+CASADI = ("ipopt", "uno", "fatrop", "alpaqa", "bonmin", "sleqp", "sqpmethod", "qrsqp")
+TOLERANCE = 1e-9  # the default of `nlp`
+
+# Problem 1's RS, from a guess as rough as `bearing`, and the same in the joint model.
+WORD, JOINT = (0.0, 1.5, 11.0), (0.1, 1.5, 11.0)
+
+# Engines that reach the solution and do not call it one: fatrop ends after 20 iterations that
+# change nothing, with status 1; the augmented Lagrangian of NLopt with FAILURE.
+SILENT_ON_WORDS = {"fatrop", "nlopt-auglag"}
+# COBYLA of NLopt stops where its steps are small, on the equations or off them.
+LOOSE = {"nlopt-cobyla"}
+
+
+def case(name: str, scenario: Scenario, unit: float = 1.0) -> Case:
+    subproblem = SUBPROBLEMS[name]
+    upper = np.where(subproblem.mask, (FULL_TURN, FULL_TURN, math.inf), 0.0)
+    return Case(subproblem, upper, target(scenario, subproblem.mirrored), unit)
+
+
+def run(name: str, word: str, scenario: Scenario, guess: tuple[float, ...]) -> Point:
+    engine = table.engine(name, TOLERANCE, 200)
+    return solve(case(word, scenario), np.array(guess), 20.0, engine)
+
+
+def first_word() -> tuple[float, float]:
+    """The arc and the straight of problem 1's RS, radii."""
+    answer = shortest(PAPER["problem 1"], "RS")
+    assert answer is not None
+    return tuple(answer.segments)
+
+
+lengths = st.tuples(st.floats(0.1, 6), st.floats(0.1, 6), st.floats(0.1, 20)).map(np.array)
+weights = st.tuples(st.floats(-3, 3), st.floats(-3, 3)).map(np.array)
+
+
+@pytest.mark.parametrize("unit", [1.0, 2.5])
+@pytest.mark.parametrize("name", SUBPROBLEMS)
+@given(z=lengths, weights=weights, X=st.floats(-9, 9), Y=st.floats(-9, 9))
+def test_the_written_functions_are_those_of_the_expressions(name, unit, z, weights, X, Y):
+    """By hand and by casadi's derivatives, in radii and in another unit."""
+    given_case = case(name, Scenario(0, 0, 0, X, Y, 1), unit)
+    posed = program(given_case)
+    x = unit * z[list(given_case.subproblem.free)]
+    assert posed.written is not None
+    derived = posed.expressions.functions(posed.p)
+
+    assert posed.written.objective(x) == pytest.approx(derived.objective(x), rel=1e-15)
+    for one, other in zip(posed.written[1:4], derived[1:4], strict=True):
+        np.testing.assert_allclose(one(x), other(x), atol=1e-12 * (1 + z[2]))
+    np.testing.assert_allclose(
+        posed.written.hessian(x, weights), derived.hessian(x, weights), atol=1e-12 * (1 + z[2])
+    )
+
+
+@pytest.mark.parametrize("unit", [1.0, 2.5])
+@pytest.mark.parametrize("name", SUBPROBLEMS)
+@given(z=lengths, weights=weights)
+def test_the_written_derivatives_are_those_of_the_functions(name, unit, z, weights):
+    """Central differences with step 1e-6 are right to about 1e-9 times the straight's length."""
+    given_case = case(name, Scenario(0, 0, 0, 3, -2, 1), unit)
+    functions = program(given_case).functions
+    x, h = unit * z[list(given_case.subproblem.free)], 1e-6
+    steps = h * np.eye(x.size)
+
+    slopes = [(functions.equations(x + e) - functions.equations(x - e)) / (2 * h) for e in steps]
+    np.testing.assert_allclose(functions.jacobian(x), np.column_stack(slopes), atol=1e-6)
+    bends = [
+        weights @ (functions.jacobian(x + e) - functions.jacobian(x - e)) / (2 * h) for e in steps
+    ]
+    np.testing.assert_allclose(functions.hessian(x, weights), np.column_stack(bends), atol=1e-6)
+
+
+def test_one_set_of_free_lengths_has_one_set_of_expressions():
+    """So that an engine compiles it once, for every target and either order of turns."""
+    near, far = Scenario(0, 0, 0, 1, 3, 1), Scenario(0, 0, 0, -9, 3, 1)
+
+    assert program(case("LR", near)).expressions is program(case("RL", far)).expressions
+    assert program(case("LS", near)).expressions is not program(case("RS", near)).expressions
+    assert expressions((0, 2)) is not expressions((0, 2), scaled=True)
+
+
+@pytest.mark.parametrize("name", [name for name in AVAILABLE if name != "cobyqa"])
+def test_a_word_is_solved(name):
+    """Problem 1's RS, to the tolerance that was asked for (in the objective, half its digits)."""
+    point = run(name, "RS", PAPER["problem 1"], WORD)
+
+    assert point.claim is (Claim.FAILED if name in SILENT_ON_WORDS else Claim.LOCAL)
+    allowed = 1e-3 if name in LOOSE else 1e-6
+    assert point.z[1:] == pytest.approx(first_word(), abs=allowed)
+    assert point.z[0] == 0
+    if point.multipliers is not None:
+        # the path ends straight, so that the duals are the direction of its end
+        heading = -point.z[1]
+        direction = math.cos(heading), math.sin(heading)
+        assert point.multipliers == pytest.approx(direction, abs=1e-5)
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        # SLEQP takes milliseconds or ten seconds for one and the same dead point
+        pytest.param(name, marks=pytest.mark.slow) if name == "sleqp" else name
+        for name in AVAILABLE
+    ],
+)
+def test_a_word_without_a_path_is_not_claimed(name):
+    """LS to a target inside the left disc; NLopt's COBYLA alone calls its last point a solution."""
+    point = run(name, "LS", Scenario(0, 0, 0, 0.2, 1.0, 1), (1.0, 0.0, 0.5))
+
+    assert (point.claim is Claim.LOCAL) == (name in LOOSE)
+
+
+@pytest.mark.parametrize("name", AVAILABLE)
+def test_silent_and_repeatable(name, capfd):
+    """No banner, no log, and the same answer after another question."""
+    first = run(name, "LRS", PAPER["problem 1"], JOINT)
+    run(name, "RS", PAPER["problem 4"], WORD)
+    again = run(name, "LRS", PAPER["problem 1"], JOINT)
+
+    # the QP solver of sqpmethod starts from where it ended last: the rounding differs
+    assert again.claim is first.claim
+    assert again.z == pytest.approx(first.z, abs=1e-14)
+    assert capfd.readouterr() == ("", "")
+
+
+@pytest.mark.parametrize("name", [n for n in AVAILABLE if ENGINES[n].keeps_limit])
+def test_without_time_a_run_ends(name):
+    """At most a second late, on a program that would take some engines longer than that."""
+    engine, guess = table.engine(name, 1e-14, 10**6), np.array((3.0, 3.0, 1.0))
+    solve(case("RS", PAPER["problem 1"]), np.array(WORD), 1e-3, engine)  # loads the library
+    began = time.perf_counter()
+
+    solve(case("LRS", Scenario(0, 0, 0, 0.2, 1.0, 1)), guess, 1e-3, engine)
+
+    assert time.perf_counter() - began < 1e-3 + 1.0
+
+
+# What each says of the joint model from zero, where the two gradients are parallel; measured with
+# the versions of the lock.
+FROM_ZERO = {
+    "slsqp": Claim.FAILED,
+    "trust-constr": Claim.INFEASIBLE,
+    "cobyqa": Claim.LOCAL,
+    "ipopt": Claim.INFEASIBLE,
+    "uno": Claim.INFEASIBLE,
+    "fatrop": Claim.FAILED,
+    "alpaqa": Claim.LIMIT,
+    "bonmin": Claim.INFEASIBLE,
+    "sqpmethod": Claim.FAILED,
+    "qrsqp": Claim.FAILED,
+}
+
+
+@pytest.mark.parametrize("name", FROM_ZERO)
+def test_what_an_engine_says_from_zero(name):
+    """A path exists, so that "infeasible" is false: a finding, which no option hides."""
+    point = run(name, "LRS", PAPER["problem 1"], (0.0, 0.0, 0.0))
+
+    assert point.claim is FROM_ZERO[name]
+
+
+def test_a_dead_point_of_sleqp_is_no_solution():
+    """casadi calls it a success; SLEQP itself calls it an abort."""
+    stats = {"return_status": "deadpoint", "unified_return_status": "SOLVER_RET_SUCCESS"}
+
+    assert casadi_nlpsol.claim_of("sleqp", stats) is Claim.FAILED
+    assert casadi_nlpsol.claim_of("sleqp", stats | {"return_status": "optimal"}) is Claim.LOCAL
+
+
+@pytest.mark.parametrize(
+    ("plugin", "status", "unified", "claim"),
+    [
+        ("ipopt", "Solve_Succeeded", "SUCCESS", Claim.LOCAL),
+        ("ipopt", "Infeasible_Problem_Detected", "UNKNOWN", Claim.INFEASIBLE),
+        ("ipopt", "Restoration_Failed", "UNKNOWN", Claim.FAILED),
+        ("uno", "Converged with infeasible stationary point", "INFEASIBLE", Claim.INFEASIBLE),
+        ("uno", "Terminated with not optimal point", "LIMITED", Claim.LIMIT),
+        ("uno", "Terminated with unbounded problem", "UNKNOWN", Claim.FAILED),
+        ("fatrop", "0", "SUCCESS", Claim.LOCAL),
+        ("fatrop", "1", "UNKNOWN", Claim.FAILED),
+        ("bonmin", "INFEASIBLE", "UNKNOWN", Claim.INFEASIBLE),
+        ("sleqp", "iteration limit", "SUCCESS", Claim.LIMIT),
+        ("sqpmethod", "Maximum_Iterations_Exceeded", "LIMITED", Claim.LIMIT),
+        ("qrsqp", "Search_Direction_Becomes_Too_Small", "UNKNOWN", Claim.FAILED),
+    ],
+)
+def test_statuses_become_claims(plugin, status, unified, claim):
+    stats = {"return_status": status, "unified_return_status": f"SOLVER_RET_{unified}"}
+
+    assert casadi_nlpsol.claim_of(plugin, stats) is claim
+
+
+def test_cobyqa_solves_most_words_and_claims_no_other():
+    """Its trust region may shrink to nothing before the equations hold, which it says itself."""
+    bearings = np.linspace(-3, 3, 8)
+    solved = 0
+    for bearing in bearings:
+        X, Y = 10 * math.cos(bearing), 10 * math.sin(bearing)
+        scenario = Scenario(0, 0, 0, X, Y, 1)
+        guess = (bearing + 0.1) % FULL_TURN, 0.0, 10.5
+        point = run("cobyqa", "LS", scenario, guess)
+        answer = shortest(scenario, "LS")
+        assert answer is not None
+        if point.claim is Claim.LOCAL:
+            assert point.z[[0, 2]] == pytest.approx(tuple(answer.segments), abs=1e-6)
+            solved += 1
+
+    assert solved >= bearings.size / 2
+
+
+def test_cobyqa_claims_no_point_off_the_equations():
+    """Where its trust region ends without a feasible point, it calls that no success."""
+    loose = Program(
+        expressions((0, 2)), np.array((0.2, 1.0)), np.zeros(2), np.array((FULL_TURN, math.inf))
+    )
+
+    result = scipy_minimize.cobyqa(1e-8, 5000)(loose, np.array((1.0, 0.5)), 5.0)
+
+    assert abs(loose.functions.equations(result.x)).max() > 0.1
+    assert result.claim in (Claim.FAILED, Claim.LIMIT)
+
+
+def test_slsqps_tolerance_grows_with_the_magnitude():
+    """At 10^5 radii rounding leaves more of the equations than a tolerance of 1e-14 allows."""
+    far = case("LS", Scenario(0, 0, 0, 3e4, 9e4, 1))
+
+    point = solve(far, np.array((1.2, 0.0, 9e4)), 5.0, scipy_minimize.slsqp(1e-14, 40))
+
+    assert point.claim is Claim.LOCAL
+
+
+@pytest.mark.parametrize("name", ENGINES)
+def test_every_engine_is_a_setting_of_nlp(name):
+    solver = load(f"nlp[engine={name}]")
+
+    assert solver.method[:2] == ("one NLP a word", ENGINES[name].label)
+    assert solver.runs is None
+    assert solver.unavailable() == table.unavailable(name)
+    assert set(ENGINES[name].packages) <= set(Nlp.packages)
+
+
+def test_the_list_has_a_line_for_every_engine():
+    engines = {(entry.formulation, entry.engine) for entry in entries()}
+
+    assert {("one NLP a word", entry.label) for entry in ENGINES.values()} <= engines
+    assert ("one NLP a word", "KNITRO") in engines
+
+
+def test_engines_that_answer_no_question_have_their_reason():
+    assert "MA27" in str(table.unavailable("blocksqp"))
+    assert "satisfies all equations" in str(table.unavailable("feasiblesqpmethod"))
+
+
+@pytest.mark.parametrize("name", ["slsqp", *CASADI])
+def test_a_missing_package_is_a_reason(name, monkeypatch):
+    monkeypatch.setattr(importlib.util, "find_spec", lambda package: None)
+
+    assert table.unavailable(name) == f"the package {ENGINES[name].packages[0]} is not installed"
+
+
+@pytest.mark.parametrize("name", ["slsqp", "ipopt", "nlopt-slsqp"])
+def test_an_engine_loads_no_other_engines_package(name):
+    """Of the packages of all engines, a question loads those of the engine that answers it."""
+    packages = {package for entry in ENGINES.values() for package in entry.packages}
+    code = (
+        "import sys;"
+        "from dubins_study.solvers.registry import load;"
+        "from dubins_study.solvers.protocol import Question;"
+        "from dubins_study.study.scenario import Scenario;"
+        f"solver = load('nlp[engine={name}]');"
+        "solver.solve(solver.build(Question(Scenario(0, 0, 0.3, 3, 2, 1), 'LS')), 5.0);"
+        "print(*sys.modules)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+
+    loaded = {module.partition(".")[0] for module in done.stdout.split()}
+    assert loaded & packages == set(ENGINES[name].packages)

@@ -1,0 +1,305 @@
+"""penalty: its function against driven paths, grids and theory; its engines over seeds."""
+
+from __future__ import annotations
+
+import importlib.util
+import math
+import subprocess
+import sys
+from itertools import count
+
+import numpy as np
+import pytest
+from cases import EDGES, PAPER
+from threadpoolctl import threadpool_limits
+
+from dubins_study.solvers.attempt import attempt
+from dubins_study.solvers.paper_nlp.model import SUBPROBLEMS, as_path, target
+from dubins_study.solvers.protocol import Outcome, Question
+from dubins_study.solvers.registry import SolverError, entries, load
+from dubins_study.solvers.stochastic import search
+from dubins_study.solvers.stochastic.engines import ENGINES, unavailable
+from dubins_study.solvers.stochastic.penalty_function import PenaltyFunction
+from dubins_study.study.check.verdict import Verdict
+from dubins_study.study.claim import Claim
+from dubins_study.study.closed_form.shortest import shortest
+from dubins_study.study.scenario import Scenario
+
+AVAILABLE = [name for name in ENGINES if unavailable(name) is None]
+DETERMINISTIC = {"shgo", "direct", "nelder-mead", "powell"}
+LEFT_DISC = EDGES["centre of the left disc"]
+SCENARIOS = {
+    "ahead to the left": Scenario(0, 0, 0, 3, 2, 1),
+    "behind to the right": Scenario(1, 1, 2, 4, -1, 0.7),
+    "left disc": LEFT_DISC,
+    "right disc": EDGES["rear of the right disc"],
+}
+
+
+@pytest.fixture(autouse=True)
+def _one_thread():
+    """As in every run: on a busy machine the threads of a tiny matrix wait for each other."""
+    with threadpool_limits(1):
+        yield
+
+
+def function_of(scenario: Scenario, name: str, weight: float) -> PenaltyFunction:
+    subproblem = SUBPROBLEMS[name]
+    return PenaltyFunction(subproblem, target(scenario, subproblem.mirrored), weight)
+
+
+def spec(engine: str, **others: object) -> str:
+    return f"penalty[{','.join(f'{k}={v}' for k, v in {'engine': engine, **others}.items())}]"
+
+
+@pytest.mark.parametrize("name", SUBPROBLEMS)
+def test_the_function_is_length_plus_weighted_miss_of_the_driven_path(name):
+    """Against the path's own end; one point at a time and many at once, to rounding."""
+    scenario = SCENARIOS["behind to the right"]
+    function = function_of(scenario, name, 3.0)
+    points = np.random.default_rng(1).uniform(size=(function.upper.size, 50))
+    points *= function.upper[:, None]
+
+    expected = []
+    for point in points.T:
+        path = as_path(scenario, SUBPROBLEMS[name], function.lengths(point))
+        miss = math.hypot(path.end.x - scenario.target_x, path.end.y - scenario.target_y)
+        expected.append((path.total_length + 3.0 * miss) / scenario.radius)
+
+    np.testing.assert_allclose(function.at_each(points), expected, rtol=1e-13)
+    np.testing.assert_allclose([function.at(point) for point in points.T], expected, rtol=1e-13)
+
+
+@pytest.mark.parametrize("name", SCENARIOS)
+def test_the_least_value_of_both_orders_is_the_shortest_length(name):
+    """On a grid of half a million points none lies below, and the least lies as near as its steps.
+
+    The weight of 10 is enough for these targets: those in the discs are more than 2 pi / 10 behind
+    the front of their circle.
+    """
+    scenario, weight = SCENARIOS[name], 10.0
+    X, Y = scenario.local()
+    least, steps = math.inf, np.zeros(3)
+    for order in ("LRS", "RLS"):
+        function = function_of(scenario, order, weight)
+        axes = [np.linspace(0, high, 81) for high in function.upper]
+        steps = np.array([axis[1] for axis in axes])
+        grid = np.stack([axis.ravel() for axis in np.meshgrid(*axes, indexing="ij")])
+        least = min(least, float(function.at_each(grid).min()))
+    # a point of the grid is within half a step in each length; turning by 1 rad moves the end by
+    # its distance from the turn's centre, at most 2 (|T| + 3) where it lies near the target
+    moved = (steps / 2) @ (
+        1 + weight * np.array([1, 1, 1 / (2 * math.hypot(X, Y) + 6)]) * (2 * math.hypot(X, Y) + 6)
+    )
+
+    optimum = shortest(scenario).total
+    assert optimum - 1e-12 <= least <= optimum + moved
+
+
+@pytest.mark.parametrize("Y", [1.0, 1.3, 1.6])
+def test_the_least_weight_is_the_norm_of_the_multipliers(Y):
+    """Locally, for RL at the depth of the left disc: 1 / |cos(a2 / 2)|, a tenth more or less."""
+    scenario = Scenario(0, 0, 0, 0, Y, 1)
+    first, second = shortest(scenario).segments[:2]
+    norm = 1 / abs(math.cos(second / 2))
+    z = np.array((first, second))
+    around = z[:, None] + 1e-5 * np.random.default_rng(0).normal(size=(2, 2000))
+
+    def gains(weight: float) -> bool:
+        function = function_of(scenario, "RL", weight)
+        return bool(function.at_each(around).min() < function.at(z))
+
+    assert gains(0.9 * norm)
+    assert not gains(1.1 * norm)
+
+
+def test_no_weight_serves_all_targets():
+    """A little inside the front of a circle, stopping short on it costs less than arriving."""
+    inside = 1e-3
+    arc = 0.5
+    X, Y = (1 - inside) * math.sin(arc), 1 - (1 - inside) * math.cos(arc)
+    scenario = Scenario(0, 0, 0, X, Y, 1)
+    optimum = shortest(scenario).total
+    function = function_of(scenario, "LRS", 1000.0)
+
+    assert function.at(np.array((arc, 0.0, 0.0))) == pytest.approx(arc + 1000 * inside)
+    assert function.at(np.array((arc, 0.0, 0.0))) < optimum
+
+
+@pytest.mark.parametrize("name", AVAILABLE)
+def test_every_engine_over_seeds(name):
+    """Outside the discs every engine arrives at every seed, mostly by way of the shortest word.
+
+    By the other word it would be 42 % longer. Whatever comes is claimed `feasible` at most, and no
+    path is shorter than the shortest.
+    """
+    solver = load(spec(name, evaluations=1000))
+    answers = [attempt(solver, Question(PAPER["problem 1"], repeat=seed)) for seed in range(3)]
+
+    assert {answer.outcome for answer in answers} == {Outcome.RETURNED}
+    assert {answer.claim for answer in answers} == {Claim.FEASIBLE}
+    assert all(answer.gap >= -1e-12 for answer in answers)
+    assert sorted(answer.gap for answer in answers)[1] < 0.05
+
+
+@pytest.mark.parametrize("name", AVAILABLE)
+def test_every_engine_in_a_disc(name):
+    """Where the search stops short, the claim says so; a path that arrives is no shorter."""
+    solver = load(spec(name, evaluations=500, rounds=2))
+    answers = [attempt(solver, Question(LEFT_DISC, repeat=seed)) for seed in range(2)]
+
+    for answer in answers:
+        assert not answer.false_claim
+        if answer.claim is Claim.FEASIBLE:
+            assert answer.verdict in (Verdict.OPTIMAL, Verdict.LONGER)
+            assert answer.gap >= -1e-12
+        else:
+            assert answer.claim in (Claim.LIMIT, Claim.FAILED)
+            assert answer.verdict is Verdict.MISSES
+
+
+@pytest.mark.parametrize("name", AVAILABLE)
+def test_runs_repeat_and_leave_the_global_generator_alone(name):
+    """The same seed gives the same path bit for bit; the repeat adds to the seed."""
+    before = np.random.get_state()  # noqa: NPY002  (the state that must not change)
+
+    def path(seed: int, repeat: int) -> object:
+        solver = load(spec(name, evaluations=300, rounds=1, polish=False, seed=seed))
+        question = Question(SCENARIOS["behind to the right"], repeat=repeat)
+        return solver.solve(solver.build(question), 60.0).path
+
+    first = path(0, 0)
+    assert path(0, 0) == first
+    assert path(2, 1) == path(0, 3)
+    assert (path(0, 1) == first) == (name in DETERMINISTIC)
+    after = np.random.get_state()  # noqa: NPY002
+    assert (before[1] == after[1]).all()
+    assert before[2:] == after[2:]
+
+
+@pytest.mark.parametrize("name", AVAILABLE)
+def test_the_budget_is_kept(name):
+    """No search evaluates more often than it may; what each order cost is told."""
+    solver = load(spec(name, evaluations=200, rounds=2))
+    solution = solver.solve(solver.build(Question(LEFT_DISC)), 60.0)
+
+    assert [effort.subproblem for effort in solution.efforts] == ["LRS", "RLS"]
+    assert all(0 < effort.evaluations <= 200 * effort.runs for effort in solution.efforts)
+    assert all(effort.runs <= 2 for effort in solution.efforts)
+    assert sum(effort.evaluations for effort in solution.efforts) == solution.evaluations
+    assert solution.best_run.subproblem in ("LRS", "RLS")
+    assert solution.best_run.evaluations <= 200
+
+
+@pytest.mark.parametrize("name", AVAILABLE)
+def test_the_time_limit_ends_the_search(name, monkeypatch):
+    """By a clock that goes on by 0.1 s at every look, 1 s is over after 11 evaluations."""
+    clock = count()
+    monkeypatch.setattr(search, "perf_counter", lambda: next(clock) * 0.1)
+    function = search.CountedFunction(function_of(LEFT_DISC, "LRS", 2.0), 100_000, 1.0)
+
+    from dubins_study.solvers.stochastic.engines import engine
+
+    guess = np.ones(3) if ENGINES[name].guided else None
+    with pytest.raises(search.OutOfTimeError):
+        engine(name)(search.Task(function, guess, np.random.default_rng(0)))
+
+    evaluated_at_once = 45  # differential evolution's generation
+    assert function.evaluations <= 11 * evaluated_at_once
+    assert next(clock) == 12
+
+
+def test_time_that_is_over_is_a_limit():
+    solver = load("penalty")
+    solution = solver.solve(solver.build(Question(LEFT_DISC)), 0.0)
+
+    assert solution.claim is Claim.LIMIT
+    assert solution.message == "no time to begin"
+
+
+def test_raw_points_are_the_engine_s_own():
+    """Without the correction they miss by what the engine left; with it by rounding."""
+    question = Question(PAPER["problem 1"])
+    raw = attempt(load(spec("direct", evaluations=500, polish="false")), question)
+    moved = attempt(load(spec("direct", evaluations=500)), question)
+
+    assert raw.claim is Claim.LIMIT
+    assert raw.verdict is Verdict.MISSES
+    assert raw.miss > 1e-6
+    assert moved.miss < 1e-12
+    assert moved.claim is Claim.FEASIBLE
+
+
+def test_one_order_of_turns_may_lack_the_shortest_path():
+    """LRS, the paper's order, holds no RL: in the left disc its best path is RS."""
+    paper = attempt(load("penalty[order=LRS]"), Question(LEFT_DISC))
+    other = attempt(load("penalty[order=RLS]"), Question(LEFT_DISC))
+
+    assert paper.verdict is Verdict.LONGER
+    assert paper.gap > 0.2
+    assert other.verdict is Verdict.OPTIMAL
+
+
+@pytest.mark.parametrize("presolve", [True, False])
+def test_a_word_without_a_path_is_never_called_infeasible_by_a_search(presolve):
+    """Only the presolve says so; no sample can."""
+    solver = load(f"penalty[evaluations=500,presolve={presolve}]")
+    answer = attempt(solver, Question(LEFT_DISC, "LS"))
+
+    assert answer.presolved is presolve
+    assert not answer.false_claim
+    assert answer.claim in ((Claim.INFEASIBLE,) if presolve else (Claim.LIMIT, Claim.FAILED))
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        ("seed=-1", "seed is -1; expected a whole number from 0"),
+        ("evaluations=-1", "evaluations is -1; expected a whole number from 0"),
+        ("evaluations=10000000", "expected a whole number from 0 to 1000000"),
+        ("engine=nope", "engine is 'nope'; expected one of: differential-evolution"),
+        ("order=SLR", "order is 'SLR'; expected one of: LRS"),
+        ("weight=0", "weight is 0.0; expected a number from"),
+        ("weight=nan", "weight is nan; expected a number from"),
+        ("rounds=0", "rounds is 0; expected a whole number from 1"),
+        ("count=0", "count is 0; expected a whole number from 1"),
+        ("initial_guess=given", "initial_guess is 'given'; expected one of: bearing"),
+        ("initial_guess=zero", "searches the whole box and takes none"),
+    ],
+)
+def test_bad_settings_give_one_clear_message(settings, message):
+    with pytest.raises(SolverError) as error:
+        load(f"penalty[{settings}]")
+
+    assert message in str(error.value)
+    assert "\n" not in str(error.value)
+
+
+def test_an_engine_that_is_not_installed_is_a_reason(monkeypatch):
+    find = importlib.util.find_spec
+    monkeypatch.setattr(importlib.util, "find_spec", lambda n: None if n == "cma" else find(n))
+
+    answer = attempt(load("penalty[engine=cma-es]"), Question(LEFT_DISC))
+
+    assert answer.outcome is Outcome.UNAVAILABLE
+    assert answer.message == "the package cma is not installed"
+    assert attempt(load("penalty[evaluations=100]"), Question(LEFT_DISC)).outcome == "returned"
+
+
+def test_every_engine_is_listed_with_its_guess():
+    """One line each; engines that search the whole box take no initial guess."""
+    listed = {entry.engine for entry in entries() if entry.formulation == "penalty"}
+
+    assert listed == {entry.label for entry in ENGINES.values()}
+    assert load("penalty").method.guess == "none"
+    assert load("penalty[engine=powell,initial_guess=zero]").method.guess == "zero"
+
+
+def test_importing_the_solver_imports_no_engine():
+    code = (
+        "import sys, dubins_study.solvers.stochastic.penalty as p; p.Penalty().unavailable();"
+        "print([m for m in ('cma', 'scipy.optimize') if m in sys.modules])"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+
+    assert done.stdout.strip() == "[]"

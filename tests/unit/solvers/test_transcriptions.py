@@ -1,0 +1,210 @@
+"""What the transcriptions share: where a search begins, what each subproblem cost, the claim."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from cases import EDGES, PAPER
+from pyomo.environ import Constraint
+from pyomo.environ import value as value_of
+
+from dubins_study.experiments.solve import solve
+from dubins_study.solvers.attempt import attempt
+from dubins_study.solvers.ipopt_library.deadline import Deadline
+from dubins_study.solvers.nlp_engines.program import EngineResult
+from dubins_study.solvers.optimal_control.collocation_model import program
+from dubins_study.solvers.optimal_control.collocation_program import asked
+from dubins_study.solvers.optimal_control.elements import Elements
+from dubins_study.solvers.optimal_control.multiple_shooting import MultipleShooting
+from dubins_study.solvers.optimal_control.transcription import Transcribed
+from dubins_study.solvers.optimal_control.turn_rate_dynamics import RATES
+from dubins_study.solvers.optimal_control.word_guesses import Kind, trials
+from dubins_study.solvers.protocol import Question
+from dubins_study.solvers.registry import load
+from dubins_study.study.check.verdict import Verdict
+from dubins_study.study.claim import Claim
+from dubins_study.study.vehicle_frame import local
+
+TRANSCRIPTIONS = ("collocation", "multiple-shooting", "turn-rates[n=20]")
+PLACE = EDGES["many turns of heading"]
+
+
+def kinds(spec: str, kind: str) -> str:
+    """The spec with an initial guess."""
+    name, _, rest = spec.partition("[")
+    return f"{name}[{kind},{rest}" if rest else f"{name}[{kind}]"
+
+
+@pytest.mark.parametrize("spec", [*TRANSCRIPTIONS, "turn-rate-qp"])
+def test_efforts_add_up(spec):
+    """All words are named; the runs' evaluations sum to the whole; one of them is the answer's."""
+    answer = solve(PAPER["problem 2"], spec)
+
+    assert set(answer.subproblems.split()) == {"LS", "RS", "LR", "RL"}
+    assert sum(answer.subproblem_evaluations) == answer.evaluations
+    assert all(runs >= 1 for runs in answer.subproblem_runs)
+    assert 0 < answer.best_run_evaluations <= max(answer.subproblem_evaluations)
+    assert 0 < answer.best_run_s <= sum(answer.subproblem_s) <= answer.solve_s
+
+
+@pytest.mark.parametrize("spec", [*TRANSCRIPTIONS, "turn-rate-qp"])
+def test_a_warm_path_is_a_subproblem_of_its_own(spec):
+    """It goes first, and the row says warm."""
+    path = solve(PLACE, "analytic").path
+
+    answer = solve(PLACE, spec, initial_guess=path)
+
+    assert answer.subproblems.split()[0] == "warm"
+    assert answer.guess == "warm"
+    assert answer.verdict in (Verdict.OPTIMAL, Verdict.LONGER)
+
+
+@pytest.mark.parametrize("spec", TRANSCRIPTIONS)
+def test_from_nothing(spec):
+    """Zero is one run of no word; the answer is judged as any other."""
+    answer = solve(PAPER["problem 3"], kinds(spec, "initial_guess=zero"))
+
+    assert answer.subproblems == "zero"
+    assert answer.subproblem_runs == [1]
+    assert answer.guess == "zero"
+    # problem 3 is solved from there by all of them (the path turns to the target's side)
+    assert answer.claim is Claim.LOCAL
+
+
+@pytest.mark.parametrize("spec", TRANSCRIPTIONS)
+def test_from_random_points(spec):
+    """So many runs as asked for; the same repeat draws the same points, another one others."""
+    solver = load(kinds(spec, "initial_guess=random,count=3,seed=5"))
+
+    first, again, other = (
+        attempt(solver, Question(PLACE, "LS", repeat=repeat)) for repeat in (1, 1, 2)
+    )
+
+    assert first.subproblems == "random"
+    assert first.subproblem_runs == [3]
+    assert first.evaluations == again.evaluations
+    assert first.path == again.path
+    assert first.evaluations != other.evaluations
+
+
+@pytest.mark.parametrize("shares", [None, np.array((0.5, 0.3, 0.2))])
+@pytest.mark.parametrize("branch", RATES)
+def test_random_guesses_keep_the_bounds(branch, shares):
+    """Rates within their bounds, lengths above 0, shares as they must be; drawn one by one."""
+    question, kind = Question(PLACE, branch), Kind("random", 1, 40)
+    (trial,) = trials(question, local(PLACE), (), 3, shares, RATES[branch], kind)
+
+    elements = [guess.elements for guess in trial.guesses]
+
+    assert trial.every
+    assert len(elements) == 40
+    assert len({guess.total for guess in elements}) == 40
+    for guess in elements:
+        assert (guess.length > 0).all()
+        assert (guess.rate >= RATES[branch].lower - 1e-15).all()
+        assert (guess.rate <= RATES[branch].upper + 1e-15).all()
+        assert shares is None or guess.length == pytest.approx(shares * guess.total)
+
+
+def test_given_guesses_are_the_only_ones():
+    """Kind `given` tries the path alone; without one it is `bearing`."""
+    path, spec = solve(PLACE, "analytic").path, "multiple-shooting[initial_guess=given]"
+
+    assert solve(PLACE, spec, initial_guess=path).subproblems == "warm"
+    assert set(solve(PLACE, spec).subproblems.split()) == {"LS", "RS", "LR", "RL"}
+
+
+@pytest.mark.parametrize(
+    ("claims", "expected"),
+    [
+        ([Claim.INFEASIBLE], Claim.INFEASIBLE),
+        ([Claim.INFEASIBLE, Claim.LIMIT], Claim.FAILED),
+        ([Claim.FEASIBLE], Claim.FAILED),
+        ([Claim.OPTIMAL], Claim.FAILED),
+    ],
+)
+def test_a_miss_is_no_solution_and_infeasible_only_if_all_runs_say_so(claims, expected):
+    """Whatever the engine says of straights that a correction cannot bring to the target."""
+    solver = MultipleShooting()
+    model = solver.build(Question(PLACE, "LS"))
+    answers = iter(claims * 10)
+
+    class Straight:
+        shares = None
+
+        def solve(self, guess, rates, target, until):
+            native = EngineResult(np.zeros(1), next(answers), None, 1, 1, "", "")
+            return Transcribed(Elements(np.zeros(3), np.zeros(3)), native)
+
+    solution = solver.solve(model._replace(template=Straight()), 10.0)
+
+    assert solution.claim is expected
+    assert (solution.path is None) == (expected is Claim.INFEASIBLE)
+
+
+def test_numbers_that_are_not_finite_are_a_failure():
+    """An engine that returns NaN leaves no path."""
+    solver = MultipleShooting()
+    template = replace(solver.template(1.0), engine=_broken)
+    model = solver.build(Question(PLACE))._replace(template=template)
+
+    solution = solver.solve(model, 10.0)
+
+    assert solution.claim is Claim.FAILED
+    assert solution.path is None
+    assert solution.claimed_length is None
+
+
+def _broken(program, guess, seconds):
+    return EngineResult(np.full(guess.size, math.nan), Claim.LOCAL, None, None, None, "", "no")
+
+
+@pytest.mark.parametrize("equal", [False, True])
+def test_collocation_as_a_program_is_the_model_of_pyomo(equal):
+    """Equations, slacks and objective at a random point are those that Pyomo computes."""
+    model, random = program(3, 2, equal), np.random.default_rng(3)
+    first = 4 if equal else 6  # of X and Y
+    point = random.uniform(0.1, 1.0, len(model.variables))
+    programs = []
+
+    def engine(nlp, guess, seconds):
+        programs.append((nlp, guess))
+        return EngineResult(guess, Claim.LOCAL, np.arange(99.0), 1, 1, "", "")
+
+    ask = asked(model, slice(first, first + 2), engine, Deadline())
+    free = np.full(point.size, math.inf)
+    result = ask(point, -free, free)
+
+    for variable, number in zip(model.variables, point, strict=True):
+        variable.set_value(number, skip_validation=True)
+    rows = list(model.model.component_data_objects(Constraint, active=True))
+    residuals = [value_of(r.body) - value_of(r.upper) for r in rows if r.equality]
+    ((nlp, guess),) = programs
+    equations = nlp.functions.equations(guess)
+    slacks = sum(not row.equality for row in rows)
+    assert result.x == pytest.approx(point)
+    assert guess.size == point.size - 2 + slacks
+    # an inequality that the guess violates keeps its violation, the others get their slack
+    violated = [max(value_of(r.body) - value_of(r.upper), 0) for r in rows if not r.equality]
+    assert np.sort(np.abs(equations)) == pytest.approx(np.sort(np.abs(residuals + violated)))
+    assert nlp.functions.objective(guess) == pytest.approx(value_of(model.model.length))
+
+
+@pytest.mark.parametrize("engine", ["slsqp", "uno-filtersqp"])
+def test_collocation_by_other_engines(engine):
+    """Ipopt's answer, duals included, by an engine that sees equations with slacks only."""
+    if load(f"collocation[engine={engine}]").unavailable() is not None:
+        return
+    spec = f"collocation[n=3,points=4,engine={engine}]"
+
+    answer = solve(PAPER["problem 1"], spec, "RS")
+    ipopt = solve(PAPER["problem 1"], "collocation[n=3,points=4]", "RS")
+
+    assert answer.verdict is ipopt.verdict is Verdict.OPTIMAL
+    assert answer.engine != "Ipopt"
+    assert answer.length == pytest.approx(ipopt.length, rel=1e-7)
+    assert answer.multiplier_x == pytest.approx(ipopt.multiplier_x, abs=1e-4)
+    assert answer.multiplier_y == pytest.approx(ipopt.multiplier_y, abs=1e-4)
