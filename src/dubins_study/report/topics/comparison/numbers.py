@@ -20,7 +20,7 @@ from dubins_study.report.statistics.means import (
 from dubins_study.report.statistics.question_shares import question_shares
 
 # A method that was put to fewer of the questions would shrink what all have in common.
-_ENOUGH_ASKED = 0.9
+ENOUGH_ASKED = 0.9
 # A method that is right on fewer of the questions would empty what all answer.
 _ENOUGH_RIGHT = 0.5
 
@@ -49,7 +49,7 @@ def _costs(compared: Compared, cost: str) -> pd.DataFrame:
         return pd.DataFrame(index=pd.Index([], name="question"))
     table = cost_table(rows, cost=cost, right="right", question=["question"])
     met = table.notna().mean()
-    kept = [s for s in compared.engines.index if s in table and met[s] >= _ENOUGH_ASKED]
+    kept = [s for s in compared.engines.index if s in table and met[s] >= ENOUGH_ASKED]
     return table[kept]
 
 
