@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 
 from dubins_study.report.statistics.compared import Compared, once
-from dubins_study.report.statistics.question_shares import question_shares
+from dubins_study.report.statistics.intervals import scenario_shares
 
 # What a claim is worth, the check being right: it says no more than what is so; it says less than
 # the answer allows (no claim of a path that arrives, or of an optimal one only that it is
@@ -78,9 +78,11 @@ def beliefs(rows: pd.DataFrame, keys: list[str]) -> pd.DataFrame:
     """
     parts = []
     for name in TRUTHS:
-        shares = question_shares(rows.assign(hit=rows["truth"] == name), "hit", keys)
+        hits = rows.assign(hit=rows["truth"] == name)
+        shares = scenario_shares(hits, by=keys, success="hit", scenario=["question"])
         titles = {"share": name, "low": f"{name}_low", "high": f"{name}_high"}
-        parts.append(shares.rename(columns=titles))
+        shares = shares.drop(columns="successes").rename(columns={"trials": "questions"} | titles)
+        parts.append(shares)
     frame = pd.concat([parts[0], *(part.drop(columns="questions") for part in parts[1:])], axis=1)
     kinds = pd.get_dummies(rows["proof"]).reindex(columns=list(PROOFS), fill_value=False)
     return frame.join(kinds.groupby([rows[key] for key in keys]).sum())

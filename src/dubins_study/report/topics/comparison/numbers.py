@@ -8,6 +8,7 @@ from dubins_study.report.data.attempts import EXACT
 from dubins_study.report.statistics.bootstrap import average_intervals, mean_intervals
 from dubins_study.report.statistics.compared import Compared, once
 from dubins_study.report.statistics.cost_table import cost_table, shared_questions
+from dubins_study.report.statistics.intervals import scenario_shares
 from dubins_study.report.statistics.means import (
     SHIFT_FACTORS,
     chosen_shift,
@@ -17,7 +18,6 @@ from dubins_study.report.statistics.means import (
     shifted_geometric_mean,
     solved_by_all,
 )
-from dubins_study.report.statistics.question_shares import question_shares
 
 # A method that was put to fewer of the questions would shrink what all have in common.
 ENOUGH_ASKED = 0.9
@@ -69,7 +69,9 @@ def mean_ranks(compared: Compared) -> tuple[pd.DataFrame, float, int]:
     shift = chosen_shift(shared)
     at_limit = penalised(shared, compared.limit_s)
     rows = compared.answerable
-    right = question_shares(rows[rows["question"].isin(shared.index)], "right", ["solver"])
+    rows = rows[rows["question"].isin(shared.index)]
+    shares = scenario_shares(rows, by=["solver"], success="right", scenario=["question"])
+    right = shares[["trials", "share", "low", "high"]]
     right = right.set_axis(["questions", "right", "right_low", "right_high"], axis=1)
     means = mean_intervals(compared.by_scenario(at_limit), shift)
     par2 = average_intervals(compared.by_scenario(penalised(shared, compared.limit_s, 2.0)))
