@@ -176,9 +176,9 @@ def cures(rows: pd.DataFrame, methods: pd.DataFrame) -> pd.DataFrame:
         rows: from `claims`.
         methods: columns of `methods_of`, by solver.
     Returns:
-        One row per method with false claims and cure, the best three (one with an empty `cure` if there is none):
-        solver, cure, questions (with a false claim), tried (how many of them the cure was asked),
-        right (how many of those it answers correctly in all repeats).
+        One row per method with false claims and cure, at most three (one with an empty `cure` if
+        there is none): solver, cure, questions (with a false claim), tried (how many of them the
+        cure was asked), right (how many of those it answers correctly in all repeats).
     """
     false = rows[rows["truth"] == FALSE]
     bad = {str(solver): set(group) for solver, group in false.groupby("solver")["question"]}
