@@ -164,8 +164,8 @@ CASES = [
             {"solver": "b", "formulation": "joint NLP, LRS", "region": "left disc"},
             lambda _: {"gap": 0.3, "verdict": "longer", "right": False},
         ),
-        ("in the left disc", "LRS alone", "30.0 % (30.0 to 30.0)"),
-        30.0,
+        ("in the left disc", "LRS alone", "it is 30.0 % (30.0 to 30.0) longer"),
+        100.0,
     ),
     Case(
         formulation.coarse_transcription,

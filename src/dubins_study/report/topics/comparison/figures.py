@@ -10,7 +10,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from dubins_study.report.elements.axes import duration, log_axis, percent_axis
+from dubins_study.report.elements.axes import duration, log_axis, percent_axis, plain_log_axis
 from dubins_study.report.elements.looks import LINES, Look, Palette
 from dubins_study.report.elements.style import WIDE, new_figure
 from dubins_study.study.path import FloatArray
@@ -19,6 +19,8 @@ from dubins_study.study.path import FloatArray
 _POINTS = 120
 _PANEL_HEIGHT = 1.75  # inches
 _LEGEND = 6.5  # points
+# Up to here an axis from 1 is labelled 1, 2, 5, 10, ...: decades alone would be too few.
+_PLAIN_UP_TO = 60.0
 
 
 def method_looks(methods: pd.DataFrame, key: str, palette: Palette) -> dict[str, Look]:
@@ -58,7 +60,8 @@ def plot_profiles(
     for ax, (name, profile) in zip(axes, profiles.items(), strict=False):
         looks = method_looks(methods.loc[list(profile.columns)], "engine", palette)
         plot_curves(ax, profile, looks, methods["short"])
-        log_axis(ax.xaxis)
+        few_decades = profile.index[-1] < _PLAIN_UP_TO
+        plain_log_axis(ax.xaxis) if few_decades else log_axis(ax.xaxis)
         ax.set_title(name)
     for ax in axes[len(profiles) :]:
         ax.set_visible(False)
@@ -95,6 +98,11 @@ def plot_wide(
     figure = new_figure(WIDE, 2.6)
     ax = figure.subplots()
     plot_curves(ax, shares, looks, labels)
-    log_axis(ax.xaxis, duration) if xlabel.startswith("time of") else log_axis(ax.xaxis)
+    if xlabel.startswith("time of"):
+        log_axis(ax.xaxis, duration)
+    elif shares.index[-1] < _PLAIN_UP_TO:
+        plain_log_axis(ax.xaxis)
+    else:
+        log_axis(ax.xaxis)
     ax.set(xlabel=xlabel, ylabel=ylabel)
     return figure

@@ -26,6 +26,7 @@ from dubins_study.report.topics.cost.figures import plot_cost_shares
 from dubins_study.report.topics.cost.numbers import (
     example,
     factors,
+    presolve_pairs,
     presolve_savings,
     shares,
     strata,
@@ -33,6 +34,8 @@ from dubins_study.report.topics.cost.numbers import (
 
 # Eight bars in a panel can be read; the tables hold every method.
 _MOST = 8
+# A winning run with more than this share of the cost is all that there is to show.
+_ONE_RUN = 0.995
 _RATIO = digits(3)
 _SHOWN = {"evaluations": _RATIO, "seconds": _RATIO}
 
@@ -87,13 +90,14 @@ def _of(row: Mapping[Any, Any], key: str) -> str:
 
 
 def _saved(savings: pd.DataFrame) -> str:
-    parts = [
-        f"{row['name']} by {_of(row, 'evaluations')}"
-        for row in savings.dropna(subset="evaluations").to_dict("records")
-    ]
-    if not parts:
+    order = savings.dropna(subset="evaluations").sort_values("evaluations").to_dict("records")
+    if not order:
         return ""
-    return f"The presolve divides the evaluations, in the median, of {'; of '.join(parts)}."
+    ends = [order[-1]] if len(order) == 1 else [order[-1], order[0]]
+    parts = [f"of {row['name']} by {_of(row, 'evaluations')}" for row in ends]
+    between = " (the most) and " if len(parts) > 1 else ""
+    last = " (the least)" if len(parts) > 1 else ""
+    return f"The presolve divides the evaluations, in the median, {between.join(parts)}{last}."
 
 
 def _example(table: pd.DataFrame) -> str:
@@ -108,10 +112,9 @@ def _example(table: pd.DataFrame) -> str:
 
 def _picture(attempts: Compared, answers: Split, amount: str) -> Picture:
     table = shares(attempts, answers, amount)
-    shown = most_per_formulation(table.sort_values("total"), _MOST)
-    shown = shown.loc[[solver for solver in table.index if solver in shown.index]]
+    shown = _bars(table, attempts)
     left_out = len(table) - len(shown)
-    rest = f" The table has {count(left_out)} dearer methods more." if left_out else ""
+    rest = f" The table below has {count(left_out)} methods more." if left_out else ""
     if amount == "evaluations":
         what = "function evaluations; at the right their mean number in an answer"
     else:
@@ -120,10 +123,22 @@ def _picture(attempts: Compared, answers: Split, amount: str) -> Picture:
         f"What an answer's cost goes to, in {what}. Winning run: the run that gives the answer. "
         "Restarts: other runs on the same word. Losing words have a path, but a longer one, or "
         "are the joint model's other order. Whether a word has a path is computed from the "
-        f"scenario.{rest}"
+        f"scenario. Methods of a single run are left out.{rest}"
     )
     alt = f"Stacked bars of the shares of {amount}, one per method, in panels by formulation"
     return Picture(f"cost-{amount}", caption, plot_cost_shares(shown, amount), alt)
+
+
+def _bars(table: pd.DataFrame, attempts: Compared) -> pd.DataFrame:
+    """The methods with more than one run: those with and without the presolve, then the cheapest.
+
+    If all have a single run, the cheapest.
+    """
+    paired = {solver for pair in presolve_pairs(attempts.engines) for solver in pair}
+    order = table.assign(single=~table.index.isin(list(paired))).sort_values(["single", "total"])
+    several = order[order["winning run"] < _ONE_RUN]
+    chosen = most_per_formulation(several if len(several) else order, _MOST)
+    return table[table.index.isin(chosen.index)]
 
 
 def _factor_table(table: pd.DataFrame) -> Table:

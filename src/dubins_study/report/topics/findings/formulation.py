@@ -66,42 +66,57 @@ def words_against_joint(evidence: Evidence) -> Finding | None:
 
 
 def single_order(evidence: Evidence) -> Finding | None:
-    """What one order of the joint model loses against both, in the region where it loses most."""
-    best = _least_gaps(evidence)
-    if JOINT not in best:
+    """What one order of the joint model loses against both, in the region where it loses most.
+
+    Engines and guesses together: a question is answered if any method of the formulation is right.
+    """
+    answered = _by_formulation(evidence, evidence.rates, "max")
+    if JOINT not in answered:
         return None
     rows = evidence.compared.answerable.drop_duplicates("question").set_index("question")
-    regions = rows["region"].reindex(best.index)
+    regions = rows["region"].reindex(answered.index)
     losses: list[tuple[Estimate, str, str]] = []
     for order in ORDERS:
-        if order not in best:
+        if order not in answered:
             continue
-        for region, values in (best[order] - best[JOINT]).groupby(regions):
-            loss = evidence.mean_of(values)
-            if loss is not None and loss.low > _RESOLVED:
-                losses.append((percent(loss), order, str(region)))
+        lost = (answered[order] == 0).astype(float)[answered[JOINT] == 1]
+        for region, here in lost.groupby(regions):
+            share = evidence.share_of(here)
+            if share is not None and share.value > 0:
+                losses.append((share, order, str(region)))
     if not losses:
         return None
-    loss, order, region = max(losses)
-    where = "on a turning circle" if region == "circle" else f"in the {region}"
-    where = "outside the turning circles" if region == "outside" else where
+    share, order, region = max(losses)
+    where = _WHERE.get(region, f"in the {region}")
     return Finding(
-        f"Pose both orders: where the target lies {where}, the best path that any engine finds "
-        f"with the order {order[-3:]} alone is {loss.percent_text()} longer on average than "
-        "with both.",
-        loss,
+        f"Pose both orders: where the target lies {where}, no engine with the order {order[-3:]} "
+        f"alone answers {share.percent_text()} of the questions that both orders answer."
+        f"{_longer(evidence, order, regions == region)}",
+        share,
         PERCENT,
-        f"{some(loss.questions, 'question')} {where}, at which some engine arrives in both",
+        f"{some(share.questions, 'question')} {where}; all engines and guesses together",
         RANKS,
     )
 
 
-def _least_gaps(evidence: Evidence) -> pd.DataFrame:
-    """The least gap of any method, questions by formulations."""
-    gaps = evidence.gaps
-    gaps = gaps[[solver for solver in gaps if solver in evidence.methods.index]]
-    formulation = evidence.methods["formulation"].reindex(gaps.columns)
-    return gaps.T.groupby(formulation).min().T
+_WHERE = {"circle": "on a turning circle", "outside": "outside the turning circles"}
+
+
+def _longer(evidence: Evidence, order: str, here: pd.Series[bool]) -> str:
+    """A sentence on the length of the paths that one order yields; empty if few arrive."""
+    least = _by_formulation(evidence, evidence.gaps, "min")
+    loss = evidence.mean_of((least[order] - least[JOINT])[here.reindex(least.index)])
+    if loss is None or not loss.low > _RESOLVED:
+        return ""
+    text = percent(loss).percent_text()
+    return f" Where a path arrives, it is {text} longer on average."
+
+
+def _by_formulation(evidence: Evidence, table: pd.DataFrame, best: str) -> pd.DataFrame:
+    """The best value of any method: questions by formulations."""
+    values = table[[solver for solver in table if solver in evidence.methods.index]]
+    formulation = evidence.methods["formulation"].reindex(values.columns)
+    return values.T.groupby(formulation).agg(best).T
 
 
 def coarse_transcription(evidence: Evidence) -> Finding | None:
