@@ -99,6 +99,23 @@ def test_the_model_of_all_words_transforms_into_linear_disjunctions():
     assert len(curved) == 4
 
 
+def test_without_quadrants_the_arcs_have_the_sines():
+    """The same lengths solve the model: 4 words, no quadrants, and the four curved equations."""
+    from pyomo.environ import Constraint, value
+
+    m = gdp_model(3, 2, quadrants=False)
+    for i, angle in ((1, 0.7), (2, 5.0)):
+        for variable, number in ((m.z, angle), (m.c, math.cos(angle)), (m.s, math.sin(angle))):
+            variable[i].set_value(number)
+
+    assert len(list(m.component_data_objects(Constraint))) == 4
+    for constraint in (*m.cosine.values(), *m.sine.values()):
+        assert value(constraint.body) == pytest.approx(0, abs=1e-15)
+    assert not hasattr(m, "quadrant")
+    answer = ask(3, 2, quadrants=False)
+    assert (answer.claim, answer.verdict) == (Claim.OPTIMAL, Verdict.OPTIMAL)
+
+
 @settings(max_examples=60)
 @given(st.sampled_from(WORDS), st.floats(0.1, 6), st.floats(0.1, 6), st.integers(0, 3))
 def test_a_point_near_a_path_is_led_onto_the_target(word, first, second, seed):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib.util
 import math
+import resource
 import tempfile
 import time
 from functools import cache
@@ -182,6 +183,18 @@ def test_apopt_as_gekko_runs_it():
 
     assert result.x == pytest.approx(expected, abs=1e-9)
     assert result.iterations == iterations
+
+
+def test_apopt_within_a_worker_s_memory_limit():
+    """Its program reserves gigabytes: with a limit of 4 GiB it ended in one run of five."""
+    limits = resource.getrlimit(resource.RLIMIT_DATA)
+    resource.setrlimit(resource.RLIMIT_DATA, (2**30, limits[1]))
+    try:
+        statuses = {_run("apopt", 7).status for _ in range(8)}
+    finally:
+        resource.setrlimit(resource.RLIMIT_DATA, limits)
+
+    assert statuses == {"Successful solution"}
 
 
 def test_conopt_says_when_its_demo_mode_is_too_small():

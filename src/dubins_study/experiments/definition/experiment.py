@@ -27,6 +27,16 @@ class ExperimentError(DubinsStudyError, ValueError):
     """The experiment does not exist or is not valid; the message names file, key and value."""
 
 
+class First(StrictModel):
+    """Solvers that are asked only the first scenarios of every sample, such as slow ones.
+
+    The first scenarios of a Sobol sample cover its ranges as well.
+    """
+
+    scenarios: Count
+    solvers: list[str] = Field(min_length=1)
+
+
 class Experiment(StrictModel):
     """The keys of an experiment's TOML file.
 
@@ -35,6 +45,7 @@ class Experiment(StrictModel):
     are solved one after another, each from the path of the scenario before it. A solve is stopped
     when it takes longer than `time_limit_s`, or when its process and the children of that process
     hold more than `memory_limit_gib`. `section` names the report's section about this experiment.
+    `first` is about solvers that are asked only a part of each sample.
     `matrix` says that the experiment compares every formulation with every engine: the manifest
     then lists all pairs, and why some cannot be asked.
     """
@@ -52,6 +63,22 @@ class Experiment(StrictModel):
     memory_limit_gib: Gibibytes = 4.0
     seed: Seed = 0
     matrix: bool = False
+    first: First | None = None
+
+    @property
+    def blocks(self) -> list[Block]:
+        """All blocks: those of the file, and the first scenarios of those that `first` is about."""
+        first = self.first
+        if first is None:
+            return self.scenarios
+        firsts = []
+        for block in self.scenarios:
+            if block.sample is not None and block.solvers is None:
+                fewer = {"count": min(block.sample.count, first.scenarios)}
+                sample = block.sample.model_copy(update=fewer)
+                changes = {"sample": sample, "solvers": first.solvers}
+                firsts.append(block.model_copy(update=changes))
+        return [*self.scenarios, *firsts]
 
     @field_validator("branches")
     @classmethod

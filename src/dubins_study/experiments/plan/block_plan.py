@@ -93,7 +93,7 @@ def block_plans(experiment: Experiment) -> list[BlockPlan]:
         SolverError: if a solver's spec is not valid.
     """
     plans = [
-        _block_plan(number, block, experiment) for number, block in enumerate(experiment.scenarios)
+        _block_plan(number, block, experiment) for number, block in enumerate(experiment.blocks)
     ]
     _check_size(plans)
     return plans

@@ -5,7 +5,7 @@ from __future__ import annotations
 import shlex
 from collections import Counter
 from pathlib import Path as FilePath
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from dubins_study.experiments.definition.experiment import (
     Experiment,
@@ -175,20 +175,22 @@ def _changed(experiment_file: ExperimentFile, request: Request) -> ExperimentFil
         "memory_limit_gib": request.memory_limit_gib,
         "repeats": request.repeats,
     }
-    changes = {key: value for key, value in requested.items() if value is not None}
+    changes: dict[str, Any] = {key: value for key, value in requested.items() if value is not None}
     if not changes:
         return experiment_file
     experiment = experiment_file.experiment
     blocks = experiment.scenarios
     if request.solvers is not None:
         blocks = [block.model_copy(update={"solvers": None}) for block in blocks]
+        changes["first"] = None
     changed = validated(experiment_file.name, dict(experiment) | {"scenarios": blocks} | changes)
     return experiment_file._replace(experiment=changed)
 
 
 def _refuse_untrusted(experiment: Experiment) -> None:
     """Refuse plug-in files and programs on PATH: the experiment's file may come from anyone."""
-    lists = {"solvers": experiment.solvers}
+    first = experiment.first
+    lists = {"solvers": experiment.solvers, "first.solvers": [] if first is None else first.solvers}
     for number, block in enumerate(experiment.scenarios):
         lists[f"scenarios.{number}.solvers"] = block.solvers or []
     for key, specs in lists.items():

@@ -104,7 +104,7 @@ def streams(experiment: Experiment) -> list[Stream]:
                 solver.code_digest,
             )
             unique.setdefault(stream.id, stream)
-    refuse_duplicates(experiment.scenarios, _overlaps(plans, list(unique.values())))
+    refuse_duplicates(experiment.blocks, _overlaps(plans, list(unique.values())))
     return list(unique.values())
 
 

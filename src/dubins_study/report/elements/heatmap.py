@@ -7,7 +7,15 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.colors import LinearSegmentedColormap
 
-from dubins_study.report.elements.style import BLUE, INK, MAP_PAPER, MUTED, ON_MAP, PAPER
+from dubins_study.report.elements.style import (
+    BLUE,
+    INK,
+    MAP_PAPER,
+    MUTED,
+    ON_MAP,
+    PAPER,
+    Style,
+)
 
 # One hue from light to dark, so that the order stays visible in grey print.
 DEPTH = LinearSegmentedColormap.from_list("depth", ["#f4f7fa", "#9cc6e0", BLUE, "#0b2f47"])
@@ -28,7 +36,10 @@ def plot_share_map(
     """
     values = shares.to_numpy(dtype=np.float64)
     lines, columns = values.shape
-    ax.imshow(values, cmap=DEPTH, vmin=0, vmax=1, interpolation="nearest", aspect="auto")
+    gaps: Style = {"edgecolor": PAPER, "linewidth": 1.2}
+    edges = np.arange(columns + 1) - 0.5, np.arange(lines + 1) - 0.5
+    ax.pcolormesh(*edges, np.ma.masked_invalid(values), cmap=DEPTH, vmin=0, vmax=1, **gaps)
+    ax.invert_yaxis()
     for i, j in np.ndindex(lines, columns):
         if np.isfinite(values[i, j]):
             text, ink = (
@@ -38,15 +49,14 @@ def plot_share_map(
         else:
             text, ink = "" if notes is None else str(notes.iat[i, j]), MUTED
         if text:
-            ax.text(j, i, text, ha="center", va="center", fontsize=size, color=ink)
+            # the layout need not measure what lies inside the axes
+            ax.text(
+                *(j, i, text), ha="center", va="center", fontsize=size, color=ink, in_layout=False
+            )
     ax.set_yticks(range(lines), shares.index, color=INK, fontsize=size)
     ax.set_xticks(range(columns), shares.columns, color=INK, fontsize=size)
     ax.tick_params(length=0)
-    # thin gaps between the cells
-    ax.set_xticks(np.arange(-0.5, columns), minor=True)
-    ax.set_yticks(np.arange(-0.5, lines), minor=True)
     ax.grid(False)
-    ax.grid(True, which="minor", color=PAPER, linewidth=1.2)
     for spine in ax.spines.values():
         spine.set_visible(False)
 

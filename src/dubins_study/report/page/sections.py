@@ -10,7 +10,7 @@ from typing import NamedTuple
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.content import Section
 from dubins_study.report.elements.formats import count, slug
-from dubins_study.report.topics.agreement.section import agreement_section
+from dubins_study.report.topics.agreement.section import agreement_section, formulations_section
 from dubins_study.report.topics.audit.section import audit_section
 from dubins_study.report.topics.basins.section import basins_section
 from dubins_study.report.topics.belief.section import belief_section
@@ -89,6 +89,7 @@ TOPICS = (
     Topic("the ladder toward a circle", ladder_section, "ladder"),
     Topic("what a proof costs", proofs_section, "proofs"),
     Topic("the comparison of methods", comparison_section, "benchmark"),
+    Topic("agreement of formulations", formulations_section, "benchmark"),
     Topic("cost where it arises", cost_section, "benchmark"),
     Topic("whom one can believe", belief_section, "benchmark"),
     Topic("the runs and their machines", runs_section, EVERY, counted=True),

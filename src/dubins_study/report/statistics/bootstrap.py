@@ -16,6 +16,8 @@ A resample without any value of a column is left out of that column's quantiles.
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 import pandas as pd
 
@@ -116,6 +118,7 @@ def mean_ratio_intervals(
     return _intervals(table.columns, level, *_ratio_bounds(above, below))
 
 
+@lru_cache(maxsize=8)
 def scenario_counts(scenarios: int, resamples: int = RESAMPLES, seed: int = 0) -> FloatArray:
     """How often each resample holds each scenario.
 
@@ -133,7 +136,10 @@ def scenario_counts(scenarios: int, resamples: int = RESAMPLES, seed: int = 0) -
     if not scenarios:
         return np.zeros((resamples, 0))
     equal = np.full(scenarios, 1 / scenarios)
-    return np.random.default_rng(seed).multinomial(scenarios, equal, resamples).astype(np.float64)
+    counts = np.random.default_rng(seed).multinomial(scenarios, equal, resamples)
+    shared = counts.astype(np.float64)
+    shared.flags.writeable = False  # the cache hands it to every caller
+    return shared
 
 
 def _values(table: pd.DataFrame) -> FloatArray:

@@ -87,6 +87,16 @@ def drawn_methods(frame: pd.DataFrame) -> pd.DataFrame:
     return kept.sort_values("place", kind="stable").drop(columns="place")
 
 
+def best_of_formulations(frame: pd.DataFrame) -> list[str]:
+    """The solver with the most right answers of each formulation, but for the closed form.
+
+    Args:
+        frame: as for `best_methods`, with solver and formulation.
+    """
+    engines = frame[(frame["formulation"] != FORMULATIONS[0]) & (frame["right_share"] > 0)]
+    return best_methods(engines, ["formulation"])["solver"].tolist()
+
+
 def without_setting(spec: str, key: str) -> tuple[str, str | None]:
     """A spec without one setting, in a fixed order of settings; and that setting's value."""
     name, settings = parse_spec(spec)

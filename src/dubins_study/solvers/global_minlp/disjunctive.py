@@ -72,8 +72,9 @@ class Disjunctive(Solver):
     """One disjunct for each word, proven by an engine's branch and bound.
 
     `engine` is `scip`, `gurobi`, `xpress` or `maingo`. `transformation` turns the disjunctions into
-    linear constraints: `bigm` or `hull`. `gap` is the largest relative difference of path and bound
-    that counts as proven. `feastol` is the engine's tolerance on constraints (1e-6 by their own
+    linear constraints: `bigm` or `hull`. Without `quadrants` the sines and cosines are of arcs up
+    to 2 pi: the obvious model. `gap` is the largest relative difference of path and bound that
+    counts as proven. `feastol` is the engine's tolerance on constraints (1e-6 by their own
     defaults). `emphasis` is SCIP's: `lean`, its bare spatial branch and bound, or `default`, with
     heuristics and cutting planes, which take some seventy times as long on the paper's problems,
     and with presolving and propagation, which work with tolerances of their own and now and then
@@ -89,6 +90,7 @@ class Disjunctive(Solver):
 
     engine: str = "scip"
     transformation: str = "bigm"
+    quadrants: bool = True
     gap: float = 1e-6
     feastol: float = 1e-8
     emphasis: str = "lean"
@@ -133,7 +135,8 @@ class Disjunctive(Solver):
 
     def build(self, question: Question) -> Model:
         disjuncts = words(question, self.presolve)
-        pyomo = transformed(gdp_model(*question.scenario.local(), disjuncts), self.transformation)
+        stated = gdp_model(*question.scenario.local(), disjuncts, self.quadrants)
+        pyomo = transformed(stated, self.transformation)
         return Model(question, disjuncts, pyomo, translated(pyomo))
 
     def solve(self, model: Model, limit: float) -> Solution:

@@ -18,7 +18,7 @@ TRANSFORMATIONS = ("bigm", "hull")
 _QUADRANTS = (0, 1, 2, 3)
 
 
-def gdp_model(X: float, Y: float, words: tuple[str, ...] = WORDS) -> Any:
+def gdp_model(X: float, Y: float, words: tuple[str, ...] = WORDS, quadrants: bool = True) -> Any:
     """The shortest path among some words, in Pyomo.GDP, not transformed.
 
     In the vehicle's frame at unit radius, where the start is (0, 0) with heading 0: the least
@@ -40,11 +40,14 @@ def gdp_model(X: float, Y: float, words: tuple[str, ...] = WORDS) -> Any:
     Args:
         X, Y: target, forward and to the left, in radii.
         words: the disjuncts, out of `WORDS`.
+        quadrants: whether sines and cosines are of an angle up to pi / 2, with a disjunction of
+            the quadrants; else they are of the arcs themselves, up to 2 pi.
 
     Returns:
         A `pyomo.environ.ConcreteModel`: variables z, c, s, q and sin_q, cos_q; constraints sine,
         cosine; disjuncts word[w] (constraints absent, along, across) in the disjunction one_word,
-        quadrant[i, k] (angle, cosine, sine) in one_quadrant[i]; the objective length.
+        quadrant[i, k] (angle, cosine, sine) in one_quadrant[i]; the objective length. Without
+        quadrants q, sin_q, cos_q and quadrant are missing.
     """
     from pyomo.environ import ConcreteModel, Constraint, Objective, RangeSet, Var, cos, sin
     from pyomo.gdp import Disjunct, Disjunction
@@ -56,6 +59,22 @@ def gdp_model(X: float, Y: float, words: tuple[str, ...] = WORDS) -> Any:
     m.z = Var(RangeSet(3), bounds=lambda m, i: (0, farthest if i == 3 else FULL_TURN), initialize=1)
     m.c = Var(m.turns, bounds=(-1, 1), initialize=math.cos(1))
     m.s = Var(m.turns, bounds=(-1, 1), initialize=math.sin(1))
+    if quadrants:
+        _add_quadrants(m)
+    else:
+        m.cosine = Constraint(m.turns, rule=lambda m, i: m.c[i] == cos(m.z[i]))
+        m.sine = Constraint(m.turns, rule=lambda m, i: m.s[i] == sin(m.z[i]))
+    m.word = Disjunct(list(words), rule=lambda disjunct, word: _word(disjunct, word, X, Y))
+    m.one_word = Disjunction(expr=[m.word[word] for word in words])
+    m.length = Objective(expr=m.z[1] + m.z[2] + m.z[3])
+    return m
+
+
+def _add_quadrants(m: Any) -> None:
+    """Variables, constraints and disjuncts that tie the arcs to their sines and cosines."""
+    from pyomo.environ import Constraint, Var, cos, sin
+    from pyomo.gdp import Disjunct, Disjunction
+
     m.q = Var(m.turns, bounds=(0, FULL_TURN / 4), initialize=1)
     m.cos_q = Var(m.turns, bounds=(0, 1), initialize=math.cos(1))
     m.sin_q = Var(m.turns, bounds=(0, 1), initialize=math.sin(1))
@@ -63,10 +82,6 @@ def gdp_model(X: float, Y: float, words: tuple[str, ...] = WORDS) -> Any:
     m.sine = Constraint(m.turns, rule=lambda m, i: m.sin_q[i] == sin(m.q[i]))
     m.quadrant = Disjunct(m.turns, _QUADRANTS, rule=_quadrant)
     m.one_quadrant = Disjunction(m.turns, rule=lambda m, i: [m.quadrant[i, k] for k in _QUADRANTS])
-    m.word = Disjunct(list(words), rule=lambda disjunct, word: _word(disjunct, word, X, Y))
-    m.one_word = Disjunction(expr=[m.word[word] for word in words])
-    m.length = Objective(expr=m.z[1] + m.z[2] + m.z[3])
-    return m
 
 
 def _quadrant(disjunct: Any, i: int, k: int) -> None:

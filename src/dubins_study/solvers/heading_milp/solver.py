@@ -23,9 +23,7 @@ from dubins_study.solvers.vehicle_frame import at_start, coordinate_rounding
 from dubins_study.study.path import FloatArray
 
 BRANCHES = ("best", "LS", "RS")
-_LABELS = {"highs": "HiGHS"} | {
-    name: table.ENGINES[name].label for name in ("scip", "gurobi", "xpress")
-}
+_LABELS = {"highs": "HiGHS"} | {name: entry.label for name, entry in table.ENGINES.items()}
 
 
 class Case(NamedTuple):
@@ -59,9 +57,10 @@ class HeadingMilp(Solver):
         legs: number of parts of the last step before a straight; legs may be driven between them.
             With 1 they have the grid's headings only. Driving between two of these headings
             instead of along one costs a length that falls with the square of headings * legs.
-        engine: `highs`, in a problem that cvxpy has compiled; `scip`, `gurobi` or `xpress`, stated
-            anew for every question. The licences in the wheels of the last two end at 2 000
-            variables and at 5 000 variables and rows: near the start fewer headings fit.
+        engine: `highs`, in a problem that cvxpy has compiled; `scip`, `gurobi`, `xpress` or
+            `maingo`, stated anew for every question. The licences in Gurobi's and Xpress' wheels
+            end at 2 000 variables and at 5 000 variables and rows: with 72 headings RL and LR have
+            3 250 variables, with 48 all words fit. MAiNGO is not made for so many binaries.
         gap: relative gap at which the engine calls an answer optimal.
         presolve: whether words that cannot exist are left out (`solvers.presolve`).
     """
@@ -76,7 +75,7 @@ class HeadingMilp(Solver):
     guarantee: ClassVar[Guarantee] = Guarantee.DISCRETISED
     branches: ClassVar[tuple[str, ...]] = BRANCHES
     packages: ClassVar[tuple[str, ...]] = (
-        *("cvxpy", "highspy", "pyscipopt", "gurobipy", "xpress"),
+        *("cvxpy", "highspy", "pyscipopt", "gurobipy", "xpress", "maingopy"),
     )
     summary: ClassVar[str] = "turning steps between headings on a grid as binaries, HiGHS in cvxpy"
     variants: ClassVar[tuple[str, ...]] = tuple(
@@ -110,7 +109,7 @@ class HeadingMilp(Solver):
     @property
     def keeps_limit(self) -> bool:
         # compiling takes 0.3 s at 1800 headings of legs, 2.4 s at 6000 and 8 s at 12 000
-        return self.headings * self.legs <= 1000
+        return self.headings * self.legs <= 1000 and self.engine != "maingo"
 
     def build(self, question: Question) -> Model:
         target = np.array(question.scenario.local())

@@ -17,13 +17,14 @@ from dubins_study.solvers.minlp_engines.program import (
 from dubins_study.study.claim import Claim
 
 # Gurobi's status codes (Gurobi Optimizer reference manual, Optimization Status Codes)
-_CLAIMS = {
-    2: Claim.OPTIMAL,
-    3: Claim.INFEASIBLE,
-    4: Claim.INFEASIBLE,
-    6: Claim.INFEASIBLE,
-    9: Claim.LIMIT,
-    13: Claim.FEASIBLE,
+_STATUSES = {
+    2: ("optimal", Claim.OPTIMAL),
+    3: ("infeasible", Claim.INFEASIBLE),
+    4: ("infeasible or unbounded", Claim.INFEASIBLE),  # no program here is unbounded
+    6: ("cutoff", Claim.INFEASIBLE),
+    9: ("time limit", Claim.LIMIT),
+    12: ("numeric", Claim.FAILED),
+    13: ("suboptimal", Claim.FEASIBLE),
 }
 # the smallest of FeasibilityTol, IntFeasTol and OptimalityTol that Gurobi takes
 LEAST_TOLERANCE = 1e-9
@@ -69,18 +70,19 @@ def _run(model: Any, program: MixedProgram, settings: Settings, seconds: float) 
     if math.isfinite(settings.cutoff):
         model.Params.Cutoff = settings.cutoff
     model.optimize()
-    status = model.Status
-    if status == gurobipy.GRB.INTERRUPTED:
+    if model.Status == gurobipy.GRB.INTERRUPTED:
         raise KeyboardInterrupt
     point = np.array([variable.X for variable in x]) if model.SolCount else None
+    unlisted = f"status {model.Status}", Claim.FAILED if point is None else Claim.FEASIBLE
+    status, claim = _STATUSES.get(model.Status, unlisted)
     return ProvenResult(
         point,
-        _CLAIMS.get(status, Claim.FAILED if point is None else Claim.FEASIBLE),
-        math.inf if _CLAIMS.get(status) is Claim.INFEASIBLE else float(model.ObjBound),
+        claim,
+        math.inf if claim is Claim.INFEASIBLE else float(model.ObjBound),
         int(model.NodeCount),
         int(model.IterCount),
-        f"status {status}",
-        f"status {status}",
+        status,
+        status,
     )
 
 

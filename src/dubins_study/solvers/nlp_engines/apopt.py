@@ -29,6 +29,7 @@ _CLAIMS = {
     "Successful solution": Claim.LOCAL,
     "No feasible solution": Claim.INFEASIBLE,
     "Maximum iterations": Claim.LIMIT,
+    "Requested accuracy unachievable": Claim.FAILED,
 }
 
 # lines may have 15000 characters
@@ -55,7 +56,7 @@ def apopt(tol: float, max_iter: int) -> Engine:
             x = _point(folder / "results.json", guess.size)
         if log is None:
             return EngineResult(x, Claim.LIMIT, None, None, None, "time limit", "stopped")
-        status = next((line for line in _CLAIMS if line in log), "no status")
+        status = next((line for line in _CLAIMS if line in log), log.strip()[-200:] or "no words")
         claim = _CLAIMS.get(status, Claim.FAILED)
         if claim is Claim.LOCAL and np.isnan(x).any():
             claim, status = Claim.FAILED, "no results.json"
@@ -119,10 +120,22 @@ def _log(folder: FilePath, seconds: float) -> str | None:
             stderr=subprocess.STDOUT,
             timeout=seconds,
             check=False,
+            preexec_fn=None if sys.platform == "win32" else _lift_data_limit,
         )
     except subprocess.TimeoutExpired:
         return None
-    return ended.stdout.decode(errors="replace")
+    return ended.stdout.decode(errors="replace") + f"\nexit code {ended.returncode}"
+
+
+def _lift_data_limit() -> None:
+    """Let the program reserve what it likes: it asks for gigabytes, of which it fills a few MB.
+
+    Within a worker's limit it ends now and then with exit code 41, insufficient virtual memory.
+    """
+    import resource
+
+    hard = resource.getrlimit(resource.RLIMIT_DATA)[1]
+    resource.setrlimit(resource.RLIMIT_DATA, (hard, hard))
 
 
 def _point(file: FilePath, n: int) -> FloatArray:

@@ -13,6 +13,7 @@ from collections.abc import Callable, Sequence
 from functools import lru_cache
 from typing import Any, NamedTuple
 
+from dubins_study.errors import DubinsStudyError
 from dubins_study.solvers.nlp_engines.program import Expressions, Program
 
 # What Python's operators do for every type of operand, by casadi's name of the operation. A square
@@ -37,7 +38,7 @@ _FUNCTIONS = {
 }
 
 
-class UnknownOperationError(ValueError):
+class UnknownOperationError(DubinsStudyError, ValueError):
     """An expression holds an operation that the walk, or the other interface, does not have."""
 
 

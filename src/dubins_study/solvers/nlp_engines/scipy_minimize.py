@@ -28,6 +28,11 @@ _LONG_DUAL = 2.0
 _AT_BOUND = 1e-6  # in the variables' unit: nearer to a bound, its own dual has a say
 _STATIONARY = 1e-3  # slopes of 1 in all: what is off by more is no stationary point
 
+# A run of SLSQP of so many iterations on so few variables takes less than a tenth of a second and
+# needs no look at the time, for which SciPy takes a tenth longer.
+_QUICK_ITERATIONS = 1000
+_FEW_VARIABLES = 10
+
 # a tolerance times the equations' magnitude, at most so many times larger, since the path misses by
 # what the engine leaves of the equations; but never below the rounding of the sums themselves
 _LARGEST_FACTOR = 1e3
@@ -40,6 +45,7 @@ def slsqp(tol: float, max_iter: int) -> Engine:
     `tol` is SciPy's ftol, on the objective's change and the sum of violations; it grows with the
     equations' magnitude up to a thousandfold, since rounding grows with it.
     """
+    long_run = max_iter > _QUICK_ITERATIONS
 
     def run(program: Program, guess: FloatArray, seconds: float) -> EngineResult:
         from scipy.optimize import minimize
@@ -51,9 +57,9 @@ def slsqp(tol: float, max_iter: int) -> Engine:
             guess,
             jac=functions.gradient,
             method="SLSQP",
-            bounds=list(zip(program.lower, program.upper, strict=True)),
+            bounds=list(zip(program.lower.tolist(), program.upper.tolist(), strict=True)),
             constraints={"type": "eq", "fun": functions.equations, "jac": functions.jacobian},
-            callback=_stop_after(seconds),
+            callback=_stop_after(seconds) if long_run or guess.size > _FEW_VARIABLES else None,
             options={"ftol": max(larger, _ROUNDINGS * magnitude), "maxiter": max_iter},
         )
         return EngineResult(

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from functools import cache
+from typing import Any
 
 import numpy as np
 
@@ -30,16 +31,13 @@ def program(case: Case) -> Program:
     The parameters are the target (X, Y), and the radius after it where the unit is not the radius.
     """
     X, Y = case.target
-    free, unit = case.subproblem.free, case.unit
-    scaled = unit != 1.0
-    return Program(
-        expressions(free, scaled),
-        unit * np.array((X, Y, 1.0) if scaled else (X, Y)),
-        np.zeros(len(free)),
-        unit * case.upper[list(free)],
-        _written(case) if scaled else _written_in_radii(case),
-        unit * math.hypot(X, Y),
-    )
+    subproblem, unit = case.subproblem, case.unit
+    upper, lower = case.upper[subproblem.mask], _zeros(len(subproblem.free))
+    if unit == 1.0:
+        posed = expressions(subproblem.free), np.array((X, Y)), lower, upper
+        return Program(*posed, _written_in_radii(case), math.hypot(X, Y))
+    posed = expressions(subproblem.free, True), unit * np.array((X, Y, 1.0)), lower, unit * upper
+    return Program(*posed, _written(case), unit * math.hypot(X, Y))
 
 
 def solve(case: Case, guess: FloatArray, seconds: float, engine: Engine) -> Point:
@@ -49,7 +47,7 @@ def solve(case: Case, guess: FloatArray, seconds: float, engine: Engine) -> Poin
     duals = result.duals
     return Point(
         case.subproblem,
-        _point(result.x / case.unit, free),
+        _point(result.x if case.unit == 1.0 else result.x / case.unit, free),
         result.claim,
         None if duals is None else (float(duals[0]), float(duals[1])),
         result.iterations,
@@ -88,14 +86,30 @@ def _written_in_radii(case: Case) -> Functions:
     """The functions written by hand, for the unit of one radius."""
     X, Y = case.target
     free = list(case.subproblem.free)
-    ones, block = np.ones(len(free)), np.ix_(free, free)
+    ones = _ones(len(free))
     return Functions(
         np.sum,
         lambda z: ones,
         lambda z: equations(_full(z, free), X, Y),
         lambda z: jacobian(_full(z, free))[:, free],
-        lambda z, weights: hessian(_full(z, free), weights)[block],
+        lambda z, weights: hessian(_full(z, free), weights)[_block(case.subproblem.free)],
     )
+
+
+@cache
+def _zeros(n: int) -> FloatArray:
+    return np.zeros(n)
+
+
+@cache
+def _ones(n: int) -> FloatArray:
+    return np.ones(n)
+
+
+@cache  # to make it takes as long as three evaluations
+def _block(free: tuple[int, ...]) -> tuple[Any, ...]:
+    """The index of the free lengths' rows and columns."""
+    return np.ix_(free, free)
 
 
 def _written(case: Case) -> Functions:
@@ -112,7 +126,8 @@ def _written(case: Case) -> Functions:
 
 def _point(z: FloatArray, free: list[int]) -> FloatArray:
     """All three lengths, or three NaN where the engine returned no point."""
-    return np.full(3, np.nan) if np.isnan(z).all() else _full(z, free)
+    full = _full(z, free)
+    return full if math.isfinite(full.sum()) or not np.isnan(z).all() else np.full(3, np.nan)
 
 
 def _full(z: FloatArray, free: list[int]) -> FloatArray:

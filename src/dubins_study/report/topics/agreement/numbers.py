@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from itertools import combinations
 
+import numpy as np
 import pandas as pd
 
 from dubins_study.report.statistics.metrics import solver_order
-from dubins_study.study.path import Path, largest_distance
+from dubins_study.study.path import FloatArray, Path
 
 CLOSE = 1e-6
 _KEY = ["experiment", "scenario_id", "branch"]
@@ -58,21 +59,49 @@ def agreement(rows: pd.DataFrame, path_of: Callable[[int], Path | None]) -> pd.D
     index = arrived.reset_index(names="row").pivot(index=_KEY, columns="solver", values="row")
     # Near a circle the two answers have different references; the larger one is the scale.
     scale = arrived.groupby(_KEY)["scale"].max()
+    apart = _distances(index, path_of)
+    column = {solver: place for place, solver in enumerate(index.columns)}
     records = []
     for first, second in combinations(solver_order(list(length.columns)), 2):
-        both = length[[first, second]].dropna()
+        present = length[[first, second]].notna().all(axis=1).to_numpy()
+        both = length.loc[present, [first, second]]
         over = scale.loc[both.index].to_numpy()
         difference = (both[first] - both[second]).abs() / over
-        pairs = index.loc[both.index, [first, second]].astype(int).itertuples(index=False)
-        apart = pd.Series([_apart(path_of(a), path_of(b)) for a, b in pairs], dtype=float) / over
+        distance = pd.Series(apart[present, column[first], column[second]] / over, dtype=float)
         questions = int((posed[first] & posed[second]).sum())
         within = (difference <= CLOSE).mean()
-        measures = (difference.median(), difference.max(), within, apart.median(), apart.max())
+        measures = (
+            *(difference.median(), difference.max(), within),
+            *(distance.median(), distance.max()),
+        )
         records.append((first, second, questions, len(both), *measures))
     return pd.DataFrame.from_records(records, columns=list(_COLUMNS))
 
 
-def _apart(first: Path | None, second: Path | None) -> float:
-    assert first is not None  # both have a gap, so both have a path
-    assert second is not None
-    return largest_distance(first, second, _SAMPLES)
+def _distances(index: pd.DataFrame, path_of: Callable[[int], Path | None]) -> FloatArray:
+    """Largest distance at equal arc length of every two answers to a question.
+
+    All answers to a question are looked at in the same places, up to the end of the longest; where
+    one has ended it waits at its end.
+
+    Args:
+        index: questions by solvers: the row of the answer, NaN if it does not arrive.
+        path_of: index of a row -> its path.
+    Returns:
+        Shape (questions, solvers, solvers), length unit; NaN where an answer is missing.
+    """
+    solvers = index.shape[1]
+    apart = np.full((len(index), solvers, solvers), np.nan)
+    for place, rows in enumerate(index.to_numpy(dtype=np.float64)):
+        present = np.flatnonzero(~np.isnan(rows))
+        paths = [path_of(int(row)) for row in rows[present]]
+        known = [path for path in paths if path is not None]
+        assert len(known) == len(paths)  # all have a gap, so all have a path
+        if len(known) < 2:
+            continue
+        along = np.linspace(0.0, max(path.total_length for path in known), _SAMPLES)
+        points = np.stack([path.at(along)[:, :2] for path in known])
+        offsets = points[:, np.newaxis] - points
+        largest = np.hypot(offsets[..., 0], offsets[..., 1]).max(axis=-1)
+        apart[place][np.ix_(present, present)] = largest
+    return apart

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import pandas as pd
+
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import columns
 from dubins_study.report.elements.content import Section, Table, picture
-from dubins_study.report.elements.formats import count, digits, share
+from dubins_study.report.elements.formats import count, digits, sentences, share
 from dubins_study.report.elements.style import WIDE
+from dubins_study.report.statistics.methods import MOST_METHODS, best_of_formulations
 from dubins_study.report.topics.agreement.figures import plot_agreement
 from dubins_study.report.topics.agreement.numbers import agreement
+from dubins_study.report.topics.summary.section import solver_summary
 
 _COLUMNS = (
     *columns(kind="code", first="solver", second="and"),
@@ -20,22 +24,42 @@ _COLUMNS = (
 
 
 def agreement_section(results: Results) -> Section | None:
-    """Matrix and table of all pairs of solvers."""
-    if results.rows["solver"].nunique() < 2:
+    """Matrix and table of all pairs of solvers; of many, of the best of each formulation."""
+    if results.rows["solver"].nunique() > MOST_METHODS:
+        return formulations_section(results)
+    return _section(results, results.rows, "agreement", "Agreement", "")
+
+
+def formulations_section(results: Results) -> Section | None:
+    """Matrix and table of the best engine, guess and settings of each formulation."""
+    best = best_of_formulations(solver_summary(results.attempts))
+    rows = results.rows[results.rows["solver"].isin(best)]
+    which = (
+        "Of each formulation the engine, guess and settings with the most right answers, the "
+        "fastest of several."
+    )
+    key, title = "agreement-formulations", "Agreement between formulations"
+    return _section(results, rows, key, title, which)
+
+
+def _section(
+    results: Results, rows: pd.DataFrame, key: str, title: str, which: str
+) -> Section | None:
+    if rows["solver"].nunique() < 2:
         return None
-    pairs = agreement(results.rows, results.path)
+    pairs = agreement(rows, results.path)
     pairs = pairs[pairs["questions"] > 0].reset_index(drop=True)
     if not (pairs["both"] > 0).any():
         return None
     matrix = picture(
-        "agreement",
+        key,
         plot_agreement,
         pairs,
         caption="Below the diagonal: the largest |La − Lb| / max(reference, R) of each pair, "
         "darker for more. Above it: the share of common answers that agree to 1e-6. Empty: no "
         "common answer.",
         alt="Matrix of agreement between solvers",
-        height=min(7.0, 0.8 + 0.52 * len({*pairs["first"], *pairs["second"]})),
+        height=min(6.3, 0.8 + 0.52 * len({*pairs["first"], *pairs["second"]})),
         width=WIDE,
     )
     caption = (
@@ -43,10 +67,10 @@ def agreement_section(results: Results) -> Section | None:
         "length, both over max(reference, R). Equal lengths with distant paths are ties, or flat "
         "optima."
     )
-    text = (
+    text = sentences(
         "Where two solvers both arrive, how far are their lengths apart, and their paths? Only "
         "cold starts, the first repeat of each, and questions where both arrive; the table says "
-        "how many."
+        "how many.",
+        which,
     )
-    table = Table("agreement", caption, pairs, _COLUMNS)
-    return Section("agreement", "Agreement", text, (matrix, table))
+    return Section(key, title, text, (matrix, Table(key, caption, pairs, _COLUMNS)))

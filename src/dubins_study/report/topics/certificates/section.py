@@ -11,9 +11,12 @@ from dubins_study.report.elements.columns import SOLVER, Column, columns, marks
 from dubins_study.report.elements.content import Picture, Section, Table, picture
 from dubins_study.report.elements.formats import count, digits, sentences, share
 from dubins_study.report.elements.looks import lines_of_names
+from dubins_study.report.elements.panels import DRAWN_TEXT, plot_share_grid
 from dubins_study.report.elements.solver_lines import plot_shares
 from dubins_study.report.elements.style import BLUE, ORANGE, RULE, SKY, WIDE
+from dubins_study.report.statistics.methods import MOST_METHODS, drawn_methods
 from dubins_study.report.statistics.metrics import by_solver
+from dubins_study.report.topics.summary.section import solver_summary
 
 
 def certificates_section(results: Results) -> Section | None:
@@ -30,7 +33,11 @@ def certificates_section(results: Results) -> Section | None:
         "necessary and not sufficient."
     )
     text = sentences(text, _proved(frame), _enclosed(frame), _reported(frame))
-    blocks = (_picture(frame), _proofs_table(frame), _table(frame, results.attempts.precision))
+    blocks = (
+        _picture(results, frame),
+        _proofs_table(frame),
+        _table(frame, results.attempts.precision),
+    )
     return Section("certificates", "Certificates", text, blocks)
 
 
@@ -83,15 +90,26 @@ def _reported(frame: pd.DataFrame) -> str:
     return f"What solvers report in addition to a path: {'; '.join(parts)}." if parts else ""
 
 
-def _picture(frame: pd.DataFrame) -> Picture:
+def _picture(results: Results, frame: pd.DataFrame) -> Picture:
+    caption = (
+        "How far the proof of each attempt goes, as shares of all attempts. A failed or coarse "
+        "answer has none, nor has one whose controls ripple about an extremal's, nor what the "
+        "presolve answered in an engine's place."
+    )
+    alt = "Stacked bars of proofs, one per solver"
+    if len(frame) > MOST_METHODS:
+        drawn = drawn_methods(solver_summary(results.attempts))
+        proofs = frame.set_index("solver").reindex(drawn["solver"]).reset_index()
+        shares = proofs[list(PROOFS)].div(proofs["attempts"], axis=0)
+        named = drawn[["formulation", "short"]].reset_index(drop=True)
+        figure = plot_share_grid(shares.join(named), _LOOK, "share of all attempts")
+        return Picture("certificates", f"{caption} {DRAWN_TEXT}", figure, alt)
     return picture(
         "certificates",
         plot_proofs,
         frame,
-        caption="How far the proof of each attempt goes, as shares of all attempts. A failed or "
-        "coarse answer has none, nor has one whose controls ripple about an extremal's, nor what "
-        "the presolve answered in an engine's place.",
-        alt="Stacked bars of proofs, one per solver",
+        caption=caption,
+        alt=alt,
         height=0.9 + max(0.34, 0.14 * lines_of_names(frame["solver"])) * len(frame),
         width=WIDE,
     )

@@ -18,13 +18,13 @@ from dubins_study.report.elements.shares import questions
 from dubins_study.report.topics.existence.numbers import engine_times, existence
 
 _COLUMNS = (
-    *columns(questions, presolved="by presolve", reached="reached the engine"),
+    *columns(questions, presolved="by presolve"),
     *columns(kind="cell", right_text="right", silent_text="silent", wrong_text="wrong"),
     *columns(kind="cell", time_text="median time"),
     *columns(kind="cell", denied_text="denies a path that exists"),
 )
 _NUMBERS = (
-    *("solver", "unasked", "wall_s", "wall_low_s", "wall_high_s", "presolve_s"),
+    *("solver", "unasked", "reached", "wall_s", "wall_low_s", "wall_high_s", "presolve_s"),
     *(f"{name}_{end}" for name in ("right", "silent", "wrong") for end in ("share", "low", "high")),
     *("questions", "denied", "denied_share", "denied_low", "denied_high"),
 )
@@ -52,16 +52,15 @@ def _time_text(row: Mapping[Hashable, Any]) -> str:
     if not row["wall_s"] >= 0:  # no attempt reached the engine
         return ABSENT
     low, high = row["wall_low_s"], row["wall_high_s"]
-    interval = f" ({seconds(low)} to {seconds(high)})" if low >= 0 else ""
+    interval = f",\n{seconds(low)} to {seconds(high)}" if low >= 0 else ""
     return f"{seconds(row['wall_s'])}{interval}"
 
 
 def _text(frame: pd.DataFrame) -> str:
     reached, presolved = frame["reached"].sum(), frame["presolved"].sum()
     total = reached + presolved
-    parts = [
-        f"{name}: {share(frame[name].sum() / reached)}" for name in ("right", "silent", "wrong")
-    ]
+    names = ("right", "silent", "wrong") if reached else ()
+    parts = [f"{name}: {share(frame[name].sum() / reached)}" for name in names]
     denied = frame[frame["denied"] > 0]
     worst = denied.sort_values("denied_share", kind="stable").tail(1).to_dict("records")
     return sentences(
@@ -71,7 +70,7 @@ def _text(frame: pd.DataFrame) -> str:
         f"The presolve alone answers {share(presolved / total)} of the questions without a path."
         if presolved
         else "",
-        f"Of those that reached an engine, {', '.join(parts)}." if reached else "",
+        f"Of those that reached an engine, {', '.join(parts)}." if parts else "",
         *(
             f"{len(denied)} of {len(frame)} solvers call a question infeasible that has a path, "
             f"most often {row['name']}: {row['denied_text']}."

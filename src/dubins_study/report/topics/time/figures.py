@@ -5,10 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator
 
 from dubins_study.report.elements.axes import duration, log_axis, percent_axis, plain_log_axis
 from dubins_study.report.elements.looks import Palette, name_of
+from dubins_study.report.elements.panels import formulation_grid, name_lines
 from dubins_study.report.elements.solver_lines import label_lines, plot_quartiles
+from dubins_study.report.elements.style import MUTED
 
 
 def plot_times(ax: Axes, table: pd.DataFrame, palette: Palette) -> None:
@@ -25,6 +29,25 @@ def plot_times(ax: Axes, table: pd.DataFrame, palette: Palette) -> None:
         ax.set_xlim(10 ** np.floor(low), 10 ** np.ceil(high))
     log_axis(ax.xaxis, duration)
     label_lines(ax, table["solver"], places)
+
+
+def plot_time_grid(methods: pd.DataFrame) -> Figure:
+    """Median and quartiles of whole attempts, in one panel per formulation.
+
+    Columns of `Attempts.times`, formulation, engine and short.
+    """
+    figure, panels = formulation_grid(methods, line=0.115)
+    looks = Palette.of(methods["engine"]).looks(methods["engine"])
+    for name, ax in panels.items():
+        rows = methods[methods["formulation"] == name]
+        places = name_lines(ax, rows["short"].tolist(), 6)
+        for place, row in zip(places, rows.to_dict("records"), strict=True):
+            plot_quartiles(ax, row, "wall_s", place, looks[row["engine"]])
+        ax.set_xscale("log")
+        log_axis(ax.xaxis, duration)
+        ax.xaxis.set_major_locator(LogLocator(numticks=5))
+    figure.supxlabel("time of one attempt", fontsize=8, color=MUTED)
+    return figure
 
 
 def plot_performance(ax: Axes, ratios: pd.DataFrame, palette: Palette) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pandas as pd
 
+from dubins_study.report.statistics.bootstrap import mean_intervals
 from dubins_study.report.statistics.cost_table import cost_table
 from dubins_study.report.statistics.means import (
     SHIFT_FACTORS,
@@ -22,8 +23,9 @@ def mean_times(rows: pd.DataFrame, shift: float | None = None) -> tuple[pd.DataF
     The default shift is `means.chosen_shift` of all times used.
 
     Returns:
-        Columns solver, questions, mean_s, rank, and the rank at a tenth and at ten times the
-        shift (rank_tenth, rank_tenfold); and the shift (s).
+        Columns solver, questions, mean_s, its 95 % bootstrap interval over scenarios (mean_low_s,
+        mean_high_s), rank, and the rank at a tenth and at ten times the shift (rank_tenth,
+        rank_tenfold); and the shift (s).
     """
     table = solved_by_all(right_times(rows))
     if table.empty:
@@ -31,6 +33,8 @@ def mean_times(rows: pd.DataFrame, shift: float | None = None) -> tuple[pd.DataF
     chosen = chosen_shift(table) if shift is None else shift
     means = table.apply(lambda times: shifted_geometric_mean(times, chosen))
     frame = pd.DataFrame({"questions": len(table), "mean_s": means})
+    ends = mean_intervals(table.set_axis(table.index.get_level_values("scenario_id")), chosen)
+    frame["mean_low_s"], frame["mean_high_s"] = ends["low"], ends["high"]
     for name, factor in zip(("rank_tenth", "rank", "rank_tenfold"), SHIFT_FACTORS, strict=True):
         shifted = table.apply(lambda t, s=chosen * factor: shifted_geometric_mean(t, s))
         frame[name] = ranks_of(shifted)

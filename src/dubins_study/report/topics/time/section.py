@@ -10,9 +10,16 @@ from dubins_study.report.elements.columns import SOLVER, columns
 from dubins_study.report.elements.content import Picture, Section, Table, picture
 from dubins_study.report.elements.formats import count, seconds
 from dubins_study.report.elements.looks import Palette, legend_lines, lines_of_names
+from dubins_study.report.elements.panels import DRAWN_TEXT
 from dubins_study.report.elements.style import WIDE
+from dubins_study.report.statistics.methods import (
+    MOST_METHODS,
+    best_of_formulations,
+    drawn_methods,
+)
 from dubins_study.report.statistics.metrics import by_solver
-from dubins_study.report.topics.time.figures import plot_performance, plot_times
+from dubins_study.report.topics.summary.section import solver_summary
+from dubins_study.report.topics.time.figures import plot_performance, plot_time_grid, plot_times
 from dubins_study.report.topics.time.numbers import mean_times, time_ratios
 
 
@@ -24,7 +31,36 @@ def time_section(results: Results) -> Section | None:
     if frame.empty:
         return None
     palette = Palette.of(results.solvers)
-    medians = picture(
+    several = len(frame) > MOST_METHODS
+    methods = solver_summary(results.attempts).drop(columns="wall_s")
+    timed = methods.merge(frame, on="solver")
+    medians = _grid_picture(drawn_methods(timed)) if several else _picture(frame, palette)
+    blocks: list[Picture | Table] = [medians, _time_table(frame, results.attempts.precision)]
+    if several:
+        chosen = cold[cold["solver"].isin([EXACT, *best_of_formulations(timed)])]
+    else:
+        chosen = _not_variants(cold)
+    which = " Of each formulation the method with the most right answers." if several else ""
+    ratios = time_ratios(chosen[chosen["solver"] != EXACT])
+    if ratios.shape[0] > 1 and ratios.shape[1] > 1:
+        blocks.append(_performance_picture(ratios, palette, which))
+    means, shift = mean_times(chosen)
+    if len(means) > 1:
+        blocks.append(_mean_table(means, shift, which))
+    jobs, threads = (
+        ", ".join(map(str, results.attempts.values(kind))) for kind in ("jobs", "threads")
+    )
+    text = (
+        "Questions that have a path: see who is fast there, and at the right of the profile who is "
+        "right. Measured in the process that solves, after a warm-up that is not recorded; "
+        f"threads: {threads}; jobs side by side: {jobs}. Judging is not timed. Compiled "
+        "templates are kept between questions, so building is setting the data."
+    )
+    return Section("time", "Time", text, tuple(blocks))
+
+
+def _picture(frame: pd.DataFrame, palette: Palette) -> Picture:
+    return picture(
         "times",
         plot_times,
         *(frame, palette),
@@ -34,23 +70,15 @@ def time_section(results: Results) -> Section | None:
         height=0.7 + max(0.46, 0.13 * lines_of_names(frame["solver"])) * len(frame),
         width=WIDE,
     )
-    blocks: list[Picture | Table] = [medians, _time_table(frame, results.attempts.precision)]
-    plain = _not_variants(cold)
-    ratios = time_ratios(plain[plain["solver"] != EXACT])
-    if ratios.shape[0] > 1 and ratios.shape[1] > 1:
-        blocks.append(_performance_picture(ratios, palette))
-    means, shift = mean_times(plain)
-    if len(means) > 1:
-        blocks.append(_mean_table(means, shift))
-    jobs, threads = (
-        ", ".join(map(str, results.attempts.values(kind))) for kind in ("jobs", "threads")
+
+
+def _grid_picture(methods: pd.DataFrame) -> Picture:
+    caption = (
+        "Time of one cold attempt, building and solving: median (mark) and quartiles (bar). "
+        f"{DRAWN_TEXT}"
     )
-    text = (
-        "Measured in the process that solves, after a warm-up that is not recorded; "
-        f"threads: {threads}; jobs side by side: {jobs}. Judging is not timed. Compiled "
-        "templates are kept between questions, so building is setting the data."
-    )
-    return Section("time", "Time", text, tuple(blocks))
+    alt = "Median times and quartiles, one line per method, in panels by formulation"
+    return Picture("times", caption, plot_time_grid(methods), alt)
 
 
 def _not_variants(rows: pd.DataFrame) -> pd.DataFrame:
@@ -59,7 +87,7 @@ def _not_variants(rows: pd.DataFrame) -> pd.DataFrame:
     return rows[plain] if plain.any() else rows
 
 
-def _performance_picture(ratios: pd.DataFrame, palette: Palette) -> Picture:
+def _performance_picture(ratios: pd.DataFrame, palette: Palette, which: str) -> Picture:
     return picture(
         "performance",
         plot_performance,
@@ -67,7 +95,8 @@ def _performance_picture(ratios: pd.DataFrame, palette: Palette) -> Picture:
         caption="Performance profile: the share of questions that a solver answers correctly "
         f"within a factor of the fastest right answer, over the {count(len(ratios))} questions "
         "put to all of them. At 1: how often it is the fastest; at the right: how often it is "
-        "right at all. The closed form is left out, since it would flatten every curve.",
+        "right at all. The closed form is left out, since it would flatten every curve."
+        f"{which}",
         alt="Performance profile of the solvers",
         height=2.9 + 0.17 * legend_lines(ratios.columns, columns=3),
         width=WIDE,
@@ -83,15 +112,19 @@ def _time_table(frame: pd.DataFrame, precision: str) -> Table:
         *columns(seconds, solve_s_q1="solve 25 %", solve_s="solve median", solve_s_q3="75 %"),
         *columns(seconds, wall_s_q1="whole 25 %", wall_s="whole median", wall_s_q3="75 %"),
     )
-    caption = f"Times of cold attempts, failures included: quartiles and medians.{precision}"
+    caption = (
+        "Times of cold attempts at questions that have a path, failures included: quartiles and "
+        f"medians.{precision}"
+    )
     return Table("times", caption, frame, shown)
 
 
-def _mean_table(frame: pd.DataFrame, shift: float) -> Table:
+def _mean_table(frame: pd.DataFrame, shift: float, which: str) -> Table:
     shown = (
         SOLVER,
         *columns(count, questions="questions"),
-        *columns(seconds, mean_s="shifted geometric mean"),
+        *columns(seconds, mean_s="shifted geometric mean", mean_low_s="95 %: from"),
+        *columns(seconds, mean_high_s="to"),
         *columns(
             count, rank="rank", rank_tenth="rank, shift / 10", rank_tenfold="rank, shift × 10"
         ),
@@ -99,6 +132,6 @@ def _mean_table(frame: pd.DataFrame, shift: float) -> Table:
     caption = (
         f"Shifted geometric mean over the questions that all of these answer correctly; shift "
         f"{seconds(shift)}, the lower quartile of the times used. A rank that changes with "
-        "the shift is no finding."
+        f"the shift is no finding. Intervals: bootstrap over scenarios.{which}"
     )
     return Table("mean-times", caption, frame, shown)

@@ -1,0 +1,151 @@
+"""Recognising that no path exists: right, wrong and silent answers, counted by hand."""
+
+from __future__ import annotations
+
+import math
+
+import pandas as pd
+import pytest
+
+from dubins_study.report.data.results import load
+from dubins_study.report.data.verdicts import existence as counts
+from dubins_study.report.data.verdicts import methods, verdicts
+from dubins_study.report.topics.existence.numbers import engine_times, existence
+from dubins_study.report.topics.existence.section import existence_section
+from dubins_study.study.claim import Claim
+from dubins_study.study.path import Path
+from dubins_study.study.scenario import Scenario
+from tests.unit.report.results_folder import attempt, write_folder
+
+# The left disc has its centre at (0, 1): an LS path cannot end inside.
+INSIDE = [Scenario(0, 0, 0, x, 1.0) for x in (-0.4, -0.2, 0.2, 0.4)]
+OUTSIDE = [Scenario(0, 0, 0, x, 1.0) for x in (3.0, 4.0, 5.0)]
+
+
+def stray(scenario):
+    """A path that leads nowhere."""
+    return Path(scenario.start, [0.0], [0.5])
+
+
+def ask(scenario, claim, path=None, **changes):
+    """An engine's answer to LS; the scenario's place names it."""
+    changes = {"scenario_id": f"{scenario.target_x:g}"} | changes
+    return attempt(scenario, "b", "LS", path=path, claim=claim, **changes)
+
+
+def rows():
+    """Four questions without a path, three with one."""
+    return [
+        ask(INSIDE[0], Claim.INFEASIBLE, wall_s=1.0),
+        ask(INSIDE[1], Claim.FAILED, stray(INSIDE[1]), wall_s=2.0),
+        ask(INSIDE[2], Claim.LOCAL, stray(INSIDE[2]), wall_s=4.0),
+        ask(INSIDE[3], Claim.INFEASIBLE, presolved=True, wall_s=1e-4),
+        ask(OUTSIDE[0], Claim.INFEASIBLE),
+        ask(OUTSIDE[1], Claim.FAILED),
+        ask(OUTSIDE[2], Claim.LOCAL, "exact"),
+    ]
+
+
+@pytest.fixture
+def results(tmp_path):
+    """The rows, loaded."""
+    return load([write_folder(tmp_path / "e", "e", rows())])
+
+
+def line_of(results):
+    frame = existence(counts(results.attempts), methods(results.attempts))
+    (line,) = frame.to_dict("records")
+    return line
+
+
+def test_an_answer_is_right_silent_or_wrong(results):
+    """One each of the three that reached the engine; what the presolve answers is apart."""
+    line = line_of(results)
+
+    assert line["presolved"] == 1
+    assert line["reached"] == 3
+    assert [line[f"{name}_share"] for name in ("right", "silent", "wrong")] == pytest.approx(
+        [1 / 3] * 3
+    )
+    assert line["wall_s"] == 2.0  # the presolve's time is not the engine's
+    assert line["presolve_s"] == 1e-4
+
+
+def test_a_failure_where_no_path_exists_is_no_miss(results):
+    """Misses, and shares of right answers, are of questions that have a path."""
+    (line,) = verdicts(results.attempts).to_dict("records")
+
+    assert (line["attempts"], line["optimal"], line["none"], line["misses"]) == (3, 1, 2, 0)
+
+
+def test_a_path_that_is_denied_is_a_wrong_answer_of_its_own(results):
+    """One of three questions that have a path is called infeasible; a failure denies nothing."""
+    line = line_of(results)
+
+    assert (line["questions"], line["denied"]) == (3, 1)
+    assert line["denied_share"] == pytest.approx(1 / 3)
+    # Wilson's interval of 1 of 3, from a table of it
+    assert (line["denied_low"], line["denied_high"]) == pytest.approx((0.0615, 0.7923), abs=5e-5)
+
+
+def test_repeats_are_parts_of_a_question(tmp_path):
+    """Three repeats, right in one: a third of a question, and one trial."""
+    claims = (Claim.INFEASIBLE, Claim.FAILED, Claim.LIMIT)
+    made = [ask(INSIDE[0], claim, repeat=n) for n, claim in enumerate(claims)]
+    line = line_of(load([write_folder(tmp_path / "e", "e", made)]))
+
+    assert line["right_of"] == 1
+    assert line["right_share"] == pytest.approx(1 / 3)
+    assert line["silent_share"] == pytest.approx(2 / 3)
+
+
+@pytest.mark.parametrize("outcome", ["unsupported", "unavailable"])
+def test_who_cannot_be_asked_is_not_silent(tmp_path, outcome):
+    """A solver of the branch best alone does not answer LS."""
+    made = [
+        ask(INSIDE[0], Claim.INFEASIBLE),
+        ask(INSIDE[1], Claim.NONE, outcome=outcome),
+    ]
+    line = line_of(load([write_folder(tmp_path / "e", "e", made)]))
+
+    assert (line["reached"], line["unasked"], line["right_share"]) == (1, 1, 1.0)
+
+
+def test_times_are_of_attempts_that_reached_the_engine(results):
+    """The median of 1, 2 and 4 s; the interval's ends are values that occur."""
+    (line,) = engine_times(results.rows).to_dict("records")
+
+    assert line["estimate"] == 2.0
+    assert {line["low"], line["high"]} <= {1.0, 2.0, 4.0}
+    assert line["low"] <= 2.0 <= line["high"]
+
+
+def test_the_section_marks_what_is_wrong_and_says_who_denies(results):
+    """A denial is told in the text with its share; both kinds of error are marked."""
+    section = existence_section(results)
+    (table,) = section.blocks
+    wrong = [key for (_, key), mark in table.marks.items() if mark == "bad"]
+
+    assert sorted(wrong) == ["denied_text", "wrong_text"]
+    assert "call a question infeasible that has a path" in section.text
+    assert "33.3 % of 3" in section.text
+
+
+def test_without_such_questions_there_is_no_section(tmp_path):
+    """Not even an empty one."""
+    made = [ask(OUTSIDE[2], Claim.LOCAL, "exact")]
+
+    assert existence_section(load([write_folder(tmp_path / "e", "e", made)])) is None
+
+
+def test_a_presolve_that_answers_all_leaves_the_engine_out(tmp_path):
+    """Then shares of the engine's answers are not defined, and its time is missing."""
+    made = [ask(INSIDE[0], Claim.INFEASIBLE, presolved=True)]
+    results = load([write_folder(tmp_path / "e", "e", made)])
+    line = line_of(results)
+    (table,) = existence_section(results).blocks
+
+    assert math.isnan(line["right_share"])
+    assert pd.isna(line["wall_s"])
+    shown = dict(zip([column.key for column in table.columns], table.texts()[0], strict=True))
+    assert {shown[key] for key in ("right_text", "time_text")} == {"–"}

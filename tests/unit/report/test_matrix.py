@@ -1,0 +1,192 @@
+"""Formulation by engine: filled cells, reasons, the best guess, and shares by stratum."""
+
+from __future__ import annotations
+
+import pandas as pd
+import pytest
+
+from dubins_study.report.data.results import load
+from dubins_study.report.elements.heatmap import whole_percent
+from dubins_study.report.elements.shares import share_text, with_share
+from dubins_study.report.statistics.methods import best_methods, drawn_methods
+from dubins_study.report.topics.matrix.numbers import matrix, strata
+from dubins_study.report.topics.matrix.section import matrix_section
+from dubins_study.report.topics.matrix.strata import stratum_order
+from dubins_study.study.claim import Claim
+from dubins_study.study.path import Path
+from dubins_study.study.rows.manifest import MatrixEntry
+from dubins_study.study.scenario import Scenario
+from tests.unit.report.results_folder import attempt, write_folder
+
+WORDS, JOINT = "one NLP a word", "joint NLP, LRS"
+
+
+def method(formulation, engine, guess="bearing", share=1.0, wall_s=1e-3):
+    """A line of the summary."""
+    spec = f"{engine}[{formulation},{guess}]"
+    line = {"formulation": formulation, "engine": engine, "guess": guess, "solver": spec}
+    return line | {"right_share": share, "right_of": 8, "wall_s": wall_s}
+
+
+def entry(formulation, engine, kind="local NLP", reason=None):
+    return MatrixEntry(
+        formulation=formulation,
+        engine=engine,
+        kind=kind,
+        reason=reason,
+        spec=None if reason else "some",
+    )
+
+
+ENTRIES = [
+    entry("closed form", "closed form", "exact"),
+    entry(WORDS, "closed form", "exact", "no engine is needed"),
+    entry(WORDS, "SLSQP"),
+    entry(JOINT, "SLSQP"),
+    entry(WORDS, "SCIP", "global"),
+    entry(JOINT, "SCIP", "global", "too slow"),
+    entry(WORDS, "KNITRO", reason="no licence"),
+    entry(JOINT, "KNITRO", reason="no licence"),
+]
+
+
+def cell(table, engine, formulation):
+    cells = table.cells[table.cells["engine"] == engine]
+    (line,) = cells[cells["formulation"] == formulation].to_dict("records")
+    return line
+
+
+def test_every_pair_is_filled_or_has_a_reason():
+    """Also the pairs that could be asked and have no row; the closed form has no line."""
+    methods = pd.DataFrame([method("closed form", "closed form", "none"), method(WORDS, "SLSQP")])
+    table = matrix(methods, ENTRIES)
+
+    assert table.engines == [("local NLP", "SLSQP"), ("local NLP", "KNITRO"), ("global", "SCIP")]
+    assert table.formulations == [WORDS, JOINT]
+    assert len(table.cells) == 6
+    assert (table.cells["filled"] | (table.cells["reason"] != "")).all()
+    assert cell(table, "SLSQP", WORDS)["filled"]
+    assert table.reasons[cell(table, "KNITRO", JOINT)["note"] - 1] == "no licence"
+    assert "no row" in cell(table, "SLSQP", JOINT)["reason"]
+    assert cell(table, "SLSQP", WORDS)["note"] == 0
+
+
+def test_equal_reasons_have_one_number():
+    """Numbered in the order of the lines, from 1."""
+    table = matrix(pd.DataFrame([method(WORDS, "SLSQP")]), ENTRIES)
+
+    assert len(table.reasons) == len(set(table.reasons))
+    assert sorted({*table.cells["note"]} - {0}) == list(range(1, len(table.reasons) + 1))
+
+
+def test_a_row_counts_whatever_the_manifest_says():
+    """KNITRO was installed where these rows were made; an engine that no entry knows is last."""
+    methods = pd.DataFrame([method(WORDS, "KNITRO"), method(JOINT, "mine")])
+    table = matrix(methods, ENTRIES)
+
+    assert cell(table, "KNITRO", WORDS)["filled"]
+    assert cell(table, "KNITRO", WORDS)["reason"] == ""
+    assert table.engines[-1] == ("other", "mine")
+    assert cell(table, "mine", WORDS)["reason"] == ""
+
+
+def test_without_entries_only_filled_pairs_are_shown():
+    """As for the rows of an experiment that lists no matrix."""
+    table = matrix(pd.DataFrame([method(WORDS, "b"), method(JOINT, "A")]), [])
+
+    assert [engine for _, engine in table.engines] == ["A", "b"]
+    assert table.reasons == []
+    assert table.cells["filled"].sum() == 2
+
+
+def test_the_best_guess_has_the_most_right_answers_then_the_least_time():
+    """Zero is faster and wrong more often; of two with equal shares the faster is taken."""
+    frame = pd.DataFrame(
+        [
+            method(WORDS, "a", "zero", 0.5, 1e-4),
+            method(WORDS, "a", "bearing", 0.9, 2e-3),
+            method(WORDS, "a", "random", 0.9, 1e-3),
+            method(WORDS, "b", "zero", float("nan")),
+            method(JOINT, "a", "zero", 0.1),
+        ]
+    )
+    best = best_methods(frame, ["formulation", "engine"])
+
+    assert best["guess"].tolist() == ["random", "zero", "zero"]
+    assert cell(matrix(frame, []), "a", WORDS)["guess"] == "random"
+
+
+def test_a_panel_has_at_most_ten_engines():
+    """The ten with the most right answers, in the order of the table, without the closed form."""
+    lines = [method(WORDS, f"e{n:02}", share=n / 20) for n in range(14)]
+    frame = pd.DataFrame([method("closed form", "closed form"), *lines, method(JOINT, "e00")])
+    drawn = drawn_methods(frame)
+
+    assert drawn["engine"].tolist() == [*(f"e{n:02}" for n in range(4, 14)), "e00"]
+
+
+def labelled(label, place, solver, right, **changes):
+    """An attempt in a stratum, right or not."""
+    scenario = Scenario(0, 0, 0, 4 + place, 1, label=label)
+    path = "exact" if right else Path(scenario.start, [0.0], [0.5])
+    claim = Claim.LOCAL if right else Claim.FAILED
+    name = {"scenario_id": f"{label}{place}", "engine": solver}
+    return attempt(scenario, solver, path=path, claim=claim, **name, **changes)
+
+
+@pytest.fixture
+def benchmark(tmp_path):
+    """Two engines in two strata; the rows of a benchmark, with entries."""
+    made = [labelled("near", n, "a", right=n < 3) for n in range(4)]
+    made += [labelled("far", n, "a", right=True) for n in range(4)]
+    made += [labelled(s, n, "b", right=False) for s in ("near", "far") for n in range(4)]
+    text = 'label = "near"\nlabel = "far"\n'
+    experiment = {"name": "e", "text": text, "section": "benchmark"}
+    entries = [entry(WORDS, "a"), entry(WORDS, "b"), entry(JOINT, "a", reason="because")]
+    dumped = [each.model_dump() for each in entries]
+    return load(
+        [write_folder(tmp_path / "e", "e", made, experiment=experiment, matrix=dumped)],
+    )
+
+
+def test_strata_have_shares_with_intervals(benchmark):
+    """Three of four near, four of four far."""
+    frame = strata(benchmark.rows).set_index(["solver", "stratum"])
+
+    assert frame.loc[("a", "near"), "right_share"] == 0.75
+    assert frame.loc[("a", "far"), "right_share"] == 1.0
+    # Wilson's lower end of n of n is n / (n + 1.96^2)
+    assert frame.loc[("a", "far"), "right_low"] == pytest.approx(4 / (4 + 1.96**2), abs=1e-4)
+    assert stratum_order(benchmark, ["far", "near"]) == ["near", "far"]
+
+
+def test_the_section_shows_every_pair_and_every_reason(benchmark):
+    """The cell has share, interval and time; the reason stands below under its number."""
+    section = matrix_section(benchmark)
+    tables = {block.name: block for block in section.blocks if hasattr(block, "columns")}
+    lines = tables["matrix"].frame.set_index("engine")
+
+    assert lines.loc["a", WORDS] == "87.5 %\n52.9–97.8\n2.10 ms"
+    assert lines.loc["b", WORDS].startswith("0 %\n0–32.4\n")
+    number = lines.loc["a", JOINT].strip("[]")
+    assert tables["matrix-reasons"].frame["reason"].iloc[int(number) - 1] == "because"
+    assert len(tables["methods"].frame) == 2
+    assert tables["strata"].frame["near"].tolist() == ["75 %\n30–95", "0 %\n0–49"]
+    assert any(block.name == "strata-one-nlp-a-word" for block in section.blocks)
+
+
+@pytest.mark.parametrize(
+    ("share", "expected"), [(0, "0"), (1e-4, "1"), (0.5, "50"), (0.9999, "99"), (1, "100")]
+)
+def test_whole_percents_say_all_only_of_all(share, expected):
+    """And none only of none."""
+    assert whole_percent(share) == expected
+
+
+def test_a_share_of_nothing_is_a_dash():
+    """With the interval that says that nothing is known."""
+    frame = with_share(pd.DataFrame({"n": [0]}), "x", pd.Series([0.0]), pd.Series([0]))
+
+    assert frame["x_text"].tolist() == ["–"]
+    assert (frame["x_low"].tolist(), frame["x_high"].tolist()) == ([0.0], [1.0])
+    assert share_text(2 / 3, 0.2, 0.9, 2 + 2 / 3) == "66.7 % of 2.67,\n20.0 to 90.0 %"
