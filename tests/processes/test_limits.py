@@ -119,6 +119,7 @@ def test_every_solver_keeps_a_limit_in_this_process(name):
         *("turn-rate-qp[n=1000]", "turn-rate-qp[n=640,mesh=graded]"),
         *("heading-milp[headings=144]", "heading-milp[headings=1000,legs=1]"),
         *("collocation[n=50]", "collocation[n=15,points=10,mesh=equal]"),
+        *("multiple-shooting[n=20]", "turn-rates[initial_guess=random,count=1000]"),
         *("disjunctive[transformation=hull]", "disjunctive[emphasis=default]"),
         "slsqp[maxiter=1000000,ftol=1e-16]",
         "ipopt[max_iter=1000000,model=joint,initial_guess=zero,capped=False]",
@@ -133,7 +134,10 @@ def test_every_promise_is_kept(spec, limit):
 
 @pytest.mark.parametrize(
     "spec",
-    ["turn-rate-qp[n=2000]", "heading-milp[headings=1000]", "collocation[n=1000]"],
+    [
+        *("turn-rate-qp[n=2000]", "heading-milp[headings=1000]", "collocation[n=1000]"),
+        *("multiple-shooting[n=100]", "turn-rates[n=200]", "collocation[engine=slsqp]"),
+    ],
 )
 def test_large_settings_promise_nothing(spec):
     """Compiling them takes longer than a second."""

@@ -78,6 +78,22 @@ def test_without_a_path_infeasible_is_true(results):
     assert made["proof"].tolist()[1] == PROOFS[0]
 
 
+@pytest.mark.parametrize(
+    ("bound", "worth"), [(1 + 5e-8, "true to its tolerance"), (1.001, "false")]
+)
+def test_a_bound_may_be_too_high_by_the_engines_tolerance(results, bound, worth):
+    """Ten tolerances of 1e-8 explain 5e-8; a thousandth is a false proof."""
+    length = attempt(PLAIN)["length"]
+    changes = {"false_bound": True, "tolerance": 1e-8, "reference_high": length}
+    row = honest(PLAIN, "scip", Claim.OPTIMAL, lower_bound=bound * length, **changes)
+    made = frame(results, [row])
+    (line,) = false_proofs(made).to_dict("records")
+
+    assert made["truth"].tolist() == [worth]
+    assert line["most"] == pytest.approx(bound - 1)
+    assert line["proof"] == PROOFS[0 if worth == "false" else 1]
+
+
 def test_the_presolves_answers_are_no_claims(results):
     """No engine was asked."""
     rows = [
@@ -108,7 +124,7 @@ def test_the_plainest_example_and_its_command(results):
     rows = [honest(s, "scip[a=1]", Claim.INFEASIBLE, None) for s in (FAR, PLAIN)]
     (line,) = false_proofs(frame(results, rows)).to_dict("records")
 
-    assert (line["proof"], line["attempts"], line["questions"]) == (PROOFS[2], 2, 2)
+    assert (line["proof"], line["attempts"], line["questions"]) == (PROOFS[3], 2, 2)
     assert line["command"] == "dubins-study solve --solver 'scip[a=1]' -- 5 2"
     assert line["reference_high"] is None or line["reference_high"] != 0
 

@@ -8,7 +8,6 @@ import pytest
 from dubins_study.report.data.results import load
 from dubins_study.report.statistics.compared import compared
 from dubins_study.report.statistics.methods import methods_of, without_setting
-from dubins_study.report.statistics.question_shares import question_shares
 from dubins_study.report.topics.comparison.numbers import (
     best_of_formulations,
     mean_ranks,
@@ -116,13 +115,14 @@ def test_the_spread_counts_questions_whose_verdict_changes(results):
 def test_a_question_is_the_unit_of_a_share(results):
     """Right in one of two repeats counts a half; the interval is that of as many questions."""
     rows = [answer(s, "ipopt", 1e-3, right=r == 0, repeat=r) for s in QUESTIONS for r in range(2)]
-    made = compared(loaded(results, rows))
-    line = question_shares(made.answerable, "right", ["solver"]).loc["ipopt"]
+    ranked, _, _ = mean_ranks(compared(loaded(results, rows)))
+    line = ranked.loc["ipopt"]
 
-    assert (line["questions"], line["share"]) == (12, 0.5)
+    assert (line["questions"], line["right"]) == (12, 0.5)
     # Wilson's interval of 6 of 12: (6 + z^2 / 2 -+ z sqrt(3 + z^2 / 4)) / (12 + z^2)
     z = 1.959963984540054
-    assert line["low"] == pytest.approx((6 + z * z / 2 - z * (3 + z * z / 4) ** 0.5) / (12 + z * z))
+    low = (6 + z * z / 2 - z * (3 + z * z / 4) ** 0.5) / (12 + z * z)
+    assert line["right_low"] == pytest.approx(low)
 
 
 def test_methods_are_named_by_the_settings_that_differ(results):

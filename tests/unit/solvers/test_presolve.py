@@ -27,6 +27,8 @@ from dubins_study.study.scenario import Pose, Scenario
 from dubins_study.study.vehicle_frame import local
 from dubins_study.study.words import TURN
 
+# they look for LS and RS among all paths that turn one way
+TRANSCRIPTIONS = ["turn-rate-qp", "turn-rates", "multiple-shooting", "collocation", "heading-milp"]
 ENGINES = [name for name in available_solvers() if name != "analytic"]
 # branch -> targets (radii) that no path of the branch ends at: inside, and out of reach
 WITHOUT_A_PATH = {
@@ -97,7 +99,9 @@ def test_without_it_no_engine_knows_for_nothing(name):
         assert answer.wall_s < 10  # measured: under half a second alone on the machine
 
 
-@pytest.mark.parametrize("name", ["turn-rate-qp", "collocation", "heading-milp"])
+# not multiple-shooting: at the last place, 2e-15 R inside the circle, its path of one arc misses by
+# the rounding of four arcs, 1e-15 R, which is less than what the check allows a word to be off
+@pytest.mark.parametrize("name", [name for name in TRANSCRIPTIONS if name != "multiple-shooting"])
 def test_turning_one_way_into_the_circle_is_not_called_the_word(name):
     """Straight first and then left leads into the rear half at any depth, and LS does not."""
     solver = load(name)
@@ -111,7 +115,7 @@ def test_turning_one_way_into_the_circle_is_not_called_the_word(name):
         assert not attempt(solver, Question(Scenario(0, 0, 0, *place, 1), "LS")).false_claim
 
 
-@pytest.mark.parametrize("name", ["turn-rate-qp", "collocation", "heading-milp"])
+@pytest.mark.parametrize("name", TRANSCRIPTIONS)
 def test_a_word_that_exists_is_not_taken_for_turning_one_way(name):
     """On the circle and outside, down to 1e-15 R, where the word's equations become singular."""
     solver = load(name)

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import io
 from collections.abc import Callable
-from contextlib import redirect_stderr, redirect_stdout
+from contextlib import ExitStack, redirect_stderr, redirect_stdout
 from functools import lru_cache, partial
 from time import perf_counter
 from typing import Any, NamedTuple
@@ -148,7 +148,10 @@ def _compiled(expressions: Expressions, plugin: str, tol: float, max_iter: int) 
 
 def _engine(plugin: str, tol: float, max_iter: int) -> Engine:
     def run(program: Program, guess: FloatArray, seconds: float) -> EngineResult:
-        with redirect_stdout(_Silence()), redirect_stderr(_Silence()):
+        with ExitStack() as streams:
+            if plugin != "ipopt":  # whose options silence it
+                streams.enter_context(redirect_stdout(_Silence()))
+                streams.enter_context(redirect_stderr(_Silence()))
             solve, deadline = _compiled(program.expressions, plugin, tol, max_iter)
             if deadline is not None:
                 deadline.at = perf_counter() + seconds

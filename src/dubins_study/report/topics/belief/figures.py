@@ -12,6 +12,7 @@ from dubins_study.report.elements.style import BLUE, RULE, VERMILION
 # From dark to light; only false claims are hatched, so that grey print shows them.
 LOOKS = {
     "true": (BLUE, ""),
+    "true to its tolerance": ("#6aa9d4", "..."),
     "less than known": ("#b9def3", ""),
     "says nothing": (RULE, ""),
     "false": (VERMILION, "xx"),

@@ -8,16 +8,22 @@ import numpy as np
 import pandas as pd
 
 from dubins_study.report.statistics.compared import Compared, once
-from dubins_study.report.statistics.question_shares import question_shares
+from dubins_study.report.statistics.intervals import scenario_shares
 
 # What a claim is worth, the check being right: it says no more than what is so; it says less than
 # the answer allows (no claim of a path that arrives, or of an optimal one only that it is
-# feasible); it says nothing and there is nothing; it, or its bound, says more than what is so.
-TRUTHS = ("true", "less than known", "says nothing", "false")
+# feasible); it says nothing and there is nothing; it, or its bound, says more than what is so. A
+# bound that is too high by no more than the engine's tolerance explains has a name of its own.
+TRUTHS = ("true", "true to its tolerance", "less than known", "says nothing", "false")
+TRUE, TOLERATED, LESS, NOTHING, FALSE = TRUTHS
+# Two equations that are each off by the tolerance move the length by a small multiple of it.
+_TOLERANCES = 10.0
+_MOST_CURES = 3
 _SILENT = ("failed", "limit", "none")
 # Kinds of false proof, the strongest first.
 PROOFS = (
     "its bound lies above the shortest length",
+    "its bound lies above the shortest length by its tolerance",
     "it calls a path optimal that is longer",
     "it calls a question infeasible that has a path",
     "it calls a path found that does not arrive",
@@ -27,16 +33,29 @@ PROOFS = (
 def truth(rows: pd.DataFrame) -> pd.Series[str]:
     """The worth of each attempt's claim, one of `TRUTHS`.
 
-    Columns claim, verdict, false_claim, false_bound. A local optimum of another word is no false
-    claim of a local solver.
+    Columns claim, verdict, false_claim, false_bound, tolerance, and those of `excess`. A local
+    optimum of another word is no false claim of a local solver.
     """
     claim, verdict = rows["claim"].fillna("none"), rows["verdict"].fillna("none")
     silent = claim.isin(_SILENT)
     arrives = verdict.isin(["optimal", "longer"])
     less = (silent & arrives) | ((claim == "feasible") & (verdict == "optimal"))
-    false = _yes(rows["false_claim"]) | _yes(rows["false_bound"])
-    values = np.select([false, less, silent], [TRUTHS[3], TRUTHS[1], TRUTHS[2]], TRUTHS[0])
+    tolerated = excess(rows) <= _TOLERANCES * rows["tolerance"]
+    false = _yes(rows["false_claim"]) | (_yes(rows["false_bound"]) & ~tolerated)
+    values = np.select(
+        [false, _yes(rows["false_bound"]), less, silent], [FALSE, TOLERATED, LESS, NOTHING], TRUE
+    )
     return pd.Series(values, rows.index)
+
+
+def excess(rows: pd.DataFrame) -> pd.Series[float]:
+    """By how much each false bound exceeds the shortest length, relative to it; NaN of others.
+
+    A length below the radius counts as the radius.
+    """
+    scale = np.maximum(rows["reference_high"], rows["radius"])
+    above: pd.Series[float] = (rows["lower_bound"] - rows["reference_high"]) / scale
+    return above.where(_yes(rows["false_bound"]))
 
 
 def _yes(values: pd.Series) -> pd.Series[bool]:
@@ -47,22 +66,24 @@ def _yes(values: pd.Series) -> pd.Series[bool]:
 def claims(compared: Compared) -> pd.DataFrame:
     """The attempts whose claim is an engine's: none of the presolve; with `truth` and `proof`.
 
-    `proof` is the kind of a false claim, one of `PROOFS`; missing if the claim is not false.
+    `proof` is the kind of a false claim, one of `PROOFS`; missing if the claim is true. `excess` is
+    by how much its bound is too high, relative to the shortest length.
     """
     rows = compared.rows[~compared.rows["presolved"]]
     worth = truth(rows)
     claim, verdict = rows["claim"].fillna("none"), rows["verdict"].fillna("none")
     kind = np.select(
         [
-            _yes(rows["false_bound"]),
+            _yes(rows["false_bound"]) & (worth == FALSE),
+            worth == TOLERATED,
             (claim == "optimal") & (verdict == "longer"),
             claim == "infeasible",
         ],
-        PROOFS[:3],
-        PROOFS[3],
+        PROOFS[:4],
+        PROOFS[4],
     )
-    proof = pd.Series(kind, rows.index, dtype=object).where(worth == "false")
-    return rows.assign(truth=worth, proof=proof)
+    proof = pd.Series(kind, rows.index, dtype=object).where(worth.isin([FALSE, TOLERATED]))
+    return rows.assign(truth=worth, proof=proof, excess=excess(rows))
 
 
 def beliefs(rows: pd.DataFrame, keys: list[str]) -> pd.DataFrame:
@@ -78,9 +99,11 @@ def beliefs(rows: pd.DataFrame, keys: list[str]) -> pd.DataFrame:
     """
     parts = []
     for name in TRUTHS:
-        shares = question_shares(rows.assign(hit=rows["truth"] == name), "hit", keys)
+        hits = rows.assign(hit=rows["truth"] == name)
+        shares = scenario_shares(hits, by=keys, success="hit", scenario=["question"])
         titles = {"share": name, "low": f"{name}_low", "high": f"{name}_high"}
-        parts.append(shares.rename(columns=titles))
+        shares = shares.drop(columns="successes").rename(columns={"trials": "questions"} | titles)
+        parts.append(shares)
     frame = pd.concat([parts[0], *(part.drop(columns="questions") for part in parts[1:])], axis=1)
     kinds = pd.get_dummies(rows["proof"]).reindex(columns=list(PROOFS), fill_value=False)
     return frame.join(kinds.groupby([rows[key] for key in keys]).sum())
@@ -94,9 +117,10 @@ def false_proofs(rows: pd.DataFrame) -> pd.DataFrame:
     Returns:
         One row per solver and kind, in the order of `PROOFS`: solver, proof, attempts, questions,
         and of the example: index (of its row), x, y, heading, target_x, target_y, radius, branch,
-        lower_bound, length, reference_high, command.
+        lower_bound, length, reference_high, tolerance, command; and most, the largest excess of a
+        bound.
     """
-    false = rows[rows["truth"] == "false"]
+    false = rows[rows["proof"].notna()]
     if false.empty:
         return pd.DataFrame(columns=["solver", "proof"])
     order = false.assign(
@@ -106,9 +130,10 @@ def false_proofs(rows: pd.DataFrame) -> pd.DataFrame:
         place=false["proof"].map({name: place for place, name in enumerate(PROOFS)}),
     ).sort_values(["place", "digits", "distance"], kind="stable")
     groups = order.groupby(["solver", "proof"], sort=False)
-    kept = [*_SCENARIO, "branch", "lower_bound", "length", "reference_high"]
+    kept = [*_SCENARIO, "branch", "lower_bound", "length", "reference_high", "tolerance"]
     frame = order.drop_duplicates(["solver", "proof"])[["solver", "proof", *kept]]
     counts = groups.agg(attempts=("question", "size"), questions=("question", "nunique"))
+    counts["most"] = groups["excess"].max()
     frame = frame.reset_index(names="index").join(counts, on=["solver", "proof"])
     frame["command"] = [command(line) for line in frame.to_dict("records")]
     return frame
@@ -151,11 +176,11 @@ def cures(rows: pd.DataFrame, methods: pd.DataFrame) -> pd.DataFrame:
         rows: from `claims`.
         methods: columns of `methods_of`, by solver.
     Returns:
-        One row per method with false claims and cure (one with an empty `cure` if there is none):
-        solver, cure, questions (with a false claim), tried (how many of them the cure was asked),
-        right (how many of those it answers correctly in all repeats).
+        One row per method with false claims and cure, at most three (one with an empty `cure` if
+        there is none): solver, cure, questions (with a false claim), tried (how many of them the
+        cure was asked), right (how many of those it answers correctly in all repeats).
     """
-    false = rows[rows["truth"] == "false"]
+    false = rows[rows["truth"] == FALSE]
     bad = {str(solver): set(group) for solver, group in false.groupby("solver")["question"]}
     right = rows.groupby(["question", "solver"])["right"].all().unstack("solver")
     honest = [solver for solver in methods.index if solver not in bad and solver in right]
@@ -164,10 +189,9 @@ def cures(rows: pd.DataFrame, methods: pd.DataFrame) -> pd.DataFrame:
         questions = sorted(bad[solver])
         same = [s for s in honest if methods["engine"][s] == methods["engine"][solver]]
         near = [s for s in same if methods["formulation"][s] == methods["formulation"][solver]]
-        answers = {s: right.loc[questions, s].dropna() for s in near or same}
-        tried = {
-            s: (len(values), int(values.sum())) for s, values in answers.items() if len(values)
-        }
-        for cure, counts in (tried or {"": (0, 0)}).items():
-            lines.append((solver, cure, len(questions), *counts))
+        tables = [(s, right.loc[questions, s].dropna()) for s in near or same]
+        tried = [(s, len(each), int(each.sum())) for s, each in tables if len(each)]
+        # Those that answer the most of the questions come first.
+        tried = sorted(tried, key=lambda cure: (-cure[2], -cure[1]))[:_MOST_CURES]
+        lines += [(solver, cure, len(questions), *n) for cure, *n in tried or [("", 0, 0)]]
     return pd.DataFrame(lines, columns=["solver", "cure", "questions", "tried", "right"])

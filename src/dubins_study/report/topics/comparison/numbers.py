@@ -8,6 +8,7 @@ from dubins_study.report.data.attempts import EXACT
 from dubins_study.report.statistics.bootstrap import average_intervals, mean_intervals
 from dubins_study.report.statistics.compared import Compared, once
 from dubins_study.report.statistics.cost_table import cost_table, shared_questions
+from dubins_study.report.statistics.intervals import scenario_shares
 from dubins_study.report.statistics.means import (
     SHIFT_FACTORS,
     chosen_shift,
@@ -17,10 +18,9 @@ from dubins_study.report.statistics.means import (
     shifted_geometric_mean,
     solved_by_all,
 )
-from dubins_study.report.statistics.question_shares import question_shares
 
 # A method that was put to fewer of the questions would shrink what all have in common.
-_ENOUGH_ASKED = 0.9
+ENOUGH_ASKED = 0.9
 # A method that is right on fewer of the questions would empty what all answer.
 _ENOUGH_RIGHT = 0.5
 
@@ -49,7 +49,7 @@ def _costs(compared: Compared, cost: str) -> pd.DataFrame:
         return pd.DataFrame(index=pd.Index([], name="question"))
     table = cost_table(rows, cost=cost, right="right", question=["question"])
     met = table.notna().mean()
-    kept = [s for s in compared.engines.index if s in table and met[s] >= _ENOUGH_ASKED]
+    kept = [s for s in compared.engines.index if s in table and met[s] >= ENOUGH_ASKED]
     return table[kept]
 
 
@@ -69,7 +69,9 @@ def mean_ranks(compared: Compared) -> tuple[pd.DataFrame, float, int]:
     shift = chosen_shift(shared)
     at_limit = penalised(shared, compared.limit_s)
     rows = compared.answerable
-    right = question_shares(rows[rows["question"].isin(shared.index)], "right", ["solver"])
+    rows = rows[rows["question"].isin(shared.index)]
+    shares = scenario_shares(rows, by=["solver"], success="right", scenario=["question"])
+    right = shares[["trials", "share", "low", "high"]]
     right = right.set_axis(["questions", "right", "right_low", "right_high"], axis=1)
     means = mean_intervals(compared.by_scenario(at_limit), shift)
     par2 = average_intervals(compared.by_scenario(penalised(shared, compared.limit_s, 2.0)))

@@ -6,7 +6,7 @@ import pandas as pd
 
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.content import Picture, Section, Table
-from dubins_study.report.elements.formats import count, seconds, sentences, share
+from dubins_study.report.elements.formats import count, seconds, sentences, share, some
 from dubins_study.report.elements.identity import with_interval
 from dubins_study.report.statistics.compared import Compared, compared
 from dubins_study.report.statistics.cost_table import shared_questions
@@ -74,10 +74,13 @@ def _unranked(ranked: pd.DataFrame) -> str:
 
 
 def _left_out(attempts: Compared, table: pd.DataFrame) -> str:
-    left_out = [attempts.methods["name"][s] for s in attempts.engines.index if s not in table]
+    left_out = sum(solver not in table for solver in attempts.engines.index)
     if not left_out:
         return ""
-    return f"Left out, since they met too few of the questions: {'; '.join(left_out)}."
+    return (
+        f"{some(left_out, 'method')} that met less than nine tenths of the questions, or whose "
+        "right answers have no time, take no part."
+    )
 
 
 def spread(attempts: Compared) -> pd.DataFrame:

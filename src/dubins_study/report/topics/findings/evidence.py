@@ -16,7 +16,12 @@ from dubins_study.report.statistics.bootstrap import (
 from dubins_study.report.statistics.compared import Compared
 from dubins_study.report.statistics.intervals import wilson_interval
 from dubins_study.report.topics.belief.numbers import claims
-from dubins_study.report.topics.comparison.numbers import evaluations, mean_ranks, times
+from dubins_study.report.topics.comparison.numbers import (
+    ENOUGH_ASKED,
+    evaluations,
+    mean_ranks,
+    times,
+)
 from dubins_study.report.topics.findings.finding import ENOUGH, Estimate, percent
 
 Pair = tuple[str, str]
@@ -97,6 +102,12 @@ class Evidence:
         """Engine, guess and settings on a formulation."""
         return str(self.methods["name"][solver])
 
+    @cached_property
+    def usual(self) -> pd.DataFrame:
+        """The methods that met nearly all questions; the others would compare the questions."""
+        met = self.rates.notna().mean()
+        return self.methods[met.reindex(self.methods.index).fillna(0.0) >= ENOUGH_ASKED]
+
     def pairs(self, same: list[str], differs: str, value: str, other: str) -> list[Pair]:
         """Solvers that agree in some columns: the first with one value, the second with another.
 
@@ -104,7 +115,7 @@ class Evidence:
         """
         kinds = []
         for wanted in (value, other):
-            chosen = self.methods[self.methods[differs] == wanted]
+            chosen = self.usual[self.usual[differs] == wanted]
             first = chosen.reset_index().drop_duplicates(same).set_index(same)["solver"]
             kinds.append(first)
         both = pd.concat(kinds, axis=1, join="inner", keys=["first", "second"])

@@ -114,8 +114,8 @@ def _longer(evidence: Evidence, order: str, here: pd.Series[bool]) -> str:
 
 def _by_formulation(evidence: Evidence, table: pd.DataFrame, best: str) -> pd.DataFrame:
     """The best value of any method: questions by formulations."""
-    values = table[[solver for solver in table if solver in evidence.methods.index]]
-    formulation = evidence.methods["formulation"].reindex(values.columns)
+    values = table[[solver for solver in table if solver in evidence.usual.index]]
+    formulation = evidence.usual["formulation"].reindex(values.columns)
     return values.T.groupby(formulation).agg(best).T
 
 
@@ -152,7 +152,7 @@ def near_circles(evidence: Evidence) -> Finding | None:
     margin = rows["margin"].abs().reindex(evidence.rates.index)
     groups = evidence.rates[margin <= _NEAR], evidence.rates[margin >= _AWAY]
     losses: list[tuple[float, str, Estimate, Estimate]] = []
-    asked = [solver for solver in evidence.rates if solver in evidence.methods.index]
+    asked = [solver for solver in evidence.rates if solver in evidence.usual.index]
     for solver in asked:
         near, away = (evidence.share_of(group[solver]) for group in groups)
         if near is not None and away is not None and near.high < away.low:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dubins_study.report.elements.formats import some
-from dubins_study.report.topics.belief.numbers import beliefs, false_proofs
+from dubins_study.report.topics.belief.numbers import FALSE, beliefs, false_proofs
 from dubins_study.report.topics.findings.evidence import Evidence
 from dubins_study.report.topics.findings.finding import (
     ENOUGH,
@@ -59,7 +59,9 @@ def false_proof(evidence: Evidence) -> Finding | None:
     share = percent(
         Estimate(worst["false"], worst["false_low"], worst["false_high"], int(worst["questions"]))
     )
-    false = false_proofs(rows[rows["solver"] == order[0]]).to_dict("records")[0]
+    false = false_proofs(rows[(rows["solver"] == order[0]) & (rows["truth"] == FALSE)]).to_dict(
+        "records"
+    )[0]
     others = [evidence.name(solver) for solver in order[1 : _NAMES + 1]]
     more = f" So do {', '.join(others)}." if others else ""
     more += (
