@@ -99,7 +99,7 @@ class GlobalNlp(Solver):
         order: of the joint model: `LRS` (the paper's), `RLS` or `both`.
         heading: whether the final heading z1 - z2 of the joint model is a `variable` with an
             equation of its own, as theta2 is in the paper, or an `expression` inside its sines and
-            cosines, which the same engine may take a thousand times as long with.
+            cosines, which makes every engine branch more.
         gap: relative difference of point and bound at which the engine may stop.
         feastol: the engine's tolerance on the two equations, in radii.
         emphasis: SCIP's `default`, or `lean`, its branch and bound without heuristics, cutting
