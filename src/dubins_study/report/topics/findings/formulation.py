@@ -19,6 +19,8 @@ WORDS, JOINT = "one NLP a word", "joint NLP, both orders"
 ORDERS = ("joint NLP, LRS", "joint NLP, RLS")
 TRANSCRIPTIONS = ("turn rates", "Radau collocation", "multiple shooting")
 RANKS = "Comparison of methods: means and ranks"
+MATRIX = "Formulation by engine"
+STRATA = "Formulation by engine: strata"
 # The check cannot tell a smaller gap from the miss that it allows.
 _RESOLVED = 1e-6
 
@@ -61,7 +63,7 @@ def words_against_joint(evidence: Evidence) -> Finding | None:
         points,
         POINTS,
         _asked(points, len(pairs), "engine"),
-        RANKS,
+        MATRIX,
     )
 
 
@@ -95,7 +97,7 @@ def single_order(evidence: Evidence) -> Finding | None:
         share,
         PERCENT,
         f"{some(share.questions, 'question')} {where}; all engines and guesses together",
-        RANKS,
+        STRATA,
     )
 
 
@@ -170,7 +172,7 @@ def near_circles(evidence: Evidence) -> Finding | None:
         PERCENT,
         f"{some(near.questions, 'question')} within {_NEAR:g} radii of a circle, "
         f"{away.questions} at least {_AWAY:g} radii from one",
-        "Whom one can believe, and success by stratum",
+        STRATA,
     )
 
 

@@ -13,7 +13,7 @@ from dubins_study.report.topics.findings.finding import (
     Finding,
     percent,
 )
-from dubins_study.report.topics.findings.formulation import RANKS
+from dubins_study.report.topics.findings.formulation import MATRIX
 
 _SAME = ["formulation", "engine"]
 
@@ -33,7 +33,7 @@ def zero_start(evidence: Evidence) -> Finding | None:
         points,
         POINTS,
         f"{some(points.questions, 'question')} with a path, {some(len(pairs), 'method')}, in pairs",
-        RANKS,
+        MATRIX,
     )
 
 
@@ -58,7 +58,7 @@ def random_restarts(evidence: Evidence) -> Finding | None:
         points,
         POINTS,
         f"{some(points.questions, 'question')} with a path, {some(len(pairs), 'method')}, in pairs",
-        RANKS,
+        MATRIX,
     )
 
 
