@@ -178,7 +178,7 @@ def _other(folder):
 
 def _schema(folder):
     (folder / "manifest.json").write_text(json.dumps(manifest(folder) | {"schema": 2}))
-    return "has schema 2; expected 5"
+    return "has schema 2; expected 6"
 
 
 def _damage(folder):
