@@ -137,7 +137,7 @@ def test_methods_are_named_by_the_settings_that_differ(results):
         "ipopt": "Ipopt, bearing",
         "ipopt[presolve=True,polish=False]": "Ipopt, bearing, presolve=true, polish=false",
         "ipopt[presolve=True]": "Ipopt, bearing, presolve=true",
-        "slsqp[presolve=True]": "SLSQP, bearing",
+        "slsqp[presolve=True]": "SLSQP, bearing, presolve=true",
     }
     assert without_setting("a[c=1,b=2]", "c") == ("a[b=2]", "1")
 

@@ -34,8 +34,9 @@ from dubins_study.report.topics.cost.numbers import (
 
 # Eight bars in a panel can be read; the tables hold every method.
 _MOST = 8
-# A winning run with more than this share of the cost is all that there is to show.
-_ONE_RUN = 0.995
+# Other runs with less than this share of the cost are nothing to show.
+_OTHER_RUNS = ("restarts", "losing words", "words without a path")
+_HARDLY = 0.005
 _RATIO = digits(3)
 _SHOWN = {"evaluations": _RATIO, "seconds": _RATIO}
 
@@ -136,7 +137,7 @@ def _bars(table: pd.DataFrame, attempts: Compared) -> pd.DataFrame:
     """
     paired = {solver for pair in presolve_pairs(attempts.engines) for solver in pair}
     order = table.assign(single=~table.index.isin(list(paired))).sort_values(["single", "total"])
-    several = order[order["winning run"] < _ONE_RUN]
+    several = order[order[list(_OTHER_RUNS)].sum(axis=1) > _HARDLY]
     chosen = most_per_formulation(several if len(several) else order, _MOST)
     return table[table.index.isin(chosen.index)]
 
