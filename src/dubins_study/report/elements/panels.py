@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Hashable, Mapping, Sequence
+from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -74,12 +75,12 @@ def plot_share_grid(
 ) -> Figure:
     """As `plot_stacked_shares`, but with small panels side by side and without notes."""
     figure, panels = formulation_grid(table, line=0.115)
-    for name, ax in panels.items():
-        _plot_bars(ax, table[table["formulation"] == name], looks, None)
+    for name, (ax, lines) in panels.items():
+        _plot_bars(ax, table[table["formulation"] == name], looks, None, lines)
         ax.set_xlim(0, 1)
         percent_axis(ax.xaxis)
     figure.supxlabel(label, fontsize=8, color=MUTED)
-    handles, _ = next(iter(panels.values())).get_legend_handles_labels()
+    handles, _ = next(iter(panels.values())).ax.get_legend_handles_labels()
     figure.legend(handles=handles, loc="outside upper left", ncols=len(looks), fontsize=7.5)
     return figure
 
@@ -89,8 +90,9 @@ def _plot_bars(
     rows: pd.DataFrame,
     looks: Mapping[str, tuple[str, str]],
     notes: Mapping[Hashable, str] | pd.Series[str] | None,
+    lines: int = 0,
 ) -> None:
-    places = name_lines(ax, rows["short"].tolist(), 7 if notes is not None else 6)
+    places = name_lines(ax, rows["short"].tolist(), 7 if notes is not None else 6, lines)
     left = np.zeros(len(rows))
     for kind, (colour, hatch) in looks.items():
         width = rows[kind].to_numpy(dtype=np.float64)
@@ -102,11 +104,14 @@ def _plot_bars(
             ax.text(1.01, place, notes[key], va="center", fontsize=7, color=MUTED)
 
 
-def name_lines(ax: Axes, names: Sequence[str], size: float) -> NDArray[np.intp]:
-    """Write methods' names beside their lines, the first at the top; returns the lines' places."""
+def name_lines(ax: Axes, names: Sequence[str], size: float, lines: int = 0) -> NDArray[np.intp]:
+    """Write methods' names beside their lines, the first at the top; returns the lines' places.
+
+    The panel has room for `lines` lines if there are more of them than names.
+    """
     places = np.arange(len(names))[::-1]
     ax.set_yticks(places, names, color=INK, fontsize=size)
-    ax.set_ylim(-0.6, len(names) - 0.4)
+    ax.set_ylim(len(names) - 0.6 - max(lines, len(names)), len(names) - 0.4)
     only_grid(ax, "x")
     ax.spines["left"].set_visible(False)
     ax.tick_params(axis="y", length=0)
@@ -118,9 +123,16 @@ def most_per_formulation(table: pd.DataFrame, most: int) -> pd.DataFrame:
     return table.groupby("formulation", sort=False).head(most)
 
 
+class Panel(NamedTuple):
+    """A panel, and how many methods the largest of the panels beside it holds."""
+
+    ax: Axes
+    lines: int
+
+
 def formulation_grid(
     table: pd.DataFrame, line: float = 0.0, height: float = 0.0, across: int = 3
-) -> tuple[Figure, dict[str, Axes]]:
+) -> tuple[Figure, dict[str, Panel]]:
     """A figure as wide as the page, with a few panels side by side, one per formulation.
 
     Args:
@@ -136,8 +148,12 @@ def formulation_grid(
     heights = [_SMALL_HEADING + height + line * size for size in largest]
     figure = new_figure(WIDE, _MARGINS + sum(heights))
     axes = figure.subplots(down, across, sharex=True, height_ratios=heights, squeeze=False)
-    panels = dict(zip(map(str, sizes.index), axes.flat, strict=False))
-    for name, ax in panels.items():
+    room = np.repeat(largest, across)
+    panels = {
+        str(name): Panel(ax, int(lines))
+        for name, ax, lines in zip(sizes.index, axes.flat, room, strict=False)
+    }
+    for name, (ax, _) in panels.items():
         ax.set_title(name, fontsize=7.5, pad=3)
         ax.tick_params(labelsize=6.5)
     for ax in axes.flat[len(panels) :]:

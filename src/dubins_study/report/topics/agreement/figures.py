@@ -9,8 +9,7 @@ from matplotlib.colors import LinearSegmentedColormap, LogNorm
 
 from dubins_study.report.elements.formats import digits, share
 from dubins_study.report.elements.looks import name_of
-from dubins_study.report.elements.style import BLUE, INK, MAP_PAPER, MUTED, ON_MAP
-from dubins_study.report.statistics.metrics import solver_order
+from dubins_study.report.elements.style import BLUE, INK, MAP_PAPER, MUTED, ON_MAP, Style
 
 # One hue from light to dark, so that the order stays visible in grey print.
 _DEPTH = LinearSegmentedColormap.from_list("depth", ["#f4f7fa", "#9cc6e0", BLUE, "#0b2f47"])
@@ -20,20 +19,24 @@ _SMALLEST, _LARGEST = 1e-16, 1.0
 def plot_agreement(ax: Axes, pairs: pd.DataFrame) -> None:
     """Draw the largest length difference below the diagonal, the share within 1e-6 above it.
 
-    Columns: first, second, both, largest, within.
+    Columns: first, second, both, largest, within; in the order of the solvers.
     """
-    solvers = solver_order([*pairs["first"], *pairs["second"]])
+    solvers = list(dict.fromkeys([*pairs["first"], *pairs["second"]]))
     n = len(solvers)
     depth = np.full((n, n), np.nan)
+    centred: Style = {"ha": "center", "va": "center", "fontsize": 8.5 if n < 10 else 7}
     for row in pairs[pairs["both"] > 0].to_dict("records"):
         i, j = sorted((solvers.index(row["first"]), solvers.index(row["second"])))
         depth[j, i] = min(max(row["largest"], _SMALLEST), _LARGEST)
         ink = MAP_PAPER if depth[j, i] > 1e-6 else ON_MAP
-        ax.text(i, j, digits(2)(row["largest"]), ha="center", va="center", color=ink)
-        ax.text(j, i, share(row["within"]), ha="center", va="center", color=INK)
+        ax.text(i, j, digits(2)(row["largest"]), color=ink, **centred)
+        ax.text(j, i, share(row["within"]), color=INK, **centred)
     norm = LogNorm(_SMALLEST, _LARGEST)
     ax.imshow(depth, cmap=_DEPTH, norm=norm, interpolation="nearest", aspect="auto")
-    names = [f"{i}   {name_of(solver)}" for i, solver in enumerate(solvers, 1)]
+    names = [
+        f"{i}   {name_of(solver).replace(' by ', chr(10) + 'by ')}"
+        for i, solver in enumerate(solvers, 1)
+    ]
     ax.set_yticks(range(n), names, color=INK)
     ax.set_xticks(range(n), [str(i) for i in range(1, n + 1)], color=INK)
     ax.xaxis.tick_top()

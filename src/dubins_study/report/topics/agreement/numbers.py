@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from itertools import combinations
 
 import numpy as np
@@ -39,12 +39,17 @@ def _first_cold(rows: pd.DataFrame) -> pd.DataFrame:
     return cold.drop_duplicates([*_KEY, "solver"])
 
 
-def agreement(rows: pd.DataFrame, path_of: Callable[[int], Path | None]) -> pd.DataFrame:
+def agreement(
+    rows: pd.DataFrame,
+    path_of: Callable[[int], Path | None],
+    order: Sequence[str] | None = None,
+) -> pd.DataFrame:
     """One row per pair of solvers.
 
     Args:
         rows: attempts.
         path_of: index of a row -> its path.
+        order: of the solvers; None: that of all tables of solvers.
 
     Returns:
         Columns first, second, questions (number put to both), both (number where both arrive),
@@ -61,8 +66,9 @@ def agreement(rows: pd.DataFrame, path_of: Callable[[int], Path | None]) -> pd.D
     scale = arrived.groupby(_KEY)["scale"].max()
     apart = _distances(index, path_of)
     column = {solver: place for place, solver in enumerate(index.columns)}
+    solvers = [name for name in order or solver_order(list(column)) if name in column]
     records = []
-    for first, second in combinations(solver_order(list(length.columns)), 2):
+    for first, second in combinations(solvers, 2):
         present = length[[first, second]].notna().all(axis=1).to_numpy()
         both = length.loc[present, [first, second]]
         over = scale.loc[both.index].to_numpy()

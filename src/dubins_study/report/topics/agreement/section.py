@@ -32,22 +32,30 @@ def agreement_section(results: Results) -> Section | None:
 
 def formulations_section(results: Results) -> Section | None:
     """Matrix and table of the best engine, guess and settings of each formulation."""
-    best = best_of_formulations(solver_summary(results.attempts))
-    rows = results.rows[results.rows["solver"].isin(best)]
+    methods = solver_summary(results.attempts)
+    best = methods[methods["solver"].isin(best_of_formulations(methods))]
+    names = dict(zip(best["solver"], best["formulation"] + " by " + best["engine"], strict=True))
+    rows = results.rows[results.rows["solver"].isin(list(names))]
+    rows = rows.assign(solver=rows["solver"].map(names))
     which = (
         "Of each formulation the engine, guess and settings with the most right answers, the "
         "fastest of several."
     )
     key, title = "agreement-formulations", "Agreement between formulations"
-    return _section(results, rows, key, title, which)
+    return _section(results, rows, key, title, which, list(names.values()))
 
 
 def _section(
-    results: Results, rows: pd.DataFrame, key: str, title: str, which: str
+    results: Results,
+    rows: pd.DataFrame,
+    key: str,
+    title: str,
+    which: str,
+    order: list[str] | None = None,
 ) -> Section | None:
     if rows["solver"].nunique() < 2:
         return None
-    pairs = agreement(rows, results.path)
+    pairs = agreement(rows, results.path, order)
     pairs = pairs[pairs["questions"] > 0].reset_index(drop=True)
     if not (pairs["both"] > 0).any():
         return None
@@ -59,7 +67,7 @@ def _section(
         "darker for more. Above it: the share of common answers that agree to 1e-6. Empty: no "
         "common answer.",
         alt="Matrix of agreement between solvers",
-        height=min(6.3, 0.8 + 0.52 * len({*pairs["first"], *pairs["second"]})),
+        height=min(6.3, 0.8 + 0.52 * (1 + pairs["first"].nunique())),
         width=WIDE,
     )
     caption = (

@@ -41,9 +41,11 @@ def existence_section(results: Results) -> Section | None:
 
 
 def _with_times(frame: pd.DataFrame, times: pd.DataFrame) -> pd.DataFrame:
-    """The frame with the ends of the median's interval (s), and the three as text."""
+    """The frame with the median (s) that has an interval, its ends, and the three as text."""
     ends = times.rename(columns={"low": "wall_low_s", "high": "wall_high_s"})
-    joined = frame.merge(ends.drop(columns="estimate"), on="solver", how="left")
+    joined = frame.merge(ends, on="solver", how="left")
+    # a solver that is not in the sample of rows has a median and no interval
+    joined["wall_s"] = joined["estimate"].astype(float).fillna(joined["wall_s"])
     texts = [_time_text(row) for row in joined.to_dict("records")]
     return joined.assign(time_text=texts)
 

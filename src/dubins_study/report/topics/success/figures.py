@@ -87,7 +87,7 @@ def plot_gap_profiles(
     figure, panels = formulation_grid(methods, height=0.95)
     looks = Palette.of(methods["engine"]).looks(methods["engine"])
     curves: dict[str, Artist] = {}
-    for name, ax in panels.items():
+    for name, (ax, _) in panels.items():
         rows = methods[methods["formulation"] == name]
         for place, (solver, engine) in enumerate(zip(rows["solver"], rows["engine"], strict=True)):
             curve = looks[engine].curve(place) | {"linewidth": 1.0}
@@ -98,7 +98,7 @@ def plot_gap_profiles(
     figure.supxlabel("gap to the shortest length (relative)", fontsize=8, color=MUTED)
     figure.supylabel("share of all attempts", fontsize=8, color=MUTED)
     entries = [curves[engine] for engine in sorted(curves, key=str.casefold)]
-    figure.legend(handles=entries, loc="outside lower left", ncols=5, fontsize=6.5)
+    figure.legend(handles=entries, loc="outside upper left", ncols=6, fontsize=6.5)
     return figure
 
 

@@ -38,9 +38,9 @@ def plot_time_grid(methods: pd.DataFrame) -> Figure:
     """
     figure, panels = formulation_grid(methods, line=0.115)
     looks = Palette.of(methods["engine"]).looks(methods["engine"])
-    for name, ax in panels.items():
+    for name, (ax, lines) in panels.items():
         rows = methods[methods["formulation"] == name]
-        places = name_lines(ax, rows["short"].tolist(), 6)
+        places = name_lines(ax, rows["short"].tolist(), 6, lines)
         for place, row in zip(places, rows.to_dict("records"), strict=True):
             plot_quartiles(ax, row, "wall_s", place, looks[row["engine"]])
         ax.set_xscale("log")
