@@ -76,7 +76,7 @@ def test_means_ranks_and_shares(results):
 
     assert list(ranked.index) == ["slsqp", "ipopt", "ipopt[model=joint]"]
     assert ranked["rank"].tolist() == [1, 2, 3]
-    assert (joint["questions"], joint["right"], common) == (12, 0.5, 6)
+    assert (joint["questions"], joint["right"], common) == (12, 0.5, 12)
     assert joint["par2"] == pytest.approx((sum(joint_times) + 6 * 4.0) / 12)
     logs = np.log(np.array([*joint_times, *[2.0] * 6]) + shift)
     assert joint["mean"] == pytest.approx(np.exp(logs.mean()) - shift)
@@ -137,7 +137,7 @@ def test_methods_are_named_by_the_settings_that_differ(results):
         "ipopt": "Ipopt, bearing",
         "ipopt[presolve=True,polish=False]": "Ipopt, bearing, presolve=true, polish=false",
         "ipopt[presolve=True]": "Ipopt, bearing, presolve=true",
-        "slsqp[presolve=True]": "SLSQP, bearing",
+        "slsqp[presolve=True]": "SLSQP, bearing, presolve=true",
     }
     assert without_setting("a[c=1,b=2]", "c") == ("a[b=2]", "1")
 

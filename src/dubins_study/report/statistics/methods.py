@@ -9,6 +9,8 @@ from dubins_study.study.words import FORMULATIONS
 
 UNSTATED = "not stated"
 _STATED = ["formulation", "engine", "guess"]
+# It belongs to the formulation: engines with it and without it solve different problems.
+_PRESOLVE = "presolve"
 _GUESSES = ("none", "bearing", "zero", "random", "warm", "given")
 
 
@@ -19,14 +21,19 @@ def methods_of(rows: pd.DataFrame) -> pd.DataFrame:
 
     Returns:
         Indexed by solver. Columns formulation, engine, guess; settings: those of the spec that
-        tell solvers with the same three apart, empty if there is one such solver (the solver's name
-        if it states no engine); short: engine, guess and settings, for a figure of one formulation;
-        name: the formulation too.
+        tell solvers with the same three apart (the solver's name if it states no engine), and the
+        presolve where it tells solvers of the formulation apart; short: engine, guess and settings,
+        for a figure of one formulation; name: the formulation too.
     """
     stated = rows.groupby("solver", observed=True)[_STATED].first().fillna(UNSTATED)
     settings: dict[str, str] = {}
-    for (_, engine, _), group in stated.groupby(_STATED, sort=False):
-        settings |= _differing(group.index.tolist(), named=engine == UNSTATED)
+    shared = {
+        str(name): _differing_keys([parse_spec(spec)[1] for spec in group.index]) & {_PRESOLVE}
+        for name, group in stated.groupby("formulation")
+    }
+    for (formulation, engine, _), group in stated.groupby(_STATED, sort=False):
+        named = engine == UNSTATED
+        settings |= _differing(group.index.tolist(), named=named, also=shared[str(formulation)])
     frame = stated.assign(settings=[settings[spec] for spec in stated.index])
     guess = frame["guess"].where(frame["guess"] != "none", "")
     parts = pd.concat([frame["engine"], guess, frame["settings"]], axis=1)
@@ -105,11 +112,18 @@ def without_setting(spec: str, key: str) -> tuple[str, str | None]:
     return f"{name}[{items}]", value
 
 
-def _differing(specs: list[str], *, named: bool) -> dict[str, str]:
-    """For each spec the settings, and the name, that the specs do not share."""
+def _differing_keys(settings: list[dict[str, str]]) -> set[str]:
+    """The settings that some specs have otherwise than others."""
+    keys = {key for each in settings for key in each}
+    return {key for key in keys if len({each.get(key) for each in settings}) > 1}
+
+
+def _differing(specs: list[str], *, named: bool, also: set[str]) -> dict[str, str]:
+    """For each spec the settings, and the name, that the specs do not share, and some more."""
     parsed = [parse_spec(spec) for spec in specs]
     keys = dict.fromkeys(key for _, settings in parsed for key in settings)
-    shown = [key for key in keys if len({settings.get(key) for _, settings in parsed}) > 1]
+    differing = _differing_keys([settings for _, settings in parsed]) | also
+    shown = [key for key in keys if key in differing]
     several_names = named or len({name for name, _ in parsed}) > 1
     texts = {}
     for spec, (name, settings) in zip(specs, parsed, strict=True):

@@ -24,18 +24,21 @@ _PLAIN_UP_TO = 60.0
 
 
 def method_looks(methods: pd.DataFrame, key: str, palette: Palette) -> dict[str, Look]:
-    """A look for each method: hue and marker by a column, the line by its place among its equals.
+    """A look for each method: hue and marker by a column, the line by its place among
+    those of the same hue.
 
     Args:
         methods: indexed by solver.
         key: the column: `engine`, or `formulation` where there is one method of each.
         palette: of all values of that column on the page.
     """
-    looks, places = {}, dict.fromkeys(methods[key], 0)
+    looks: dict[str, Look] = {}
+    used: dict[str, int] = {}
     for solver, value in methods[key].items():
-        line = LINES[places[value] % len(LINES)]
-        looks[str(solver)] = Look(*palette.hues[value], line)
-        places[value] += 1
+        colour, marker = palette.hues[value]
+        place = used.get(colour, 0)
+        looks[str(solver)] = Look(colour, marker, LINES[place % len(LINES)])
+        used[colour] = place + 1
     return looks
 
 
@@ -95,7 +98,7 @@ def plot_wide(
     ylabel: str,
 ) -> Figure:
     """Rising shares in one panel as wide as the page; durations if the label says `time`."""
-    figure = new_figure(WIDE, 2.6)
+    figure = new_figure(WIDE, max(2.6, 0.4 + 0.27 * len(shares.columns)))
     ax = figure.subplots()
     plot_curves(ax, shares, looks, labels)
     if xlabel.startswith("time of"):

@@ -22,7 +22,7 @@ from dubins_study.report.statistics.means import (
 # A method that was put to fewer of the questions would shrink what all have in common.
 ENOUGH_ASKED = 0.9
 # A method that is right on fewer of the questions would empty what all answer.
-_ENOUGH_RIGHT = 0.5
+_ENOUGH_RIGHT = 0.9
 
 
 @once
@@ -61,7 +61,7 @@ def mean_ranks(compared: Compared) -> tuple[pd.DataFrame, float, int]:
         A frame indexed by solver in the order of the ranks: the method's columns; questions,
         right, right_low, right_high (share); mean, mean_low, mean_high (shifted geometric mean
         with failures at the limit, s); par2, par2_low, par2_high (s); common (shifted geometric
-        mean over what all methods with half the questions right answer, s); rank (missing if it
+        mean over what all methods answer that are right on nine tenths, s); rank (missing if it
         changes with the shift or the penalty), best, worst, rank_tenth and rank_tenfold (at that
         multiple of the shift). Then the shift (s), and the number of questions behind `common`.
     """

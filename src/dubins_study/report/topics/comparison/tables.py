@@ -42,8 +42,8 @@ def rank_table(ranked: pd.DataFrame, shift: float, common: int, limit_s: float) 
         "none if it changes at a tenth or ten times the shift, or if failures cost twice or ten "
         "times the limit. PAR-2: arithmetic mean, a failure costs twice the limit. Over common: "
         f"the shifted mean over the {count(common)} questions that all methods answer which are "
-        "right on at least half of them. 95 % intervals: Wilson's for shares, for as many trials "
-        "as there are questions, and bootstrap over scenarios for means."
+        "right on at least nine tenths of them. 95 % intervals: Wilson's for shares, for as many "
+        "trials as there are questions, and bootstrap over scenarios for means."
     )
     shows = {"right": share, "mean": seconds, "par2": seconds}
     frame = with_interval_texts(frame, **shows)

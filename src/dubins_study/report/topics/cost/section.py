@@ -34,8 +34,9 @@ from dubins_study.report.topics.cost.numbers import (
 
 # Eight bars in a panel can be read; the tables hold every method.
 _MOST = 8
-# A winning run with more than this share of the cost is all that there is to show.
-_ONE_RUN = 0.995
+# Other runs with less than this share of the cost are nothing to show.
+_OTHER_RUNS = ("restarts", "losing words", "words without a path")
+_HARDLY = 0.005
 _RATIO = digits(3)
 _SHOWN = {"evaluations": _RATIO, "seconds": _RATIO}
 
@@ -58,7 +59,8 @@ def cost_section(results: Results) -> Section | None:
     blocks.append(_factor_table(table))
     if len(savings):
         blocks.append(_presolve_table(savings))
-    by_stratum = _stratum_table(attempts, answers)
+    by_strata = strata(attempts, answers, "evaluations")
+    by_stratum = _stratum_table(attempts, answers, by_strata)
     if by_stratum is not None:
         blocks.append(by_stratum)
     text = sentences(
@@ -68,6 +70,7 @@ def cost_section(results: Results) -> Section | None:
         "engine called once, from the same guess.",
         _most_and_least(table),
         _saved(savings),
+        _typical(attempts, by_strata),
         _example(example(attempts, answers)),
     )
     return Section("cost", "Cost where it arises", text, tuple(blocks))
@@ -98,6 +101,22 @@ def _saved(savings: pd.DataFrame) -> str:
     between = " (the most) and " if len(parts) > 1 else ""
     last = " (the least)" if len(parts) > 1 else ""
     return f"The presolve divides the evaluations, in the median, {between.join(parts)}{last}."
+
+
+def _typical(attempts: Compared, by_strata: pd.DataFrame) -> str:
+    """The median over the strata of the methods that are posed with and without the presolve."""
+    medians = _over_strata(by_strata)
+    pairs = [pair for pair in presolve_pairs(attempts.engines) if set(pair) <= set(medians.index)]
+    parts = [
+        f"{attempts.methods['engine'][on]} {_RATIO(medians[on])} ({_RATIO(medians[off])} without)"
+        for off, on in pairs
+    ]
+    if not parts or by_strata["stratum"].nunique() < 2:
+        return ""
+    return (
+        "Evaluations with the presolve as a multiple of those of the winning run, median over the "
+        f"strata: {'; '.join(parts)}."
+    )
 
 
 def _example(table: pd.DataFrame) -> str:
@@ -136,7 +155,7 @@ def _bars(table: pd.DataFrame, attempts: Compared) -> pd.DataFrame:
     """
     paired = {solver for pair in presolve_pairs(attempts.engines) for solver in pair}
     order = table.assign(single=~table.index.isin(list(paired))).sort_values(["single", "total"])
-    several = order[order["winning run"] < _ONE_RUN]
+    several = order[order[list(_OTHER_RUNS)].sum(axis=1) > _HARDLY]
     chosen = most_per_formulation(several if len(several) else order, _MOST)
     return table[table.index.isin(chosen.index)]
 
@@ -182,24 +201,19 @@ def _present(attempts: Compared, table: pd.DataFrame) -> list[str]:
     return [stratum for stratum in attempts.strata if stratum in set(table["stratum"])]
 
 
-def _stratum_table(attempts: Compared, answers: Split) -> Table | None:
-    """Strata in lines, methods that have something to enumerate in columns."""
-    table = strata(attempts, answers, "evaluations")
-    split_methods = table[table["estimate"] > 1]["solver"].unique()
-    chosen = [solver for solver in attempts.methods.index if solver in split_methods]
-    words = attempts.methods.loc[chosen]
-    chosen = list(words[words["formulation"] == "one NLP a word"].index)[:_MOST] or chosen[:_MOST]
+def _stratum_table(attempts: Compared, answers: Split, table: pd.DataFrame) -> Table | None:
+    """Strata in lines, the methods of the first formulation of the figure in columns."""
+    kinds = shares(attempts, answers, "evaluations")
+    bars = _bars(kinds, attempts)
+    chosen = list(bars[bars["formulation"] == bars["formulation"].head(1).squeeze()].index)
     kept = table[table["solver"].isin(chosen)]
     if kept.empty or kept["stratum"].nunique() < 2:
         return None
-    texts = kept.assign(
-        text=[
-            cell_text(with_interval(digits(2), *each))
-            for each in zip(kept["estimate"], kept["low"], kept["high"], strict=True)
-        ]
-    ).pivot(index="stratum", columns="solver", values="text")
+    ends = zip(kept["estimate"], kept["low"], kept["high"], strict=True)
+    kept = kept.assign(text=[cell_text(with_interval(digits(2), *each)) for each in ends])
+    texts = kept.pivot(index="stratum", columns="solver", values="text")
     texts = texts.reindex(index=_present(attempts, kept), columns=chosen)
-    medians = kept.groupby("solver")["estimate"].median().reindex(chosen)
+    medians = _over_strata(table).reindex(chosen)
     texts.loc["median over the strata"] = [digits(2)(value) for value in medians]
     frame = texts.reset_index()
     names = attempts.methods["short"]
@@ -212,3 +226,8 @@ def _stratum_table(attempts: Compared, answers: Split) -> Table | None:
         f"interval; {attempts.methods.loc[chosen[0], 'formulation']}."
     )
     return Table("cost-strata", caption, frame, shown, dense=True)
+
+
+def _over_strata(table: pd.DataFrame) -> pd.Series[float]:
+    """The median over strata of each solver's median over questions."""
+    return table.groupby("solver")["estimate"].median()

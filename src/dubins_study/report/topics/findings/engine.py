@@ -72,27 +72,27 @@ def presolve(evidence: Evidence) -> Finding | None:
     return Finding(sentence, factor, TIMES, question, "Cost where it arises: the presolve")
 
 
-def stochastic_search(evidence: Evidence) -> Finding | None:
-    """Stochastic search on the penalty function against the best method of another formulation."""
+def derivative_free_search(evidence: Evidence) -> Finding | None:
+    """The most reliable search without derivatives against the best of other formulations."""
     ranked = evidence.ranked
-    search, others = (ranked[(ranked["formulation"] == STOCHASTIC) == is_it] for is_it in (1, 0))
-    if search.empty or others.empty:
+    on_penalty = ranked["formulation"] == STOCHASTIC
+    if on_penalty.all() or not on_penalty.any():
         return None
-    solver, rival = str(search.index[0]), str(others.index[0])
+    solver, rival = str(ranked["right"][on_penalty].idxmax()), str(ranked.index[~on_penalty][0])
     ratio, right = evidence.time_ratio(solver, rival), evidence.share_of(evidence.rates[solver])
     if ratio is None or right is None or not ratio.excludes(1):
         return None
-    advice = "Keep stochastic search for problems without derivatives"
+    advice = "Keep search without derivatives for problems that have none"
     if ratio.value < 1:
-        advice = "Try stochastic search first"
+        advice = "Try search without derivatives first"
     return Finding(
-        f"{advice}: the best of it, {evidence.name(solver)}, is right on {right.percent_text()} of "
-        f"the questions, and takes {ratio.text()} times as long as {evidence.name(rival)} "
-        "where both are right.",
+        f"{advice}: the most reliable of it, {evidence.name(solver)}, is right on "
+        f"{right.percent_text()} of the questions, and takes {ratio.text()} times as long as "
+        f"{evidence.name(rival)} where both are right.",
         ratio,
         TIMES,
         f"{some(right.questions, 'question')} with a path, {some(ratio.questions, 'question')} "
-        f"answered by both; {some(len(search), 'stochastic method')}",
+        f"answered by both; {some(int(on_penalty.sum()), 'method')} on the penalty",
         RANKS,
     )
 
@@ -105,21 +105,26 @@ def no_rank(evidence: Evidence) -> Finding | None:
     tests = engine_tests(evidence.times, ranked)
     if tests.empty:
         return None
-    for line in tests[~separated(tests) & tests["p"].notna()].to_dict("records"):
-        solver, rival = str(line["solver"]), str(line["rival"])
-        if ranked["engine"][solver] == ranked["engine"][rival]:
-            continue
-        ratio = evidence.time_ratio(rival, solver)
-        if ratio is not None and not ratio.excludes(1):
-            return Finding(
-                f"Do not conclude a rank between {ranked['short'][solver]} and "
-                f"{ranked['short'][rival]} on {line['shared']}: the ratio of their median times is "
-                f"{ratio.text()}, and the paired test does not separate them "
-                f"(p = {digits(2)(line['p_holm'])}).",
-                ratio,
-                TIMES,
-                f"{some(ratio.questions, 'question')} that both answer; Wilcoxon's test with "
-                f"Holm's correction for {len(tests)} pairs",
-                "Comparison of methods: paired tests",
-            )
-    return None
+    ties = [
+        (abs(np.log(ratio.value)), ratio, line)
+        for line in tests[~separated(tests) & tests["p"].notna()].to_dict("records")
+        if ranked["engine"][line["solver"]] != ranked["engine"][line["rival"]]
+        and (ratio := evidence.time_ratio(str(line["rival"]), str(line["solver"]))) is not None
+        and not ratio.excludes(1)
+    ]
+    if not ties:
+        return None
+    _, ratio, line = min(ties, key=lambda tie: tie[0])
+    end = f" on {line['shared']}"
+    names = [evidence.name(str(line[key])).removesuffix(end) for key in ("solver", "rival")]
+    return Finding(
+        f"Do not conclude a rank between {' and '.join(names)}{end}: the ratio of their median "
+        f"times is {ratio.text()}, and the paired test does not separate them "
+        f"(p = {digits(2)(line['p_holm'])}). Undecided like that: {len(ties)} of "
+        f"{some(len(tests), 'pair')}.",
+        ratio,
+        TIMES,
+        f"{some(ratio.questions, 'question')} that both answer; Wilcoxon's test with Holm's "
+        f"correction for {some(len(tests), 'pair')}",
+        "Comparison of methods: paired tests",
+    )

@@ -77,28 +77,34 @@ def single_order(evidence: Evidence) -> Finding | None:
         return None
     rows = evidence.compared.answerable.drop_duplicates("question").set_index("question")
     regions = rows["region"].reindex(answered.index)
-    losses: list[tuple[Estimate, str, str]] = []
+    worst: list[tuple[Estimate, str, str]] = []
     for order in ORDERS:
         if order not in answered:
             continue
         lost = (answered[order] == 0).astype(float)[answered[JOINT] == 1]
-        for region, here in lost.groupby(regions):
-            share = evidence.share_of(here)
-            if share is not None and share.value > 0:
-                losses.append((share, order, str(region)))
-    if not losses:
+        shares = [(evidence.share_of(here), str(where)) for where, here in lost.groupby(regions)]
+        known = [(share, order, where) for share, where in shares if share and share.value > 0]
+        worst += [max(known)] if known else []
+    if not worst:
         return None
-    share, order, region = max(losses)
-    where = _WHERE.get(region, f"in the {region}")
+    (share, order, region), *other = sorted(worst, reverse=True)
+    more = "".join(
+        f"; with {name[-3:]} alone, {each.percent_text()} {_where(place)}"
+        for each, name, place in other
+    )
     return Finding(
-        f"Pose both orders: where the target lies {where}, no engine with the order {order[-3:]} "
-        f"alone answers {share.percent_text()} of the questions that both orders answer."
-        f"{_longer(evidence, order, regions == region)}",
+        f"Pose both orders: where the target lies {_where(region)}, {share.percent_text()} of the "
+        "questions that both orders answer are answered by no engine with the order "
+        f"{order[-3:]} alone{more}.{_longer(evidence, order, regions == region)}",
         share,
         PERCENT,
-        f"{some(share.questions, 'question')} {where}; all engines and guesses together",
+        f"{some(share.questions, 'question')} {_where(region)}; all engines and guesses together",
         STRATA,
     )
+
+
+def _where(region: str) -> str:
+    return _WHERE.get(region, f"in the {region}")
 
 
 _WHERE = {"circle": "on a turning circle", "outside": "outside the turning circles"}

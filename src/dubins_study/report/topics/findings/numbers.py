@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from dubins_study.report.topics.findings.engine import (
+    derivative_free_search,
     no_rank,
     presolve,
     slowest_engine,
-    stochastic_search,
 )
 from dubins_study.report.topics.findings.evidence import Evidence
 from dubins_study.report.topics.findings.finding import Finding
@@ -37,7 +37,7 @@ FINDINGS: tuple[Callable[[Evidence], Finding | None], ...] = (
     infeasible_claims,
     near_circles,
     no_rank,
-    stochastic_search,
+    derivative_free_search,
     single_order,
     coarse_transcription,
     random_restarts,
