@@ -132,11 +132,22 @@ def test_the_plainest_example_and_its_command(results):
 def test_a_command_asks_the_question_again():
     """Negative numbers are no options; radius, heading and branch are given if they matter."""
     values = {"x": 0.1, "y": 0.0, "heading": -2.5, "target_x": -3.0, "target_y": 1e-7}
-    text = command({**values, "radius": 2.0, "branch": "LS", "solver": "nlp[a=b,c=d]"})
+    setting = {"radius": 2.0, "branch": "LS", "solver": "nlp[a=b,c=d]", "profile": "accurate"}
+    text = command({**values, **setting})
 
     assert shlex.split(text) == [
         *("dubins-study", "solve", "--from", "0.1", "0", "-2.5", "--radius", "2"),
-        *("--branch", "LS", "--solver", "nlp[a=b,c=d]", "--", "-3", "1e-07"),
+        *(
+            "--branch",
+            "LS",
+            "--profile",
+            "accurate",
+            "--solver",
+            "nlp[a=b,c=d]",
+            "--",
+            "-3",
+            "1e-07",
+        ),
     ]
 
 

@@ -50,6 +50,7 @@ def row(question: int, solver: str, **changes: Any) -> Row:
         "gap": 1e-12,
         "lower_bound": float("nan"),
         "tolerance": 1e-8,
+        "profile": "default",
         "reference_high": 4.0,
         "length": 4.0,
         "region": "outside",

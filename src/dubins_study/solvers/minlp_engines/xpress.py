@@ -30,8 +30,7 @@ def xpress(settings: Settings) -> MinlpEngine:
     """Xpress' global solver with MIPRELSTOP and FEASTOL; `lean` changes nothing."""
 
     def run(program: MixedProgram, seconds: float) -> ProvenResult:
-        library: Any = import_module("xpress")
-
+        library = _library()
         try:
             _start()
             return _run(library, program, settings, seconds)
@@ -103,10 +102,17 @@ _CTRL_C = 2  # XPRS_STOP_CTRLC
 
 
 @cache
+def _library() -> Any:
+    """The module. Where Pyomo is loaded, it then asks Xpress for its version in an outdated way."""
+    # recorded, since Xpress changes the filters of warnings while it is imported
+    with warnings.catch_warnings(record=True):
+        return import_module("xpress")
+
+
+@cache
 def _start() -> None:
     """Read the licence, once a process and without the warning that it is the one in the wheel."""
-    library: Any = import_module("xpress")
-
+    library = _library()
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", library.LicenseWarning)
         library.init()

@@ -9,11 +9,11 @@ from dubins_study.report.elements.formats import count
 from dubins_study.report.elements.panels import plot_stacked_shares
 from dubins_study.report.elements.style import BLUE, RULE, VERMILION
 
-# From dark to light; only false claims are hatched, so that grey print shows them.
+# From dark to light with hatches, so that grey print keeps them apart.
 LOOKS = {
     "true": (BLUE, ""),
-    "true to its tolerance": ("#6aa9d4", "..."),
-    "less than known": ("#b9def3", ""),
+    "true to its tolerance": ("#3f8fc4", "..."),
+    "less than known": ("#86bce0", "///"),
     "says nothing": (RULE, ""),
     "false": (VERMILION, "xx"),
 }

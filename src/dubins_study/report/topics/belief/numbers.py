@@ -130,7 +130,7 @@ def false_proofs(rows: pd.DataFrame) -> pd.DataFrame:
         place=false["proof"].map({name: place for place, name in enumerate(PROOFS)}),
     ).sort_values(["place", "digits", "distance"], kind="stable")
     groups = order.groupby(["solver", "proof"], sort=False)
-    kept = [*_SCENARIO, "branch", "lower_bound", "length", "reference_high", "tolerance"]
+    kept = [*_SCENARIO, "branch", "lower_bound", "length", "reference_high", "tolerance", "profile"]
     frame = order.drop_duplicates(["solver", "proof"])[["solver", "proof", *kept]]
     counts = groups.agg(attempts=("question", "size"), questions=("question", "nunique"))
     counts["most"] = groups["excess"].max()
@@ -156,6 +156,8 @@ def command(line: Mapping[Hashable, object]) -> str:
     parts += [f"--from {x} {y} {heading}"] if (x, y, heading) != ("0", "0", "0") else []
     parts += [f"--radius {radius}"] if radius != "1" else []
     parts += [f"--branch {line['branch']}"] if line["branch"] != "best" else []
+    profile = line.get("profile", "default")
+    parts += [f"--profile {profile}"] if profile != "default" else []
     parts += [f"--solver '{line['solver']}' -- {target_x} {target_y}"]
     return " ".join(parts)
 

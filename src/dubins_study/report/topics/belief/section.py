@@ -32,6 +32,16 @@ from dubins_study.report.topics.belief.numbers import (
 
 _MOST = 8  # bars in a panel, and columns of the table by stratum
 _MOST_EXAMPLES = 40
+_SHORT = dict(
+    zip(
+        PROOFS,
+        (
+            *("bound too high", "bound too high by its tolerance", "optimal, but longer"),
+            *("infeasible, but has a path", "path, but misses"),
+        ),
+        strict=True,
+    )
+)
 
 
 def belief_section(results: Results) -> Section | None:
@@ -54,7 +64,7 @@ def belief_section(results: Results) -> Section | None:
         blocks.append(_proof_table(false, names))
         blocks.append(_cure_table(cures(rows, names), names))
     text = sentences(
-        "See in the figure which engines say what is not so (hatched). A claim is true if it says "
+        "See in the figure which engines say what is not so (crossed). A claim is true if it says "
         "no more than the check finds; a local solver's longer path is a true claim of a local "
         "optimum. It is less than known if a path arrives and the engine does not say so, or only "
         "calls the shortest path feasible. A bound may lie above the shortest length by what the "
@@ -99,21 +109,11 @@ def _belief_table(table: pd.DataFrame) -> Table:
         *method_columns(table),
         *columns(count, questions="questions"),
         *(interval_column(name, name) for name in TRUTHS),
-        *(
-            Column(name, title, count)
-            for name, title in zip(
-                PROOFS,
-                (
-                    *("bound too high", "by its tolerance", "optimal, but longer"),
-                    *("infeasible, but not", "misses"),
-                ),
-                strict=True,
-            )
-        ),
+        *(Column(name, title, count) for name, title in _SHORT.items()),
     )
     caption = (
         "Shares of questions (one with a false claim in one of three repeats counts a third) with "
-        " Wilson's 95 % intervals for as many trials as there are questions; at the right the "
+        "Wilson's 95 % intervals for as many trials as there are questions; at the right the "
         "attempts with a false claim, by kind."
     )
     frame = with_interval_texts(table, **dict.fromkeys(TRUTHS, share))
@@ -148,9 +148,9 @@ def _stratum_table(rows: pd.DataFrame, attempts: Compared) -> Table | None:
 def _proof_table(false: pd.DataFrame, names: pd.DataFrame) -> Table:
     frame = names.reindex(false["solver"]).reset_index(drop=True)
     frame = frame.join(false.reset_index(drop=True)).head(_MOST_EXAMPLES)
+    frame["kind_of_proof"] = frame["proof"].map(_SHORT)
     shown = (
-        *method_columns(frame),
-        *columns(kind="text", proof="what is false"),
+        *columns(kind="text", name="method", kind_of_proof="what is false"),
         *columns(count, attempts="attempts", questions="questions"),
         *columns(
             digits(9), lower_bound="its bound", length="its length", reference_high="shortest"
