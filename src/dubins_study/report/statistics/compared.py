@@ -97,7 +97,7 @@ _KNOWN: WeakKeyDictionary[Results, Compared | None] = WeakKeyDictionary()
 
 # Columns that no comparison reads: every selection of rows would copy them.
 _UNREAD = [
-    *("profile", "code_digest", "executor", "started", "native_status", "message", "iterations"),
+    *("code_digest", "executor", "started", "native_status", "message", "iterations"),
     *("threads", "jobs", "travel_time", "curvature_excess", "hamiltonian", "sign_margin"),
     *("transversality", "pmp_residual", "cut_margin", "abnormal", "costate_x", "costate_y"),
     *("costate_error", "multiplier_x", "multiplier_y"),
