@@ -85,7 +85,7 @@ def test_agreement_is_between_the_best_of_each_formulation(sections):
     frame = section.blocks[1].frame
 
     assert len({*frame["first"], *frame["second"]}) == len(FORMULATIONS) - 1
-    assert "most right answers" in section.text
+    assert "most surely right" in section.text
 
 
 def test_every_solver_stays_in_the_tables(sections):

@@ -21,11 +21,12 @@ from tests.unit.report.results_folder import attempt, write_folder
 WORDS, JOINT = "one NLP a word", "joint NLP, LRS"
 
 
-def method(formulation, engine, guess="bearing", share=1.0, wall_s=1e-3):
+def method(formulation, engine, guess="bearing", share=1.0, wall_s=1e-3, of=8):
     """A line of the summary."""
+    low = share * of / (of + 4)  # as Wilson's of all right
     spec = f"{engine}[{formulation},{guess}]"
     line = {"formulation": formulation, "engine": engine, "guess": guess, "solver": spec}
-    return line | {"right_share": share, "right_of": 8, "wall_s": wall_s}
+    return line | {"right_share": share, "right_of": of, "right_low": low, "wall_s": wall_s}
 
 
 def entry(formulation, engine, kind="local NLP", reason=None):
@@ -114,6 +115,21 @@ def test_the_best_guess_has_the_most_right_answers_then_the_least_time():
 
     assert best["guess"].tolist() == ["random", "zero", "zero"]
     assert cell(matrix(frame, []), "a", WORDS)["guess"] == "random"
+
+
+def test_few_questions_all_right_are_less_than_many_nearly_all():
+    """Two of two say little; the cell says how few they are if nothing else was asked."""
+    frame = pd.DataFrame(
+        [
+            method(WORDS, "a", "zero", 1.0, of=2),
+            method(WORDS, "a", "bearing", 0.9, of=80),
+            method(JOINT, "a", "zero", 1.0, of=2),
+        ]
+    )
+    table = matrix(frame, [])
+
+    assert cell(table, "a", WORDS)["guess"] == "bearing"
+    assert table.cells.set_index("formulation")["few"].to_dict() == {WORDS: False, JOINT: True}
 
 
 def test_a_panel_has_at_most_ten_engines():

@@ -31,7 +31,8 @@ def plot_share_map(
     Args:
         ax: where to draw.
         shares: lines by columns, both named as on the page; NaN for an empty cell.
-        notes: texts of the empty cells, in the same shape.
+        notes: texts of the empty cells, and what follows the number in the others; in the same
+            shape.
         size: of the letters (points).
     """
     values = shares.to_numpy(dtype=np.float64)
@@ -41,13 +42,10 @@ def plot_share_map(
     ax.pcolormesh(*edges, np.ma.masked_invalid(values), cmap=DEPTH, vmin=0, vmax=1, **gaps)
     ax.invert_yaxis()
     for i, j in np.ndindex(lines, columns):
+        text, ink = "" if notes is None else str(notes.iat[i, j]), MUTED
         if np.isfinite(values[i, j]):
-            text, ink = (
-                whole_percent(float(values[i, j])),
-                MAP_PAPER if values[i, j] > _DARK else ON_MAP,
-            )
-        else:
-            text, ink = "" if notes is None else str(notes.iat[i, j]), MUTED
+            text = whole_percent(float(values[i, j])) + text
+            ink = MAP_PAPER if values[i, j] > _DARK else ON_MAP
         if text:
             # the layout need not measure what lies inside the axes
             ax.text(

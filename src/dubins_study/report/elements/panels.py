@@ -17,7 +17,7 @@ from dubins_study.report.statistics.methods import MOST_ENGINES
 
 # For captions of figures that show `statistics.methods.drawn_methods`.
 DRAWN_TEXT = (
-    "A panel per formulation: of each engine the guess and settings with the most right answers, "
+    "A panel per formulation: of each engine the guess and settings that are most surely right, "
     f"and at most {MOST_ENGINES} engines."
 )
 _LINE, _HEADING = 0.21, 0.42  # inches: a bar with its gap, a panel's title with its gap

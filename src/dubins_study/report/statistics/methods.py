@@ -56,20 +56,25 @@ def methods_of(rows: pd.DataFrame) -> pd.DataFrame:
 
 
 def best_methods(frame: pd.DataFrame, keys: list[str]) -> pd.DataFrame:
-    """The method with the most right answers of each group, the fastest where several have as many.
+    """The method of each group that is most surely right, the fastest where several are as sure.
+
+    The lower end of the share's interval decides: of a few questions all right is less than of many
+    nearly all.
 
     Args:
-        frame: one row per method; the columns `keys`, which name the groups; right_share (NaN if it
-            was asked nothing) and wall_s (median time).
+        frame: one row per method; the columns `keys`, which name the groups; right_low (of the
+            share of right answers) and wall_s (median time).
         keys: e.g. formulation and engine.
     Returns:
         Some rows of the frame, in its order.
     """
-    ranked = frame.reset_index(drop=True).sort_values(
-        ["right_share", "wall_s"], ascending=[False, True], kind="stable"
-    )
+    ranked = _ranked(frame.reset_index(drop=True))
     kept = ranked.drop_duplicates(keys).index
     return frame.iloc[sorted(kept)]
+
+
+def _ranked(frame: pd.DataFrame) -> pd.DataFrame:
+    return frame.sort_values(["right_low", "wall_s"], ascending=[False, True], kind="stable")
 
 
 # As many methods at most have a bar or a curve each in one figure. Of more, only the best of each
@@ -83,24 +88,23 @@ def drawn_methods(frame: pd.DataFrame) -> pd.DataFrame:
     Args:
         frame: as for `best_methods`, with formulation and engine.
     Returns:
-        Some rows of the frame, in its order; at most `MOST_ENGINES` of a formulation, those with
-        the most right answers; not the closed form, to which no engine compares.
+        Some rows of the frame, in its order; at most `MOST_ENGINES` of a formulation, those most
+        surely right; not the closed form, to which no engine compares.
     """
     engines = frame[frame["formulation"] != FORMULATIONS[0]]
     best = best_methods(engines, ["formulation", "engine"])
     best = best.assign(place=range(len(best)))
-    ranked = best.sort_values(["right_share", "wall_s"], ascending=[False, True], kind="stable")
-    kept = ranked.groupby("formulation", sort=False).head(MOST_ENGINES)
+    kept = _ranked(best).groupby("formulation", sort=False).head(MOST_ENGINES)
     return kept.sort_values("place", kind="stable").drop(columns="place")
 
 
 def best_of_formulations(frame: pd.DataFrame) -> list[str]:
-    """The solver with the most right answers of each formulation, but for the closed form.
+    """The solver of each formulation that is most surely right, but for the closed form.
 
     Args:
         frame: as for `best_methods`, with solver and formulation.
     """
-    engines = frame[(frame["formulation"] != FORMULATIONS[0]) & (frame["right_share"] > 0)]
+    engines = frame[(frame["formulation"] != FORMULATIONS[0]) & (frame["right_low"] > 0)]
     return best_methods(engines, ["formulation"])["solver"].tolist()
 
 

@@ -38,7 +38,7 @@ def formulations_section(results: Results) -> Section | None:
     rows = results.rows[results.rows["solver"].isin(list(names))]
     rows = rows.assign(solver=rows["solver"].map(names))
     which = (
-        "Of each formulation the engine, guess and settings with the most right answers, the "
+        "Of each formulation the engine, guess and settings that are most surely right, the "
         "fastest of several."
     )
     key, title = "agreement-formulations", "Agreement between formulations"

@@ -13,9 +13,14 @@ from dubins_study.report.topics.matrix.numbers import Matrix
 
 
 def plot_matrix(ax: Axes, table: Matrix) -> None:
-    """Shares of right answers, engines by formulations; an empty cell has its reason's number."""
+    """Shares of right answers, engines by formulations; an empty cell has its reason's number.
+
+    A star follows the share of a method that was asked fewer questions than others.
+    """
     names = [engine for _, engine in table.engines]
-    cells = table.cells.assign(text=[f"[{note}]" if note else "" for note in table.cells["note"]])
+    stars = table.cells["few"].map({True: "*", False: ""})
+    numbers = [f"[{note}]" if note else "" for note in table.cells["note"]]
+    cells = table.cells.assign(text=stars.where(table.cells["filled"], numbers))
     wide = {
         key: cells.pivot(index="engine", columns="formulation", values=key).reindex(
             index=names, columns=table.formulations
@@ -24,7 +29,7 @@ def plot_matrix(ax: Axes, table: Matrix) -> None:
     }
     plot_share_map(ax, wide["right_share"], wide["text"])
     titles = [textwrap.fill(name, 10, break_long_words=False) for name in table.formulations]
-    ax.set_xticks(range(len(titles)), titles, fontsize=6)
+    ax.set_xticks(range(len(titles)), titles, fontsize=5.8)
     ax.xaxis.tick_top()
     _name_kinds(ax, table)
 
@@ -34,19 +39,13 @@ def _name_kinds(ax: Axes, table: Matrix) -> None:
     kinds = [kind for kind, _ in table.engines]
     starts = [place for place, kind in enumerate(kinds) if place == 0 or kind != kinds[place - 1]]
     for start in starts:
-        ax.text(
-            len(table.formulations) - 0.35,
-            start,
-            kinds[start],
-            va="center",
-            fontsize=7,
-            color=MUTED,
-        )
+        right, name = len(table.formulations) - 0.4, textwrap.fill(kinds[start], 11)
+        ax.text(right, start - 0.4, name, va="top", fontsize=6, color=MUTED)
         if start:
             ax.axhline(start - 0.5, color=INK, linewidth=0.6)
 
 
 def plot_strata(ax: Axes, shares: pd.DataFrame) -> None:
     """Shares of right answers of one formulation: methods by strata."""
-    plot_share_map(ax, shares, size=6.5)
-    ax.set_xticks(range(len(shares.columns)), shares.columns, rotation=90, fontsize=6.5)
+    plot_share_map(ax, shares, size=6)
+    ax.set_xticks(range(len(shares.columns)), shares.columns, rotation=90, fontsize=6)

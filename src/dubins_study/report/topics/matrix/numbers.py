@@ -25,8 +25,9 @@ class Matrix(NamedTuple):
 
     Args:
         cells: one row per engine and formulation: kind, engine, formulation, the columns of the
-            pair's best method (`filled`: whether there is one), reason (empty if filled), note (the
-            reason's number, 0 if filled).
+            pair's best method (`filled`: whether there is one; `few`: whether it was asked less
+            than half as many questions as others), reason (empty if filled), note (the reason's
+            number, 0 if filled).
         engines: (kind, engine) in the order of lines.
         formulations: in the order of columns.
         reasons: by number, from 1.
@@ -42,7 +43,8 @@ def matrix(methods: pd.DataFrame, entries: Sequence[MatrixEntry]) -> Matrix:
     """Every formulation with every engine.
 
     Args:
-        methods: one row per method: formulation, engine, guess, right_share, wall_s, and others.
+        methods: one row per method: the columns of `with_share` for right, formulation, engine,
+            guess, wall_s, and others.
         entries: the manifests'; without any, only the pairs that have rows.
     """
     asked = methods[(methods["formulation"] != _FORMULA) & (methods["right_of"] > 0)]
@@ -66,6 +68,7 @@ def matrix(methods: pd.DataFrame, entries: Sequence[MatrixEntry]) -> Matrix:
     )
     cells = pairs.merge(best, on=["engine", "formulation"], how="left")
     cells["filled"] = cells["filled"].eq(True)
+    cells["few"] = cells["right_of"] < asked["right_of"].max() / 2
     cells["reason"] = cells["reason"].where(~cells["filled"], "")
     reasons = list(dict.fromkeys(reason for reason in cells["reason"] if reason))
     number = {reason: place for place, reason in enumerate(reasons, 1)}

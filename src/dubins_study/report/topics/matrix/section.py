@@ -13,7 +13,7 @@ from dubins_study.report.elements.columns import SOLVER, Column, columns, marks
 from dubins_study.report.elements.content import Picture, Section, Table, picture
 from dubins_study.report.elements.formats import count, digits, seconds, sentences, some
 from dubins_study.report.elements.identity import METHOD
-from dubins_study.report.elements.shares import INTERVAL_TEXT, percent
+from dubins_study.report.elements.shares import INTERVAL_TEXT, percent, questions
 from dubins_study.report.elements.style import WIDE
 from dubins_study.report.topics.matrix.figures import plot_matrix
 from dubins_study.report.topics.matrix.numbers import Matrix, matrix, strata
@@ -40,7 +40,8 @@ def matrix_section(results: Results) -> Section | None:
 
 def _text(table: Matrix) -> str:
     filled = table.cells[table.cells["filled"]]
-    spans = [_span(filled, key) for key in ("formulation", "engine")]
+    spanned = filled[~filled["few"]]
+    spans = [_span(spanned, key) for key in ("formulation", "engine")]
     return sentences(
         "A result belongs to a formulation, an engine and an initial guess. Read along a line for "
         "what the formulation buys, down a column for what the engine buys.",
@@ -71,13 +72,14 @@ def _span(filled: pd.DataFrame, key: str) -> str:
 
 
 def _picture(table: Matrix) -> Picture:
+    star = " A star: asked less than half as many questions." if table.cells["few"].any() else ""
     return picture(
         "matrix",
         plot_matrix,
         table,
         caption="Share of questions with a path that are answered right, in percent, with the best "
         "of the pair's initial guesses and settings; darker for more. In brackets: the number of "
-        "the reason below why a pair has no row.",
+        f"the reason below why a pair has no row.{star}",
         alt="Map of right answers, engines by formulations",
         height=min(6.3, 0.75 + 0.19 * max(len(table.engines), 5)),
         width=WIDE,
@@ -89,21 +91,20 @@ def _cell(row: Mapping[Hashable, Any]) -> str:
         return f"[{row['note']}]" if row["note"] else ""
     low, high = percent(row["right_low"]), percent(row["right_high"])
     milliseconds = digits(3)(1e3 * row["wall_s"])
-    return f"{percent(row['right_share'])} %\n{low}–{high}\n{milliseconds} ms"
+    few = f"\nof {questions(row['right_of'])}" if row["few"] else ""
+    return f"{percent(row['right_share'])} %\n{low}–{high}\n{milliseconds} ms{few}"
 
 
 def _table(table: Matrix) -> Table:
     cells = table.cells.assign(text=[_cell(row) for row in table.cells.to_dict("records")])
     wide = cells.pivot(index="engine", columns="formulation", values="text")
     wide = wide.reindex([engine for _, engine in table.engines]).reset_index()
-    wide.insert(0, "kind", [kind for kind, _ in table.engines])
-    shown = [
-        *columns(kind="text", kind_="kind", engine="engine"),
+    wide["kind"] = [kind for kind, _ in table.engines]
+    wide["named"] = [f"{engine} ({kind})" if kind else engine for kind, engine in table.engines]
+    shown = (
+        *columns(kind="text", named="engine"),
         *(Column(name, name, kind="cell") for name in table.formulations),
-    ]
-    wide = wide.rename(columns={"kind": "kind_"})
-    if not wide["kind_"].any():
-        shown = shown[1:]
+    )
     empty = {
         (line, name): "note"
         for line, (_, engine) in enumerate(table.engines)
@@ -112,11 +113,12 @@ def _table(table: Matrix) -> Table:
     caption = (
         "Every formulation with every engine: questions with a path that are answered right, the "
         "95 % interval (Wilson, a trial a question), and the median time of an attempt, failures "
-        "included; with the guess and settings that have the most right answers, which the table "
-        "of all methods names. Chosen after the fact, the best of several guesses flatters a "
-        "little. A number in brackets is the reason why a pair has no row."
+        "included; with the guess and settings that are most surely right, which the table of all "
+        "methods names. Chosen after the fact, the best of several guesses flatters a little. The "
+        "number of questions stands where it is less than half that of others. A number in "
+        "brackets is the reason why a pair has no row."
     )
-    return Table("matrix", caption, wide, tuple(shown), empty, dense=True)
+    return Table("matrix", caption, wide, shown, empty, ("engine", "kind"), dense=True)
 
 
 def _reasons(table: Matrix) -> Table:

@@ -21,6 +21,7 @@ def strata_blocks(
     names = stratum_order(results, shares["stratum"].unique().tolist())
     if len(names) < 2:
         return []
+    methods = methods.assign(few=methods["right_of"] < methods["right_of"].max() / 2)
     wide = shares.pivot(index="solver", columns="stratum", values="right_share")[names]
     pictures = [
         _picture(str(formulation), group, wide, first=place == 0)
@@ -40,15 +41,29 @@ def stratum_order(results: Results, names: list[str]) -> list[str]:
 def _picture(
     formulation: str, methods: pd.DataFrame, wide: pd.DataFrame, *, first: bool
 ) -> Picture:
-    shares = wide.reindex(methods["solver"]).set_axis(methods["short"].tolist(), axis=0)
+    few = methods["few"].any()
+    shares = wide.reindex(methods["solver"]).set_axis(_names(methods), axis=0)
     return picture(
         f"strata-{slug(formulation)}",
         plot_strata,
         shares,
-        caption=f"{formulation[0].upper()}{formulation[1:]}: percent right in each stratum.",
+        caption=f"{formulation[0].upper()}{formulation[1:]}: percent right in each stratum."
+        f"{' A star: asked less than half as many questions.' if few else ''}",
         alt=f"Map of right answers of {formulation}, methods by strata",
         height=1.35 + 0.145 * len(shares),
     )
+
+
+def _names(methods: pd.DataFrame) -> list[str]:
+    """Engines, with what else tells the methods of a formulation apart: short, for small maps."""
+    several = methods["guess"].nunique() > 1
+    names = []
+    for row in methods.to_dict("records"):
+        guess = row["guess"] if several and row["guess"] != "none" else ""
+        settings = row["settings"].replace("presolve=true", "presolved")
+        star = " *" if row["few"] else ""
+        names.append(", ".join(filter(None, (row["engine"], guess, settings))) + star)
+    return names
 
 
 def _table(methods: pd.DataFrame, shares: pd.DataFrame, names: list[str]) -> Table:

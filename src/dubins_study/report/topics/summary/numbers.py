@@ -11,6 +11,8 @@ from dubins_study.report.statistics.methods import methods_of
 def summary(verdicts: pd.DataFrame, methods: pd.DataFrame) -> pd.DataFrame:
     """One row per solver: verdicts, false claims, wrong basins and times where a path exists.
 
+    Solvers that were asked no such question are left out, unless none was.
+
     Args:
         verdicts: from `report.data.verdicts.verdicts`.
         methods: from `report.data.verdicts.methods`.
@@ -19,5 +21,8 @@ def summary(verdicts: pd.DataFrame, methods: pd.DataFrame) -> pd.DataFrame:
         The columns of both, those of `methods_of`, and those of `with_share` for `right`, a share
         of the questions; in the order of `methods_of`.
     """
-    frame = with_share(verdicts, "right", verdicts["right"], verdicts["questions"])
-    return methods_of(methods).join(frame.set_index("solver")).reset_index()
+    asked = verdicts["questions"] > 0
+    counted = verdicts[asked] if asked.any() else verdicts
+    frame = with_share(counted, "right", counted["right"], counted["questions"])
+    named = methods_of(methods[methods["solver"].isin(counted["solver"])])
+    return named.join(frame.set_index("solver")).reset_index()

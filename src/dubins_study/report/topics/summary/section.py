@@ -45,6 +45,7 @@ def summary_section(results: Results) -> Section | None:
     """Verdicts and times where a path exists, solver by solver."""
     attempts = results.attempts
     frame = solver_summary(attempts)
+    solvers = len(attempts.values("solver"))
     caption = sentences(
         "Questions that have a path. Right: the check finds the answer optimal; shares are of all "
         f"questions, those that failed included. {INTERVAL_TEXT} The other columns count attempts.",
@@ -58,10 +59,9 @@ def summary_section(results: Results) -> Section | None:
     experiments = list(
         dict.fromkeys(run.name for run in results.folders if run.name in attempts.experiments)
     )
-    asked, questions = int(frame["attempts"].sum()), frame["questions"].sum()
-    without = attempts.count - asked
+    questions, without = frame["questions"].sum(), attempts.count - int(frame["attempts"].sum())
     text = sentences(
-        f"{some(attempts.count, 'attempt')} by {some(len(frame), 'solver')} in the "
+        f"{some(attempts.count, 'attempt')} by {some(solvers, 'solver')} in the "
         f"{'experiment' if len(experiments) == 1 else 'experiments'} {', '.join(experiments)}.",
         f"Right where a path exists: {share(frame['right'].sum() / questions)}."
         if questions

@@ -40,7 +40,7 @@ def time_section(results: Results) -> Section | None:
         chosen = cold[cold["solver"].isin([EXACT, *best_of_formulations(timed)])]
     else:
         chosen = _not_variants(cold)
-    which = " Of each formulation the method with the most right answers." if several else ""
+    which = " Of each formulation the method that is most surely right." if several else ""
     ratios = time_ratios(chosen[chosen["solver"] != EXACT])
     if ratios.shape[0] > 1 and ratios.shape[1] > 1:
         blocks.append(_performance_picture(ratios, palette, which))
