@@ -41,3 +41,33 @@ def worker_group(solver: str) -> str:
         return solver
     ours_loaded = load(solver)
     return ours_loaded.worker_group or ("" if ours_loaded.keeps_limit else solver)
+
+
+class JobQueue:
+    """Jobs in the caller's order, except those that are put first.
+
+    Args:
+        jobs: read one by one when they are needed.
+    """
+
+    def __init__(self, jobs: Iterable[Job] = ()):
+        self._first: deque[Job] = deque()
+        self._later = iter(jobs)
+
+    def waiting(self, most: int) -> int:
+        """Number of waiting jobs, or `most` if there are more."""
+        if len(self._first) < most:
+            self._first.extend(islice(self._later, most - len(self._first)))
+        return len(self._first)
+
+    def next(self) -> Job | None:
+        """The next job; it stays in the queue. None if the queue is empty."""
+        return self._first[0] if self.waiting(1) else None
+
+    def take(self) -> Job:
+        """Remove the next job from the queue and return it."""
+        return self._first.popleft()
+
+    def put_first(self, jobs: Iterable[Job]) -> None:
+        """Put jobs at the front of the queue, in their order."""
+        self._first.extendleft(reversed(list(jobs)))

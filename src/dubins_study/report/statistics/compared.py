@@ -28,7 +28,7 @@ class Compared:
     """Cold attempts of engines that could be called.
 
     Args:
-        rows: one row per attempt, with the columns of the schema and `question` and `scenario`
+        rows: one row per attempt, with most columns of the schema and `question` and `scenario`
             (whole numbers), `right` (the check accepts the answer, and an engine gave it) and
             `stratum` (the scenario's label).
         methods: indexed by solver, in the order of tables; columns of `methods_of`.
@@ -95,8 +95,17 @@ def compared(results: Results) -> Compared | None:
 _KNOWN: WeakKeyDictionary[Results, Compared | None] = WeakKeyDictionary()
 
 
+# Columns that no comparison reads: every selection of rows would copy them.
+_UNREAD = [
+    *("code_digest", "executor", "started", "native_status", "message", "iterations"),
+    *("threads", "jobs", "travel_time", "curvature_excess", "hamiltonian", "sign_margin"),
+    *("transversality", "pmp_residual", "cut_margin", "abnormal", "costate_x", "costate_y"),
+    *("costate_error", "multiplier_x", "multiplier_y"),
+]
+
+
 def _compared(results: Results) -> Compared | None:
-    rows = results.rows
+    rows = results.rows.drop(columns=_UNREAD)
     kept = rows[(rows["initial_guess"] == "cold") & ~rows["outcome"].isin(_NEVER_SOLVED)]
     if kept.empty:
         return None

@@ -37,7 +37,13 @@ def existence_section(results: Results) -> Section | None:
     if not (frame[["reached", "presolved"]].any(axis=None)):
         return None
     frame = _with_times(frame, engine_times(results.rows))
-    return Section("existence", "Where no path exists", _text(frame), (_table(frame),))
+    sample = (
+        "Counts are of all attempts, median times and their intervals of a sample of them."
+        if results.sampled
+        else ""
+    )
+    text = sentences(_text(frame), sample)
+    return Section("existence", "Where no path exists", text, (_table(frame),))
 
 
 def _with_times(frame: pd.DataFrame, times: pd.DataFrame) -> pd.DataFrame:
