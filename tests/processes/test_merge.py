@@ -24,7 +24,7 @@ from dubins_study.report.data.results import load
 from dubins_study.study.rows.files import ResultsError
 from dubins_study.study.rows.parts import read_part
 from dubins_study.study.rows.row_table import ARROW_SCHEMA, rows_table
-from dubins_study.study.rows.schema import KEY, ROW, RUN_ID, names
+from dubins_study.study.rows.schema import KEY, ROW, RUN_ID, VERSION, names
 
 KEYS = names(KEY)
 CELLS = 8
@@ -178,7 +178,7 @@ def _other(folder):
 
 def _schema(folder):
     (folder / "manifest.json").write_text(json.dumps(manifest(folder) | {"schema": 2}))
-    return "has schema 2; expected 6"
+    return f"has schema 2; expected {VERSION}"
 
 
 def _damage(folder):

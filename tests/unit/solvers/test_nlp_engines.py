@@ -7,6 +7,7 @@ import math
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,6 +15,7 @@ from cases import PAPER
 from hypothesis import given
 from hypothesis import strategies as st
 
+from dubins_study.experiments.solve import solve as ask
 from dubins_study.solvers.nlp_engines import casadi_nlpsol, scipy_minimize, table
 from dubins_study.solvers.nlp_engines.program import Program
 from dubins_study.solvers.nlp_engines.table import ENGINES
@@ -22,12 +24,18 @@ from dubins_study.solvers.paper_nlp.local_nlp import Case
 from dubins_study.solvers.paper_nlp.model import FULL_TURN, SUBPROBLEMS, target
 from dubins_study.solvers.paper_nlp.nlp import Nlp
 from dubins_study.solvers.paper_nlp.program import expressions, program, solve
+from dubins_study.solvers.protocol import Outcome
 from dubins_study.solvers.registry import entries, load
+from dubins_study.study.check.verdict import Verdict
 from dubins_study.study.claim import Claim
 from dubins_study.study.closed_form.shortest import shortest
 from dubins_study.study.scenario import Scenario
 
-AVAILABLE = [name for name in ENGINES if table.unavailable(name) is None]
+# Of engines that run in a process of their own there are tests below.
+AVAILABLE = [
+    name for name, entry in ENGINES.items() if not entry.alone and table.unavailable(name) is None
+]
+ALONE = [name for name, entry in ENGINES.items() if entry.alone]
 CASADI = ("ipopt", "uno", "fatrop", "alpaqa", "bonmin", "sleqp", "sqpmethod", "qrsqp")
 TOLERANCE = 1e-9  # the default of `nlp`
 
@@ -125,14 +133,7 @@ def test_a_word_is_solved(name):
         assert point.multipliers == pytest.approx(direction, abs=1e-5)
 
 
-@pytest.mark.parametrize(
-    "name",
-    [
-        # SLEQP takes milliseconds or ten seconds for one and the same dead point
-        pytest.param(name, marks=pytest.mark.slow) if name == "sleqp" else name
-        for name in AVAILABLE
-    ],
-)
+@pytest.mark.parametrize("name", AVAILABLE)
 def test_a_word_without_a_path_is_not_claimed(name):
     """LS to a target inside the left disc; NLopt's COBYLA alone calls its last point a solution."""
     point = run(name, "LS", Scenario(0, 0, 0, 0.2, 1.0, 1), (1.0, 0.0, 0.5))
@@ -187,6 +188,17 @@ def test_what_an_engine_says_from_zero(name):
     point = run(name, "LRS", PAPER["problem 1"], (0.0, 0.0, 0.0))
 
     assert point.claim is FROM_ZERO[name]
+
+
+@pytest.mark.parametrize("name", ALONE)
+def test_an_engine_in_a_process_of_its_own(name):
+    """It solves a word, by (4.12) and by multiple shooting; its library enters no other process."""
+    for spec in (f"nlp[engine={name}]", f"multiple-shooting[engine={name},n=3]"):
+        answer = ask(PAPER["problem 1"], spec, "RS", isolated=True)
+
+        assert answer.outcome is Outcome.RETURNED, answer.message
+        assert (answer.claim, answer.verdict) == (Claim.LOCAL, Verdict.OPTIMAL)
+    assert f"libcasadi_nlpsol_{name}" not in Path("/proc/self/maps").read_text()
 
 
 def test_a_dead_point_of_sleqp_is_no_solution():

@@ -95,7 +95,9 @@ def test_without_it_no_engine_knows_for_nothing(name):
         assert not answer.false_claim
         assert answer.claim in (Claim.FAILED, Claim.LIMIT, Claim.INFEASIBLE)
         worked = (answer.iterations or 0) + (answer.evaluations or 0)
-        assert worked > 0 or answer.claim is Claim.FAILED, question
+        # SCIP may decide before its first node
+        runs = sum(answer.subproblem_runs or [])
+        assert worked + runs > 0 or answer.claim is Claim.FAILED, question
         assert answer.wall_s < 10  # measured: under half a second alone on the machine
 
 

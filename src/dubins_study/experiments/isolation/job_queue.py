@@ -33,10 +33,14 @@ class Job(NamedTuple):
 def worker_group(solver: str) -> str:
     """The group of a solver: only jobs of the same group share workers.
 
-    Our own solvers say which group is theirs: one for all, but for engines whose libraries clash.
-    Each plug-in is its own group, since it may have changed any module of its process.
+    Our own solvers that keep their limits are one group. One that does not is a group by itself: a
+    worker that is killed takes its loaded solvers with it, and loading a hundred takes half a
+    minute. So is each plug-in, since it may have changed any module of its process.
     """
-    return load(solver).worker_group if ours(solver) else solver
+    if not ours(solver):
+        return solver
+    ours_loaded = load(solver)
+    return ours_loaded.worker_group or ("" if ours_loaded.keeps_limit else solver)
 
 
 class JobQueue:
