@@ -56,7 +56,7 @@ def _picture(
 
 def _names(methods: pd.DataFrame) -> list[str]:
     """Engines, with what else tells the methods of a formulation apart: short, for small maps."""
-    several = methods["guess"].nunique() > 1
+    several = len(set(methods["guess"]) - {"none"}) > 1
     names = []
     for row in methods.to_dict("records"):
         guess = row["guess"] if several and row["guess"] != "none" else ""
