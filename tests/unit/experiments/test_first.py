@@ -49,3 +49,12 @@ def test_they_share_the_first_scenarios_with_the_others():
 def test_a_wrong_table_is_refused_by_name(first):
     with pytest.raises(ExperimentError, match="first"):
         cells_of(TEXT.replace('{ scenarios = 2, solvers = ["slsqp"] }', first))
+
+
+def test_without_a_sample_it_is_refused():
+    """It would ask nobody."""
+    text = 'title = "t"\nquestion = "?"\nsolvers = ["slsqp"]\n'
+    text += 'first = { scenarios = 1, solvers = ["ipopt"] }\n'
+
+    with pytest.raises(ExperimentError, match="first needs a block with a sample"):
+        cells_of(text + "[[scenarios]]\ntarget_x = [3, 5]\ntarget_y = 1\n")

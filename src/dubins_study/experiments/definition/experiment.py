@@ -5,9 +5,9 @@ from __future__ import annotations
 import tomllib
 from importlib.resources import files
 from pathlib import Path as FilePath
-from typing import Any, Literal, NamedTuple
+from typing import Any, Literal, NamedTuple, Self
 
-from pydantic import Field, ValidationError, field_validator
+from pydantic import Field, ValidationError, field_validator, model_validator
 
 from dubins_study.errors import DubinsStudyError
 from dubins_study.experiments.definition.axes import (
@@ -64,6 +64,13 @@ class Experiment(StrictModel):
     seed: Seed = 0
     matrix: bool = False
     first: First | None = None
+
+    @model_validator(mode="after")
+    def _check_first(self) -> Self:
+        sampled = any(block.sample and block.solvers is None for block in self.scenarios)
+        if self.first is not None and not sampled:
+            raise ValueError("first needs a block with a sample and without solvers of its own")
+        return self
 
     @property
     def blocks(self) -> list[Block]:

@@ -215,6 +215,10 @@ class Disjunctive(Solver):
 def _without_a_path(question: Question, known: Solution) -> Solution:
     if known.claim is not Claim.INFEASIBLE:
         return known
+    if math.hypot(*question.scenario.local()) > _PROVABLE:
+        # the engine's tolerances are wider than what tells the words apart
+        message = f"infeasible, which proves nothing beyond {_PROVABLE:g} radii"
+        return replace(known, claim=Claim.FAILED, lower_bound=None, message=message)
     if question.branch == "best":
         # Some word reaches every target, so the engine has cut it off.
         return replace(known, claim=Claim.FAILED, lower_bound=None, message="no word left")

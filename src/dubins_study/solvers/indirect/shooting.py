@@ -147,10 +147,11 @@ class Shooting(Solver):
         """Initial guesses: durations (3,) in the order of `paper_nlp.model`, then costates (4,)."""
         kind, subproblem, structure = self.initial_guess, case.subproblem, case.structure
         free = list(subproblem.free)
-        points = initial_guesses(question, subproblem, kind, self.seed, self.count)
+        seed = self.seed + question.repeat
+        points = initial_guesses(question, subproblem, kind, seed, self.count)
         for i, z in enumerate(points):
             if kind == "random":
-                nu0, nu1, nu2 = np.random.default_rng((self.seed, i)).normal(size=3)
+                nu0, nu1, nu2 = np.random.default_rng((seed, i)).normal(size=3)
                 nu = abs(nu0), nu1, nu2
             else:
                 heading = structure.pieces(*z[free])[1].heading

@@ -47,7 +47,7 @@ def apopt(tol: float, max_iter: int) -> Engine:
     def run(program: Program, guess: FloatArray, seconds: float) -> EngineResult:
         residual = max(tol, _ROUNDINGS * program.magnitude)
         options = {"solver": 1, "imode": 3, "rtol": residual, "otol": tol, "max_iter": max_iter}
-        with tempfile.TemporaryDirectory() as name:
+        with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as name:
             folder = FilePath(name)
             (folder / f"{_MODEL}.apm").write_text(_model(program, guess))
             lines = [f"apm.{option} = {value}\n" for option, value in options.items()]

@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 import os
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
@@ -174,7 +175,7 @@ def _model(program: Program, guess: FloatArray, solver: str, minor: int) -> str:
 @contextmanager
 def _folder(*solvers: str) -> Iterator[FilePath]:
     """A folder to work in, and GAMS in a folder `system` in it, removed at the end."""
-    with tempfile.TemporaryDirectory() as name:
+    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as name:
         system = FilePath(name) / "system"
         system.mkdir()
         added = [import_module(f"gamspy_{solver}") for solver in solvers]
@@ -195,17 +196,20 @@ def _folder(*solvers: str) -> Iterator[FilePath]:
 def _run(folder: FilePath, seconds: float) -> int | None:
     """GAMS's exit code on the model in a folder; None if it was stopped for its time."""
     system = folder / "system"
+    process = subprocess.Popen(
+        [system / "gams", "program.gms", "lo=0"],
+        cwd=folder,
+        env=os.environ | {"LD_LIBRARY_PATH": str(system)},
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+        start_new_session=True,  # so that the engine, which GAMS starts, can be ended with it
+    )
     try:
-        ended = subprocess.run(
-            [system / "gams", "program.gms", "lo=0"],
-            cwd=folder,
-            env=os.environ | {"LD_LIBRARY_PATH": str(system)},
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.DEVNULL,
-            timeout=seconds,
-            check=False,
-        )
+        return process.wait(seconds)
     except subprocess.TimeoutExpired:
         return None
-    return ended.returncode
+    finally:
+        with suppress(ProcessLookupError):  # all of them may have ended already
+            os.killpg(process.pid, signal.SIGKILL)
+        process.wait()

@@ -164,7 +164,7 @@ class Transcription(Solver):
         runs: list[Run] = []
         until = perf_counter() + limit
         shapes = words(question, self.presolve)
-        kind = Kind(self.initial_guess, self.seed, self.count)
+        kind = Kind(self.initial_guess, self.seed + question.repeat, self.count)
         for trial in trials(question, place, shapes, self.n, template.shares, rates, kind):
             for guess in trial.guesses:
                 if perf_counter() > until:

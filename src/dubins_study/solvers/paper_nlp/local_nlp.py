@@ -25,7 +25,7 @@ from dubins_study.solvers.paper_nlp.model import (
     target,
 )
 from dubins_study.solvers.protocol import Question, Solution, Solver
-from dubins_study.solvers.setting_checks import one_of, positive
+from dubins_study.solvers.setting_checks import one_of, whole
 from dubins_study.study.path import FloatArray
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import BRANCHES
@@ -63,7 +63,8 @@ class LocalNlp(Solver):
     """Model (4.12) by a local NLP solver, which an adapter names in `run`.
 
     `model` and `order` choose the subproblems (`paper_nlp.model.subproblems`); `initial_guess`,
-    `seed` and `count` choose where the search begins (`paper_nlp.initial_guesses`).
+    `seed` and `count` choose where the search begins (`paper_nlp.initial_guesses`); the number of
+    the repeat is added to the seed.
     `capped` bounds arcs by a full turn, which the paper does not. `presolve` leaves out words that
     cannot exist (`solvers.presolve`).
     """
@@ -85,7 +86,7 @@ class LocalNlp(Solver):
             order=(self.order, ORDERS),
             initial_guess=(self.initial_guess, INITIAL_GUESSES),
         )
-        positive(count=self.count)
+        whole(seed=(self.seed, 0, 2**32), count=(self.count, 1, 10**6))
 
     @property
     def formulation(self) -> str:
@@ -116,10 +117,11 @@ class LocalNlp(Solver):
 
     def solve(self, model: Model, limit: float) -> Solution:
         question, kind = model.question, self.initial_guess
+        seed = self.seed + question.repeat
         attempts = [
             Attempts(
                 partial(model.run, case),
-                initial_guesses(question, case.subproblem, kind, self.seed, self.count),
+                initial_guesses(question, case.subproblem, kind, seed, self.count),
                 partial(suffices, question, case.subproblem, kind),
             )
             for case in model.cases
