@@ -22,7 +22,8 @@ from dubins_study.solvers.paper_nlp.slsqp import Slsqp
 from dubins_study.solvers.protocol import Claim, Solution
 
 class Rude(Slsqp):
-    name = method = summary = {text!r}
+    name = summary = {text!r}
+    method = ({text!r}, {text!r})
 
     def solve(self, model, limit):
         print({text!r})
