@@ -86,7 +86,7 @@ class LocalNlp(Solver):
             order=(self.order, ORDERS),
             initial_guess=(self.initial_guess, INITIAL_GUESSES),
         )
-        whole(seed=(self.seed, 0, 2**32), count=(self.count, 1, 10**6))
+        whole(seed=(self.seed, 0, 2**32), count=(self.count, 1, 10**9))
 
     @property
     def formulation(self) -> str:
