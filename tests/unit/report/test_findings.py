@@ -322,6 +322,15 @@ def test_the_number_follows_the_rows():
     assert ratio(6.0) == pytest.approx(2 * ratio(3.0))
 
 
+def test_an_engine_is_not_slow_for_want_of_the_presolve():
+    """Ipopt with the presolve and SLSQP without it are not alike, and say nothing of engines."""
+    presolved = {"solver": "ipopt[presolve=True]"}
+    plain = {"solver": "slsqp", "engine": "SLSQP"}
+    rows = of_two(IPOPT | presolved, plain, partial(slower, 4.0))(MANY, True)
+
+    assert engine.slowest_engine(evidence(rows)) is None
+
+
 def test_the_section_has_ten_sentences_first(results):
     """Of real rows; and none where no row carries a finding."""
     rows = []
