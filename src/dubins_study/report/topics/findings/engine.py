@@ -39,7 +39,8 @@ def slowest_engine(evidence: Evidence) -> Finding | None:
         f"{group['engine'][fastest]}.",
         ratio,
         TIMES,
-        f"{some(ratio.questions, 'question')} with a path; {name}, one guess and the same settings for all",
+        f"{some(ratio.questions, 'question')} with a path; {name}, from one guess and with the same "
+        "settings",
         RANKS,
     )
 
