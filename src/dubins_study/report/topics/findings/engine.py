@@ -39,8 +39,7 @@ def slowest_engine(evidence: Evidence) -> Finding | None:
         f"{group['engine'][fastest]}.",
         ratio,
         TIMES,
-        f"{some(ratio.questions, 'question')} with a path; {name}, from one guess and with the same "
-        "settings",
+        f"{some(ratio.questions, 'question')} with a path; {name}, one guess, the same settings",
         RANKS,
     )
 
