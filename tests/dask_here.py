@@ -18,7 +18,8 @@ from dubins_study.experiments.store.folder import read_rows
 from dubins_study.study.rows.schema import KEY, ROW, names
 
 # what differs between two runs that find the same
-OF_THE_RUN = {"build_s", "solve_s", "wall_s", "jobs", "executor", "run_id", "started"}
+OF_THE_RUN = {"build_s", "solve_s", "wall_s", "subproblem_s", "best_run_s"}
+OF_THE_RUN |= {"jobs", "executor", "run_id", "started"}
 PATIENCE = 60.0
 
 

@@ -23,7 +23,8 @@ HERE = Path(__file__).parent
 # far above what any run here takes; only a run that hangs gets there
 PATIENCE = 150.0
 # what differs between two runs that find the same
-MEASURED = ["build_s", "solve_s", "wall_s", "machine", "jobs", "executor", "run_id", "started"]
+MEASURED = ["build_s", "solve_s", "wall_s", "subproblem_s", "best_run_s"]
+MEASURED += ["machine", "jobs", "executor", "run_id", "started"]
 
 
 class Ended(NamedTuple):
