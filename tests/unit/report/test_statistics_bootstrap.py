@@ -259,3 +259,14 @@ def test_a_resample_has_the_size_of_the_sample(scenarios, resamples, seed):
     assert (counts == np.floor(counts)).all()
     assert counts.min() >= 0
     assert counts.sum(axis=1).tolist() == [scenarios] * resamples
+
+
+def test_very_many_scenarios_draw_fewer_resamples():
+    """Their counts would take gigabytes; the interval covers the mean and is narrow."""
+    many = pd.DataFrame({"a": np.random.default_rng(4).normal(3.0, 1.0, 50_000)})
+
+    (row,) = bootstrap.average_intervals(many).itertuples()
+
+    assert row.low < 3.0 < row.high
+    # four standard errors wide: 95 % is 3.92 of them, give or take the resamples' own spread
+    assert row.high - row.low == pytest.approx(3.92 / np.sqrt(50_000), rel=0.25)

@@ -26,17 +26,21 @@ from dubins_study.report.statistics.means import checked_shift
 from dubins_study.study.path import FloatArray
 
 RESAMPLES = 1000
+# The counts of all resamples: beyond some 80 MB fewer are drawn, since the interval of so many
+# scenarios is narrow and its ends need no third digit.
+_MOST_COUNTS = 10**7
+_FEWEST_RESAMPLES = 100
 
 
 def median_intervals(
-    table: pd.DataFrame, *, level: float = 0.95, resamples: int = RESAMPLES, seed: int = 0
+    table: pd.DataFrame, *, level: float = 0.95, resamples: int | None = None, seed: int = 0
 ) -> pd.DataFrame:
     """The median of each column, with its interval.
 
     Args:
         table: rows by solvers, the index naming scenarios; any unit.
         level: confidence level, in (0, 1).
-        resamples: number of resamples.
+        resamples: number of resamples; None: `RESAMPLES`, or fewer of very many scenarios.
         seed: of the resamples; one seed gives the same resamples in every function.
     Returns:
         Indexed by solver; columns estimate, low, high, in the unit of the table. NaN for a column
@@ -53,7 +57,7 @@ def mean_intervals(
     shift: float,
     *,
     level: float = 0.95,
-    resamples: int = RESAMPLES,
+    resamples: int | None = None,
     seed: int = 0,
 ) -> pd.DataFrame:
     """The shifted geometric mean of each column, with its interval.
@@ -66,7 +70,7 @@ def mean_intervals(
 
 
 def average_intervals(
-    table: pd.DataFrame, *, level: float = 0.95, resamples: int = RESAMPLES, seed: int = 0
+    table: pd.DataFrame, *, level: float = 0.95, resamples: int | None = None, seed: int = 0
 ) -> pd.DataFrame:
     """The arithmetic mean of each column, with its interval; values may be negative.
 
@@ -83,7 +87,7 @@ def median_ratio_intervals(
     base: str,
     *,
     level: float = 0.95,
-    resamples: int = RESAMPLES,
+    resamples: int | None = None,
     seed: int = 0,
 ) -> pd.DataFrame:
     """The median of each column divided by the median of column `base`, with its interval.
@@ -105,7 +109,7 @@ def mean_ratio_intervals(
     shift: float,
     *,
     level: float = 0.95,
-    resamples: int = RESAMPLES,
+    resamples: int | None = None,
     seed: int = 0,
 ) -> pd.DataFrame:
     """The shifted geometric mean of each column divided by that of `base`, with its interval.
@@ -158,10 +162,12 @@ def _pairs(table: pd.DataFrame, base: str) -> tuple[FloatArray, FloatArray]:
     return np.where(missing, np.nan, values), np.where(missing, np.nan, rival)
 
 
-def _weights(table: pd.DataFrame, resamples: int, seed: int) -> FloatArray:
+def _weights(table: pd.DataFrame, resamples: int | None, seed: int) -> FloatArray:
     """How often each resample holds each row; the first line is the data, each row once."""
     scenario, names = pd.factorize(table.index)
-    counts = scenario_counts(len(names), resamples, seed)
+    affordable = max(_FEWEST_RESAMPLES, _MOST_COUNTS // max(1, len(names)))
+    drawn = min(RESAMPLES, affordable) if resamples is None else resamples
+    counts = scenario_counts(len(names), drawn, seed)
     return np.vstack([np.ones(len(table)), counts[:, scenario]])
 
 
