@@ -158,7 +158,7 @@ def test_orders_are_those_of_the_theory(convergence_folder):
     """
     loaded = load([convergence_folder])
     found = orders(refined(loaded.rows, loaded.settings)).set_index(["series", "place"])["order"]
-    raw = "collocation[points={},mesh=equal,correct=False]"
+    raw = "collocation[mesh=equal,correct=False,points={}]"
 
     assert found["turn-rate-qp", "outside"] == pytest.approx(3, abs=0.5)
     assert found["turn-rate-qp", "in a disc"] == pytest.approx(2, abs=0.5)
