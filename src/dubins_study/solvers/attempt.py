@@ -9,7 +9,7 @@ from typing import Any
 
 from dubins_study.errors import DubinsStudyError
 from dubins_study.solvers.profiles import PROFILES
-from dubins_study.solvers.protocol import Method, Outcome, Question, Solution, Solver
+from dubins_study.solvers.protocol import NOT_STATED, Method, Outcome, Question, Solution, Solver
 from dubins_study.solvers.registry import stated_method
 from dubins_study.solvers.reply import DEFAULT_LIMIT, Reply, ask
 from dubins_study.study.check.certificate import Certificate, Proof, certify
@@ -172,7 +172,7 @@ def judged(
     question: Question,
     reply: Reply,
     allowed: Tolerances = PROFILES["default"],
-    method: Method = Method(),  # noqa: B008  (frozen)
+    method: Method = NOT_STATED,
 ) -> Answer:
     """A reply judged by the check and certified."""
     path, scenario = reply.solution.path, question.scenario
@@ -184,7 +184,7 @@ def judged_row(
     question: Question,
     reply: Reply,
     allowed: Tolerances = PROFILES["default"],
-    method: Method = Method(),  # noqa: B008  (frozen)
+    method: Method = NOT_STATED,
 ) -> dict[str, Any]:
     """The row of the answer that `judged` returns, quicker than by way of the answer."""
     path, scenario = reply.solution.path, question.scenario

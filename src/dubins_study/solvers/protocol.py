@@ -77,6 +77,9 @@ class Method(NamedTuple):
         return self._asdict() | ({"guess": "warm"} if warm else {})
 
 
+NOT_STATED = Method()
+
+
 class Effort(NamedTuple):
     """What a solver spent on a subproblem: runs of the engine, their evaluations, their seconds."""
 
@@ -260,7 +263,7 @@ class Solver:
     @property
     def method(self) -> Method:
         """Formulation, engine and initial guess; a plug-in may give a plain tuple."""
-        return Method()
+        return NOT_STATED
 
     @property
     def runs(self) -> str | None:
@@ -277,11 +280,6 @@ class Solver:
         process, which is killed at the limit.
         """
         return False
-
-    @property
-    def worker_group(self) -> str:
-        """In a run, only solvers of one group share worker processes; plug-ins share none."""
-        return ""
 
     def unavailable(self) -> str | None:
         """Why the solver cannot run here (a missing package, binary or licence), or None."""

@@ -67,8 +67,7 @@ class Experiment(StrictModel):
 
     @model_validator(mode="after")
     def _check_first(self) -> Self:
-        sampled = any(block.sample and block.solvers is None for block in self.scenarios)
-        if self.first is not None and not sampled:
+        if self.first is not None and len(self.blocks) == len(self.scenarios):
             raise ValueError("first needs a block with a sample and without solvers of its own")
         return self
 

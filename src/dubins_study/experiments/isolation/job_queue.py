@@ -39,8 +39,7 @@ def worker_group(solver: str) -> str:
     """
     if not ours(solver):
         return solver
-    ours_loaded = load(solver)
-    return ours_loaded.worker_group or ("" if ours_loaded.keeps_limit else solver)
+    return "" if load(solver).keeps_limit else solver
 
 
 class JobQueue:

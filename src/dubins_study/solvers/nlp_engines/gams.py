@@ -10,8 +10,6 @@ from __future__ import annotations
 import math
 import os
 import shutil
-import signal
-import subprocess
 import sys
 import tempfile
 from collections.abc import Iterator
@@ -23,6 +21,7 @@ from pathlib import Path as FilePath
 import numpy as np
 
 from dubins_study.solvers.nlp_engines.algebra_text import Language, algebra_text
+from dubins_study.solvers.nlp_engines.external_program import exit_code
 from dubins_study.solvers.nlp_engines.program import Engine, EngineResult, Program
 from dubins_study.study.claim import Claim
 from dubins_study.study.path import FloatArray
@@ -196,20 +195,6 @@ def _folder(*solvers: str) -> Iterator[FilePath]:
 def _run(folder: FilePath, seconds: float) -> int | None:
     """GAMS's exit code on the model in a folder; None if it was stopped for its time."""
     system = folder / "system"
-    process = subprocess.Popen(
-        [system / "gams", "program.gms", "lo=0"],
-        cwd=folder,
-        env=os.environ | {"LD_LIBRARY_PATH": str(system)},
-        stdin=subprocess.DEVNULL,
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.DEVNULL,
-        start_new_session=True,  # so that the engine, which GAMS starts, can be ended with it
-    )
-    try:
-        return process.wait(seconds)
-    except subprocess.TimeoutExpired:
-        return None
-    finally:
-        with suppress(ProcessLookupError):  # all of them may have ended already
-            os.killpg(process.pid, signal.SIGKILL)
-        process.wait()
+    command: list[str | FilePath] = [system / "gams", "program.gms", "lo=0"]
+    environment = os.environ | {"LD_LIBRARY_PATH": str(system)}
+    return exit_code(command, folder, seconds, environment)

@@ -21,7 +21,6 @@ class EngineEntry(NamedTuple):
         reason: `module:function` that says why it cannot run here although its packages are
             installed (a licence), or returns None; empty if nothing else is needed.
         keeps_limit: whether a run ends at most a second after its seconds are up.
-        alone: whether its library breaks others in the same process.
         fixed_tol: the feasibility, if it is the engine's own whatever `tol` is.
     """
 
@@ -30,7 +29,6 @@ class EngineEntry(NamedTuple):
     packages: tuple[str, ...]
     reason: str = ""
     keeps_limit: bool = True
-    alone: bool = False
     fixed_tol: float | None = None
 
 
@@ -52,7 +50,7 @@ ENGINES = {
     "alpaqa": EngineEntry("alpaqa", _CASADI + "alpaqa", ("casadi",), keeps_limit=False),
     "bonmin": EngineEntry("Bonmin", _CASADI + "bonmin", ("casadi",), keeps_limit=False),
     # loads casadi's HiGHS, whose symbols then stand in for those of the package highspy
-    "sleqp": EngineEntry("SLEQP", _CASADI + "sleqp", ("casadi",), keeps_limit=False, alone=True),
+    "sleqp": EngineEntry("SLEQP", _CASADI + "sleqp", ("casadi",), keeps_limit=False),
     "sqpmethod": EngineEntry("casadi sqpmethod", _CASADI + "sqpmethod", ("casadi",)),
     "qrsqp": EngineEntry("casadi qrsqp", _CASADI + "qrsqp", ("casadi",)),
     "blocksqp": EngineEntry(

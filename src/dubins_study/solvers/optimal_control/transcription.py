@@ -141,10 +141,6 @@ class Transcription(Solver):
         tol = table.tolerance(self.engine, self.tol)
         return Method(self.formulation, label, self.initial_guess, tol)
 
-    @property
-    def worker_group(self) -> str:
-        return self.engine if table.ENGINES[self.engine].alone else ""
-
     def unavailable(self) -> str | None:
         return table.unavailable(self.engine)
 

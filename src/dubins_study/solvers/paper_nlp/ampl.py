@@ -6,17 +6,14 @@ it and whatever it started. Nothing but the file that it leaves is read.
 
 from __future__ import annotations
 
-import contextlib
-import os
 import shutil
-import signal
-import subprocess
 import tempfile
 from pathlib import Path as FilePath
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from dubins_study.solvers.nlp_engines.external_program import exit_code
 from dubins_study.solvers.paper_nlp.best_point import Point
 from dubins_study.solvers.paper_nlp.local_nlp import Case
 from dubins_study.solvers.paper_nlp.pyomo_case import no_point, posed
@@ -90,26 +87,7 @@ def _run(executable: str, folder: FilePath, seconds: float) -> int | None:
     path = shutil.which(executable)
     if path is None:
         return 127  # as a shell says of a command that has gone
-    process = subprocess.Popen(
-        [FilePath(path).absolute(), _STUB, "-AMPL"],
-        cwd=folder,
-        stdin=subprocess.DEVNULL,
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.DEVNULL,
-        start_new_session=True,  # so that its children can be ended with it
-    )
-    try:
-        return process.wait(max(seconds, 0.0))
-    except subprocess.TimeoutExpired:
-        return None
-    finally:
-        _end(process)
-
-
-def _end(process: subprocess.Popen[bytes]) -> None:
-    with contextlib.suppress(ProcessLookupError):  # it and its children may have ended already
-        os.killpg(process.pid, signal.SIGKILL)
-    process.wait()
+    return exit_code([FilePath(path).absolute(), _STUB, "-AMPL"], folder, seconds)
 
 
 def read_sol(text: str) -> SolFile:

@@ -100,10 +100,6 @@ class Nlp(LocalNlp, _Named):
         # executables are killed at the limit; KNITRO was never tried with a licence
         return self.engine != _KNITRO
 
-    @property
-    def worker_group(self) -> str:
-        return self.engine if self.engine in ENGINES and ENGINES[self.engine].alone else ""
-
     def run(self) -> Run:
         if self.engine in ENGINES:
             engine = table.engine(self.engine, self.tol, self.max_iter)
