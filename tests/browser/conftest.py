@@ -1,0 +1,39 @@
+"""A real Chromium, in which pages of the report are opened from files, without a network."""
+
+from __future__ import annotations
+
+import os
+import shutil
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+from browser_tab import DESK, Tab
+from playwright.sync_api import Browser, sync_playwright
+
+
+@pytest.fixture(scope="session")
+def chromium() -> Iterator[Browser]:
+    """Debian's or another Chromium on PATH; continuous integration must have one."""
+    program = shutil.which("chromium") or shutil.which("chromium-browser")
+    if program is None and not os.environ.get("CI"):
+        pytest.skip("needs chromium on PATH")
+    with sync_playwright() as playwright:
+        arguments = ["--no-sandbox", "--disable-gpu", "--disable-background-networking"]
+        browser = playwright.chromium.launch(executable_path=program, args=arguments)
+        yield browser
+        browser.close()
+
+
+@pytest.fixture
+def new_tab(chromium: Browser) -> Iterator[Any]:
+    """`new_tab(viewport=PHONE, color_scheme="dark", ...)` -> a playwright `Page`."""
+    tabs: list[Tab] = []
+
+    def opened(**options: Any) -> Page:
+        tabs.append(Tab(chromium, **({"viewport": DESK} | options)))
+        return tabs[-1].page
+
+    yield opened
+    for tab in tabs:
+        tab.close()
