@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 from browser_tab import DESK, Tab
-from playwright.sync_api import Browser, sync_playwright
+from playwright.sync_api import Browser, Page, sync_playwright
 
 
 @pytest.fixture(scope="session")
