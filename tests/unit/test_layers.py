@@ -73,6 +73,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
         "experiments.store",  # the streamed frames write their own parts
     ),
     "experiments": ("study.*", "solvers", "experiments.*"),
+    "conformance": ("study.*", "solvers", "experiments.isolation", "experiments.code_digest"),
     "report.data": ("study.*",),
     "report.statistics": ("study.*", "report.data"),
     "report.paper": ("study.*",),
@@ -86,8 +87,8 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
         *("report.elements", "report.topics.*"),
     ),
     "report": ("study.*", "report.*"),
-    "cli": ("", "study.*", "solvers.*", "experiments.*", "report.*"),
-    "": ("cli", "study.*", "solvers.*", "experiments.*", "report.*"),
+    "cli": ("", "study.*", "solvers.*", "experiments.*", "conformance", "report.*"),
+    "": ("cli", "study.*", "solvers.*", "experiments.*", "conformance", "report.*"),
 }
 # a topic may use another topic's numbers, as long as no circle comes of it
 _TOPIC = (*MAY_IMPORT["report.topics"], "report.topics.*")

@@ -19,7 +19,19 @@ try:
 except KeyboardInterrupt:  # this is the first import that takes long enough to be interrupted
     sys.exit(130)
 
-from dubins_study.cli import audit, experiments, export, merge, report, run, solve, solvers, status
+from dubins_study.cli import (
+    audit,
+    check_solver,
+    experiments,
+    export,
+    merge,
+    new,
+    report,
+    run,
+    solve,
+    solvers,
+    status,
+)
 from dubins_study.cli.arguments import NEGATIVE_NUMBERS
 
 app = typer.Typer(
@@ -58,6 +70,8 @@ app.command()(status.status)
 app.command()(merge.merge)
 app.command()(report.report)
 app.command()(audit.audit)
+app.command()(check_solver.check_solver)
+app.add_typer(new.app, name="new")
 
 
 def main() -> Any:
