@@ -86,17 +86,19 @@ def _rounded(values: pd.Series) -> NDArray[np.float32]:
 
 def _planes(array: NDArray[Any]) -> bytes:
     plain = np.ascontiguousarray(array)
-    return plain.view("u1").reshape(plain.size, -1).T.tobytes()
+    return plain.view("u1").reshape(-1, array.itemsize).T.tobytes()
 
 
 def _scenarios(rows: pd.DataFrame) -> tuple[NDArray[np.int64], dict[str, list[Any]]]:
     """The place of each row's scenario in the table of scenarios, and that table by columns."""
+    key = ["scenario_id", *SCENARIO]
     judged = rows.sort_values("region", kind="stable", na_position="last")
-    table = judged.drop_duplicates(list(SCENARIO) + ["scenario_id"]).sort_index()
-    keys = [*SCENARIO, "scenario_id"]
-    place = table[keys].assign(place=np.arange(len(table)))
-    places = rows[keys].merge(place, on=keys, how="left")["place"].to_numpy()
-    columns = table[list(_OF_SCENARIO)].astype(object).where(table[list(_OF_SCENARIO)].notna(), None)
+    table = judged.drop_duplicates(key).sort_index()
+    numbered = table[key].assign(number=np.arange(len(table)))
+    places = rows[key].merge(numbered, on=key, how="left")["number"].to_numpy()
+    columns = (
+        table[list(_OF_SCENARIO)].astype(object).where(table[list(_OF_SCENARIO)].notna(), None)
+    )
     return places, {name: columns[name].tolist() for name in _OF_SCENARIO}
 
 
@@ -129,7 +131,9 @@ def _lines(rows: pd.DataFrame, long: pd.DataFrame) -> dict[str, NDArray[Any]]:
         lines.append(polyline(Path(Pose(*start), row["curvatures"], row["lengths"])))
     drawn = [line for line in lines if line is not None]
     points = np.zeros(len(rows), dtype="<u2")
-    points[rows["arcs"].gt(MOST_ARCS).to_numpy()] = [0 if p is None else len(p.places) for p in lines]
+    points[rows["arcs"].gt(MOST_ARCS).to_numpy()] = [
+        0 if p is None else len(p.places) for p in lines
+    ]
     places = [np.diff(line.places, axis=0, prepend=0).astype("<i2") for line in drawn]
     steps = np.concatenate(places) if places else np.zeros((0, 2), dtype="<i2")
     return {

@@ -44,7 +44,8 @@ def polyline(path: Path) -> Polyline | None:
     if not np.isfinite([*low, size]).all():
         return None
     step = max(size / GRID, np.finfo(float).tiny)
-    return Polyline(*map(float, low), step, np.rint((points - low) / step).astype(np.int16))
+    places = np.rint((points - low) / step).astype(np.int16)
+    return Polyline(float(low[0]), float(low[1]), step, places)
 
 
 def _points(path: Path) -> NDArray[np.float64]:
