@@ -15,7 +15,7 @@ from markupsafe import Markup
 
 from dubins_study.errors import DubinsStudyError
 from dubins_study.report.data.results import Folder, Results, load
-from dubins_study.report.elements import style
+from dubins_study.report.elements import colours, style
 from dubins_study.report.elements.content import Picture, Section, Table
 from dubins_study.report.elements.figure_file import figure_bytes, fix_layout
 from dubins_study.report.elements.formats import some
@@ -158,9 +158,7 @@ _VARIABLES = {
     style.MUTED: "--muted",
     style.RULE: "--rule",
     style.PAPER: "--paper",
-    style.BLUE: "--blue",
-    style.GREEN: "--green",
-    style.VERMILION: "--vermilion",
+    **colours.VARIABLES,
 }
 _GROUP_ID = re.compile(r' id="(?:figure|axes|patch|line2d|text|matplotlib\.axis|xtick|ytick)[^"]*"')
 
@@ -219,6 +217,7 @@ def _environment() -> Environment:
         lstrip_blocks=True,
     )
     environment.filters |= {"breakable": breakable, "markdown": markdown, "pipe_table": to_markdown}
+    environment.globals |= {"hues": colours.css_values}
     environment.filters |= {"left_out": left_out, "warnings": warnings}
     environment.tests |= {
         "picture": lambda block: isinstance(block, Picture),
