@@ -100,9 +100,7 @@ def test_every_hue_has_contrast_on_its_page(name, mode):
 @pytest.mark.parametrize("sight", SIGHTS)
 def test_engines_differ_for_every_reader(sight, mode):
     """In either mode no two engines' hues look alike, red-green blindness included."""
-    seen = [
-        oklab(np.clip(SIGHTS[sight] @ linear(getattr(hue, mode)), 0, 1)) for hue in ENGINE_HUES
-    ]
+    seen = [oklab(np.clip(SIGHTS[sight] @ linear(getattr(hue, mode)), 0, 1)) for hue in ENGINE_HUES]
     distances = [np.linalg.norm(a - b) for a, b in combinations(seen, 2)]
 
     assert min(distances) >= LEAST_DISTANCE[sight]
