@@ -85,6 +85,10 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
         *("study.*", "report.data", "report.statistics"),
         *("report.elements", "report.topics.*"),
     ),
+    "report.two_runs": (
+        *("study.*", "report.data", "report.statistics"),
+        *("report.elements", "report.page"),
+    ),
     "report": ("study.*", "report.*"),
     "cli": ("", "study.*", "solvers.*", "experiments.*", "report.*"),
     "": ("cli", "study.*", "solvers.*", "experiments.*", "report.*"),
