@@ -7,7 +7,7 @@ JOBS := $(shell nproc 2> /dev/null || echo 2)
 STUDIES := paper radius-sweep-full random plane discretisation basins bias scale convergence ladder proofs
 
 .DEFAULT_GOAL := help
-.PHONY: help study studies benchmark test test-all adversary rooms check bench lock clean
+.PHONY: help study studies benchmark test test-all adversary rooms check docs bench lock clean
 
 help:  ## list the targets
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 12
@@ -70,6 +70,11 @@ check: $(READY)  ## lint, format and type checks
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
+
+# a page that does not build cleanly, a link to nowhere or a notebook that fails ends the build
+docs: $(READY)  ## build the documentation into build/site
+	$(BIN)/sphinx-build -q -W --keep-going docs build/site
+	@echo build/site/index.html
 
 bench: $(READY)  ## measure speed beside peers and print a table of ratios
 	$(BIN)/python -m benchmarks

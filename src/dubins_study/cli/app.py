@@ -32,14 +32,10 @@ from dubins_study.cli import (
     status,
 )
 from dubins_study.cli.arguments import NEGATIVE_NUMBERS
+from dubins_study.cli.terminal.command_line import CommandLine, Quiet, Verbose
+from dubins_study.cli.terminal.verbosity import Verbosity, set_verbosity
 
-app = typer.Typer(
-    help="Optimisation solvers judged on the shortest Dubins path to a point.",
-    no_args_is_help=True,
-    add_completion=False,
-    pretty_exceptions_enable=False,
-    rich_markup_mode=None,
-)
+app = CommandLine(text="Optimisation solvers judged on the shortest Dubins path to a point.")
 
 
 def _print_version(asked: bool) -> None:
@@ -56,8 +52,11 @@ def _options(
         bool,
         typer.Option("--version", callback=_print_version, is_eager=True, help="print the version"),
     ] = False,
+    quiet: Quiet = False,
+    verbose: Verbose = False,
 ) -> None:
     """Optimisation solvers judged on the shortest Dubins path to a point."""
+    set_verbosity(Verbosity(verbose - quiet))
 
 
 app.command(context_settings=NEGATIVE_NUMBERS)(solve.solve)
