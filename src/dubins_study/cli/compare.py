@@ -27,7 +27,7 @@ def compare(
     as_json: Annotated[bool, typer.Option("--json", help="print one JSON object")] = False,
 ) -> None:
     """Compare two runs question by question: what became better or worse, and where."""
-    from dubins_study.cli import streams
+    from dubins_study.cli.terminal import streams
     from dubins_study.report.two_runs.compare import compare as compare_runs
 
     with streams.spinner("compare"):
@@ -52,7 +52,7 @@ def _record(comparison: Comparison) -> dict[str, Any]:
 
 
 def _text(comparison: Comparison) -> str:
-    from dubins_study.cli.table import table
+    from dubins_study.cli.terminal.table import table
     from dubins_study.report.two_runs.verdicts import with_verdicts
     from dubins_study.study.printable import plain
 

@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
-from dubins_study.report.elements.axes import only_grid
+from dubins_study.report.elements.axes import duration, log_axis, only_grid, plain_log_axis
 from dubins_study.report.elements.content import Picture, picture
 from dubins_study.report.elements.style import BLUE, INK, MUTED, VERMILION, WIDE, new_figure
 from dubins_study.report.two_runs.comparison import Comparison
@@ -14,6 +14,7 @@ from dubins_study.report.two_runs.comparison import Comparison
 # More solvers than these have no line of their own: those that changed most are drawn.
 _MOST = 24
 _LINE, _MARGINS = 0.22, 1.0  # inches
+_WIDE_RANGE = 5  # ratios of times that differ by more need a logarithmic axis
 _LONGEST = 48  # characters of a name
 
 
@@ -26,8 +27,8 @@ def changes_picture(frame: pd.DataFrame) -> Picture:
     left_out = len(frame) - len(drawn)
     caption = (
         "Left: change of the share of right answers, in percentage points; right: time of the new "
-        "run by the base's, with 95 % intervals. An interval that does not meet the vertical line "
-        "is a change."
+        "run by the base's, with 95 % intervals. Triangles: an interval that does not meet the "
+        "vertical line, of a solver whose code changed."
         + (f" The {left_out} solvers that changed least are not drawn." if left_out else "")
     )
     figure = new_figure(WIDE, min(7.0, _MARGINS + _LINE * len(drawn)))
@@ -35,7 +36,10 @@ def changes_picture(frame: pd.DataFrame) -> Picture:
     _plot_intervals(change_ax, drawn, "right_change", 100.0, 0.0)
     _plot_intervals(ratio_ax, drawn, "time_ratio", 1.0, 1.0)
     change_ax.set(xlabel="change of right answers, percentage points")
-    ratio_ax.set(xlabel="time, new / base", xscale="log")
+    ratio_ax.set(xlabel="time, new / base")
+    if drawn["time_ratio"].max() > _WIDE_RANGE * drawn["time_ratio"].min():
+        ratio_ax.set_xscale("log")
+        plain_log_axis(ratio_ax.xaxis)
     names = [str(solver)[:_LONGEST] for solver in drawn["solver"]]
     change_ax.set_yticks(np.arange(len(drawn))[::-1], names, fontsize=7)
     change_ax.set_ylim(-0.6, len(drawn) - 0.4)
@@ -53,6 +57,9 @@ def _plot_intervals(
     middle, low, high = ((frame[f"{key}{end}"] * scale).to_numpy() for end in ("", "_low", "_high"))
     below, above = high < unchanged, low > unchanged
     worse, better = (below, above) if key == "right_change" else (above, below)
+    if key == "time_ratio":  # what became of the same code is the machine's doing
+        changed = ~frame["same_code"].to_numpy(bool)
+        worse, better = worse & changed, better & changed
     places = np.arange(len(frame))[::-1]
     looks = ((worse, VERMILION, "v"), (better, BLUE, "^"), (~(worse | better), MUTED, "o"))
     for chosen, colour, marker in looks:
@@ -69,7 +76,7 @@ def times_picture(pairs: pd.DataFrame, comparison: Comparison) -> Picture | None
         return None
     slower = comparison.regressions.query("kind == 'slower'")["solver"]
     caption = (
-        "Each dot is a question of one solver: its time in the new run against the base's, s. "
+        "Each dot is a question of one solver: its time in the new run against the base's. "
         "Solid: equally long; dashed: what the machine explains. Triangles: a slower solver."
     )
     return picture(
@@ -104,6 +111,6 @@ def _plot_times(ax: Axes, both: pd.DataFrame, slower: set[str], machine: float) 
     )
     ax.plot(ends, ends, color=INK, linewidth=0.8)
     ax.plot(ends, ends * machine, color=INK, linewidth=0.8, linestyle="--")
-    ax.set(
-        xscale="log", yscale="log", xlabel="time in the base, s", ylabel="time in the new run, s"
-    )
+    ax.set(xscale="log", yscale="log", xlabel="time in the base", ylabel="time in the new run")
+    for axis in (ax.xaxis, ax.yaxis):
+        log_axis(axis, duration)

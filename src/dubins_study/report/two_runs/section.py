@@ -24,7 +24,7 @@ from dubins_study.report.two_runs.figures import changes_picture, times_picture
 from dubins_study.report.two_runs.numbers import GAP_FLOOR, WORSE_GAP
 from dubins_study.report.two_runs.verdicts import with_verdicts
 
-_TEST = "p: of the paired test, with Holm's correction over the solvers."
+_LEAD = "A difference here may explain a change above."
 _REGRESSIONS = (
     Column("kind", "what", kind="text"),
     SOLVER,
@@ -60,13 +60,18 @@ def _regressions(comparison: Comparison) -> Section:
         f"ratio lies above {comparison.slower:g}, and the test finds a difference."
     )
     blocks = (Table("regressions", caption, frame, _REGRESSIONS),) if len(frame) else ()
-    return Section("regressions", "What became worse", text, blocks)
+    lead = (
+        "Each line is a question that the base answered better, with the command that asks it."
+        if len(frame)
+        else "No line here: no question was answered better by the base."
+    )
+    return Section("regressions", "What became worse", text, blocks, lead)
 
 
 def _solvers(comparison: Comparison) -> Section:
     frame = with_verdicts(comparison)
     frame = with_interval_texts(frame, right_change=_points, time_ratio=digits(3))
-    shown = (
+    success = (
         SOLVER,
         Column("verdict", "verdict", kind="text"),
         *columns(count, questions="questions"),
@@ -75,27 +80,43 @@ def _solvers(comparison: Comparison) -> Section:
         *columns(digits(2), right_p="p"),
         *columns(count, lost="lost", gained="gained", false_new="new false claims"),
         *columns(count, denials_lost="no longer denied"),
+    )
+    accuracy = (
+        SOLVER,
         *columns(digits(2), gap_base="largest gap, base", gap_new="largest gap, new"),
         *columns(count, gap_worse="less accurate"),
+        *columns(digits(2), gap_p="p of gaps"),
+        *columns(count, timed="timed"),
         *columns(seconds, time_base="time, base", time_new="time, new"),
         Column("time_ratio_text", "time ratio", kind="cell"),
         *columns(digits(2), time_p="p of times"),
     )
-    caption = (
-        "Questions that both runs were asked and that have a path. Shares are of them; the change "
-        "has its 95 % bootstrap interval over scenarios, p is of the exact sign test. Times are "
-        "geometric means over questions that are right in both runs; their ratio is new by base, "
-        f"the machine's speed taken out where it is known. {_TEST}"
-    )
     bad = marks(frame, "lost", "false_new", "denials_lost", "gap_worse")
-    numbers = interval_keys("right_change", "time_ratio")
-    table = Table("compared", caption, frame, shown, bad, numbers, dense=True)
-    text = sentences(
-        f"{some(len(frame), 'solver')} in both runs.",
-        _unpaired(comparison),
+    tables = (
+        Table(
+            "compared",
+            "Questions that both runs were asked and that have a path. The change of the share "
+            "that is right has its 95 % bootstrap interval over scenarios; p is of the exact sign "
+            "test, with Holm's correction over the solvers.",
+            frame,
+            success,
+            bad,
+            interval_keys("right_change"),
+        ),
+        Table(
+            "compared-times",
+            "Questions that are right in both runs: the largest gap, and geometric means of times; "
+            "their ratio is new by base, with its 95 % interval. p: of the sign test of gaps and "
+            "of Wilcoxon's test of times, with Holm's correction.",
+            frame,
+            accuracy,
+            bad,
+            interval_keys("time_ratio"),
+        ),
     )
-    blocks = (changes_picture(frame), table)
-    return Section("compared", "Solver by solver", text, blocks)
+    text = sentences(f"{some(len(frame), 'solver')} in both runs.", _unpaired(comparison))
+    lead = "Read the column verdict first; what is worse is marked."
+    return Section("compared", "Solver by solver", text, (changes_picture(frame), *tables), lead)
 
 
 def _unpaired(comparison: Comparison) -> str:
@@ -127,8 +148,9 @@ def _times(pairs: pd.DataFrame, comparison: Comparison) -> Section:
         f"run, by {speed.evidence}. Ratios of solvers whose code changed are divided by that, "
         "their intervals crosswise; those of the same code are as measured: the machine's doing."
     )
+    lead = "Dots above the dashed line took longer than the machine explains."
     block = times_picture(pairs, comparison)
-    return Section("times", "Times, question by question", text, (block,) if block else ())
+    return Section("times", "Times, question by question", text, (block,) if block else (), lead)
 
 
 def _else(comparison: Comparison) -> Section:
@@ -138,8 +160,9 @@ def _else(comparison: Comparison) -> Section:
         Column("solvers", "solvers", lambda number: count(number), kind="number"),
     )
     if frame.empty:
-        return Section("differences", "What else differs", "Nothing that the manifests hold.", ())
+        text = "The manifests hold the same machine, limits, packages and code."
+        return Section("differences", "What else differs", text, (), _LEAD)
     caption = "From the manifests; solvers: how many of those in both runs it is about."
-    text = "A change of these may explain a change above."
+    text = f"{some(len(frame), 'difference')} in the manifests."
     table = Table("differences", caption, frame, shown)
-    return Section("differences", "What else differs", text, (table,))
+    return Section("differences", "What else differs", text, (table,), _LEAD)
