@@ -86,6 +86,10 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
         *("study.*", "report.data", "report.statistics"),
         *("report.elements", "report.interactive", "report.topics.*"),
     ),
+    "report.two_runs": (
+        *("study.*", "report.data", "report.statistics"),
+        *("report.elements", "report.page"),
+    ),
     "report": ("study.*", "report.*"),
     "cli.terminal": ("study.*",),
     "cli": ("cli.terminal", "", "study.*", "solvers.*", "experiments.*", "report.*"),
