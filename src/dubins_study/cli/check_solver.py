@@ -8,10 +8,18 @@ from typing import Annotated
 import typer
 
 from dubins_study.cli.arguments import number
+from dubins_study.cli.terminal import completion
 
 
 def check_solver(
-    solver: Annotated[str, typer.Argument(metavar="SOLVER", help="a name, or file.py:Class")],
+    solver: Annotated[
+        str,
+        typer.Argument(
+            metavar="SOLVER",
+            help="a name, or file.py:Class",
+            autocompletion=completion.solvers,
+        ),
+    ],
     check: Annotated[
         list[str] | None, typer.Option(metavar="NAME", help="only this check; may be repeated")
     ] = None,
@@ -24,7 +32,7 @@ def check_solver(
     as_json: Annotated[bool, typer.Option("--json", help="print one JSON object")] = False,
 ) -> None:
     """Check a solver of your own: about 70 questions; exit code 1 if it fails a check."""
-    from dubins_study.cli import streams
+    from dubins_study.cli.terminal import streams
     from dubins_study.conformance import CHECKS
     from dubins_study.conformance import check_solver as checked
     from dubins_study.solvers.attempt import check_request

@@ -11,13 +11,14 @@ from typing import Annotated
 import typer
 
 from dubins_study.cli.arguments import CommandError
+from dubins_study.cli.terminal.command_line import CommandLine
 
-app = typer.Typer(no_args_is_help=True, rich_markup_mode=None)
+app = CommandLine("new", "Write a file to begin with.")
 
 
 @app.callback()
 def _new() -> None:
-    """Write a file to begin with: a solver of your own."""
+    """Write a file to begin with."""
 
 
 @app.command()

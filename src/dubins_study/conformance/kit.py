@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Iterable
-from difflib import get_close_matches
 from inspect import getsourcefile
 from pathlib import Path as FilePath
 from time import monotonic
@@ -26,6 +25,8 @@ from dubins_study.errors import DubinsStudyError
 from dubins_study.solvers.attempt import check_request
 from dubins_study.solvers.profiles import tolerances
 from dubins_study.solvers.protocol import Solver
+from dubins_study.study.nearest import did_you_mean
+from dubins_study.study.printable import short
 
 # Seconds for one question, and for all of them.
 TIME_LIMIT_S, TOTAL_TIME_LIMIT_S = 5.0, 600.0
@@ -111,10 +112,9 @@ def _names(checks: Iterable[str]) -> list[str]:
     asked = [checks] if isinstance(checks, str) else list(checks)
     for name in asked:
         if name not in CHECKS:
-            near = get_close_matches(str(name), CHECKS, 1)
-            hint = f"did you mean {near[0]!r}? " if near else ""
+            hint = did_you_mean(name, CHECKS)
             raise ConformanceError(
-                f"no check named {name!r}; {hint}choose from: {', '.join(CHECKS)}"
+                f"no check named {short(name)}; {hint}choose from: {', '.join(CHECKS)}"
             )
     return [name for name in CHECKS if name in asked or name == "loading"]
 

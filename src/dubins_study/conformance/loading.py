@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from difflib import get_close_matches
 from typing import Any
 
 from dubins_study.conformance.findings import CheckResult, Finding, Status
 from dubins_study.solvers.protocol import NOT_STATED, Guarantee
+from dubins_study.study.nearest import did_you_mean
 from dubins_study.study.words import BRANCHES, FORMULATIONS
 
 BROKEN = "the file has to load by itself: python my_solver.py must not raise"
@@ -54,8 +54,7 @@ def _texts(declared: dict[str, Any]) -> list[Finding]:
         advice = 'add method = ("penalty", "my engine", "random"): formulation, engine, guess'
         found.append(Finding(Status.NOTE, "it does not state its method", advice))
     elif formulation not in FORMULATIONS:
-        near = get_close_matches(formulation, FORMULATIONS, 1)
-        hint = f"did you mean {near[0]!r}? " if near else ""
+        hint = did_you_mean(formulation, FORMULATIONS)
         advice = f"{hint}A row of its own is fine; the others are: {', '.join(FORMULATIONS)}"
         observed = f"its formulation, {formulation!r}, is not one of this package's"
         found.append(Finding(Status.NOTE, observed, advice))
