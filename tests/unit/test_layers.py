@@ -83,7 +83,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     ),
     "report.page": (
         *("study.*", "report.data", "report.statistics"),
-        *("report.elements", "report.topics.*"),
+        *("report.elements", "report.paper", "report.topics.*"),
     ),
     "report": ("study.*", "report.*"),
     "cli": ("", "study.*", "solvers.*", "experiments.*", "report.*"),
