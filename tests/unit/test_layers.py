@@ -86,7 +86,8 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
         *("report.elements", "report.paper", "report.topics.*"),
     ),
     "report": ("study.*", "report.*"),
-    "cli": ("", "study.*", "solvers.*", "experiments.*", "report.*"),
+    "cli.terminal": ("study.*",),
+    "cli": ("cli.terminal", "", "study.*", "solvers.*", "experiments.*", "report.*"),
     "": ("cli", "study.*", "solvers.*", "experiments.*", "report.*"),
 }
 # a topic may use another topic's numbers, as long as no circle comes of it

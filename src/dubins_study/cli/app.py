@@ -21,14 +21,10 @@ except KeyboardInterrupt:  # this is the first import that takes long enough to 
 
 from dubins_study.cli import audit, experiments, export, merge, report, run, solve, solvers, status
 from dubins_study.cli.arguments import NEGATIVE_NUMBERS
+from dubins_study.cli.terminal.command_line import CommandLine, Quiet, Verbose
+from dubins_study.cli.terminal.verbosity import Verbosity, set_verbosity
 
-app = typer.Typer(
-    help="Optimisation solvers judged on the shortest Dubins path to a point.",
-    no_args_is_help=True,
-    add_completion=False,
-    pretty_exceptions_enable=False,
-    rich_markup_mode=None,
-)
+app = CommandLine(text="Optimisation solvers judged on the shortest Dubins path to a point.")
 
 
 def _print_version(asked: bool) -> None:
@@ -45,8 +41,11 @@ def _options(
         bool,
         typer.Option("--version", callback=_print_version, is_eager=True, help="print the version"),
     ] = False,
+    quiet: Quiet = False,
+    verbose: Verbose = False,
 ) -> None:
     """Optimisation solvers judged on the shortest Dubins path to a point."""
+    set_verbosity(Verbosity(verbose - quiet))
 
 
 app.command(context_settings=NEGATIVE_NUMBERS)(solve.solve)

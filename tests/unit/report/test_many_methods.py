@@ -100,7 +100,7 @@ def test_every_solver_stays_in_the_tables(sections):
 def test_long_tables_scroll_inside_their_frame(folder, tmp_path):
     """Only long ones, and the page says so for those who do not see a scroll bar."""
     page = render([folder], tmp_path / "out").read_text(encoding="utf-8")
-    tables = re.findall(r'<figure class="table" id="([^"]+)">(.*?)</figure>', page, re.DOTALL)
+    tables = re.findall(r'<figure class="table" id="table-([^"]+)">(.*?)</figure>', page, re.DOTALL)
 
     for name, text in tables:
         lines = text.count("<tr>") - 1

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
-from typing import TypeAlias
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any, TypeAlias
 
+import numpy as np
 import pandas as pd
+from markupsafe import Markup
 from matplotlib.artist import Artist
 from matplotlib.figure import Figure
+from pandas.api.types import is_numeric_dtype
 
 from dubins_study.report.elements.columns import Column
 from dubins_study.report.elements.style import HALF, Style, new_figure
@@ -45,9 +48,27 @@ class Table:
         ]
         return [list(row) for row in zip(*shown, strict=True)]
 
+    def values(self) -> list[list[float | None]]:
+        """The number behind every cell, row by row; None of a cell that holds none.
+
+        A text that ends in an interval, in a column `x_text`, has the number in `x` or `x_share`.
+        """
+        shown = [_numbers_of(self.frame, column.key) for column in self.columns]
+        return [list(row) for row in zip(*shown, strict=True)]
+
     def mark(self, row: int, column: Column) -> str:
         """The mark of a cell; empty if the cell is not marked."""
         return (self.marks or {}).get((row, column.key), "")
+
+
+def _numbers_of(frame: pd.DataFrame, key: str) -> list[float | None]:
+    stem = key.removesuffix("_text")
+    names = (key,) if stem == key else (f"{stem}_share", stem)
+    for name in names:
+        if name in frame and is_numeric_dtype(frame[name]):
+            numbers = frame[name].astype("Float64").to_numpy(float, na_value=np.nan)
+            return [float(value) if value == value else None for value in numbers]
+    return [None] * len(frame)
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,14 +117,43 @@ def picture(
     return Picture(name, caption, figure, alt, width == HALF)
 
 
-Block: TypeAlias = Table | Picture
+@dataclass(frozen=True, eq=False)
+class Widget:
+    """A part of the page that scripts bring to life; only the HTML page shows it.
+
+    Args:
+        name: its anchor is `widget-NAME`.
+        caption: what it shows, with units.
+        body: HTML that says enough without scripts. It must hold no text from outside that is not
+            escaped; `markupsafe.Markup.format` escapes.
+        data: name -> value of JSON; the page embeds it as `data-NAME`.
+        packed: name -> bytes, embedded as `data-NAME-gz`: compressed by gzip, in base64.
+    """
+
+    name: str
+    caption: str
+    body: Markup
+    data: Mapping[str, Any] = field(default_factory=dict)
+    packed: Mapping[str, bytes] = field(default_factory=dict)
+
+
+Block: TypeAlias = Table | Picture | Widget
 
 
 @dataclass(frozen=True, eq=False)
 class Section:
-    """A heading, a paragraph, and the tables and pictures below it."""
+    """A heading, what to see below it, a paragraph, and tables and pictures.
+
+    Args:
+        key: its anchor.
+        title: its heading.
+        text: how the numbers come about, and what follows from them.
+        blocks: tables, pictures and widgets, in order.
+        lead: the one sentence at its top that says what to see.
+    """
 
     key: str
     title: str
     text: str
     blocks: tuple[Block, ...]
+    lead: str = ""

@@ -1,7 +1,4 @@
-"""How figures look: colours, sizes and matplotlib's settings.
-
-The hues are Okabe and Ito's; colour-blind readers can distinguish them.
-"""
+"""How figures look: colours, sizes and matplotlib's settings."""
 
 from __future__ import annotations
 
@@ -12,12 +9,14 @@ from typing import Any, TypeAlias
 import matplotlib as mpl
 from matplotlib.figure import Figure
 
+from dubins_study.report.elements.colours import HUES
+
 Style: TypeAlias = dict[str, Any]  # keywords of matplotlib
 
 INK, MUTED, RULE, PAPER = "#1a1c1f", "#6a7079", "#d5d9de", "#ffffff"
-BLUE, VERMILION, GREEN, ORANGE = "#0072b2", "#d55e00", "#009e73", "#e69f00"
-SKY, PURPLE = "#56b4e9", "#cc79a7"
-BROWN, OLIVE = "#7a3b12", "#8a8000"  # instead of Okabe and Ito's yellow, hardly visible on paper
+BLUE, VERMILION, GREEN = (HUES[name].light for name in ("blue", "vermilion", "green"))
+ORANGE, SKY, PURPLE = (HUES[name].light for name in ("orange", "sky", "purple"))
+BROWN, OLIVE = (HUES[name].light for name in ("brown", "olive"))
 
 # Colours for maps. The dark page replaces INK and PAPER, but must not replace these, so they differ
 # by one digit.

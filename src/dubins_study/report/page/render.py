@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import gc
-import re
 import shutil
 import tempfile
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path as FilePath
 
-from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
 from dubins_study.errors import DubinsStudyError
@@ -19,8 +17,9 @@ from dubins_study.report.elements import style
 from dubins_study.report.elements.content import Picture, Section, Table
 from dubins_study.report.elements.figure_file import figure_bytes, fix_layout
 from dubins_study.report.elements.formats import some
+from dubins_study.report.page.environment import environment, inline, scripts, styles
 from dubins_study.report.page.latex import document
-from dubins_study.report.page.markup import markdown, to_csv, to_markdown
+from dubins_study.report.page.markup import to_csv, to_markdown
 from dubins_study.report.page.sections import KEYS, TOPICS, sections_of
 from dubins_study.report.page.tex_table import to_tex
 
@@ -145,7 +144,7 @@ def _write(folder: FilePath, sections: Sequence[Section], runs: Sequence[Folder]
             for suffix, text in (("csv", to_csv), ("md", to_markdown), ("tex", to_tex)):
                 file = folder / "tables" / f"{block.name}.{suffix}"
                 file.write_text(text(block), encoding="utf-8", newline="\n")
-        else:
+        elif isinstance(block, Picture):
             fix_layout(block.figure)
             svg = figure_bytes(block.figure, "svg")
             (folder / "figures" / f"{block.name}.svg").write_bytes(svg)
@@ -153,42 +152,15 @@ def _write(folder: FilePath, sections: Sequence[Section], runs: Sequence[Folder]
                 figure_bytes(block.figure, "pdf")
             )
             drawn[block.name] = inline(svg.decode("utf-8"), block.alt)
-    for file_name, template in (("index.html", "index.html.j2"), ("report.md", "report.md.j2")):
-        text_of = _environment().get_template(template)
-        page = text_of.render(sections=sections, runs=runs, drawn=drawn)
+    templates = environment()
+    templates.filters |= {"left_out": left_out, "warnings": warnings}
+    content = {"sections": sections, "runs": runs, "drawn": drawn}
+    parts = {"style": styles(), "scripts": scripts()}
+    for file_name in ("index.html", "report.md"):
+        page = templates.get_template(f"{file_name}.j2").render(**content, **parts)
         (folder / file_name).write_text(page, encoding="utf-8", newline="\n")
-    whole = document(_environment(), sections, runs)
+    whole = document(templates, sections, runs)
     (folder / "report.tex").write_text(whole, encoding="utf-8", newline="\n")
-
-
-# CSS variables for the figures' colours, so that figures follow the page's light or dark mode.
-_VARIABLES = {
-    style.INK: "--ink",
-    style.MUTED: "--muted",
-    style.RULE: "--rule",
-    style.PAPER: "--paper",
-    style.BLUE: "--blue",
-    style.GREEN: "--green",
-    style.VERMILION: "--vermilion",
-}
-_GROUP_ID = re.compile(r' id="(?:figure|axes|patch|line2d|text|matplotlib\.axis|xtick|ytick)[^"]*"')
-
-
-def inline(svg: str, alt: str) -> Markup:
-    """An SVG file's text as an element of the page."""
-    body = _GROUP_ID.sub("", svg[svg.index("<svg") :])
-    body = re.sub(r"<metadata>.*?</metadata>", "", body, flags=re.DOTALL)
-    for colour, variable in _VARIABLES.items():
-        body = body.replace(colour, f"var({variable})")
-    body = body.replace("'DejaVu Sans'", "inherit")
-    label = Markup("<svg role='img' aria-label='{}'").format(alt)
-    return label + Markup(body.removeprefix("<svg"))
-
-
-def breakable(text: str) -> Markup:
-    """A solver's name as HTML in which a line may break between settings."""
-    escaped = str(Markup.escape(text))
-    return Markup(escaped.replace("[", "<wbr>[").replace(",", ",<wbr>"))
 
 
 def warnings(run: Folder) -> list[str]:
@@ -216,21 +188,3 @@ def left_out(run: Folder) -> list[str]:
         "of cells that a folder before this one holds, made by other code": run.rows.replaced,
     }
     return [f"{some(number, 'row')} {why}" for why, number in lines.items() if number]
-
-
-def _environment() -> Environment:
-    """Autoescape is on for HTML; Markdown escapes through its own filter."""
-    environment = Environment(
-        loader=PackageLoader("dubins_study.report.page", "templates"),
-        autoescape=lambda name: name is not None and name.startswith("index.html"),
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    environment.filters |= {"breakable": breakable, "markdown": markdown, "pipe_table": to_markdown}
-    environment.filters |= {"left_out": left_out, "warnings": warnings}
-    environment.tests |= {
-        "picture": lambda block: isinstance(block, Picture),
-        "table": lambda block: isinstance(block, Table),
-    }
-    return environment

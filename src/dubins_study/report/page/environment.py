@@ -1,0 +1,107 @@
+"""What the templates of the page are written with: filters, scripts and embedded data."""
+
+from __future__ import annotations
+
+import base64
+import gzip
+import json
+import re
+from collections.abc import Sequence
+from importlib.resources import files
+from typing import Any
+
+from jinja2 import Environment, PackageLoader, StrictUndefined
+from markupsafe import Markup
+
+from dubins_study.report.elements import colours, style
+from dubins_study.report.elements.content import Picture, Table, Widget
+from dubins_study.report.page.markup import markdown, to_markdown
+
+_PACKAGE = "dubins_study.report.page"
+# After `style.css`; what is printed has the last word.
+STYLES = ("tables", "attempts", "drawer", "explorer", "print")
+# The order in which the scripts run: later ones use what earlier ones hand out.
+SCRIPTS = ("dubins", "page", "tables", "attempts", "drawer", "explorer")
+
+# CSS variables for the figures' colours, so that figures follow the page's light or dark mode.
+_VARIABLES = {
+    style.INK: "--ink",
+    style.MUTED: "--muted",
+    style.RULE: "--rule",
+    style.PAPER: "--paper",
+    **colours.VARIABLES,
+}
+_GROUP_ID = re.compile(r' id="(?:figure|axes|patch|line2d|text|matplotlib\.axis|xtick|ytick)[^"]*"')
+
+
+def inline(svg: str, alt: str) -> Markup:
+    """An SVG file's text as an element of the page."""
+    body = _GROUP_ID.sub("", svg[svg.index("<svg") :])
+    body = re.sub(r"<metadata>.*?</metadata>", "", body, flags=re.DOTALL)
+    for colour, variable in _VARIABLES.items():
+        body = body.replace(colour, f"var({variable})")
+    body = body.replace("'DejaVu Sans'", "inherit")
+    label = Markup("<svg role='img' aria-label='{}'").format(alt)
+    return label + Markup(body.removeprefix("<svg"))
+
+
+def breakable(text: str) -> Markup:
+    """A solver's name as HTML in which a line may break between settings."""
+    escaped = str(Markup.escape(text))
+    return Markup(escaped.replace("[", "<wbr>[").replace(",", ",<wbr>"))
+
+
+def as_json(value: Any) -> Markup:
+    """A value as JSON that no text in it can end the script element of."""
+    text = json.dumps(value, ensure_ascii=True, allow_nan=False, separators=(",", ":"))
+    return Markup(text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026"))
+
+
+def packed(content: bytes) -> str:
+    """Bytes as gzip in base64; the same bytes give the same text."""
+    return base64.b64encode(gzip.compress(content, compresslevel=9, mtime=0)).decode("ascii")
+
+
+def scripts() -> list[Markup]:
+    """The texts of the page's scripts, in the order in which they run."""
+    return _texts("scripts", [f"{name}.js" for name in SCRIPTS])
+
+
+def styles() -> Markup:
+    """The page's style, in the order in which rules win; the figures' hues come first."""
+    names = [f"{name}.css" for name in STYLES]
+    return Markup("\n").join([_hues(), *_texts("", ["style.css"]), *_texts("styles", names)])
+
+
+def _hues() -> Markup:
+    """The variables of the figures' hues, light, dark, and light again in print."""
+    light, dark = (f":root {{ {colours.css_values(mode)} }}" for mode in ("light", "dark"))
+    return Markup(
+        f"{light}\n@media (prefers-color-scheme: dark) {{ {dark} }}\n@media print {{ {light} }}"
+    )
+
+
+def _texts(folder: str, names: Sequence[str]) -> list[Markup]:
+    """The texts of those of these files that the templates' folder holds."""
+    place = files(_PACKAGE).joinpath("templates", folder)
+    present = [file for name in names if (file := place / name).is_file()]
+    return [Markup(file.read_text(encoding="utf-8")) for file in present]
+
+
+def environment() -> Environment:
+    """Autoescape is on for HTML; Markdown escapes through its own filter."""
+    made = Environment(
+        loader=PackageLoader(_PACKAGE, "templates"),
+        autoescape=lambda name: name is not None and name.endswith(".html.j2"),
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    made.filters |= {"breakable": breakable, "markdown": markdown, "pipe_table": to_markdown}
+    made.filters |= {"as_json": as_json, "packed": packed}
+    made.tests |= {
+        "picture": lambda block: isinstance(block, Picture),
+        "table": lambda block: isinstance(block, Table),
+        "widget": lambda block: isinstance(block, Widget),
+    }
+    return made

@@ -1,0 +1,270 @@
+"""The closed form in the page (`scripts/dubins.js`) against the package, on 10^4 targets."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from cases import EDGES, PAPER
+from hard_cases import hard_frame
+
+from dubins_study.study.angle import parse_angle
+from dubins_study.study.check.enclosure import enclose
+from dubins_study.study.check.extremal import measure
+from dubins_study.study.closed_form.shortest import as_path, margin, region_of, shortest
+from dubins_study.study.path import Path as Driven
+from dubins_study.study.scenario import NUMBERS, Scenario, scenarios
+from dubins_study.study.vehicle_frame import EPS, local
+
+ROOT = Path(__file__).parents[2]
+SCRIPT = ROOT / "src/dubins_study/report/page/templates/scripts/dubins.js"
+BRANCHES = ("LS", "RS", "LR", "RL")
+FIELDS = NUMBERS[:-1]  # the speed is no part of the question
+
+
+def near_circles(n: int) -> list[Scenario]:
+    """Targets on and next to both circles at 1e-1 to 1e-12 R, of any heading, place and radius."""
+    rng = np.random.default_rng(1)
+    cases = []
+    for row in range(n):
+        R, heading = 10 ** rng.uniform(-2, 3), rng.uniform(-math.pi, math.pi)
+        x, y = rng.uniform(-3, 3, 2) * R
+        angle, side = rng.uniform(-math.pi, math.pi), rng.choice([-1, 1])
+        r = 1 + rng.choice([-1, 0, 1]) * 10.0 ** -(1 + row % 12)
+        X, Y = r * math.sin(angle), side * (1 - r * math.cos(angle))
+        c, s = math.cos(heading), math.sin(heading)
+        cases.append(Scenario(x, y, heading, x + R * (X * c - Y * s), y + R * (X * s + Y * c), R))
+    return cases
+
+
+def all_cases() -> list[Scenario]:
+    """10^4 targets: hard ones, on and near circles, the paper's, and far ones."""
+    rng = np.random.default_rng(2)
+    far = [Scenario(*rng.uniform(-9, 9, 3), *rng.uniform(-1e6, 1e6, 2), 1.0) for _ in range(1000)]
+    named = [*PAPER.values(), *EDGES.values()]
+    return [*scenarios(hard_frame(5000, 3)), *near_circles(4000 - len(named)), *far, *named]
+
+
+@pytest.fixture
+def in_page(new_tab):
+    """`in_page(body, scenarios)`: what the script's `body`, a function of one scenario, returns."""
+    page = new_tab()
+    page.add_script_tag(path=SCRIPT)
+
+    def answers(body: str, cases: list[Scenario]) -> list:
+        rows = [{name: getattr(case, name) for name in FIELDS} for case in cases]
+        text = page.evaluate(f"rows => JSON.stringify(JSON.parse(rows).map({body}))", dumped(rows))
+        return json.loads(text)
+
+    return answers
+
+
+def dumped(rows: list) -> str:
+    """As text: doubles keep all their digits, and 10^4 rows arrive at once."""
+    return json.dumps(rows)
+
+
+def steepness(word: str, segments) -> float:
+    """Change of a length per shift of its target: 1, or 1 / |cos(a2 / 2)| of two arcs."""
+    return 1.0 if word not in ("LR", "RL") else 1 / max(abs(math.cos(segments[1] / 2)), 1e-6)
+
+
+def test_every_word_of_ten_thousand_targets_is_the_package_s(in_page):
+    """Existence, word, length and segments of all four words.
+
+    Both round sine, cosine and arctangent by up to an ulp, so that X and Y differ by less than
+    delta, the data's own uncertainty: a length by delta times its steepness and 8 ulp of the sum.
+    Where that decides the side of an edge, the length must be in the package's proven interval.
+    """
+    cases = all_cases()
+    assert len(cases) == 10_000
+    undecided = 0
+
+    for case, entries in zip(cases, in_page("dubins.words", cases), strict=True):
+        delta = local(case).delta
+        for entry in entries:
+            optimum = shortest(case, entry["branch"])
+            where = f"{case} {entry['branch']}"
+            if optimum is None and not entry["exists"]:
+                continue
+            if entry["exists"] and optimum is not None and entry["word"] == optimum.word:
+                slope = steepness(entry["word"], optimum.segments)
+                allowed = 2 * slope * delta + 8 * EPS * optimum.total
+                if abs(sum(entry["segments"]) - optimum.total) <= allowed:
+                    continue
+            undecided += 1
+            interval = enclose(case, entry["branch"])
+            if entry["exists"]:
+                assert interval.holds(entry["length"], 8 * EPS * entry["length"]), where
+            else:
+                assert interval.absent, where
+
+    assert undecided < 0.01 * 4 * len(cases)
+
+
+def test_the_optimal_words_region_and_margin_are_the_package_s(in_page):
+    """One word, or both straight behind; next to an edge whichever the package's intervals hold."""
+    cases = all_cases()
+    body = "s => [dubins.words(s).filter(e => e.optimal), dubins.region(s), dubins.margin(s)]"
+    undecided = 0
+
+    for case, answer in zip(cases, in_page(body, cases), strict=True):
+        optimal, region, in_radii = answer
+        best, target = shortest(case), local(case)
+        assert best is not None
+        assert in_radii == pytest.approx(margin(case), rel=1e-9, abs=2 * target.delta)
+        same_words = {entry["word"] for entry in optimal} == set(best.words)
+        if not same_words or region != region_of(target.w, target.mirrored.w):
+            undecided += 1
+            for entry in optimal:
+                allowed = 8 * EPS * entry["length"]
+                assert enclose(case).holds(entry["length"], allowed), case
+
+    assert undecided < 0.01 * len(cases)
+
+
+def test_certificates_are_the_package_s(in_page):
+    """Pontryagin's residual, the costates and the cut margin of every word, as `measure` has them.
+
+    Compared where the words are one path: of equal letters and segments to 1e-9.
+    """
+    cases = all_cases()[::3]
+    compared = 0
+
+    for case, entries in zip(cases, in_page("dubins.words", cases), strict=True):
+        for entry in entries:
+            optimum = shortest(case, entry["branch"])
+            if optimum is None or entry["word"] != optimum.word:
+                continue
+            driven = [length for length in optimum.segments if length > 0]
+            if not np.allclose(entry["segments"], driven, rtol=0, atol=1e-9):
+                continue
+            path = as_path(case, optimum.word, optimum.segments)
+            extremal, cut = measure(path, case.radius)
+            found = entry["certificate"]
+            # 1e-9 of the segments, twice; 1e9 R away positions lose 16 ulp a radius in costates
+            allowed = 4e-9 + 64 * EPS * optimum.total
+            assert found["cut_margin"] == pytest.approx(cut, abs=allowed), case
+            if extremal is None:
+                assert found["residual"] == 0
+                continue
+            assert found["residual"] == pytest.approx(extremal.residual, abs=allowed), case
+            assert found["abnormal"] == extremal.abnormal
+            size = max(1.0, math.hypot(*extremal.nu))
+            costates = found["costate_x"], found["costate_y"]
+            assert np.allclose(costates, extremal.nu, rtol=0, atol=allowed * size**2), case
+            compared += 1
+
+    assert compared > 2 * len(cases)
+
+
+def test_what_the_certificate_says_is_what_is_shortest(in_page):
+    """Away from edges the verdict `shortest` stands at the optimal words and at no other."""
+    cases = [case for case in all_cases() if margin(case) > 1e-6]
+    apart = [case for case in cases if abs(local(case).Y) > 1e-6 and local(case).delta < 1e-9]
+
+    for case, entries in zip(apart, in_page("dubins.words", apart), strict=True):
+        for entry in entries:
+            if entry["exists"] and sum(entry["segments"]) < 1e6:  # beyond, a turn of 1e-6 is none
+                says = entry["certificate"]["verdict"] == "shortest"
+                assert says == entry["optimal"], f"{case} {entry}"
+
+    assert len(apart) > 4000
+
+
+def test_every_path_arrives(in_page):
+    """The path of each word, driven by the package, ends at the target."""
+    cases = all_cases()
+
+    for case, entries in zip(cases, in_page("dubins.words", cases), strict=True):
+        for entry in entries:
+            if entry["exists"]:
+                end = Driven(case.start, entry["curvatures"], entry["lengths"]).end
+                miss = math.hypot(end.x - case.target_x, end.y - case.target_y)
+                # on an edge the path goes to another target within delta, twice; then 32 ulp
+                delta = local(case).delta * case.radius
+                allowed = 4 * delta + 32 * EPS * (case.extent + entry["length"])
+                assert miss <= allowed, f"{case} {entry}"
+
+
+def test_symmetries(in_page):
+    """Mirrored, LS is RS and LR is RL; scaled by 2, which is exact, lengths double exactly."""
+    cases = near_circles(500)
+    flat = [Scenario(c.x, c.y, 0.0, c.target_x, c.target_y, c.radius) for c in cases]
+    mirrored = [Scenario(c.x, -c.y, 0.0, c.target_x, -c.target_y, c.radius) for c in flat]
+    numbers = ("x", "y", "target_x", "target_y", "radius")
+    doubled = [Scenario(**{name: 2 * getattr(c, name) for name in numbers}) for c in flat]
+
+    one, other, twice = (in_page("dubins.words", cases) for cases in (flat, mirrored, doubled))
+    for words, reflected, larger in zip(one, other, twice, strict=True):
+        lengths = [entry["length"] for entry in words]
+        left_right = [reflected[i]["length"] for i in (1, 0, 3, 2)]
+        assert lengths == left_right
+        assert [length and 2 * length for length in lengths] == [e["length"] for e in larger]
+
+
+def test_the_length_obeys_bellman_s_principle(in_page):
+    """Driven a step along any control, the rest is no more than a step shorter than the whole.
+
+    Independent of the formulas: a step of 0.01 R to the left, straight and to the right from 500
+    starts. On the best of the three the rest is shorter by the step to second order.
+    """
+    rng, step = np.random.default_rng(4), 0.01
+    targets = rng.uniform(-4, 4, (500, 2))
+    cases, moved = [], []
+    for X, Y in targets:
+        cases.append(Scenario(0, 0, 0, X, Y))
+        for k in (1.0, 0.0, -1.0):
+            pose = Driven(Scenario(0, 0, 0, X, Y).start, [k], [step]).end
+            moved.append(Scenario(*pose, X, Y))
+
+    whole = [e["length"] for e in in_page("dubins.shortest", cases)]
+    rest = [e["length"] for e in in_page("dubins.shortest", moved)]
+    least = np.array(rest).reshape(-1, 3).min(axis=1)
+    assert (np.array(whole) <= least + step + 1e-12).all()
+    # within a step of its first switch a path is no longer of one control: then second order
+    assert np.allclose(whole, least + step, rtol=0, atol=step**2)
+
+
+def test_a_polyline_holds_the_path_s_ends_and_stays_on_it(in_page):
+    """Every point lies on the path as the package drives it; arcs are divided finely."""
+    cases = [
+        case for case in all_cases()[:600] if abs(case.heading) < 10
+    ]  # `at` loses digits of more
+    body = "s => dubins.words(s).map(e => e.exists"
+    body += " && [e, dubins.polyline(s, e.curvatures, e.lengths, 40)])"
+
+    for case, answers in zip(cases, in_page(body, cases), strict=True):
+        for answer in filter(None, answers):
+            entry, points = answer
+            path = Driven(case.start, entry["curvatures"], entry["lengths"])
+            turns = np.abs(path.curvature * path.length)
+            parts = [max(1, math.ceil(40 * t / (turns.sum() or 1))) for t in turns]
+            ends = np.concatenate([[0.0], np.cumsum(path.length)])
+            along = [
+                ends[i] + path.length[i] * j / n
+                for i, n in enumerate(parts)
+                for j in range(1, n + 1)
+            ]
+            expected = path.at([0.0, *along])[:, :2]
+            allowed = 64 * EPS * (case.extent + entry["length"])
+            assert len(points) == len(expected)
+            assert np.abs(np.array(points) - expected).max() <= allowed, case
+
+
+def test_bad_input_is_refused_by_name(new_tab):
+    """A scenario that cannot be names the field and the value."""
+    page = new_tab()
+    page.add_script_tag(path=SCRIPT)
+    good = {"x": 0, "y": 0, "heading": parse_angle("120deg"), "target_x": 1, "target_y": 2}
+    for change, text in (
+        ({"radius": 0}, "radius is 0; expected a number above 0"),
+        ({"radius": "1"}, "radius is 1; expected a finite number"),
+        ({"radius": 1, "x": None}, "x is null; expected a finite number"),
+        ({"radius": 1e-13, "x": 2}, "radius is 1e-13; expected at least"),
+    ):
+        body = "s => { try { dubins.words(s); return 'taken' } catch (e) { return e.message } }"
+        assert page.evaluate(body, good | change).startswith(text)
