@@ -35,6 +35,10 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
     ),
     "merge": ("dubins-study merge results/paper mine --out both",),
     "report": ("dubins-study report results/paper",),
+    "compare": (
+        "dubins-study compare results/paper both --out changes",
+        "dubins-study compare results/paper both --fail-on-regression",
+    ),
     "audit": ("dubins-study audit",),
     "export": (
         "dubins-study export 10 5 --from 0 0 120deg --format mod",
