@@ -85,7 +85,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     ),
     "report.page": (
         *("study.*", "report.data", "report.statistics"),
-        *("report.elements", "report.interactive", "report.topics.*"),
+        *("report.elements", "report.interactive", "report.paper", "report.topics.*"),
     ),
     "report.two_runs": (
         *("study.*", "report.data", "report.statistics"),
