@@ -20,6 +20,8 @@ _MARKDOWN = re.compile(r"([\\`*_\[\]|~$]|^[#+=-]|(?<=^\d)[.)](?=\s))")
 
 _RIGHT = ("number", "cell")  # kinds of columns that are aligned right
 
+_SPECS = ("code", "solver")  # kinds of columns whose texts a command reads
+
 _FORMULA = tuple("=+-@\t")  # a spreadsheet reads text that starts with one of these as a formula
 
 
@@ -70,7 +72,7 @@ def to_tex(table: Table) -> str:
     lines += [_tex_row([tex(column.title) for column in table.columns]), r"\midrule"]
     for row in table.texts():
         pairs = zip(row, table.columns, strict=True)
-        cells = [rf"\texttt{{{tex(t)}}}" if c.kind == "code" else tex(t) for t, c in pairs]
+        cells = [rf"\texttt{{{tex(t)}}}" if c.kind in _SPECS else tex(t) for t, c in pairs]
         lines.append(_tex_row(cells))
     return "\n".join([*lines, r"\bottomrule", r"\end{tabular}"]) + "\n"
 

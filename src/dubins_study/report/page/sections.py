@@ -10,6 +10,7 @@ from typing import NamedTuple
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.content import Section
 from dubins_study.report.elements.formats import count, slug
+from dubins_study.report.elements.names import with_labels
 from dubins_study.report.topics.agreement.section import agreement_section, formulations_section
 from dubins_study.report.topics.audit.section import audit_section
 from dubins_study.report.topics.basins.section import basins_section
@@ -106,7 +107,8 @@ def sections_of(topic: Topic, results: Results) -> Iterator[Section]:
             continue
         if len(selections) > 1:
             section = _named_after(section, name)
-        yield section if topic.counted else _with_sample(section, results)
+        shown = section if topic.counted else _with_sample(section, results)
+        yield with_labels(shown, results)
 
 
 def _selections(topic: Topic, results: Results) -> dict[str, Results]:
