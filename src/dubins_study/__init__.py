@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from dubins_study.report.data.results import load_results as load_results
     from dubins_study.report.page.render import render as render
     from dubins_study.report.path_plot import plot_path as plot_path
+    from dubins_study.report.two_runs.compare import compare as compare
     from dubins_study.solvers.protocol import Guarantee as Guarantee
     from dubins_study.solvers.protocol import Question as Question
     from dubins_study.solvers.protocol import Solution as Solution
@@ -39,6 +40,7 @@ _MODULES = {
     "Solution": "solvers.protocol",
     "Solver": "solvers.protocol",
     "Verdict": "study.check.verdict",
+    "compare": "report.two_runs.compare",
     "available_solvers": "solvers.registry",
     "load_results": "report.data.results",
     "merge": "experiments.store.merge",

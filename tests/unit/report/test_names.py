@@ -15,6 +15,7 @@ from dubins_study.report.page.render import render
 from dubins_study.report.page.sections import TOPICS, sections_of
 from dubins_study.report.statistics.methods import methods_of
 from dubins_study.report.statistics.metrics import natural, solver_order
+from dubins_study.report.topics.solvers.section import solvers_section
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import FORMULATIONS
 from tests.unit.report.results_folder import attempt
@@ -133,3 +134,18 @@ def test_natural_order_reads_small_numbers():
     texts = ["tol=1e-3", "tol=1e-12", "tol=0.5", "n=10", "n=9", "n"]
 
     assert sorted(texts, key=natural) == ["n", "n=9", "n=10", "tol=1e-12", "tol=1e-3", "tol=0.5"]
+
+
+def test_the_settings_table_has_every_solver_and_every_setting(folder):
+    """What the spec gives, and from the manifest what it leaves at the default."""
+    results = load([folder])
+    section = solvers_section(results)
+    frame = section.blocks[0].frame.set_index("solver")
+    zero = frame.loc["ipopt[model=joint,order=LRS,initial_guess=zero]"]
+
+    assert frame["label"].to_dict() == LABELS
+    assert zero["given"] == "model joint, order LRS, initial_guess zero"
+    assert "tol 1e-08" in zero["defaults"]
+    for spec, settings in results.settings.items():
+        listed = f"{frame.loc[spec, 'given']}, {frame.loc[spec, 'defaults']}"
+        assert {part.split(" ")[0] for part in listed.split(", ") if part} == set(settings)

@@ -95,6 +95,8 @@ def test_every_section_is_there(whole):
         "time",
         "discretisation",
         "plane",
+        "solvers",
+        "attempts",
     ]
     for key in keys:
         assert f'href="#{key}"' in page

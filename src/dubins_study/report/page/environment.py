@@ -21,7 +21,11 @@ _PACKAGE = "dubins_study.report.page"
 # After `style.css`; what is printed has the last word.
 STYLES = ("tables", "attempts", "drawer", "explorer", "print")
 # The order in which the scripts run: later ones use what earlier ones hand out.
-SCRIPTS = ("dubins", "page", "tables", "attempts", "drawer", "explorer")
+SCRIPTS = (
+    *("dubins", "page", "tables"),
+    *("attempts-data", "attempts", "drawer"),
+    "explorer",
+)
 
 # CSS variables for the figures' colours, so that figures follow the page's light or dark mode.
 _VARIABLES = {

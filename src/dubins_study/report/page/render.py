@@ -70,15 +70,32 @@ def _render(
 ) -> FilePath:
     results = load(given)
     target = FilePath(given[0]) / "report" if out is None else FilePath(out)
+    return write_page(target, lambda: _sections(results, progress), results.folders)
+
+
+def write_page(
+    out: str | FilePath, draw: Callable[[], Sequence[Section]], folders: Sequence[Folder]
+) -> FilePath:
+    """Write sections as a page, tables and figures; returns the path of `index.html`.
+
+    Args:
+        out: the folder to write to; an earlier report there is replaced in one step.
+        draw: makes the sections, once it is known that the folder can be written.
+        folders: the results folders that the page is about, for its head and its provenance.
+
+    Raises:
+        ReportError: if `out` cannot be written.
+    """
+    target = FilePath(out)
     try:
         _check_target(target)
     except OSError as error:  # e.g. the name is too long, or the folder may not be read
         raise _unwritable(target, error) from None
     with style.drawing():
-        sections = _sections(results, progress)
+        sections = draw()
         try:
             target.parent.mkdir(parents=True, exist_ok=True)
-            _write_whole(target, sections, results.folders)
+            _write_whole(target, sections, folders)
         except OSError as error:
             raise _unwritable(target, error) from None
     return target / "index.html"
