@@ -63,7 +63,8 @@ BROWN, OLIVE = (HUES[name].light for name in ("brown", "olive"))
 # by one digit.
 ON_MAP, MAP_PAPER = "#1a1c20", "#fffffe"
 
-WIDE, HALF = 7.2, 3.55  # inches: the page's column, and half of it
+# inches: 180 and 88 mm, two columns of a journal and one; on the page its column, and half of it
+WIDE, HALF = 180 / 25.4, 88 / 25.4
 
 _SETTINGS: Style = {
     "font.family": ["DejaVu Sans"],
@@ -81,6 +82,7 @@ _SETTINGS: Style = {
     "text.color": INK,
     "text.parse_math": False,  # a "$" in a name from outside must stay a "$"
     "svg.fonttype": "none",  # text stays text
+    "pdf.fonttype": 42,  # TrueType: journals refuse matplotlib's default, Type 3
     "svg.hashsalt": "dubins-study",
     **{"hatch.linewidth": 0.5, "figure.facecolor": PAPER, "axes.facecolor": "none"},
     "figure.constrained_layout.h_pad": 0.06,
