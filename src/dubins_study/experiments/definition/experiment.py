@@ -21,6 +21,7 @@ from dubins_study.experiments.definition.axes import (
 from dubins_study.experiments.definition.messages import first_error
 from dubins_study.experiments.definition.scenario_block import Block, known_branches
 from dubins_study.solvers.profiles import PROFILES
+from dubins_study.study.nearest import did_you_mean
 
 
 class ExperimentError(DubinsStudyError, ValueError):
@@ -111,7 +112,10 @@ class Experiment(StrictModel):
     @classmethod
     def _check_profile(cls, value: str) -> str:
         if value not in PROFILES:
-            raise ValueError(f"no profile named {value!r}; choose one of {', '.join(PROFILES)}")
+            near = did_you_mean(value, PROFILES)
+            raise ValueError(
+                f"no profile named {value!r}; {near}choose one of {', '.join(PROFILES)}"
+            )
         return value
 
 
@@ -159,8 +163,8 @@ def read(name: str) -> ExperimentFile:
     # The results folder is named after the stem; "." and ".." cannot name a new folder.
     if path.suffix != ".toml" or path.stem in (".", ".."):
         raise ExperimentError(
-            f"no experiment named {name!r}; choose one of: {', '.join(packaged())}, "
-            "or give the path of a .toml file"
+            f"no experiment named {name!r}; {did_you_mean(name, packaged())}choose one of: "
+            f"{', '.join(packaged())}, or give the path of a .toml file"
         )
     try:
         text = path.read_text(encoding="utf-8")

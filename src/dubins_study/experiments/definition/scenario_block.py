@@ -7,6 +7,7 @@ from typing import Self
 from pydantic import Field, field_validator, model_validator
 
 from dubins_study.experiments.definition.axes import Axis, Sample, StrictModel
+from dubins_study.study.nearest import did_you_mean
 from dubins_study.study.words import BRANCHES
 
 # The fields of the three ways to write a target.
@@ -115,5 +116,6 @@ def known_branches(branches: list[str]) -> list[str]:
     """
     for branch in branches:
         if branch not in BRANCHES:
-            raise ValueError(f"no branch named {branch!r}; choose from {', '.join(BRANCHES)}")
+            near = did_you_mean(branch, BRANCHES)
+            raise ValueError(f"no branch named {branch!r}; {near}choose from {', '.join(BRANCHES)}")
     return branches

@@ -6,7 +6,7 @@ import re
 
 from markupsafe import Markup
 
-from dubins_study.report.elements import colours, style
+from dubins_study.report.elements import style
 
 # CSS variables for the figures' colours, so that figures follow the page's light or dark mode.
 _VARIABLES = {
@@ -14,7 +14,7 @@ _VARIABLES = {
     style.MUTED: "--muted",
     style.RULE: "--rule",
     style.PAPER: "--paper",
-    **colours.VARIABLES,
+    **style.VARIABLES,
 }
 _COLOUR = re.compile("|".join(map(re.escape, _VARIABLES)))
 _METADATA = re.compile(r"<metadata>.*?</metadata>|<!--.*?-->", re.DOTALL)

@@ -12,7 +12,7 @@ from typing import Any
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
-from dubins_study.report.elements import colours
+from dubins_study.report.elements import style
 from dubins_study.report.elements.content import Picture, Table, Widget
 from dubins_study.report.page.markup import markdown, to_markdown
 
@@ -20,7 +20,11 @@ _PACKAGE = "dubins_study.report.page"
 # After `style.css`; what is printed has the last word.
 STYLES = ("tables", "attempts", "drawer", "explorer", "print")
 # The order in which the scripts run: later ones use what earlier ones hand out.
-SCRIPTS = ("dubins", "page", "tables", "attempts", "drawer", "explorer")
+SCRIPTS = (
+    *("dubins", "page", "tables"),
+    *("attempts-data", "attempts", "drawer"),
+    "explorer",
+)
 
 
 def breakable(text: str) -> Markup:
@@ -53,7 +57,7 @@ def styles() -> Markup:
 
 def _hues() -> Markup:
     """The variables of the figures' hues, light, dark, and light again in print."""
-    light, dark = (f":root {{ {colours.css_values(mode)} }}" for mode in ("light", "dark"))
+    light, dark = (f":root {{ {style.css_values(mode)} }}" for mode in ("light", "dark"))
     return Markup(
         f"{light}\n@media (prefers-color-scheme: dark) {{ {dark} }}\n@media print {{ {light} }}"
     )
