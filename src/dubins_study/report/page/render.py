@@ -28,9 +28,9 @@ from dubins_study.report.paper.citation import PAPER
 
 # What every report is about, in one sentence.
 ASKED = (
-    "From a start pose to a target, by the shortest path whose curvature never exceeds 1/R, with "
-    "any heading at the end: which formulation, which engine and which initial guess find it, how "
-    "surely, how fast, and who proves it?"
+    "From a start pose to a target, with no turn tighter than the radius R and any heading at the "
+    "end: which formulation, engine and initial guess find the shortest path, how surely, how "
+    "fast, and who proves it?"
 )
 
 Progress = Callable[[str], None]

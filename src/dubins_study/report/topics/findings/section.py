@@ -64,4 +64,6 @@ def _table(name: str, chosen: Sequence[Finding], first: int, title: str) -> Tabl
         f"{title} Intervals: Wilson's for shares, for as many trials as there are questions, and "
         "bootstrap over scenarios for all others. The CSV file holds the numbers apart."
     )
-    return Table(name, caption, frame, shown, numbers=(*interval_keys("value"), "unit"))
+    return Table(
+        name, caption, frame, shown, numbers=(*interval_keys("value"), "unit"), stacked=True
+    )
