@@ -81,9 +81,10 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
         *("study.*", "report.data", "report.statistics"),
         *("report.elements", "report.paper"),
     ),
+    "report.explorer": ("study.*", "report.data", "report.paper", "report.elements"),
     "report.page": (
         *("study.*", "report.data", "report.statistics"),
-        *("report.elements", "report.topics.*"),
+        *("report.elements", "report.topics.*", "report.explorer"),
     ),
     "report": ("study.*", "report.*"),
     "cli": ("", "study.*", "solvers.*", "experiments.*", "report.*"),
