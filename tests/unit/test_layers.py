@@ -73,10 +73,12 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
         "experiments.store",  # the streamed frames write their own parts
     ),
     "experiments": ("study.*", "solvers", "experiments.*"),
+    "conformance": ("study.*", "solvers", "experiments.isolation", "experiments.code_digest"),
     "report.data": ("study.*",),
     "report.statistics": ("study.*", "report.data"),
     "report.paper": ("study.*",),
     "report.elements": ("study.*", "report.data", "report.statistics"),
+    "report.interactive": (*("study.*", "report.data", "report.statistics", "report.elements"),),
     "report.topics": (
         *("study.*", "report.data", "report.statistics"),
         *("report.elements", "report.paper"),
@@ -84,11 +86,20 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     "report.explorer": ("study.*", "report.data", "report.paper", "report.elements"),
     "report.page": (
         *("study.*", "report.data", "report.statistics"),
-        *("report.elements", "report.topics.*", "report.explorer"),
+        *("report.elements", "report.interactive", "report.paper", "report.topics.*"),
+        "report.explorer",
+    ),
+    "report.two_runs": (
+        *("study.*", "report.data", "report.statistics"),
+        *("report.elements", "report.page"),
     ),
     "report": ("study.*", "report.*"),
-    "cli": ("", "study.*", "solvers.*", "experiments.*", "report.*"),
-    "": ("cli", "study.*", "solvers.*", "experiments.*", "report.*"),
+    "cli.terminal": ("study.*",),
+    "cli": (
+        *("cli.terminal", "", "study.*", "solvers.*", "experiments.*", "report.*"),
+        "conformance",
+    ),
+    "": ("cli", "study.*", "solvers.*", "experiments.*", "conformance", "report.*"),
 }
 # a topic may use another topic's numbers, as long as no circle comes of it
 _TOPIC = (*MAY_IMPORT["report.topics"], "report.topics.*")

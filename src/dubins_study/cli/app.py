@@ -19,16 +19,25 @@ try:
 except KeyboardInterrupt:  # this is the first import that takes long enough to be interrupted
     sys.exit(130)
 
-from dubins_study.cli import audit, experiments, export, merge, report, run, solve, solvers, status
-from dubins_study.cli.arguments import NEGATIVE_NUMBERS
-
-app = typer.Typer(
-    help="Optimisation solvers judged on the shortest Dubins path to a point.",
-    no_args_is_help=True,
-    add_completion=False,
-    pretty_exceptions_enable=False,
-    rich_markup_mode=None,
+from dubins_study.cli import (
+    audit,
+    check_solver,
+    compare,
+    experiments,
+    export,
+    merge,
+    new,
+    report,
+    run,
+    solve,
+    solvers,
+    status,
 )
+from dubins_study.cli.arguments import NEGATIVE_NUMBERS
+from dubins_study.cli.terminal.command_line import CommandLine, Quiet, Verbose
+from dubins_study.cli.terminal.verbosity import Verbosity, set_verbosity
+
+app = CommandLine(text="Optimisation solvers judged on the shortest Dubins path to a point.")
 
 
 def _print_version(asked: bool) -> None:
@@ -45,8 +54,11 @@ def _options(
         bool,
         typer.Option("--version", callback=_print_version, is_eager=True, help="print the version"),
     ] = False,
+    quiet: Quiet = False,
+    verbose: Verbose = False,
 ) -> None:
     """Optimisation solvers judged on the shortest Dubins path to a point."""
+    set_verbosity(Verbosity(verbose - quiet))
 
 
 app.command(context_settings=NEGATIVE_NUMBERS)(solve.solve)
@@ -57,7 +69,10 @@ app.command()(run.run)
 app.command()(status.status)
 app.command()(merge.merge)
 app.command()(report.report)
+app.command()(compare.compare)
 app.command()(audit.audit)
+app.command()(check_solver.check_solver)
+app.add_typer(new.app, name="new")
 
 
 def main() -> Any:

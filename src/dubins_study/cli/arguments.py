@@ -53,11 +53,18 @@ class CommandError(DubinsStudyError, ValueError):
     """The command line cannot be read, or its result cannot be printed or saved."""
 
 
-def _check_rest(target: tuple[str, str], rest: list[str], command: str) -> None:
+def _check_rest(context: typer.Context, target: tuple[str, str]) -> None:
     """Refuse unknown options, and words after the target."""
+    rest = context.args
     for word in (*target, *rest):
         if word.startswith("-") and not _is_number(word):
-            raise CommandError(f"no such option: {word}; see dubins-study {command} --help")
+            from dubins_study.study.nearest import did_you_mean
+
+            known = [name for option in context.command.params for name in option.opts]
+            near = did_you_mean(word.partition("=")[0], known)
+            raise CommandError(
+                f"no such option: {word}; {near}see dubins-study {context.info_name} --help"
+            )
     if rest:
         raise CommandError(
             f"unexpected argument {rest[0]!r}; expected a target of two numbers, X Y"
@@ -88,7 +95,7 @@ def scenario_of(
     from dubins_study.study.angle import AngleError, parse_angle
     from dubins_study.study.scenario import Scenario
 
-    _check_rest(target, context.args, str(context.info_name))
+    _check_rest(context, target)
     try:
         heading = parse_angle(start[2])
     except AngleError as error:

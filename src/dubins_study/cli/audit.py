@@ -9,7 +9,7 @@ from typing import Annotated, Any
 
 import typer
 
-from dubins_study.cli.table import table
+from dubins_study.cli.terminal.table import table
 
 Record = dict[str, Any]
 
@@ -17,7 +17,10 @@ Record = dict[str, Any]
 def audit(
     as_json: Annotated[bool, typer.Option("--json", help="print one JSON object")] = False,
 ) -> None:
-    """Recompute the paper's tables; exit code 1 if the code contradicts the committed audit."""
+    """Recompute the paper's printed tables.
+
+    Exit code 1 if the code contradicts the committed audit.
+    """
     from dubins_study.report.paper.audit import audit as recompute
     from dubins_study.report.paper.audit import contradictions
     from dubins_study.report.paper.audit_file import committed

@@ -12,7 +12,7 @@ def experiments(
     as_json: Annotated[bool, typer.Option("--json", help="print a JSON list")] = False,
 ) -> None:
     """List the experiments that `run` knows by name."""
-    from dubins_study.cli.table import table
+    from dubins_study.cli.terminal.table import table
     from dubins_study.experiments.definition.experiment import packaged, read
 
     titles = [(name, read(name).experiment.title) for name in packaged()]

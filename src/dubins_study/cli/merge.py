@@ -12,7 +12,10 @@ def merge(
     folders: Annotated[list[FilePath], typer.Argument(metavar="DIR DIR...")],
     out: Annotated[FilePath, typer.Option(metavar="DIR", help="new, or empty")],
 ) -> None:
-    """Unite results folders of one experiment; refused if they contradict each other."""
+    """Unite results folders of one experiment.
+
+    Refused if they contradict each other.
+    """
     from dubins_study.experiments.store.merge import merge as unite
     from dubins_study.study.printable import plain
 

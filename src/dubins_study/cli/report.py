@@ -27,7 +27,7 @@ def report(
     ] = None,
 ) -> None:
     """Write tables, figures and one page from results folders."""
-    from dubins_study.cli import streams
+    from dubins_study.cli.terminal import streams
     from dubins_study.report.page.render import render
 
     with streams.spinner("report"):
@@ -39,7 +39,7 @@ def report_text(page: FilePath) -> str:
     """The summary table of a report, and the path of its page."""
     import csv
 
-    from dubins_study.cli.table import table
+    from dubins_study.cli.terminal.table import table
     from dubins_study.study.printable import plain
 
     def _line(text: str) -> str:

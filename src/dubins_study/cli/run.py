@@ -9,15 +9,28 @@ from typing import Annotated
 import typer
 
 from dubins_study.cli.arguments import number, whole_number
+from dubins_study.cli.terminal import completion
 
 
 def run(
-    experiment: Annotated[str, typer.Argument(help="a name, or the path of a .toml file")],
+    experiment: Annotated[
+        str,
+        typer.Argument(
+            metavar="EXPERIMENT",
+            help="a name, or the path of a .toml file",
+            autocompletion=completion.experiments,
+        ),
+    ],
     out: Annotated[
         FilePath | None, typer.Option(metavar="DIR", help="default: results/<experiment>")
     ] = None,
     solver: Annotated[
-        list[str] | None, typer.Option(metavar="NAME", help="instead of the experiment's own")
+        list[str] | None,
+        typer.Option(
+            metavar="SPEC",
+            help="instead of the experiment's own; may be given several times",
+            autocompletion=completion.solvers,
+        ),
     ] = None,
     jobs: Annotated[
         int, typer.Option(parser=whole_number, help="processes; 1 where times are quoted")
@@ -40,15 +53,15 @@ def run(
         str | None, typer.Option(metavar="ADDRESS", help="of Dask's; default: one on this machine")
     ] = None,
 ) -> None:
-    """Run an experiment; cells that are done are skipped."""
+    """Run an experiment, or go on with it: cells that are done are skipped."""
     from dubins_study.experiments.interruption import Interruption
 
     counts: list[int] = []  # number of cells done, and of all cells, as last reported
     try:
         # Before the other imports: a library whose import is interrupted raises strange errors.
         with Interruption() as stop:
-            from dubins_study.cli import streams
             from dubins_study.cli.status import status_text
+            from dubins_study.cli.terminal import streams
             from dubins_study.experiments.run import run as run_experiment
             from dubins_study.experiments.store.status import status as status_of
 

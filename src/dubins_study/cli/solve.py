@@ -18,6 +18,7 @@ from dubins_study.cli.arguments import (
     number,
     scenario_of,
 )
+from dubins_study.cli.terminal import completion
 
 if TYPE_CHECKING:
     from dubins_study.solvers.attempt import Answer
@@ -40,9 +41,20 @@ def solve(
     start: StartPose = ("0", "0", "0"),
     radius: Radius = "1",
     speed: Annotated[str, typer.Option(help="constant speed")] = "1",
-    solver: Annotated[str, typer.Option(help="name or name[setting=value]")] = "analytic",
-    branch: Annotated[str, typer.Option(help="best, LS, RS, LR or RL")] = "best",
-    profile: Annotated[str, typer.Option(help="default, fast or accurate")] = "default",
+    solver: Annotated[
+        str,
+        typer.Option(
+            metavar="SPEC",
+            help="name, name[setting=value] or file.py:Class",
+            autocompletion=completion.solvers,
+        ),
+    ] = "analytic",
+    branch: Annotated[
+        str, typer.Option(help="best, LS, RS, LR or RL", autocompletion=completion.branches)
+    ] = "best",
+    profile: Annotated[
+        str, typer.Option(help="default, fast or accurate", autocompletion=completion.profiles)
+    ] = "default",
     time_limit: Annotated[
         float, typer.Option(parser=number, help="seconds that the solve may take")
     ] = 60.0,
@@ -55,7 +67,7 @@ def solve(
     ] = False,
 ) -> None:
     """Solve one scenario and judge the answer."""
-    from dubins_study.cli import streams
+    from dubins_study.cli.terminal import streams
     from dubins_study.experiments.solve import solve as ask
     from dubins_study.solvers.attempt import check_request
 

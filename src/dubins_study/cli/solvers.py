@@ -26,7 +26,7 @@ def solvers(
 
 def solvers_text(entries: list[Entry]) -> str:
     """A table for the terminal."""
-    from dubins_study.cli.table import table
+    from dubins_study.cli.terminal.table import table
     from dubins_study.study.printable import plain
 
     rows = [

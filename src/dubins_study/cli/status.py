@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from dubins_study.cli.table import table
+from dubins_study.cli.terminal.table import table
 from dubins_study.study.printable import plain
 
 if TYPE_CHECKING:
@@ -23,7 +23,10 @@ def status(
     folder: Annotated[FilePath, typer.Argument(metavar="DIR")],
     as_json: Annotated[bool, typer.Option("--json", help="print one JSON object")] = False,
 ) -> None:
-    """Tell what a results folder holds: done, left, failing, its runs, and the time left."""
+    """Tell what a results folder holds.
+
+    Cells that are done, left or failing; its runs; the time that the rest will take.
+    """
     from dubins_study.experiments.store.status import status as status_of
 
     folder_status = status_of(folder)

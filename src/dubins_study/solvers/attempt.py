@@ -16,6 +16,7 @@ from dubins_study.study.check.certificate import Certificate, Proof, certify
 from dubins_study.study.check.verdict import Judgement, Tolerances, Verdict, judge
 from dubins_study.study.claim import Claim
 from dubins_study.study.closed_form.shortest import shortest
+from dubins_study.study.nearest import did_you_mean
 from dubins_study.study.number import real_number
 from dubins_study.study.path import Path
 from dubins_study.study.printable import plain, short
@@ -141,8 +142,8 @@ def check_request(branch: str, limit: float, limit_name: str = "limit") -> None:
         QuestionError: naming the value and what was expected.
     """
     if not isinstance(branch, str) or branch not in BRANCHES:
-        names = ", ".join(BRANCHES)
-        raise QuestionError(f"no branch named {short(branch)}; choose one of: {names}")
+        known = f"{did_you_mean(branch, BRANCHES)}choose one of: {', '.join(BRANCHES)}"
+        raise QuestionError(f"no branch named {short(branch)}; {known}")
     try:
         seconds = real_number(limit)
     except Exception:  # `float` of a value of any type may raise anything

@@ -14,6 +14,7 @@ from dubins_study.errors import DubinsStudyError
 from dubins_study.solvers.paper_nlp.initial_guesses import initial_guesses
 from dubins_study.solvers.paper_nlp.model import SUBPROBLEMS
 from dubins_study.solvers.protocol import Question
+from dubins_study.study.nearest import did_you_mean
 from dubins_study.study.scenario import Scenario
 
 MODELS = ("paper", "disjunctive")
@@ -61,7 +62,8 @@ def _check(model: str, format: str, order: str) -> None:
         ("order", order, ORDERS),
     ):
         if value not in choices:
-            raise ExportError(f"{name} is {value!r}; expected one of: {', '.join(choices)}")
+            near = did_you_mean(value, choices)
+            raise ExportError(f"{name} is {value!r}; {near}expected one of: {', '.join(choices)}")
     if model == "disjunctive" and format == "mod":
         raise ExportError("format is 'mod'; expected nl or gams for the disjunctive model")
     if model == "disjunctive" and order != "LRS":

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dubins_study.errors import DubinsStudyError
 from dubins_study.study.check.verdict import Tolerances
+from dubins_study.study.nearest import did_you_mean
 from dubins_study.study.printable import short
 
 # `default` calls four digits of the length optimal: what a plotted path or a flight plan can use.
@@ -27,5 +28,6 @@ def tolerances(profile: str) -> Tolerances:
     """
     if not isinstance(profile, str) or profile not in PROFILES:
         names = ", ".join(PROFILES)
-        raise ProfileError(f"no profile named {short(profile)}; choose one of: {names}")
+        near = did_you_mean(profile, PROFILES)
+        raise ProfileError(f"no profile named {short(profile)}; {near}choose one of: {names}")
     return PROFILES[profile]

@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 
 from dubins_study.errors import DubinsStudyError
 from dubins_study.solvers.protocol import Method, Solver
+from dubins_study.study.nearest import did_you_mean
 
 GROUP = "dubins_study.solvers"
 _SPEC = re.compile(r"(?P<name>[^\[\]]+?)(?:\[(?P<settings>[^\[\]]*)\])?")
@@ -57,6 +58,12 @@ def _our_name(name: str) -> bool:
 def registered() -> list[str]:
     """The names of all solvers, available or not."""
     return list(_registered())
+
+
+def registered_name(kind: type[Solver]) -> str | None:
+    """The name that a class is registered under, or None."""
+    place = f"{kind.__module__}:{kind.__qualname__}"
+    return next((name for name, point in _registered().items() if point.value == place), None)
 
 
 def available_solvers() -> list[str]:
@@ -195,7 +202,11 @@ def _kind(name: str) -> type[Solver]:
     if point is None:
         if ".py:" in name:
             return _from_file(name)
-        raise SolverError(f"no solver named {name!r}; choose one of: {', '.join(registered())}")
+        known = registered()
+        raise SolverError(
+            f"no solver named {name!r}; {did_you_mean(name, known)}choose one of: "
+            f"{', '.join(known)}, or give file.py:Class"
+        )
     try:
         kind = point.load()
     except (Exception, SystemExit) as error:  # a plug-in may fail in any way; it is a reason
@@ -222,7 +233,10 @@ def _from_file(name: str) -> type[Solver]:
         del sys.modules[module_name]
         raise SolverError(f"solver {name!r}: {file} fails: {error!r}") from error
     if not hasattr(module, class_name):
-        raise SolverError(f"solver {name!r}: {file} has no class {class_name!r}")
+        near = did_you_mean(class_name, vars(module)).rstrip()
+        raise SolverError(
+            f"solver {name!r}: {file} has no class {class_name!r}{'; ' if near else ''}{near}"
+        )
     return _checked(name, getattr(module, class_name))
 
 
@@ -260,11 +274,12 @@ def _convert(name: str, kind: type[Solver], given: dict[str, str]) -> dict[str, 
     for key, text in given.items():
         if key not in defaults:
             known = ", ".join(defaults) or "none"
-            raise SolverError(f"solver {name!r} has no setting {key!r}; it has: {known}")
+            near = did_you_mean(key, defaults)
+            raise SolverError(f"solver {name!r} has no setting {key!r}; {near}it has: {known}")
         wanted = type(defaults[key])
         try:
             values[key] = _BOOLEANS[text.lower()] if wanted is bool else wanted(text)
-        except (KeyError, ValueError):
+        except (KeyError, TypeError, ValueError):  # no type of a number or text takes the text
             raise SolverError(
                 f"solver {name!r}: {key} is {text!r}; expected {wanted.__name__}, "
                 f"such as {defaults[key]}"

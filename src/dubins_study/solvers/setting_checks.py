@@ -6,6 +6,8 @@ import importlib.util
 import math
 from collections.abc import Collection
 
+from dubins_study.study.nearest import did_you_mean
+
 
 def missing_package(*names: str) -> str | None:
     """Which of some packages cannot be imported here, as a reason; None if all can."""
@@ -23,7 +25,8 @@ def one_of(**settings: tuple[str, Collection[str]]) -> None:
     """
     for name, (value, choices) in settings.items():
         if value not in choices:
-            raise ValueError(f"{name} is {value!r}; expected one of: {', '.join(choices)}")
+            near = did_you_mean(value, choices)
+            raise ValueError(f"{name} is {value!r}; {near}expected one of: {', '.join(choices)}")
 
 
 def positive(**settings: float) -> None:

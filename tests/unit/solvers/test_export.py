@@ -267,7 +267,7 @@ def test_a_label_stays_out_of_the_file():
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ({"model": "papers"}, "model is 'papers'; expected one of: paper, disjunctive"),
+        ({"model": "papers"}, "model is 'papers'; did you mean 'paper'? expected one of: paper"),
         ({"format": "lp"}, "format is 'lp'; expected one of: nl, mod, gams"),
         ({"order": "both"}, "order is 'both'; expected one of: LRS, RLS"),
         ({"model": "disjunctive", "format": "mod"}, "expected nl or gams"),

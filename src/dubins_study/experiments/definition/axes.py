@@ -4,7 +4,14 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    WithJsonSchema,
+)
 
 from dubins_study.study.angle import parse_angle
 
@@ -21,7 +28,12 @@ def _number_or_angle(value: object) -> object:
     return parse_angle(value) if isinstance(value, str) else _refuse_boolean(value)
 
 
-Number = Annotated[float, BeforeValidator(_number_or_angle), Field(allow_inf_nan=False)]
+Number = Annotated[
+    float,
+    BeforeValidator(_number_or_angle),
+    Field(allow_inf_nan=False),
+    WithJsonSchema({"type": ["number", "string"]}),  # a text is an angle, such as "120deg"
+]
 Count = Annotated[int, BeforeValidator(_refuse_boolean), Field(ge=1, le=10**9)]
 Seed = Annotated[int, BeforeValidator(_refuse_boolean), Field(ge=0, lt=2**63)]
 Gibibytes = Annotated[float, BeforeValidator(_refuse_boolean), Field(ge=0.25, le=2**20)]
@@ -42,33 +54,37 @@ def _above_zero(what: str) -> AfterValidator:
 
 
 class StrictModel(BaseModel):
-    """A table of the TOML file; unknown keys are refused."""
+    """A table of the TOML file; unknown keys are refused. A key's docstring follows it."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, use_attribute_docstrings=True)
 
 
 class Linear(StrictModel):
     """`[first, last, count]`: `count` evenly spaced values from the first to the last."""
 
     linear: tuple[Number, Number, Count]
+    """First value, last value, and how many."""
 
 
 class Log(StrictModel):
     """`[first, last, count]`: `count` values whose logarithms are evenly spaced."""
 
     log: Annotated[tuple[Number, Number, Count], _above_zero("sweep")]
+    """First value, last value, and how many; both values are above 0."""
 
 
 class LinearRange(StrictModel):
     """`[low, high]`: sampled values are spread uniformly between the two."""
 
     linear: tuple[Number, Number]
+    """Least and largest value."""
 
 
 class LogRange(StrictModel):
     """`[low, high]`: the logarithms of sampled values are spread uniformly; both are above 0."""
 
     log: Annotated[tuple[Number, Number], _above_zero("range")]
+    """Least and largest value, both above 0."""
 
 
 # The values of one field: a number, a list of numbers, or evenly spaced numbers.
@@ -80,6 +96,10 @@ class Sample(StrictModel):
     """Quasi-random points over ranges of fields, drawn by `scipy.stats.qmc`."""
 
     method: Literal["sobol", "latin hypercube"]
+    """How points are spread; the first points of a Sobol sample cover its ranges as well."""
     count: Count
+    """Number of scenarios."""
     seed: Seed
+    """The same seed draws the same points."""
     ranges: dict[str, Range] = Field(min_length=1)
+    """Field -> its range; a field of the block that is not named here has the block's value."""

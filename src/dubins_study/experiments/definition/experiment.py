@@ -21,6 +21,7 @@ from dubins_study.experiments.definition.axes import (
 from dubins_study.experiments.definition.messages import first_error
 from dubins_study.experiments.definition.scenario_block import Block, known_branches
 from dubins_study.solvers.profiles import PROFILES
+from dubins_study.study.nearest import did_you_mean
 
 
 class ExperimentError(DubinsStudyError, ValueError):
@@ -34,7 +35,9 @@ class First(StrictModel):
     """
 
     scenarios: Count
+    """How many of the first scenarios of each sample."""
     solvers: list[str] = Field(min_length=1)
+    """The solvers that are asked these only."""
 
 
 class Experiment(StrictModel):
@@ -51,19 +54,33 @@ class Experiment(StrictModel):
     """
 
     title: str = Field(min_length=1)
+    """Title of the experiment's part of the report."""
     question: str = Field(min_length=1)
+    """The question that the experiment answers, in a sentence."""
     section: SectionName | None = None
+    """Key of a section of the report about this kind of experiment, such as `benchmark`."""
     scenarios: list[Block] = Field(min_length=1)
+    """The scenarios, block by block."""
     solvers: list[str] = Field(min_length=1)
+    """Specs of the solvers that are asked; `*` is every registered one."""
     branches: list[str] = Field(default=["best"], min_length=1)
+    """Which paths are asked for: `best`, or words: `LS`, `RS`, `LR`, `RL`."""
     initial_guesses: list[Literal["cold", "warm"]] = Field(default=["cold"], min_length=1)
+    """`cold`, or `warm`: each scenario of a block from the path of the one before it."""
     profile: str = "default"
+    """Named settings and tolerances: `default`, `fast` or `accurate`."""
     repeats: Count = 1
+    """How often each question is asked."""
     time_limit_s: Seconds = 60.0
+    """Seconds after which a solve is ended."""
     memory_limit_gib: Gibibytes = 4.0
+    """GiB that a solver's process and its children may hold."""
     seed: Seed = 0
+    """Of the order in which cells are solved."""
     matrix: bool = False
+    """Whether the report lists every pair of formulation and engine, and why some have no row."""
     first: First | None = None
+    """Solvers that are asked only a part of each sample."""
 
     @model_validator(mode="after")
     def _check_first(self) -> Self:
@@ -95,7 +112,10 @@ class Experiment(StrictModel):
     @classmethod
     def _check_profile(cls, value: str) -> str:
         if value not in PROFILES:
-            raise ValueError(f"no profile named {value!r}; choose one of {', '.join(PROFILES)}")
+            near = did_you_mean(value, PROFILES)
+            raise ValueError(
+                f"no profile named {value!r}; {near}choose one of {', '.join(PROFILES)}"
+            )
         return value
 
 
@@ -143,8 +163,8 @@ def read(name: str) -> ExperimentFile:
     # The results folder is named after the stem; "." and ".." cannot name a new folder.
     if path.suffix != ".toml" or path.stem in (".", ".."):
         raise ExperimentError(
-            f"no experiment named {name!r}; choose one of: {', '.join(packaged())}, "
-            "or give the path of a .toml file"
+            f"no experiment named {name!r}; {did_you_mean(name, packaged())}choose one of: "
+            f"{', '.join(packaged())}, or give the path of a .toml file"
         )
     try:
         text = path.read_text(encoding="utf-8")

@@ -7,6 +7,7 @@ from typing import Self
 from pydantic import Field, field_validator, model_validator
 
 from dubins_study.experiments.definition.axes import Axis, Sample, StrictModel
+from dubins_study.study.nearest import did_you_mean
 from dubins_study.study.words import BRANCHES
 
 # The fields of the three ways to write a target.
@@ -24,8 +25,11 @@ class GuessLengths(StrictModel):
     """
 
     z1: Axis
+    """Length of the left turn."""
     z2: Axis
+    """Length of the right turn."""
     z3: Axis
+    """Length of the straight."""
 
     @property
     def axes(self) -> tuple[Axis, Axis, Axis]:
@@ -47,21 +51,37 @@ class Block(StrictModel):
     """
 
     label: str = ""
+    """Name of the scenarios; the report calls scenarios of one label a stratum."""
     x: Axis = 0.0
+    """Start position."""
     y: Axis = 0.0
+    """Start position."""
     heading: Axis = 0.0
+    """Start heading, counter-clockwise from +x: radians, or a text such as "120deg" or "2pi/3"."""
     target_x: Axis | None = None
+    """Target position."""
     target_y: Axis | None = None
+    """Target position."""
     distance: Axis | None = None
+    """Distance of the target, in radii."""
     bearing: Axis | None = None
+    """Direction of the target from the start's heading: radians, or a text."""
     arc: Axis | None = None
+    """Radians along a turning circle: positive on the left circle, negative on the right one."""
     margin: Axis | None = None
+    """Radii outside that circle; negative inside."""
     radius: Axis = 1.0
+    """Minimum turning radius."""
     speed: Axis = 1.0
+    """Constant speed; it changes the travel time only."""
     sample: Sample | None = None
+    """Scenarios drawn over ranges instead of combined from axes."""
     solvers: list[str] | None = Field(default=None, min_length=1)
+    """Replaces the experiment's solvers for this block."""
     branches: list[str] | None = Field(default=None, min_length=1)
+    """Replaces the experiment's branches for this block."""
     guess_lengths: GuessLengths | None = None
+    """Initial guesses of the local solvers with `initial_guess=given`, instead of cold ones."""
 
     def axis(self, field: str) -> Axis | None:
         """The values of one of `FIELDS`, or None if the block does not give that field."""
@@ -96,5 +116,6 @@ def known_branches(branches: list[str]) -> list[str]:
     """
     for branch in branches:
         if branch not in BRANCHES:
-            raise ValueError(f"no branch named {branch!r}; choose from {', '.join(BRANCHES)}")
+            near = did_you_mean(branch, BRANCHES)
+            raise ValueError(f"no branch named {branch!r}; {near}choose from {', '.join(BRANCHES)}")
     return branches

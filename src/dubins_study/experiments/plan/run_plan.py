@@ -19,6 +19,7 @@ from dubins_study.experiments.plan.solver_specs import expand_solvers, untrusted
 from dubins_study.experiments.plan.streams import Stream, streams
 from dubins_study.experiments.run_settings import ENGINE_NAMES
 from dubins_study.solvers.registry import SolverError
+from dubins_study.study.nearest import did_you_mean
 from dubins_study.study.rows.schema import Key
 
 
@@ -82,7 +83,8 @@ class Request(NamedTuple):
             ),
             (
                 engine in ENGINE_NAMES,
-                f"engine is {engine!r}; expected one of: {', '.join(ENGINE_NAMES)}",
+                f"engine is {engine!r}; {did_you_mean(engine, ENGINE_NAMES)}expected one of: "
+                f"{', '.join(ENGINE_NAMES)}",
             ),
             (
                 no_scheduler or is_address,

@@ -1,7 +1,4 @@
-"""How figures look: colours, sizes and matplotlib's settings.
-
-The hues are Okabe and Ito's; colour-blind readers can distinguish them.
-"""
+"""How figures look: colours, sizes and matplotlib's settings."""
 
 from __future__ import annotations
 
@@ -12,18 +9,21 @@ from typing import Any, TypeAlias
 import matplotlib as mpl
 from matplotlib.figure import Figure
 
+from dubins_study.report.elements.colours import HUES
+
 Style: TypeAlias = dict[str, Any]  # keywords of matplotlib
 
 INK, MUTED, RULE, PAPER = "#1a1c1f", "#6a7079", "#d5d9de", "#ffffff"
-BLUE, VERMILION, GREEN, ORANGE = "#0072b2", "#d55e00", "#009e73", "#e69f00"
-SKY, PURPLE = "#56b4e9", "#cc79a7"
-BROWN, OLIVE = "#7a3b12", "#8a8000"  # instead of Okabe and Ito's yellow, hardly visible on paper
+BLUE, VERMILION, GREEN = (HUES[name].light for name in ("blue", "vermilion", "green"))
+ORANGE, SKY, PURPLE = (HUES[name].light for name in ("orange", "sky", "purple"))
+BROWN, OLIVE = (HUES[name].light for name in ("brown", "olive"))
 
 # Colours for maps. The dark page replaces INK and PAPER, but must not replace these, so they differ
 # by one digit.
 ON_MAP, MAP_PAPER = "#1a1c20", "#fffffe"
 
-WIDE, HALF = 7.2, 3.55  # inches: the page's column, and half of it
+# inches: 180 and 88 mm, two columns of a journal and one; on the page its column, and half of it
+WIDE, HALF = 180 / 25.4, 88 / 25.4
 
 _SETTINGS: Style = {
     "font.family": ["DejaVu Sans"],
@@ -41,6 +41,7 @@ _SETTINGS: Style = {
     "text.color": INK,
     "text.parse_math": False,  # a "$" in a name from outside must stay a "$"
     "svg.fonttype": "none",  # text stays text
+    "pdf.fonttype": 42,  # TrueType: journals refuse matplotlib's default, Type 3
     "svg.hashsalt": "dubins-study",
     **{"hatch.linewidth": 0.5, "figure.facecolor": PAPER, "axes.facecolor": "none"},
     "figure.constrained_layout.h_pad": 0.06,

@@ -13,7 +13,7 @@ from typing import Any
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
-from dubins_study.report.elements import style
+from dubins_study.report.elements import colours, style
 from dubins_study.report.elements.content import Picture, Table, Widget
 from dubins_study.report.page.markup import markdown, to_markdown
 
@@ -21,7 +21,11 @@ _PACKAGE = "dubins_study.report.page"
 # After `style.css`; what is printed has the last word.
 STYLES = ("tables", "attempts", "drawer", "explorer", "print")
 # The order in which the scripts run: later ones use what earlier ones hand out.
-SCRIPTS = ("dubins", "page", "tables", "attempts", "drawer", "explorer")
+SCRIPTS = (
+    *("dubins", "page", "tables"),
+    *("attempts-data", "attempts", "drawer"),
+    *("explorer-scene", "explorer-answers", "explorer"),
+)
 
 # CSS variables for the figures' colours, so that figures follow the page's light or dark mode.
 _VARIABLES = {
@@ -29,9 +33,7 @@ _VARIABLES = {
     style.MUTED: "--muted",
     style.RULE: "--rule",
     style.PAPER: "--paper",
-    style.BLUE: "--blue",
-    style.GREEN: "--green",
-    style.VERMILION: "--vermilion",
+    **colours.VARIABLES,
 }
 _GROUP_ID = re.compile(r' id="(?:figure|axes|patch|line2d|text|matplotlib\.axis|xtick|ytick)[^"]*"')
 
@@ -70,9 +72,17 @@ def scripts() -> list[Markup]:
 
 
 def styles() -> Markup:
-    """The page's style, in the order in which rules win."""
+    """The page's style, in the order in which rules win; the figures' hues come first."""
     names = [f"{name}.css" for name in STYLES]
-    return Markup("\n").join([*_texts("", ["style.css"]), *_texts("styles", names)])
+    return Markup("\n").join([_hues(), *_texts("", ["style.css"]), *_texts("styles", names)])
+
+
+def _hues() -> Markup:
+    """The variables of the figures' hues, light, dark, and light again in print."""
+    light, dark = (f":root {{ {colours.css_values(mode)} }}" for mode in ("light", "dark"))
+    return Markup(
+        f"{light}\n@media (prefers-color-scheme: dark) {{ {dark} }}\n@media print {{ {light} }}"
+    )
 
 
 def _texts(folder: str, names: Sequence[str]) -> list[Markup]:

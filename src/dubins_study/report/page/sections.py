@@ -10,6 +10,8 @@ from typing import NamedTuple
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.content import Section
 from dubins_study.report.elements.formats import count, slug
+from dubins_study.report.explorer.section import explorer_section
+from dubins_study.report.interactive.section import attempts_section
 from dubins_study.report.topics.agreement.section import agreement_section, formulations_section
 from dubins_study.report.topics.audit.section import audit_section
 from dubins_study.report.topics.basins.section import basins_section
@@ -92,6 +94,8 @@ TOPICS = (
     Topic("agreement of formulations", formulations_section, "benchmark"),
     Topic("cost where it arises", cost_section, "benchmark"),
     Topic("whom one can believe", belief_section, "benchmark"),
+    Topic("single attempts", attempts_section, EVERY, counted=True),
+    Topic("the explorer", explorer_section, EVERY, counted=True),
     Topic("the runs and their machines", runs_section, EVERY, counted=True),
 )
 KEYS = tuple(dict.fromkeys(topic.about for topic in TOPICS if isinstance(topic.about, str)))

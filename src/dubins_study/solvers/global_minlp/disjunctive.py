@@ -71,21 +71,25 @@ class Run(NamedTuple):
 class Disjunctive(Solver):
     """One disjunct for each word, proven by an engine's branch and bound.
 
-    `engine` is `scip`, `gurobi`, `xpress` or `maingo`. `transformation` turns the disjunctions into
-    linear constraints: `bigm` or `hull`. Without `quadrants` the sines and cosines are of arcs up
-    to 2 pi: the obvious model. `gap` is the largest relative difference of path and bound that
-    counts as proven. `feastol` is the engine's tolerance on constraints (1e-6 by their own
-    defaults). `emphasis` is SCIP's: `lean`, its bare spatial branch and bound, or `default`, with
-    heuristics and cutting planes, which take some seventy times as long on the paper's problems,
-    and with presolving and propagation, which work with tolerances of their own and now and then
-    cut off the optimum (see docs/decisions.md). The other engines run with their defaults.
+    Args:
+        engine: `scip`, `gurobi`, `xpress` or `maingo`.
+        transformation: of the disjunctions into linear constraints: `bigm` or `hull`.
+        quadrants: whether sines and cosines are of a quarter turn at most; without, they are of
+            arcs up to 2 pi: the obvious model.
+        gap: the largest relative difference of path and bound that counts as proven.
+        feastol: the engine's tolerance on constraints (1e-6 by their own defaults).
+        emphasis: SCIP's: `lean`, its bare spatial branch and bound, or `default`, with heuristics
+            and cutting planes, which take some seventy times as long on the paper's problems, and
+            with presolving and propagation, which work with tolerances of their own and now and
+            then cut off the optimum (see docs/decisions.md). The other engines run with their
+            defaults.
+        presolve: whether words that cannot exist are left out (`solvers.presolve`): the bound then
+            holds for the others.
 
     A feasible point of the engine's may miss the target by the tolerance. Near the front of a
     turning circle that buys up to a full turn, and no polishing closes the miss: the point is then
     returned as it is, claimed feasible and not optimal, and the bound, though low, still holds.
     `lower_bound` is a bound for the branch that is asked, the engine's less its tolerance.
-    `presolve` leaves out words that cannot exist (`solvers.presolve`): the bound then holds for the
-    others.
     """
 
     engine: str = "scip"

@@ -43,11 +43,14 @@ _QUICK_ITERATIONS = 1000
 class Ipopt(LocalNlp):
     """Model (4.12) by Ipopt; settings that are not explained here: `LocalNlp`.
 
-    `tol`, `max_iter`, `bound_relax` (bound_relax_factor) and `mu_target` (the barrier parameter to
-    stop at) are Ipopt's own. By default Ipopt relaxes bounds by 1e-8 and then returns arcs of
-    -1e-8, which no vehicle drives: cut to zero they miss a target 1 000 radii away by 1e-5 radii.
-    `units` poses the model in turning radii, or as the paper does in the scenario's own unit.
-    `via` is `executable`, `library` or `auto`: the executable if PATH has one.
+    Args:
+        tol, max_iter: Ipopt's own.
+        bound_relax: Ipopt's bound_relax_factor. Its default, 1e-8, returns arcs of -1e-8, which no
+            vehicle drives: cut to zero they miss a target 1 000 radii away by 1e-5 radii.
+        mu_target: Ipopt's own: the barrier parameter to stop at.
+        units: of the model: the turning `radius`, or as in the paper the `scenario`'s own unit.
+        via: how Ipopt is reached: `executable`, `library` or `auto`: the executable if PATH has
+            one.
     """
 
     tol: float = 1e-8

@@ -62,11 +62,15 @@ class Model(NamedTuple):
 class LocalNlp(Solver):
     """Model (4.12) by a local NLP solver, which an adapter names in `run`.
 
-    `model` and `order` choose the subproblems (`paper_nlp.model.subproblems`); `initial_guess`,
-    `seed` and `count` choose where the search begins (`paper_nlp.initial_guesses`); the number of
-    the repeat is added to the seed.
-    `capped` bounds arcs by a full turn, which the paper does not. `presolve` leaves out words that
-    cannot exist (`solvers.presolve`).
+    Args:
+        model: `words` takes one two-variable problem per word, `joint` the paper's model unsplit.
+        order: of the joint model: `LRS` (the paper's), `RLS` or `both`.
+        initial_guess: where the search begins (`paper_nlp.initial_guesses`): `bearing`, `zero`,
+            `random`, or `given`: only from the question's own guess.
+        seed: of random guesses; the number of the repeat is added to it.
+        count: number of random guesses.
+        capped: whether arcs are bounded by a full turn, which the paper does not do.
+        presolve: whether words that cannot exist are left out (`solvers.presolve`).
     """
 
     model: str = "words"

@@ -27,7 +27,12 @@ _LISTED_APART = (_DEFAULT, "slsqp", "ipopt")  # the last two as solvers of their
 
 @dataclass(frozen=True)
 class _Named(Solver):
-    """The setting that a canonical spec names before those of `LocalNlp`."""
+    """The setting that a canonical spec names before those of `LocalNlp`.
+
+    Args:
+        engine: a name in `nlp_engines.table.ENGINES`, `knitro`, or the name of an executable on
+            PATH that reads NL files.
+    """
 
     engine: str = _DEFAULT
 
@@ -36,9 +41,9 @@ class _Named(Solver):
 class Nlp(LocalNlp, _Named):
     """Model (4.12) by one of many NLP engines; settings not explained here: `LocalNlp`.
 
-    `engine` is a name in `nlp_engines.table.ENGINES`, `knitro`, or the name of an executable on
-    PATH that reads NL files. `tol` and `max_iter` are for the engines of the table; KNITRO and
-    executables run with their defaults, as in the paper.
+    Args:
+        tol, max_iter: of the engines of the table; KNITRO and executables run with their defaults,
+            as in the paper.
     """
 
     tol: float = 1e-9

@@ -19,10 +19,13 @@ from dubins_study.study.scenario import Scenario
 class Slsqp(LocalNlp):
     """Model (4.12) by SLSQP; settings that are not explained here: `LocalNlp`.
 
-    `ftol` is SLSQP's tolerance on the objective and the sum of constraint violations, in radii; it
-    is multiplied by the target's distance where that exceeds one radius, up to a thousand, since
-    rounding grows with it. `units` poses the model in turning radii, or as the paper does in the
-    scenario's own unit; `ftol` is then in that unit too.
+    Args:
+        ftol: SLSQP's tolerance on the objective and the sum of constraint violations, in radii. It
+            is multiplied by the target's distance where that exceeds one radius, up to a thousand,
+            since rounding grows with it.
+        maxiter: largest number of iterations.
+        units: of the model: the turning `radius`, or as in the paper the `scenario`'s own unit;
+            `ftol` is then in that unit too.
     """
 
     ftol: float = 1e-10

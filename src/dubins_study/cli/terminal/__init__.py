@@ -1,0 +1,1 @@
+"""What commands share: their class, completion, examples, tables, progress and verbosity."""

@@ -1,0 +1,82 @@
+"""The class of the command line: what holds for every command without a word of its own.
+
+`-h` and `--help` show help that ends with examples; `--quiet` and `--verbose` are options of every
+command; a misspelt command or option is refused with the nearest one.
+"""
+
+from __future__ import annotations
+
+import functools
+import inspect
+from collections.abc import Callable
+from typing import Annotated, Any
+
+import typer
+
+from dubins_study.cli.terminal.examples import EXAMPLES
+from dubins_study.cli.terminal.verbosity import Verbosity, set_verbosity
+
+_CONTEXT: dict[str, Any] = {"help_option_names": ["-h", "--help"]}
+
+Quiet = Annotated[
+    bool, typer.Option("--quiet", "-q", help="no progress on stderr: only warnings and refusals")
+]
+Verbose = Annotated[bool, typer.Option("--verbose", "-v", help="every step on stderr")]
+
+
+class CommandLine(typer.Typer):
+    """A group of commands; each has the shared options, and its help ends with its examples.
+
+    Args:
+        words: the words before a command's own name: empty, or `new`.
+        text: the help of the group.
+    """
+
+    def __init__(self, words: str = "", text: str = "", **options: Any) -> None:
+        self._words = words
+        super().__init__(
+            help=text,
+            no_args_is_help=True,
+            pretty_exceptions_enable=False,
+            rich_markup_mode=None,
+            context_settings=_CONTEXT,
+            epilog=examples_text(words),
+            **options,
+        )
+
+    def command(self, name: str | None = None, **options: Any) -> Callable[[Any], Any]:
+        def add(function: Callable[..., None]) -> Callable[..., None]:
+            own_name = name or function.__name__.replace("_", "-")
+            epilog = examples_text(f"{self._words} {own_name}".strip())
+            settings: dict[str, Any] = {"epilog": epilog, **options}
+            super(CommandLine, self).command(own_name, **settings)(_with_verbosity(function))
+            return function
+
+        return add
+
+
+def _with_verbosity(function: Callable[..., None]) -> Callable[..., None]:
+    """The command with the options --quiet and --verbose, which a command itself need not read."""
+
+    @functools.wraps(function)
+    def command(*arguments: Any, quiet: bool, verbose: bool, **options: Any) -> None:
+        if quiet or verbose:  # otherwise what stands before the command's name holds
+            set_verbosity(Verbosity(verbose - quiet))
+        function(*arguments, **options)
+
+    signature = inspect.signature(function, eval_str=True)
+    shared = [
+        inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=False, annotation=kind)
+        for name, kind in (("quiet", Quiet), ("verbose", Verbose))
+    ]
+    parameters = [*signature.parameters.values(), *shared]
+    command.__signature__ = signature.replace(parameters=parameters)  # type: ignore[attr-defined]
+    command.__annotations__ = {p.name: p.annotation for p in parameters}
+    return command
+
+
+def examples_text(words: str) -> str | None:
+    """The examples of a command as the end of its help; None if it has none."""
+    lines = [f"  {line}" for line in EXAMPLES.get(words, ())]
+    # \b keeps the lines of a paragraph as they are
+    return "\n".join(["\b", "Examples:", *lines]) if lines else None

@@ -1,0 +1,123 @@
+"""Colours of figures: contrast on both pages, distance between engines for every reader."""
+
+from __future__ import annotations
+
+import re
+from itertools import combinations
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from dubins_study.report import page
+from dubins_study.report.elements import style
+from dubins_study.report.elements.colours import ENGINE_HUES, HUES, VARIABLES, css_values
+
+# Linear light as seen without one kind of cones: Machado, Oliveira and Fernandes 2009, "A
+# physiologically-based model for simulation of color vision deficiency", severity 1.
+SIGHTS = {
+    "trichromacy": np.eye(3),
+    "protanopia": np.array(
+        [
+            [0.152286, 1.052583, -0.204868],
+            [0.114503, 0.786281, 0.099216],
+            [-0.003882, -0.048116, 1.051998],
+        ]
+    ),
+    "deuteranopia": np.array(
+        [
+            [0.367322, 0.860646, -0.227968],
+            [0.280085, 0.672501, 0.047413],
+            [-0.011820, 0.042940, 0.968881],
+        ]
+    ),
+}
+# Distances in OKLab. 0.02 is just noticeable for neighbouring patches (Ottosson 2020 gives the
+# space); thin lines apart from each other need several times that.
+LEAST_DISTANCE = {"trichromacy": 0.1, "protanopia": 0.07, "deuteranopia": 0.07}
+LEAST_CONTRAST = 3.0  # WCAG 2.2, 1.4.11
+MODES = ("light", "dark")
+
+
+def paper_of(mode):
+    """The page's background in a mode, as its style sheet has it."""
+    folder = Path(page.__file__).parent / "templates"
+    sheets = sorted(folder.rglob("*.css"))
+    papers = re.findall(r"--paper: (#[0-9a-f]{6})", "".join(s.read_text("utf-8") for s in sheets))
+    return papers[MODES.index(mode)]
+
+
+def linear(colour):
+    """Linear light of `#rrggbb`, shape (3,) (IEC 61966-2-1)."""
+    values = np.array([int(colour[i : i + 2], 16) for i in (1, 3, 5)]) / 255
+    return np.where(values <= 0.04045, values / 12.92, ((values + 0.055) / 1.055) ** 2.4)
+
+
+def contrast(first, second):
+    """The contrast ratio of WCAG 2.2."""
+    light, dark = sorted(
+        (linear(c) @ [0.2126, 0.7152, 0.0722] + 0.05 for c in (first, second)), reverse=True
+    )
+    return light / dark
+
+
+def oklab(light):
+    """OKLab of linear light (Ottosson 2020, "A perceptual color space for image processing")."""
+    cones = np.array(
+        [
+            [0.4122214708, 0.5363325363, 0.0514459929],
+            [0.2119034982, 0.6806995451, 0.1073969566],
+            [0.0883024619, 0.2817188376, 0.6299787005],
+        ]
+    )
+    lab = np.array(
+        [
+            [0.2104542553, 0.7936177850, -0.0040720468],
+            [1.9779984951, -2.4285922050, 0.4505937099],
+            [0.0259040371, 0.7827717662, -0.8086757660],
+        ]
+    )
+    return lab @ np.cbrt(cones @ light)
+
+
+def test_the_measures_agree_with_published_values():
+    """White on black is 21 to 1; OKLab of white and of pure red as its author prints them."""
+    assert contrast("#ffffff", "#000000") == pytest.approx(21)
+    assert oklab(linear("#ffffff")) == pytest.approx([1, 0, 0], abs=1e-6)
+    assert oklab(linear("#ff0000")) == pytest.approx([0.6280, 0.2249, 0.1258], abs=1e-4)
+
+
+@pytest.mark.parametrize("mode", MODES)
+@pytest.mark.parametrize("name", [*HUES, *range(len(ENGINE_HUES))])
+def test_every_hue_has_contrast_on_its_page(name, mode):
+    """Graphical objects need 3 to 1, on the background that the style sheet states."""
+    hue = HUES[name] if isinstance(name, str) else ENGINE_HUES[name]
+
+    assert contrast(getattr(hue, mode), paper_of(mode)) >= LEAST_CONTRAST
+
+
+@pytest.mark.parametrize("mode", MODES)
+@pytest.mark.parametrize("sight", SIGHTS)
+def test_engines_differ_for_every_reader(sight, mode):
+    """In either mode no two engines' hues look alike, red-green blindness included."""
+    seen = [oklab(np.clip(SIGHTS[sight] @ linear(getattr(hue, mode)), 0, 1)) for hue in ENGINE_HUES]
+    distances = [np.linalg.norm(a - b) for a, b in combinations(seen, 2)]
+
+    assert min(distances) >= LEAST_DISTANCE[sight]
+
+
+def test_every_colour_of_a_figure_has_one_variable():
+    """Two kinds that share a value on the light page could not differ on the dark one."""
+    lights = [hue.light for hue in (*HUES.values(), *ENGINE_HUES)]
+    fixed = {style.INK, style.MUTED, style.RULE, style.PAPER, style.ON_MAP, style.MAP_PAPER}
+
+    assert len(VARIABLES) == len(lights) == len(set(lights) - fixed)
+
+
+@pytest.mark.parametrize("mode", MODES)
+def test_the_style_sheet_declares_what_figures_use(mode):
+    """Each variable once, with its value in that mode."""
+    declared = dict(re.findall(r"(--[\w-]+): (#[0-9a-f]{6});", css_values(mode)))
+
+    assert set(declared) == set(VARIABLES.values())
+    assert len(set(declared.values())) == len(declared)
