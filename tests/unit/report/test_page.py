@@ -97,7 +97,9 @@ def test_every_section_is_there(whole):
         "time",
         "discretisation",
         "plane",
+        "solvers",
         "attempts",
+        "explorer",
     ]
     for key in keys:
         assert f'href="#{key}"' in page
