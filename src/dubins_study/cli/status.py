@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
+from datetime import datetime
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Annotated
 
@@ -58,7 +59,7 @@ def status_text(progress: Status) -> str:
     if left:
         lines.append(f"time left {_time_left(progress)}")
     lines += [_noise(run) for run in progress.runs if run.spread is not None and run.spread > NOISY]
-    return "\n".join([*lines, *_tables(progress)])
+    return "\n\n".join(["\n".join(lines), *_tables(progress)])
 
 
 def _state(progress: Status) -> str:
@@ -117,10 +118,18 @@ def _tables(progress: Status) -> list[str]:
     return tables
 
 
+def _started(text: str) -> str:
+    """A time of the manifest without fractions of a second; any other text as it is."""
+    try:
+        return datetime.fromisoformat(text).strftime("%Y-%m-%d %H:%M:%S %Z").strip()
+    except ValueError:
+        return plain(text)
+
+
 def _run(run: RunEntry) -> tuple[str, ...]:
     return (
         plain(run.run_id),
-        plain(run.started),
+        _started(run.started),
         "" if run.seconds is None else duration(run.seconds),
         plain(run.state),
         plain(run.engine),
