@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from dubins_study.cli.terminal.streams import duration
 from dubins_study.cli.terminal.table import table
 from dubins_study.study.printable import plain
 
@@ -86,14 +87,6 @@ def _time_left(progress: Status) -> str:
             f", without {', '.join(map(plain, progress.unknown))}: no row is done yet to judge by"
         )
     return text
-
-
-def duration(seconds: float) -> str:
-    """A duration in the largest unit of which it has at least two, rounded to a few digits."""
-    for unit, length in (("d", 86400.0), ("h", 3600.0), ("min", 60.0)):
-        if seconds >= 2 * length:
-            return f"{seconds / length:.3g} {unit}"
-    return f"{seconds:.2g} s" if seconds < 10 else f"{seconds:.0f} s"
 
 
 def _noise(run: RunEntry) -> str:
