@@ -9,6 +9,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from dubins_study.conformance.kit import check_solver as check_solver
     from dubins_study.errors import DubinsStudyError as DubinsStudyError
     from dubins_study.experiments.run import run as run
     from dubins_study.experiments.solve import solve as solve
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
     from dubins_study.report.data.results import load_results as load_results
     from dubins_study.report.page.render import render as render
     from dubins_study.report.path_plot import plot_path as plot_path
+    from dubins_study.report.two_runs.compare import compare as compare
     from dubins_study.solvers.protocol import Guarantee as Guarantee
     from dubins_study.solvers.protocol import Question as Question
     from dubins_study.solvers.protocol import Solution as Solution
@@ -39,7 +41,9 @@ _MODULES = {
     "Solution": "solvers.protocol",
     "Solver": "solvers.protocol",
     "Verdict": "study.check.verdict",
+    "compare": "report.two_runs.compare",
     "available_solvers": "solvers.registry",
+    "check_solver": "conformance.kit",
     "load_results": "report.data.results",
     "merge": "experiments.store.merge",
     "plot_path": "report.path_plot",

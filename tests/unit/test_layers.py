@@ -73,22 +73,31 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
         "experiments.store",  # the streamed frames write their own parts
     ),
     "experiments": ("study.*", "solvers", "experiments.*"),
+    "conformance": ("study.*", "solvers", "experiments.isolation", "experiments.code_digest"),
     "report.data": ("study.*",),
     "report.statistics": ("study.*", "report.data"),
     "report.paper": ("study.*",),
     "report.elements": ("study.*", "report.data", "report.statistics"),
+    "report.interactive": (*("study.*", "report.data", "report.statistics", "report.elements"),),
     "report.topics": (
         *("study.*", "report.data", "report.statistics"),
         *("report.elements", "report.paper"),
     ),
     "report.page": (
         *("study.*", "report.data", "report.statistics"),
-        *("report.elements", "report.topics.*"),
+        *("report.elements", "report.interactive", "report.paper", "report.topics.*"),
+    ),
+    "report.two_runs": (
+        *("study.*", "report.data", "report.statistics"),
+        *("report.elements", "report.page"),
     ),
     "report": ("study.*", "report.*"),
     "cli.terminal": ("study.*",),
-    "cli": ("cli.terminal", "", "study.*", "solvers.*", "experiments.*", "report.*"),
-    "": ("cli", "study.*", "solvers.*", "experiments.*", "report.*"),
+    "cli": (
+        *("cli.terminal", "", "study.*", "solvers.*", "experiments.*", "report.*"),
+        "conformance",
+    ),
+    "": ("cli", "study.*", "solvers.*", "experiments.*", "conformance", "report.*"),
 }
 # a topic may use another topic's numbers, as long as no circle comes of it
 _TOPIC = (*MAY_IMPORT["report.topics"], "report.topics.*")

@@ -19,7 +19,20 @@ try:
 except KeyboardInterrupt:  # this is the first import that takes long enough to be interrupted
     sys.exit(130)
 
-from dubins_study.cli import audit, experiments, export, merge, report, run, solve, solvers, status
+from dubins_study.cli import (
+    audit,
+    check_solver,
+    compare,
+    experiments,
+    export,
+    merge,
+    new,
+    report,
+    run,
+    solve,
+    solvers,
+    status,
+)
 from dubins_study.cli.arguments import NEGATIVE_NUMBERS
 from dubins_study.cli.terminal.command_line import CommandLine, Quiet, Verbose
 from dubins_study.cli.terminal.verbosity import Verbosity, set_verbosity
@@ -56,7 +69,10 @@ app.command()(run.run)
 app.command()(status.status)
 app.command()(merge.merge)
 app.command()(report.report)
+app.command()(compare.compare)
 app.command()(audit.audit)
+app.command()(check_solver.check_solver)
+app.add_typer(new.app, name="new")
 
 
 def main() -> Any:

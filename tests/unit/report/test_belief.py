@@ -6,13 +6,13 @@ import shlex
 
 import pytest
 
+from dubins_study.report.data.command import solve_command
 from dubins_study.report.data.results import load
 from dubins_study.report.statistics.compared import compared
 from dubins_study.report.topics.belief.numbers import (
     PROOFS,
     beliefs,
     claims,
-    command,
     cures,
     false_proofs,
 )
@@ -133,7 +133,7 @@ def test_a_command_asks_the_question_again():
     """Negative numbers are no options; radius, heading and branch are given if they matter."""
     values = {"x": 0.1, "y": 0.0, "heading": -2.5, "target_x": -3.0, "target_y": 1e-7}
     setting = {"radius": 2.0, "branch": "LS", "solver": "nlp[a=b,c=d]", "profile": "accurate"}
-    text = command({**values, **setting})
+    text = solve_command({**values, **setting})
 
     assert shlex.split(text) == [
         *("dubins-study", "solve", "--from", "0.1", "0", "-2.5", "--radius", "2"),

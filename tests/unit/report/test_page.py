@@ -11,9 +11,11 @@ from dubins_study import render
 from dubins_study.report.elements.columns import Column
 from dubins_study.report.elements.content import Table
 from dubins_study.report.elements.formats import count, digits, seconds, share
-from dubins_study.report.page.markup import markdown, tex, to_csv, to_markdown, to_tex
+from dubins_study.report.page.markup import markdown, to_csv, to_markdown
 from dubins_study.report.page.render import ReportError
 from dubins_study.report.page.sections import TOPICS
+from dubins_study.report.page.tex_table import to_tex
+from dubins_study.report.page.tex_text import tex
 from dubins_study.study.claim import Claim
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
@@ -95,6 +97,8 @@ def test_every_section_is_there(whole):
         "time",
         "discretisation",
         "plane",
+        "solvers",
+        "attempts",
     ]
     for key in keys:
         assert f'href="#{key}"' in page
@@ -199,7 +203,7 @@ def test_table_in_three_formats():
 
     assert to_csv(table) == "s,v,w\nx_1,0.123456,\n"
     assert to_markdown(table).splitlines()[2] == "| x\\_1 | 0.123 | – |"
-    assert r"\texttt{x\_1} & 0.123 & -- \\" in to_tex(table)
+    assert r"\texttt{x\_1} & 0.123 & -- \tabularnewline" in to_tex(table)
 
 
 @pytest.mark.parametrize(

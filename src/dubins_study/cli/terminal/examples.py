@@ -35,6 +35,16 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
     ),
     "merge": ("dubins-study merge results/paper mine --out both",),
     "report": ("dubins-study report results/paper",),
+    "compare": (
+        "dubins-study compare results/paper both --out changes",
+        "dubins-study compare results/paper both --fail-on-regression",
+    ),
+    "new": ("dubins-study new solver my_solver.py",),
+    "new solver": ("dubins-study new solver another_solver.py",),
+    "check-solver": (
+        "dubins-study check-solver my_solver.py:MySolver",
+        "dubins-study check-solver slsqp --check limits --check state",
+    ),
     "audit": ("dubins-study audit",),
     "export": (
         "dubins-study export 10 5 --from 0 0 120deg --format mod",

@@ -18,8 +18,10 @@ from dubins_study.report.elements.content import Picture, Section, Table
 from dubins_study.report.elements.figure_file import figure_bytes, fix_layout
 from dubins_study.report.elements.formats import some
 from dubins_study.report.page.environment import environment, inline, scripts, styles
-from dubins_study.report.page.markup import to_csv, to_markdown, to_tex
+from dubins_study.report.page.latex import document
+from dubins_study.report.page.markup import to_csv, to_markdown
 from dubins_study.report.page.sections import KEYS, TOPICS, sections_of
+from dubins_study.report.page.tex_table import to_tex
 
 Progress = Callable[[str], None]
 
@@ -70,15 +72,32 @@ def _render(
 ) -> FilePath:
     results = load(given)
     target = FilePath(given[0]) / "report" if out is None else FilePath(out)
+    return write_page(target, lambda: _sections(results, progress), results.folders)
+
+
+def write_page(
+    out: str | FilePath, draw: Callable[[], Sequence[Section]], folders: Sequence[Folder]
+) -> FilePath:
+    """Write sections as a page, tables and figures; returns the path of `index.html`.
+
+    Args:
+        out: the folder to write to; an earlier report there is replaced in one step.
+        draw: makes the sections, once it is known that the folder can be written.
+        folders: the results folders that the page is about, for its head and its provenance.
+
+    Raises:
+        ReportError: if `out` cannot be written.
+    """
+    target = FilePath(out)
     try:
         _check_target(target)
     except OSError as error:  # e.g. the name is too long, or the folder may not be read
         raise _unwritable(target, error) from None
     with style.drawing():
-        sections = _sections(results, progress)
+        sections = draw()
         try:
             target.parent.mkdir(parents=True, exist_ok=True)
-            _write_whole(target, sections, results.folders)
+            _write_whole(target, sections, folders)
         except OSError as error:
             raise _unwritable(target, error) from None
     return target / "index.html"
@@ -89,13 +108,18 @@ def _unwritable(target: FilePath, error: OSError) -> ReportError:
 
 
 # Names of all files and folders of a report. A folder that holds anything else is never replaced.
-_WRITTEN = {"index.html", "report.md", "figures", "tables"}
+_WRITTEN = {"index.html", "report.md", "report.tex", "figures", "tables"}
+_BY_LATEX = {"report.aux", "report.log", "report.pdf"}  # what pdflatex makes of report.tex
 
 
 def _check_target(target: FilePath) -> None:
     if target.exists() and not target.is_dir():
         raise ReportError(f"{target} is a file; expected a folder to write the report to")
-    others = {entry.name for entry in target.iterdir()} - _WRITTEN if target.is_dir() else set()
+    others = (
+        {entry.name for entry in target.iterdir()} - _WRITTEN - _BY_LATEX
+        if target.is_dir()
+        else set()
+    )
     if others:
         raise ReportError(
             f"{target} holds {min(others)!r}, no part of a report; expected an empty folder"
@@ -152,6 +176,8 @@ def _write(folder: FilePath, sections: Sequence[Section], runs: Sequence[Folder]
     for file_name in ("index.html", "report.md"):
         page = templates.get_template(f"{file_name}.j2").render(**content, **parts)
         (folder / file_name).write_text(page, encoding="utf-8", newline="\n")
+    whole = document(templates, sections, runs)
+    (folder / "report.tex").write_text(whole, encoding="utf-8", newline="\n")
 
 
 def warnings(run: Folder) -> list[str]:

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Mapping
-
 import numpy as np
 import pandas as pd
 
+from dubins_study.report.data.command import SCENARIO, number_text, solve_command
 from dubins_study.report.statistics.compared import Compared, once
 from dubins_study.report.statistics.intervals import scenario_shares
 
@@ -130,41 +129,19 @@ def false_proofs(rows: pd.DataFrame) -> pd.DataFrame:
         place=false["proof"].map({name: place for place, name in enumerate(PROOFS)}),
     ).sort_values(["place", "digits", "distance"], kind="stable")
     groups = order.groupby(["solver", "proof"], sort=False)
-    kept = [*_SCENARIO, "branch", "lower_bound", "length", "reference_high", "tolerance", "profile"]
+    kept = [*SCENARIO, "branch", "lower_bound", "length", "reference_high", "tolerance", "profile"]
     frame = order.drop_duplicates(["solver", "proof"])[["solver", "proof", *kept]]
     counts = groups.agg(attempts=("question", "size"), questions=("question", "nunique"))
     counts["most"] = groups["excess"].max()
     frame = frame.reset_index(names="index").join(counts, on=["solver", "proof"])
-    frame["command"] = [command(line) for line in frame.to_dict("records")]
+    frame["command"] = [solve_command(line) for line in frame.to_dict("records")]
     return frame
-
-
-_SCENARIO = ["x", "y", "heading", "target_x", "target_y", "radius"]
 
 
 def _digits(rows: pd.DataFrame) -> pd.Series[int]:
     """How many characters a scenario's numbers take: few for a round one."""
-    sizes = [rows[name].map(lambda value: len(_number(value))) for name in _SCENARIO]
+    sizes = [rows[name].map(lambda value: len(number_text(value))) for name in SCENARIO]
     return pd.concat(sizes, axis=1).sum(axis=1)
-
-
-def command(line: Mapping[Hashable, object]) -> str:
-    """The command that asks a row's question again; numbers with all their digits."""
-    x, y, heading, target_x, target_y, radius = (_number(line[name]) for name in _SCENARIO)
-    parts = ["dubins-study solve"]
-    # Without the dashes a negative number would be read as an option.
-    parts += [f"--from {x} {y} {heading}"] if (x, y, heading) != ("0", "0", "0") else []
-    parts += [f"--radius {radius}"] if radius != "1" else []
-    parts += [f"--branch {line['branch']}"] if line["branch"] != "best" else []
-    profile = line.get("profile", "default")
-    parts += [f"--profile {profile}"] if profile != "default" else []
-    parts += [f"--solver '{line['solver']}' -- {target_x} {target_y}"]
-    return " ".join(parts)
-
-
-def _number(value: object) -> str:
-    text = repr(float(str(value)))
-    return text.removesuffix(".0")
 
 
 def cures(rows: pd.DataFrame, methods: pd.DataFrame) -> pd.DataFrame:

@@ -1,0 +1,109 @@
+"""`dubins-study compare`: two runs, solver by solver."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path as FilePath
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+if TYPE_CHECKING:
+    from dubins_study.report.two_runs.comparison import Comparison
+
+
+def compare(
+    base: Annotated[FilePath, typer.Argument(metavar="BASE", help="results folder")],
+    new: Annotated[FilePath, typer.Argument(metavar="NEW", help="results folder")],
+    out: Annotated[
+        FilePath | None, typer.Option(metavar="DIR", help="write a page with tables and figures")
+    ] = None,
+    slower: Annotated[
+        float, typer.Option(metavar="RATIO", help="times as long that count as slower")
+    ] = 1.1,
+    fail_on_regression: Annotated[
+        bool, typer.Option("--fail-on-regression", help="exit code 1 if anything became worse")
+    ] = False,
+    as_json: Annotated[bool, typer.Option("--json", help="print one JSON object")] = False,
+) -> None:
+    """Compare two runs question by question: what became better or worse, and where."""
+    from dubins_study.cli.terminal import streams
+    from dubins_study.report.two_runs.compare import compare as compare_runs
+
+    with streams.spinner("compare"):
+        comparison = compare_runs(base, new, out=out, slower=slower)
+    print(json.dumps(_record(comparison), indent=1) if as_json else _text(comparison))
+    raise typer.Exit(1 if fail_on_regression and comparison.regressed else 0)
+
+
+def _record(comparison: Comparison) -> dict[str, Any]:
+    speed = comparison.speed
+    tables = ("solvers", "regressions", "unpaired", "differences")
+    # pandas writes what is not finite as null, and numbers of numpy as numbers
+    frames = {
+        name: json.loads(getattr(comparison, name).to_json(orient="records", double_precision=15))
+        for name in tables
+    }
+    return frames | {
+        "speed": None if speed is None else speed._asdict(),
+        "regressed": comparison.regressed,
+        "page": None if comparison.page is None else str(comparison.page),
+    }
+
+
+def _text(comparison: Comparison) -> str:
+    from dubins_study.cli.terminal.table import table
+    from dubins_study.report.two_runs.verdicts import with_verdicts
+    from dubins_study.study.printable import plain
+
+    def ratio(row: Any) -> str:
+        low, high = row["time_ratio_low"], row["time_ratio_high"]
+        return "" if low != low else f"{row['time_ratio']:.3g} ({low:.3g} to {high:.3g})"
+
+    head = ["solver", "verdict", "right, base", "right, new", "lost", "gained", "time, new / base"]
+    rows = [
+        [
+            plain(row["solver"]),
+            row["verdict"],
+            _percent(row["right_base"], row["questions"]),
+            _percent(row["right_new"], row["questions"]),
+            str(row["lost"]),
+            str(row["gained"]),
+            ratio(row),
+        ]
+        for row in with_verdicts(comparison).to_dict("records")
+    ]
+    speed = comparison.speed
+    machine = (
+        "Nothing says how fast the machines were: no solver is called slower."
+        if speed is None
+        else f"The same work took {speed.ratio:.3g} times as long ({speed.low:.3g} to "
+        f"{speed.high:.3g}), by {speed.evidence}; times of changed solvers are divided by that."
+    )
+    lines = [table(head, rows), "", machine, *_regressions(comparison)]
+    if comparison.page is not None:
+        lines.append(f"page: {plain(str(comparison.page))}")
+    return "\n".join(lines)
+
+
+_MOST_LINES = 20
+
+
+def _regressions(comparison: Comparison) -> list[str]:
+    from dubins_study.study.printable import plain
+
+    frame = comparison.regressions
+    if frame.empty:
+        return ["Nothing became worse."]
+    shown = [
+        plain(f"  {row['kind']}: {row['solver']}, {row['scenario']}: {row['base']} -> {row['new']}")
+        + (f"\n    {plain(row['command'])}" if row["command"] else "")
+        for row in frame.head(_MOST_LINES).to_dict("records")
+    ]
+    more = len(frame) - len(shown)
+    rest = [f"  and {more} more: --json or --out has them all"] if more else []
+    return [f"Worse ({len(frame)}):", *shown, *rest]
+
+
+def _percent(value: float, questions: int) -> str:
+    return f"{100 * value:.1f} % of {questions}" if questions else "none asked"

@@ -1,0 +1,143 @@
+"""A sample of attempts as bytes that a script of the page unpacks."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Hashable, Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from dubins_study.report.interactive.polylines import Polyline, polyline
+from dubins_study.report.interactive.sample import CURVATURES, LENGTHS, MOST_ARCS, SCENARIO
+from dubins_study.study.path import Path
+from dubins_study.study.scenario import Pose
+
+# Bits of a mantissa that are kept of measured numbers: four digits, of which the page shows three.
+_BITS = 14
+_MEASURED = ("gap", "miss", "curvature_excess", "length", "wall_s", "solve_s", "evaluations")
+_CODED = (
+    *("experiment", "solver", "profile", "branch", "initial_guess", "word", "outcome", "claim"),
+    *("verdict", "native_status", "message"),
+)
+_FLAGS = ("false_claim", "wrong_basin", "presolved")
+_OF_SCENARIO = ("scenario_id", "label", "region", "margin", *SCENARIO)
+
+
+class Packed(NamedTuple):
+    """Attempts for the page.
+
+    Args:
+        arrays: the bytes of all arrays, one behind the other, each as planes: the first bytes of
+            all its numbers, then their second bytes, ... (little-endian). Planes compress better.
+        header: as JSON: `arrays` (name -> type, offset in bytes, count), `texts` (name -> the
+            texts that a column's numbers stand for, from 1; 0 is null), and `scenarios` (columns).
+    """
+
+    arrays: bytes
+    header: bytes
+
+
+def pack(rows: pd.DataFrame, long: pd.DataFrame) -> Packed:
+    """The attempts of `sample.sample`, and their `sample.long_controls`, for the page.
+
+    Numbers that the page compares or repeats exactly, those of scenarios, are of 64 bits; measured
+    numbers are rounded to four digits. The controls of paths of a few arcs are of 32 bits, in units
+    of the turning radius: they are only drawn, and the numbers of the check stand beside them. Of
+    paths of many arcs there are points of a grid that no drawing resolves.
+    """
+    arrays: dict[str, NDArray[Any]] = {}
+    texts: dict[str, list[str]] = {}
+    for name in _CODED:
+        codes, values = pd.factorize(rows[name], sort=True)
+        arrays[name] = (codes + 1).astype("<u2")
+        texts[name] = [str(value) for value in values]
+    for name in _MEASURED:
+        arrays[name] = _rounded(rows[name])
+    flags = sum(rows[name].eq(True).to_numpy() << bit for bit, name in enumerate(_FLAGS))
+    arrays["flags"] = np.asarray(flags, dtype="u1")
+    arrays["repeat"] = rows["repeat"].to_numpy(dtype="<u4")
+    arrays["worst"] = rows["worst"].to_numpy(dtype="u1")
+    place, scenarios = _scenarios(rows)
+    arrays["scenario"] = place.astype("<u4")
+    arrays |= _arcs(rows) | _lines(rows, long)
+    directory, content = {}, []
+    offset = 0
+    for name, array in arrays.items():
+        directory[name] = [array.dtype.str.lstrip("<|"), offset, array.size]
+        content.append(_planes(array))
+        offset += array.nbytes
+    header = {"arrays": directory, "texts": texts, "scenarios": scenarios, "count": len(rows)}
+    text = json.dumps(header, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
+    return Packed(b"".join(content), text.encode())
+
+
+def _rounded(values: pd.Series) -> NDArray[np.float32]:
+    """Numbers of 32 bits with a mantissa of `_BITS`; null is not a number."""
+    with np.errstate(over="ignore"):
+        numbers = values.to_numpy(dtype=np.float64, na_value=np.nan).astype("<f4")
+    bits = numbers.view("<u4")
+    cut = 23 - _BITS
+    rounded = ((bits + (1 << (cut - 1))) >> cut << cut).astype("<u4").view("<f4")
+    return np.where(np.isfinite(numbers), rounded, numbers).astype("<f4")
+
+
+def _planes(array: NDArray[Any]) -> bytes:
+    plain = np.ascontiguousarray(array)
+    return plain.view("u1").reshape(-1, array.itemsize).T.tobytes()
+
+
+def _scenarios(rows: pd.DataFrame) -> tuple[NDArray[np.int64], dict[str, list[Any]]]:
+    """The place of each row's scenario in the table of scenarios, and that table by columns."""
+    key = ["scenario_id", *SCENARIO]
+    judged = rows.sort_values("region", kind="stable", na_position="last")
+    table = judged.drop_duplicates(key).sort_index()
+    numbered = table[key].assign(number=np.arange(len(table)))
+    places = rows[key].merge(numbered, on=key, how="left")["number"].to_numpy()
+    columns = (
+        table[list(_OF_SCENARIO)].astype(object).where(table[list(_OF_SCENARIO)].notna(), None)
+    )
+    return places, {name: columns[name].tolist() for name in _OF_SCENARIO}
+
+
+def _arcs(rows: pd.DataFrame) -> dict[str, NDArray[Any]]:
+    """The controls of paths of a few arcs: `arcs` a row, `turns` and `drives` one behind the other.
+
+    `turns` are curvatures times the radius, `drives` are lengths in radii; of longer paths, and of
+    those without a path, there are none.
+    """
+    few = rows["arcs"].le(MOST_ARCS)
+    number = rows["arcs"].where(few, 0).to_numpy()
+    driven = np.arange(MOST_ARCS) < number[:, None]
+    radius = rows["radius"].to_numpy()[:, None]
+    with np.errstate(over="ignore"):
+        turns = (rows[list(CURVATURES)].to_numpy(float) * radius)[driven].astype("<f4")
+        drives = (rows[list(LENGTHS)].to_numpy(float) / radius)[driven].astype("<f4")
+    return {"arcs": number.astype("u1"), "turns": turns, "drives": drives}
+
+
+def _lines(rows: pd.DataFrame, long: pd.DataFrame) -> dict[str, NDArray[Any]]:
+    """The polylines of longer paths: `points` a row, `boxes` (x, y, step) and `steps` of all.
+
+    `steps` are differences of grid places: x of all points, then y; the first from 0.
+    """
+    controls: Mapping[Hashable, Any] = long.set_index(["part", "place"]).to_dict("index")
+    lines: list[Polyline | None] = []
+    needed = [*("part", "place"), *Pose._fields]
+    for part, place, *start in rows.loc[rows["arcs"] > MOST_ARCS, needed].itertuples(index=False):
+        row = controls[part, place]
+        lines.append(polyline(Path(Pose(*start), row["curvatures"], row["lengths"])))
+    drawn = [line for line in lines if line is not None]
+    points = np.zeros(len(rows), dtype="<u2")
+    points[rows["arcs"].gt(MOST_ARCS).to_numpy()] = [
+        0 if p is None else len(p.places) for p in lines
+    ]
+    places = [np.diff(line.places, axis=0, prepend=0).astype("<i2") for line in drawn]
+    steps = np.concatenate(places) if places else np.zeros((0, 2), dtype="<i2")
+    return {
+        "points": points,
+        "boxes": np.array([line[:3] for line in drawn], dtype="<f8").ravel(),
+        "steps": steps.T.ravel(),
+    }

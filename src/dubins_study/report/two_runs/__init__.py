@@ -1,0 +1,1 @@
+"""Compare two runs solver by solver: what became better or worse, and where."""

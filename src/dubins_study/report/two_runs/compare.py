@@ -1,0 +1,69 @@
+"""`compare`: two runs, solver by solver, with what became worse and a page of it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path as FilePath
+
+from dubins_study.errors import DubinsStudyError
+from dubins_study.report.data.results import load
+from dubins_study.report.page.render import write_page
+from dubins_study.report.two_runs.comparison import Comparison
+from dubins_study.report.two_runs.differences import differences
+from dubins_study.report.two_runs.machine_speed import machine_speed, unchanged_solvers
+from dubins_study.report.two_runs.numbers import solver_changes, time_ratios
+from dubins_study.report.two_runs.pairs import pairs, unpaired
+from dubins_study.report.two_runs.regressions import regressions
+from dubins_study.report.two_runs.section import sections
+
+SLOWER = 1.1
+
+
+class CompareError(DubinsStudyError, ValueError):
+    """Two runs cannot be compared."""
+
+
+def compare(
+    base: str | FilePath,
+    new: str | FilePath,
+    out: str | FilePath | None = None,
+    slower: float = SLOWER,
+) -> Comparison:
+    """Compare two results folders of one experiment, question by question.
+
+    Args:
+        base: the folder to compare with.
+        new: the folder that may have become better or worse.
+        out: the folder to write a page to, with tables and figures; None: no page.
+        slower: a solver is slower if its time, the machine's speed taken out, is surely more than
+            so many times the base's.
+
+    Raises:
+        ResultsError: if a folder cannot be read.
+        CompareError: if no solver was asked the same question in both, or `slower` is below 1.
+        ReportError: if `out` cannot be written.
+    """
+    if not slower >= 1:
+        raise CompareError(f"slower is {slower!r}: expected a ratio of at least 1, e.g. {SLOWER}")
+    before, after = load([base]), load([new])
+    paired = pairs(before, after)
+    if paired.empty:
+        raise CompareError(
+            f"{base} and {new} share no question of one solver; expected two runs of one "
+            "experiment, or of experiments that overlap"
+        )
+    unchanged = unchanged_solvers(before, after)
+    speed = machine_speed(before, after, time_ratios(paired), unchanged)
+    changes = solver_changes(paired, speed, unchanged)
+    comparison = Comparison(
+        changes,
+        regressions(paired, changes, slower),
+        unpaired(before, after),
+        differences(before, after),
+        speed,
+        slower,
+    )
+    if out is None:
+        return comparison
+    page = write_page(out, lambda: sections(paired, comparison), (*before.folders, *after.folders))
+    return replace(comparison, page=page)

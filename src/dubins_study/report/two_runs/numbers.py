@@ -1,0 +1,161 @@
+"""Two runs, solver by solver: success, accuracy and time, with paired tests and intervals."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+
+import numpy as np
+import pandas as pd
+
+from dubins_study.report.statistics.bootstrap import average_intervals, mean_ratio_intervals
+from dubins_study.report.statistics.metrics import solver_order
+from dubins_study.report.statistics.paired import PairedTest, holm, sign_test, wilcoxon_test
+from dubins_study.report.two_runs.machine_speed import MachineSpeed
+from dubins_study.report.two_runs.pairs import SIDES
+
+# A path may miss its target by 1e-6 R and still arrive, so its length is known to 1e-6 max(length,
+# R) only: smaller gaps are no difference in accuracy.
+GAP_FLOOR = 1e-6
+# A question's answer lost accuracy if its gap is more than so many times as large.
+WORSE_GAP = 10.0
+
+_ENDS = ("", "_low", "_high")
+
+
+def solver_changes(
+    pairs: pd.DataFrame, speed: MachineSpeed | None, unchanged: Collection[str]
+) -> pd.DataFrame:
+    """One row per solver, in the order of tables.
+
+    Args:
+        pairs: as `pairs.pairs` returns it.
+        speed: of the new run's machine; None if it is not known.
+        unchanged: the solvers of the same code: what changed of their times is the machine's doing.
+    Returns:
+        Columns solver; questions (that have a path); right_base, right_new: shares of them;
+        right_change with _low and _high: their difference, with its bootstrap interval over
+        scenarios; lost, gained: questions that were right in every repeat of one run and of none in
+        the other; right_p: of the exact sign test, with Holm's correction over the solvers;
+        denials, denials_lost: questions without a path, and those no longer recognised;
+        false_new: questions with a false claim or bound in the new run alone;
+        gap_base, gap_new: the largest gap of the answers that are right in both runs; gap_worse:
+        how many of them lost accuracy; gap_p: of the sign test of gaps above the floor;
+        timed: questions right in both; time_base, time_new: geometric means of their times, s;
+        time_ratio with _low and _high: new / base, the machine's speed taken out if it is known;
+        time_p: of Wilcoxon's test of these ratios, NaN if the machine's speed is not known;
+        same_code. NaN where there is nothing to compare, also for the times of unchanged solvers.
+    """
+    solvers = solver_order(pairs["solver"].unique().tolist())
+    lines: list[dict[str, object]] = []
+    for solver in solvers:
+        rows, same = pairs[pairs["solver"] == solver], solver in unchanged
+        lines.append(
+            {"solver": solver, "same_code": same}
+            | _success(rows)
+            | _accuracy(rows)
+            | _times(rows, None if same else speed)
+        )
+    frame = pd.DataFrame(lines)
+    tests = [name for name in frame.columns if name.endswith("_p")]
+    return frame.assign(**{name: holm(frame[name]) for name in tests})
+
+
+def time_ratios(pairs: pd.DataFrame) -> pd.DataFrame:
+    """What each solver took in the new run, divided by what it took in the base, as measured.
+
+    Returns:
+        Indexed by solver; columns estimate, low, high: ratios of geometric means over the questions
+        that are right in both runs, with their bootstrap intervals over scenarios.
+    """
+    groups = pairs.groupby("solver", observed=True)
+    ratios = {str(solver): _ratio(_timed(rows)) for solver, rows in groups}
+    return pd.DataFrame(ratios).T
+
+
+def lost(pairs: pd.DataFrame) -> pd.Series[bool]:
+    """Whether each question was right in every repeat of the base and in none of the new run."""
+    return pairs["right_base"].eq(1) & pairs["right_new"].eq(0)
+
+
+def newly_false(pairs: pd.DataFrame) -> pd.Series[bool]:
+    """Whether each question has a false claim or bound in the new run alone."""
+    return pairs["false_new"] & ~pairs["false_base"]
+
+
+def less_accurate(pairs: pd.DataFrame) -> pd.Series[bool]:
+    """Whether an answer that is right in both runs has a gap that is larger by `WORSE_GAP`."""
+    gap = _gaps(pairs)
+    return _right_in_both(pairs) & (gap["new"] > WORSE_GAP * gap["base"])
+
+
+def _gaps(pairs: pd.DataFrame) -> pd.DataFrame:
+    return pd.DataFrame({side: pairs[f"gap_{side}"].clip(lower=GAP_FLOOR) for side in SIDES})
+
+
+def _right_in_both(pairs: pd.DataFrame) -> pd.Series[bool]:
+    return pairs["answerable"] & pairs["right_base"].eq(1) & pairs["right_new"].eq(1)
+
+
+def _success(pairs: pd.DataFrame) -> dict[str, object]:
+    asked = pairs[pairs["answerable"]]
+    without = pairs[~pairs["answerable"]]
+    wrong = [1 - asked[f"right_{side}"].to_numpy() for side in SIDES]
+    change = pd.DataFrame({"change": wrong[0] - wrong[1]}, index=asked["scenario_id"])
+    interval = average_intervals(change).iloc[0]
+    shares = {f"right_{side}": asked[f"right_{side}"].mean() for side in SIDES}
+    ends = dict(zip(_ENDS, interval[["estimate", "low", "high"]], strict=True))
+    return (
+        {"questions": len(asked)}
+        | shares
+        | {f"right_change{end}": value for end, value in ends.items()}
+        | {
+            "lost": int(lost(asked).sum()),
+            "gained": int((asked["right_base"].eq(0) & asked["right_new"].eq(1)).sum()),
+            "right_p": _p(sign_test(wrong[1], wrong[0])),
+            "denials": len(without),
+            "denials_lost": int(lost(without).sum()),
+            "false_new": int(newly_false(pairs).sum()),
+        }
+    )
+
+
+def _accuracy(pairs: pd.DataFrame) -> dict[str, object]:
+    both = pairs[_right_in_both(pairs)]
+    gap = _gaps(both)
+    return {f"gap_{side}": both[f"gap_{side}"].max() for side in SIDES} | {
+        "gap_worse": int(less_accurate(pairs).sum()),
+        "gap_p": _p(sign_test(gap["new"], gap["base"])),
+    }
+
+
+def _timed(pairs: pd.DataFrame) -> pd.DataFrame:
+    """The times of both runs, s, by scenario, of the questions that are right in both."""
+    both = pairs[_right_in_both(pairs) & pairs["time_base"].gt(0) & pairs["time_new"].gt(0)]
+    times = pd.DataFrame({side: both[f"time_{side}"].to_numpy() for side in SIDES})
+    return times.set_axis(both["scenario_id"].to_numpy(), axis=0)
+
+
+def _ratio(times: pd.DataFrame) -> pd.Series[float]:
+    ratios = mean_ratio_intervals(times, "base", 0.0)
+    return pd.Series(ratios.loc["new"], dtype=np.float64)[["estimate", "low", "high"]]
+
+
+def _times(pairs: pd.DataFrame, speed: MachineSpeed | None) -> dict[str, object]:
+    times = _timed(pairs)
+    means = np.exp(np.log(times).mean())
+    # crosswise: the slower the machine may have been, the faster the solver
+    machine = (1.0, 1.0, 1.0) if speed is None else (speed.ratio, speed.high, speed.low)
+    ratio = _ratio(times).to_numpy(np.float64) / machine
+    # tested against the machine's own change, so that a slower machine is no slower solver
+    test = wilcoxon_test(times["new"].to_numpy(), times["base"].to_numpy() * machine[0])
+    return {
+        "timed": len(times),
+        "time_base": float(means["base"]),
+        "time_new": float(means["new"]),
+        **dict(zip((f"time_ratio{end}" for end in _ENDS), ratio, strict=True)),
+        "time_p": float("nan") if speed is None else _p(test),
+    }
+
+
+def _p(test: PairedTest) -> float:
+    return test.p if test.pairs else float("nan")

@@ -1,0 +1,168 @@
+"""The page of two compared runs."""
+
+from __future__ import annotations
+
+import pandas as pd
+
+from dubins_study.report.elements.columns import SOLVER, Column, columns, marks
+from dubins_study.report.elements.content import Section, Table
+from dubins_study.report.elements.formats import (
+    count,
+    digits,
+    seconds,
+    sentences,
+    share,
+    some,
+)
+from dubins_study.report.elements.identity import (
+    interval_keys,
+    with_interval,
+    with_interval_texts,
+)
+from dubins_study.report.two_runs.comparison import Comparison
+from dubins_study.report.two_runs.figures import changes_picture, times_picture
+from dubins_study.report.two_runs.numbers import GAP_FLOOR, WORSE_GAP
+from dubins_study.report.two_runs.verdicts import with_verdicts
+
+_LEAD = "A difference here may explain a change above."
+_REGRESSIONS = (
+    Column("kind", "what", kind="text"),
+    SOLVER,
+    *columns(kind="text", scenario="scenario", branch="branch", base="base", new="new"),
+    Column("command", "asks it again", kind="code"),
+)
+
+
+def sections(pairs: pd.DataFrame, comparison: Comparison) -> list[Section]:
+    """The page's sections: what became worse, every solver, times, and what else differs."""
+    return [
+        _regressions(comparison),
+        _solvers(comparison),
+        _times(pairs, comparison),
+        _else(comparison),
+    ]
+
+
+def _regressions(comparison: Comparison) -> Section:
+    frame = comparison.regressions
+    kinds = frame["kind"].value_counts(sort=False)
+    what = ", ".join(f"{number} {kind}" for kind, number in kinds.items())
+    text = (
+        f"{some(len(frame), 'regression')}: {what}."
+        if len(frame)
+        else "Nothing became worse: no right answer was lost, no false claim is new, no answer is "
+        "less accurate, and no solver is surely slower."
+    )
+    caption = (
+        "No longer right: right in every repeat of the base, in none of the new run. No longer "
+        "denied: the same of questions that have no path. Less accurate: a gap that is "
+        f"{WORSE_GAP:g} times as large, and above {GAP_FLOOR:g}. Slower: the interval of the time "
+        f"ratio lies above {comparison.slower:g}, and the test finds a difference."
+    )
+    blocks = (Table("regressions", caption, frame, _REGRESSIONS),) if len(frame) else ()
+    lead = (
+        "Each line is a question that the base answered better, with the command that asks it."
+        if len(frame)
+        else "No line here: no question was answered better by the base."
+    )
+    return Section("regressions", "What became worse", text, blocks, lead)
+
+
+def _solvers(comparison: Comparison) -> Section:
+    frame = with_verdicts(comparison)
+    frame = with_interval_texts(frame, right_change=_points, time_ratio=digits(3))
+    success = (
+        SOLVER,
+        Column("verdict", "verdict", kind="text"),
+        *columns(count, questions="questions"),
+        *columns(share, right_base="right, base", right_new="right, new"),
+        Column("right_change_text", "change, points", kind="cell"),
+        *columns(digits(2), right_p="p"),
+        *columns(count, lost="lost", gained="gained", false_new="new false claims"),
+        *columns(count, denials_lost="no longer denied"),
+    )
+    accuracy = (
+        SOLVER,
+        *columns(digits(2), gap_base="largest gap, base", gap_new="largest gap, new"),
+        *columns(count, gap_worse="less accurate"),
+        *columns(digits(2), gap_p="p of gaps"),
+        *columns(count, timed="timed"),
+        *columns(seconds, time_base="time, base", time_new="time, new"),
+        Column("time_ratio_text", "time ratio", kind="cell"),
+        *columns(digits(2), time_p="p of times"),
+    )
+    bad = marks(frame, "lost", "false_new", "denials_lost", "gap_worse")
+    tables = (
+        Table(
+            "compared",
+            "Questions that both runs were asked and that have a path. The change of the share "
+            "that is right has its 95 % bootstrap interval over scenarios; p is of the exact sign "
+            "test, with Holm's correction over the solvers.",
+            frame,
+            success,
+            bad,
+            interval_keys("right_change"),
+        ),
+        Table(
+            "compared-times",
+            "Questions that are right in both runs: the largest gap, and geometric means of times; "
+            "their ratio is new by base, with its 95 % interval. p: of the sign test of gaps and "
+            "of Wilcoxon's test of times, with Holm's correction.",
+            frame,
+            accuracy,
+            bad,
+            interval_keys("time_ratio"),
+        ),
+    )
+    text = sentences(f"{some(len(frame), 'solver')} in both runs.", _unpaired(comparison))
+    lead = "Read the column verdict first; what is worse is marked."
+    return Section("compared", "Solver by solver", text, (changes_picture(frame), *tables), lead)
+
+
+def _unpaired(comparison: Comparison) -> str:
+    frame = comparison.unpaired
+    if frame.empty:
+        return "Both were asked the same questions."
+    lines = [
+        f"{some(number, 'question')} of {some(int((frame[key] > 0).sum()), 'solver')} only the "
+        f"{side} run was asked"
+        for key, side in (("only_base", "base"), ("only_new", "new"))
+        if (number := int(frame[key].sum()))
+    ]
+    return "; ".join(lines) + ": they are left out."
+
+
+def _points(value: float) -> str:
+    text = digits(3)(100 * value)
+    return f"+{text}" if value > 0 else text
+
+
+def _times(pairs: pd.DataFrame, comparison: Comparison) -> Section:
+    speed = comparison.speed
+    text = (
+        "Nothing says how fast the machines were (no solver of the same code, too few calibration "
+        "probes): the ratios are as measured, and no solver is called slower."
+        if speed is None
+        else "The same work took "
+        f"{with_interval(digits(3), speed.ratio, speed.low, speed.high)} times as long in the new "
+        f"run, by {speed.evidence}. Ratios of solvers whose code changed are divided by that, "
+        "their intervals crosswise; those of the same code are as measured: the machine's doing."
+    )
+    lead = "Dots above the dashed line took longer than the machine explains."
+    block = times_picture(pairs, comparison)
+    return Section("times", "Times, question by question", text, (block,) if block else (), lead)
+
+
+def _else(comparison: Comparison) -> Section:
+    frame = comparison.differences
+    shown = (
+        *columns(kind="text", what="what", base="base", new="new"),
+        Column("solvers", "solvers", lambda number: count(number), kind="number"),
+    )
+    if frame.empty:
+        text = "The manifests hold the same machine, limits, packages and code."
+        return Section("differences", "What else differs", text, (), _LEAD)
+    caption = "From the manifests; solvers: how many of those in both runs it is about."
+    text = f"{some(len(frame), 'difference')} in the manifests."
+    table = Table("differences", caption, frame, shown)
+    return Section("differences", "What else differs", text, (table,), _LEAD)

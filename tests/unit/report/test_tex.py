@@ -1,0 +1,181 @@
+"""The report as TeX: escapes, tables that fit, and a file that pdflatex compiles."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import subprocess
+
+import pandas as pd
+import pytest
+
+from dubins_study import render
+from dubins_study.report.elements.columns import Column
+from dubins_study.report.elements.content import Table
+from dubins_study.report.elements.formats import digits
+from dubins_study.report.page.tex_layout import layout_of
+from dubins_study.report.page.tex_table import to_tex
+from dubins_study.report.page.tex_text import tex
+from dubins_study.study.claim import Claim
+from dubins_study.study.scenario import Scenario
+from tests.unit.report.results_folder import attempt
+
+# What TeX obeys, what has no letter, a mark that turns the direction of writing, and long words.
+HOSTILE = (
+    '\\input{/etc/passwd} $x^2$ a_b & 50% #1 ~^ `q\' "d" --x ,, {un}balanced} \u202eltr\u202c '
+    "\u6f22 \u0645 \U0001f600 ñ Ł ζ₁ ≤ 10⁻⁹ α\u0302 line\nbreak " + "w" * 90 + "[n=50,engine=x]"
+)
+
+
+@pytest.mark.parametrize(
+    ("text", "printed"),
+    [
+        ("a_b & 50%", r"a\_b \& 50\%"),
+        ("--plot", r"-{}-plot"),
+        ("✗ ✓", r"\ding{55} \ding{51}"),
+        ("R ≤ 2π", r"R $\leq$ 2$\pi$"),
+        ("10⁻⁹", r"10$^{-}$$^{9}$"),
+        ("ς Λ Α", r"$\varsigma$ $\Lambda$ A"),
+        ("naïve Łódź", r"na\"{\i}ve \L{}\'{o}d\'{z}"),
+        ("a\u202eb\x00\u6f22", "a[U+202E]b[U+0000][U+6F22]"),
+        ("two\nlines", "two lines"),
+    ],
+)
+def test_every_letter_is_printed_or_named(text, printed):
+    """TeX prints what the text holds, and the code point of what it has no letter for."""
+    assert tex(text) == printed
+
+
+def test_the_text_of_tex_is_plain_ascii():
+    """No other letter reaches pdfTeX: it stops at those that it does not know."""
+    every = "".join(map(chr, range(0x3000))) + HOSTILE
+
+    assert tex(every).isascii()
+
+
+def test_long_words_may_break():
+    """A spec breaks after its punctuation, and a word without any after twelve letters."""
+    spec = tex("turn-rate-qp[n=50,engine=piqp,mesh=equal]")
+    parts = tex("w" * 90).split(r"\allowbreak{}")
+
+    assert r"50,\allowbreak{}engine" in spec
+    assert max(map(len, parts)) == 12
+    assert "".join(parts) == "w" * 90
+
+
+def table_of(lines: int, text: str, numbers: int = 2) -> Table:
+    """A table with a spec and some numbers in each line."""
+    keys = [f"v{i}" for i in range(numbers)]
+    frame = pd.DataFrame([{"s": text, **dict.fromkeys(keys, 0.123456)}] * lines)
+    shown = (Column("s", "solver", kind="code"), *(Column(key, key, digits(3)) for key in keys))
+    return Table("t", "", frame, shown)
+
+
+def test_a_table_longer_than_a_page_goes_over_several():
+    """Its heading is repeated then; a short table stays in one piece."""
+    long, short = to_tex(table_of(200, "ipopt")), to_tex(table_of(3, "ipopt"))
+
+    assert r"\begin{longtable}" in long
+    assert r"\endhead" in long
+    assert long.startswith("% Needs the packages booktabs, longtable.")
+    assert r"\begin{tabular}" in short
+    assert short.startswith("% Needs the packages booktabs.")
+
+
+def test_a_wide_table_breaks_lines_then_shrinks_then_turns():
+    """Text columns break first; many numbers need smaller letters, more of them a turned page."""
+    narrow = layout_of(table_of(3, "ipopt"))
+    broken = layout_of(table_of(3, "ipopt[" + "model=joint," * 30 + "]"))
+    layouts = [layout_of(table_of(3, "ipopt", numbers)) for numbers in (20, 32, 45)]
+
+    assert narrow.widths == (None, None, None)
+    assert broken.widths[0] is not None
+    assert broken.widths[1:] == (None, None)
+    assert [layout.size for layout in layouts[:2]] != ["footnotesize"] * 2
+    assert layouts[-1].turned
+    assert not layouts[0].turned
+
+
+def test_a_line_that_starts_with_a_bracket_is_no_distance():
+    """TeX reads a bracket after the end of a line as the distance to the next line."""
+    assert r"{}[1] & 0.123" in to_tex(
+        table_of(2, "ipopt").__class__(
+            "t",
+            "",
+            pd.DataFrame({"s": ["[1]"] * 2, "v": [0.123456] * 2}),
+            (Column("s", "s", kind="text"), Column("v", "v", digits(3))),
+        )
+    )
+
+
+def needed(program: str) -> str:
+    """The program; without it the test is skipped, except in CI."""
+    found = shutil.which(program)
+    if found is None and "CI" not in os.environ:
+        pytest.skip(f"{program} is not installed")
+    assert found is not None, f"{program} is not installed; expected it in CI"
+    return found
+
+
+@pytest.fixture(scope="module")
+def hostile_report(tmp_path_factory):
+    """A report with hostile labels, solvers, messages and titles, and figures."""
+    from tests.unit.report.results_folder import write_folder
+
+    base = tmp_path_factory.mktemp("tex")
+    spec = f"{HOSTILE}[{HOSTILE}]"
+    rows = [
+        attempt(Scenario(0, 0, 0, 5, 5, r, label=HOSTILE), name, message=HOSTILE)
+        for r in (1.0, 2.0, 3.0, 9.0)
+        for name in ("analytic", spec, "[1]")
+    ]
+    rows.append(
+        attempt(
+            Scenario(0, 0, 0, 5, 6, 1, label=HOSTILE),
+            spec,
+            path=None,
+            claim=Claim.FAILED,
+            message=HOSTILE,
+        )
+    )
+    experiment = {"name": "x", "title": HOSTILE, "question": HOSTILE, "text": HOSTILE}
+    extra = {"command": HOSTILE, "machine": {HOSTILE: HOSTILE}, "git": {"branch": HOSTILE}}
+    folder = write_folder(base / "hostile", "x", rows, experiment=experiment, **extra)
+    return render([folder], out=base / "report").parent
+
+
+@pytest.mark.slow
+def test_pdflatex_compiles_the_report(hostile_report):
+    """Twice, as the file says: no error, no missing letter, no line that sticks out."""
+    pdflatex = needed("pdflatex")
+    for _ in range(2):
+        run = subprocess.run(
+            [pdflatex, "-interaction=nonstopmode", "-halt-on-error", "report.tex"],
+            cwd=hostile_report,
+            capture_output=True,
+            check=False,
+        )
+        assert run.returncode == 0, run.stdout[-3000:].decode("latin-1")
+    log = (hostile_report / "report.log").read_text(encoding="latin-1")
+    # pt; a hyphen or a comma in the margin is no harm, a column would be
+    sticking_out = [float(pt) for pt in re.findall(r"Overfull \\hbox \(([\d.]+)pt", log)]
+
+    assert "Missing character" not in log
+    assert "Undefined control sequence" not in log
+    assert "undefined references" not in log
+    assert max(sticking_out, default=0.0) < 5.0
+
+
+@pytest.mark.slow
+def test_a_compiled_report_is_replaced(hostile_report, tmp_path):
+    """What pdflatex leaves beside report.tex does not keep the next report from its place."""
+    from tests.unit.report.results_folder import write_folder
+
+    folder = write_folder(tmp_path / "run", "x", [attempt(Scenario(0, 0, 0, 5, 5, 1))])
+    for name in ("report.aux", "report.log", "report.pdf"):
+        (hostile_report / name).write_text("")
+
+    render([folder], out=hostile_report)
+
+    assert not (hostile_report / "report.pdf").exists()

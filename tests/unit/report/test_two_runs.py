@@ -1,0 +1,223 @@
+"""Two runs compared: made-up rows whose changes are known, and SciPy's tests beside ours."""
+
+from __future__ import annotations
+
+import json
+import shlex
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy import stats
+from typer.testing import CliRunner
+
+from dubins_study import Claim, DubinsStudyError, Scenario, compare
+from dubins_study.cli.app import app
+from tests.unit.report.results_folder import attempt
+
+SCENARIOS = [Scenario(0, 0, 0.1, 4 + k, 3 - k, 1, label=f"scenario {k}") for k in range(12)]
+# The target lies in the left disc: no path LS.
+DISC = Scenario(0, 0, 0, 0.5, 1, 1, label="disc")
+OLD, NEW = "111111111111", "222222222222"
+
+
+def rows(solver="mine", digest=OLD, time=1e-3, wrong=(), scenarios=SCENARIOS, **changes):
+    """One attempt a scenario; at the scenarios of `wrong` no path comes back."""
+    return [
+        attempt(
+            scenario,
+            solver,
+            scenario_id=f"{place:08x}",
+            code_digest=digest,
+            wall_s=time * (1 + place / 100),
+            **({"path": None, "claim": Claim.FAILED} if place in wrong else {}),
+            **changes,
+        )
+        for place, scenario in enumerate(scenarios)
+    ]
+
+
+def of(comparison, solver="mine"):
+    return comparison.solvers.set_index("solver").loc[solver]
+
+
+def test_a_run_compared_with_itself_has_no_change(results):
+    """Nothing is worse, nothing is better."""
+    folder = results("a", rows())
+    comparison = compare(folder, folder)
+    line = of(comparison)
+
+    assert not comparison.regressed
+    assert comparison.unpaired.empty
+    assert comparison.differences.empty
+    assert (line["right_base"], line["right_new"], line["lost"], line["gained"]) == (1, 1, 0, 0)
+    assert line["time_ratio"] == pytest.approx(1, rel=1e-12)  # a mean of logarithms of 1
+
+
+def test_lost_answers_are_named_with_their_scenarios_and_commands(results):
+    """Each question that is no longer right has a line; the paired test is McNemar's exact one."""
+    base = results("a", rows(wrong=(0,)))
+    new = results("b", rows(digest=NEW, wrong=(3, 5, 7, 8, 9, 10)))
+    comparison = compare(base, new)
+    line, worse = of(comparison), comparison.regressions
+
+    assert (line["lost"], line["gained"], line["questions"]) == (6, 1, 12)
+    assert line["right_change"] == pytest.approx(-5 / 12, rel=1e-12)
+    assert line["right_change_low"] <= -5 / 12 <= line["right_change_high"]
+    assert line["right_p"] == pytest.approx(stats.binomtest(1, 7).pvalue, rel=1e-12)
+    assert worse["kind"].tolist() == ["no longer right"] * 6
+    assert worse["scenario"][0] == "scenario 3: target 7, 0"
+    assert shlex.split(worse["command"][0]) == [
+        *("dubins-study", "solve", "--from", "0", "0", "0.1", "--solver", "mine"),
+        *("--", "7", "0"),
+    ]
+
+
+def test_swapping_the_runs_swaps_what_is_lost_and_gained(results):
+    """The comparison has no preferred side."""
+    base = results("a", rows(wrong=(0, 1), time=1e-3) + rows("still"))
+    new = results("b", rows(digest=NEW, wrong=(3,), time=3e-3) + rows("still"))
+    there, back = of(compare(base, new)), of(compare(new, base))
+
+    assert (there["lost"], there["gained"]) == (back["gained"], back["lost"])
+    assert there["right_change"] == pytest.approx(-back["right_change"], abs=1e-15)
+    assert there["time_ratio"] * back["time_ratio"] == pytest.approx(1, rel=1e-12)
+
+
+def test_the_machine_is_taken_out_by_solvers_of_the_same_code(results):
+    """A control that took 1.5 times as long divides the times of the solver that changed."""
+    base = results("a", rows(time=1e-3) + rows("still", time=2e-3))
+    new = results("b", rows(digest=NEW, time=3e-3) + rows("still", time=3e-3))
+    comparison = compare(base, new)
+    line, still = of(comparison), of(comparison, "still")
+
+    assert comparison.speed.ratio == pytest.approx(1.5, rel=1e-12)
+    assert line["time_ratio"] == pytest.approx(3 / 1.5, rel=1e-12)
+    expected = stats.wilcoxon(np.full(12, np.log(2.0)), method="exact").pvalue
+    assert line["time_p"] == pytest.approx(expected, rel=1e-9)
+    assert comparison.regressions["kind"].tolist() == ["slower"]
+    assert still["same_code"]
+    assert np.isnan(still["time_p"])
+
+
+def test_a_slower_machine_is_no_slower_solver(results):
+    """All took three times as long: nothing is said of the solver that changed."""
+    base = results("a", rows(time=1e-3) + rows("still", time=2e-3))
+    new = results("b", rows(digest=NEW, time=3e-3) + rows("still", time=6e-3))
+
+    assert not compare(base, new).regressed
+
+
+def test_probes_stand_in_where_every_solver_changed(results):
+    """The calibration probe took twice as long; the solver three times: 1.5 times as slow."""
+    runs = [
+        [{"run_id": "a", "probes": [[k, took * (1 + k / 1e6)] for k in range(20)]}]
+        for took in (0.01, 0.02)
+    ]
+    base = results("a", rows(time=1e-3), runs=runs[0])
+    new = results("b", rows(digest=NEW, time=3e-3), runs=runs[1])
+    comparison = compare(base, new)
+
+    assert of(comparison)["time_ratio"] == pytest.approx(1.5, rel=1e-4)  # probes vary by 2e-5
+    assert comparison.regressions["kind"].tolist() == ["slower"]
+    assert "probes" in comparison.speed.evidence
+
+
+def test_without_any_evidence_of_the_machine_no_solver_is_slower(results):
+    """The ratio is shown as measured."""
+    comparison = compare(results("a", rows(time=1e-3)), results("b", rows(digest=NEW, time=9e-3)))
+
+    assert comparison.speed is None
+    assert of(comparison)["time_ratio"] == pytest.approx(9, rel=1e-12)
+    assert not comparison.regressed
+
+
+def test_false_claims_denials_and_accuracy_are_kinds_of_their_own(results):
+    """A new false claim, a denial that is gone, and a gap that grew tenfold."""
+    near = SCENARIOS[0]
+    exact = attempt(near, "mine", scenario_id="1", gap=1e-6, code_digest=OLD)
+    coarse = exact | {"gap": 3e-5, "code_digest": NEW}
+    denied = attempt(DISC, "mine", "LS", None, Claim.INFEASIBLE, scenario_id="2", code_digest=OLD)
+    silent = attempt(DISC, "mine", "LS", None, Claim.FAILED, scenario_id="2", code_digest=NEW)
+    honest = attempt(SCENARIOS[1], "mine", path=None, claim=Claim.FAILED, scenario_id="3")
+    lying = attempt(SCENARIOS[1], "mine", path=None, claim=Claim.INFEASIBLE, scenario_id="3")
+    base = results("a", [exact, denied, honest | {"code_digest": OLD}])
+    new = results("b", [coarse, silent, lying | {"code_digest": NEW}])
+    comparison = compare(base, new)
+
+    assert set(comparison.regressions["kind"]) == {
+        *("false claim", "no longer denied", "less accurate")
+    }
+    assert of(comparison)["questions"] == 2  # the third has no path
+    assert of(comparison)["denials_lost"] == 1
+
+
+def test_gaps_below_what_an_arrival_leaves_open_are_no_difference(results):
+    """1e-12 and 1e-7 are both below a miss that still arrives."""
+    exact = attempt(SCENARIOS[0], "mine", scenario_id="1", gap=1e-12, code_digest=OLD)
+
+    assert not compare(
+        results("a", [exact]), results("b", [exact | {"gap": 1e-7, "code_digest": NEW}])
+    ).regressed
+
+
+def test_repeats_are_one_question(results):
+    """A question that is right in half of its repeats is neither lost nor gained."""
+    first, second = (
+        [row | {"repeat": repeat} for row in rows(digest=digest, wrong=wrong)]
+        for repeat, digest, wrong in ((0, NEW, (1,)), (1, NEW, ()))
+    )
+    comparison = compare(results("a", rows()), results("b", first + second))
+
+    assert (of(comparison)["questions"], of(comparison)["lost"]) == (12, 0)
+    assert of(comparison)["right_new"] == pytest.approx(23 / 24, rel=1e-12)
+
+
+def test_what_only_one_run_was_asked_is_counted_apart(results):
+    """A solver that is missing and questions that are missing are in a table of their own."""
+    base = results("a", rows() + rows("gone"))
+    new = results("b", rows(digest=NEW, scenarios=SCENARIOS[:9]), versions={"numpy": "9"})
+    comparison = compare(base, new)
+    counts = comparison.unpaired.set_index("solver")
+
+    assert counts.loc["gone"].tolist() == [12, 0]
+    assert counts.loc["mine"].tolist() == [3, 0]
+    changed = comparison.differences.set_index("what")
+    assert changed.loc["version of numpy", ["base", "new"]].tolist() == ["2.3", "9"]
+    assert changed.loc["code of solvers, settings or packages", "solvers"] == 1
+
+
+def test_runs_without_a_common_question_are_refused(results):
+    """One message says what was expected; so it does of a ratio below 1."""
+    base, new = results("a", rows("one")), results("b", rows("other"))
+
+    with pytest.raises(DubinsStudyError, match="share no question"):
+        compare(base, new)
+    with pytest.raises(DubinsStudyError, match="at least 1"):
+        compare(base, base, slower=0.9)
+
+
+def test_the_command_its_exit_codes_and_its_page(results, tmp_path):
+    """0; 1 with --fail-on-regression if something is worse; 2 for a bad request; hostile names."""
+    name = "<script>alert(1)</script>&[x=1]"
+    scenarios = [replace(s, label="<b>$HOME`x`\u202e") for s in SCENARIOS]
+    base = results("a", rows(name, scenarios=scenarios))
+    new = results("b", rows(name, digest=NEW, wrong=(0, 1), scenarios=scenarios))
+    runner = CliRunner()
+    page = tmp_path / "page"
+    asked = [str(base), str(new)]
+    plain = runner.invoke(app, ["compare", *asked, "--out", str(page)])
+    strict = runner.invoke(app, ["compare", *asked, "--fail-on-regression", "--json"])
+    same = runner.invoke(app, ["compare", str(base), str(base), "--fail-on-regression"])
+
+    assert (plain.exit_code, strict.exit_code, same.exit_code) == (0, 1, 0)
+    record = json.loads(strict.stdout)
+    assert record["regressed"]
+    assert len(record["regressions"]) == 2
+    assert record["solvers"][0]["solver"] == name
+    assert "\u202e" not in plain.stdout
+    text = (page / "index.html").read_text(encoding="utf-8")
+    assert "<script>alert" not in text
+    assert "&lt;script&gt;alert" in text
+    bad = runner.invoke(app, ["compare", str(base), str(tmp_path / "nothing")])
+    assert isinstance(bad.exception, DubinsStudyError)  # `main` prints it and leaves with 2
