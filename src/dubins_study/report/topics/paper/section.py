@@ -10,11 +10,11 @@ import pandas as pd
 from dubins_study.report.data.attempts import EXACT
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import SOLVER, columns, marks
-from dubins_study.report.elements.content import Picture, Section, Table, picture
+from dubins_study.report.elements.content import Picture, Section, Table
 from dubins_study.report.elements.formats import count, digits
 from dubins_study.report.paper.printed import QUANTITIES, compare
-from dubins_study.report.topics.paper.figures import aspect_of, plot_paths
 from dubins_study.report.topics.paper.numbers import problem_paths, scores, side_by_side, word_paths
+from dubins_study.report.topics.paper.pictures import feasible_picture, problem_picture
 
 _TITLES = {
     "6.1": "Test problem 1: start (0, 0, 2π/3), target (10, 5), R = 1.",
@@ -78,27 +78,19 @@ def _scores(frame: pd.DataFrame) -> Table:
 
 
 def figures_section(results: Results) -> Section | None:
-    """Figures 6.1-6.5, redrawn from the paths in the rows."""
+    """Figures 3.1 and 6.1-6.5, redrawn from the paths in the rows."""
     frames = {problem: problem_paths(results, problem) for problem in range(1, 6)}
-    pictures = [_picture(problem, frame) for problem, frame in frames.items() if len(frame)]
+    pictures = [problem_picture(problem, frame) for problem, frame in frames.items() if len(frame)]
     if not pictures:
         return None
     text = (
-        "The paper's Figures 6.1–6.5, drawn from the controls in the rows. Both turning circles "
-        "are faint; the arrow is the start heading, the ring the target."
+        "The paper's Figures 3.1 and 6.1–6.5, drawn from the controls in the rows, with as many "
+        "panels as there. The arrow is the start heading, the ring the target; faint are the "
+        "turning circles. The paper's text gives each length with two decimals; the tables above "
+        "say which of these are right."
     )
-    return Section("paths", "The paper's figures", text, tuple(pictures))
-
-
-def _picture(problem: int, frame: pd.DataFrame) -> Picture:
-    paths = "Optimal (solid) and feasible (dashed) path"
-    if problem == 5:
-        paths = "Optimal paths for three turning radii"
-    return picture(
-        f"paths-{problem}",
-        plot_paths,
-        frame,
-        caption=f"Figure 6.{problem}. {paths}; length units.",
-        alt=f"Paths of test problem {problem}",
-        height=0.85 + min(max(3.0 * aspect_of(frame), 1.6), 2.9),  # the rest is legend and labels
+    lead = (
+        "In every problem one of two paths is the shortest, LS or RS; see how far the other is "
+        "round."
     )
+    return Section("paths", "The paper's figures", text, (feasible_picture(), *pictures), lead)
