@@ -73,6 +73,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
         "experiments.store",  # the streamed frames write their own parts
     ),
     "experiments": ("study.*", "solvers", "experiments.*"),
+    "conformance": ("study.*", "solvers", "experiments.isolation", "experiments.code_digest"),
     "report.data": ("study.*",),
     "report.statistics": ("study.*", "report.data"),
     "report.paper": ("study.*",),
@@ -92,8 +93,11 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     ),
     "report": ("study.*", "report.*"),
     "cli.terminal": ("study.*",),
-    "cli": ("cli.terminal", "", "study.*", "solvers.*", "experiments.*", "report.*"),
-    "": ("cli", "study.*", "solvers.*", "experiments.*", "report.*"),
+    "cli": (
+        *("cli.terminal", "", "study.*", "solvers.*", "experiments.*", "report.*"),
+        "conformance",
+    ),
+    "": ("cli", "study.*", "solvers.*", "experiments.*", "conformance", "report.*"),
 }
 # a topic may use another topic's numbers, as long as no circle comes of it
 _TOPIC = (*MAY_IMPORT["report.topics"], "report.topics.*")

@@ -23,6 +23,7 @@ PUBLIC = {
     *("Scenario", "Path", "solve", "solve_frame", "plot_path", "available_solvers"),
     *("run", "status", "merge", "load_results", "render", "compare"),
     *("Solver", "Question", "Solution", "Claim", "Guarantee", "Verdict", "DubinsStudyError"),
+    "check_solver",
 }
 
 

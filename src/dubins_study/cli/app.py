@@ -21,10 +21,12 @@ except KeyboardInterrupt:  # this is the first import that takes long enough to 
 
 from dubins_study.cli import (
     audit,
+    check_solver,
     compare,
     experiments,
     export,
     merge,
+    new,
     report,
     run,
     solve,
@@ -69,6 +71,8 @@ app.command()(merge.merge)
 app.command()(report.report)
 app.command()(compare.compare)
 app.command()(audit.audit)
+app.command()(check_solver.check_solver)
+app.add_typer(new.app, name="new")
 
 
 def main() -> Any:

@@ -60,6 +60,12 @@ def registered() -> list[str]:
     return list(_registered())
 
 
+def registered_name(kind: type[Solver]) -> str | None:
+    """The name that a class is registered under, or None."""
+    place = f"{kind.__module__}:{kind.__qualname__}"
+    return next((name for name, point in _registered().items() if point.value == place), None)
+
+
 def available_solvers() -> list[str]:
     """The names of the solvers that can run here."""
     return [name for name in registered() if _entry(name).reason is None]
@@ -273,7 +279,7 @@ def _convert(name: str, kind: type[Solver], given: dict[str, str]) -> dict[str, 
         wanted = type(defaults[key])
         try:
             values[key] = _BOOLEANS[text.lower()] if wanted is bool else wanted(text)
-        except (KeyError, ValueError):
+        except (KeyError, TypeError, ValueError):  # no type of a number or text takes the text
             raise SolverError(
                 f"solver {name!r}: {key} is {text!r}; expected {wanted.__name__}, "
                 f"such as {defaults[key]}"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from time import perf_counter
 from typing import NamedTuple
@@ -40,10 +41,16 @@ def no_answer(outcome: Outcome, message: str, times: Times = _NO_TIMES, status: 
     return Reply(outcome, Solution(Claim.NONE, native_status=status, message=message), times)
 
 
-def ask(solver: Solver, question: Question, limit: float = DEFAULT_LIMIT) -> Reply:
+def ask(
+    solver: Solver,
+    question: Question,
+    limit: float = DEFAULT_LIMIT,
+    raised: Callable[[BaseException], None] | None = None,
+) -> Reply:
     """Put a question to a solver and time it. What a solver raises is its reply.
 
     Where the solver's setting `presolve` is on, what the presolve answers is not put to it.
+    `raised` is called with the exception of a solver that raises, which has its traceback.
     """
     reason = unavailable(solver)
     if reason is not None:
@@ -69,6 +76,8 @@ def ask(solver: Solver, question: Question, limit: float = DEFAULT_LIMIT) -> Rep
         raise
     except BaseException as error:  # what a backend raises is its result
         ended = perf_counter()
+        if raised is not None:
+            raised(error)
         build = None if built is None else built - began
         outcome = Outcome.OUT_OF_MEMORY if isinstance(error, MemoryError) else Outcome.RAISED
         return no_answer(outcome, exception_text(error), Times(build, None, ended - began))

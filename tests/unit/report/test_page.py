@@ -97,6 +97,7 @@ def test_every_section_is_there(whole):
         "time",
         "discretisation",
         "plane",
+        "solvers",
         "attempts",
     ]
     for key in keys:

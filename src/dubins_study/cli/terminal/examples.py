@@ -39,6 +39,12 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
         "dubins-study compare results/paper both --out changes",
         "dubins-study compare results/paper both --fail-on-regression",
     ),
+    "new": ("dubins-study new solver my_solver.py",),
+    "new solver": ("dubins-study new solver another_solver.py",),
+    "check-solver": (
+        "dubins-study check-solver my_solver.py:MySolver",
+        "dubins-study check-solver slsqp --check limits --check state",
+    ),
     "audit": ("dubins-study audit",),
     "export": (
         "dubins-study export 10 5 --from 0 0 120deg --format mod",

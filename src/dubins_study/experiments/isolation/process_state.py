@@ -43,26 +43,38 @@ _LEAK_INTERVAL_S = 0.02
 _PAGE_BYTES = os.sysconf("SC_PAGE_SIZE")
 
 
-def _state() -> tuple[Any, ...]:
+def _state() -> dict[str, Any]:
     """All values that a solve must not change, except the thread counts of numerical libraries."""
     context, mask = decimal.getcontext(), os.umask(0)
     os.umask(mask)
-    return (
-        *(os.getcwd(), mask, os.getpriority(os.PRIO_PROCESS, 0)),  # noqa: PTH109
-        *(id(os.environ), _ENVIRONMENT.copy(), id(sys.path), sys.path.copy()),
-        *(warnings.filters[:], np.geterr(), locale.setlocale(locale.LC_ALL)),
-        *(id(context), context.prec, context.rounding, context.Emin, context.Emax),
-        *(sys.getrecursionlimit(), sys.getswitchinterval(), gc.isenabled()),
-        *(sys.excepthook, sys.unraisablehook, threading.excepthook),
-        *(sys.gettrace(), sys.getprofile(), threading.enumerate()),
+    return {
+        "working directory": os.getcwd(),  # noqa: PTH109
+        "umask": mask,
+        "priority": os.getpriority(os.PRIO_PROCESS, 0),
+        "environment variables": (id(os.environ), _ENVIRONMENT.copy()),
+        "sys.path": (id(sys.path), sys.path.copy()),
+        "warnings filters": warnings.filters[:],
+        "numpy's error handling": np.geterr(),
+        "locale": locale.setlocale(locale.LC_ALL),
+        "decimal context": (
+            *(id(context), context.prec, context.rounding, context.Emin, context.Emax),
+        ),
+        "recursion limit": sys.getrecursionlimit(),
+        "switch interval": sys.getswitchinterval(),
+        "garbage collector": gc.isenabled(),
+        "exception hooks": (sys.excepthook, sys.unraisablehook, threading.excepthook),
+        "trace functions": (sys.gettrace(), sys.getprofile()),
+        "threads": threading.enumerate(),
         # `_signal` returns plain numbers; `signal` would convert each to an enumeration.
-        [_signal.getsignal(number) for number in _SIGNALS],
-        _signal.pthread_sigmask(signal.SIG_BLOCK, ()),
-        [signal.getitimer(timer)[0] > 0 for timer in _TIMERS],
-        [resource.getrlimit(number) for number in _RLIMITS],
-        *(sys.stdin, sys.stdout, sys.stderr, *map(_file, range(3))),
-        os.sched_getaffinity(0) if hasattr(os, "sched_getaffinity") else None,
-    )
+        "signal handlers": [_signal.getsignal(number) for number in _SIGNALS],
+        "signal mask": _signal.pthread_sigmask(signal.SIG_BLOCK, ()),
+        "timers": [signal.getitimer(timer)[0] > 0 for timer in _TIMERS],
+        "resource limits": [resource.getrlimit(number) for number in _RLIMITS],
+        "standard streams": (sys.stdin, sys.stdout, sys.stderr, *map(_file, range(3))),
+        "processor affinity": (
+            os.sched_getaffinity(0) if hasattr(os, "sched_getaffinity") else None
+        ),
+    }
 
 
 def _file(number: int) -> tuple[int, int] | None:
@@ -100,11 +112,19 @@ class ProcessState:
 
     def changed(self) -> bool:
         """Whether the state differs from the accepted one, so that the worker must be replaced."""
+        return bool(self.changes())
+
+    def changes(self) -> list[str]:
+        """What differs from the accepted state, by name; empty if nothing does."""
         try:
             state = _state()
         except Exception:  # e.g. the working directory was removed
-            return True
-        return state != self._accepted or self._threads_changed() or self._leaks()
+            return ["state that can be read"]
+        if state != self._accepted:
+            return [name for name, value in state.items() if value != self._accepted[name]]
+        if self._threads_changed():
+            return ["thread counts of numerical libraries"]
+        return ["memory or files"] if self._leaks() else []
 
     def _pin_new_libraries(self) -> None:
         """Limit the libraries that were loaded since the last call to one thread."""

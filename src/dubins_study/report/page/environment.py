@@ -13,7 +13,7 @@ from typing import Any
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
-from dubins_study.report.elements import colours, style
+from dubins_study.report.elements import style
 from dubins_study.report.elements.content import Picture, Table, Widget
 from dubins_study.report.page.markup import markdown, to_markdown
 
@@ -33,7 +33,7 @@ _VARIABLES = {
     style.MUTED: "--muted",
     style.RULE: "--rule",
     style.PAPER: "--paper",
-    **colours.VARIABLES,
+    **style.VARIABLES,
 }
 _GROUP_ID = re.compile(r' id="(?:figure|axes|patch|line2d|text|matplotlib\.axis|xtick|ytick)[^"]*"')
 
@@ -79,7 +79,7 @@ def styles() -> Markup:
 
 def _hues() -> Markup:
     """The variables of the figures' hues, light, dark, and light again in print."""
-    light, dark = (f":root {{ {colours.css_values(mode)} }}" for mode in ("light", "dark"))
+    light, dark = (f":root {{ {style.css_values(mode)} }}" for mode in ("light", "dark"))
     return Markup(
         f"{light}\n@media (prefers-color-scheme: dark) {{ {dark} }}\n@media print {{ {light} }}"
     )

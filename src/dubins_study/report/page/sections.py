@@ -10,6 +10,7 @@ from typing import NamedTuple
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.content import Section
 from dubins_study.report.elements.formats import count, slug
+from dubins_study.report.elements.names import with_labels
 from dubins_study.report.interactive.section import attempts_section
 from dubins_study.report.topics.agreement.section import agreement_section, formulations_section
 from dubins_study.report.topics.audit.section import audit_section
@@ -32,6 +33,7 @@ from dubins_study.report.topics.proofs.section import proofs_section
 from dubins_study.report.topics.radius.section import radius_section
 from dubins_study.report.topics.runs.section import runs_section
 from dubins_study.report.topics.scale.section import scale_section
+from dubins_study.report.topics.solvers.section import solvers_section
 from dubins_study.report.topics.success.section import success_section
 from dubins_study.report.topics.summary.section import summary_section
 from dubins_study.report.topics.time.section import time_section
@@ -93,6 +95,7 @@ TOPICS = (
     Topic("agreement of formulations", formulations_section, "benchmark"),
     Topic("cost where it arises", cost_section, "benchmark"),
     Topic("whom one can believe", belief_section, "benchmark"),
+    Topic("the solvers and their settings", solvers_section, EVERY, counted=True),
     Topic("single attempts", attempts_section, EVERY, counted=True),
     Topic("the runs and their machines", runs_section, EVERY, counted=True),
 )
@@ -108,7 +111,8 @@ def sections_of(topic: Topic, results: Results) -> Iterator[Section]:
             continue
         if len(selections) > 1:
             section = _named_after(section, name)
-        yield section if topic.counted else _with_sample(section, results)
+        shown = section if topic.counted else _with_sample(section, results)
+        yield with_labels(shown, results)
 
 
 def _selections(topic: Topic, results: Results) -> dict[str, Results]:

@@ -39,7 +39,7 @@ def success_section(results: Results) -> Section | None:
         blocks.append(_experiment_table(each))
     quantiles = gap_quantiles(attempts.gap_quantiles())
     if len(quantiles):
-        palette = Palette.of(results.solvers)
+        palette = Palette.of_page(results)
         allowed = _gap_tolerances(results.folders)
         blocks += [
             _profile_picture(name, one, allowed.get(name), palette) for name, one in each.items()

@@ -30,7 +30,7 @@ def time_section(results: Results) -> Section | None:
     frame = by_solver(results.attempts.times())
     if frame.empty:
         return None
-    palette = Palette.of(results.solvers)
+    palette = Palette.of_page(results)
     several = len(frame) > MOST_METHODS
     methods = solver_summary(results.attempts).drop(columns="wall_s")
     timed = methods.merge(frame, on="solver")

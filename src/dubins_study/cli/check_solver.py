@@ -1,0 +1,51 @@
+"""`dubins-study check-solver`: does a solver keep its promise, and what to do where it does not."""
+
+from __future__ import annotations
+
+import json
+from typing import Annotated
+
+import typer
+
+from dubins_study.cli.arguments import number
+from dubins_study.cli.terminal import completion
+
+
+def check_solver(
+    solver: Annotated[
+        str,
+        typer.Argument(
+            metavar="SOLVER",
+            help="a name, or file.py:Class",
+            autocompletion=completion.solvers,
+        ),
+    ],
+    check: Annotated[
+        list[str] | None, typer.Option(metavar="NAME", help="only this check; may be repeated")
+    ] = None,
+    time_limit: Annotated[
+        float, typer.Option(parser=number, help="seconds that a question may take")
+    ] = 5.0,
+    total_time_limit: Annotated[
+        float, typer.Option(parser=number, help="seconds that all questions may take")
+    ] = 600.0,
+    as_json: Annotated[bool, typer.Option("--json", help="print one JSON object")] = False,
+) -> None:
+    """Check a solver of your own: about 70 questions; exit code 1 if it fails a check."""
+    from dubins_study.cli.terminal import streams
+    from dubins_study.conformance import CHECKS
+    from dubins_study.conformance import check_solver as checked
+    from dubins_study.solvers.attempt import check_request
+
+    check_request("best", time_limit, "--time-limit")
+    check_request("best", total_time_limit, "--total-time-limit")
+    with streams.progress(f"checking {solver}", []) as progress:
+        report = checked(
+            solver,
+            checks=check or CHECKS,
+            time_limit=time_limit,
+            total_time_limit=total_time_limit,
+            progress=progress,
+        )
+    print(json.dumps(report.to_dict(), indent=2) if as_json else report)
+    raise typer.Exit(0 if report.passed else 1)

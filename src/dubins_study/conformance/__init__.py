@@ -1,0 +1,11 @@
+"""Check that a solver keeps the promise of `solvers/protocol.py`, and explain where it does not.
+
+`check_solver(solver)` puts some seventy questions to a solver in a worker process and returns a
+`ConformanceReport`. `CHECKS` are the names of its checks, for `pytest.mark.parametrize`.
+"""
+
+from dubins_study.conformance.checks import CHECKS as CHECKS
+from dubins_study.conformance.kit import check_solver as check_solver
+from dubins_study.conformance.report import ConformanceReport as ConformanceReport
+
+__all__ = ["CHECKS", "ConformanceReport", "check_solver"]

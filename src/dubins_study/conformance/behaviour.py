@@ -1,0 +1,154 @@
+"""Checks of what a solver does to its process, its time and itself."""
+
+from __future__ import annotations
+
+from collections import Counter
+
+import numpy as np
+
+from dubins_study.conformance import questions
+from dubins_study.conformance.answers import command
+from dubins_study.conformance.findings import CheckResult, Finding, Status
+from dubins_study.conformance.interview import GRACE_S, Interview, Seen
+from dubins_study.conformance.observer import RANDOM
+from dubins_study.solvers.protocol import Outcome, Question
+from dubins_study.study.path import Path
+
+# Seconds of a limit that a solver is given to be cut off by, and that it may take beyond a limit
+# if it promises to keep it (`Solver.keeps_limit`).
+_SHORT_LIMIT_S, _BEYOND_S = 0.05, 1.0
+# relative: answers that differ by less differ in rounding only
+_ROUNDING = 1e-12
+
+
+def _question(interview: Interview, name: str) -> Question:
+    """A general question of a branch that the solver answers."""
+    scenario = questions.GENERAL[name]
+    branch = "best" if interview.answers("best") else interview.declared["branches"][0]
+    return Question(scenario, branch)
+
+
+def limits(interview: Interview, name: str, title: str) -> CheckResult:
+    """A question with a limit of a twentieth of a second."""
+    promised = interview.declared["keeps_limit"]
+    question = _question(interview, "all at once")
+    interview.ask(question)  # the libraries are loaded by now
+    seen = interview.ask(question, again=True, limit=_SHORT_LIMIT_S)
+    seconds = seen.answer.wall_s or seen.seconds
+    if seen.answer.outcome is not Outcome.TIMEOUT and seconds <= _SHORT_LIMIT_S + _BEYOND_S:
+        return CheckResult(name, title, (), f"{seconds:.3f} s with a limit of {_SHORT_LIMIT_S} s")
+    observed = f"with a limit of {_SHORT_LIMIT_S} s it takes {seconds:.2f} s"
+    if seen.answer.outcome is Outcome.TIMEOUT:
+        observed = f"with a limit of {_SHORT_LIMIT_S} s it does not return within {GRACE_S:g} s"
+    advice = (
+        "look at `limit`, the second argument of solve, and return the best path so far with "
+        "Claim.LIMIT; a run ends the process at the limit and keeps no path"
+    )
+    status = Status.NOTE
+    if promised:
+        status, advice = Status.FAIL, f"{advice}. Until then, do not promise keeps_limit"
+    shown = command(interview.spec, question) + f" --time-limit {_SHORT_LIMIT_S}"
+    return CheckResult(name, title, (Finding(status, observed, advice, "all at once", shown),))
+
+
+def determinism(interview: Interview, name: str, title: str) -> CheckResult:
+    """One question before and after another one, and in a new process."""
+    question, other = _question(interview, "all at once"), _question(interview, "radius 2.5")
+    first = interview.ask(question)
+    interview.ask(other, again=True)
+    second = interview.ask(question, again=True)
+    interview.restart()
+    third = interview.ask(question, again=True)
+    found = []
+    for again, when in ((second, "after another one"), (third, "in a new process")):
+        difference = _difference(first, again)
+        if difference is None:
+            continue
+        status = Status.NOTE if difference <= _ROUNDING else Status.FAIL
+        observed = f"asked again {when}, its answer differs by {difference:.2g} of the length"
+        if difference == np.inf:
+            observed = (
+                f"asked again {when}, it answers {_said(again)}; the first time {_said(first)}"
+            )
+        advice = (
+            "draw random numbers from a generator of the solver's own, seeded in build or solve "
+            "by a setting and question.repeat, and keep nothing between questions"
+        )
+        shown = command(interview.spec, question)
+        found.append(Finding(status, observed, advice, "all at once", shown))
+    return CheckResult(name, title, tuple(found[:1]), "three times the same")
+
+
+def _said(seen: Seen) -> str:
+    answer = seen.answer
+    return f"{answer.outcome}, {answer.claim}, {answer.word or 'no path'}"
+
+
+def _difference(first: Seen, second: Seen) -> float | None:
+    """How far two answers differ (share of the length); infinite if not only in numbers."""
+    one, other = first.answer, second.answer
+    if (one.outcome, one.claim) != (other.outcome, other.claim):
+        return float(np.inf)
+    if one.path is None or other.path is None:
+        return None if one.path is other.path else float(np.inf)
+    return None if one.path == other.path else _apart(one.path, other.path)
+
+
+def _apart(one: Path, other: Path) -> float:
+    if one.length.shape != other.length.shape:
+        return float(np.inf)
+    scale = max(one.total_length, 1e-300)
+    turned = np.abs(one.curvature * one.length - other.curvature * other.length).max(initial=0.0)
+    return float(max(np.abs(one.length - other.length).max(initial=0.0) / scale, turned))
+
+
+# state -> what to do instead of changing it
+_ADVICE = {
+    "working directory": "give other programs a folder by their own option, or `cwd=`",
+    "environment variables": "give a program its own `env=`",
+    "sys.path": "import what you need as a package",
+    "warnings filters": "use `with warnings.catch_warnings():`",
+    "numpy's error handling": "use `with np.errstate(...):`",
+    "decimal context": "use `with decimal.localcontext():`",
+    "signal handlers": "restore the handlers that were there",
+    "timers": "switch your timer off before you return",
+    "threads": "end your threads before you return",
+    "child processes": "wait for your processes before you return",
+    "standard streams": "use `contextlib.redirect_stdout` with a file of your own",
+    "memory or files": "close what you open, and keep no model between questions",
+}
+_CHANGED = (
+    "a run then replaces the worker after every question, which takes longer than most solves"
+)
+
+
+def state(interview: Interview, name: str, title: str) -> CheckResult:
+    """What all questions so far have left behind; libraries load with the first one."""
+    seen = [one for one in interview.seen if not one.first]
+    promised = interview.declared["keeps_limit"]
+    found = []
+    changed = Counter(change for one in seen for change in one.changes)
+    for change, count in changed.items():
+        example = next(one for one in seen if change in one.changes)
+        advice = f"{_ADVICE.get(change, 'restore it before you return')}; {_CHANGED}"
+        status = Status.FAIL
+        if change == RANDOM:
+            status = Status.NOTE
+            advice = "draw from a generator of your own: np.random.default_rng(seed)"
+        shown = command(interview.spec, example.question)
+        observed = f"it changes the {change}"
+        found.append(Finding(status, observed, advice, "", shown, count=count))
+    files = sorted({file for one in interview.seen for file in one.files})
+    if files:
+        observed = f"it leaves files in the working directory: {', '.join(files[:3])}"
+        advice = "write into a tempfile.TemporaryDirectory()"
+        found.append(Finding(Status.FAIL, observed, advice, count=len(files)))
+    loud = [one for one in seen if one.output]
+    if loud:
+        last = " ".join(loud[0].output.split())[-120:]
+        advice = "switch the output of the library off, or leave print out"
+        status = Status.FAIL if promised else Status.NOTE
+        shown = command(interview.spec, loud[0].question)
+        found.append(Finding(status, f"it prints: {last}", advice, "", shown, count=len(loud)))
+    found.sort(key=lambda one: one.status is not Status.FAIL)
+    return CheckResult(name, title, tuple(found), f"{len(seen)} questions")

@@ -1,0 +1,111 @@
+"""The checks, in the order of a report: simple questions first."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import NamedTuple
+
+from dubins_study.conformance import behaviour, questions
+from dubins_study.conformance.answers import Kind, Problem, problems, united
+from dubins_study.conformance.findings import CheckResult, Finding, Status
+from dubins_study.conformance.interview import Interview
+from dubins_study.solvers.protocol import Question
+from dubins_study.study.scenario import Scenario
+
+
+class Check(NamedTuple):
+    """One check: what it looks at, and the function that does."""
+
+    title: str
+    run: Callable[[Interview, str, str], CheckResult]
+
+
+def _asked(
+    scenarios: Mapping[str, Scenario], kinds: tuple[Kind, ...] = tuple(Kind)
+) -> Callable[[Interview, str, str], CheckResult]:
+    """A check that asks for the best path of scenarios, and reports problems of some kinds."""
+
+    def run(interview: Interview, name: str, title: str) -> CheckResult:
+        if not interview.answers("best"):
+            return _not_applicable(name, title, "the solver does not answer `best`")
+        found: list[Problem] = []
+        for label, scenario in scenarios.items():
+            seen = interview.ask(Question(scenario))
+            found += problems(seen, label, interview.declared["guarantee"])
+        shown = united(one for one in found if one.kind in kinds)
+        return CheckResult(name, title, shown, f"{len(scenarios)} questions")
+
+    return run
+
+
+def _branches(interview: Interview, name: str, title: str) -> CheckResult:
+    """Every word that the solver declares, where a path of it exists and where none does."""
+    words = [word for word in questions.WORDS if interview.answers(word)]
+    if not words:
+        return _not_applicable(name, title, "the solver answers `best` only")
+    found: list[Problem] = []
+    for word in words:
+        asked = {f"{word}, question {n}": q for n, q in enumerate(questions.WORDS[word], 1)}
+        asked[f"{word}, which has no path here"] = questions.WITHOUT[word]
+        for label, scenario in asked.items():
+            seen = interview.ask(Question(scenario, word))
+            found += problems(seen, label, interview.declared["guarantee"])
+    return CheckResult(name, title, united(found), ", ".join(words))
+
+
+def _bounds(interview: Interview, name: str, title: str) -> CheckResult:
+    """The lower bounds of all answers so far."""
+    with_bound = [seen for seen in interview.seen if seen.answer.lower_bound is not None]
+    if not with_bound:
+        return _not_applicable(name, title, "the solver gives no lower bounds")
+    found = [one for seen in with_bound for one in problems(seen, "", "") if one.kind is Kind.BOUND]
+    return CheckResult(name, title, united(found), f"{len(with_bound)} bounds")
+
+
+def _not_applicable(name: str, title: str, reason: str) -> CheckResult:
+    return CheckResult(name, title, (), reason, Status.NOT_APPLICABLE)
+
+
+_TABLE = {
+    "outcome": Check(
+        "returns a Solution, and neither raises, crashes nor hangs",
+        _asked(questions.GENERAL, (Kind.OUTCOME,)),
+    ),
+    "controls": Check(
+        "paths start at the start, keep the radius and arrive",
+        _asked(questions.GENERAL, (Kind.CONTROLS,)),
+    ),
+    "claims": Check(
+        "claims no more than is true",
+        _asked(questions.GENERAL, (Kind.CLAIM, Kind.LENGTH, Kind.BOUND)),
+    ),
+    "axis": Check("targets straight ahead, straight behind, at the start", _asked(questions.AXIS)),
+    "discs": Check(
+        "targets within a turning disc, where RL or LR is shortest", _asked(questions.DISCS)
+    ),
+    "circles": Check("targets on and near a turning circle", _asked(questions.CIRCLES)),
+    "symmetries": Check("mirrored, moved and turned questions", _asked(questions.SYMMETRIES)),
+    "scale": Check("the same question larger, smaller, farther, faster", _asked(questions.SCALES)),
+    "branches": Check("the words that it declares", _branches),
+    "bounds": Check("lower bounds are below the shortest length", _bounds),
+    "limits": Check("returns by its time limit", behaviour.limits),
+    "determinism": Check("the same question has the same answer", behaviour.determinism),
+    "state": Check("leaves its process as it was", behaviour.state),
+}
+CHECKS = ("loading", *_TABLE)
+
+
+def run_check(interview: Interview, name: str) -> CheckResult:
+    """The result of one of `CHECKS`, all but `loading`, which precedes the interview."""
+    check = _TABLE[name]
+    return check.run(interview, name, check.title)
+
+
+def title_of(name: str) -> str:
+    """What a check looks at."""
+    return "loads, and says what it is" if name == "loading" else _TABLE[name].title
+
+
+def failed(name: str, found: Finding) -> CheckResult:
+    """The result of a check that failed for one reason."""
+    return CheckResult(name, title_of(name), (found,))

@@ -1,0 +1,64 @@
+"""The check of what a solver says of itself."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from dubins_study.conformance.findings import CheckResult, Finding, Status
+from dubins_study.solvers.protocol import NOT_STATED, Guarantee
+from dubins_study.study.nearest import did_you_mean
+from dubins_study.study.words import BRANCHES, FORMULATIONS
+
+BROKEN = "the file has to load by itself: python my_solver.py must not raise"
+
+
+def check(declared: dict[str, Any], title: str) -> CheckResult:
+    """Findings about the declaration of a solver that was loaded."""
+    found = [*_branches(declared), *_guarantee(declared), *_texts(declared)]
+    for problem in declared["setting_problems"]:
+        advice = "give each setting a default of type int, float, bool or str"
+        found.append(Finding(Status.NOTE, f"a spec cannot set {problem}", advice))
+    if not declared["frozen"]:
+        advice = "write @dataclass(frozen=True): the same settings then stay the same solver"
+        found.append(Finding(Status.NOTE, "its settings can be changed", advice))
+    if declared["unavailable"] is not None:
+        observed = f"it cannot run here: {declared['unavailable']}"
+        found.append(Finding(Status.NOTE, observed, "nothing else was checked"))
+    found.sort(key=lambda one: one.status is not Status.FAIL)
+    formulation, engine = declared["method"][:2]
+    return CheckResult(
+        "loading", title, tuple(found), f"{declared['name']}: {formulation}, {engine}"
+    )
+
+
+def _branches(declared: dict[str, Any]) -> list[Finding]:
+    unknown = [name for name in declared["branches"] if name not in BRANCHES]
+    if not unknown and declared["branches"]:
+        return []
+    observed = f"branches names {unknown[0]!r}" if unknown else "branches is empty"
+    return [Finding(Status.FAIL, observed, f"expected some of: {', '.join(BRANCHES)}")]
+
+
+def _guarantee(declared: dict[str, Any]) -> list[Finding]:
+    if declared["guarantee"] in set(Guarantee):
+        return []
+    observed = f"guarantee is {declared['guarantee']!r}"
+    return [Finding(Status.FAIL, observed, f"expected a Guarantee: {', '.join(Guarantee)}")]
+
+
+def _texts(declared: dict[str, Any]) -> list[Finding]:
+    """What a comparison shows of a solver and this one leaves out."""
+    found = []
+    formulation, engine = declared["method"][:2]
+    if (formulation, engine) == NOT_STATED[:2]:
+        advice = 'add method = ("penalty", "my engine", "random"): formulation, engine, guess'
+        found.append(Finding(Status.NOTE, "it does not state its method", advice))
+    elif formulation not in FORMULATIONS:
+        hint = did_you_mean(formulation, FORMULATIONS)
+        advice = f"{hint}A row of its own is fine; the others are: {', '.join(FORMULATIONS)}"
+        observed = f"its formulation, {formulation!r}, is not one of this package's"
+        found.append(Finding(Status.NOTE, observed, advice))
+    if not declared["summary"]:
+        advice = "add a line: summary = ..."
+        found.append(Finding(Status.NOTE, "it has no summary", advice))
+    return found

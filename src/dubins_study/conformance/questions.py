@@ -1,0 +1,141 @@
+"""The scenarios of the checks, by name. No two of their numbers agree by accident.
+
+Radii, speeds, start poses and headings differ from 1 and 0 one after another: which questions fail
+says what a solver mixes up.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+from dubins_study.study.scenario import Scenario
+
+# General positions, outside both turning discs: the shortest path is LS or RS.
+GENERAL = {
+    "target ahead to the left": Scenario(target_x=3, target_y=2),
+    "target behind to the right": Scenario(target_x=-4, target_y=-3),
+    "radius 2.5": Scenario(target_x=7, target_y=4, radius=2.5),
+    "radius 0.4": Scenario(target_x=2, target_y=-1.5, radius=0.4),
+    "heading 1.1 rad": Scenario(heading=1.1, target_x=-4, target_y=3),
+    "start at (2, -1)": Scenario(2, -1, target_x=6, target_y=4),
+    "speed 3": Scenario(target_x=3, target_y=-2, speed=3),
+    "all at once": Scenario(-3, 4, 2.2, 5, 8.5, 0.4, 0.5),
+    "all at once, other side": Scenario(2, -1, -0.5, -9, 6, 2.5, 3),
+}
+# One question in general position that the other checks change.
+REFERENCE = GENERAL["all at once"]
+
+
+def placed(X: float, Y: float, frame: Scenario = REFERENCE) -> Scenario:
+    """A scenario with the start and radius of another, and the target at (X, Y) before it.
+
+    X (forward) and Y (to the left) are in turning radii.
+    """
+    cos, sin, radius = math.cos(frame.heading), math.sin(frame.heading), frame.radius
+    return replace(
+        frame,
+        target_x=frame.x + radius * (X * cos - Y * sin),
+        target_y=frame.y + radius * (X * sin + Y * cos),
+    )
+
+
+DISCS = {
+    "centre of the left disc": Scenario(target_x=0, target_y=1),
+    "centre of the right disc": Scenario(target_x=0, target_y=-1),
+    "in the left disc": placed(0.3, 1.2),
+    "in the right disc": placed(0.3, -1.2),
+    "rear of the left disc": placed(-0.5, 1.2),
+    "rear of the right disc": placed(-0.5, -1.2),
+}
+
+
+def _on_left_circle(angle: float, distance: float) -> tuple[float, float]:
+    """The point at an arc angle (rad) of the left circle, `distance` radii outside it."""
+    return (1 + distance) * math.sin(angle), 1 - (1 + distance) * math.cos(angle)
+
+
+def _circles() -> dict[str, Scenario]:
+    on = {
+        "on the left circle, (R, R)": Scenario(target_x=1, target_y=1),
+        "on the left circle, (0, 2R)": Scenario(target_x=0, target_y=2),
+        "on the right circle, (-R, -R)": Scenario(target_x=-1, target_y=-1),
+    }
+    for angle, part in ((1.0, "front"), (4.5, "rear")):
+        for distance in (1e-2, 1e-4, -1e-2, -1e-4):
+            side = "outside" if distance > 0 else "inside"
+            X, Y = _on_left_circle(angle, distance)
+            name = f"{abs(distance):g} R {side} the left circle's {part}"
+            on[name] = Scenario(target_x=X, target_y=Y)
+    return on
+
+
+CIRCLES = _circles()
+AXIS = {
+    "straight ahead": Scenario(target_x=5, target_y=0),
+    "straight behind": Scenario(target_x=-5, target_y=0),
+    "just behind": Scenario(target_x=-0.1, target_y=0),
+    "at the start": Scenario(3, -2, 1, 3, -2),
+}
+
+
+def mirrored(scenario: Scenario) -> Scenario:
+    """The scenario in a mirror along the x axis: left and right change places."""
+    return replace(scenario, y=-scenario.y, heading=-scenario.heading, target_y=-scenario.target_y)
+
+
+def scaled(scenario: Scenario, factor: float) -> Scenario:
+    """Every length times a factor."""
+    names = ("x", "y", "target_x", "target_y", "radius")
+    return replace(scenario, **{name: getattr(scenario, name) * factor for name in names})
+
+
+def turned(scenario: Scenario, angle: float) -> Scenario:
+    """Start and target turned about the origin by an angle (rad)."""
+    cos, sin = math.cos(angle), math.sin(angle)
+    return replace(
+        scenario,
+        x=scenario.x * cos - scenario.y * sin,
+        y=scenario.x * sin + scenario.y * cos,
+        heading=scenario.heading + angle,
+        target_x=scenario.target_x * cos - scenario.target_y * sin,
+        target_y=scenario.target_x * sin + scenario.target_y * cos,
+    )
+
+
+def moved(scenario: Scenario, dx: float, dy: float) -> Scenario:
+    """Start and target moved."""
+    return replace(
+        scenario,
+        x=scenario.x + dx,
+        y=scenario.y + dy,
+        target_x=scenario.target_x + dx,
+        target_y=scenario.target_y + dy,
+    )
+
+
+# changes that leave the length of the shortest path as it is
+SYMMETRIES = {
+    "in a mirror": mirrored(REFERENCE),
+    "moved by (100, -50)": moved(REFERENCE, 100, -50),
+    "turned by 2 rad": turned(REFERENCE, 2.0),
+    "heading a full turn more": replace(REFERENCE, heading=REFERENCE.heading + 2 * math.pi),
+    "heading ten turns less": replace(REFERENCE, heading=REFERENCE.heading - 20 * math.pi),
+}
+SCALES = {
+    "a thousand times larger": scaled(REFERENCE, 1e3),
+    "a thousand times smaller": scaled(REFERENCE, 1e-3),
+    "a million times larger": scaled(REFERENCE, 1e6),
+    "200 radii away": placed(190.0, -60.0),
+    "ten times as fast": replace(REFERENCE, speed=10 * REFERENCE.speed),
+}
+
+# word -> questions that have a path of the word
+WORDS = {
+    "LS": (placed(3, 2), placed(4, -2), placed(-3, 1)),
+    "RS": (placed(3, -2), placed(4, 2), placed(-3, -1)),
+    "LR": (placed(0.3, -1.2), placed(2, 1.5), placed(-1, -0.2)),
+    "RL": (placed(0.3, 1.2), placed(2, -1.5), placed(-1, 0.2)),
+}
+# word -> a question that has no path of the word: in the disc that the turn goes around, or too far
+WITHOUT = {"LS": placed(0.2, 1), "RS": placed(0.2, -1), "LR": placed(9, 2), "RL": placed(9, -2)}

@@ -1,0 +1,137 @@
+"""The report of all checks of a solver, and how a terminal shows it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass
+from textwrap import fill, indent
+from typing import Any
+
+from dubins_study.conformance.findings import CheckResult, Finding, Status
+from dubins_study.study.printable import plain, printable_text
+
+
+@dataclass(frozen=True, slots=True, repr=False)
+class ConformanceReport:
+    """The outcome of all checks of one solver; as a text, what a terminal shows.
+
+    Args:
+        solver: its spec.
+        results: one for each check, in the order of `CHECKS`.
+        questions: how many questions were put to it.
+        seconds: how long that took.
+    """
+
+    solver: str
+    results: tuple[CheckResult, ...]
+    questions: int
+    seconds: float
+
+    @property
+    def passed(self) -> bool:
+        """Whether every check passed; notes are no failures, checks that were not made are."""
+        return all(result.passed for result in self.results)
+
+    def __getitem__(self, name: str) -> CheckResult:
+        return {result.name: result for result in self.results}[name]
+
+    def __iter__(self) -> Iterator[CheckResult]:
+        return iter(self.results)
+
+    def with_status(self, status: Status) -> tuple[CheckResult, ...]:
+        """The checks that ended so."""
+        return tuple(result for result in self.results if result.status is status)
+
+    def __str__(self) -> str:
+        return report_text(self)
+
+    __repr__ = __str__
+
+    def to_dict(self) -> dict[str, Any]:
+        """The report as values that JSON can hold."""
+        checks = [
+            {"name": one.name, "title": one.title, "status": one.status, "summary": one.summary}
+            | {"findings": [asdict(found) for found in one.findings]}
+            for one in self.results
+        ]
+        counts = {status: len(self.with_status(status)) for status in reversed(Status)}
+        return {
+            "solver": self.solver,
+            "passed": self.passed,
+            "counts": counts,
+            "questions": self.questions,
+            "seconds": round(self.seconds, 3),
+            "checks": checks,
+        }
+
+
+_WIDTH = 100
+_MARKS = {
+    Status.PASS: "pass",
+    Status.NOTE: "note",
+    Status.FAIL: "FAIL",
+    Status.NOT_APPLICABLE: "  – ",
+    Status.NOT_ASKED: "  ? ",
+}
+_MARGIN = " " * 6
+
+
+def report_text(report: ConformanceReport) -> str:
+    """All checks, a line each, with their findings below; the verdict last."""
+    shown: dict[str, str] = {}  # advice -> the check that gave it first
+    blocks = []
+    for result in report:
+        blocks.append(f"{_MARKS[result.status]}  {result.name:<12} {_about(result)}")
+        for found in result.findings:
+            earlier = shown.get(found.advice) if found.status is Status.FAIL else None
+            blocks.append(indent(_finding(found, earlier), _MARGIN))
+            shown.setdefault(found.advice or found.observed, result.name)
+    return "\n".join([f"{plain(report.solver)}", "", *blocks, "", verdict(report)])
+
+
+def _about(result: CheckResult) -> str:
+    summary = f" ({plain(result.summary)})" if result.summary else ""
+    return f"{result.title}{summary}"
+
+
+def _finding(found: Finding, earlier: str | None) -> str:
+    more = f" (and {found.count - 1} more)" if found.count > 1 else ""
+    where = f"{plain(found.question)}: " if found.question else ""
+    lines = [_wrapped(f"{where}{plain(found.observed)}{more}")]
+    if earlier is not None:
+        return "\n".join([*lines, f"→ as in {earlier}"])
+    if found.advice:
+        lines.append(_wrapped(f"→ {plain(found.advice)}", "  "))
+    if found.traceback:
+        lines.append(indent(printable_text(found.traceback.rstrip()), "  "))
+    if found.command and found.status is Status.FAIL:
+        lines.append(f"$ {plain(found.command)}")
+    return "\n".join(lines)
+
+
+def _wrapped(text: str, hanging: str = "") -> str:
+    return fill(
+        text,
+        _WIDTH - len(_MARGIN),
+        subsequent_indent=hanging,
+        break_long_words=False,
+        break_on_hyphens=False,
+    )
+
+
+def verdict(report: ConformanceReport) -> str:
+    """One line: whether the report passed, and how many checks ended how."""
+    counts = [
+        f"{len(results)} {name}"
+        for status, name in (
+            (Status.FAIL, "failed"),
+            (Status.NOT_ASKED, "not asked"),
+            (Status.NOTE, "with notes"),
+            (Status.PASS, "passed"),
+            (Status.NOT_APPLICABLE, "not applicable"),
+        )
+        if (results := report.with_status(status))
+    ]
+    word = "passed" if report.passed else "FAILED"
+    asked = f"{report.questions} questions in {report.seconds:.1f} s"
+    return f"{word}: {', '.join(counts)}; {asked}"
