@@ -12,9 +12,11 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Circle
 from numpy.typing import NDArray
 
+from dubins_study.report.elements.axes import duration, log_axis, mark_limit
 from dubins_study.report.elements.formats import digits
-from dubins_study.report.elements.looks import LINES
+from dubins_study.report.elements.looks import LINES, Palette
 from dubins_study.report.elements.style import BLUE, GREEN, INK, MUTED, PAPER, RULE, VERMILION
+from dubins_study.report.topics.paper.numbers import TICK_S
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
 
@@ -101,15 +103,44 @@ def plot_feasible(ax: Axes, start: Scenario, left: Path, right: Path) -> None:
         _turning_circle(ax, path, start.radius * math.copysign(1.0, path.curvature[0]), MUTED)
         x, y, _ = path.poses[1]
         ax.plot(x, y, "o", color=colour, markersize=3.5, zorder=5)
-        name, lift = ("X₁", (-6, -13)) if word == "LS" else ("X₂", (-14, 3))
+        name, lift = ("X₁", (-6, -13)) if word == "LS" else ("X₂", (4, -10))
         _name_point(ax, (x, y), name, lift)
     frame = pd.DataFrame(
         [{"path": left, "target_x": start.target_x, "target_y": start.target_y, "radius": 1.0}]
     )
     _start_and_target(ax, frame, 1.0)
-    _name_point(ax, (start.x, start.y), "P", (5, 0))
+    _name_point(ax, (start.x, start.y), "P", (-11, -2))
     _name_point(ax, (start.target_x, start.target_y), "X₃ = T", (-34, 6))
     ax.margins(0.09)
+
+
+def plot_times(ax: Axes, times: pd.DataFrame, solvers: Sequence[str], palette: Palette) -> None:
+    """The paper's solve times and ours, one line per printed time.
+
+    Args:
+        ax: where to draw.
+        times: columns label, path, word, printed_s (s), solver, wall_s (s).
+        solvers: in the order of the legend.
+        palette: of the page.
+    """
+    lines = list(dict.fromkeys(zip(times["label"], times["path"], times["word"], strict=True)))
+    place = {line[:2]: len(lines) - 1 - i for i, line in enumerate(lines)}
+    at = pd.Series(
+        [place[key] for key in zip(times["label"], times["path"], strict=True)], times.index
+    )
+    looks = palette.looks(solvers)
+    for solver in solvers:
+        group, dots = times[times["solver"] == solver], looks[solver].dots
+        if looks[solver].line != LINES[0]:
+            dots |= {"markerfacecolor": "none"}  # another solver with the same engine
+        ax.plot(group["wall_s"], at[group.index], **dots, label=palette.label(solver))
+    printed: dict[str, Any] = {"marker": "x", "color": INK, "markersize": 6, "zorder": 5}
+    ax.plot(times["printed_s"], at, linestyle="none", **printed, label="printed in the paper")
+    for tick in range(1, round(times["printed_s"].max() / TICK_S) + 1):
+        mark_limit(ax, tick * TICK_S)
+    ax.set_yticks(range(len(lines)), [f"{a}, {b}: {c}" for a, b, c in reversed(lines)], color=INK)
+    ax.set(xscale="log", xlabel="time of one solve", ylim=(-0.6, len(lines) - 0.4))
+    log_axis(ax.xaxis, duration)
 
 
 def _name_point(ax: Axes, point: tuple[float, float], name: str, lift: tuple[int, int]) -> None:
@@ -146,7 +177,7 @@ def _name_along(ax: Axes, path: Path, text: str, colour: str, away: NDArray[np.f
     ax.annotate(
         text,
         (x, y),
-        xytext=(2.5 if above else -2.5) * up,  # points
+        xytext=(2.5 * up[0], 2.5 * up[1]) if above else (-2.5 * up[0], -2.5 * up[1]),  # points
         textcoords="offset points",
         color=colour,
         rotation=math.degrees(slope),

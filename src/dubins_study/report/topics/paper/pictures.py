@@ -6,9 +6,12 @@ import math
 
 import pandas as pd
 
+from dubins_study.report.elements.axes import duration
 from dubins_study.report.elements.content import Picture, picture
+from dubins_study.report.elements.looks import Palette
 from dubins_study.report.elements.style import HALF, WIDE, new_figure
 from dubins_study.report.topics.paper import figures
+from dubins_study.report.topics.paper.numbers import TICK_S
 from dubins_study.study.closed_form.shortest import shortest_path
 from dubins_study.study.scenario import Scenario
 
@@ -75,7 +78,7 @@ def _panel_height(paths: pd.DataFrame, width: float) -> float:
 
 
 def _radii_picture(paths: pd.DataFrame) -> Picture:
-    figure = new_figure(WIDE, 2.9)
+    figure = new_figure(WIDE, 2.4)
     whole, near = figure.subplots(1, 2, width_ratios=(7, 4))
     figures.plot_radii(whole, paths, math.inf)
     figures.plot_radii(near, paths, _NEAR)
@@ -88,3 +91,20 @@ def _radii_picture(paths: pd.DataFrame) -> Picture:
         "units."
     )
     return Picture("paths-5", caption, figure, "Paths of test problem 5 for three radii")
+
+
+def times_picture(times: pd.DataFrame, solvers: list[str], palette: Palette) -> Picture:
+    """The printed solve times and ours; `times` are those of `numbers.printed_times`."""
+    lines = times.groupby(["label", "path"]).ngroups
+    return picture(
+        "paper-times",
+        figures.plot_times,
+        *(times[times["solver"].isin(solvers)], solvers, palette),
+        caption="The paper's printed solve times (crosses) beside the median times of ours: the "
+        "closed form and of each formulation the solver that is most surely right. Dotted: "
+        f"whole ticks of a clock of 64 a second, {duration(TICK_S)} each.",
+        alt="Printed solve times on whole ticks of a clock, beside the times of our solvers",
+        height=1.2 + 0.24 * lines + 0.16 * math.ceil(len(solvers) / 3),
+        width=WIDE,
+        legend=3,
+    )
