@@ -18,6 +18,7 @@ from dubins_study.report.topics.audit.section import audit_section
 from dubins_study.report.topics.basins.section import basins_section
 from dubins_study.report.topics.belief.section import belief_section
 from dubins_study.report.topics.bias.section import bias_section
+from dubins_study.report.topics.caution.section import caution_section
 from dubins_study.report.topics.certificates.section import certificates_section
 from dubins_study.report.topics.comparison.section import comparison_section
 from dubins_study.report.topics.convergence.section import convergence_section
@@ -27,6 +28,7 @@ from dubins_study.report.topics.discretisation.section import discretisation_sec
 from dubins_study.report.topics.existence.section import existence_section
 from dubins_study.report.topics.findings.section import findings_section
 from dubins_study.report.topics.ladder.section import ladder_section
+from dubins_study.report.topics.limits.section import limits_section
 from dubins_study.report.topics.map.section import map_section
 from dubins_study.report.topics.matrix.section import matrix_section
 from dubins_study.report.topics.paper.section import figures_section, paper_section
@@ -73,19 +75,29 @@ class Topic(NamedTuple):
 EVERY, POOLED, COMPARED, DECIDED = General
 BENCHMARK = "benchmark"
 TOPICS = (
+    # the answer
     Topic("what to use", decision_section, DECIDED),
     Topic("what the study found", findings_section, BENCHMARK),
-    Topic("summary", summary_section, POOLED, counted=True),
+    Topic("what not to conclude", caution_section, DECIDED),
+    # the comparison
     Topic("formulation by engine", matrix_section, BENCHMARK, counted=True),
+    Topic("summary", summary_section, POOLED, counted=True),
+    Topic("success and gaps", success_section, POOLED, counted=True),
+    Topic("where no path exists", existence_section, POOLED, counted=True),
+    Topic("whom one can believe", belief_section, BENCHMARK),
+    Topic("certificates", certificates_section, POOLED, counted=True),
+    Topic("the comparison of methods", comparison_section, BENCHMARK),
+    Topic("cost where it arises", cost_section, BENCHMARK),
+    Topic("time", time_section, COMPARED),
+    Topic("agreement", agreement_section, COMPARED),
+    Topic("agreement of formulations", formulations_section, BENCHMARK),
+    # the problem and the paper
+    Topic("the explorer", explorer_section, EVERY, counted=True),
+    Topic("length, time and word against radius", radius_section, EVERY),
     Topic("the paper's tables", paper_section, "paper", (POOLED, COMPARED)),
     Topic("the audit of the paper", audit_section, "paper", counted=True),
     Topic("the paper's figures", figures_section, "paper"),
-    Topic("length, time and word against radius", radius_section, EVERY),
-    Topic("agreement", agreement_section, COMPARED),
-    Topic("success and gaps", success_section, POOLED, counted=True),
-    Topic("where no path exists", existence_section, POOLED, counted=True),
-    Topic("certificates", certificates_section, POOLED, counted=True),
-    Topic("time", time_section, COMPARED),
+    # studies of one thing each
     Topic("work and precision", discretisation_section, "discretisation"),
     # Not compared: a plane has a hundred thousand questions that only the closed form answers.
     Topic("the target plane", plane_section, "plane", (POOLED,)),
@@ -96,14 +108,11 @@ TOPICS = (
     Topic("the order of convergence", convergence_section, "convergence"),
     Topic("the ladder toward a circle", ladder_section, "ladder"),
     Topic("what a proof costs", proofs_section, "proofs"),
-    Topic("the comparison of methods", comparison_section, BENCHMARK),
-    Topic("agreement of formulations", formulations_section, BENCHMARK),
-    Topic("cost where it arises", cost_section, BENCHMARK),
-    Topic("whom one can believe", belief_section, BENCHMARK),
-    Topic("the solvers and their settings", solvers_section, EVERY, counted=True),
+    # single attempts, and what they rest on
     Topic("single attempts", attempts_section, EVERY, counted=True),
-    Topic("the explorer", explorer_section, EVERY, counted=True),
+    Topic("the solvers and their settings", solvers_section, EVERY, counted=True),
     Topic("the runs and their machines", runs_section, EVERY, counted=True),
+    Topic("limits", limits_section, EVERY, counted=True),
 )
 KEYS = tuple(dict.fromkeys(topic.about for topic in TOPICS if isinstance(topic.about, str)))
 
