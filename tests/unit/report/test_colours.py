@@ -11,7 +11,7 @@ import pytest
 
 from dubins_study.report import page
 from dubins_study.report.elements import style
-from dubins_study.report.elements.colours import ENGINE_HUES, HUES, VARIABLES, css_values
+from dubins_study.report.elements.style import ENGINE_HUES, HUES, VARIABLES, css_values
 
 # Linear light as seen without one kind of cones: Machado, Oliveira and Fernandes 2009, "A
 # physiologically-based model for simulation of color vision deficiency", severity 1.

@@ -134,10 +134,10 @@ def test_methods_are_named_by_the_settings_that_differ(results):
     names = methods_of(loaded(results, rows).rows)["short"]
 
     assert names.to_dict() == {
-        "ipopt": "Ipopt, bearing",
-        "ipopt[presolve=True,polish=False]": "Ipopt, bearing, presolve=true, polish=false",
-        "ipopt[presolve=True]": "Ipopt, bearing, presolve=true",
-        "slsqp[presolve=True]": "SLSQP, bearing, presolve=true",
+        "ipopt": "Ipopt",
+        "ipopt[presolve=True,polish=False]": "Ipopt, presolve, no polish",
+        "ipopt[presolve=True]": "Ipopt, presolve",
+        "slsqp[presolve=True]": "SLSQP, presolve",
     }
     assert without_setting("a[c=1,b=2]", "c") == ("a[b=2]", "1")
 

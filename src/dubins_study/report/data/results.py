@@ -15,6 +15,7 @@ import pyarrow.compute as pc
 from dubins_study.report.data.attempts import Attempts
 from dubins_study.report.data.database import Database
 from dubins_study.report.data.selection import RowCounts, Source, select_attempts
+from dubins_study.report.data.verdicts import methods
 from dubins_study.study.path import Path
 from dubins_study.study.rows.files import ResultsError
 from dubins_study.study.rows.manifest import Manifest, read_manifest
@@ -75,6 +76,7 @@ class Results:
             most sections draw no path. A row's index is its position here, even if `rows` is a
             selection.
         solvers: all specs in the folders, even if `rows` is a selection.
+        methods: solver, formulation, engine and guess of all specs, even if `rows` is a selection.
         selections: what `only` has selected so far, since several sections are about the same rows.
     """
 
@@ -83,6 +85,7 @@ class Results:
     rows: pd.DataFrame
     controls: pa.Table
     solvers: tuple[str, ...] = ()
+    methods: pd.DataFrame = field(default_factory=pd.DataFrame, repr=False)
     selections: dict[frozenset[str], Results] = field(default_factory=dict, repr=False)
 
     @property
@@ -128,9 +131,9 @@ def load_results(folders: str | FilePath | Iterable[str | FilePath]) -> pd.DataF
             row is kept.
 
     Returns:
-        One row per attempt, index 0, 1, ...: `experiment` and the columns of `study.rows.schema`
-        except `versions`, `machine` and `run_id`; `curvatures` and `lengths` are Arrow lists. Rows
-        of earlier code are left out. Missing numbers are null.
+        One row per attempt, with the columns `experiment` and those of `study.rows.schema` except
+        `versions`, `machine` and `run_id`; `curvatures` and `lengths` are Arrow lists. Rows of
+        earlier code are left out. Missing numbers are null.
 
     Raises:
         ResultsError: naming the folder and what is wrong with it.
@@ -178,6 +181,7 @@ def load(folders: Iterable[str | FilePath], *, every_row: bool = False) -> Resul
         rows=table.drop_columns(_CONTROLS).to_pandas(),
         controls=table.select([*_CONTROLS, *Pose._fields]).combine_chunks(),
         solvers=tuple(attempts.values("solver")),
+        methods=methods(attempts),
     )
 
 

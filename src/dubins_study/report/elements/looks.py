@@ -1,22 +1,34 @@
-"""How a solver is drawn and named: a solver looks the same in all figures of a page."""
+"""How a solver is drawn and named: an engine looks the same in all figures of all pages."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
 from typing import Any, NamedTuple, Self
 
 from dubins_study.report.data.attempts import EXACT
+from dubins_study.report.data.results import Results
 from dubins_study.report.elements import style
-from dubins_study.report.statistics.metrics import parse_spec, solver_order
+from dubins_study.report.elements.names import names_of
+from dubins_study.report.statistics.metrics import natural, parse_spec, solver_order
 
 LineStyle = str | tuple[int, tuple[float, ...]]
 LINES: tuple[LineStyle, ...] = ("-", (0, (4, 1.5)), (0, (1, 1.2)), (0, (5, 1.5, 1, 1.5)))
-# Eight hues and eleven markers: their combinations repeat only after 88 solvers.
-_OKABE_ITO = (style.BLUE, style.VERMILION, style.GREEN, style.ORANGE, style.PURPLE, style.SKY)
-_HUES = (*_OKABE_ITO, style.BROWN, style.OLIVE)
+# Ten hues and eleven markers: their combinations repeat only after 110 engines.
 _MARKERS = ("^", "s", "D", "v", "P", "X", "p", "*", "<", ">", "h")
+# Engines in the order in which they get hues and markers; those that meet in most figures come
+# first, so that they differ in hue. Engines that the list does not name follow by name.
+_ENGINES = (
+    *("Ipopt", "SLSQP", "fatrop", "Bonmin", "SLEQP", "trust-constr", "Uno", "Uno filterSQP"),
+    *("casadi sqpmethod", "NLopt SLSQP", "APOPT", "COBYQA", "alpaqa", "casadi qrsqp"),
+    *("NLopt AUGLAG", "NLopt COBYLA", "SCIP", "MAiNGO", "MINPACK hybr", "MINPACK lm"),
+    *("PIQP", "OSQP", "Clarabel", "HiGHS", "differential evolution", "CMA-ES", "DIRECT"),
+    *("dual annealing", "Nelder-Mead", "Powell", "SHGO"),
+)
+_FORMULA = "closed form"
+# A curve that is there to compare with, behind those that have a colour and a name.
+BEHIND: style.Style = {"color": style.RULE, "linewidth": 0.8, "zorder": 1.5}
 
 
 class Look(NamedTuple):
@@ -48,37 +60,65 @@ class Look(NamedTuple):
 
 @dataclass(frozen=True)
 class Palette:
-    """A hue and a marker per solver name, assigned in the order of the names.
+    """A hue and a marker per engine.
 
     Args:
-        hues: name -> colour and marker.
+        hues: engine -> colour and marker.
+        engines: spec -> its engine; a spec that is missing counts as an engine by its solver's
+            name.
+        labels: spec -> its short name on the page.
     """
 
     hues: dict[str, tuple[str, str]]
+    engines: Mapping[str, str] = field(default_factory=dict)
+    labels: Mapping[str, str] = field(default_factory=dict)
 
     @classmethod
-    def of(cls, specs: Iterable[str]) -> Self:
-        """The palette of all solvers of a page; variants of a solver share hue and marker.
+    def of_page(cls, results: Results) -> Self:
+        """The palette of all engines of a page, by its solvers' specs."""
+        names = names_of(results)
+        engines = {str(spec): str(engine) for spec, engine in names["engine"].items()}
+        labels = {str(spec): str(label) for spec, label in names["label"].items()}
+        hues = cls.of(engines.values()).hues
+        # A solver's name without its settings stands for the engine of its first spec.
+        first = {parse_spec(spec)[0]: engines[spec] for spec in reversed(solver_order([*engines]))}
+        hues = {name: hues[engine] for name, engine in first.items()} | hues
+        return cls(hues, engines, labels)
+
+    @classmethod
+    def of(cls, engines: Iterable[str]) -> Self:
+        """The palette of some engines, or of solvers by their names.
 
         The closed form, the reference in every figure, is drawn in the text's colour.
         """
-        names = dict.fromkeys(parse_spec(spec)[0] for spec in solver_order(list(specs)))
-        others = [name for name in names if name != EXACT]
+        names = {parse_spec(engine)[0] for engine in engines} - {EXACT, _FORMULA}
+        others = sorted(names - set(_ENGINES), key=natural)
         hues = {
-            name: (_HUES[i % len(_HUES)], _MARKERS[i % len(_MARKERS)])
-            for i, name in enumerate(others)
+            name: (style.ENGINE_HUES[i % len(style.ENGINE_HUES)].light, _MARKERS[i % len(_MARKERS)])
+            for i, name in enumerate((*_ENGINES, *others))
         }
-        return cls({EXACT: (style.INK, "o")} | hues)
+        reference = (style.INK, "o")
+        return cls({EXACT: reference, _FORMULA: reference} | hues)
 
     def looks(self, specs: Iterable[str]) -> dict[str, Look]:
-        """A look for each solver of a figure; line styles distinguish the variants of a solver."""
+        """A look for each solver of a figure; line styles distinguish those of one hue."""
         result: dict[str, Look] = {}
-        variants: dict[str, int] = {}
+        used: dict[str, int] = {}
         for spec in solver_order(list(specs)):
-            name = parse_spec(spec)[0]
-            variant = variants[name] = variants.get(name, -1) + 1
-            result[spec] = Look(*self.hues[name], LINES[variant % len(LINES)])
+            colour, marker = self.hues[self.engines.get(spec, parse_spec(spec)[0])]
+            place = used[colour] = used.get(colour, -1) + 1
+            # Hues that are alike in grey begin with other dashes.
+            first = self._dashes.get(colour, 0)
+            result[spec] = Look(colour, marker, LINES[(first + place) % len(LINES)])
         return result
+
+    @property
+    def _dashes(self) -> dict[str, int]:
+        return {hue.light: place % len(LINES) for place, hue in enumerate(style.ENGINE_HUES)}
+
+    def label(self, spec: str) -> str:
+        """A solver's short name; its spec, over several lines, if the page has none."""
+        return self.labels.get(spec) or name_of(spec)
 
 
 def name_of(solver: str, width: int = 26) -> str:

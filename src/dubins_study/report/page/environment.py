@@ -5,7 +5,6 @@ from __future__ import annotations
 import base64
 import gzip
 import json
-import re
 from collections.abc import Sequence
 from importlib.resources import files
 from typing import Any
@@ -13,7 +12,7 @@ from typing import Any
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
-from dubins_study.report.elements import colours, style
+from dubins_study.report.elements import style
 from dubins_study.report.elements.content import Picture, Table, Widget
 from dubins_study.report.page.markup import markdown, to_markdown
 
@@ -23,36 +22,22 @@ STYLES = ("tables", "attempts", "drawer", "explorer", "print")
 # The order in which the scripts run: later ones use what earlier ones hand out.
 SCRIPTS = (
     *("dubins", "page", "tables"),
-    *("attempts-data", "attempts", "drawer"),
-    "explorer",
+    *("attempts-data", "attempts-fields", "path-picture", "drawer", "attempts-solvers"),
+    *("attempts-choice", "attempts-plot", "attempts-list", "attempts", "worst"),
+    *("explorer-scene", "explorer-answers", "explorer"),
 )
-
-# CSS variables for the figures' colours, so that figures follow the page's light or dark mode.
-_VARIABLES = {
-    style.INK: "--ink",
-    style.MUTED: "--muted",
-    style.RULE: "--rule",
-    style.PAPER: "--paper",
-    **colours.VARIABLES,
-}
-_GROUP_ID = re.compile(r' id="(?:figure|axes|patch|line2d|text|matplotlib\.axis|xtick|ytick)[^"]*"')
-
-
-def inline(svg: str, alt: str) -> Markup:
-    """An SVG file's text as an element of the page."""
-    body = _GROUP_ID.sub("", svg[svg.index("<svg") :])
-    body = re.sub(r"<metadata>.*?</metadata>", "", body, flags=re.DOTALL)
-    for colour, variable in _VARIABLES.items():
-        body = body.replace(colour, f"var({variable})")
-    body = body.replace("'DejaVu Sans'", "inherit")
-    label = Markup("<svg role='img' aria-label='{}'").format(alt)
-    return label + Markup(body.removeprefix("<svg"))
 
 
 def breakable(text: str) -> Markup:
     """A solver's name as HTML in which a line may break between settings."""
     escaped = str(Markup.escape(text))
     return Markup(escaped.replace("[", "<wbr>[").replace(",", ",<wbr>"))
+
+
+def choice(text: str) -> Markup:
+    """A choice as HTML: the first line stands out."""
+    first, _, rest = text.partition("\n")
+    return Markup("<strong>{}</strong><br>{}").format(first, rest) if rest else Markup.escape(text)
 
 
 def as_json(value: Any) -> Markup:
@@ -79,7 +64,7 @@ def styles() -> Markup:
 
 def _hues() -> Markup:
     """The variables of the figures' hues, light, dark, and light again in print."""
-    light, dark = (f":root {{ {colours.css_values(mode)} }}" for mode in ("light", "dark"))
+    light, dark = (f":root {{ {style.css_values(mode)} }}" for mode in ("light", "dark"))
     return Markup(
         f"{light}\n@media (prefers-color-scheme: dark) {{ {dark} }}\n@media print {{ {light} }}"
     )
@@ -102,7 +87,7 @@ def environment() -> Environment:
         lstrip_blocks=True,
     )
     made.filters |= {"breakable": breakable, "markdown": markdown, "pipe_table": to_markdown}
-    made.filters |= {"as_json": as_json, "packed": packed}
+    made.filters |= {"as_json": as_json, "choice": choice, "packed": packed}
     made.tests |= {
         "picture": lambda block: isinstance(block, Picture),
         "table": lambda block: isinstance(block, Table),

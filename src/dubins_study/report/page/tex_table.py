@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dubins_study.report.elements.columns import Column
 from dubins_study.report.elements.content import Table
-from dubins_study.report.page.tex_layout import GAP, RIGHT, heading_lines, layout_of
+from dubins_study.report.page.tex_layout import GAP, RIGHT, heading_lines, layout_of, printed_texts
 from dubins_study.report.page.tex_text import tex
 
 # Package -> what shows that a table needs it.
@@ -18,7 +18,7 @@ _PACKAGES = {
 
 def to_tex(table: Table) -> str:
     """A `tabular` with booktabs rules; a `longtable` if it is longer than a page."""
-    layout, texts = layout_of(table), table.texts()
+    layout, texts = layout_of(table), printed_texts(table)
     columns = list(zip(table.columns, layout.widths, strict=True))
     heading = [
         _cell(heading_lines(column, texts, place), column, width, "b")

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import pandas as pd
 
-from dubins_study.report.statistics.metrics import parse_spec
+from dubins_study.report.statistics.metrics import natural, parse_spec
 from dubins_study.study.words import FORMULATIONS
 
 UNSTATED = "not stated"
 _STATED = ["formulation", "engine", "guess"]
 # It belongs to the formulation: engines with it and without it solve different problems.
 _PRESOLVE = "presolve"
+# Guesses that need no word where an engine and a formulation have no other.
+_USUAL = ("none", "bearing", "warm", "bearing or warm", UNSTATED)
 _GUESSES = ("none", "bearing", "zero", "random", "warm", "given")
 
 
@@ -22,8 +24,9 @@ def methods_of(rows: pd.DataFrame) -> pd.DataFrame:
     Returns:
         Indexed by solver. Columns formulation, engine, guess; settings: those of the spec that
         tell solvers with the same three apart (the solver's name if it states no engine), and the
-        presolve where it tells solvers of the formulation apart; short: engine, guess and settings,
-        for a figure of one formulation; name: the formulation too.
+        presolve where it tells solvers of the formulation apart; variant: guess and settings, the
+        guess only where it is unusual or not the only one; short: engine and variant, for a figure
+        of one formulation; name: of a sentence, with formulation and guess.
     """
     stated = rows.groupby("solver", observed=True)[_STATED].first().fillna(UNSTATED)
     settings: dict[str, str] = {}
@@ -35,11 +38,12 @@ def methods_of(rows: pd.DataFrame) -> pd.DataFrame:
         named = engine == UNSTATED
         settings |= _differing(group.index.tolist(), named=named, also=shared[str(formulation)])
     frame = stated.assign(settings=[settings[spec] for spec in stated.index])
-    guess = frame["guess"].where(frame["guess"] != "none", "")
-    parts = pd.concat([frame["engine"], guess, frame["settings"]], axis=1)
-    frame["short"] = [", ".join(filter(None, line)) for line in parts.itertuples(index=False)]
-    inner = pd.concat([guess, frame["settings"]], axis=1).itertuples(index=False)
-    settled = [", ".join(filter(None, line)) for line in inner]
+    guesses = frame.groupby(["formulation", "engine"])["guess"].transform("nunique")
+    guess = frame["guess"].map(_guess_text).where((guesses > 1) | ~frame["guess"].isin(_USUAL), "")
+    variant = _joined(guess, frame["settings"])
+    frame = frame.assign(variant=variant, short=_joined(frame["engine"], variant))
+    stated_guess = frame["guess"].where(frame["guess"] != "none", "")
+    settled = _joined(stated_guess, frame["settings"])
     frame["name"] = [
         f"{engine} ({text}) on {formulation}" if text else f"{engine} on {formulation}"
         for engine, text, formulation in zip(
@@ -50,9 +54,22 @@ def methods_of(rows: pd.DataFrame) -> pd.DataFrame:
         formulation=_places(frame["formulation"], FORMULATIONS),
         guess=_places(frame["guess"], _GUESSES),
         engine=frame["engine"].str.casefold(),
-        spec=frame.index,
+        settings=_natural_places(frame["settings"]),
+        spec=_natural_places(frame.index.to_series()),
     )
     return frame.loc[order.sort_values([*_STATED, "settings", "spec"]).index]
+
+
+def _guess_text(guess: str) -> str:
+    return f"{'no' if guess == 'none' else guess} start"
+
+
+def _joined(*texts: pd.Series[str]) -> pd.Series[str]:
+    """Texts side by side, with commas between those that are not empty."""
+    lines = zip(*texts, strict=True)
+    return pd.Series(
+        [", ".join(filter(None, line)) for line in lines], texts[0].index, dtype=object
+    )
 
 
 def best_methods(frame: pd.DataFrame, keys: list[str]) -> pd.DataFrame:
@@ -98,6 +115,15 @@ def drawn_methods(frame: pd.DataFrame) -> pd.DataFrame:
     return kept.sort_values("place", kind="stable").drop(columns="place")
 
 
+def foremost(scores: pd.Series[float], most: int = MOST_ENGINES) -> list[str]:
+    """Some names with the largest scores, in the order of the scores' index.
+
+    A figure draws their curves in colour and the others in grey.
+    """
+    kept = set(scores.sort_values(ascending=False, kind="stable").index[:most])
+    return [str(name) for name in scores.index if name in kept]
+
+
 def best_of_formulations(frame: pd.DataFrame) -> list[str]:
     """The solver of each formulation that is most surely right, but for the closed form.
 
@@ -131,9 +157,21 @@ def _differing(specs: list[str], *, named: bool, also: set[str]) -> dict[str, st
     several_names = named or len({name for name, _ in parsed}) > 1
     texts = {}
     for spec, (name, settings) in zip(specs, parsed, strict=True):
-        items = [f"{key}={settings[key].lower()}" for key in shown if key in settings]
+        items = [_setting_text(key, settings[key]) for key in shown if key in settings]
         texts[spec] = ", ".join(([name] if several_names else []) + items)
     return texts
+
+
+def _setting_text(key: str, value: str) -> str:
+    """A setting in a name: a switch by its name alone, anything else with its value."""
+    switch = {"true": key, "false": f"no {key}"}
+    return switch.get(value.lower(), f"{key}={value.lower()}")
+
+
+def _natural_places(texts: pd.Series[str]) -> pd.Series[int]:
+    """The place of each text in the natural order, in which 20 is before 160."""
+    places = {text: place for place, text in enumerate(sorted(set(texts), key=natural))}
+    return texts.map(places)
 
 
 def _places(values: pd.Series[str], order: tuple[str, ...]) -> pd.Series[int]:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from itertools import pairwise
+from itertools import pairwise, zip_longest
 
 import numpy as np
 import pandas as pd
@@ -17,6 +17,9 @@ from numpy.typing import ArrayLike, NDArray
 from dubins_study.report.data.attempts import EXACT, PROOFS, SUCCESSES
 
 FloatArray = NDArray[np.float64]
+
+# A number in a spec; digits behind a letter, as in `nlp2`, count too, a sign does not.
+_NUMBER = re.compile(r"(\d+(?:\.\d+)?(?:[eE][+-]?\d+)?)")
 
 QUESTION = ["experiment", "scenario_id", "branch", "initial_guess"]
 
@@ -30,12 +33,21 @@ def parse_spec(spec: str) -> tuple[str, dict[str, str]]:
     return match[1], {key.strip(): value.strip() for key, _, value in items}
 
 
+def natural(text: str) -> tuple[tuple[bool, float, str], ...]:
+    """A key that sorts by the numbers in texts: `n=20` before `n=160`, 1e-8 before 1e-3."""
+    parts = _NUMBER.split(text)
+    texts = ((False, 0.0, part) for part in parts[::2])
+    numbers = ((True, float(part), part) for part in parts[1::2])
+    both = [part for pair in zip_longest(texts, numbers) for part in pair if part]
+    return tuple(both)
+
+
 def solver_order(solvers: Sequence[str]) -> list[str]:
     """Distinct solvers: the closed form first, then by name, variants after the plain solver."""
 
-    def rank(spec: str) -> tuple[bool, str, int, str]:
+    def rank(spec: str) -> tuple[object, ...]:
         name, settings = parse_spec(spec)
-        return name != EXACT, name, len(settings), spec
+        return name != EXACT, natural(name), len(settings), natural(spec), spec
 
     return sorted(set(solvers), key=rank)
 

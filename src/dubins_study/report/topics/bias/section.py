@@ -34,7 +34,7 @@ def bias_section(results: Results) -> Section | None:
     compared = table[~table["barrier_set"]]
     blocks: list[Picture | Table] = [_bias_picture(with_barrier)]
     if len(compared):
-        blocks.append(_left_over_picture(compared, Palette.of(results.solvers)))
+        blocks.append(_left_over_picture(compared, Palette.of_page(results)))
     blocks.append(_barrier_table(barriers))
     if len(others):
         blocks.append(_other_table(others))

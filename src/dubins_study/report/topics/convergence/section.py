@@ -26,7 +26,7 @@ def convergence_section(results: Results) -> Section | None:
     if attempts.empty:
         return None
     table, fits = medians(attempts), orders(attempts)
-    palette = Palette.of(results.solvers)
+    palette = Palette.of_page(results)
     blocks: tuple[Picture | Table, ...] = (*_pictures(table, fits, palette), _table(fits))
     text = (
         "A held turn rate costs the integral of |ν₃ Δu| over the steps in which it should have "

@@ -60,7 +60,7 @@ def _names(methods: pd.DataFrame) -> list[str]:
     names = []
     for row in methods.to_dict("records"):
         guess = row["guess"] if several and row["guess"] != "none" else ""
-        settings = row["settings"].replace("presolve=true", "presolved")
+        settings = row["settings"].replace("presolve", "presolved")
         star = " *" if row["few"] else ""
         names.append(", ".join(filter(None, (row["engine"], guess, settings))) + star)
     return names

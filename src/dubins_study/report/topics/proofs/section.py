@@ -21,7 +21,7 @@ def proofs_section(results: Results) -> Section | None:
     if rows.empty:
         return None
     table, price = proofs(rows), prices(rows)
-    blocks: list[Picture | Table] = [_time_picture(table, Palette.of(results.solvers))]
+    blocks: list[Picture | Table] = [_time_picture(table, Palette.of_page(results))]
     if len(price):
         blocks.append(_price_picture(price))
     blocks.append(_table(table))

@@ -22,7 +22,7 @@ def radius_section(results: Results) -> Section | None:
     rows_of_sweeps = sweep_rows(results.rows)
     if not rows_of_sweeps:
         return None
-    palette = Palette.of(results.solvers)
+    palette = Palette.of_page(results)
     blocks: list[Picture | Table] = [
         _picture(number, sweep(label, group), palette)
         for number, ((_, label), group) in enumerate(rows_of_sweeps.items(), start=1)

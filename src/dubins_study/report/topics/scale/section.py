@@ -27,7 +27,7 @@ def scale_section(results: Results) -> Section | None:
         return None
     table = by_solver(spreads(rows))
     text = f"{_method(rows)} {' '.join(_findings(table))}"
-    blocks = (_picture(rows, Palette.of(results.solvers)), _table(table))
+    blocks = (_picture(rows, Palette.of_page(results)), _table(table))
     return Section("scale", "From micrometres to megametres", text, blocks)
 
 

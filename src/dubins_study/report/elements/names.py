@@ -1,0 +1,97 @@
+"""Short names of solvers for figures and tables; a solver has one name on a page."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Hashable, Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+from weakref import WeakKeyDictionary
+
+import pandas as pd
+
+from dubins_study.report.data.results import Results
+from dubins_study.report.elements.content import Section, Table
+from dubins_study.report.statistics.methods import UNSTATED, methods_of
+
+_FORMULATIONS = {
+    "one NLP a word": "word NLPs",
+    "joint NLP, LRS": "joint LRS",
+    "joint NLP, RLS": "joint RLS",
+    "joint NLP, both orders": "joint, both orders",
+    "Radau collocation": "collocation",
+    "Pontryagin's system": "Pontryagin",
+    "grid of headings": "heading grid",
+}
+_MOST_CHARACTERS = 70
+
+_KNOWN: WeakKeyDictionary[Results, pd.DataFrame] = WeakKeyDictionary()
+
+
+def names_of(results: Results) -> pd.DataFrame:
+    """All methods of a page and their short names, also if `results` is a selection.
+
+    Returns:
+        As `methods_of`, indexed by solver, with `label`: e.g. `Ipopt, joint LRS, zero start`.
+    """
+    if results not in _KNOWN:
+        methods = methods_of(results.methods)
+        _KNOWN[results] = methods.assign(label=pd.Series(short_labels(methods), dtype=object))
+    return _KNOWN[results]
+
+
+def labels_of(results: Results) -> dict[str, str]:
+    """Solver -> its short name on the page."""
+    return {str(solver): str(label) for solver, label in names_of(results)["label"].items()}
+
+
+def short_labels(methods: pd.DataFrame) -> dict[str, str]:
+    """Solver -> engine, formulation, initial guess, and the settings that differ; all distinct.
+
+    Args:
+        methods: from `methods_of`, of all solvers of a page.
+    """
+    rows = methods.reset_index(names="solver").to_dict("records")
+    return distinct([str(row["solver"]) for row in rows], [short_label(row) for row in rows])
+
+
+def short_label(row: Mapping[Hashable, Any]) -> str:
+    """A method's short name, which another method may share.
+
+    Args:
+        row: solver, and formulation, engine and variant of `methods_of`.
+    """
+    formulation, engine = str(row["formulation"]), str(row["engine"])
+    if engine == UNSTATED:
+        return _one_line(str(row["solver"]))
+    where = "" if formulation == engine else _FORMULATIONS.get(formulation, formulation)
+    return _one_line(", ".join(filter(None, [engine, where, str(row["variant"])])))
+
+
+def distinct(solvers: Sequence[str], labels: Sequence[str]) -> dict[str, str]:
+    """Solver -> label; labels that several solvers share get a number."""
+    shared = Counter(labels)
+    taken = {label for label, number in shared.items() if number == 1}
+    names = {}
+    for solver, label in zip(solvers, labels, strict=True):
+        name, number = label, 1
+        while shared[label] > 1 and (number == 1 or name in taken):
+            name, number = f"{label} #{number}", number + 1
+        names[solver] = name
+        taken.add(name)
+    return names
+
+
+def _one_line(text: str) -> str:
+    line = " ".join(text.split())
+    return line if len(line) <= _MOST_CHARACTERS else f"{line[: _MOST_CHARACTERS - 1]}…"
+
+
+def with_labels(section: Section, results: Results) -> Section:
+    """The section, its tables with the short names of the page's solvers."""
+    labels = labels_of(results)
+    blocks = tuple(
+        replace(block, labels=labels) if isinstance(block, Table) else block
+        for block in section.blocks
+    )
+    return replace(section, blocks=blocks)

@@ -1,0 +1,1 @@
+"""The topic `solvers` of the report."""

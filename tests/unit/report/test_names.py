@@ -1,0 +1,151 @@
+"""Short names of solvers: distinct, in natural order, with the spec at hand."""
+
+from __future__ import annotations
+
+import pandas as pd
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from dubins_study.report.data.results import load
+from dubins_study.report.elements.columns import SOLVER
+from dubins_study.report.elements.names import distinct, names_of, short_labels
+from dubins_study.report.page.markup import to_csv
+from dubins_study.report.page.render import render
+from dubins_study.report.page.sections import TOPICS, sections_of
+from dubins_study.report.statistics.methods import methods_of
+from dubins_study.report.statistics.metrics import natural, solver_order
+from dubins_study.report.topics.solvers.section import solvers_section
+from dubins_study.study.scenario import Scenario
+from dubins_study.study.words import FORMULATIONS
+from tests.unit.report.results_folder import attempt
+
+NUMBERS = st.integers(0, 3)
+SPECS = st.builds(
+    lambda name, settings: (
+        name + ("[" + ",".join(f"{k}={v}" for k, v in settings.items()) + "]" if settings else "")
+    ),
+    st.sampled_from(["ipopt", "nlp", "a #1", "closed form", "Ipopt, joint LRS"]),
+    st.dictionaries(st.sampled_from(["n", "presolve", "engine"]), st.text("aT1 \n", max_size=3)),
+)
+ROWS = st.lists(
+    st.tuples(
+        SPECS,
+        st.sampled_from([None, *FORMULATIONS]),
+        st.sampled_from([None, "Ipopt", "closed form", "a #1"]),
+        st.sampled_from([None, "none", "zero", "bearing"]),
+    ),
+    min_size=1,
+    max_size=8,
+    unique_by=lambda row: row[0],
+)
+
+
+@given(ROWS)
+def test_no_two_solvers_share_a_name(rows):
+    """Whatever plug-ins call themselves, and whatever their rows do not state."""
+    frame = pd.DataFrame(rows, columns=["solver", "formulation", "engine", "guess"])
+    labels = short_labels(methods_of(frame.astype(object)))
+
+    assert set(labels) == {row[0] for row in rows}
+    assert len(set(labels.values())) == len(labels)
+    assert not any("\n" in label for label in labels.values())
+
+
+@given(st.lists(st.sampled_from(["a", "a #1", "a #2", "b"]), max_size=7))
+def test_a_number_never_takes_another_solvers_name(labels):
+    """A name that is already distinct stays."""
+    solvers = [str(n) for n in range(len(labels))]
+    names = distinct(solvers, labels)
+
+    assert len(set(names.values())) == len(labels)
+    for solver, label in zip(solvers, labels, strict=True):
+        assert names[solver] == label or labels.count(label) > 1
+
+
+def row(spec, formulation, engine, guess):
+    return attempt(
+        Scenario(0, 0, 0, 4, 1), spec, formulation=formulation, engine=engine, guess=guess
+    )
+
+
+@pytest.fixture
+def folder(results):
+    """Five solvers, two of which differ in the guess alone, two in a setting."""
+    joint = "joint NLP, LRS"
+    return results(
+        "some",
+        [
+            row("ipopt[model=joint,order=LRS,initial_guess=zero]", joint, "Ipopt", "zero"),
+            row("ipopt[model=joint,order=LRS]", joint, "Ipopt", "bearing"),
+            row("turn-rate-qp[n=160]", "turn rates", "PIQP", "bearing"),
+            row("turn-rate-qp[n=20]", "turn rates", "PIQP", "bearing"),
+            row("slsqp", "one NLP a word", "SLSQP", "bearing"),
+        ],
+    )
+
+
+LABELS = {
+    "slsqp": "SLSQP, word NLPs",
+    "ipopt[model=joint,order=LRS]": "Ipopt, joint LRS, bearing start",
+    "ipopt[model=joint,order=LRS,initial_guess=zero]": "Ipopt, joint LRS, zero start",
+    "turn-rate-qp[n=20]": "PIQP, turn rates, n=20",
+    "turn-rate-qp[n=160]": "PIQP, turn rates, n=160",
+}
+
+
+def test_a_name_says_engine_formulation_guess_and_what_differs(folder):
+    """In the order of tables, where 20 steps come before 160."""
+    labels = names_of(load([folder]))["label"]
+
+    assert labels.to_dict() == LABELS
+    assert list(labels) == list(LABELS.values())
+
+
+def test_the_page_shows_the_name_and_the_spec_on_hover(folder, tmp_path):
+    """The CSV file keeps the spec, which is what a command reads."""
+    text = render([folder], tmp_path / "out").read_text(encoding="utf-8")
+    tables = [
+        block
+        for topic in TOPICS
+        for section in sections_of(topic, load([folder]))
+        for block in section.blocks
+        if SOLVER in getattr(block, "columns", ())
+    ]
+
+    for spec, label in LABELS.items():
+        assert f'<span title="{spec}">{label}</span>' in text
+    assert tables
+    for table in tables:
+        assert set(table.frame["solver"]) <= set(LABELS)
+        assert all(f"{spec}" in to_csv(table) for spec in table.frame["solver"])
+
+
+@given(st.lists(st.integers(0, 10**6), unique=True, max_size=6))
+def test_settings_sort_by_their_numbers(steps):
+    """10, 20, 160; not 10, 160, 20."""
+    specs = [f"turn-rate-qp[n={n}]" for n in steps]
+
+    assert solver_order(specs) == [f"turn-rate-qp[n={n}]" for n in sorted(steps)]
+
+
+def test_natural_order_reads_small_numbers():
+    """Tolerances are in powers of ten."""
+    texts = ["tol=1e-3", "tol=1e-12", "tol=0.5", "n=10", "n=9", "n"]
+
+    assert sorted(texts, key=natural) == ["n", "n=9", "n=10", "tol=1e-12", "tol=1e-3", "tol=0.5"]
+
+
+def test_the_settings_table_has_every_solver_and_every_setting(folder):
+    """What the spec gives, and from the manifest what it leaves at the default."""
+    results = load([folder])
+    section = solvers_section(results)
+    frame = section.blocks[0].frame.set_index("solver")
+    zero = frame.loc["ipopt[model=joint,order=LRS,initial_guess=zero]"]
+
+    assert frame["label"].to_dict() == LABELS
+    assert zero["given"] == "model joint, order LRS, initial_guess zero"
+    assert "tol 1e-08" in zero["defaults"]
+    for spec, settings in results.settings.items():
+        listed = f"{frame.loc[spec, 'given']}, {frame.loc[spec, 'defaults']}"
+        assert {part.split(" ")[0] for part in listed.split(", ") if part} == set(settings)
