@@ -19,15 +19,19 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
     ),
     "solvers": (
         "dubins-study solvers",
+        "dubins-study solvers ipopt",
         "dubins-study solvers --json",
     ),
     "experiments": (
         "dubins-study experiments",
+        "dubins-study experiments paper",
         "dubins-study experiments --json",
     ),
     "run": (
         "dubins-study run paper",
         "dubins-study run paper --solver ipopt --solver 'slsqp[model=joint]' --out mine",
+        "dubins-study run my.toml --jobs 2",
+        "dubins-study run --scenarios drive.csv --solver ipopt --solver slsqp",
     ),
     "status": (
         "dubins-study status results/paper",
