@@ -99,6 +99,7 @@ def test_every_section_is_there(whole):
         "plane",
         "solvers",
         "attempts",
+        "explorer",
         "provenance",
         "glossary",
     ]
