@@ -13,9 +13,9 @@ if TYPE_CHECKING:
     from dubins_study.experiments.plan.overview import Overview
 
 _OF_YOUR_OWN = """\
-one of them:      dubins-study experiments paper
-one of your own:  dubins-study new experiment my.toml
-one file of scenarios:  dubins-study run --scenarios my.csv --solver ipopt"""
+one of them:          dubins-study experiments paper
+one of your own:      dubins-study new experiment my.toml
+scenarios of a file:  dubins-study run --scenarios my.csv --solver ipopt"""
 
 
 def experiments(

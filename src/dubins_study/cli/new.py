@@ -27,7 +27,7 @@ def _new() -> None:
 def solver(
     file: Annotated[FilePath, typer.Argument(metavar="FILE", help="such as my_solver.py")],
 ) -> None:
-    """Write a solver that works, with comments; make it your own."""
+    """Write a solver that works, with comments."""
     target = checked_target(file, ".py", "my_solver.py")
     title = class_name(target.stem)
     text = template("solver.py.txt")
@@ -43,7 +43,7 @@ def solver(
 def experiment(
     file: Annotated[FilePath, typer.Argument(metavar="FILE", help="such as my_experiment.toml")],
 ) -> None:
-    """Write an experiment that runs, with comments; make it your own."""
+    """Write an experiment that runs, with comments."""
     if file.suffix != ".toml" or not re.fullmatch(r"[A-Za-z0-9][\w.-]*", file.stem, re.ASCII):
         near = re.sub(r"[^A-Za-z0-9_-]+", "-", file.stem).strip("-_") or "my-experiment"
         raise CommandError(

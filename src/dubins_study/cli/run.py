@@ -57,7 +57,10 @@ def run(
         str | None, typer.Option(metavar="ADDRESS", help="of Dask's; default: one on this machine")
     ] = None,
 ) -> None:
-    """Run an experiment, or go on with it: cells that are done are skipped."""
+    """Run an experiment, or go on with it.
+
+    Cells that are done are skipped.
+    """
     from dubins_study.experiments.interruption import Interruption
 
     counts: list[int] = []  # number of cells done, and of all cells, as last reported

@@ -140,12 +140,13 @@ def _csv_rows(file: FilePath) -> Iterator[_Row]:
         try:
             head = [name.strip() for name in next(reader, [])]
             _check_columns(str(file), head, "line 1")
-            first = reader.line_num + 1
-            for count, cells in enumerate(reader):
+            first, count = reader.line_num + 1, 0
+            for cells in reader:
                 where, first = f"line {first}", reader.line_num + 1
-                _check_count(file, count)
                 if not cells:  # an empty line
                     continue
+                count += 1
+                _check_count(file, count)
                 if len(cells) != len(head):
                     raise ScenarioFileError(
                         f"{file}: {where}: {len(cells)} values; expected {len(head)}, one a column"
@@ -165,7 +166,7 @@ def _parquet_rows(file: FilePath) -> Iterator[_Row]:
         content = pq.ParquetFile(file)
         head = content.schema_arrow.names
         _check_columns(str(file), head, "the file")
-        _check_count(file, content.metadata.num_rows - 1)
+        _check_count(file, content.metadata.num_rows)
         number = 0
         for batch in content.iter_batches(batch_size=2**14):
             for values in batch.to_pylist():
@@ -197,5 +198,5 @@ def _check_columns(file: str, head: Sequence[str], where: str) -> None:
 
 
 def _check_count(file: FilePath, count: int) -> None:
-    if count >= MOST_SCENARIOS:
+    if count > MOST_SCENARIOS:
         raise ScenarioFileError(f"{file}: more than {MOST_SCENARIOS} scenarios; expected fewer")
