@@ -22,7 +22,8 @@ STYLES = ("tables", "attempts", "drawer", "explorer", "print")
 # The order in which the scripts run: later ones use what earlier ones hand out.
 SCRIPTS = (
     *("dubins", "page", "tables"),
-    *("attempts-data", "attempts", "drawer"),
+    *("attempts-data", "attempts-fields", "path-picture", "drawer", "attempts-solvers"),
+    *("attempts-choice", "attempts-plot", "attempts-list", "attempts", "worst"),
     *("explorer-scene", "explorer-answers", "explorer"),
 )
 
