@@ -82,11 +82,6 @@ def distinct(solvers: Sequence[str], labels: Sequence[str]) -> dict[str, str]:
     return names
 
 
-def label_without(label: str, key: str) -> str:
-    """A short name without one setting: of the series that differs only in it."""
-    return ", ".join(item for item in label.split(", ") if not item.startswith(f"{key}="))
-
-
 def _one_line(text: str) -> str:
     line = " ".join(text.split())
     return line if len(line) <= _MOST_CHARACTERS else f"{line[: _MOST_CHARACTERS - 1]}…"

@@ -10,7 +10,8 @@ from dubins_study.report.elements.columns import columns
 from dubins_study.report.elements.content import Picture, Section, Table, picture
 from dubins_study.report.elements.formats import count, digits, seconds, share
 from dubins_study.report.elements.looks import Palette
-from dubins_study.report.elements.names import label_without, labels_of
+from dubins_study.report.elements.names import labels_of
+from dubins_study.report.topics.convergence.numbers import label_without
 from dubins_study.report.topics.discretisation.figures import plot_gap_order, plot_work_precision
 from dubins_study.report.topics.discretisation.numbers import work_precision
 
