@@ -15,8 +15,10 @@ _PAGE = Markup(
     '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
     '<meta name="color-scheme" content="light dark">\n<title>{title}</title>\n'
     "<style>\n{style}\n</style>\n</head>\n<body>\n<main>\n<h1>{title}</h1>\n"
-    '<p class="lead">{lead}</p>\n{body}\n</main>\n{scripts}\n</body>\n</html>\n'
+    "<p>{lead}</p>\n{body}\n</main>\n{scripts}\n</body>\n</html>\n"
 )
+_TEMPLATES = files("dubins_study.report.page") / "templates"
+_BASE = files("dubins_study.report.explorer") / "templates" / "standalone.css"
 _TITLE = "Explore the shortest bounded-curvature path to a point"
 _LEAD = (
     "A vehicle that turns no tighter than a radius R drives from a place and heading to a target. "
@@ -25,7 +27,7 @@ _LEAD = (
 
 
 def style() -> str:
-    """The explorer's own style; it uses the colours `--ink`, `--muted`, ... of the page around."""
+    """The explorer's own style; the colours `--ink`, `--muted`, ... are of the page around it."""
     return _text("styles", "explorer.css")
 
 
@@ -39,7 +41,7 @@ def standalone(title: str = _TITLE, lead: str = _LEAD) -> str:
     return _PAGE.format(
         title=title,
         lead=lead,
-        style=Markup("\n".join((_text("", "style.css"), style()))),
+        style=Markup(f"{_BASE.read_text(encoding='utf-8')}\n{style()}"),
         body=fragment(),
         scripts=Markup("\n".join(f"<script>\n{text}</script>" for text in scripts())),
     )
@@ -52,5 +54,4 @@ def write_standalone(file: FilePath) -> FilePath:
 
 
 def _text(folder: str, name: str) -> str:
-    place = files("dubins_study.report.page").joinpath("templates", folder, name)
-    return place.read_text(encoding="utf-8")
+    return (_TEMPLATES / folder / name).read_text(encoding="utf-8")

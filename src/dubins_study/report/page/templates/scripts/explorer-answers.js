@@ -62,9 +62,10 @@ window.explorerAnswers = (root) => {
     if (!entry.word || found.sign_margin === null) return "";
     const size = found.abnormal ? "ν₀ = 0, " : "ν₀ = 1, ";
     const sign = Math.abs(found.sign_margin) < 1e-12 ? 0 : found.sign_margin;
+    const cut = found.extremal ? `; cut margin ${degrees(found.cut_margin)}` : "";
     return `${size}ν₁ = ${number(found.costate_x, 4)}, ν₂ = ${number(found.costate_y, 4)}; `
       + `largest |H| ${found.hamiltonian < 1e-12 ? "0" : number(found.hamiltonian, 2)}; `
-      + `least −u ν₃ ${number(sign, 3)}; cut margin ${degrees(found.cut_margin)}`;
+      + `least −u\u00a0ν₃\u00a0${number(sign, 3)}${cut}`;
   }
 
   function over(entry, best) {
@@ -94,7 +95,7 @@ window.explorerAnswers = (root) => {
       cells.length.dataset.value = entry.exists ? entry.length : "";
     }
     place.textContent = placeOf(scenario);
-    return summaryOf(scenario, entries, best, tied);
+    return summaryOf(scenario, best, tied);
   }
 
   function placeOf(scenario) {
@@ -108,9 +109,9 @@ window.explorerAnswers = (root) => {
     return `The target lies ${where[region]}.`;
   }
 
-  function summaryOf(scenario, entries, best, tied) {
-    const words = tied ? "LS and RS, equally long" : best.word || "nothing to drive";
-    return `Shortest: ${words}, ${number(best.length)} long (${number(best.length / scenario.radius)} R).`;
+  function summaryOf(scenario, best, tied) {
+    const words = tied ? "LS and RS, which tie" : best.word || "nothing to drive";
+    return `Shortest: ${words}, length ${number(best.length)} (${number(best.length / scenario.radius)} R).`;
   }
 
   // Spoken by screen readers, so only once a drag rests.

@@ -54,6 +54,11 @@ window.explorerScene = (stage) => {
     regionTexts[word] = element("text", {class: "region-text"}, signs);
     regionTexts[word].textContent = word;
   }
+  const [aheadText, behindText] = ["S", "LS = RS"].map((word) => {
+    const text = element("text", {class: "axis-text"}, signs);
+    text.textContent = word;
+    return text;
+  });
   const arm = element("line", {class: "heading-arm"}, lines);
   const radiusLine = element("line", {class: "radius-line"}, lines);
   const paths = {}, pathTexts = {};
@@ -164,24 +169,32 @@ window.explorerScene = (stage) => {
     placeRegionTexts(scenario, r, places);
   }
 
-  // Names of the half-planes where the picture reaches farthest into them, of the discs in their middle.
+  // Names of the half-planes where the picture reaches farthest into them, of discs and axis near the
+  // start; none where a handle is.
   function placeRegionTexts(scenario, r, places) {
     const cos = Math.cos(scenario.heading), sin = Math.sin(scenario.heading);
     const sx = px(scenario.x), sy = py(scenario.y), inset = 30;
-    const taken = Object.values(places), free = ([x, y]) => taken.every((p) => Math.hypot(p.x - x, p.y - y) > 48);
-    const spots = [inset, width / 2, width - inset].flatMap((x) => [22, height / 2, height - 14].map((y) => [x, y])).filter(free);
+    const taken = Object.values(places), free = ([x, y], apart = 48) => taken.every((p) => Math.hypot(p.x - x, p.y - y) > apart);
+    const spots = [inset, width / 2, width - inset].flatMap((x) => [22, height / 2, height - 14].map((y) => [x, y]))
+      .filter((spot) => free(spot));
     for (const [word, side] of [["LS", 1], ["RS", -1]]) {
       const depth = ([x, y]) => side * (-(y - sy) * cos - (x - sx) * sin);
       const [x, y] = spots.reduce((best, spot) => (depth(spot) > depth(best) ? spot : best));
       set(regionTexts[word], {x, y, visibility: depth([x, y]) > 2 * r + 12 || depth([x, y]) > 60 ? "visible" : "hidden"});
     }
     for (const [word, side] of [["RL", 1], ["LR", -1]]) {
-      set(regionTexts[word], {x: sx - side * r * sin, y: sy - side * r * cos + 5,
-        visibility: r > 26 ? "visible" : "hidden"});
+      const inwards = 0.6 * r; // nearer the start than the middle, where the radius is drawn
+      set(regionTexts[word], {x: sx - side * inwards * sin, y: sy - side * inwards * cos + 5,
+        visibility: r > 34 ? "visible" : "hidden"});
+    }
+    for (const [text, along] of [[aheadText, HEADING_ARM + 38], [behindText, -64]]) {
+      const spot = [sx + along * cos, sy - along * sin];
+      set(text, {x: spot[0], y: spot[1] + 4, visibility: free(spot, 30) ? "visible" : "hidden"});
     }
   }
 
-  function drawPaths(scenario, entries) {
+  function drawPaths(scenario, entries, places) {
+    const taken = Object.values(places);
     for (const entry of entries) {
       const path = paths[entry.branch], text = pathTexts[entry.branch];
       path.setAttribute("d", entry.exists ? outline(scenario, entry) : "");
@@ -189,11 +202,20 @@ window.explorerScene = (stage) => {
       text.classList.toggle("optimal", entry.optimal);
       text.textContent = entry.exists && entry.word ? entry.branch : "";
       if (!text.textContent) continue;
-      // at different places of the paths, which begin and end together
-      const share = {LS: 0.6, RS: 0.42, LR: 0.55, RL: 0.55}[entry.branch];
-      const {x, y} = along(scenario, entry, share * entry.length);
-      set(text, {x: px(x) + 7, y: py(y) - 7});
+      const place = freePlace(scenario, entry, taken);
+      taken.push(place);
+      set(text, {x: place.x + 7, y: place.y - 7});
     }
+  }
+
+  // A place on a path for its name, away from handles and other names if there is one.
+  function freePlace(scenario, entry, taken) {
+    const spots = [0.55, 0.45, 0.65, 0.35, 0.75, 0.25].map((share) => {
+      const {x, y} = along(scenario, entry, share * entry.length);
+      return {x: px(x), y: py(y)};
+    });
+    const room = (spot) => Math.min(...taken.map(({x, y}) => Math.hypot(x - spot.x, y - spot.y)));
+    return spots.find((spot) => room(spot) > 36) || spots[0];
   }
 
   // The point of a path at a distance from its start.
@@ -210,10 +232,11 @@ window.explorerScene = (stage) => {
   function draw(scenario, entries, side) {
     const places = handlePlaces(scenario, side), centre = outOf(scenario, 0, side * scenario.radius);
     drawMap(scenario, places);
-    drawPaths(scenario, entries);
+    drawPaths(scenario, entries, places);
     const from = {x: px(centre.x), y: py(centre.y)};
     set(radiusLine, {x1: from.x, y1: from.y, x2: places.radius.x, y2: places.radius.y});
-    set(radiusText, {x: (from.x + places.radius.x) / 2 + 6, y: (from.y + places.radius.y) / 2 + 4});
+    set(radiusText, {x: (from.x + places.radius.x) / 2 + 6, y: (from.y + places.radius.y) / 2 + 4,
+      visibility: scenario.radius * view.scale > 60 ? "visible" : "hidden"});
     return places;
   }
 

@@ -147,7 +147,7 @@
   // A coordinate as exactly as a pointer can point.
   function rounded(value) {
     const digits = Math.max(0, Math.min(12, Math.ceil(-Math.log10(scene.pixel()))));
-    return scene.pixel() > 1 ? short(value) - (short(value) % 1) : Number(value.toFixed(digits));
+    return Number(value.toFixed(digits));
   }
 
   function pointOf(event) {
@@ -256,7 +256,7 @@
       scenario = parsed(decodeURIComponent(location.hash.slice(HASH.length)));
     } catch { /* no text in percent-encoding: no scenario */ }
     if (scenario) set(scenario, "fit");
-    root.scrollIntoView();
+    root.scrollIntoView({behavior: "instant"});
     return Boolean(scenario);
   }
 
