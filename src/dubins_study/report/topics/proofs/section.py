@@ -108,7 +108,16 @@ def _time_picture(table: pd.DataFrame, palette: Palette) -> Picture:
     )
     alt = "Median times and quartiles with shares of proofs, one line per solver"
     height = min(0.9 + 0.25 * len(table), 6.5)
-    return picture("proofs-time", plot_wall, table, palette, caption=caption, alt=alt, height=height, width=WIDE)
+    return picture(
+        "proofs-time",
+        plot_wall,
+        table,
+        palette,
+        caption=caption,
+        alt=alt,
+        height=height,
+        width=WIDE,
+    )
 
 
 def _price_picture(price: pd.DataFrame, palette: Palette) -> Picture:
@@ -121,7 +130,9 @@ def _price_picture(price: pd.DataFrame, palette: Palette) -> Picture:
         min(1.1 + 0.25 * price["solver"].nunique(), 6.5),
     )
     data = price, palette
-    return picture("proofs-price", plot_prices, *data, caption=caption, alt=alt, height=height, width=WIDE)
+    return picture(
+        "proofs-price", plot_prices, *data, caption=caption, alt=alt, height=height, width=WIDE
+    )
 
 
 def _table(table: pd.DataFrame) -> Table:
