@@ -39,12 +39,14 @@ nb_execution_mode = "force"
 nb_execution_raise_on_error = True
 nb_execution_timeout = 300
 nb_merge_streams = True
+nb_output_stderr = "remove"  # warnings of libraries, with the builder's folders in them
 
 # Python
 autodoc_typehints = "signature"
 autodoc_member_order = "bysource"
 autodoc_preserve_defaults = True
 autodoc_typehints_format = "short"
+myst_dmath_allow_space = True
 default_role = "code"  # docstrings mark code with one backtick
 # other people's names: their own documentation has them, and the build asks no other host
 nitpick_ignore_regex = [
