@@ -400,3 +400,20 @@ def test_no_id_stands_twice_and_every_pattern_exists(explorer):
     named = {match[1] for fill in fills if (match := re.match(r"url\(#(.*)\)", fill))}
     assert len(named) == 3
     assert named <= set(ids)
+
+
+def test_in_the_report_it_answers_beside_the_other_scripts(new_tab, report_page):
+    """Restored from the address, driven by keyboard, the address kept up to date."""
+    page = new_tab(viewport=PHONE)
+    page.goto(f"{report_page.as_uri()}#explore=0,0,60deg,-2,-5,1")
+    assert scenario_in(page) == Scenario(0, 0, "60deg", -2, -5, 1)
+    top = page.locator("#explore").bounding_box()["y"]
+    assert -5 <= top < PHONE["height"] / 2
+    agrees(page)
+    page.locator(".handle.target").focus()
+    page.keyboard.press("ArrowUp")
+    page.wait_for_function("location.hash === '#explore=0,0,60deg,-2,-4.95,1'")
+    assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+    page.evaluate("location.hash = '#explore=0,0,0deg,0,1,2'")  # as a link of another section does
+    page.wait_for_function("window.explorer.state().radius === 2")
+    agrees(page)
