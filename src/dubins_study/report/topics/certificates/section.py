@@ -10,8 +10,8 @@ from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import SOLVER, Column, columns, marks
 from dubins_study.report.elements.content import Picture, Section, Table, picture
 from dubins_study.report.elements.formats import count, digits, sentences, share
-from dubins_study.report.elements.looks import lines_of_names
-from dubins_study.report.elements.panels import DRAWN_TEXT, plot_share_grid
+from dubins_study.report.elements.looks import Palette
+from dubins_study.report.elements.panels import DRAWN_TEXT, HIGHEST, plot_stacked_shares
 from dubins_study.report.elements.solver_lines import plot_shares
 from dubins_study.report.elements.style import BLUE, ORANGE, RULE, SKY, WIDE
 from dubins_study.report.statistics.methods import MOST_METHODS, drawn_methods
@@ -102,15 +102,15 @@ def _picture(results: Results, frame: pd.DataFrame) -> Picture:
         proofs = frame.set_index("solver").reindex(drawn["solver"]).reset_index()
         shares = proofs[list(PROOFS)].div(proofs["attempts"], axis=0)
         named = drawn[["formulation", "short"]].reset_index(drop=True)
-        figure = plot_share_grid(shares.join(named), _LOOK, "share of all attempts")
+        figure = plot_stacked_shares(shares.join(named), _LOOK, "share of all attempts")
         return Picture("certificates", f"{caption} {DRAWN_TEXT}", figure, alt)
     return picture(
         "certificates",
         plot_proofs,
-        frame,
+        *(frame, Palette.of_page(results)),
         caption=caption,
         alt=alt,
-        height=0.9 + max(0.34, 0.14 * lines_of_names(frame["solver"])) * len(frame),
+        height=min(HIGHEST, 0.9 + 0.3 * len(frame)),
         width=WIDE,
     )
 
@@ -118,16 +118,17 @@ def _picture(results: Results, frame: pd.DataFrame) -> Picture:
 # From dark to light, weaker proofs hatched, so that grey print keeps the order.
 _LOOK = {
     "proved": (BLUE, ""),
-    "bounded": (SKY, "..."),
+    "bounded": (SKY, "\\\\"),
     "extremal": (ORANGE, "///"),
     "none": (RULE, "xx"),
 }
 
 
-def plot_proofs(ax: Axes, table: pd.DataFrame) -> None:
+def plot_proofs(ax: Axes, table: pd.DataFrame, palette: Palette) -> None:
     """Draw the share of each proof, one bar per solver. Columns solver, attempts, each proof."""
     look = {name: _LOOK[name] for name in PROOFS}
-    plot_shares(ax, table, look, [f"of {count(attempts)}" for attempts in table["attempts"]])
+    notes = [f"of {count(attempts)}" for attempts in table["attempts"]]
+    plot_shares(ax, table, look, notes, palette)
     ax.figure.legend(loc="outside lower left", ncols=4)
 
 

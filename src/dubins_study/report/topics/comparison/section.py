@@ -8,6 +8,7 @@ from dubins_study.report.data.results import Results
 from dubins_study.report.elements.content import Picture, Section, Table
 from dubins_study.report.elements.formats import count, seconds, sentences, share, some
 from dubins_study.report.elements.identity import with_interval
+from dubins_study.report.elements.looks import Palette
 from dubins_study.report.statistics.compared import Compared, compared
 from dubins_study.report.statistics.cost_table import shared_questions
 from dubins_study.report.statistics.spread import question_spread, solver_spread
@@ -33,7 +34,8 @@ def comparison_section(results: Results) -> Section | None:
     if shared.empty or len(shared.columns) < 2:
         return None
     ranked, shift, common = mean_ranks(attempts)
-    blocks: list[Picture | Table] = [*pictures(attempts, table, ranked)]
+    palette = Palette.of_page(results)
+    blocks: list[Picture | Table] = [*pictures(attempts, table, ranked, palette)]
     blocks.append(rank_table(ranked, shift, common, attempts.limit_s))
     engines, formulations = engine_tests(table, ranked), formulation_tests(table, ranked)
     if len(engines):

@@ -11,11 +11,11 @@ from dubins_study.report.data.results import Folder, Results
 from dubins_study.report.data.verdicts import failures as failure_counts
 from dubins_study.report.elements.columns import SOLVER, columns
 from dubins_study.report.elements.content import Picture, Section, Table, picture
-from dubins_study.report.elements.formats import count, digits, share, slug
-from dubins_study.report.elements.looks import Palette, legend_lines, lines_of_names
-from dubins_study.report.elements.panels import DRAWN_TEXT
+from dubins_study.report.elements.formats import count, digits, sentences, share, slug, some
+from dubins_study.report.elements.looks import Palette
+from dubins_study.report.elements.panels import DRAWN_TEXT, HIGHEST
 from dubins_study.report.elements.style import WIDE
-from dubins_study.report.statistics.methods import MOST_METHODS, drawn_methods
+from dubins_study.report.statistics.methods import MOST_ENGINES, MOST_METHODS, drawn_methods
 from dubins_study.report.topics.success.figures import (
     plot_gap_profile,
     plot_gap_profiles,
@@ -34,12 +34,12 @@ def success_section(results: Results) -> Section | None:
     each = {name: attempts.only({name}) for name in attempts.experiments}
     frame = solver_summary(attempts)
     frame = frame[frame["attempts"] > 0]
-    blocks: list[Picture | Table] = [_verdict_picture(frame)] if len(frame) else []
+    palette = Palette.of_page(results)
+    blocks: list[Picture | Table] = [_verdict_picture(frame, palette)] if len(frame) else []
     if len(each) > 1:
         blocks.append(_experiment_table(each))
     quantiles = gap_quantiles(attempts.gap_quantiles())
     if len(quantiles):
-        palette = Palette.of_page(results)
         allowed = _gap_tolerances(results.folders)
         blocks += [
             _profile_picture(name, one, allowed.get(name), palette) for name, one in each.items()
@@ -71,7 +71,7 @@ def _experiment_table(each: Mapping[str, Attempts]) -> Table:
     )
 
 
-def _verdict_picture(frame: pd.DataFrame) -> Picture:
+def _verdict_picture(frame: pd.DataFrame, palette: Palette) -> Picture:
     what = (
         "Verdicts as shares of all attempts at questions that have a path. The plain bar is "
         "success, hatched ones are not"
@@ -83,10 +83,10 @@ def _verdict_picture(frame: pd.DataFrame) -> Picture:
     return picture(
         "verdicts",
         plot_verdicts,
-        frame,
+        *(frame, palette),
         caption=f"{what}; false claims and wrong basins are counted at the right.",
         alt=alt,
-        height=0.9 + max(0.42, 0.14 * lines_of_names(frame["solver"])) * len(frame),
+        height=min(HIGHEST, 0.9 + 0.36 * len(frame)),
         width=WIDE,
     )
 
@@ -109,21 +109,16 @@ def _profile_picture(
         "further left more accurate; a curve that ends below 100 % belongs to a solver that "
         "sometimes does not arrive."
     )
+    limit = "" if tolerance is None else "Dotted: optimal up to here."
     if len(shares) > MOST_METHODS:
         frame = solver_summary(attempts)
         drawn = drawn_methods(frame[frame["solver"].isin(list(shares))])
-        limit = "" if tolerance is None else " Dotted: optimal up to here."
-        figure = plot_gap_profiles(drawn, shares, tolerance)
-        return Picture(name, f"{caption}{limit} {DRAWN_TEXT}", figure, alt)
-    return picture(
-        name,
-        plot_gap_profile,
-        *(shares, palette, tolerance),
-        caption=caption,
-        alt=alt,
-        height=3.0 + 0.17 * legend_lines(list(shares), width=40),
-        legend=1,
-    )
+        figure = plot_gap_profiles(drawn, shares, palette, tolerance)
+        return Picture(name, sentences(caption, limit, DRAWN_TEXT), figure, alt)
+    grey = len(shares) - MOST_ENGINES
+    rest = f"Grey, without names: the {some(grey, 'solver')} that are optimal least often."
+    figure = plot_gap_profile(shares, palette, tolerance)
+    return Picture(name, sentences(caption, limit, rest if grey > 0 else ""), figure, alt)
 
 
 def _quantile_table(frame: pd.DataFrame, precision: str) -> Table:
