@@ -9,7 +9,9 @@ import typer
 
 
 def merge(
-    folders: Annotated[list[FilePath], typer.Argument(metavar="DIR DIR...")],
+    folders: Annotated[
+        list[FilePath], typer.Argument(metavar="DIR", help="results folders, two or more")
+    ],
     out: Annotated[FilePath, typer.Option(metavar="DIR", help="new, or empty")],
 ) -> None:
     """Unite results folders of one experiment.

@@ -21,7 +21,7 @@ _SUMMARY = {
 
 
 def report(
-    folders: Annotated[list[FilePath], typer.Argument(metavar="DIR...")],
+    folders: Annotated[list[FilePath], typer.Argument(metavar="DIR", help="results folders")],
     out: Annotated[
         FilePath | None, typer.Option(metavar="DIR", help="default: report in the first folder")
     ] = None,
