@@ -99,7 +99,11 @@ def test_every_solver_stays_in_the_tables(sections):
     summary = sections["summary"].blocks[0].frame
 
     assert len(summary) == len(ENGINES) + 5 * (len(FORMULATIONS) - 2)
-    assert len(sections["time"].blocks[1].frame) == len(summary)
+    tables = {b.name: b.frame for s in sections.values() for b in s.blocks if hasattr(b, "frame")}
+    for name in ("times", "gap-quantiles"):
+        assert len(tables[name]) == len(summary)
+        assert len(tables[f"{name}-best"]) == len(FORMULATIONS) - 1
+        assert set(tables[f"{name}-best"]["solver"]) < set(tables[name]["solver"])
 
 
 @pytest.mark.slow

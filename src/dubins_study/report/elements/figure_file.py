@@ -17,9 +17,13 @@ def fix_layout(figure: Figure) -> None:
     """Compute the layout once for all files of a figure: it takes most of the time of saving."""
     engine = figure.get_layout_engine()
     if engine is not None:
+        # At a low resolution the letters' widths are those of whole pixels.
+        dpi = figure.dpi
+        figure.set_dpi(_DPI)
         FigureCanvasAgg(figure)
         engine.execute(figure)
         figure.set_layout_engine("none")
+        figure.set_dpi(dpi)
 
 
 def figure_bytes(figure: Figure, kind: str) -> bytes:
@@ -48,6 +52,7 @@ _TAG = re.compile(rb"<[^>]*>")
 _LONG_NUMBER = re.compile(rb"(-?\d+\.\d\d)\d+")
 _LINE_END = re.compile(rb" *\n(?=[LMQCz\"])")
 _EMPTY_GROUP = re.compile(rb"\n *<g id=\"\w+\"/>")
+_NO_TURN = re.compile(rb' transform="rotate\(-?0 [^"]*\)"')
 _INDENT = re.compile(rb">\n +<")
 _FONT = b"font-family: 'DejaVu Sans'"
 
@@ -62,7 +67,7 @@ def _compact(svg: bytes) -> bytes:
 
 def _short_tag(match: re.Match[bytes]) -> bytes:
     tag = _LINE_END.sub(b"", _LONG_NUMBER.sub(rb"\1", match[0]))
-    tag = tag.replace(_FONT + b"; ", b"").replace(b"; " + _FONT, b"")
+    tag = _NO_TURN.sub(b"", tag.replace(_FONT + b"; ", b"").replace(b"; " + _FONT, b""))
     return _STEPS.sub(_right_angles, tag) if b" d=" in tag else tag
 
 

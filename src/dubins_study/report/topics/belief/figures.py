@@ -10,7 +10,7 @@ from dubins_study.report.elements.panels import plot_stacked_shares
 from dubins_study.report.elements.style import BLUE, RULE, VERMILION
 
 # Fewer than this share of the questions that others met is worth a note.
-_FEW = 0.5
+FEW = 0.5
 # From dark to light with hatches, so that grey print keeps them apart.
 LOOKS = {
     "true": (BLUE, ""),
@@ -28,7 +28,7 @@ def plot_beliefs(table: pd.DataFrame) -> Figure:
 
     Columns of `numbers.beliefs`, and formulation, short and attempts (number of false claims).
     """
-    few = table["questions"] < _FEW * table["questions"].max()
+    few = table["questions"] < FEW * table["questions"].max()
     counts = zip(table["attempts"], few, strict=True)
     notes = [(count(n) if n else "") + ("*" if is_few else "") for n, is_few in counts]
     present = {kind: look for kind, look in LOOKS.items() if table[kind].any()}

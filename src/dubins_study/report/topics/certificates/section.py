@@ -10,18 +10,19 @@ from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import SOLVER, Column, columns, marks
 from dubins_study.report.elements.content import Picture, Section, Table, picture
 from dubins_study.report.elements.formats import count, digits, sentences, share
+from dubins_study.report.elements.identity import best_first
 from dubins_study.report.elements.looks import Palette
+from dubins_study.report.elements.names import in_page_order
 from dubins_study.report.elements.panels import DRAWN_TEXT, HIGHEST, plot_stacked_shares
 from dubins_study.report.elements.solver_lines import plot_shares
 from dubins_study.report.elements.style import BLUE, ORANGE, RULE, SKY, WIDE
 from dubins_study.report.statistics.methods import MOST_METHODS, drawn_methods
-from dubins_study.report.statistics.metrics import by_solver
-from dubins_study.report.topics.summary.section import solver_summary
+from dubins_study.report.topics.summary.section import best_solvers, solver_summary
 
 
 def certificates_section(results: Results) -> Section | None:
     """Proofs as bars and counts, the worst residuals, and the width of the enclosures."""
-    frame = by_solver(results.attempts.proofs())
+    frame = in_page_order(results.attempts.proofs(), results)
     if not frame["certified"].sum():
         return None
     text = (
@@ -33,12 +34,14 @@ def certificates_section(results: Results) -> Section | None:
         "necessary and not sufficient."
     )
     text = sentences(text, _proved(frame), _enclosed(frame), _reported(frame))
-    blocks = (
+    best = best_solvers(results)
+    blocks: tuple[Table | Picture, ...] = (
         _picture(results, frame),
-        _proofs_table(frame),
-        _table(frame, results.attempts.precision),
+        *best_first(_proofs_table(frame), frame["solver"], best),
+        *best_first(_table(frame, results.attempts.precision), frame["solver"], best),
     )
-    return Section("certificates", "Certificates", text, blocks)
+    lead = "See how far the proof of each method's answers goes: the darker, the stronger."
+    return Section("certificates", "Certificates", text, blocks, lead)
 
 
 def _proved(frame: pd.DataFrame) -> str:

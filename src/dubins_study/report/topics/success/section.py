@@ -12,7 +12,9 @@ from dubins_study.report.data.verdicts import failures as failure_counts
 from dubins_study.report.elements.columns import SOLVER, columns
 from dubins_study.report.elements.content import Picture, Section, Table, picture
 from dubins_study.report.elements.formats import count, digits, sentences, share, slug, some
+from dubins_study.report.elements.identity import best_first
 from dubins_study.report.elements.looks import Palette
+from dubins_study.report.elements.names import in_page_order
 from dubins_study.report.elements.panels import DRAWN_TEXT, HIGHEST
 from dubins_study.report.elements.style import WIDE
 from dubins_study.report.statistics.methods import MOST_ENGINES, MOST_METHODS, drawn_methods
@@ -23,7 +25,7 @@ from dubins_study.report.topics.success.figures import (
     plot_verdicts,
 )
 from dubins_study.report.topics.success.numbers import failures, gap_quantiles, gap_shares
-from dubins_study.report.topics.summary.section import solver_summary, summary_table
+from dubins_study.report.topics.summary.section import best_solvers, solver_summary, summary_table
 
 _MOST_FAILURES = 25
 
@@ -44,7 +46,9 @@ def success_section(results: Results) -> Section | None:
         blocks += [
             _profile_picture(name, one, allowed.get(name), palette) for name, one in each.items()
         ]
-        blocks.append(_quantile_table(quantiles, attempts.precision))
+        ordered = in_page_order(quantiles, results)
+        table = _quantile_table(ordered, attempts.precision)
+        blocks += best_first(table, table.frame["solver"], best_solvers(results))
     without_success = failures(failure_counts(attempts))
     if len(without_success):
         blocks.append(_failure_table(without_success))
@@ -53,7 +57,11 @@ def success_section(results: Results) -> Section | None:
         "(length − reference) / max(reference, R) and only a path that arrives has one; the others "
         "count as infinitely far off."
     )
-    return Section("success", "Success and gaps", text, tuple(blocks)) if blocks else None
+    lead = (
+        "See in the bars how often each method is right, and in the curves how exact its paths are "
+        "where it arrives."
+    )
+    return Section("success", "Success and gaps", text, tuple(blocks), lead) if blocks else None
 
 
 def _experiment_table(each: Mapping[str, Attempts]) -> Table:

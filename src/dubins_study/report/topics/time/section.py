@@ -9,7 +9,9 @@ from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import SOLVER, columns
 from dubins_study.report.elements.content import Picture, Section, Table, picture
 from dubins_study.report.elements.formats import count, seconds, sentences, some
+from dubins_study.report.elements.identity import best_first
 from dubins_study.report.elements.looks import Palette
+from dubins_study.report.elements.names import in_page_order
 from dubins_study.report.elements.panels import DRAWN_TEXT, HIGHEST
 from dubins_study.report.elements.style import WIDE
 from dubins_study.report.statistics.methods import (
@@ -18,8 +20,7 @@ from dubins_study.report.statistics.methods import (
     best_of_formulations,
     drawn_methods,
 )
-from dubins_study.report.statistics.metrics import by_solver
-from dubins_study.report.topics.summary.section import solver_summary
+from dubins_study.report.topics.summary.section import best_solvers, solver_summary
 from dubins_study.report.topics.time.figures import plot_performance, plot_time_grid, plot_times
 from dubins_study.report.topics.time.numbers import mean_times, time_ratios
 
@@ -28,7 +29,7 @@ def time_section(results: Results) -> Section | None:
     """Medians and quartiles; build and solve apart; shifted geometric means."""
     rows = results.rows
     cold = rows[(rows["initial_guess"] == "cold") & rows["answerable"]]
-    frame = by_solver(results.attempts.times())
+    frame = in_page_order(results.attempts.times(), results)
     if frame.empty:
         return None
     palette = Palette.of_page(results)
@@ -36,7 +37,9 @@ def time_section(results: Results) -> Section | None:
     methods = solver_summary(results.attempts).drop(columns="wall_s")
     timed = methods.merge(frame, on="solver")
     medians = _grid_picture(drawn_methods(timed), palette) if several else _picture(frame, palette)
-    blocks: list[Picture | Table] = [medians, _time_table(frame, results.attempts.precision)]
+    table = _time_table(frame, results.attempts.precision)
+    blocks: list[Picture | Table] = [medians]
+    blocks += [*best_first(table, frame["solver"], best_solvers(results))]
     if several:
         chosen = cold[cold["solver"].isin([EXACT, *best_of_formulations(timed)])]
     else:
@@ -52,12 +55,13 @@ def time_section(results: Results) -> Section | None:
         ", ".join(map(str, results.attempts.values(kind))) for kind in ("jobs", "threads")
     )
     text = (
-        "Questions that have a path: see who is fast there, and at the right of the profile who is "
-        "right. Measured in the process that solves, after a warm-up that is not recorded; "
+        "Questions that have a path. Measured in the process that solves, after a warm-up that is "
+        "not recorded; "
         f"threads: {threads}; jobs side by side: {jobs}. Judging is not timed. Compiled "
         "templates are kept between questions, so building is setting the data."
     )
-    return Section("time", "Time", text, tuple(blocks))
+    lead = "See who is fast, and at the right of the performance profile who is right."
+    return Section("time", "Time", text, tuple(blocks), lead)
 
 
 def _picture(frame: pd.DataFrame, palette: Palette) -> Picture:
