@@ -37,7 +37,10 @@ def sections(tmp_path_factory):
         "paper": test_page.paper_rows(),
         "radius-sweep": test_page.sweep_rows(),
         "plane": test_page.plane_rows(),
-        "discretisation": test_page.discretisation_rows(),
+        "discretisation": [
+            row | {"formulation": "turn rates", "engine": row["solver"].split("=")[-1][:-1]}
+            for row in test_page.discretisation_rows()
+        ],
     }
     results = load([write_folder(base / name, name, each) for name, each in rows.items()])
     with drawing():
@@ -64,7 +67,7 @@ def curves(ax):
 def test_the_page_has_figures_of_many_topics(pictures):
     """So that what follows is said of something."""
     assert {"matrix", "comparison-profiles", "belief-claims", "verdicts"} <= set(pictures)
-    assert {"times", "performance", "agreement-formulations"} <= set(pictures)
+    assert {"comparison-targets", "agreement-formulations", "work-precision"} <= set(pictures)
     assert len(pictures) > 15
 
 
