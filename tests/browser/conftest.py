@@ -5,9 +5,11 @@ from __future__ import annotations
 import os
 import shutil
 from collections.abc import Iterator
+from pathlib import Path as FilePath
 from typing import Any
 
 import pytest
+from browser_report import small_report
 from browser_tab import DESK, Tab
 from playwright.sync_api import Browser, Page, sync_playwright
 
@@ -23,6 +25,12 @@ def chromium() -> Iterator[Browser]:
         browser = playwright.chromium.launch(executable_path=program, args=arguments)
         yield browser
         browser.close()
+
+
+@pytest.fixture(scope="session")
+def report_page(tmp_path_factory: pytest.TempPathFactory) -> FilePath:
+    """`index.html` of a small report with a benchmark, the paper's problems and a radius sweep."""
+    return small_report(tmp_path_factory.mktemp("small"))
 
 
 @pytest.fixture

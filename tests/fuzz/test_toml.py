@@ -18,8 +18,17 @@ from tests.fuzz.watched import raw_controls, watched
 FOLDER = Path(__file__).parents[2] / "src" / "dubins_study" / "experiments"
 PACKAGED = [(FOLDER / f"{name}.toml").read_bytes() for name in packaged()]
 pytestmark = pytest.mark.usefixtures("little_room")
-# longer, for a message that quotes what it is about
-LONGEST = 1000
+# characters of a line that quotes what it is about, and lines
+LONGEST, MOST_LINES = 1000, 21
+
+
+def check_lines(message: str) -> None:
+    """One line, or a head and an indented line a mistake, none of them without end."""
+    head, *mistakes = message.split("\n")
+    assert len(head) < LONGEST
+    assert all(line.startswith("  ") and len(line) < LONGEST for line in mistakes)
+    assert len(mistakes) != 1
+    assert len(mistakes) <= MOST_LINES
 
 
 def expanded_or_refused(content: bytes, place: Path, song: Path) -> None:
@@ -34,8 +43,7 @@ def expanded_or_refused(content: bytes, place: Path, song: Path) -> None:
             message = str(error)
             assert file.name in message
             assert not raw_controls(message)
-            assert "\n" not in message
-            assert len(message) < LONGEST
+            check_lines(message)
         else:
             assert sum(map(len, chains)) <= block_plan.MOST_CELLS
     assert not song.exists()
@@ -65,8 +73,7 @@ def parsed_or_refused(content: bytes) -> None:
         return
     assert message.startswith(f"{MARK}.toml: ")
     assert not raw_controls(message)
-    assert "\n" not in message
-    assert len(message) < LONGEST
+    check_lines(message)
 
 
 @cases(150)

@@ -200,7 +200,9 @@ def test_errors_of_a_run_begin_the_output(tmp_path):
     done = dubins("run", "mine.toml", cwd=tmp_path)
 
     assert done.returncode == 2
-    assert done.stderr.startswith("dubins-study: mine.toml: solvers: no solver named 'anal'")
+    assert done.stderr.startswith(
+        "dubins-study: mine.toml: line 4: solvers: no solver named 'anal'"
+    )
 
 
 PLUGIN = """

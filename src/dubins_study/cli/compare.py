@@ -30,7 +30,7 @@ def compare(
     from dubins_study.cli.terminal import streams
     from dubins_study.report.two_runs.compare import compare as compare_runs
 
-    with streams.spinner("compare"):
+    with streams.steps("compare"):
         comparison = compare_runs(base, new, out=out, slower=slower)
     print(json.dumps(_record(comparison), indent=1) if as_json else _text(comparison))
     raise typer.Exit(1 if fail_on_regression and comparison.regressed else 0)

@@ -30,8 +30,8 @@ def report(
     from dubins_study.cli.terminal import streams
     from dubins_study.report.page.render import render
 
-    with streams.spinner("report"):
-        page = render(folders, out=out)
+    with streams.steps("report") as step:
+        page = render(folders, out=out, progress=step)
     print(report_text(page))
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import sys
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Annotated, Any
@@ -32,6 +33,8 @@ _JSON = (
     *("reference_low", "reference_high", "pmp_residual", "cut_margin", "false_bound"),
     *("native_status", "message", "build_s", "solve_s", "wall_s"),
 )
+
+_MOST_SEGMENTS = 4  # of a path of many pieces, in the text
 
 
 def solve(
@@ -80,15 +83,15 @@ def solve(
     with streams.solvers_to_stderr():
         answer = ask(scenario, solver, branch, profile=profile, limit=time_limit, isolated=True)
     refusal = _refusal(answer)
+    if as_json or refusal is None:  # before the drawing, which may fail
+        print(answer_json(answer) if as_json else answer_text(answer), flush=True)
+    if refusal is not None:
+        raise CommandError(refusal)
     drawable = answer.length is not None and answer.curvatures is not None
     if plot is not None and drawable:
         from dubins_study.report.path_plot import plot_path
 
         plot_path(answer, plot)
-    if as_json or refusal is None:
-        print(answer_json(answer) if as_json else answer_text(answer))
-    if refusal is not None:
-        raise CommandError(refusal)
     undrawn = plot is not None and not drawable
     if undrawn:
         reason = "there is no path" if answer.path is None else "the path is not finite"
@@ -141,12 +144,15 @@ def answer_text(answer: Answer) -> str:
             _line("word", f"{answer.word or 'none: the target is the start'}{tied}"),
             _line("length", f"{answer.length:.12g}"),
             _line("travel time", f"{answer.travel_time:.12g}"),
+            _line("segments", _segments(answer)),
             *lines,
             _line("gap", "–" if answer.gap is None else format(answer.gap, ".3g")),
             _line("miss", "–" if answer.miss is None else format(answer.miss, ".3g")),
         ]
     circle = f"{answer.margin:.3g} R from the nearer turning circle"
     lines.append(_line("region", f"{answer.region}, {circle}"))
+    if answer.wall_s is not None:
+        lines.append(_line("solve time", _times(answer)))
     if answer.false_claim:
         lines.append("false claim: the claim is stronger than the verdict")
     if answer.false_bound:
@@ -156,6 +162,30 @@ def answer_text(answer: Answer) -> str:
     if answer.message:
         lines.append(_line("message", plain(answer.message)))
     return "\n".join(lines)
+
+
+def _segments(answer: Answer) -> str:
+    """Turn and length of each piece of the path, an arc with its angle; the first few of many."""
+    pieces = list(zip(answer.curvatures or (), answer.lengths or (), strict=True))
+    if not pieces:
+        return "none"
+    texts = [
+        f"{_letter(k)} {length:.6g}" + (f" ({abs(math.degrees(k * length)):.4g} deg)" if k else "")
+        for k, length in pieces[:_MOST_SEGMENTS]
+    ]
+    more = len(pieces) - len(texts)
+    return ", ".join(texts) + (f", and {more} more: --json lists them" if more else "")
+
+
+def _times(answer: Answer) -> str:
+    """Times of the solve and of the building of its model, by the clock of whoever asked."""
+    solve_s = answer.wall_s if answer.solve_s is None else answer.solve_s
+    build = "" if answer.build_s is None else f", after {_milliseconds(answer.build_s)} to build"
+    return f"{_milliseconds(solve_s or 0.0)}{build}"
+
+
+def _milliseconds(seconds: float) -> str:
+    return f"{seconds * 1e3:.3g} ms" if seconds < 1 else f"{seconds:.3g} s"
 
 
 def _line(name: str, value: str) -> str:

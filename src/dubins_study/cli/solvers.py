@@ -7,39 +7,68 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from dubins_study.cli.terminal import completion
+
 if TYPE_CHECKING:
     from dubins_study.solvers.registry import Entry
 
 
 def solvers(
+    solver: Annotated[
+        str | None,
+        typer.Argument(
+            metavar="[SPEC]",
+            help="one solver, with its settings; default: a list of all",
+            autocompletion=completion.solvers,
+        ),
+    ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="print a JSON list")] = False,
 ) -> None:
     """List every solver: available, or why not."""
-    from dubins_study.solvers.registry import entries
+    from dubins_study.solvers.registry import entries, entry
 
+    listed = entries() if solver is None else [entry(solver)]
     if as_json:  # `reason` is null for a solver that is available
-        listed = [entry._asdict() | {"available": entry.reason is None} for entry in entries()]
-        print(json.dumps(listed, indent=2))
+        objects = [each._asdict() | {"available": each.reason is None} for each in listed]
+        print(json.dumps(objects, indent=2))
+    elif solver is None:
+        print(solvers_text(listed))
     else:
-        print(solvers_text(entries()))
+        print(solver_text(listed[0]))
 
 
 def solvers_text(entries: list[Entry]) -> str:
-    """A table for the terminal."""
+    """A table for the terminal, and how to see more."""
     from dubins_study.cli.terminal.table import table
-    from dubins_study.study.printable import plain
 
     rows = [
-        (
-            entry.name,
-            entry.formulation,
-            entry.engine,
-            entry.guarantee,
-            ", ".join(entry.branches),
-            "yes" if entry.reason is None else f"no: {plain(entry.reason)}",
-            entry.summary,
-        )
+        (entry.name, entry.formulation, entry.engine, entry.guarantee, _available(entry))
         for entry in entries
     ]
-    head = ("solver", "formulation", "engine", "guarantee", "branches", "available", "summary")
-    return table(head, rows)
+    head = ("solver", "formulation", "engine", "guarantee", "available")
+    return f"{table(head, rows)}\n\nsettings of one: dubins-study solvers ipopt"
+
+
+def solver_text(entry: Entry) -> str:
+    """One solver as a list: what it is, what it answers, and its settings with their values."""
+    from dubins_study.cli.terminal.table import listing
+    from dubins_study.study.printable import plain
+
+    return listing(
+        {
+            "solver": entry.name,
+            "summary": entry.summary,
+            "formulation": entry.formulation,
+            "engine": entry.engine,
+            "guarantee": entry.guarantee,
+            "branches": ", ".join(entry.branches),
+            "settings": plain(", ".join(f"{k}={v}" for k, v in entry.settings.items())) or "none",
+            "available": _available(entry),
+        }
+    )
+
+
+def _available(entry: Entry) -> str:
+    from dubins_study.study.printable import plain
+
+    return "yes" if entry.reason is None else f"no: {plain(entry.reason)}"

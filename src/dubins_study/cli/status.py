@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
+from datetime import datetime
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from dubins_study.cli.terminal.streams import duration
 from dubins_study.cli.terminal.table import table
 from dubins_study.study.printable import plain
 
@@ -58,7 +60,7 @@ def status_text(progress: Status) -> str:
     if left:
         lines.append(f"time left {_time_left(progress)}")
     lines += [_noise(run) for run in progress.runs if run.spread is not None and run.spread > NOISY]
-    return "\n".join([*lines, *_tables(progress)])
+    return "\n\n".join(["\n".join(lines), *_tables(progress)])
 
 
 def _state(progress: Status) -> str:
@@ -87,14 +89,6 @@ def _time_left(progress: Status) -> str:
     return text
 
 
-def duration(seconds: float) -> str:
-    """A duration in the largest unit of which it has at least two, rounded to a few digits."""
-    for unit, length in (("d", 86400.0), ("h", 3600.0), ("min", 60.0)):
-        if seconds >= 2 * length:
-            return f"{seconds / length:.3g} {unit}"
-    return f"{seconds:.2g} s" if seconds < 10 else f"{seconds:.0f} s"
-
-
 def _noise(run: RunEntry) -> str:
     return (
         f"noise     the machine's speed varied by {100 * (run.spread or 0):.1f} % during run "
@@ -117,10 +111,18 @@ def _tables(progress: Status) -> list[str]:
     return tables
 
 
+def _started(text: str) -> str:
+    """A time of the manifest without fractions of a second; any other text as it is."""
+    try:
+        return datetime.fromisoformat(text).strftime("%Y-%m-%d %H:%M:%S %Z").strip()
+    except ValueError:
+        return plain(text)
+
+
 def _run(run: RunEntry) -> tuple[str, ...]:
     return (
         plain(run.run_id),
-        plain(run.started),
+        _started(run.started),
         "" if run.seconds is None else duration(run.seconds),
         plain(run.state),
         plain(run.engine),

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import errno
+import os
+import textwrap
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Protocol
 
@@ -12,15 +15,19 @@ from dubins_study.errors import DubinsStudyError
 from dubins_study.report.elements.figure_file import figure_bytes, fix_layout
 from dubins_study.report.elements.style import drawing, new_figure
 from dubins_study.report.topics.paper.figures import aspect_of, plot_paths
+from dubins_study.study.check.verdict import Verdict
+from dubins_study.study.closed_form.shortest import shortest_path
 from dubins_study.study.path import Path
 from dubins_study.study.printable import short
 from dubins_study.study.scenario import Scenario
+from dubins_study.study.words import BRANCHES
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 _WIDTH = 5.5  # inches
 _HEIGHT = (3.0, 8.0)
+_LEGEND_CHARS = 60
 _FORMATS = (".svg", ".pdf", ".png")
 
 
@@ -29,7 +36,10 @@ class PlotError(DubinsStudyError, ValueError):
 
 
 class Answered(Protocol):
-    """The fields that are drawn; an answer of `dubins_study.solve` has them."""
+    """The fields that are drawn; an answer of `dubins_study.solve` has them.
+
+    One that also has a branch and a verdict `longer` or `misses` is drawn beside the shortest path.
+    """
 
     @property
     def scenario(self) -> Scenario: ...
@@ -41,6 +51,9 @@ class Answered(Protocol):
 
 def plot_path(drawn: Answered | Path, file: str | FilePath | None = None) -> Figure:
     """Draw a path with its turning circles, start and target.
+
+    An answer that the check finds longer than the shortest path, or to miss the target, is drawn
+    beside the shortest path of its branch.
 
     Args:
         drawn: an answer of `dubins_study.solve`, or a path. For a path, the target is the path's
@@ -56,13 +69,22 @@ def plot_path(drawn: Answered | Path, file: str | FilePath | None = None) -> Fig
     """
     place = None if file is None else check_format(file)
     name, path, scenario = _subject(drawn)
-    drawn_path = {"branch": path.word(1e-2) or "–", "path": path, "length": path.total_length}
-    target = {"target_x": scenario.target_x, "target_y": scenario.target_y}
-    paths = pd.DataFrame([{**drawn_path, "rank": 1, **target, "radius": scenario.radius}])
+    named_paths = {_in_lines(name): path}
+    if (reference := _reference(drawn)) is not None:
+        named_paths = {"shortest": reference, **named_paths}
+    shared = {
+        "target_x": scenario.target_x,
+        "target_y": scenario.target_y,
+        "radius": scenario.radius,
+    }
+    paths = pd.DataFrame(
+        {"branch": p.word(1e-2) or "–", "path": p, "length": p.total_length, "rank": rank, **shared}
+        for rank, p in enumerate(named_paths.values(), 1)
+    )
     with drawing():
         height = min(max(_WIDTH * aspect_of(paths) + 0.6, _HEIGHT[0]), _HEIGHT[1])
         figure = new_figure(_WIDTH, height)
-        plot_paths(figure.add_subplot(), paths, names=(name,))
+        plot_paths(figure.add_subplot(), paths, names=tuple(named_paths))
         fix_layout(figure)
         if place is not None:
             image = figure_bytes(figure, place.suffix.removeprefix("."))
@@ -77,12 +99,28 @@ def check_format(file: str | FilePath) -> FilePath:
     """The file as a path.
 
     Raises:
-        PlotError: if its suffix is not .svg, .pdf or .png.
+        PlotError: if its suffix is not .svg, .pdf or .png, or its folder does not exist.
     """
     place = FilePath(file)
     if place.suffix not in _FORMATS:
         raise PlotError(f"file is {str(file)!r}; expected a name ending in .svg, .pdf or .png")
+    if not place.parent.is_dir():  # before a solve that may take long
+        raise PlotError(f"cannot write {place}: {os.strerror(errno.ENOENT)}")
     return place
+
+
+def _in_lines(name: str) -> str:
+    """A long spec, broken between its settings: the legend is as wide as the figure."""
+    return textwrap.fill(name.replace(",", ", "), _LEGEND_CHARS, break_on_hyphens=False)
+
+
+def _reference(drawn: object) -> Path | None:
+    """The shortest path of the branch of an answer that is longer or misses the target."""
+    branch, scenario = getattr(drawn, "branch", None), getattr(drawn, "scenario", None)
+    judged_badly = getattr(drawn, "verdict", None) in (Verdict.LONGER, Verdict.MISSES)
+    if not (judged_badly and branch in BRANCHES and isinstance(scenario, Scenario)):
+        return None
+    return shortest_path(scenario, branch)
 
 
 def _subject(drawn: Answered | Path) -> tuple[str, Path, Scenario]:

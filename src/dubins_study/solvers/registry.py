@@ -84,6 +84,16 @@ def entries() -> list[Entry]:
     return listed
 
 
+def entry(spec: str) -> Entry:
+    """What the solver of a spec is and, if it cannot run here, why.
+
+    Raises:
+        SolverError: as `load`.
+    """
+    load(spec)
+    return _entry(spec)
+
+
 def _entry(name: str) -> Entry:
     try:
         solver = load(name)

@@ -199,9 +199,9 @@ def test_sizes_are_counted_exactly():
         (HEAD, "scenarios: missing"),
         (HEAD + "colour = 1\n" + BLOCK, "colour: unknown key"),
         # keys by names that they had before have no alias
-        (HEAD + "limit = 1\n" + BLOCK, "bad.toml: limit: unknown key"),
-        (HEAD + "memory = 1\n" + BLOCK, "bad.toml: memory: unknown key"),
-        (HEAD + 'starts = ["cold"]\n' + BLOCK, "bad.toml: starts: unknown key"),
+        (HEAD + "limit = 1\n" + BLOCK, "bad.toml: line 4: limit: unknown key"),
+        (HEAD + "memory = 1\n" + BLOCK, "bad.toml: line 4: memory: unknown key"),
+        (HEAD + 'starts = ["cold"]\n' + BLOCK, "bad.toml: line 4: starts: unknown key"),
         (HEAD + BLOCK + "begin = {z1 = 0, z2 = 0, z3 = 1}\n", "scenarios.0.begin: unknown key"),
         (HEAD + BLOCK + "radios = 1\n", "scenarios.0.radios: unknown key"),
         (HEAD + 'branches = ["SL"]\n' + BLOCK, "no branch named 'SL'; choose from best"),
@@ -261,7 +261,9 @@ def test_mistakes_name_file_key_and_value(text, message):
         expand(text) if "title" not in message else parse("bad", "bad.toml", text)
 
     assert message in str(error.value).replace("name.toml", "bad.toml")
-    assert "\n" not in str(error.value)
+    head, *mistakes = str(error.value).splitlines()
+    assert all(line.startswith("  ") for line in mistakes)
+    assert bool(mistakes) == head.endswith(" mistakes")
 
 
 def test_experiments_that_are_not_there(tmp_path):

@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import pytest
 
+from dubins_study.report.data.results import load
 from dubins_study.report.elements.looks import Palette
 from dubins_study.report.elements.style import INK
+from dubins_study.study.scenario import Scenario
+from tests.unit.report.results_folder import attempt
 
 SPECS = ["slsqp", "analytic", "turn-rate-qp[n=50]", "turn-rate-qp", "ipopt", "my-plugin[a=1]"]
 
@@ -42,3 +45,19 @@ def test_many_plug_ins_differ(count):
     looks = Palette.of(specs).looks(specs)
 
     assert len({(look.colour, look.marker) for look in looks.values()}) == count
+
+
+def test_a_page_draws_a_solver_as_its_engine(results):
+    """Also by its name alone; another page with other solvers draws the engine alike."""
+    scenario = Scenario(0, 0, 0, 4, 1)
+    specs = {"nlp[engine=alpaqa]": "alpaqa", "collocation[n=9]": "Ipopt", "mine": "my engine"}
+    rows = [attempt(scenario, spec, engine=engine) for spec, engine in specs.items()]
+    palette = Palette.of_page(load([results("some", rows)]))
+    other = Palette.of_page(load([results("other", rows[:1])]))
+    looks = palette.looks(specs)
+
+    for spec, engine in specs.items():
+        assert (looks[spec].colour, looks[spec].marker) == palette.hues[engine]
+        assert palette.hues[spec.partition("[")[0]] == palette.hues[engine]
+    assert len({palette.hues[engine] for engine in specs.values()}) == len(specs)
+    assert other.hues["alpaqa"] == palette.hues["alpaqa"]

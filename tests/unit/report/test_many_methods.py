@@ -104,5 +104,5 @@ def test_long_tables_scroll_inside_their_frame(folder, tmp_path):
 
     for name, text in tables:
         lines = text.count("<tr>") - 1
-        assert ('class="scroll tall"' in text) == (lines > 45), name
-        assert ("scroll inside the table" in text) == (lines > 45), name
+        assert ('class="scroll tall"' in text) == (lines > 20), name
+        assert ("scroll inside the table" in text) == (lines > 20), name

@@ -8,10 +8,11 @@ import pytest
 
 from dubins_study.report.paper.audit_file import misprints
 from dubins_study.report.paper.printed import PROBLEMS, compare, segments
+from dubins_study.report.topics.paper.numbers import printed_times, time_ends
 from dubins_study.study.closed_form.shortest import shortest_path
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Pose
-from tests.unit.report.results_folder import paper_scenarios
+from tests.unit.report.results_folder import attempt, load_folders, paper_scenarios
 
 
 @pytest.fixture
@@ -73,3 +74,30 @@ def test_a_turn_at_half_rate_counts_half():
     path = Path(Pose(0, 0, 0), [0.5, 0.25, 0.0, -0.5], [2.0, 1.0, 3.0, 1.0])
 
     assert segments(path, radius=2.0) == (2.5, 1.0, 3.5, 7.0)
+
+
+def test_printed_times_are_ticks_beside_our_medians(results):
+    """The nine times of the text are 1 to 3 ticks of 1/64 s; ours are medians of right answers."""
+    rows = []
+    for scenario in paper_scenarios():
+        for branch in ("LS", "RS"):
+            times = {"analytic": (5e-5,), "slsqp": (1e-3, 9e-3, 2e-3), "ipopt": (4e-3,)}
+            rows += [
+                attempt(scenario, solver, branch, wall_s=wall_s, repeat=repeat)
+                for solver, each in times.items()
+                for repeat, wall_s in enumerate(each)
+            ]
+            lost = Path(scenario.start, [0.0], [1.0])
+            rows.append(attempt(scenario, "nlp", branch, path=lost, wall_s=1e-6))
+    times = printed_times(load_folders([results("paper", rows)]))
+    ends = time_ends(times)
+
+    assert sorted(set(times["solver"])) == ["analytic", "ipopt", "slsqp"]
+    assert ends["ticks"].tolist() == [2, 3, 3, 1, 1, 2, 2, 3, 3]
+    # printed with three decimals
+    assert (ends["printed_s"] - ends["ticks"] / 64).abs().max() <= 0.0005
+    assert ends["fastest"].unique().tolist() == ["slsqp"]
+    assert ends["fastest_s"].unique().tolist() == [2e-3]
+    assert ends["slowest_s"].unique().tolist() == [4e-3]
+    assert ends["exact_s"].unique().tolist() == [5e-5]
+    assert ends["word"].tolist()[:2] == ["RS", "LS"]  # test problem 1: optimal, feasible

@@ -13,13 +13,21 @@ from dubins_study.errors import DubinsStudyError
 from dubins_study.experiments.definition.axes import (
     Count,
     Gibibytes,
+    Sample,
     Seconds,
     SectionName,
     Seed,
     StrictModel,
 )
-from dubins_study.experiments.definition.messages import first_error
-from dubins_study.experiments.definition.scenario_block import Block, known_branches
+from dubins_study.experiments.definition.messages import problems_of, refusal
+from dubins_study.experiments.definition.scenario_block import (
+    FIELDS,
+    Block,
+    GuessLengths,
+    known_branches,
+)
+from dubins_study.experiments.definition.solver_problems import solver_problems
+from dubins_study.experiments.definition.toml_lines import KeyPath
 from dubins_study.solvers.profiles import PROFILES
 from dubins_study.study.nearest import did_you_mean
 
@@ -103,6 +111,16 @@ class Experiment(StrictModel):
                 firsts.append(block.model_copy(update=changes))
         return [*self.scenarios, *firsts]
 
+    def solver_lists(self) -> dict[KeyPath, list[str]]:
+        """All lists of solvers by the path of their key in the file."""
+        lists: dict[KeyPath, list[str]] = {("solvers",): self.solvers}
+        if self.first is not None:
+            lists["first", "solvers"] = self.first.solvers
+        for number, block in enumerate(self.scenarios):
+            if block.solvers is not None:
+                lists["scenarios", number, "solvers"] = block.solvers
+        return lists
+
     @field_validator("branches")
     @classmethod
     def _check_branches(cls, value: list[str]) -> list[str]:
@@ -117,6 +135,17 @@ class Experiment(StrictModel):
                 f"no profile named {value!r}; {near}choose one of {', '.join(PROFILES)}"
             )
         return value
+
+
+# For messages: the keys that each table of the file may have, by the table's name.
+TABLE_KEYS = {
+    "": tuple(Experiment.model_fields),
+    "first": tuple(First.model_fields),
+    "scenarios": tuple(Block.model_fields),
+    "sample": tuple(Sample.model_fields),
+    "ranges": FIELDS,
+    "guess_lengths": tuple(GuessLengths.model_fields),
+}
 
 
 class ExperimentFile(NamedTuple):
@@ -187,16 +216,22 @@ def parse(name: str, file: str, text: str) -> ExperimentFile:
         fields = tomllib.loads(text)
     except (ValueError, RecursionError) as error:  # a number too long, or brackets nested too deep
         raise ExperimentError(f"{file}: not TOML: {error}") from None
-    return ExperimentFile(name, file, text, validated(file, fields))
+    return ExperimentFile(name, file, text, validated(file, fields, text))
 
 
-def validated(file: str, fields: dict[str, Any]) -> Experiment:
-    """Check the fields of an experiment; `file` is named in messages.
+def validated(file: str, fields: dict[str, Any], text: str = "") -> Experiment:
+    """Check the fields of an experiment.
+
+    Args:
+        file: named in messages.
+        fields: the keys and their values.
+        text: the text of the file, for the numbers of lines in messages.
 
     Raises:
-        ExperimentError: naming the key, its value and what was expected.
+        ExperimentError: naming every wrong key, its line, its value and what was expected.
     """
     try:
         return Experiment.model_validate(fields)
     except ValidationError as error:
-        raise ExperimentError(f"{file}: {first_error(error)}") from None
+        problems = problems_of(error, TABLE_KEYS) + solver_problems(fields)
+        raise ExperimentError(refusal(file, problems, text)) from None

@@ -1,11 +1,15 @@
-"""One sentence about what is wrong with an experiment, instead of pydantic's list of errors."""
+"""Sentences about what is wrong with an experiment, instead of pydantic's list of errors."""
 
 from __future__ import annotations
 
 import re
-from typing import Any
+from collections.abc import Iterable, Mapping
+from typing import Any, NamedTuple
 
 from pydantic import ValidationError
+
+from dubins_study.experiments.definition.toml_lines import KeyLines, KeyPath
+from dubins_study.study.nearest import did_you_mean, nearest
 
 _WHOLE, _NUMBER, _TEXT = "expected a whole number", "expected a number", "expected a text"
 # pydantic's type of error -> the end of our sentence.
@@ -36,21 +40,88 @@ _EXPECTED = {
 _BARE_KEY = re.compile(r"[A-Za-z0-9_-]{1,80}")
 _MAX_QUOTED_CHARS = 80
 _MAX_MESSAGE_CHARS = 320
+_MAX_PROBLEMS = 20  # that one refusal lists
 _AXIS = (
     "expected a number, a list of numbers, { linear = [first, last, count] } "
     "or { log = [first, last, count] }"
 )
 _RANGE = "expected { linear = [low, high] } or { log = [low, high] }"
+# Name of a table of the file, "" for the file itself -> the keys that it may have.
+TableKeys = Mapping[str, Iterable[str]]
 
 
-def first_error(error: ValidationError) -> str:
-    """The key, its value and what was expected, for one of the errors that pydantic found."""
+class Problem(NamedTuple):
+    """Something wrong with a file: where, and a sentence with the key, the value and the rule."""
+
+    path: KeyPath
+    sentence: str
+
+
+def refusal(file: str, problems: list[Problem], text: str = "") -> str:
+    """All problems of a file in one message; a line each if there are several.
+
+    Args:
+        file: its path, as in messages.
+        problems: at least one.
+        text: the text of the file, for the lines' numbers; empty where there is none.
+    """
+    lines = KeyLines(text)
+    placed = [(lines.line(problem.path), problem.sentence) for problem in problems]
+    sentences = list(
+        dict.fromkeys(
+            sentence if line is None else f"line {line}: {sentence}"
+            for line, sentence in sorted(placed, key=lambda p: p[0] or 0)
+        )
+    )
+    if len(sentences) == 1:
+        return f"{file}: {sentences[0]}"
+    more = len(sentences) - _MAX_PROBLEMS
+    listed = sentences[:_MAX_PROBLEMS] + ([f"and {more} more"] if more > 0 else [])
+    return "\n  ".join([f"{file}: {len(sentences)} mistakes", *listed])
+
+
+def problems_of(error: ValidationError, known: TableKeys) -> list[Problem]:
+    """Every mistake that pydantic found, once."""
     # A value that fits no variant of a union causes one error per variant. The user most likely
     # meant the variant whose value was checked, or else the deepest one.
-    first = max(
-        error.errors(), key=lambda e: (e["type"] in ("value_error", "too_short"), len(e["loc"]))
-    )
-    kind, location, value = first["type"], first["loc"], first["input"]
+    groups: dict[KeyPath, list[Any]] = {}
+    for each in error.errors():
+        groups.setdefault(_before_variant(each["loc"]), []).append(each)
+    worst = [
+        max(group, key=lambda e: (e["type"] in ("value_error", "too_short"), len(e["loc"])))
+        for group in groups.values()
+    ]
+    misspelt = {_meant(each["loc"], known) for each in worst if each["type"] == "extra_forbidden"}
+    return [
+        Problem(_path(each["loc"]), _sentence(each, known))
+        for each in worst
+        # a key that is missing because it is misspelt is one mistake
+        if not (each["type"] == "missing" and each["loc"] in misspelt)
+    ]
+
+
+def _before_variant(location: KeyPath) -> KeyPath:
+    """The location up to the value that may be written in several ways; whole, if none may."""
+    for place, step in enumerate(location):
+        if _is_variant(step):
+            return location[:place]
+    return location
+
+
+def _meant(location: KeyPath, known: TableKeys) -> KeyPath:
+    """The location of the known key that an unknown one is most like."""
+    return (*location[:-1], nearest(location[-1], _keys_beside(location, known)) or "")
+
+
+def _keys_beside(location: KeyPath, known: TableKeys) -> Iterable[str]:
+    """The keys that the table of a location may have."""
+    names = [step for step in _path(location[:-1]) if isinstance(step, str)]
+    return known.get(names[-1] if names else "", ())
+
+
+def _sentence(error: Any, known: TableKeys) -> str:
+    """The key, its value and what was expected."""
+    kind, location, value = error["type"], error["loc"], error["input"]
     variants = [i for i, step in enumerate(location) if _is_variant(step)]
     if variants:
         message = _union_error(kind, location, variants[0], value)
@@ -60,14 +131,15 @@ def first_error(error: ValidationError) -> str:
     if kind == "missing":
         return f"{key}: missing"
     if kind == "extra_forbidden":
-        return f"{key}: unknown key"
-    message = first["msg"].removeprefix("Value error, ")
+        near = did_you_mean(location[-1], _keys_beside(location, known)).rstrip()
+        return f"{key}: unknown key{'; ' if near else ''}{near}"
+    message = error["msg"].removeprefix("Value error, ")
     if kind in _EXPECTED:
-        message = _EXPECTED[kind].format(**first.get("ctx", {}))
+        message = _EXPECTED[kind].format(**error.get("ctx", {}))
     return f"{key}{_quoted(value)}: {message:.{_MAX_MESSAGE_CHARS}}"
 
 
-def _union_error(kind: str, location: tuple[Any, ...], variant: int, value: object) -> str | None:
+def _union_error(kind: str, location: KeyPath, variant: int, value: object) -> str | None:
     """The message for a value that may be written in several ways and fits none of them.
 
     Args:
@@ -91,9 +163,14 @@ def _union_error(kind: str, location: tuple[Any, ...], variant: int, value: obje
     return None
 
 
-def _key(location: tuple[Any, ...]) -> str:
+def _path(location: KeyPath) -> KeyPath:
+    """The steps of a location that are keys and numbers of the file."""
+    return tuple(step for step in location if not _is_variant(step))
+
+
+def _key(location: KeyPath) -> str:
     """The dotted key of a location, such as `scenarios.0.radius`."""
-    return ".".join(_step(step) for step in location if not _is_variant(step))
+    return ".".join(map(_step, _path(location)))
 
 
 def _step(step: object) -> str:

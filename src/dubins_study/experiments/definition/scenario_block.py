@@ -93,8 +93,9 @@ class Block(StrictModel):
         given = {field for field in FIELDS if self.axis(field) is not None}
         if self.sample is not None:
             if unknown := sorted(set(self.sample.ranges) - set(FIELDS)):
+                near = did_you_mean(unknown[0], FIELDS)
                 raise ValueError(
-                    f"sample.ranges names {unknown[0]!r}; expected {', '.join(FIELDS)}"
+                    f"sample.ranges names {unknown[0]!r}; {near}expected {', '.join(FIELDS)}"
                 )
             given |= set(self.sample.ranges)
         ways = (CARTESIAN, POLAR, CIRCULAR)
@@ -112,10 +113,10 @@ def known_branches(branches: list[str]) -> list[str]:
     """The branches, unchanged.
 
     Raises:
-        ValueError: naming the first branch that does not exist.
+        ValueError: naming the branches that do not exist.
     """
-    for branch in branches:
-        if branch not in BRANCHES:
-            near = did_you_mean(branch, BRANCHES)
-            raise ValueError(f"no branch named {branch!r}; {near}choose from {', '.join(BRANCHES)}")
+    if unknown := [branch for branch in branches if branch not in BRANCHES]:
+        names = " or ".join(f"{branch!r:.40}" for branch in unknown[:3])
+        near = next(filter(None, (did_you_mean(branch, BRANCHES) for branch in unknown)), "")
+        raise ValueError(f"no branch named {names}; {near}choose from {', '.join(BRANCHES)}")
     return branches

@@ -8,14 +8,14 @@ from pathlib import Path as FilePath
 from typing import Any, NamedTuple
 
 from dubins_study.experiments.definition.experiment import (
-    Experiment,
     ExperimentError,
     ExperimentFile,
     read,
     validated,
 )
 from dubins_study.experiments.plan.cells import Chain, chains
-from dubins_study.experiments.plan.solver_specs import expand_solvers, untrusted_spec
+from dubins_study.experiments.plan.file_checks import check_solvers, placed
+from dubins_study.experiments.plan.solver_specs import expand_solvers
 from dubins_study.experiments.plan.streams import Stream, streams
 from dubins_study.experiments.run_settings import ENGINE_NAMES
 from dubins_study.solvers.registry import SolverError
@@ -157,12 +157,12 @@ def plan_run(request: Request) -> RunPlan:
     if request.solvers is not None:
         # Checked here so that an error message does not name the experiment's file.
         expand_solvers(request.solvers, experiment.profile)
+    else:
+        check_solvers(experiment_file, request.trust_plugins)
     try:
-        if request.solvers is None and not request.trust_plugins:
-            _refuse_untrusted(experiment)
         cell_chains, block_streams = chains(experiment), streams(experiment)
     except (ExperimentError, SolverError) as error:
-        raise type(error)(f"{experiment_file.path}: {error}") from None
+        raise placed(error, experiment_file) from None
     folder = (
         FilePath("results") / experiment_file.name if request.out is None else FilePath(request.out)
     )
@@ -187,21 +187,3 @@ def _changed(experiment_file: ExperimentFile, request: Request) -> ExperimentFil
         changes["first"] = None
     changed = validated(experiment_file.name, dict(experiment) | {"scenarios": blocks} | changes)
     return experiment_file._replace(experiment=changed)
-
-
-def _refuse_untrusted(experiment: Experiment) -> None:
-    """Refuse plug-in files and programs on PATH: the experiment's file may come from anyone."""
-    first = experiment.first
-    lists = {"solvers": experiment.solvers, "first.solvers": [] if first is None else first.solvers}
-    for number, block in enumerate(experiment.scenarios):
-        lists[f"scenarios.{number}.solvers"] = block.solvers or []
-    for key, specs in lists.items():
-        try:
-            spec = untrusted_spec(specs, experiment.profile)
-        except SolverError as error:
-            raise SolverError(f"{key}: {error}") from None
-        if spec is not None:
-            raise ExperimentError(
-                f"{key}: {spec} runs a program or file that is not this package's; expected "
-                "--trust-plugins, if you know what it is, or your own choice of --solver"
-            )

@@ -77,7 +77,11 @@ class Palette:
         names = names_of(results)
         engines = {str(spec): str(engine) for spec, engine in names["engine"].items()}
         labels = {str(spec): str(label) for spec, label in names["label"].items()}
-        return cls(cls.of(engines.values()).hues, engines, labels)
+        hues = cls.of(engines.values()).hues
+        # A solver's name without its settings stands for the engine of its first spec.
+        first = {parse_spec(spec)[0]: engines[spec] for spec in reversed(solver_order([*engines]))}
+        hues = {name: hues[engine] for name, engine in first.items()} | hues
+        return cls(hues, engines, labels)
 
     @classmethod
     def of(cls, engines: Iterable[str]) -> Self:

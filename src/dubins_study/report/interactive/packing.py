@@ -40,13 +40,16 @@ class Packed(NamedTuple):
     header: bytes
 
 
-def pack(rows: pd.DataFrame, long: pd.DataFrame) -> Packed:
+def pack(rows: pd.DataFrame, long: pd.DataFrame, more: Mapping[str, Any]) -> Packed:
     """The attempts of `sample.sample`, and their `sample.long_controls`, for the page.
 
     Numbers that the page compares or repeats exactly, those of scenarios, are of 64 bits; measured
     numbers are rounded to four digits. The controls of paths of a few arcs are of 32 bits, in units
     of the turning radius: they are only drawn, and the numbers of the check stand beside them. Of
     paths of many arcs there are points of a grid that no drawing resolves.
+
+    Args:
+        more: further values of the header.
     """
     arrays: dict[str, NDArray[Any]] = {}
     texts: dict[str, list[str]] = {}
@@ -70,6 +73,7 @@ def pack(rows: pd.DataFrame, long: pd.DataFrame) -> Packed:
         content.append(_planes(array))
         offset += array.nbytes
     header = {"arrays": directory, "texts": texts, "scenarios": scenarios, "count": len(rows)}
+    header |= more
     text = json.dumps(header, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
     return Packed(b"".join(content), text.encode())
 

@@ -3,17 +3,21 @@
 from __future__ import annotations
 
 import gzip
+from collections.abc import Iterable
 from functools import cache
 from importlib.util import find_spec
 from pathlib import Path as FilePath
+from typing import Any
 
 import pandas as pd
 from markupsafe import Markup
 
-from dubins_study.report.data.attempts import Attempts
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.content import Section, Widget
 from dubins_study.report.elements.formats import count
+from dubins_study.report.elements.looks import Palette
+from dubins_study.report.elements.names import names_of
+from dubins_study.report.elements.style import VARIABLES
 from dubins_study.report.interactive.packing import Packed, pack
 from dubins_study.report.interactive.sample import WORST, long_controls, sample
 
@@ -23,49 +27,91 @@ _MOST_BYTES, _MOST_POINTS = 1_500_000, 30_000
 _FEWEST_POINTS = 1_000
 _BASE64 = 4 / 3
 
+# Marker of a figure -> marker of Bokeh, and by how much it is turned (rad, counter-clockwise).
+_MARKERS = {
+    "o": ("circle", 0.0),
+    "^": ("triangle", 0.0),
+    "s": ("square", 0.0),
+    "D": ("diamond", 0.0),
+    "v": ("inverted_triangle", 0.0),
+    "P": ("plus", 0.0),
+    "X": ("plus", 0.7853982),
+    "p": ("square_pin", 0.0),
+    "*": ("star", 0.0),
+    "<": ("triangle", 1.5707963),
+    ">": ("triangle", -1.5707963),
+    "h": ("hex", 0.0),
+}
+
 
 def attempts_section(results: Results) -> Section | None:
     """Single attempts: every embedded one as a point, with its path and the command for it."""
-    rows, packed = _fitting(results.attempts)
-    if not len(rows):
-        return None
+    rows, packed = _fitting(results)
     libraries = {name: _library(name) for name in ("bokeh", "bokeh-api")}
-    body = Markup(
-        '<p class="unscripted">The plot, the paths and the list need scripts, which this page '
-        'holds itself.</p><div id="attempts-plot"></div>'
-    )
     content = {"attempts": packed.arrays, "attempts-header": packed.header}
-    widget = Widget("attempts", _caption(), body, packed=libraries | content)
+    scripts = '<p class="unscripted">This part needs scripts; the page holds them itself.</p>'
+    widgets = (
+        Widget(
+            "attempts",
+            "Each point is one attempt. At most ten solvers are coloured, in the colour and with "
+            "the marker of their engine; solvers of one engine differ in what fills the marker.",
+            Markup(scripts + '<div id="attempts-plot"></div>'),
+            packed=libraries | content,
+        ),
+        Widget(
+            "worst",
+            f"The {WORST} worst attempts of a solver at different questions: false claims first, "
+            "then longer paths, then paths that miss the target or turn too sharply, then none. "
+            "Solid: the solver's path; dashed: the shortest path.",
+            Markup(scripts + '<div id="attempts-worst"></div>'),
+        ),
+    )
     lead = "Choose solvers and axes, then click a point to see the path behind it."
-    return Section("attempts", "Single attempts", _text(rows, results.attempts), (widget,), lead)
+    return Section("attempts", "Single attempts", _text(rows, results), widgets, lead)
 
 
-def _caption() -> str:
-    return "Each point is one attempt."
-
-
-def _text(rows: pd.DataFrame, attempts: Attempts) -> str:
-    shown, every = len(rows), attempts.count
+def _text(rows: pd.DataFrame, results: Results) -> str:
+    shown, every = len(rows), results.attempts.count
     if shown == every:
         return f"All {count(every)} attempts are shown."
     return (
         f"Shown are {count(shown)} of the {count(every)} attempts: the {WORST} worst of each "
-        "solver (false claims first, then longer paths, then paths that miss), and for every "
-        "solver, region and verdict the first repeats at the same scenarios, drawn by the hashes "
-        "that name them."
+        "solver, and for every solver, region and verdict the first repeats at the same scenarios, "
+        "drawn by the hashes that name them."
     )
 
 
-def _fitting(attempts: Attempts) -> tuple[pd.DataFrame, Packed]:
+def _fitting(results: Results) -> tuple[pd.DataFrame, Packed]:
     """A sample of attempts that takes no more than `_MOST_BYTES`, or that is of the least size."""
     most = _MOST_POINTS
     while True:
-        rows = sample(attempts, most)
-        packed = pack(rows, long_controls(attempts, rows))
+        rows = sample(results.attempts, most)
+        more = {"solvers": _solvers(rows["solver"], results), "time_limits": _time_limits(results)}
+        packed = pack(rows, long_controls(results.attempts, rows), more)
         size = sum(_BASE64 * len(gzip.compress(each, 6)) for each in packed)
         if size <= _MOST_BYTES or most <= _FEWEST_POINTS:
             return rows, packed
         most = max(_FEWEST_POINTS, int(0.9 * most * _MOST_BYTES / size))
+
+
+def _solvers(specs: Iterable[str], results: Results) -> list[dict[str, Any]]:
+    """Names and marks of the solvers, sorted by spec as the packed attempts count them."""
+    names, palette = names_of(results), Palette.of_page(results)
+    solvers = []
+    for spec in sorted(set(specs)):
+        row = names.loc[spec]
+        colour, marker = palette.hues[palette.engines[spec]]
+        shape, angle = _MARKERS.get(marker, _MARKERS["o"])
+        mark = {"colour": VARIABLES.get(colour, "--ink"), "marker": shape, "angle": angle}
+        method = {name: str(row[name]) for name in ("label", "formulation", "engine")}
+        solvers.append({"spec": spec} | method | mark)
+    return solvers
+
+
+def _time_limits(results: Results) -> dict[str, float]:
+    """Experiment -> the limit of each solve (s), where the manifest knows it."""
+    limits = {folder.name: folder.manifest.time_limit_s for folder in results.folders}
+    return {name: limit for name, limit in limits.items() if limit is not None}
 
 
 @cache

@@ -5,7 +5,6 @@ from __future__ import annotations
 import base64
 import gzip
 import json
-import re
 from collections.abc import Sequence
 from importlib.resources import files
 from typing import Any
@@ -23,30 +22,10 @@ STYLES = ("tables", "attempts", "drawer", "explorer", "print")
 # The order in which the scripts run: later ones use what earlier ones hand out.
 SCRIPTS = (
     *("dubins", "page", "tables"),
-    *("attempts-data", "attempts", "drawer"),
-    "explorer",
+    *("attempts-data", "attempts-fields", "path-picture", "drawer", "attempts-solvers"),
+    *("attempts-choice", "attempts-plot", "attempts-list", "attempts", "worst"),
+    *("explorer-scene", "explorer-answers", "explorer"),
 )
-
-# CSS variables for the figures' colours, so that figures follow the page's light or dark mode.
-_VARIABLES = {
-    style.INK: "--ink",
-    style.MUTED: "--muted",
-    style.RULE: "--rule",
-    style.PAPER: "--paper",
-    **style.VARIABLES,
-}
-_GROUP_ID = re.compile(r' id="(?:figure|axes|patch|line2d|text|matplotlib\.axis|xtick|ytick)[^"]*"')
-
-
-def inline(svg: str, alt: str) -> Markup:
-    """An SVG file's text as an element of the page."""
-    body = _GROUP_ID.sub("", svg[svg.index("<svg") :])
-    body = re.sub(r"<metadata>.*?</metadata>", "", body, flags=re.DOTALL)
-    for colour, variable in _VARIABLES.items():
-        body = body.replace(colour, f"var({variable})")
-    body = body.replace("'DejaVu Sans'", "inherit")
-    label = Markup("<svg role='img' aria-label='{}'").format(alt)
-    return label + Markup(body.removeprefix("<svg"))
 
 
 def breakable(text: str) -> Markup:

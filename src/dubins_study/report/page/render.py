@@ -17,11 +17,21 @@ from dubins_study.report.elements import style
 from dubins_study.report.elements.content import Picture, Section, Table
 from dubins_study.report.elements.figure_file import figure_bytes, fix_layout
 from dubins_study.report.elements.formats import some
-from dubins_study.report.page.environment import environment, inline, scripts, styles
+from dubins_study.report.page.drawings import Drawings
+from dubins_study.report.page.environment import environment, scripts, styles
+from dubins_study.report.page.glossary import GLOSSARY, Glossed
 from dubins_study.report.page.latex import document
 from dubins_study.report.page.markup import to_csv, to_markdown
 from dubins_study.report.page.sections import KEYS, TOPICS, sections_of
 from dubins_study.report.page.tex_table import to_tex
+from dubins_study.report.paper.citation import PAPER
+
+# What every report is about, in one sentence.
+ASKED = (
+    "From a start pose to a target, by the shortest path whose curvature never exceeds 1/R, with "
+    "any heading at the end: which formulation, which engine and which initial guess find it, how "
+    "surely, how fast, and who proves it?"
+)
 
 Progress = Callable[[str], None]
 
@@ -156,6 +166,7 @@ def _write(folder: FilePath, sections: Sequence[Section], runs: Sequence[Folder]
     for name in ("figures", "tables"):
         (folder / name).mkdir()
     drawn: dict[str, Markup] = {}
+    drawings = Drawings()
     for block in (block for section in sections for block in section.blocks):
         if isinstance(block, Table):
             for suffix, text in (("csv", to_csv), ("md", to_markdown), ("tex", to_tex)):
@@ -168,11 +179,12 @@ def _write(folder: FilePath, sections: Sequence[Section], runs: Sequence[Folder]
             (folder / "figures" / f"{block.name}.pdf").write_bytes(
                 figure_bytes(block.figure, "pdf")
             )
-            drawn[block.name] = inline(svg.decode("utf-8"), block.alt)
+            drawn[block.name] = drawings.inline(svg.decode("utf-8"), block.alt)
     templates = environment()
-    templates.filters |= {"left_out": left_out, "warnings": warnings}
-    content = {"sections": sections, "runs": runs, "drawn": drawn}
-    parts = {"style": styles(), "scripts": scripts()}
+    templates.filters |= {"left_out": left_out, "warnings": warnings, "glossed": Glossed()}
+    content = {"sections": sections, "runs": runs, "drawn": drawn, "asked": ASKED, "paper": PAPER}
+    content |= {"glossary": GLOSSARY}
+    parts = {"style": styles() + drawings.css(), "scripts": scripts()}
     for file_name in ("index.html", "report.md"):
         page = templates.get_template(f"{file_name}.j2").render(**content, **parts)
         (folder / file_name).write_text(page, encoding="utf-8", newline="\n")

@@ -11,6 +11,7 @@ from dubins_study.report.data.results import Results
 from dubins_study.report.elements.content import Section
 from dubins_study.report.elements.formats import count, slug
 from dubins_study.report.elements.names import with_labels
+from dubins_study.report.explorer.section import explorer_section
 from dubins_study.report.interactive.section import attempts_section
 from dubins_study.report.topics.agreement.section import agreement_section, formulations_section
 from dubins_study.report.topics.audit.section import audit_section
@@ -97,6 +98,7 @@ TOPICS = (
     Topic("whom one can believe", belief_section, "benchmark"),
     Topic("the solvers and their settings", solvers_section, EVERY, counted=True),
     Topic("single attempts", attempts_section, EVERY, counted=True),
+    Topic("the explorer", explorer_section, EVERY, counted=True),
     Topic("the runs and their machines", runs_section, EVERY, counted=True),
 )
 KEYS = tuple(dict.fromkeys(topic.about for topic in TOPICS if isinstance(topic.about, str)))

@@ -40,9 +40,18 @@ class Layout:
     long: bool
 
 
+def printed_texts(table: Table) -> list[list[str]]:
+    """Every cell as text, row by row, solvers by their short names."""
+    short = [column.kind == "solver" for column in table.columns]
+    return [
+        [table.labels.get(t, t) if s else t for t, s in zip(row, short, strict=True)]
+        for row in table.texts()
+    ]
+
+
 def layout_of(table: Table) -> Layout:
     """The layout with the largest letters that fits, on an upright page if there is one."""
-    texts = table.texts()
+    texts = printed_texts(table)
     digits = [_width(column, texts, i) for i, column in enumerate(table.columns)]
     breaks = [column.kind not in RIGHT for column in table.columns]
     for turned in (False, True):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dubins_study.report.elements.columns import Column
 from dubins_study.report.elements.content import Table
-from dubins_study.report.page.tex_layout import GAP, RIGHT, heading_lines, layout_of
+from dubins_study.report.page.tex_layout import GAP, RIGHT, heading_lines, layout_of, printed_texts
 from dubins_study.report.page.tex_text import tex
 
 # Package -> what shows that a table needs it.
@@ -18,7 +18,7 @@ _PACKAGES = {
 
 def to_tex(table: Table) -> str:
     """A `tabular` with booktabs rules; a `longtable` if it is longer than a page."""
-    layout, texts = layout_of(table), table.texts()
+    layout, texts = layout_of(table), printed_texts(table)
     columns = list(zip(table.columns, layout.widths, strict=True))
     heading = [
         _cell(heading_lines(column, texts, place), column, width, "b")
@@ -67,7 +67,7 @@ def _row(cells: list[str]) -> str:
 def _cell(lines: list[str], column: Column, width: float | None, place: str) -> str:
     """One cell; `place`, b or t, is the line of several that stands beside the other cells."""
     escaped = [tex(line) for line in lines]
-    if column.kind in ("code", "solver") and place == "t":
+    if column.kind == "code" and place == "t":
         escaped = [rf"\texttt{{{line}}}" for line in escaped]
     if width is not None:
         return rf"\raggedright {' '.join(escaped)}"

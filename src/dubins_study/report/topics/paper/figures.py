@@ -1,4 +1,4 @@
-"""Paths in the plane: the paper's Figures 6.1-6.5."""
+"""Paths in the plane: the paper's Figures 3.1 and 6.1-6.5."""
 
 from __future__ import annotations
 
@@ -10,75 +10,218 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.patches import Circle
+from numpy.typing import NDArray
 
+from dubins_study.report.elements.axes import duration, log_axis, mark_limit
 from dubins_study.report.elements.formats import digits
-from dubins_study.report.elements.looks import LINES
+from dubins_study.report.elements.looks import LINES, Palette
 from dubins_study.report.elements.style import BLUE, GREEN, INK, MUTED, PAPER, RULE, VERMILION
+from dubins_study.report.topics.paper.numbers import TICK_S
 from dubins_study.study.path import Path
+from dubins_study.study.scenario import Scenario
 
 _BY_RANK = ((BLUE, "-"), (VERMILION, LINES[1]))
 _BY_RADIUS = (BLUE, VERMILION, GREEN)
+_TARGET_RING: dict[str, Any] = {
+    **{"markersize": 7, "markerfacecolor": PAPER, "markeredgecolor": MUTED, "zorder": 4},
+    **{"marker": "o", "markeredgewidth": 1.2},
+}
 
 
 def plot_paths(
     ax: Axes, paths: pd.DataFrame, names: Sequence[str] = ("optimal", "feasible")
 ) -> None:
-    """Paths to one target, with both turning circles of every start, start arrow and target.
+    """Paths to one target at one radius, named in a legend above the panel.
 
     Columns: branch, path (`study.path.Path`), length, rank (1 the shortest), target_x, target_y,
-    radius. With several radii the colours tell these apart, otherwise the rank, by its name.
+    radius. Both turning circles of the start, the start's arrow and the target are drawn too.
     """
-    radii = sorted(paths["radius"].unique(), reverse=True)
-    drawn: set[float] = set()
-    for row in paths.sort_values(["radius", "rank"], ascending=[False, True]).to_dict("records"):
-        path, radius, rank = row["path"], row["radius"], int(row["rank"]) - 1
-        if radius not in drawn:
-            _turning_circles(ax, path, radius)
-            drawn.add(radius)
-        if len(radii) > 1:
-            place = radii.index(radius)
-            colour, line = _BY_RADIUS[place % 3], LINES[place % len(LINES)]
-            text = f"R = {radius:g}: {row['branch']}, {digits(4)(row['length'])}"
-        else:
-            colour, line = _BY_RANK[rank]
-            text = f"{names[rank]}: {row['branch']}, {digits(4)(row['length'])}"
-        points = path.sample(400)
+    for row in paths.sort_values("rank").to_dict("records"):
+        colour, line = _BY_RANK[int(row["rank"]) - 1]
+        text = f"{names[int(row['rank']) - 1]}: {row['branch']}, {digits(4)(row['length'])}"
+        points = row["path"].sample(400)
         ax.plot(points[:, 0], points[:, 1], color=colour, linestyle=line, label=text, zorder=3)
-    first = paths.iloc[0]
-    ax.set_aspect("equal", adjustable="datalim")
-    ax.margins(0.07)
-    _start_and_target(ax, first["path"], first["target_x"], first["target_y"])
-    ax.set(xlabel="x", ylabel="y")
+    _scene(ax, paths)
     ax.legend(loc="lower left", bbox_to_anchor=(0, 1.0), borderaxespad=0.2)
+
+
+def plot_both_words(ax: Axes, paths: pd.DataFrame) -> None:
+    """The optimal and the feasible path, each named along its straight. Columns: `plot_paths`."""
+    rows = paths.sort_values("rank").to_dict("records")
+    middles = np.array([_middle_of_straight(row["path"])[0] for row in rows])
+    for place, (row, name) in enumerate(zip(rows, ("optimal", "feasible"), strict=False)):
+        colour, line = _BY_RANK[place]
+        points = row["path"].sample(400)
+        ax.plot(points[:, 0], points[:, 1], color=colour, linestyle=line, zorder=3)
+        away = middles[place] - middles.mean(axis=0)
+        _name_along(ax, row["path"], f"{name}: {_word_and_length(row)}", colour, away)
+    _scene(ax, paths)
+
+
+def plot_one_word(ax: Axes, paths: pd.DataFrame, rank: int, title: str) -> None:
+    """The path of one rank, in a panel with the limits of all. Columns: `plot_paths`."""
+    row = paths[paths["rank"] == rank].iloc[0]
+    points = row["path"].sample(400)
+    ax.plot(points[:, 0], points[:, 1], color=_BY_RANK[rank - 1][0], zorder=3)
+    ax.set_title(f"{title}: {_word_and_length(row)}", fontweight="normal", fontsize=8.5, pad=4)
+    _scene(ax, paths)
+
+
+def plot_radii(ax: Axes, paths: pd.DataFrame, reach: float) -> None:
+    """The shortest path of each radius, named in a legend inside the panel.
+
+    Args:
+        ax: where to draw.
+        paths: columns of `plot_paths`, one row per radius.
+        reach: how far from the start the panel reaches (length unit); infinite for whole paths.
+    """
+    rows = paths.sort_values("radius", ascending=False).to_dict("records")
+    shown: list[NDArray[np.float64]] = []
+    for place, row in enumerate(rows):
+        path, radius = row["path"], float(row["radius"])
+        points = path.sample(600)[:, :2]
+        near = np.hypot(*(points - points[0]).T) <= reach
+        shown.append(points[near])
+        colour, line = _BY_RADIUS[place % 3], LINES[place % len(LINES)]
+        text = f"R = {radius:g}: {_word_and_length(row)}"
+        ax.plot(*shown[-1].T, color=colour, linestyle=line, label=text, zorder=3)
+        _turning_circle(ax, path, radius * math.copysign(1.0, path.curvature[0]), colour)
+    low, high = np.vstack(shown).min(axis=0), np.vstack(shown).max(axis=0)
+    pad = 0.08 * float(np.max(high - low))
+    _start_and_target(ax, paths, 2 * pad)
+    ax.set_aspect("equal", adjustable="box", anchor="NW")  # as wide as the paths
+    ax.set(xlim=(low[0] - pad, high[0] + pad), ylim=(low[1] - 2 * pad, high[1] + pad))
+
+
+def plot_feasible(ax: Axes, start: Scenario, left: Path, right: Path) -> None:
+    """Figure 3.1: LS and RS to one target, with the points that the paper names."""
+    between = (_middle_of_straight(left)[0] + _middle_of_straight(right)[0]) / 2
+    for path, (colour, line), word in ((left, _BY_RANK[0], "LS"), (right, _BY_RANK[1], "RS")):
+        points = path.sample(400)
+        ax.plot(points[:, 0], points[:, 1], color=colour, linestyle=line, zorder=3)
+        _name_along(ax, path, word, colour, _middle_of_straight(path)[0] - between)
+        _turning_circle(ax, path, start.radius * math.copysign(1.0, path.curvature[0]), MUTED)
+        x, y, _ = path.poses[1]
+        ax.plot(x, y, "o", color=colour, markersize=3.5, zorder=5)
+        name, lift = ("X₁", (-6, -13)) if word == "LS" else ("X₂", (4, -10))
+        _name_point(ax, (x, y), name, lift)
+    frame = pd.DataFrame(
+        [{"path": left, "target_x": start.target_x, "target_y": start.target_y, "radius": 1.0}]
+    )
+    _start_and_target(ax, frame, 1.0)
+    _name_point(ax, (start.x, start.y), "P", (-11, -2))
+    _name_point(ax, (start.target_x, start.target_y), "X₃ = T", (-34, 6))
+    ax.margins(0.09)
+
+
+def plot_times(ax: Axes, times: pd.DataFrame, solvers: Sequence[str], palette: Palette) -> None:
+    """The paper's solve times and ours, one line per printed time.
+
+    Args:
+        ax: where to draw.
+        times: columns label, path, word, printed_s (s), solver, wall_s (s).
+        solvers: in the order of the legend.
+        palette: of the page.
+    """
+    lines = list(dict.fromkeys(zip(times["label"], times["path"], times["word"], strict=True)))
+    place = {line[:2]: len(lines) - 1 - i for i, line in enumerate(lines)}
+    at = pd.Series(
+        [place[key] for key in zip(times["label"], times["path"], strict=True)], times.index
+    )
+    looks = palette.looks(solvers)
+    for solver in solvers:
+        group, dots = times[times["solver"] == solver], looks[solver].dots
+        if looks[solver].line != LINES[0]:
+            dots |= {"markerfacecolor": "none"}  # another solver with the same engine
+        ax.plot(group["wall_s"], at[group.index], **dots, label=palette.label(solver))
+    printed: dict[str, Any] = {"marker": "x", "color": INK, "markersize": 6, "zorder": 5}
+    ax.plot(times["printed_s"], at, linestyle="none", **printed, label="printed in the paper")
+    for tick in range(1, round(times["printed_s"].max() / TICK_S) + 1):
+        mark_limit(ax, tick * TICK_S)
+    ax.set_yticks(range(len(lines)), [f"{a}, {b}: {c}" for a, b, c in reversed(lines)], color=INK)
+    ax.set(xscale="log", xlabel="time of one solve", ylim=(-0.6, len(lines) - 0.4))
+    log_axis(ax.xaxis, duration)
+
+
+def _name_point(ax: Axes, point: tuple[float, float], name: str, lift: tuple[int, int]) -> None:
+    ax.annotate(name, point, xytext=lift, textcoords="offset points", fontsize=9)
 
 
 def aspect_of(paths: pd.DataFrame) -> float:
     """Height over width of what `plot_paths` draws."""
     points = np.vstack([path.sample(200)[:, :2] for path in paths["path"]])
     path, radius = paths.iloc[0]["path"], paths["radius"].max()
-    x, y, heading = path.start
     for side in (radius, -radius):
-        centre = np.array((x - side * math.sin(heading), y + side * math.cos(heading)))
+        centre = np.array(_centre(path, side))
         points = np.vstack((points, centre - radius, centre + radius))
     width, height = np.ptp(points, axis=0)
     return float(height / width)
 
 
-def _turning_circles(ax: Axes, path: Path, radius: float) -> None:
-    x, y, heading = path.start
+def _word_and_length(row: Any) -> str:
+    return f"{row['branch']}, {digits(4)(row['length'])}"
+
+
+def _middle_of_straight(path: Path) -> tuple[NDArray[np.float64], float]:
+    """The point half-way along the last piece of a path, and the heading there (rad)."""
+    x, y, heading = path.at([path.total_length - path.length[-1] / 2])[0]
+    return np.array((x, y)), float(heading)
+
+
+def _name_along(ax: Axes, path: Path, text: str, colour: str, away: NDArray[np.float64]) -> None:
+    """Write beside the last piece of a path, along it, on the side that `away` points to."""
+    (x, y), heading = _middle_of_straight(path)
+    slope = math.atan(math.tan(heading))  # the direction in which letters stand upright
+    up = np.array((-math.sin(slope), math.cos(slope)))
+    above = float(away @ up) >= 0
+    ax.annotate(
+        text,
+        (x, y),
+        xytext=(2.5 * up[0], 2.5 * up[1]) if above else (-2.5 * up[0], -2.5 * up[1]),  # points
+        textcoords="offset points",
+        color=colour,
+        rotation=math.degrees(slope),
+        rotation_mode="anchor",
+        ha="center",
+        va="bottom" if above else "top",
+        zorder=6,
+    )
+
+
+def _scene(ax: Axes, paths: pd.DataFrame) -> None:
+    """The turning circles, the start and the target; limits that hold all of these paths."""
+    first = paths.iloc[0]
     for side in (1, -1):
-        centre = (x - side * radius * math.sin(heading), y + side * radius * math.cos(heading))
-        ax.add_patch(Circle(centre, radius, fill=False, edgecolor=RULE, linewidth=0.8, zorder=1))
-
-
-def _start_and_target(ax: Axes, path: Path, target_x: float, target_y: float) -> None:
-    x, y, heading = path.start
+        _turning_circle(ax, first["path"], side * first["radius"], RULE)
+    corners = np.vstack([path.sample(200)[:, :2] for path in paths["path"]])
+    ax.update_datalim(corners)
+    ax.margins(0.07)
     low, high = np.array(ax.dataLim.min), np.array(ax.dataLim.max)
-    reach = 0.11 * float(np.max(high - low))
+    _start_and_target(ax, paths, 0.11 * float(np.max(high - low)))
+
+
+def _centre(path: Path, side: float) -> tuple[float, float]:
+    """The centre of a turning circle; `side` is its radius, positive on the left."""
+    x, y, heading = path.start
+    return x - side * math.sin(heading), y + side * math.cos(heading)
+
+
+def _turning_circle(ax: Axes, path: Path, side: float, colour: str) -> None:
+    look: dict[str, Any] = {"edgecolor": colour, "linewidth": 0.8, "zorder": 1}
+    look |= {"alpha": 1.0 if colour == RULE else 0.45}
+    ax.add_patch(Circle(_centre(path, side), abs(side), fill=False, **look))
+
+
+def _start_and_target(ax: Axes, paths: pd.DataFrame, reach: float) -> None:
+    """The start with an arrow of length `reach` (length unit), and the target as a ring."""
+    first = paths.iloc[0]
+    x, y, heading = first["path"].start
     tip = (x + reach * math.cos(heading), y + reach * math.sin(heading))
     head = {"arrowstyle": "-|>", "color": INK, "linewidth": 1.0, "shrinkA": 0, "shrinkB": 0}
     ax.annotate("", xy=tip, xytext=(x, y), arrowprops=head, zorder=5)
     ax.plot(x, y, marker="o", color=INK, markersize=3.5, zorder=5)
-    ring: dict[str, Any] = {"markersize": 7, "markerfacecolor": PAPER, "markeredgecolor": MUTED}
-    ax.plot(target_x, target_y, marker="o", markeredgewidth=1.2, zorder=4, **ring)
-    ax.plot(target_x, target_y, marker="o", color=INK, markersize=2.5, zorder=5)
+    target = (first["target_x"], first["target_y"])
+    ax.plot(*target, **_TARGET_RING)
+    ax.plot(*target, marker="o", color=INK, markersize=2.5, zorder=5)
+    ax.set_aspect("equal", adjustable="datalim")
+    ax.set(xlabel="x", ylabel="y")

@@ -6,10 +6,11 @@ import pandas as pd
 
 from dubins_study.report.data.attempts import EXACT
 from dubins_study.report.data.results import Results
-from dubins_study.report.paper.printed import QUANTITIES, compare
-from dubins_study.report.statistics.metrics import solver_order
+from dubins_study.report.paper.printed import PRINTED, QUANTITIES, TIMES, compare
+from dubins_study.report.statistics.metrics import solver_order, success
 from dubins_study.study.path import Path
 
+TICK_S = 1 / 64  # of the clock that the paper's solve times were read from
 _MISPRINTED = ("misprint", "differs")
 
 
@@ -89,3 +90,49 @@ def problem_paths(results: Results, problem: int) -> pd.DataFrame:
     scenarios = results.rows.drop_duplicates("label")
     frame = frame.merge(scenarios[["label", "target_x", "target_y", "radius"]], on="label")
     return frame[frame["rank"] == 1] if problem == 5 else frame
+
+
+def printed_times(results: Results) -> pd.DataFrame:
+    """The solve times that the paper prints beside those of our solvers for the same path.
+
+    Returns:
+        One row per printed time and solver with a right answer, from its cold attempts at the
+        paper's word; columns label, path, word, printed_s (s), ticks (of `TICK_S`), solver,
+        wall_s (median, s).
+    """
+    rows = results.rows
+    right = rows[success(rows) & (rows["initial_guess"] == "cold")]
+    groups = right.groupby(["label", "branch", "solver"], observed=True)
+    medians = groups["wall_s"].median().reset_index()
+    words = {(row.label, row.path): row.word for row in PRINTED}
+    records = []
+    for time in TIMES:
+        word, seconds = words[time.label, time.path], float(time.seconds)
+        record = {"label": time.label, "path": time.path, "word": word, "printed_s": seconds}
+        record |= {"ticks": round(seconds / TICK_S)}
+        ours = medians[(medians["label"] == time.label) & (medians["branch"] == word)]
+        pairs = zip(ours["solver"], ours["wall_s"], strict=True)
+        records += [record | {"solver": solver, "wall_s": wall_s} for solver, wall_s in pairs]
+    columns = ["label", "path", "word", "printed_s", "ticks", "solver", "wall_s"]
+    return pd.DataFrame.from_records(records, columns=columns)
+
+
+def time_ends(times: pd.DataFrame) -> pd.DataFrame:
+    """One row per printed time, from `printed_times`, with the fastest and the slowest solver.
+
+    Columns label, path, word, printed_s, ticks, exact_s (the closed form's time; NaN if it was not
+    asked), fastest and slowest (solvers besides the closed form, None if there are none), and
+    their times fastest_s and slowest_s (s).
+    """
+    keys = ["label", "path", "word", "printed_s", "ticks"]
+    records = []
+    for key, group in times.groupby(keys, sort=False):
+        exact = group.loc[group["solver"] == EXACT, "wall_s"]
+        others = group[group["solver"] != EXACT].sort_values("wall_s")
+        record: dict[str, object] = dict(zip(keys, key, strict=True))
+        record["exact_s"] = exact.iloc[0] if len(exact) else None
+        for name, place in (("fastest", 0), ("slowest", -1)):
+            record[name] = others["solver"].iloc[place] if len(others) else None
+            record[f"{name}_s"] = others["wall_s"].iloc[place] if len(others) else None
+        records.append(record)
+    return pd.DataFrame.from_records(records)

@@ -9,12 +9,25 @@ import pandas as pd
 
 from dubins_study.report.data.attempts import EXACT
 from dubins_study.report.data.results import Results
-from dubins_study.report.elements.columns import SOLVER, columns, marks
-from dubins_study.report.elements.content import Picture, Section, Table, picture
-from dubins_study.report.elements.formats import count, digits
+from dubins_study.report.elements.columns import SOLVER, Column, columns, marks
+from dubins_study.report.elements.content import Picture, Section, Table
+from dubins_study.report.elements.formats import count, digits, seconds
+from dubins_study.report.elements.looks import Palette
 from dubins_study.report.paper.printed import QUANTITIES, compare
-from dubins_study.report.topics.paper.figures import aspect_of, plot_paths
-from dubins_study.report.topics.paper.numbers import problem_paths, scores, side_by_side, word_paths
+from dubins_study.report.statistics.best import best_solvers
+from dubins_study.report.topics.paper.numbers import (
+    printed_times,
+    problem_paths,
+    scores,
+    side_by_side,
+    time_ends,
+    word_paths,
+)
+from dubins_study.report.topics.paper.pictures import (
+    feasible_picture,
+    problem_picture,
+    times_picture,
+)
 
 _TITLES = {
     "6.1": "Test problem 1: start (0, 0, 2π/3), target (10, 5), R = 1.",
@@ -33,13 +46,25 @@ def paper_section(results: Results) -> Section | None:
     cells = compare(paths)
     blocks: list[Table | Picture] = [_side_by_side(cells, number) for number in _TITLES]
     blocks.append(_scores(scores(results)))
+    times = printed_times(results)
+    if len(times):
+        words = results.rows[results.rows["branch"].isin(["LS", "RS"])]
+        blocks += [times_picture(times, best_solvers(words), Palette.of_page(results))]
+        blocks += [_times(time_ends(times))]
     right = int((cells["verdict"] == "correct").sum())
     text = (
         f"{right} of the {len(cells)} printed lengths are correct roundings of the exact ones. The "
         "paper's optimal path is the shorter of LS and RS, its feasible path the longer. The audit "
-        "below says what became of the others."
+        "below says what became of the others. The paper's solve times are 1, 2 and 3 ticks of a "
+        "clock that moves 64 times a second (15.6, 31.2 and 46.9 ms), printed with three decimals: "
+        "each tells that a solve ended within a tick of it, and nothing of which path or solver is "
+        "the faster."
     )
-    return Section("paper", "The paper's tables", text, tuple(blocks))
+    lead = (
+        "Read a table's lines in pairs, the printed numbers above the exact ones: what is crossed "
+        "is printed wrong."
+    )
+    return Section("paper", "The paper's tables", text, tuple(blocks), lead)
 
 
 def _side_by_side(cells: pd.DataFrame, number: str) -> Table:
@@ -77,28 +102,39 @@ def _scores(frame: pd.DataFrame) -> Table:
     return Table("paper-scores", caption, frame, shown)
 
 
+def _times(frame: pd.DataFrame) -> Table:
+    shown = (
+        *columns(kind="text", label="scenario", path="path", word="word"),
+        *columns(lambda s: f"{s:.3f} s", printed_s="printed"),
+        *columns(count, ticks="ticks of 1/64 s"),
+        *columns(seconds, exact_s="closed form"),
+        Column("fastest", "fastest solver", kind="solver"),
+        *columns(seconds, fastest_s="its median"),
+        Column("slowest", "slowest solver", kind="solver"),
+        *columns(seconds, slowest_s="its median"),
+    )
+    caption = (
+        "The solve times that the paper's text prints, and the median times of our solvers for "
+        "the same word, right answers only. Other machines and other clocks: only the orders of "
+        "magnitude compare."
+    )
+    return Table("paper-times", caption, frame, shown)
+
+
 def figures_section(results: Results) -> Section | None:
-    """Figures 6.1-6.5, redrawn from the paths in the rows."""
+    """Figures 3.1 and 6.1-6.5, redrawn from the paths in the rows."""
     frames = {problem: problem_paths(results, problem) for problem in range(1, 6)}
-    pictures = [_picture(problem, frame) for problem, frame in frames.items() if len(frame)]
+    pictures = [problem_picture(problem, frame) for problem, frame in frames.items() if len(frame)]
     if not pictures:
         return None
     text = (
-        "The paper's Figures 6.1–6.5, drawn from the controls in the rows. Both turning circles "
-        "are faint; the arrow is the start heading, the ring the target."
+        "The paper's Figures 3.1 and 6.1–6.5, drawn from the controls in the rows, with as many "
+        "panels as there. The arrow is the start heading, the ring the target; faint are the "
+        "turning circles. The paper's text gives each length with two decimals; the tables above "
+        "say which of these are right."
     )
-    return Section("paths", "The paper's figures", text, tuple(pictures))
-
-
-def _picture(problem: int, frame: pd.DataFrame) -> Picture:
-    paths = "Optimal (solid) and feasible (dashed) path"
-    if problem == 5:
-        paths = "Optimal paths for three turning radii"
-    return picture(
-        f"paths-{problem}",
-        plot_paths,
-        frame,
-        caption=f"Figure 6.{problem}. {paths}; length units.",
-        alt=f"Paths of test problem {problem}",
-        height=0.85 + min(max(3.0 * aspect_of(frame), 1.6), 2.9),  # the rest is legend and labels
+    lead = (
+        "In every problem one of two paths is the shortest, LS or RS; see how far the other is "
+        "round."
     )
+    return Section("paths", "The paper's figures", text, (feasible_picture(), *pictures), lead)

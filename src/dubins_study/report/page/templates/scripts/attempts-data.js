@@ -38,6 +38,8 @@ window.attempts = (() => {
       this.count = header.count;
       this.texts = header.texts;
       this.scenarios = header.scenarios;
+      this.solvers = header.solvers; // {spec, label, formulation, engine, colour, marker, angle}
+      this.timeLimits = header.time_limits; // s, by experiment
       this.columns = {};
       for (const [name, entry] of Object.entries(header.arrays)) {
         this.columns[name] = array(bytes, entry);
@@ -60,6 +62,18 @@ window.attempts = (() => {
 
     ofScenario(name, i) {
       return this.scenarios[name][this.columns.scenario[i]];
+    }
+
+    // A text of a row, of the attempt or of its scenario; "" where it has none.
+    anyText(name, i) {
+      return (name in this.texts ? this.text(name, i) : this.ofScenario(name, i)) ?? "";
+    }
+
+    // The texts that occur in a column, sorted.
+    valuesOf(name) {
+      const values = new Set();
+      for (let i = 0; i < this.count; i += 1) values.add(this.anyText(name, i));
+      return [...values].sort(window.studyTables.compareTexts);
     }
 
     scenario(i) {
@@ -123,5 +137,15 @@ window.attempts = (() => {
     return opened;
   }
 
-  return {open, unpacked};
+  // Call `start` once an element is about to come into view.
+  function whenNear(place, start) {
+    const watcher = new IntersectionObserver((entries) => {
+      if (!entries.some((entry) => entry.isIntersecting)) return;
+      watcher.disconnect();
+      start();
+    }, {rootMargin: "300px"});
+    watcher.observe(place);
+  }
+
+  return {open, unpacked, whenNear};
 })();

@@ -1,0 +1,143 @@
+"use strict";
+// What the plot of attempts shows: axes, coloured solvers, regions, strata, verdicts, experiments;
+// chosen by form controls.
+(() => {
+  const {element} = window.studyTables;
+  const {FIELDS} = window.attempts;
+  const MOST_SOLVERS = 10; // coloured at a time
+  const MOST_STRATA = 40; // labels of scenarios; where there are more, each names one scenario
+  const SHAPES = { // markers in a box from -6 to 6; named as Bokeh names them
+    circle: "M -4.5 0 A 4.5 4.5 0 1 0 4.5 0 A 4.5 4.5 0 1 0 -4.5 0 Z",
+    triangle: "M 0 -5 L 5 4 H -5 Z",
+    inverted_triangle: "M 0 5 L 5 -4 H -5 Z",
+    square: "M -4 -4 H 4 V 4 H -4 Z",
+    diamond: "M 0 -5.5 L 4 0 L 0 5.5 L -4 0 Z",
+    plus: "M -1.7 -5 H 1.7 V -1.7 H 5 V 1.7 H 1.7 V 5 H -1.7 V 1.7 H -5 V -1.7 H -1.7 Z",
+    square_pin: "M -5 -5 Q 0 -2 5 -5 Q 2 0 5 5 Q 0 2 -5 5 Q -2 0 -5 -5 Z",
+    star: "M 0 -5.5 L 1.4 -1.8 H 5.2 L 2.2 0.6 L 3.3 4.5 L 0 2.2 L -3.3 4.5 L -2.2 0.6 L -5.2 -1.8 H -1.4 Z",
+    hex: "M -2.5 -4.4 H 2.5 L 5 0 L 2.5 4.4 H -2.5 L -5 0 Z",
+  };
+
+  // How the chosen solvers are drawn: the mark of their engine; those of one mark differ in what
+  // fills it.
+  function marks(data, chosen) {
+    const used = new Map(), result = new Map();
+    for (const k of chosen) {
+      const {colour, marker, angle} = data.solvers[k], key = `${colour} ${marker} ${angle}`;
+      const turn = used.get(key) || 0;
+      used.set(key, turn + 1);
+      result.set(k, {colour, marker, angle, fill: [0.85, 0, 0.35][turn % 3]});
+    }
+    return result;
+  }
+
+  // A mark as a small drawing, for the legend.
+  function swatch({colour, marker, angle, fill}) {
+    const box = document.createElementNS("http://www.w3.org/2000/svg", "svg");
+    box.setAttribute("viewBox", "-7 -7 14 14");
+    box.setAttribute("aria-hidden", "true");
+    box.setAttribute("class", "swatch");
+    const path = document.createElementNS("http://www.w3.org/2000/svg", "path");
+    path.setAttribute("d", SHAPES[marker] || SHAPES.circle);
+    path.setAttribute("transform", `rotate(${-angle * 180 / Math.PI})`);
+    path.style.stroke = `var(${colour})`;
+    path.style.fill = `var(${colour})`;
+    path.style.fillOpacity = fill;
+    box.append(path);
+    return box;
+  }
+
+  // At most ten solvers: the most successful of each formulation.
+  function usual(data) {
+    const {solver, verdict} = data.columns;
+    const right = ["optimal", "none exists"].map((text) => data.texts.verdict.indexOf(text) + 1);
+    const count = new Float64Array(data.solvers.length), good = new Float64Array(data.solvers.length);
+    for (let i = 0; i < data.count; i += 1) {
+      count[solver[i] - 1] += 1;
+      if (verdict[i] && right.includes(verdict[i])) good[solver[i] - 1] += 1;
+    }
+    const best = new Map();
+    data.solvers.forEach(({formulation}, k) => {
+      const other = best.get(formulation);
+      if (other === undefined || good[k] / count[k] > good[other] / count[other]) best.set(formulation, k);
+    });
+    return [...best.values()].slice(0, MOST_SOLVERS);
+  }
+
+  function axisSelect(state, axis, changed) {
+    const select = element("select", {name: axis});
+    for (const [name, {title}] of Object.entries(FIELDS)) {
+      select.append(element("option", {value: name, selected: state[axis] === name}, title));
+    }
+    select.addEventListener("change", () => {
+      state[axis] = select.value;
+      changed("axes");
+    });
+    return select;
+  }
+
+  // A folded list of boxes that say which values of a text are shown.
+  function textFilter(title, values, set, changed) {
+    const summary = element("summary");
+    const list = element("fieldset", {}, element("legend", {className: "hidden"}, title));
+    const describe = () => {
+      const shown = set.size === values.length ? "all" : `${set.size} of ${values.length}`;
+      summary.textContent = `${title}: ${shown}`;
+    };
+    const boxes = values.map((value) => {
+      const box = element("input", {type: "checkbox", checked: set.has(value)});
+      box.addEventListener("change", () => {
+        if (box.checked) set.add(value);
+        else set.delete(value);
+        describe();
+        changed("filter");
+      });
+      list.append(element("label", {}, box, ` ${value || "none"}`));
+      return box;
+    });
+    const all = element("button", {type: "button"}, "all"), none = element("button", {type: "button"}, "none");
+    for (const [button, on] of [[all, true], [none, false]]) {
+      button.addEventListener("click", () => {
+        boxes.forEach((box, k) => {
+          box.checked = on;
+          if (on) set.add(values[k]);
+          else set.delete(values[k]);
+        });
+        describe();
+        changed("filter");
+      });
+    }
+    list.prepend(element("div", {className: "buttons"}, all, " ", none));
+    describe();
+    return element("details", {}, summary, list);
+  }
+
+  // The form, and what it says: {x, y, chosen, others, texts: [[column, set of texts], ...]}.
+  function choice(data, changed) {
+    const state = {x: "margin", y: "gap", chosen: usual(data), others: true, texts: []};
+    const form = element("form", {className: "choice"});
+    form.addEventListener("submit", (event) => event.preventDefault());
+    form.append(element("div", {className: "axes"},
+      element("label", {}, "vertical ", axisSelect(state, "y", changed)),
+      element("label", {}, "horizontal ", axisSelect(state, "x", changed))));
+    const filters = element("div", {className: "filters"});
+    filters.append(window.attempts.solverList(data, state, changed, MOST_SOLVERS));
+    for (const [title, name] of [["regions", "region"], ["strata", "label"], ["verdicts", "verdict"],
+      ["branches", "branch"], ["experiments", "experiment"]]) {
+      const values = data.valuesOf(name);
+      if (values.length < 2 || values.length > MOST_STRATA) continue;
+      const set = new Set(values);
+      state.texts.push([name, set]);
+      filters.append(textFilter(title, values, set, changed));
+    }
+    const others = element("input", {type: "checkbox", checked: true});
+    others.addEventListener("change", () => {
+      state.others = others.checked;
+      changed("filter");
+    });
+    form.append(filters, element("label", {className: "others"}, others, " show the other solvers, faint"));
+    return {form, state};
+  }
+
+  Object.assign(window.attempts, {choice, marks, swatch});
+})();

@@ -1,0 +1,123 @@
+"use strict";
+// window.explorerAnswers(root): the explorer's table and sentences. Everything is set as text.
+window.explorerAnswers = (root) => {
+  const SHORTEST = "shortest", DEGREES = 180 / Math.PI;
+  const rows = new Map();
+  for (const row of root.querySelectorAll("tr[data-branch]")) {
+    const cells = {};
+    for (const cell of row.querySelectorAll("[data-cell]")) cells[cell.dataset.cell] = cell;
+    rows.set(row.dataset.branch, {row, cells});
+  }
+  const place = root.querySelector("[data-answer=place]");
+  const summary = root.querySelector("[data-answer=summary]");
+
+  // Six significant digits, with a minus sign that is one; tiny and huge numbers with a power of ten.
+  function number(value, digits = 6) {
+    const size = Math.abs(value);
+    if (size !== 0 && (size < 1e-4 || size >= 1e9)) {
+      return value.toExponential(digits - 1).replace("-", "−");
+    }
+    return String(Number(value.toPrecision(digits))).replace("-", "−");
+  }
+
+  const degrees = (angle, digits = 4) => `${number(angle * DEGREES, digits)}°`;
+
+  function segmentsOf(entry) {
+    if (!entry.word) return "nothing: the target is at the start";
+    const parts = [...entry.word].map((letter, i) => (letter === "S"
+      ? `S\u00a0${number(entry.segments[i], 5)}\u00a0R`
+      : `${letter}\u00a0${degrees(entry.segments[i])}`));
+    return parts.join(", ");
+  }
+
+  // Why a word has no path.
+  function absence(branch, {X, Y}) {
+    const [first, second] = branch, side = first === "L" ? "left" : "right";
+    if (second === "S") return `no path: the target is inside the ${side} turning circle`;
+    const distance = Math.hypot(X, Y - (first === "L" ? 1 : -1));
+    const what = distance > 3 ? "more than 3 R" : "less than 1 R";
+    return `no path: the target is ${what} (${number(distance, 4)} R) from the ${side} circle's centre`;
+  }
+
+  // What the certificate says, in words (docs/derivation.md, sections 9 and 10).
+  function verdict(entry, tied) {
+    const {certificate, segments, word} = entry;
+    if (word === "") return "nothing to drive";
+    if (certificate.verdict === "no extremal") {
+      const [a, b] = segments;
+      if (b <= Math.PI) return `no extremal: its second arc turns by ${degrees(b)}, not by more than 180°`;
+      if (a > b) return "no extremal: its first arc turns by more than its second";
+      return "no extremal: a turn goes the wrong way";
+    }
+    if (certificate.verdict === SHORTEST) {
+      if (word === "S") return "extremal; straight, so that nothing is shorter";
+      if (tied) return "extremal, on its cut: another word is as short";
+      return `extremal, and ${degrees(certificate.cut_margin)} before its cut: proves that it is the shortest`;
+    }
+    return `extremal, but ${degrees(-certificate.cut_margin)} beyond its cut: another word is shorter`;
+  }
+
+  function evidence(entry) {
+    const found = entry.certificate;
+    if (!entry.word || found.sign_margin === null) return "";
+    const size = found.abnormal ? "ν₀ = 0, " : "ν₀ = 1, ";
+    const sign = Math.abs(found.sign_margin) < 1e-12 ? 0 : found.sign_margin;
+    const cut = found.extremal ? `; cut margin ${degrees(found.cut_margin)}` : "";
+    return `${size}ν₁ = ${number(found.costate_x, 4)}, ν₂ = ${number(found.costate_y, 4)}; `
+      + `largest |H| ${found.hamiltonian < 1e-12 ? "0" : number(found.hamiltonian, 2)}; `
+      + `least −u\u00a0ν₃\u00a0${number(sign, 3)}${cut}`;
+  }
+
+  function over(entry, best) {
+    if (entry.optimal) return SHORTEST;
+    const excess = entry.length - best.length;
+    return best.length > 0 ? `+${number(100 * excess / best.length, 3)} %` : `+${number(excess, 4)}`;
+  }
+
+  function fill(scenario, entries) {
+    const best = entries.find((entry) => entry.optimal), local = window.dubins.local(scenario);
+    const tied = new Set(entries.filter((entry) => entry.optimal).map((entry) => entry.word)).size > 1;
+    for (const entry of entries) {
+      const {row, cells} = rows.get(entry.branch);
+      row.classList.toggle("optimal", entry.optimal);
+      row.classList.toggle("absent", !entry.exists);
+      cells.mark.textContent = entry.optimal ? "✓" : "";
+      cells.mark.title = entry.optimal ? "the shortest path" : "";
+      const texts = entry.exists ? {
+        path: segmentsOf(entry),
+        radii: number(entry.length / scenario.radius),
+        length: number(entry.length),
+        over: over(entry, best),
+        certificate: verdict(entry, tied && entry.optimal),
+        evidence: evidence(entry),
+      } : {path: "–", radii: "–", length: "–", over: "–", certificate: absence(entry.branch, local), evidence: ""};
+      for (const [name, text] of Object.entries(texts)) cells[name].textContent = text;
+      cells.length.dataset.value = entry.exists ? entry.length : "";
+    }
+    place.textContent = placeOf(scenario);
+    return summaryOf(scenario, best, tied);
+  }
+
+  function placeOf(scenario) {
+    const region = window.dubins.region(scenario), margin = number(window.dubins.margin(scenario), 4);
+    const where = {
+      outside: `outside both turning circles, ${margin} R from the nearer one`,
+      circle: "on a turning circle: one arc reaches it, and next to it the length jumps or bends",
+      "left disc": `inside the left turning circle, ${margin} R from it: no left turn reaches it at once, so the path turns right first`,
+      "right disc": `inside the right turning circle, ${margin} R from it: no right turn reaches it at once, so the path turns left first`,
+    };
+    return `The target lies ${where[region]}.`;
+  }
+
+  function summaryOf(scenario, best, tied) {
+    const words = tied ? "LS and RS, which tie" : best.word || "nothing to drive";
+    return `Shortest: ${words}, length ${number(best.length)} (${number(best.length / scenario.radius)} R).`;
+  }
+
+  // Spoken by screen readers, so only once a drag rests.
+  function announce(text) {
+    if (summary.textContent !== text) summary.textContent = text;
+  }
+
+  return {fill, announce, number};
+};

@@ -1,0 +1,250 @@
+"use strict";
+// window.explorerScene(stage): the plane of the explorer, drawn into an SVG inside the element `stage`.
+//
+// `fit(scenario, entries)` chooses the part of the plane that is shown, `draw(scenario, entries)`
+// draws it. The map of words is known in closed form (docs/derivation.md, section 6): LS to the left
+// of the start's axis and RS to its right, but RL inside the left turning circle and LR inside the
+// right one. A view is {x, y, scale}: the plane's point in the middle, and pixels per length unit.
+window.explorerScene = (stage) => {
+  const NAMESPACE = "http://www.w3.org/2000/svg";
+  const EDGE = 34; // pixels between what is shown and the picture's edge
+  const HEADING_ARM = 62; // pixels from the start to the heading's handle
+  const BRANCHES = ["RL", "LR", "RS", "LS"]; // later ones are drawn over earlier ones
+  const FAR = 1e5; // pixels; more than any screen has
+  let width = 720, height = 500, view = {x: 0, y: 0, scale: 40};
+
+  function element(name, attributes, parent) {
+    const made = document.createElementNS(NAMESPACE, name);
+    set(made, attributes);
+    return parent.appendChild(made);
+  }
+
+  function set(target, attributes) {
+    for (const [name, value] of Object.entries(attributes)) target.setAttribute(name, value);
+  }
+
+  const svg = element("svg", {class: "explorer-plane"}, stage);
+  const definitions = element("defs", {}, svg);
+  for (const [word, [shape, attributes]] of Object.entries({ // regions differ without colours too
+    RS: ["circle", {class: "mark", cx: 5, cy: 5, r: 1}],
+    RL: ["path", {class: "stripe", d: "M-2 2L2 -2M0 10L10 0M8 12L12 8"}],
+    LR: ["path", {class: "stripe", d: "M-2 8L2 12M0 0L10 10M8 -2L12 2"}],
+  })) {
+    const pattern = {id: `explorer-hatch-${word}`, width: 10, height: 10, patternUnits: "userSpaceOnUse"};
+    element(shape, attributes, element("pattern", pattern, definitions));
+  }
+  const group = (name) => element("g", {class: name}, svg);
+  const map = group("explorer-map"), lines = group("explorer-lines"), signs = group("explorer-signs");
+  const regions = {
+    LS: element("polygon", {class: "word-ls", "data-word": "LS"}, map),
+    RS: element("polygon", {class: "word-rs", "data-word": "RS"}, map),
+    RL: element("circle", {class: "word-rl", "data-word": "RL"}, map),
+    LR: element("circle", {class: "word-lr", "data-word": "LR"}, map),
+  };
+  const hatches = {};
+  for (const [word, region] of Object.entries(regions)) {
+    if (word !== "LS") {
+      hatches[word] = element(region.tagName, {fill: `url(#explorer-hatch-${word})`, class: "hatch"}, map);
+    }
+  }
+  const ahead = element("line", {class: "axis"}, map), behind = element("line", {class: "axis tie"}, map);
+  const fronts = [1, -1].map(() => element("path", {class: "front"}, map));
+  const regionTexts = {};
+  for (const word of Object.keys(regions)) {
+    regionTexts[word] = element("text", {class: "region-text"}, signs);
+    regionTexts[word].textContent = word;
+  }
+  const [aheadText, behindText] = ["S", "LS = RS"].map((word) => {
+    const text = element("text", {class: "axis-text"}, signs);
+    text.textContent = word;
+    return text;
+  });
+  const arm = element("line", {class: "heading-arm"}, lines);
+  const radiusLine = element("line", {class: "radius-line"}, lines);
+  const paths = {}, pathTexts = {};
+  for (const branch of BRANCHES) {
+    paths[branch] = element("path", {class: `path ${branch.toLowerCase()}`}, lines);
+  }
+  for (const branch of BRANCHES) {
+    pathTexts[branch] = element("text", {class: `path-text ${branch.toLowerCase()}`}, signs);
+  }
+  const radiusText = element("text", {class: "radius-text"}, signs);
+  radiusText.textContent = "R";
+  const start = element("circle", {class: "start", r: 4}, lines);
+
+  // Pixels of a point of the plane; y grows upwards there and downwards here.
+  const px = (x) => width / 2 + (x - view.x) * view.scale;
+  const py = (y) => height / 2 - (y - view.y) * view.scale;
+
+  // A point of the plane from the vehicle's frame (length unit), and back.
+  function outOf({x, y, heading}, forward, left) {
+    const cos = Math.cos(heading), sin = Math.sin(heading);
+    return {x: x + forward * cos - left * sin, y: y + forward * sin + left * cos};
+  }
+
+  function into({x, y, heading}, point) {
+    const cos = Math.cos(heading), sin = Math.sin(heading), dx = point.x - x, dy = point.y - y;
+    return {forward: dx * cos + dy * sin, left: dy * cos - dx * sin};
+  }
+
+  // The radius is dragged at the far side of the circle that the target is farther from.
+  const radiusSide = (scenario) => (into(scenario, {x: scenario.target_x, y: scenario.target_y}).left > 0 ? -1 : 1);
+
+  function handlePlaces(scenario, side) {
+    const {x, y, heading, target_x, target_y, radius} = scenario;
+    const far = outOf(scenario, 0, 2 * side * radius);
+    return {
+      target: {x: px(target_x), y: py(target_y)},
+      heading: {x: px(x) + HEADING_ARM * Math.cos(heading), y: py(y) - HEADING_ARM * Math.sin(heading)},
+      radius: {x: px(far.x), y: py(far.y)},
+    };
+  }
+
+  // Choose the view: start, both circles, the target and every path are in it.
+  function fit(scenario, entries) {
+    const points = [{x: scenario.x, y: scenario.y}, {x: scenario.target_x, y: scenario.target_y}];
+    for (const side of [1, -1]) {
+      const centre = outOf(scenario, 0, side * scenario.radius);
+      for (const [i, j] of [[1, 0], [-1, 0], [0, 1], [0, -1]]) {
+        points.push({x: centre.x + i * scenario.radius, y: centre.y + j * scenario.radius});
+      }
+    }
+    for (const entry of entries) {
+      const line = window.dubins.polyline(scenario, entry.curvatures, entry.lengths, 24);
+      for (const [x, y] of line) points.push({x, y});
+    }
+    const xs = points.map((p) => p.x), ys = points.map((p) => p.y);
+    const [left, right, low, high] = [Math.min(...xs), Math.max(...xs), Math.min(...ys), Math.max(...ys)];
+    const scale = Math.min((width - 2 * EDGE) / (right - left), (height - 2 * EDGE) / (high - low));
+    view = {x: (left + right) / 2, y: (low + high) / 2, scale};
+  }
+
+  // Whether all handles are in view and the circles are neither dots nor larger than the picture.
+  function fits(scenario) {
+    const places = Object.values(handlePlaces(scenario, radiusSide(scenario)));
+    const inside = ({x, y}) => x > 8 && x < width - 8 && y > 8 && y < height - 8;
+    return places.every(inside) && view.scale * scenario.radius > 14;
+  }
+
+  function resize(newWidth, newHeight) {
+    width = newWidth;
+    height = newHeight;
+    svg.setAttribute("viewBox", `0 0 ${width} ${height}`);
+  }
+
+  // An SVG path of arcs and straights; arcs in two halves, so that none is a full circle.
+  function outline(scenario, entry) {
+    const half = (list) => list.flatMap((value) => [value, value]);
+    const poses = window.dubins.poses(scenario, half(entry.curvatures), half(entry.lengths.map((l) => l / 2)));
+    const r = scenario.radius * view.scale;
+    let text = `M${px(poses[0].x)} ${py(poses[0].y)}`;
+    poses.slice(1).forEach(({x, y}, i) => {
+      const curvature = entry.curvatures[i >> 1];
+      const sweep = curvature > 0 ? 0 : 1;
+      text += curvature === 0 ? "L" : `A${r} ${r} 0 0 ${sweep} `; // a half is never above pi
+      text += `${px(x)} ${py(y)}`;
+    });
+    return text;
+  }
+
+  function drawMap(scenario, places) {
+    const {x, y, heading, radius} = scenario, r = radius * view.scale;
+    const cos = Math.cos(heading), sin = Math.sin(heading), sx = px(x), sy = py(y);
+    const corner = (forward, left) => `${sx + forward * cos - left * sin},${sy - forward * sin - left * cos}`;
+    for (const [word, side] of [["LS", 1], ["RS", -1]]) {
+      const points = [corner(-FAR, 0), corner(FAR, 0), corner(FAR, side * FAR), corner(-FAR, side * FAR)];
+      for (const part of [regions[word], hatches[word]]) if (part) part.setAttribute("points", points.join(" "));
+    }
+    [["RL", 1], ["LR", -1]].forEach(([word, side], i) => {
+      const centre = {cx: sx - side * r * sin, cy: sy - side * r * cos, r};
+      set(regions[word], centre);
+      set(hatches[word], centre);
+      const top = outOf(scenario, 0, 2 * side * radius);
+      fronts[i].setAttribute("d", `M${sx} ${sy}A${r} ${r} 0 0 ${side > 0 ? 0 : 1} ${px(top.x)} ${py(top.y)}`);
+    });
+    set(ahead, {x1: sx, y1: sy, x2: sx + FAR * cos, y2: sy - FAR * sin});
+    set(behind, {x1: sx, y1: sy, x2: sx - FAR * cos, y2: sy + FAR * sin});
+    set(start, {cx: sx, cy: sy});
+    set(arm, {x1: sx, y1: sy, x2: sx + HEADING_ARM * cos, y2: sy - HEADING_ARM * sin});
+    placeRegionTexts(scenario, r, places);
+  }
+
+  // Names of the half-planes where the picture reaches farthest into them, of discs and axis near the
+  // start; none where a handle is.
+  function placeRegionTexts(scenario, r, places) {
+    const cos = Math.cos(scenario.heading), sin = Math.sin(scenario.heading);
+    const sx = px(scenario.x), sy = py(scenario.y), inset = 30;
+    const taken = Object.values(places), free = ([x, y], apart = 48) => taken.every((p) => Math.hypot(p.x - x, p.y - y) > apart);
+    const spots = [inset, width / 2, width - inset].flatMap((x) => [22, height / 2, height - 14].map((y) => [x, y]))
+      .filter((spot) => free(spot));
+    for (const [word, side] of [["LS", 1], ["RS", -1]]) {
+      const depth = ([x, y]) => side * (-(y - sy) * cos - (x - sx) * sin);
+      const [x, y] = spots.reduce((best, spot) => (depth(spot) > depth(best) ? spot : best));
+      set(regionTexts[word], {x, y, visibility: depth([x, y]) > 2 * r + 12 || depth([x, y]) > 60 ? "visible" : "hidden"});
+    }
+    for (const [word, side] of [["RL", 1], ["LR", -1]]) {
+      const inwards = 0.6 * r; // nearer the start than the middle, where the radius is drawn
+      set(regionTexts[word], {x: sx - side * inwards * sin, y: sy - side * inwards * cos + 5,
+        visibility: r > 34 ? "visible" : "hidden"});
+    }
+    for (const [text, along] of [[aheadText, HEADING_ARM + 38], [behindText, -64]]) {
+      const spot = [sx + along * cos, sy - along * sin];
+      set(text, {x: spot[0], y: spot[1] + 4, visibility: free(spot, 30) ? "visible" : "hidden"});
+    }
+  }
+
+  function drawPaths(scenario, entries, places) {
+    const taken = Object.values(places);
+    for (const entry of entries) {
+      const path = paths[entry.branch], text = pathTexts[entry.branch];
+      path.setAttribute("d", entry.exists ? outline(scenario, entry) : "");
+      path.classList.toggle("optimal", entry.optimal);
+      text.classList.toggle("optimal", entry.optimal);
+      text.textContent = entry.exists && entry.word ? entry.branch : "";
+      if (!text.textContent) continue;
+      const place = freePlace(scenario, entry, taken);
+      taken.push(place);
+      set(text, {x: place.x + 7, y: place.y - 7});
+    }
+  }
+
+  // A place on a path for its name, away from handles and other names if there is one.
+  function freePlace(scenario, entry, taken) {
+    const spots = [0.55, 0.45, 0.65, 0.35, 0.75, 0.25].map((share) => {
+      const {x, y} = along(scenario, entry, share * entry.length);
+      return {x: px(x), y: py(y)};
+    });
+    const room = (spot) => Math.min(...taken.map(({x, y}) => Math.hypot(x - spot.x, y - spot.y)));
+    return spots.find((spot) => room(spot) > 36) || spots[0];
+  }
+
+  // The point of a path at a distance from its start.
+  function along(scenario, entry, distance) {
+    let left = distance;
+    const lengths = entry.lengths.map((length) => {
+      const driven = Math.min(length, left);
+      left -= driven;
+      return driven;
+    });
+    return window.dubins.poses(scenario, entry.curvatures, lengths).pop();
+  }
+
+  function draw(scenario, entries, side) {
+    const places = handlePlaces(scenario, side), centre = outOf(scenario, 0, side * scenario.radius);
+    drawMap(scenario, places);
+    drawPaths(scenario, entries, places);
+    const from = {x: px(centre.x), y: py(centre.y)};
+    set(radiusLine, {x1: from.x, y1: from.y, x2: places.radius.x, y2: places.radius.y});
+    set(radiusText, {x: (from.x + places.radius.x) / 2 + 6, y: (from.y + places.radius.y) / 2 + 4,
+      visibility: scenario.radius * view.scale > 60 ? "visible" : "hidden"});
+    return places;
+  }
+
+  // The plane's point under a point of the picture.
+  const pointAt = (x, y) => ({x: view.x + (x - width / 2) / view.scale, y: view.y - (y - height / 2) / view.scale});
+
+  return {
+    svg, fit, fits, resize, draw, pointAt, radiusSide, into,
+    pixel: () => 1 / view.scale, // length unit
+  };
+};

@@ -1,0 +1,134 @@
+"use strict";
+// A drawing of one path beside the reference, as SVG: the start with its heading, the target, both
+// turning circles, the solver's path solid and the reference dashed, and a scale bar.
+(() => {
+  const SVG = "http://www.w3.org/2000/svg";
+
+  function shape(name, attributes, ...children) {
+    const node = document.createElementNS(SVG, name);
+    for (const [key, value] of Object.entries(attributes)) node.setAttribute(key, value);
+    node.append(...children);
+    return node;
+  }
+
+  // The reference path's points; null where no path exists or the question cannot be drawn.
+  function reference(scenario, branch) {
+    try {
+      const path = branch === "best" ? window.dubins.shortest(scenario)
+        : window.dubins.words(scenario).find((entry) => entry.branch === branch);
+      if (!path || !path.exists) return null;
+      return window.dubins.polyline(scenario, path.curvatures, path.lengths, 120);
+    } catch {
+      return null; // a radius that is tiny beside the distances
+    }
+  }
+
+  // Centres of the circles on the left and on the right of the start.
+  function centres({x, y, heading, radius}) {
+    return [1, -1].map((side) => [
+      x - side * radius * Math.sin(heading), y + side * radius * Math.cos(heading)]);
+  }
+
+  // The box [left, bottom, right, top] that is drawn, with room around it. A path that leads far
+  // away is cut: start, target and reference stay large enough to be seen.
+  function box(scenario, lines) {
+    const {x, y, target_x, target_y, radius} = scenario;
+    const near = [[x, y], [target_x, target_y], ...(lines[1] || [])];
+    for (const [cx, cy] of centres(scenario)) {
+      near.push([cx - radius, cy - radius], [cx + radius, cy + radius]);
+    }
+    const least = bounds(near), all = bounds([...near, ...(lines[0] || [])]);
+    const span = Math.max(least[2] - least[0], least[3] - least[1]);
+    const room = 0.06 * span, most = 2.5 * span;
+    return [
+      Math.max(all[0], least[0] - most) - room, Math.max(all[1], least[1] - most) - room,
+      Math.min(all[2], least[2] + most) + room, Math.min(all[3], least[3] + most) + room];
+  }
+
+  function bounds(points) {
+    const xs = points.map((p) => p[0]), ys = points.map((p) => p[1]);
+    return [Math.min(...xs), Math.min(...ys), Math.max(...xs), Math.max(...ys)];
+  }
+
+  // 1, 2 or 5 times a power of ten, at most `length`.
+  function round(length) {
+    const power = 10 ** Math.floor(Math.log10(length));
+    return [5, 2, 1].find((factor) => factor * power <= length) * power;
+  }
+
+  // The drawing of a row, `width` by at most `height` CSS pixels; labels only in large drawings.
+  function picture(data, i, {width, height, labels}) {
+    const scenario = data.scenario(i);
+    const lines = [data.path(i), reference(scenario, data.text("branch", i))];
+    const [left, bottom, right, top] = box(scenario, lines);
+    const spare = labels ? 26 : 4; // pixels below the drawing, for the scale bar
+    const scale = Math.min(width / (right - left), (height - spare) / (top - bottom));
+    const size = [width, labels ? Math.max((top - bottom) * scale, 140) + spare : height];
+    const shift = [(size[0] - (right - left) * scale) / 2, (size[1] - spare - (top - bottom) * scale) / 2];
+    const at = (x, y) => [shift[0] + (x - left) * scale, shift[1] + (top - y) * scale];
+    const text = summary(data, i, lines);
+    const svg = shape("svg", {viewBox: `0 0 ${size[0].toFixed(1)} ${size[1].toFixed(1)}`, role: "img",
+      "aria-label": text, class: "path-picture"});
+    for (const [cx, cy] of centres(scenario)) {
+      const [px, py] = at(cx, cy);
+      svg.append(shape("circle", {cx: px, cy: py, r: scenario.radius * scale, class: "turning"}));
+    }
+    const names = ["solver", "reference"];
+    lines.forEach((line, k) => {
+      if (line) svg.append(shape("polyline", {points: line.map(([x, y]) => at(x, y).map(tidy)).join(" "),
+        class: names[k]}));
+    });
+    svg.append(...marks(scenario, at));
+    if (labels) svg.append(...writing(scenario, lines, at, {scale, size}));
+    return svg;
+  }
+
+  function tidy(value) {
+    return Math.max(-1e5, Math.min(1e5, value)).toFixed(1);
+  }
+
+  // The start as an arrow along its heading, the target as a ring with a dot.
+  function marks(scenario, at) {
+    const [sx, sy] = at(scenario.x, scenario.y), [tx, ty] = at(scenario.target_x, scenario.target_y);
+    const degrees = -scenario.heading * 180 / Math.PI;
+    return [
+      shape("path", {d: "M 13 0 L -5 -6 L -2 0 L -5 6 Z", class: "start",
+        transform: `translate(${tidy(sx)} ${tidy(sy)}) rotate(${degrees.toFixed(2)})`}),
+      shape("circle", {cx: tidy(tx), cy: tidy(ty), r: 6, class: "target"}),
+      shape("circle", {cx: tidy(tx), cy: tidy(ty), r: 1.8, class: "start"}),
+    ];
+  }
+
+  // Names at the start, the target and the solver's path, and the scale bar.
+  function writing(scenario, lines, at, {scale, size}) {
+    const [sx, sy] = at(scenario.x, scenario.y), [tx, ty] = at(scenario.target_x, scenario.target_y);
+    const texts = [label(sx, sy, "start", size), label(tx, ty, "target", size)];
+    const unit = round(size[0] / 4 / scale), y = size[1] - 8;
+    texts.push(
+      shape("path", {d: `M 4 ${y - 4} V ${y} H ${tidy(4 + unit * scale)} V ${y - 4}`, class: "scale"}),
+      named(8 + unit * scale, y, `${window.attempts.number(unit / scenario.radius)} R`));
+    return texts;
+  }
+
+  function named(x, y, text) {
+    return shape("text", {x: tidy(x), y: tidy(y)}, text);
+  }
+
+  function label(x, y, text, [width]) {
+    const left = x > width - 60;
+    const node = named(x + (left ? -11 : 11), y + 16, text);
+    node.setAttribute("text-anchor", left ? "end" : "start");
+    return node;
+  }
+
+  // What the drawing shows, for readers who do not see it.
+  function summary(data, i, lines) {
+    const word = data.text("word", i);
+    const path = lines[0] ? `a path ${word ? `of word ${word}` : "without turns or straights"}`
+      : "no path that can be drawn";
+    const compared = lines[1] ? "beside the reference" : "and no reference exists";
+    return `The solver's answer, ${path}, ${compared}`;
+  }
+
+  Object.assign(window.attempts, {picture});
+})();

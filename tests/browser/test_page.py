@@ -1,0 +1,140 @@
+"""The page in a browser: on a phone and a desk, in the dark, in print, by keyboard."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from browser_tab import DESK, PHONE
+
+WIDTHS = {"phone": PHONE, "desk": DESK}
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+@pytest.mark.parametrize("width", WIDTHS)
+def test_nothing_scrolls_sideways(new_tab, report_page: Path, width: str, scheme: str):
+    """What is wider than the screen scrolls in a box of its own."""
+    page = new_tab(viewport=WIDTHS[width], color_scheme=scheme)
+    page.goto(report_page.as_uri())
+
+    assert page.evaluate("document.scrollingElement.scrollWidth") <= WIDTHS[width]["width"]
+
+
+def test_every_anchor_is_there_once(new_tab, report_page: Path):
+    """Ids are unique, in figures too, and every link inside the page leads somewhere."""
+    page = new_tab()
+    page.goto(report_page.as_uri())
+    ids = page.evaluate("[...document.querySelectorAll('[id]')].map((part) => part.id)")
+    links = page.evaluate(
+        "[...document.querySelectorAll('a[href^=\"#\"]')].map((link) => link.hash.slice(1))"
+    )
+    used = page.evaluate(
+        """[...document.querySelectorAll('svg use')].map(
+            (part) => part.href.baseVal.slice(1))"""
+    )
+
+    assert len(ids) == len(set(ids)) > 50
+    assert {*links, *used} <= set(ids)
+    assert len(used) > 50
+
+
+def test_every_file_that_the_page_links_is_there(new_tab, report_page: Path):
+    """Tables as CSV, Markdown and LaTeX, figures as SVG and PDF, below the page's folder."""
+    page = new_tab()
+    page.goto(report_page.as_uri())
+    links = page.evaluate("[...document.querySelectorAll('a')].map((a) => a.getAttribute('href'))")
+    files = {link for link in links if not link.startswith("#")}
+    written = {
+        str(file.relative_to(report_page.parent))
+        for folder in ("tables", "figures")
+        for file in (report_page.parent / folder).iterdir()
+    }
+
+    assert files == written
+    assert {Path(name).suffix for name in files} == {".csv", ".md", ".tex", ".svg", ".pdf"}
+
+
+def test_the_contents_follow_the_reading(new_tab, report_page: Path):
+    """On a desk they stay on the screen, and mark the section that is read."""
+    page = new_tab(viewport=DESK, reduced_motion="reduce")
+    page.goto(report_page.as_uri())
+    current = page.locator("#contents a[aria-current]")
+    first = current.text_content()
+    page.evaluate("document.getElementById('matrix').scrollIntoView()")
+    page.wait_for_function("document.querySelector('#contents a[aria-current]').hash === '#matrix'")
+
+    assert current.count() == 1
+    assert first != current.text_content()
+    assert current.is_visible()
+    assert page.locator("#contents").bounding_box()["y"] >= 0
+    page.evaluate("window.scrollTo(0, document.scrollingElement.scrollHeight)")
+    page.wait_for_function(
+        "document.querySelector('#contents a[aria-current]').hash === '#glossary'"
+    )
+
+
+def test_the_contents_fold_away_on_a_phone(new_tab, report_page: Path):
+    """One line names the section that is read; a tap unfolds the list, a link folds it again."""
+    page = new_tab(viewport=PHONE, reduced_motion="reduce")
+    page.goto(report_page.as_uri())
+    link = page.locator("#contents a[href='#matrix']")
+
+    assert not link.is_visible()
+    page.locator("#contents summary").click()
+    assert link.is_visible()
+    link.click()
+    assert not link.is_visible()
+    page.wait_for_function("document.getElementById('here').textContent.includes('engine')")
+    assert page.locator("#contents summary").bounding_box()["y"] >= 0
+
+
+def test_the_page_is_reached_by_keyboard(new_tab, report_page: Path):
+    """The first stop skips to the answer; every stop shows where the reader is."""
+    page = new_tab()
+    page.goto(report_page.as_uri())
+    page.keyboard.press("Tab")
+    skip = page.locator(".skip")
+
+    assert skip.evaluate("(link) => document.activeElement === link")
+    assert skip.bounding_box()["x"] >= 0
+    for _ in range(40):
+        page.keyboard.press("Tab")
+        outline = page.evaluate("getComputedStyle(document.activeElement).outlineStyle")
+        assert outline != "none", page.evaluate("document.activeElement.outerHTML.slice(0, 200)")
+
+
+def test_print_shows_all_rows_and_no_contents(new_tab, report_page: Path):
+    """Boxes that scroll on a screen are whole on paper, in dark ink."""
+    page = new_tab(color_scheme="dark")
+    page.goto(report_page.as_uri())
+    page.emulate_media(media="print")
+    hidden = page.evaluate(
+        """[...document.querySelectorAll('.scroll')].filter(
+            (box) => box.scrollHeight > box.clientHeight + 1).length"""
+    )
+
+    assert not page.locator("#contents").is_visible()
+    assert not page.locator(".files").first.is_visible()
+    assert hidden == 0
+    assert page.evaluate("getComputedStyle(document.body).color") == "rgb(0, 0, 0)"
+
+
+def test_the_page_is_complete_without_scripts(new_tab, report_page: Path):
+    """All text, tables and figures are in the file; the contents are open."""
+    page = new_tab(java_script_enabled=False, viewport=DESK)
+    page.goto(report_page.as_uri())
+
+    assert page.locator("#contents a[href='#glossary']").is_visible()
+    assert page.locator("#matrix table").first.is_visible()
+    assert page.locator("#matrix svg").first.is_visible()
+
+
+def test_text_from_outside_stays_text(new_tab, report_page: Path):
+    """A script in a message is read as it stands, and marks that turn text are written out."""
+    page = new_tab()
+    page.goto(report_page.as_uri())
+    text = page.locator("body").inner_text()
+
+    assert "<script>alert('x')</script>" in text
+    assert "\\u202eabc\\u2066" in text
+    assert not set("\u202a\u202b\u202d\u202e\u2066\u2067\u2068") & set(text)

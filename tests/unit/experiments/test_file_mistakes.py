@@ -1,0 +1,144 @@
+"""All mistakes of an experiment's file at once: line, key, value, and the nearest name."""
+
+from __future__ import annotations
+
+import tomllib
+
+import pytest
+
+from dubins_study.experiments.definition.experiment import ExperimentError, packaged, read
+from dubins_study.experiments.definition.toml_lines import KeyLines
+from dubins_study.experiments.plan.run_plan import Request, plan_run
+from dubins_study.solvers.registry import SolverError
+
+MANY = '''# a comment [x]
+title = "t # no"
+quesion = """
+two
+lines"""
+solvers = [
+  "analytic", # one
+  "slsqp[x=1.5]",
+]
+repeats = 1.5
+branches = ["best", "ls"]
+[[scenarios]]
+target_x = { linear = [1, 2, true] }
+target_y = 3.5
+radios = 2
+[first]
+scenarios = 0
+solvers = ["analytc"]
+[[scenarios]]
+target_x = 1
+target_y = "12deg"
+sample.method = "sobl"
+sample.count = 3
+sample.seed = -1
+sample.ranges = {x = {linear=[1.5,
+ 2]}, "tar get" = { log = [0, 1] } }
+'''
+MISTAKES = [
+    "line 3: quesion: unknown key; did you mean 'question'?",
+    "line 8: solvers: solver 'slsqp' has no setting 'x'; it has: model,",
+    "line 10: repeats is 1.5: expected a whole number",
+    "line 11: branches is ['best', 'ls']: no branch named 'ls'; did you mean 'LS'? choose from",
+    "line 13: scenarios.0.target_x.linear.2 is True: expected a number",
+    "line 15: scenarios.0.radios: unknown key; did you mean 'radius'?",
+    "line 17: first.scenarios is 0: expected a number of at least 1",
+    "line 18: first.solvers: no solver named 'analytc'; did you mean 'analytic'? choose one of",
+    "line 22: scenarios.1.sample.method is 'sobl': expected 'sobol' or 'latin hypercube'",
+    "line 24: scenarios.1.sample.seed is -1: expected a number of at least 0",
+    "line 26: scenarios.1.sample.ranges.'tar get'.log is [0, 1]: a logarithmic range",
+]
+
+
+def refusal_of(text, tmp_path, **request):
+    file = tmp_path / "my.toml"
+    file.write_text(text, encoding="utf-8")
+    with pytest.raises((ExperimentError, SolverError)) as error:
+        plan_run(Request(str(file), **request))
+    return str(error.value).removeprefix(f"{file}: ")
+
+
+def test_all_mistakes_at_once(tmp_path):
+    head, *mistakes = refusal_of(MANY, tmp_path).splitlines()
+
+    assert head == f"{len(MISTAKES)} mistakes"
+    assert len(mistakes) == len(MISTAKES)
+    for line, expected in zip(mistakes, MISTAKES, strict=True):
+        assert line.startswith(f"  {expected}")
+
+
+def test_solvers_are_checked_together(tmp_path):
+    """Braces and plug-ins are checked once the file is valid; plug-ins only if they are trusted."""
+    text = (
+        'title = "t"\nquestion = "q"\nsolvers = ["{ipopt,slsqp}[modl=joint]", "no.py:A"]\n'
+        '[[scenarios]]\ntarget_x = 1\ntarget_y = 2\nsolvers = ["nlp["]\n'
+    )
+
+    assert refusal_of(text, tmp_path).startswith("line 3: solvers: no.py:A runs a program or file")
+    head, *mistakes = refusal_of(text, tmp_path, trust_plugins=True).splitlines()
+    assert head == "3 mistakes"
+    assert mistakes[0].startswith(
+        "  line 3: solvers: solver 'ipopt' has no setting 'modl'; did you"
+    )
+    assert (
+        mistakes[1]
+        == "  line 3: solvers: solver 'no.py:A': no file 'no.py'; expected file.py:Class"
+    )
+    assert mistakes[2].startswith("  line 7: scenarios.0.solvers: solver 'nlp[': '[' is not closed")
+
+
+def test_the_line_of_a_scenario_that_no_vehicle_has(tmp_path):
+    block = "[[scenarios]]\ntarget_x = 1\ntarget_y = 2\n"
+    text = f'title = "t"\nquestion = "q"\nsolvers = ["analytic"]\n{block}{block}radius = [1, 0]\n'
+
+    assert refusal_of(text, tmp_path).startswith("line 7: scenarios.1, scenario 1: radius is 0.0;")
+
+
+def test_twenty_mistakes_are_enough(tmp_path):
+    text = "".join(f"key{number} = 1\n" for number in range(50))
+
+    lines = refusal_of(text, tmp_path).splitlines()
+    assert len(lines) == 22
+    assert lines[-1] == "  and 34 more"  # with four keys that are missing
+
+
+def test_a_syntax_error_keeps_the_readers_line(tmp_path):
+    assert "(at line 2, column 5)" in refusal_of('title = "t"\nx = \n', tmp_path)
+
+
+def paths(value, path=()):
+    """The path of every value of a TOML file, and the value."""
+    yield path, value
+    if isinstance(value, dict):
+        for key, inner in value.items():
+            yield from paths(inner, (*path, key))
+    elif isinstance(value, list):
+        for number, inner in enumerate(value):
+            yield from paths(inner, (*path, number))
+
+
+@pytest.mark.parametrize("name", packaged())
+def test_each_value_stands_on_its_line(name):
+    """Of all packaged experiments: the line holds the value's text, or its table's last key."""
+    text = read(name).text
+    lines, key_lines = text.splitlines(), KeyLines(text)
+    for path, value in paths(tomllib.loads(text)):
+        if not path:
+            continue
+        line = lines[key_lines.line(path) - 1]
+        if isinstance(value, str) and "\n" not in value:
+            assert value in line, path
+        elif isinstance(path[-1], str):
+            assert path[-1] in line, path
+
+
+@pytest.mark.parametrize(
+    "text", ["", "a = 1", '"a b".c = [[1], {d = 2}]', "[a]\n[a.b]\n[[a.c]]\nd=1"]
+)
+def test_every_key_has_a_line(text):
+    key_lines = KeyLines(text)
+
+    assert all(key_lines.line(path) for path, _ in paths(tomllib.loads(text)) if path)
