@@ -73,7 +73,7 @@ check: $(READY)  ## lint, format and type checks
 
 # a page that does not build cleanly, a link to nowhere or a notebook that fails ends the build
 docs: $(READY)  ## build the documentation into build/site
-	$(BIN)/sphinx-build -q -W --keep-going docs build/site
+	$(BIN)/sphinx-build -q -E -W --keep-going docs build/site
 	@echo build/site/index.html
 
 bench: $(READY)  ## measure speed beside peers and print a table of ratios

@@ -19,7 +19,9 @@ extensions = [
     "sphinx.ext.autodoc",
     "sphinx.ext.napoleon",
     "sphinx_copybutton",
+    "generated",
     "mathml",
+    "short_names",
 ]
 exclude_patterns = ["ext", "**/.ipynb_checkpoints"]
 templates_path: list[str] = []
@@ -42,6 +44,13 @@ nb_merge_streams = True
 autodoc_typehints = "signature"
 autodoc_member_order = "bysource"
 autodoc_preserve_defaults = True
+autodoc_typehints_format = "short"
+default_role = "code"  # docstrings mark code with one backtick
+# other people's names: their own documentation has them, and the build asks no other host
+nitpick_ignore_regex = [
+    ("py:class", r"(numpy|np|pandas|pd|pa|matplotlib|pathlib|collections|datetime)\..*"),
+    ("py:class", r"ArrayLike|FloatArray|FilePath|Figure|Progress|Answered|MachineSpeed|RunEntry"),
+]
 napoleon_custom_sections = [("Class attributes", "params_style")]
 
 # HTML: nothing is asked of another host, neither fonts nor scripts nor formulas

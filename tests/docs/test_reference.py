@@ -3,15 +3,22 @@
 from __future__ import annotations
 
 import json
+import re
 import tomllib
+from importlib import import_module
 from importlib.resources import files
+from pathlib import Path
+from types import ModuleType
 
 import pytest
 from jsonschema import Draft202012Validator
 
+import dubins_study
 from dubins_study.experiments.definition.experiment import packaged
 from dubins_study.experiments.definition.json_schema import SCHEMA_FILE, schema_text
+from dubins_study.solvers.registry import load, settings
 
+DOCS = Path(__file__).parents[2] / "docs"
 FOLDER = files("dubins_study.experiments")
 SCHEMA = FOLDER / SCHEMA_FILE
 
@@ -29,3 +36,55 @@ def test_every_packaged_experiment_is_valid_by_the_schema(name):
 
     assert not list(validator.iter_errors(fields))
     assert list(validator.iter_errors(fields | {"solver": ["ipopt"]}))  # the key is `solvers`
+
+
+@pytest.fixture
+def generator(monkeypatch: pytest.MonkeyPatch):
+    """A module of `docs/ext` by its name."""
+    monkeypatch.syspath_prepend(str(DOCS / "ext"))
+
+    def loaded(name: str) -> ModuleType:
+        return import_module(name)
+
+    return loaded
+
+
+def test_every_setting_of_every_solver_has_a_meaning(generator):
+    """The tables of settings are made of docstrings; a setting that none explains is missing."""
+    package = generator("package")
+    names = package.solver_names()
+
+    assert len(names) >= 13
+    for name in names:
+        unexplained = set(settings(load(name))) - set(package.setting_meanings(type(load(name))))
+        assert not unexplained, f"{name}: no docstring explains {unexplained}"
+
+
+def test_every_command_has_its_section(generator):
+    """`dubins-study --help` and the page name the same commands."""
+    page = (DOCS / "reference" / "command-line.md").read_text(encoding="utf-8")
+
+    assert re.findall(r"^```{generated} command (.*)$", page, re.M) == list(
+        generator("command_line").commands()
+    )
+
+
+def test_every_public_name_is_in_the_reference():
+    """What `dubins_study` hands out has an entry."""
+    page = (DOCS / "reference" / "api.md").read_text(encoding="utf-8")
+    entries = re.findall(r"^\.\. auto\w+:: (\w+)$", page, re.M)
+
+    assert set(entries) == set(dubins_study.__all__)
+
+
+def test_every_key_of_an_experiment_is_explained(generator):
+    """A key without a docstring would be a row without a meaning."""
+    schema = json.loads(SCHEMA.read_text(encoding="utf-8"))
+    page = (DOCS / "reference" / "experiment.md").read_text(encoding="utf-8")
+    shown = re.findall(r"^```{generated} toml (\w+)$", page, re.M)
+    tables = {"Experiment": schema} | schema["$defs"]
+    ways = {"Linear", "Log", "LinearRange", "LogRange"}  # told in words under *Axes*
+
+    assert set(shown) == set(tables) - ways
+    for name in tables:
+        assert "| needed |" in generator("toml_reference").toml_table(name) or name == "Block"

@@ -21,7 +21,9 @@ LOADED = re.compile(
 def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The site, built with every warning as an error; its notebooks are run."""
     out = tmp_path_factory.mktemp("docs") / "site"
-    command = [sys.executable, "-m", "sphinx", "-q", "-W", "--keep-going", str(DOCS), str(out)]
+    trees = str(out.with_name("trees"))
+    options = ["-q", "-W", "--keep-going", "-d", trees]
+    command = [sys.executable, "-m", "sphinx", *options, str(DOCS), str(out)]
     build = subprocess.run(command, capture_output=True, text=True, timeout=280)
 
     assert build.returncode == 0, build.stderr

@@ -101,6 +101,7 @@ def test_a_spoilt_folder_is_looked_at(seed, spoilt, small_run, song):
     looked_at(seed, spoilt, small_run, song)
 
 
+@pytest.mark.slow
 @cases(6)
 @given(seed=seeds)
 def test_a_spoilt_folder_is_reported(seed, spoilt, song):

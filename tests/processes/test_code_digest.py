@@ -169,6 +169,7 @@ target_y = 3
 """
 
 
+@pytest.mark.slow
 def test_rows_of_earlier_code_are_solved_anew_and_never_shown(tmp_path):
     """They are kept, counted, and left out of everything else."""
     plugin, file = tmp_path / "mine.py", tmp_path / "changing.toml"
@@ -234,6 +235,7 @@ def test_folders_of_two_codes(tmp_path):
     )
 
 
+@pytest.mark.slow
 def test_folders_that_contradict_each_other(tmp_path):
     """The same code that found two things: the page says so first, however many folders do."""
     plugin, file = tmp_path / "mine.py", tmp_path / "chance.toml"

@@ -348,7 +348,12 @@ class Odd(Solver):
 
 
 @pytest.mark.parametrize(
-    ("curvature", "length"), [("math.nan", "1.0"), ("math.inf", "1.0"), ("0.0", "math.inf")]
+    ("curvature", "length"),
+    [
+        ("math.nan", "1.0"),
+        pytest.param("math.inf", "1.0", marks=pytest.mark.slow),
+        pytest.param("0.0", "math.inf", marks=pytest.mark.slow),
+    ],
 )
 def test_controls_that_are_not_finite_cost_their_own_row_alone(tmp_path, curvature, length):
     """The answer is printed, nothing is drawn, and the folder of a run can be read."""

@@ -77,6 +77,7 @@ def test_numbers_are_of_all_rows_and_rows_a_sample_of_scenarios(many, sampling, 
     assert found.path(first).total_length == found.rows["length"][first]
 
 
+@pytest.mark.slow
 def test_the_sample_does_not_depend_on_the_order_of_parts(many, sampling, monkeypatch):
     """Nor do the numbers."""
     one = load_results([many])
@@ -111,6 +112,7 @@ def test_rows_of_earlier_code_are_told_and_left_out(many, sampling):
         load_results([many])
 
 
+@pytest.mark.slow
 def test_the_page_says_what_it_leaves_out(many, sampling, tmp_path):
     """With both numbers, in the sections that it concerns; tables count every attempt."""
     page = render([many], tmp_path / "page").read_text(encoding="utf-8")
@@ -132,6 +134,7 @@ def test_the_page_says_what_it_leaves_out(many, sampling, tmp_path):
     assert "Where single attempts" not in page.split('<section id="summary"')[1].split("<table")[0]
 
 
+@pytest.mark.slow
 def test_small_folders_are_read_whole(many, tmp_path):
     """No sample, no word about one; the numbers are those of the rows."""
     found = load_results([many])

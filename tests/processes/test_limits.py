@@ -74,6 +74,7 @@ def script(text: str, **options) -> subprocess.CompletedProcess[str]:
 # --- the solvers of this package -----------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scenario", HANGING)
 def test_a_loud_solve_does_not_hang(scenario):
     """In a process of its own: the hang could not be interrupted."""
@@ -337,10 +338,11 @@ def test_inside_a_worker():
     [
         (plugin("Spins"), EASY),
         ("ipopt", EASY),  # casadi turns the exception into a warning
-        ("collocation", EASY),
-        ("turn-rate-qp[n=640,engine=osqp]", HARD[-1]),  # OSQP and SCIP catch the signal
+        pytest.param("collocation", EASY, marks=pytest.mark.slow),
+        # OSQP and SCIP catch the signal
+        pytest.param("turn-rate-qp[n=640,engine=osqp]", HARD[-1], marks=pytest.mark.slow),
         ("disjunctive", HANGING[1]),
-        ("heading-milp", EASY),
+        pytest.param("heading-milp", EASY, marks=pytest.mark.slow),
     ],
 )
 def test_ctrl_c_goes_through(spec, scenario):

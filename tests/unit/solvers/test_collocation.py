@@ -137,6 +137,7 @@ def test_the_miss_falls_as_radaus_order_says(points):
     assert order == pytest.approx(2 * points - 1, abs=1.5)
 
 
+@pytest.mark.slow
 def test_equal_elements_gain_with_their_number():
     """A switch inside an element costs; 8 times more elements cost 20 times less, or better.
 

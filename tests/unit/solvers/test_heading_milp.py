@@ -59,6 +59,7 @@ def test_paper_problems_cost_no_more_than_the_grid_is_coarse(problem, branch, so
     assert -1e-12 <= found.gap <= coarseness(solver)
 
 
+@pytest.mark.slow
 def test_the_gap_falls_with_the_square_of_the_headings():
     """Ten times the headings, a hundredth of the gap; halved and doubled for where they happen."""
     gaps = [

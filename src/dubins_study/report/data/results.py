@@ -131,9 +131,9 @@ def load_results(folders: str | FilePath | Iterable[str | FilePath]) -> pd.DataF
             row is kept.
 
     Returns:
-        One row per attempt, index 0, 1, ...: `experiment` and the columns of `study.rows.schema`
-        except `versions`, `machine` and `run_id`; `curvatures` and `lengths` are Arrow lists. Rows
-        of earlier code are left out. Missing numbers are null.
+        One row per attempt, with the columns `experiment` and those of `study.rows.schema` except
+        `versions`, `machine` and `run_id`; `curvatures` and `lengths` are Arrow lists. Rows of
+        earlier code are left out. Missing numbers are null.
 
     Raises:
         ResultsError: naming the folder and what is wrong with it.

@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Hashable, Mapping
+from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from dubins_study.report.interactive.polylines import Polyline, polyline
+from dubins_study.report.interactive.polylines import polylines
 from dubins_study.report.interactive.sample import CURVATURES, LENGTHS, MOST_ARCS, SCENARIO
-from dubins_study.study.path import Path
 from dubins_study.study.scenario import Pose
 
 # Bits of a mantissa that are kept of measured numbers: four digits, of which the page shows three.
@@ -40,8 +39,8 @@ class Packed(NamedTuple):
     header: bytes
 
 
-def pack(rows: pd.DataFrame, long: pd.DataFrame, more: Mapping[str, Any]) -> Packed:
-    """The attempts of `sample.sample`, and their `sample.long_controls`, for the page.
+def pack(rows: pd.DataFrame, more: Mapping[str, Any]) -> Packed:
+    """The attempts of `sample.sample` for the page.
 
     Numbers that the page compares or repeats exactly, those of scenarios, are of 64 bits; measured
     numbers are rounded to four digits. The controls of paths of a few arcs are of 32 bits, in units
@@ -65,7 +64,7 @@ def pack(rows: pd.DataFrame, long: pd.DataFrame, more: Mapping[str, Any]) -> Pac
     arrays["worst"] = rows["worst"].to_numpy(dtype="u1")
     place, scenarios = _scenarios(rows)
     arrays["scenario"] = place.astype("<u4")
-    arrays |= _arcs(rows) | _lines(rows, long)
+    arrays |= _arcs(rows) | _lines(rows)
     directory, content = {}, []
     offset = 0
     for name, array in arrays.items():
@@ -122,26 +121,24 @@ def _arcs(rows: pd.DataFrame) -> dict[str, NDArray[Any]]:
     return {"arcs": number.astype("u1"), "turns": turns, "drives": drives}
 
 
-def _lines(rows: pd.DataFrame, long: pd.DataFrame) -> dict[str, NDArray[Any]]:
+def _lines(rows: pd.DataFrame) -> dict[str, NDArray[Any]]:
     """The polylines of longer paths: `points` a row, `boxes` (x, y, step) and `steps` of all.
 
     `steps` are differences of grid places: x of all points, then y; the first from 0.
     """
-    controls: Mapping[Hashable, Any] = long.set_index(["part", "place"]).to_dict("index")
-    lines: list[Polyline | None] = []
-    needed = [*("part", "place"), *Pose._fields]
-    for part, place, *start in rows.loc[rows["arcs"] > MOST_ARCS, needed].itertuples(index=False):
-        row = controls[part, place]
-        lines.append(polyline(Path(Pose(*start), row["curvatures"], row["lengths"])))
-    drawn = [line for line in lines if line is not None]
-    points = np.zeros(len(rows), dtype="<u2")
-    points[rows["arcs"].gt(MOST_ARCS).to_numpy()] = [
-        0 if p is None else len(p.places) for p in lines
-    ]
-    places = [np.diff(line.places, axis=0, prepend=0).astype("<i2") for line in drawn]
-    steps = np.concatenate(places) if places else np.zeros((0, 2), dtype="<i2")
+    counts = np.zeros(len(rows), dtype="<u2")
+    drawn: dict[int, tuple[NDArray[np.float64], NDArray[np.int16]]] = {}
+    long = rows[rows["arcs"] > MOST_ARCS]
+    for _, group in long.groupby("arcs"):
+        controls = (np.stack(group[name].tolist()) for name in ("curvatures", "lengths"))
+        lines = polylines(group[list(Pose._fields)].to_numpy(float), *controls)
+        counts[group.index] = lines.counts
+        each = np.split(lines.places, np.cumsum(lines.counts)[:-1])
+        drawn |= dict(zip(group.index, zip(lines.boxes, each, strict=True), strict=True))
+    ordered = [drawn[row] for row in long.index if counts[row]]
+    steps = [np.diff(places, axis=0, prepend=np.int16(0)) for _, places in ordered]
     return {
-        "points": points,
-        "boxes": np.array([line[:3] for line in drawn], dtype="<f8").ravel(),
-        "steps": steps.T.ravel(),
+        "points": counts,
+        "boxes": np.array([box for box, _ in ordered], dtype="<f8").ravel(),
+        "steps": np.concatenate([*steps, np.zeros((0, 2), dtype="<i2")]).T.ravel(),
     }

@@ -37,10 +37,10 @@ def sample(attempts: Attempts, most: int) -> pd.DataFrame:
     question is taken.
 
     Returns:
-        Columns: `TEXTS`, `SCENARIO`, `MEASURED`, `FLAGS`, repeat, part and place (the row's address
-        in the database), arcs (their number; 0 without a path), `CURVATURES` and `LENGTHS` (of the
-        first arcs), worst (rank among the solver's worst, 1 to `WORST`; 0 for others). Sorted by
-        solver and question.
+        Columns: `TEXTS`, `SCENARIO`, `MEASURED`, `FLAGS`, repeat, arcs (their number; 0 without a
+        path), `CURVATURES` and `LENGTHS` (of the first arcs), curvatures and lengths (arrays, of
+        paths of more than `MOST_ARCS` arcs only), worst (rank among the solver's worst, 1 to
+        `WORST`; 0 for others). Sorted by solver and question.
     """
     strata = attempts.frame(f"SELECT count(*) AS n {_STRATA}")["n"].to_numpy()
     share = _largest_share(strata, most)
@@ -54,8 +54,8 @@ def sample(attempts: Attempts, most: int) -> pd.DataFrame:
         candidates AS (
             SELECT unnest(max_by({_ADDRESS}, {_BADNESS}, {WORST * repeats}), recursive := true)
             FROM chosen GROUP BY solver)
-        SELECT part, place, {", ".join(columns)}, {", ".join(arcs)},
-            coalesce(len(curvatures), 0) AS arcs, {_LEVEL} AS level, {_SIZE} AS size,
+        SELECT {", ".join(columns)}, {", ".join(arcs)},
+            coalesce(len(curvatures), 0) AS arcs, {_LONG}, {_LEVEL} AS level, {_SIZE} AS size,
             (part, place) IN (SELECT (part, place) FROM spread) AS spread,
             (part, place) IN (SELECT (part, place) FROM candidates) AS candidate
         FROM chosen WHERE spread OR candidate
@@ -63,18 +63,6 @@ def sample(attempts: Attempts, most: int) -> pd.DataFrame:
     )
     rows = rows.assign(worst=_ranks(rows))
     return rows[rows["spread"] | (rows["worst"] > 0)].reset_index(drop=True)
-
-
-def long_controls(attempts: Attempts, rows: pd.DataFrame) -> pd.DataFrame:
-    """The controls of the paths of more than `MOST_ARCS` arcs among some rows.
-
-    Columns: part, place, curvatures (1/length) and lengths, each an array a row.
-    """
-    addresses = rows.loc[rows["arcs"] > MOST_ARCS, ["part", "place"]].drop_duplicates()
-    listed = ", ".join(f"({part}, {place})" for part, place in addresses.to_numpy()) or "(-1, -1)"
-    return attempts.frame(
-        f"SELECT part, place, curvatures, lengths FROM chosen WHERE (part, place) IN ({listed})"
-    )
 
 
 def _largest_share(strata: np.ndarray, most: int) -> int:
@@ -99,6 +87,10 @@ _LEVEL = f"""CASE WHEN false_claim THEN 4 WHEN verdict = 'longer' THEN 3
     WHEN verdict = 'misses' THEN 2 WHEN verdict IN {(*SUCCESSES, PRESOLVED)} THEN 0 ELSE 1 END"""
 _SIZE = """greatest(coalesce(gap, 0.0), coalesce(miss / radius, 0.0),
     coalesce(curvature_excess, 0.0))"""
+_LONG = ", ".join(
+    f"CASE WHEN len(curvatures) > {MOST_ARCS} THEN {name} END AS {name}"
+    for name in ("curvatures", "lengths")
+)
 _ADDRESS = "{'part': part, 'place': place}"
 _ORDER = "{'a': scenario_id, 'b': branch, 'c': experiment, 'd': initial_guess, 'e': profile}"
 _BADNESS = f"{{'a': {_LEVEL}, 'b': {_SIZE}, 'c': scenario_id, 'd': branch, 'e': -repeat}}"

@@ -19,7 +19,7 @@ from dubins_study.report.elements.looks import Palette
 from dubins_study.report.elements.names import names_of
 from dubins_study.report.elements.style import VARIABLES
 from dubins_study.report.interactive.packing import Packed, pack
-from dubins_study.report.interactive.sample import WORST, long_controls, sample
+from dubins_study.report.interactive.sample import WORST, sample
 
 # The page stays below 5 MB; the embedded attempts take at most so many bytes of it, as base64 of
 # gzip. More points than these would also be slow to draw.
@@ -87,7 +87,7 @@ def _fitting(results: Results) -> tuple[pd.DataFrame, Packed]:
     while True:
         rows = sample(results.attempts, most)
         more = {"solvers": _solvers(rows["solver"], results), "time_limits": _time_limits(results)}
-        packed = pack(rows, long_controls(results.attempts, rows), more)
+        packed = pack(rows, more)
         size = sum(_BASE64 * len(gzip.compress(each, 6)) for each in packed)
         if size <= _MOST_BYTES or most <= _FEWEST_POINTS:
             return rows, packed

@@ -33,13 +33,13 @@ BOUND_TOLERANCE = 1e-9
 class Proof(StrEnum):
     """How far the proof of an answer goes, furthest first.
 
-    proved: the length is within tolerance of a proven interval around the shortest lengths of the
-        targets within delta, and the path is an extremal, for `best` also clear of its cut (of LR
-        and RL the interval alone decides); or there is provably no path, and none was returned. Of
-        a word's few paths the interval holds the shortest, so that its cut says nothing.
-    bounded: the solver's own lower bound is within the tolerance, and contradicts nothing.
-    extremal: an arriving path that satisfies Pontryagin's conditions.
-    none: none of these.
+    * proved: the length is within tolerance of a proven interval around the shortest lengths of
+      the targets within delta, and the path is an extremal, for `best` also clear of its cut (of
+      LR and RL the interval alone decides); or there is provably no path, and none was returned.
+      Of a word's few paths the interval holds the shortest, so that its cut says nothing.
+    * bounded: the solver's own lower bound is within the tolerance, and contradicts nothing.
+    * extremal: an arriving path that satisfies Pontryagin's conditions.
+    * none: none of these.
     """
 
     PROVED = "proved"

@@ -1,0 +1,155 @@
+"""Numbers of the committed benchmark, counted at build time by the functions of the report."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+
+import pandas as pd
+from markdown import prose, table
+
+from dubins_study.report.data.results import Results, load
+from dubins_study.report.elements.formats import digits
+from dubins_study.report.elements.shares import percent, questions
+from dubins_study.report.statistics.compared import compared
+from dubins_study.report.statistics.methods import best_methods
+from dubins_study.report.topics.findings import numbers as findings
+from dubins_study.report.topics.findings.evidence import Evidence
+from dubins_study.report.topics.matrix.numbers import strata
+from dubins_study.report.topics.summary.section import solver_summary
+from dubins_study.study.words import FORMULATIONS
+
+FOLDER = Path(__file__).parents[2] / "results" / "benchmark"
+
+_three = digits(3)
+
+
+@cache
+def _results() -> Results:
+    return load([FOLDER])
+
+
+@cache
+def _methods() -> pd.DataFrame:
+    """One row per method that was asked questions with a path."""
+    methods = solver_summary(_results().attempts)
+    return methods[methods["right_of"] > 0].reset_index(drop=True)
+
+
+@cache
+def _strata() -> pd.DataFrame:
+    return strata(_results().rows)
+
+
+def _of(key: str, value: str) -> pd.DataFrame:
+    chosen = _methods()[_methods()[key] == value]
+    if chosen.empty:
+        raise LookupError(f"no rows; choose one of: {', '.join(sorted(set(_methods()[key])))}")
+    return chosen
+
+
+def formulation(name: str) -> str:
+    """The engines of a formulation, each with its most reliable guess and settings."""
+    best = best_methods(_of("formulation", name), ["engine"])
+    return _share_table(best.sort_values("right_low", ascending=False, kind="stable"), "engine")
+
+
+def engine(label: str) -> str:
+    """The formulations that an engine was asked, each with its best guess and settings."""
+    return _share_table(best_methods(_of("engine", label), ["formulation"]), "formulation")
+
+
+def _share_table(methods: pd.DataFrame, key: str) -> str:
+    rows = [
+        (
+            row[key],
+            ", ".join(filter(None, (row["guess"].replace("none", ""), row["settings"]))) or "–",
+            f"{percent(row['right_share'])} % of {questions(row['right_of'])}",
+            f"{percent(row['right_low'])} to {percent(row['right_high'])}",
+            _three(1e3 * row["wall_s"]),
+            f"{row['wrong_basins']:.0f}",
+            f"{row['false_claims']:.0f}",
+        )
+        for row in methods.to_dict("records")
+    ]
+    head = ("right", "95 %", "median ms", "wrong basins", "false claims")
+    return table((key, "guess, settings", *head), rows)
+
+
+def formulations() -> str:
+    """Of each formulation the method that is most surely right, and the spread of its engines."""
+    rows = []
+    for name in FORMULATIONS:
+        engines = best_methods(_of("formulation", name), ["engine"])
+        best = best_methods(engines, ["formulation"]).to_dict("records")[0]
+        low, high = engines["right_share"].min(), engines["right_share"].max()
+        rows.append(
+            (
+                name,
+                best["short"],
+                f"{percent(best['right_share'])} % of {questions(best['right_of'])}",
+                f"{percent(best['right_low'])} to {percent(best['right_high'])}",
+                _three(1e3 * best["wall_s"]),
+                str(len(engines)),
+                f"{percent(low)} to {percent(high)} %",
+            )
+        )
+    head = (
+        "formulation",
+        "most surely right",
+        "right",
+        "95 %",
+        "median ms",
+        "engines",
+        "all engines",
+    )
+    return table(head, rows)
+
+
+def by_stratum(name: str) -> str:
+    """Where a formulation fails: right answers of its most reliable method, stratum by stratum."""
+    methods = best_methods(_of("formulation", name), ["formulation"])
+    best = methods.to_dict("records")[0]
+    shares = _strata()[_strata()["solver"] == best["solver"]]
+    rows = [
+        (
+            row["stratum"],
+            f"{percent(row['right_share'])} % of {questions(row['right_of'])}",
+            f"{percent(row['right_low'])} to {percent(row['right_high'])}",
+        )
+        for row in shares.sort_values("right_share").to_dict("records")
+    ]
+    return table(("targets", f"right: {best['short']}", "95 %"), rows)
+
+
+@cache
+def _evidence() -> Evidence:
+    attempts = compared(_results())
+    if attempts is None:
+        raise LookupError("the benchmark has no rows to compare")
+    return Evidence(attempts)
+
+
+def finding(name: str) -> str:
+    """One sentence of the page's findings, by the name of the function that computes it."""
+    found = getattr(findings, name)(_evidence())
+    if found is None:
+        raise LookupError("the rows do not carry this finding any more; drop it from the page")
+    return prose(found.sentence)
+
+
+def all_findings() -> str:
+    """The page's first ten findings, as a list."""
+    sentences = [one.sentence for one in findings.findings(_evidence())[:10]]
+    return "\n".join(f"{n}. {prose(sentence)}" for n, sentence in enumerate(sentences, 1))
+
+
+SOURCES: dict[str, Callable[..., str]] = {
+    "benchmark-formulation": formulation,
+    "benchmark-formulations": formulations,
+    "benchmark-engine": engine,
+    "benchmark-strata": by_stratum,
+    "finding": finding,
+    "findings": all_findings,
+}

@@ -1,0 +1,54 @@
+"""The directive `generated`: Markdown that is computed at build time, never typed by hand.
+
+    ```{generated} settings nlp
+    ```
+
+Its first word names a function of `SOURCES`; the rest of the line is that function's argument.
+"""
+
+from __future__ import annotations
+
+import benchmark
+import command_line
+import package
+import paper
+import toml_reference
+from docutils import nodes
+from docutils.statemachine import StringList
+from sphinx.application import Sphinx
+from sphinx.util.docutils import SphinxDirective
+
+SOURCES = (
+    package.SOURCES
+    | toml_reference.SOURCES
+    | command_line.SOURCES
+    | benchmark.SOURCES
+    | paper.SOURCES
+)
+
+
+class Generated(SphinxDirective):
+    """What one function of `SOURCES` writes, read as Markdown of the page."""
+
+    required_arguments = 1
+    final_argument_whitespace = True
+
+    def run(self) -> list[nodes.Node]:
+        name, _, argument = self.arguments[0].partition(" ")
+        if name not in SOURCES:
+            known = ", ".join(sorted(SOURCES))
+            raise self.error(f"nothing generates {name!r}; choose one of: {known}")
+        try:
+            text = SOURCES[name](argument) if argument else SOURCES[name]()
+        except LookupError as error:
+            raise self.error(f"{name} {argument!r}: {error}") from error
+        parent = nodes.container()
+        lines = StringList(text.splitlines(), source=f"generated {name}")
+        self.state.nested_parse(lines, self.content_offset, parent)
+        return parent.children
+
+
+def setup(app: Sphinx) -> dict[str, object]:
+    """Register the directive."""
+    app.add_directive("generated", Generated)
+    return {"parallel_read_safe": True}

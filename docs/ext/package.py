@@ -1,0 +1,104 @@
+"""What the package says of itself: solvers and their settings, columns, experiments."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from inspect import cleandoc
+
+from markdown import code, prose, table
+
+from dubins_study.experiments.definition.experiment import packaged, read
+from dubins_study.solvers.profiles import PROFILES
+from dubins_study.solvers.protocol import Solver
+from dubins_study.solvers.registry import load, ours, registered, settings, stated_method
+from dubins_study.study.rows import schema
+
+# An item of `Args:` in a docstring: names, a colon, and what they mean.
+_ITEM = re.compile(r"^ {4}([a-z_0-9]+(?:, [a-z_0-9]+)*): (.*(?:\n {8}.*)*)", re.M)
+# The parts of a row, in the order of its columns.
+_PARTS = {
+    "key": ("The cell", schema.KEY),
+    "scenario": ("The scenario", schema.SCENARIO),
+    "answer": ("The answer and its judgement", schema.ANSWER),
+    "run": ("The run", schema.RUN),
+}
+
+
+def solver_names() -> list[str]:
+    """The solvers of this package, in the order of `dubins-study solvers`."""
+    return [name for name in registered() if ours(name)]
+
+
+def settings_table(spec: str) -> str:
+    """Every setting of a solver: its default, what the profiles change, and what it means."""
+    solver = load(spec)
+    meanings, profiles = setting_meanings(type(solver)), type(solver).profiles
+    rows = []
+    for name, value in settings(solver).items():
+        changed = {key: change[name] for key, change in profiles.items() if name in change}
+        in_profiles = ", ".join(f"{key} {code(new)}" for key, new in changed.items())
+        shown = str(value).lower() if isinstance(value, bool) else value
+        rows.append((code(name), code(shown), in_profiles or "–", meanings[name]))
+    if not rows:
+        return "It has no settings."
+    return table(("setting", "default", "in a profile", "meaning"), rows)
+
+
+def setting_meanings(kind: type[Solver]) -> dict[str, str]:
+    """Setting -> what the docstrings of the class and of those that it extends say of it."""
+    meanings: dict[str, str] = {}
+    for ancestor in reversed(kind.__mro__):
+        if issubclass(ancestor, Solver) and ancestor is not Solver:
+            _, _, items = cleandoc(ancestor.__doc__ or "").partition("Args:")
+            for names, meaning in _ITEM.findall(items):
+                meanings |= {name: prose(meaning) for name in names.split(", ")}
+    return meanings
+
+
+def solvers_table() -> str:
+    """Every solver of the package: formulation, engine by default, promise, branches."""
+    rows = []
+    for name in solver_names():
+        solver = load(name)
+        method = stated_method(solver)
+        branches = ", ".join(solver.branches)
+        rows.append(
+            (code(name), method.formulation, method.engine, str(solver.guarantee), branches)
+        )
+    head = ("solver", "formulation", "engine by default", "promise", "branches")
+    return table(head, rows)
+
+
+def columns_table(part: str) -> str:
+    """The columns of one part of a row."""
+    _, columns = _PARTS[part]
+    rows = [(code(c.name), c.type, c.unit or "–", prose(c.meaning)) for c in columns]
+    return table(("column", "type", "unit", "meaning"), rows)
+
+
+def profiles_table() -> str:
+    """What each profile allows of an answer that is called optimal."""
+    rows = [
+        (code(name), f"{t.gap:g}", f"{t.miss:g} R", f"{t.curvature:g} / R")
+        for name, t in PROFILES.items()
+    ]
+    return table(("profile", "largest gap", "largest miss", "curvature excess"), rows)
+
+
+def experiments_table() -> str:
+    """The experiments that `run` knows by name, each with its question."""
+    rows = []
+    for name in packaged():
+        experiment = read(name).experiment
+        rows.append((code(name), experiment.title, prose(experiment.question)))
+    return table(("experiment", "title", "question"), rows)
+
+
+SOURCES: dict[str, Callable[..., str]] = {
+    "settings": settings_table,
+    "solvers": solvers_table,
+    "columns": columns_table,
+    "profiles": profiles_table,
+    "experiments": experiments_table,
+}

@@ -1,0 +1,51 @@
+"""The paper: how it is cited, and what became of its printed numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import yaml
+from markdown import prose, table
+
+from dubins_study.report.paper.audit import audit
+from dubins_study.report.paper.audit_file import CORRECT
+
+_CITATION = Path(__file__).parents[2] / "CITATION.cff"
+_TITLE = "Mathematical Model for Optimal Dubins Path to Intercept a Stationary Target"
+
+
+def citation() -> str:
+    """The paper as `CITATION.cff` names it among its references."""
+    known = yaml.safe_load(_CITATION.read_text(encoding="utf-8"))
+    (paper,) = [one for one in known["references"] if one["title"] == _TITLE]
+    names = ", ".join(_author(author) for author in paper["authors"])
+    where = [str(paper[key]) for key in ("journal", "year", "doi", "url") if key in paper]
+    notes = prose(paper.get("notes", ""))
+    return f"*{prose(paper['title'])}*. {prose('. '.join([names, *where]))}. {notes}".strip()
+
+
+def _author(author: dict[str, str]) -> str:
+    if "name" in author:
+        return author["name"]
+    return f"{author.get('given-names', '')} {author['family-names']}".strip()
+
+
+def misprints() -> str:
+    """The printed numbers that are no correct roundings, recomputed now."""
+    rows = [
+        (
+            cell["table"],
+            f"{cell['label']}, {cell['path']}",
+            cell["quantity"],
+            cell["printed"],
+            cell["exact"][:11],
+            f"{cell['verdict']}: {prose(cell['reason'])}",
+        )
+        for cell in audit()["cells"]
+        if cell["verdict"] != CORRECT
+    ]
+    return table(("table", "path", "number", "printed", "exact", "finding"), rows)
+
+
+SOURCES: dict[str, Callable[..., str]] = {"citation": citation, "audit": misprints}
