@@ -79,7 +79,7 @@ def main() -> Any:
     """The command `dubins-study`. Exit code 2 and one message if the request is bad."""
     try:
         try:
-            return app()
+            return app(prog_name="dubins-study")
         finally:
             if sys.stdout is not None:  # it is None where the caller has closed it
                 sys.stdout.flush()

@@ -31,7 +31,10 @@ def check_solver(
     ] = 600.0,
     as_json: Annotated[bool, typer.Option("--json", help="print one JSON object")] = False,
 ) -> None:
-    """Check a solver of your own: about 70 questions; exit code 1 if it fails a check."""
+    """Check a solver of your own.
+
+    Asks about 70 questions. Exit code 1 if the solver fails a check.
+    """
     from dubins_study.cli.terminal import streams
     from dubins_study.conformance import CHECKS
     from dubins_study.conformance import check_solver as checked

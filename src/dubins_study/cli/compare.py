@@ -26,7 +26,10 @@ def compare(
     ] = False,
     as_json: Annotated[bool, typer.Option("--json", help="print one JSON object")] = False,
 ) -> None:
-    """Compare two runs question by question: what became better or worse, and where."""
+    """Compare two runs question by question.
+
+    Says what became better or worse, and where.
+    """
     from dubins_study.cli.terminal import streams
     from dubins_study.report.two_runs.compare import compare as compare_runs
 

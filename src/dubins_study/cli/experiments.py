@@ -1,22 +1,79 @@
-"""`dubins-study experiments`: the experiments that come with the package."""
+"""`dubins-study experiments`: what `run` knows by name, and what one experiment asks."""
 
 from __future__ import annotations
 
 import json
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from dubins_study.cli.terminal import completion
+
+if TYPE_CHECKING:
+    from dubins_study.experiments.plan.overview import Overview
+
+_OF_YOUR_OWN = """\
+one of them:          dubins-study experiments paper
+one of your own:      dubins-study new experiment my.toml
+scenarios of a file:  dubins-study run --scenarios my.csv --solver ipopt"""
+
 
 def experiments(
+    experiment: Annotated[
+        str | None,
+        typer.Argument(
+            metavar="EXPERIMENT",
+            help="one of them, or a .toml file: what it asks; default: a list of all",
+            autocompletion=completion.experiments,
+        ),
+    ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="print a JSON list")] = False,
 ) -> None:
     """List the experiments that `run` knows by name."""
-    from dubins_study.cli.terminal.table import table
     from dubins_study.experiments.definition.experiment import packaged, read
+    from dubins_study.experiments.plan.file_checks import check_solvers
+    from dubins_study.experiments.plan.overview import overview
 
-    titles = [(name, read(name).experiment.title) for name in packaged()]
-    if as_json:
-        print(json.dumps([{"name": name, "title": title} for name, title in titles], indent=2))
+    if experiment is None:
+        overviews = [overview(read(name)) for name in packaged()]
     else:
-        print(table(("experiment", "title"), titles))
+        file = read(experiment)
+        check_solvers(file, trust_plugins=False)
+        overviews = [overview(file)]
+    if as_json:
+        print(json.dumps([each._asdict() for each in overviews], indent=2))
+    elif experiment is None:
+        print(f"{experiments_text(overviews)}\n\n{_OF_YOUR_OWN}")
+    else:
+        print(experiment_text(overviews[0]))
+
+
+def experiments_text(overviews: list[Overview]) -> str:
+    """A table for the terminal."""
+    from dubins_study.cli.terminal.table import table
+
+    rows = [(each.name, str(each.cells), str(len(each.solvers)), each.title) for each in overviews]
+    return table(("experiment", "cells", "solvers", "title"), rows)
+
+
+def experiment_text(asked: Overview) -> str:
+    """One experiment: its question, its numbers, and its solvers, one a line."""
+    from dubins_study.cli.terminal.table import listing
+    from dubins_study.study.printable import plain
+
+    limits = f"{asked.time_limit_s:g} s and {asked.memory_limit_gib:g} GiB a solve"
+    lines = listing(
+        {
+            "experiment": plain(asked.name),
+            "title": plain(asked.title),
+            "question": plain(asked.question),
+            "scenarios": str(asked.scenarios),
+            "branches": ", ".join(asked.branches),
+            "repeats": str(asked.repeats),
+            "cells": str(asked.cells),
+            "limits": limits,
+            "profile": asked.profile,
+            "solvers": str(len(asked.solvers)),
+        }
+    )
+    return "\n".join([lines, *(f"  {plain(spec)}" for spec in asked.solvers)])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import keyword
 import re
+import shlex
 from importlib.resources import files
 from pathlib import Path as FilePath
 from typing import Annotated
@@ -12,6 +13,7 @@ import typer
 
 from dubins_study.cli.arguments import CommandError
 from dubins_study.cli.terminal.command_line import CommandLine
+from dubins_study.study.printable import plain
 
 app = CommandLine("new", "Write a file to begin with.")
 
@@ -25,7 +27,7 @@ def _new() -> None:
 def solver(
     file: Annotated[FilePath, typer.Argument(metavar="FILE", help="such as my_solver.py")],
 ) -> None:
-    """Write a solver that works, with comments; make it your own."""
+    """Write a solver that works, with comments."""
     target = checked_target(file, ".py", "my_solver.py")
     title = class_name(target.stem)
     text = template("solver.py.txt")
@@ -35,6 +37,27 @@ def solver(
     write_new(target, text)
     print(f"{file} is written: the solver {title}")
     print(f"check it:  dubins-study check-solver {file}:{title}")
+
+
+@app.command()
+def experiment(
+    file: Annotated[FilePath, typer.Argument(metavar="FILE", help="such as my_experiment.toml")],
+) -> None:
+    """Write an experiment that runs, with comments."""
+    if file.suffix != ".toml" or not re.fullmatch(r"[A-Za-z0-9][\w.-]*", file.stem, re.ASCII):
+        near = re.sub(r"[^A-Za-z0-9_-]+", "-", file.stem).strip("-_") or "my-experiment"
+        raise CommandError(
+            f"{file}: expected a name of letters, digits and hyphens that ends in .toml; "
+            f"did you mean {near}.toml?"
+        )
+    text = template("experiment.toml.txt")
+    title = file.stem.replace("-", " ").replace("_", " ").capitalize()
+    for name, value in {"file": plain(str(file)), "name": file.stem, "title": title}.items():
+        text = text.replace(f"{{{name}}}", value)
+    write_new(file, text)
+    print(f"{plain(str(file))} is written: an experiment that runs")
+    print(f"what it asks:  {shlex.join(['dubins-study', 'experiments', str(file)])}")
+    print(f"run it:        {shlex.join(['dubins-study', 'run', str(file)])}")
 
 
 def template(name: str) -> str:

@@ -2,27 +2,32 @@
 
 from __future__ import annotations
 
+import json
 import sys
 from pathlib import Path as FilePath
 from typing import Annotated
 
 import typer
 
-from dubins_study.cli.arguments import number, whole_number
+from dubins_study.cli.arguments import CommandError, number, whole_number
 from dubins_study.cli.terminal import completion
 
 
 def run(
     experiment: Annotated[
-        str,
+        str | None,
         typer.Argument(
             metavar="EXPERIMENT",
-            help="a name, or the path of a .toml file",
+            help="a name, or the path of a .toml file; optional with --scenarios",
             autocompletion=completion.experiments,
         ),
-    ],
+    ] = None,
+    scenarios: Annotated[
+        FilePath | None,
+        typer.Option(metavar="FILE", help="ask about these: .csv or .parquet, a row a scenario"),
+    ] = None,
     out: Annotated[
-        FilePath | None, typer.Option(metavar="DIR", help="default: results/<experiment>")
+        FilePath | None, typer.Option(metavar="DIR", help="default: results/<experiment or file>")
     ] = None,
     solver: Annotated[
         list[str] | None,
@@ -52,8 +57,14 @@ def run(
     scheduler: Annotated[
         str | None, typer.Option(metavar="ADDRESS", help="of Dask's; default: one on this machine")
     ] = None,
+    as_json: Annotated[
+        bool, typer.Option("--json", help="print the folder's status as one JSON object")
+    ] = False,
 ) -> None:
-    """Run an experiment, or go on with it: cells that are done are skipped."""
+    """Run an experiment, or go on with it.
+
+    Cells that are done are skipped.
+    """
     from dubins_study.experiments.interruption import Interruption
 
     counts: list[int] = []  # number of cells done, and of all cells, as last reported
@@ -66,8 +77,15 @@ def run(
             from dubins_study.experiments.store.status import status as status_of
 
             stop.check()
-            _check_section(experiment)
-            with streams.solvers_to_stderr(), streams.progress(experiment, counts) as progress:
+            if experiment is None and scenarios is None:
+                raise CommandError(
+                    "run: no experiment; expected a name (dubins-study experiments lists them), a "
+                    ".toml file, or --scenarios FILE with --solver SPEC"
+                )
+            if experiment is not None and scenarios is None:
+                _check_section(experiment)
+            name = experiment or str(scenarios)
+            with streams.solvers_to_stderr(), streams.progress(name, counts) as progress:
                 folder = run_experiment(
                     experiment,
                     out,
@@ -80,9 +98,15 @@ def run(
                     trust_plugins=trust_plugins,
                     engine=engine,
                     scheduler=scheduler,
+                    scenarios=scenarios,
                     progress=progress,
                 )
-            print(status_text(status_of(folder)))
+            folder_status = status_of(folder)
+            print(
+                json.dumps(folder_status.as_json(), indent=2)
+                if as_json
+                else status_text(folder_status)
+            )
     except KeyboardInterrupt:
         next_step = "run the same command without --restart" if restart else "run the same command"
         cells = " ({} of {} cells done)".format(*counts) if counts else ""

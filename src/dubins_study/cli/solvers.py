@@ -17,7 +17,7 @@ def solvers(
     solver: Annotated[
         str | None,
         typer.Argument(
-            metavar="[SPEC]",
+            metavar="SPEC",
             help="one solver, with its settings; default: a list of all",
             autocompletion=completion.solvers,
         ),

@@ -22,7 +22,7 @@ _MOST_RUNS = 10  # only the last runs are listed
 
 
 def status(
-    folder: Annotated[FilePath, typer.Argument(metavar="DIR")],
+    folder: Annotated[FilePath, typer.Argument(metavar="DIR", help="a results folder")],
     as_json: Annotated[bool, typer.Option("--json", help="print one JSON object")] = False,
 ) -> None:
     """Tell what a results folder holds.

@@ -79,10 +79,9 @@ def problems(seen: Seen, name: str, guarantee: str) -> list[Problem]:
     for kind, status, observed, advice in _of_path(answer) + _of_length(answer, guarantee):
         listed.append(problem(kind, status, observed, advice))
     if answer.false_bound:
-        observed = (
-            f"the lower bound {answer.lower_bound:.9g} lies above the shortest length, "
-            f"{answer.reference:.9g}"
-        )
+        bound = "" if answer.lower_bound is None else f" {answer.lower_bound:.10g}"
+        shortest = "" if answer.reference is None else f", {answer.reference:.10g}"
+        observed = f"the lower bound{bound} lies above the shortest length{shortest}"
         advice = (
             "lower_bound must hold for the question itself, not for a grid or a relaxation of it: "
             "leave it empty unless the method proves it"
@@ -135,7 +134,7 @@ def _of_path(answer: Answer) -> list[_Observed]:
         return []
     observed, advice = _missing(answer, path)
     if honest:
-        observed = f"it returns a path that misses, and says so ({claim}): {observed}"
+        observed, advice = f"it returns a path that misses, and says so ({claim}): {observed}", ""
     else:
         observed = f"it claims {claim}, but {observed}"
     return [(Kind.CONTROLS, status, observed, advice)]
@@ -167,11 +166,10 @@ def _missing(answer: Answer, path: Path) -> tuple[str, str]:
     """Which condition a path fails, and why it may."""
     scenario, branch = answer.scenario, answer.branch
     if not drivable(path):
-        if path.length.size and path.length.min(initial=0.0) < 0:
-            return (
-                f"a length is {path.length.min():.3g}; lengths are not negative",
-                "a turn to the other side has the other sign of curvature, not of length",
-            )
+        if path.length.min(initial=0.0) < 0:
+            advice = "a turn to the other side has the other sign of curvature, not of length"
+            observed = f"a length is {path.length.min():.3g}; lengths are not negative"
+            return observed, cause_of(scenario, path) or advice
         return "a curvature or a length is not finite", "claim FAILED where there is no number"
     radii = [k * scenario.radius for k, s in zip(path.curvature, path.length, strict=True) if s > 0]
     excess = curvature_excess(radii, "best")
@@ -198,6 +196,11 @@ def _missing(answer: Answer, path: Path) -> tuple[str, str]:
             "lengths).end is where it ends"
         )
     if branch != "best" and judge(scenario, path).verdict is not Verdict.MISSES:
+        if answer.word == branch:
+            return (
+                f"its turns are wider than the radius; those of a path {branch} are not",
+                "is question.scenario.radius used? Both turns have a curvature of 1 / radius",
+            )
         return (
             f"it was asked for {branch}, and its path is {answer.word}",
             "question.branch is the word that is asked for; leave words that the method does not "

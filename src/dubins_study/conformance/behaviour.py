@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from collections import Counter
+from dataclasses import replace
 
 import numpy as np
 
 from dubins_study.conformance import questions
 from dubins_study.conformance.answers import command
 from dubins_study.conformance.findings import CheckResult, Finding, Status
-from dubins_study.conformance.interview import GRACE_S, Interview, Seen
-from dubins_study.conformance.observer import RANDOM
-from dubins_study.solvers.protocol import Outcome, Question
+from dubins_study.conformance.interview import Interview, Seen
+from dubins_study.conformance.observer import RANDOM, TEMPORARY
+from dubins_study.conformance.worker import GRACE_S
+from dubins_study.solvers.protocol import Guarantee, Outcome, Question
 from dubins_study.study.path import Path
 
 # Seconds of a limit that a solver is given to be cut off by, and that it may take beyond a limit
@@ -76,7 +78,21 @@ def determinism(interview: Interview, name: str, title: str) -> CheckResult:
         )
         shown = command(interview.spec, question)
         found.append(Finding(status, observed, advice, "all at once", shown))
-    return CheckResult(name, title, tuple(found[:1]), "three times the same")
+    return CheckResult(
+        name, title, (*found[:1], *_repeat(interview, first)), "three times the same"
+    )
+
+
+def _repeat(interview: Interview, first: Seen) -> list[Finding]:
+    """What another repeat of a question shows, of a solver that says it is stochastic."""
+    if interview.declared["guarantee"] != Guarantee.STOCHASTIC:
+        return []
+    again = interview.ask(replace(first.question, repeat=1))
+    if _difference(first, again) is not None:
+        return []
+    observed = "it is stochastic, and its second repeat is the same as its first"
+    advice = "add question.repeat to the seed: repeats then tell how much is luck"
+    return [Finding(Status.NOTE, observed, advice)]
 
 
 def _said(seen: Seen) -> str:
@@ -91,12 +107,15 @@ def _difference(first: Seen, second: Seen) -> float | None:
         return float(np.inf)
     if one.path is None or other.path is None:
         return None if one.path is other.path else float(np.inf)
-    return None if one.path == other.path else _apart(one.path, other.path)
+    return _apart(one.path, other.path)
 
 
-def _apart(one: Path, other: Path) -> float:
+def _apart(one: Path, other: Path) -> float | None:
     if one.length.shape != other.length.shape:
         return float(np.inf)
+    controls = (one.curvature, other.curvature), (one.length, other.length)
+    if all(np.array_equal(*pair, equal_nan=True) for pair in controls):
+        return 0.0 if one.start != other.start else None
     scale = max(one.total_length, 1e-300)
     turned = np.abs(one.curvature * one.length - other.curvature * other.length).max(initial=0.0)
     return float(max(np.abs(one.length - other.length).max(initial=0.0) / scale, turned))
@@ -124,7 +143,7 @@ _CHANGED = (
 
 def state(interview: Interview, name: str, title: str) -> CheckResult:
     """What all questions so far have left behind; libraries load with the first one."""
-    seen = [one for one in interview.seen if not one.first]
+    seen = interview.seen
     promised = interview.declared["keeps_limit"]
     found = []
     changed = Counter(change for one in seen for change in one.changes)
@@ -136,14 +155,10 @@ def state(interview: Interview, name: str, title: str) -> CheckResult:
             status = Status.NOTE
             advice = "draw from a generator of your own: np.random.default_rng(seed)"
         shown = command(interview.spec, example.question)
-        observed = f"it changes the {change}"
+        observed = f"after a solve this is not as it was before: {change}"
         found.append(Finding(status, observed, advice, "", shown, count=count))
-    files = sorted({file for one in interview.seen for file in one.files})
-    if files:
-        observed = f"it leaves files in the working directory: {', '.join(files[:3])}"
-        advice = "write into a tempfile.TemporaryDirectory()"
-        found.append(Finding(Status.FAIL, observed, advice, count=len(files)))
-    loud = [one for one in seen if one.output]
+    found += _files(interview.seen)
+    loud = [one for one in seen if one.output and not one.loaded]
     if loud:
         last = " ".join(loud[0].output.split())[-120:]
         advice = "switch the output of the library off, or leave print out"
@@ -152,3 +167,22 @@ def state(interview: Interview, name: str, title: str) -> CheckResult:
         found.append(Finding(status, f"it prints: {last}", advice, "", shown, count=len(loud)))
     found.sort(key=lambda one: one.status is not Status.FAIL)
     return CheckResult(name, title, tuple(found), f"{len(seen)} questions")
+
+
+def _files(seen: list[Seen]) -> list[Finding]:
+    """Files that were left where the solver was started, or among temporary files."""
+    files = sorted({file for one in seen for file in one.files if one.answer.outcome in _ENDED})
+    found = []
+    for status, place, mine in (
+        (Status.FAIL, "the working directory", lambda file: not file.startswith(TEMPORARY)),
+        (Status.NOTE, "the folder for temporary files", lambda file: file.startswith(TEMPORARY)),
+    ):
+        if left := [file.removeprefix(f"{TEMPORARY}/") for file in files if mine(file)]:
+            observed = f"it leaves files in {place}: {', '.join(left[:3])}"
+            advice = "write into a tempfile.TemporaryDirectory()"
+            found.append(Finding(status, observed, advice, count=len(left)))
+    return found
+
+
+# outcomes after which a solver could have removed its files
+_ENDED = (Outcome.RETURNED, Outcome.RAISED)

@@ -184,14 +184,11 @@ CAUSES = (
         "counter-clockwise from +x",
         _asked(lambda s: replace(s, heading=-s.heading)),
     ),
+    # the same path arrives at a target that is taken to be relative to the start
     Cause(
-        "your path arrives if the start is (0, 0): are question.scenario.x and y used?",
+        "your path arrives if the start is (0, 0): are question.scenario.x and y used? Start and "
+        "target are positions in one frame",
         _asked(lambda s: replace(s, x=0.0, y=0.0)),
-    ),
-    Cause(
-        "your path arrives if the target is relative to the start: target_x and target_y are "
-        "positions in the same frame as x and y",
-        _asked(lambda s: replace(s, target_x=s.x + s.target_x, target_y=s.y + s.target_y)),
     ),
     Cause("your path arrives if x and y are swapped", _asked(_swapped)),
 )
@@ -200,13 +197,13 @@ CAUSES = (
 def start_cause(scenario: Scenario, start: Pose) -> str:
     """What makes a path's start differ from the question's; empty if unknown."""
     right = scenario.start
+    if start == (0.0, 0.0, 0.0):
+        return "is it in the vehicle's frame? Its controls are the same in the world's frame"
     same_place = (start.x, start.y) == (right.x, right.y)
     if same_place and math.isclose(start.heading, math.degrees(right.heading)):
         return "its heading is in degrees; a Pose has rad"
     if same_place:
         return "its heading is another one; the vehicle cannot turn on the spot"
-    if start[:2] == (0.0, 0.0):
-        return "is it in the vehicle's frame? Its controls are the same in the world's frame"
     return "give question.scenario.start as it is"
 
 

@@ -8,8 +8,10 @@ from typing import NamedTuple
 from dubins_study.conformance import behaviour, questions
 from dubins_study.conformance.answers import Kind, Problem, problems, united
 from dubins_study.conformance.findings import CheckResult, Finding, Status
-from dubins_study.conformance.interview import Interview
+from dubins_study.conformance.interview import Interview, Seen
 from dubins_study.solvers.protocol import Question
+from dubins_study.study.closed_form.shortest import shortest_path
+from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
 
 
@@ -55,15 +57,56 @@ def _branches(interview: Interview, name: str, title: str) -> CheckResult:
 
 def _bounds(interview: Interview, name: str, title: str) -> CheckResult:
     """The lower bounds of all answers so far."""
-    with_bound = [seen for seen in interview.seen if seen.answer.lower_bound is not None]
+    with_bound = [
+        seen
+        for seen in interview.seen
+        if seen.answer.lower_bound is not None or seen.answer.false_bound
+    ]
     if not with_bound:
         return _not_applicable(name, title, "the solver gives no lower bounds")
-    found = [one for seen in with_bound for one in problems(seen, "", "") if one.kind is Kind.BOUND]
+    found = [
+        problem
+        for seen in with_bound
+        for problem in problems(seen, questions.name_of(seen.question.scenario), "")
+        if problem.kind is Kind.BOUND
+    ]
     return CheckResult(name, title, united(found), f"{len(with_bound)} bounds")
 
 
 def _not_applicable(name: str, title: str, reason: str) -> CheckResult:
     return CheckResult(name, title, (), reason, Status.NOT_APPLICABLE)
+
+
+def _warm(interview: Interview, name: str, title: str) -> CheckResult:
+    """Initial guesses that help, mislead and are empty."""
+    if not (interview.declared["warm"] and interview.answers("best")):
+        return _not_applicable(name, title, "the solver takes no initial guess")
+    scenario = questions.REFERENCE
+    start, radius = scenario.start, scenario.radius
+    guesses = {
+        "the shortest path of a near target": shortest_path(questions.NEAR),
+        "a path to elsewhere": Path(
+            start, [1 / radius, 0.0, -1 / radius], [radius, radius, radius]
+        ),
+        "a path of no arcs": Path(start, [], []),
+    }
+    found: list[Problem] = []
+    for label, guess in guesses.items():
+        seen = interview.ask(Question(scenario, initial_guess=guess))
+        found += problems(seen, f"initial guess: {label}", interview.declared["guarantee"])
+    return CheckResult(name, title, united(found), f"{len(guesses)} initial guesses")
+
+
+def _frames(interview: Interview, name: str, title: str) -> CheckResult:
+    """The general questions as one frame: as right as one by one."""
+    if not (interview.declared["whole_frames"] and interview.answers("best")):
+        return _not_applicable(name, title, "the solver has no solve_frame")
+    scenarios = questions.GENERAL | questions.AXIS | questions.DISCS
+    asked = [Question(scenario) for scenario in scenarios.values()]
+    found: list[Problem] = []
+    for label, seen in zip(scenarios, interview.ask_frame(asked), strict=True):
+        found += problems(seen, f"in a frame: {label}", interview.declared["guarantee"])
+    return CheckResult(name, title, united(found), f"{len(asked)} rows")
 
 
 _TABLE = {
@@ -88,6 +131,8 @@ _TABLE = {
     "scale": Check("the same question larger, smaller, farther, faster", _asked(questions.SCALES)),
     "branches": Check("the words that it declares", _branches),
     "bounds": Check("lower bounds are below the shortest length", _bounds),
+    "warm": Check("initial guesses, good and bad", _warm),
+    "frames": Check("whole frames of scenarios", _frames),
     "limits": Check("returns by its time limit", behaviour.limits),
     "determinism": Check("the same question has the same answer", behaviour.determinism),
     "state": Check("leaves its process as it was", behaviour.state),
@@ -109,3 +154,14 @@ def title_of(name: str) -> str:
 def failed(name: str, found: Finding) -> CheckResult:
     """The result of a check that failed for one reason."""
     return CheckResult(name, title_of(name), (found,))
+
+
+def unfinished(name: str, seen: list[Seen], reason: str) -> CheckResult:
+    """The result of a check that was cut short: what failed until then, or that it was not made."""
+    found = [
+        problem
+        for one in seen
+        for problem in problems(one, questions.name_of(one.question.scenario), "")
+        if problem.kind is Kind.OUTCOME
+    ]
+    return CheckResult(name, title_of(name), united(found), reason, Status.NOT_ASKED)

@@ -10,17 +10,11 @@ from time import monotonic
 from typing import Any
 
 from dubins_study.conformance import loading
-from dubins_study.conformance.checks import CHECKS, failed, run_check, title_of
+from dubins_study.conformance.checks import CHECKS, failed, run_check, title_of, unfinished
 from dubins_study.conformance.findings import CheckResult, Finding, Status
-from dubins_study.conformance.interview import (
-    InProcess,
-    Interview,
-    LoadError,
-    Source,
-    UnfinishedError,
-    Worker,
-)
+from dubins_study.conformance.interview import Interview, UnfinishedError
 from dubins_study.conformance.report import ConformanceReport
+from dubins_study.conformance.worker import InProcess, LoadError, Source, Worker
 from dubins_study.errors import DubinsStudyError
 from dubins_study.solvers.attempt import check_request
 from dubins_study.solvers.profiles import tolerances
@@ -83,7 +77,7 @@ def check_solver(
         found = Finding(Status.FAIL, str(error), loading.BROKEN, traceback=error.frames)
         results = [failed("loading", found)]
         results += [_not_asked(name, "it does not load") for name in names[1:]]
-        return ConformanceReport(spec, tuple(results), 0, monotonic() - began)
+        return ConformanceReport(spec, tuple(results), {}, monotonic() - began)
     with Interview(spec, source, profile, time_limit, total_time_limit) as interview:
         results.append(loading.check(interview.declared, title_of("loading")))
         reason = interview.declared["unavailable"]
@@ -93,14 +87,17 @@ def check_solver(
             if stopped:
                 results.append(_not_asked(name, stopped))
                 continue
+            before = len(interview.seen)
             try:
                 results.append(run_check(interview, name))
             except UnfinishedError as error:
                 stopped = str(error)
-                results.append(_not_asked(name, stopped))
+                results.append(unfinished(name, interview.seen[before:], stopped))
+            if interview.seen and not interview.answered:
+                stopped = "no question was answered so far; mend that first"
         done()
-        asked = len(interview.seen)
-    return ConformanceReport(spec, tuple(results), asked, monotonic() - began)
+        answers = interview.counts()
+    return ConformanceReport(spec, tuple(results), answers, monotonic() - began)
 
 
 def _not_asked(name: str, reason: str) -> CheckResult:

@@ -22,8 +22,11 @@ def check(declared: dict[str, Any], title: str) -> CheckResult:
         advice = "write @dataclass(frozen=True): the same settings then stay the same solver"
         found.append(Finding(Status.NOTE, "its settings can be changed", advice))
     if declared["unavailable"] is not None:
-        observed = f"it cannot run here: {declared['unavailable']}"
-        found.append(Finding(Status.NOTE, observed, "nothing else was checked"))
+        observed, advice = f"it cannot run here: {declared['unavailable']}", ""
+        if declared["reason_raised"]:
+            advice = "unavailable() does not raise: it returns the reason as a text, or None"
+        status = Status.FAIL if declared["reason_raised"] else Status.NOTE
+        found.append(Finding(status, observed, advice))
     found.sort(key=lambda one: one.status is not Status.FAIL)
     formulation, engine = declared["method"][:2]
     return CheckResult(

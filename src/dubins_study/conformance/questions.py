@@ -40,6 +40,8 @@ def placed(X: float, Y: float, frame: Scenario = REFERENCE) -> Scenario:
     )
 
 
+# The reference with its target a little farther.
+NEAR = placed(1.01 * REFERENCE.local()[0], 1.01 * REFERENCE.local()[1])
 DISCS = {
     "centre of the left disc": Scenario(target_x=0, target_y=1),
     "centre of the right disc": Scenario(target_x=0, target_y=-1),
@@ -139,3 +141,10 @@ WORDS = {
 }
 # word -> a question that has no path of the word: in the disc that the turn goes around, or too far
 WITHOUT = {"LS": placed(0.2, 1), "RS": placed(0.2, -1), "LR": placed(9, 2), "RL": placed(9, -2)}
+
+
+def name_of(scenario: Scenario) -> str:
+    """The name of one of the scenarios above; empty for any other."""
+    tables = (GENERAL, AXIS, DISCS, CIRCLES, SYMMETRIES, SCALES)
+    names = (name for table in tables for name, one in table.items() if one == scenario)
+    return next(names, "")

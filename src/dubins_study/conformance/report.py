@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
+from itertools import groupby
 from textwrap import fill, indent
 from typing import Any
 
@@ -18,13 +19,14 @@ class ConformanceReport:
     Args:
         solver: its spec.
         results: one for each check, in the order of `CHECKS`.
-        questions: how many questions were put to it.
+        answers: how many of its answers are shortest, longer, right that there is no path, none
+            (although there is a path), missing the target, or unanswered: it raised, crashed, hung.
         seconds: how long that took.
     """
 
     solver: str
     results: tuple[CheckResult, ...]
-    questions: int
+    answers: dict[str, int]
     seconds: float
 
     @property
@@ -59,7 +61,7 @@ class ConformanceReport:
             "solver": self.solver,
             "passed": self.passed,
             "counts": counts,
-            "questions": self.questions,
+            "answers": self.answers,
             "seconds": round(self.seconds, 3),
             "checks": checks,
         }
@@ -80,13 +82,25 @@ def report_text(report: ConformanceReport) -> str:
     """All checks, a line each, with their findings below; the verdict last."""
     shown: dict[str, str] = {}  # advice -> the check that gave it first
     blocks = []
-    for result in report:
+    for (status, _), group in groupby(report, key=_together):
+        results = list(group)
+        if len(results) > 1:
+            names = ", ".join(result.name for result in results)
+            blocks.append(_wrapped(f"{_MARKS[status]}  {names}: {plain(results[0].summary)}"))
+            continue
+        [result] = results
         blocks.append(f"{_MARKS[result.status]}  {result.name:<12} {_about(result)}")
         for found in result.findings:
             earlier = shown.get(found.advice) if found.status is Status.FAIL else None
             blocks.append(indent(_finding(found, earlier), _MARGIN))
             shown.setdefault(found.advice or found.observed, result.name)
     return "\n".join([f"{plain(report.solver)}", "", *blocks, "", verdict(report)])
+
+
+def _together(result: CheckResult) -> tuple[Status, object]:
+    """Checks that were not made for one reason are one line; all others are lines of their own."""
+    same = result.status is Status.NOT_ASKED and not result.findings
+    return result.status, result.summary if same else result
 
 
 def _about(result: CheckResult) -> str:
@@ -120,7 +134,7 @@ def _wrapped(text: str, hanging: str = "") -> str:
 
 
 def verdict(report: ConformanceReport) -> str:
-    """One line: whether the report passed, and how many checks ended how."""
+    """Two lines: whether the report passed, how many checks ended how, and so the answers."""
     counts = [
         f"{len(results)} {name}"
         for status, name in (
@@ -133,5 +147,6 @@ def verdict(report: ConformanceReport) -> str:
         if (results := report.with_status(status))
     ]
     word = "passed" if report.passed else "FAILED"
-    asked = f"{report.questions} questions in {report.seconds:.1f} s"
-    return f"{word}: {', '.join(counts)}; {asked}"
+    asked = f"{sum(report.answers.values())} questions in {report.seconds:.1f} s"
+    ended = ", ".join(f"{count} {name}" for name, count in report.answers.items() if count)
+    return f"{word}: {', '.join(counts)}\n{asked}: {ended}"

@@ -28,7 +28,7 @@ _LOG = logging.getLogger(__name__)
 
 
 def run(
-    experiment: str | FilePath,
+    experiment: str | FilePath | None = None,
     out: str | FilePath | None = None,
     *,
     solvers: list[str] | None = None,
@@ -40,6 +40,7 @@ def run(
     trust_plugins: bool = False,
     engine: str = "local",
     scheduler: str | None = None,
+    scenarios: str | FilePath | None = None,
     progress: Progress | None = None,
 ) -> FilePath:
     """Run an experiment and return its results folder.
@@ -48,8 +49,10 @@ def run(
     stopped. The default is one job: times are comparable only if cells are solved one by one.
 
     Args:
-        experiment: a name (`paper`, `radius-sweep`, ...) or the path of a TOML file.
-        out: the results folder; `results/<name>` by default.
+        experiment: a name (`paper`, `radius-sweep`, ...) or the path of a TOML file. It may be left
+            out if `scenarios` and `solvers` are given.
+        out: the results folder; `results/<name>` by default, where the name is that of the
+            experiment, or of the file of scenarios.
         solvers: specs that replace those of the experiment.
         jobs: how many processes solve cells at the same time.
         time_limit: seconds that a solve may take, instead of the experiment's limit.
@@ -62,10 +65,13 @@ def run(
         engine: `local`, or `dask` for Dask workers, on this machine or on others.
         scheduler: the address of a Dask scheduler; without one, `jobs` Dask workers are started on
             this machine.
+        scenarios: a .csv or .parquet file of scenarios (`definition.scenario_file`), which replace
+            those of the experiment.
         progress: called with the number of cells done and the number of all cells.
 
     Raises:
-        ExperimentError, SolverError, ResultsError: if the request or the folder is not valid.
+        ExperimentError, SolverError, ScenarioError, ResultsError: if the request or the folder is
+            not valid.
         RunError: if worker processes end before their first job, or Dask fails.
         KeyboardInterrupt: after SIGINT (Ctrl-C) or SIGTERM, once the cell that is being solved is
             finished and all rows are written; a second signal abandons that cell. The caller's
@@ -83,6 +89,7 @@ def run(
         trust_plugins=trust_plugins,
         engine=engine,
         scheduler=scheduler,
+        scenarios=scenarios,
     )
     with Interruption() as stop:
         plan = plan_run(request)
@@ -125,6 +132,20 @@ def _solve(
     )
     done_keys = done(folder)
     left = unfinished(folder, plan.chains, done_keys, settings)
+    _LOG.info(
+        "run %s of %s into %s: %d cells, %d of them to solve, %d job(s) of engine %s, seed %d; "
+        "at most %g s and %g GiB a solve",
+        settings.run_id,
+        plan.experiment_file.name,
+        folder,
+        sum(map(len, plan.chains)),
+        left.cells,
+        settings.jobs,
+        settings.engine,
+        settings.seed,
+        settings.time_limit_s,
+        settings.memory_limit_gib,
+    )
     totals = cell_counts(plan.keys | done_keys) + streamed_totals(folder, plan.streams)
     manifest, completes = count_cells(manifest, set(plan.solver_specs), totals)
     writer = PartWriter(folder, settings.run_id, plan.rows, progress)
@@ -147,6 +168,7 @@ def _solve(
         finally:
             writer.flush()
         compact(folder, settings.run_id)
+        _LOG.info("run %s is done: its rows are one part of %s", settings.run_id, folder)
 
 
 def _run_entry(settings: RunSettings, command: str, engine: Engine) -> RunEntry:

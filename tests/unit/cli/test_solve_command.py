@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import json
+import math
+import re
 from importlib.metadata import version
 
 import pytest
 from typer.testing import CliRunner
 
-from dubins_study import Scenario, plot_path
+from dubins_study import Scenario, plot_path, solve
 from dubins_study.cli.app import app
 from dubins_study.cli.arguments import CommandError
 from dubins_study.experiments.definition.experiment import ExperimentError
@@ -57,14 +59,6 @@ def test_strict():
     assert asked(*PATH, "--strict").exit_code == 0
     assert asked(*NO_PATH, "--strict").exit_code == 1
     assert asked(*NO_PATH).exit_code == 0
-
-
-def test_experiments():
-    """Name and title of what `run` knows by name."""
-    listed = json.loads(asked("experiments", "--json").stdout)
-
-    assert {"name": "paper", "title": "The paper's five test problems"} in listed
-    assert "The paper's five test problems" in asked("experiments").stdout
 
 
 def test_the_text_names_what_it_shows():
@@ -167,3 +161,49 @@ def test_a_truncated_manifest_says_how_to_go_on(tmp_path):
     (tmp_path / "manifest.json").write_text('{"schema": 4, "runs"')
     with pytest.raises(ResultsError, match=r"cannot be read as JSON: .*again with --restart"):
         read_manifest(tmp_path)
+
+
+def line_of(name, text):
+    return next(line for line in text.splitlines() if line.startswith(name))[12:]
+
+
+def test_the_text_has_segments_and_the_solve_time():
+    """Turn, length and angle of each piece; the lengths of many pieces are in the JSON object."""
+    text = asked(*PATH).stdout
+    answer = json.loads(asked(*PATH, "--json").stdout)
+    first, second = answer["segments"]
+
+    angle = math.degrees(first["length"])
+    assert line_of("segments", text) == (
+        f"{first['turn']} {first['length']:.6g} ({angle:.4g} deg), S {second['length']:.6g}"
+    )
+    assert re.fullmatch(r"[\d.e-]+ m?s, after [\d.e-]+ m?s to build", line_of("solve time", text))
+    many = asked(*PATH, "--solver", "turn-rate-qp[n=20]").stdout
+    assert line_of("segments", many).endswith("and 16 more: --json lists them")
+
+
+def labels(figure):
+    return [text.get_text() for text in figure.axes[0].get_legend().get_texts()]
+
+
+def test_the_shortest_path_is_drawn_beside_a_longer_one():
+    """The grid of sixteen headings does not hold the shortest path."""
+    scenario = Scenario(target_x=10, target_y=5)
+    longer = solve(scenario, solver="heading-milp[headings=16]")
+    assert longer.verdict == "longer"
+
+    first, second = labels(plot_path(longer))
+    assert first.startswith("shortest: LS, 11.2")
+    assert second.startswith("heading-milp[headings=16]: ")
+    assert len(labels(plot_path(solve(scenario)))) == 1
+    assert len(labels(plot_path(longer.path))) == 1
+
+
+@pytest.mark.parametrize("form", [(), ("--json",)])
+def test_the_answer_is_printed_if_its_drawing_fails(form, tmp_path):
+    """A folder has the file's name: the answer, then the refusal."""
+    (tmp_path / "path.svg").mkdir()
+    request = ("solve", "10", "5", *form, "--plot", str(tmp_path / "path.svg"))
+    with pytest.raises(PlotError, match=r"cannot write .*path.svg: Is a directory"):
+        CliRunner().invoke(app, request, catch_exceptions=False)
+    assert "11.197" in CliRunner().invoke(app, request).stdout

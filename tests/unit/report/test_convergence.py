@@ -15,6 +15,7 @@ from tests.unit.report.results_folder import attempt
 
 FAR = [Scenario(0, 0, 0, x, 3, 1) for x in (4.0, 5.0, 6.0)]
 NEAR = [Scenario(0, 0, 0, x, 1, 1) for x in (0.1, 0.2, 0.3)]
+QP = "turn-rate-qp, word NLPs"  # its short name, by the engine and formulation of `attempt`
 RAW = "collocation[n={},points=2,mesh=equal,correct=False]"
 
 
@@ -96,8 +97,8 @@ def test_the_section_says_what_the_rows_say(results, tmp_path):
     text = text_of(results("convergence", rows()), tmp_path / "out")
     pictures = {file.stem for file in (tmp_path / "out" / "figures").glob("convergence-*.svg")}
 
-    assert "outside the discs turn-rate-qp 3.00; in a disc turn-rate-qp 2.00." in text
-    assert "outside the discs turn-rate-qp is first, in 40.0 ms; in a disc none" in text
+    assert f"outside the discs {QP} 3.00; in a disc {QP} 2.00." in text
+    assert f"outside the discs {QP} is first, in 40.0 ms; in a disc none" in text
     assert "fitted powers are: outside the discs p = 2: 3.00." in text
     assert pictures == {
         "convergence-outside",

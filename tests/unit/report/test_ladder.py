@@ -97,7 +97,8 @@ def test_the_section_says_what_the_rows_say(results, tmp_path):
     good = [r for r in rows() if r["solver"] == "collocation"]
     level = results("good", good, experiment={"name": "ladder", "section": "ladder", "text": ""})
 
-    assert "these take it: ipopt from 1e-8; the right path at every margin there: coll" in text
+    assert "these take it: ipopt, word NLPs from 1e-8; the right path at every margin" in text
+    assert "margin there: collocation, word NLPs." in text
     assert "Of all 24 claims 0 are false." in text
     assert "On the other sides 2 of 2 solvers find the shortest path, coarse or not, at" in text
     assert "no solver trades a miss for the short path" in text_of(level, tmp_path / "b")

@@ -108,11 +108,11 @@ def test_the_section_says_what_the_rows_say(results, tmp_path):
     """Who proves what, at which price, and what the certificate does for the others."""
     text = text_of(results("proofs", rows()), tmp_path / "out")
 
-    assert "disjunctive proves 100 % of its answers to 1e-4 or closer" in text
+    assert "disjunctive, word NLPs proves 100 % of its answers to 1e-4 or closer" in text
     assert "in 40.0 ms (median), 10.0 ms of them building." in text
-    assert "disjunctive 40 (the paper&#39;s problems), 2.0 (in a disc)." in text
+    assert "disjunctive, word NLPs 40 (the paper&#39;s problems), 2.0 (in a disc)." in text
     assert "proves 9 of the 12 answers" in text
-    assert "all of slsqp, and 3 of 6 of shooting." in text
+    assert "all of slsqp, word NLPs, and 3 of 6 of shooting, word NLPs." in text
     assert (tmp_path / "out" / "figures" / "proofs-price.svg").is_file()
 
 

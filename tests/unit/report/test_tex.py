@@ -13,7 +13,9 @@ import pytest
 from dubins_study import render
 from dubins_study.report.elements.columns import Column
 from dubins_study.report.elements.content import Table
+from dubins_study.report.elements.figure_file import figure_bytes, fix_layout
 from dubins_study.report.elements.formats import digits
+from dubins_study.report.elements.style import HALF, WIDE, drawing, new_figure
 from dubins_study.report.page.tex_layout import layout_of
 from dubins_study.report.page.tex_table import to_tex
 from dubins_study.report.page.tex_text import tex
@@ -109,6 +111,23 @@ def test_a_line_that_starts_with_a_bracket_is_no_distance():
     )
 
 
+@pytest.mark.parametrize(("inches", "millimetres"), [(WIDE, 180.0), (HALF, 88.0)])
+def test_figures_fit_the_columns_of_journals(inches, millimetres, tmp_path):
+    """The page of the PDF is as wide as two columns or one, and its letters are TrueType."""
+    with drawing():
+        figure = new_figure(inches, 2.0)
+        ax = figure.add_subplot()
+        ax.set(title="R* ≤ 2π", xlabel="10⁻⁹")
+        fix_layout(figure)
+        content = figure_bytes(figure, "pdf")
+    box = re.search(rb"/MediaBox \[ ?0 0 ([\d.]+) ([\d.]+) ?\]", content)
+    assert box is not None
+
+    assert float(box[1]) / 72 * 25.4 == pytest.approx(millimetres, abs=0.01)  # printed precision
+    assert b"/Type3" not in content
+    assert b"/CIDFontType2" in content  # TrueType with all of Unicode
+
+
 def needed(program: str) -> str:
     """The program; without it the test is skipped, except in CI."""
     found = shutil.which(program)
@@ -165,6 +184,21 @@ def test_pdflatex_compiles_the_report(hostile_report):
     assert "Undefined control sequence" not in log
     assert "undefined references" not in log
     assert max(sticking_out, default=0.0) < 5.0
+
+
+@pytest.mark.slow
+def test_no_font_of_a_figure_or_the_report_is_type_3(hostile_report):
+    """Journals refuse bitmap and drawn letters; pdffonts sees what they see."""
+    pdffonts = needed("pdffonts")
+    figures = sorted((hostile_report / "figures").glob("*.pdf"))
+    listed = [
+        subprocess.run([pdffonts, str(file)], capture_output=True, check=True, text=True).stdout
+        for file in figures
+    ]
+
+    assert listed
+    assert not any("Type 3" in fonts for fonts in listed)
+    assert any("TrueType" in fonts for fonts in listed)
 
 
 @pytest.mark.slow

@@ -29,8 +29,8 @@ def experiments(incomplete: str) -> list[str]:
     from importlib.resources import files
 
     folder = files("dubins_study.experiments")
-    names = sorted(file.name for file in folder.iterdir() if file.name.endswith(".toml"))
-    return _beginning(incomplete, [name.removesuffix(".toml") for name in names])
+    names = [file.name for file in folder.iterdir() if file.name.endswith(".toml")]
+    return _beginning(incomplete, sorted(name.removesuffix(".toml") for name in names))
 
 
 def _beginning(text: str, names: list[str] | tuple[str, ...]) -> list[str]:

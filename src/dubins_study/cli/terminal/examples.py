@@ -1,6 +1,7 @@
 """Examples of every command, shown at the end of its help and run by a test in this order.
 
-The test runs them in one empty folder: later ones read what earlier ones wrote.
+The test runs them in one folder, in which `drive.csv` holds scenarios: later ones read what
+earlier ones wrote.
 """
 
 from __future__ import annotations
@@ -19,15 +20,25 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
     ),
     "solvers": (
         "dubins-study solvers",
+        "dubins-study solvers ipopt",
         "dubins-study solvers --json",
     ),
     "experiments": (
         "dubins-study experiments",
+        "dubins-study experiments paper",
         "dubins-study experiments --json",
     ),
+    "new": (
+        "dubins-study new solver my_solver.py",
+        "dubins-study new experiment my.toml",
+    ),
+    "new solver": ("dubins-study new solver another_solver.py",),
+    "new experiment": ("dubins-study new experiment another.toml",),
     "run": (
         "dubins-study run paper",
-        "dubins-study run paper --solver ipopt --solver 'slsqp[model=joint]' --out mine",
+        "dubins-study run paper --solver ipopt --solver nlp --out mine",
+        "dubins-study run my.toml --jobs 2",
+        "dubins-study run --scenarios drive.csv --solver ipopt --solver slsqp",
     ),
     "status": (
         "dubins-study status results/paper",
@@ -39,8 +50,6 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
         "dubins-study compare results/paper both --out changes",
         "dubins-study compare results/paper both --fail-on-regression",
     ),
-    "new": ("dubins-study new solver my_solver.py",),
-    "new solver": ("dubins-study new solver another_solver.py",),
     "check-solver": (
         "dubins-study check-solver my_solver.py:MySolver",
         "dubins-study check-solver slsqp --check limits --check state",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Self
+from typing import Any, ClassVar, Self
 
 from pydantic import Field, field_validator, model_validator
 
@@ -50,6 +50,7 @@ class Block(StrictModel):
     the experiment's `initial_guesses`.
     """
 
+    listed_apart: ClassVar[bool] = False  # in a file of scenarios
     label: str = ""
     """Name of the scenarios; the report calls scenarios of one label a stratum."""
     x: Axis = 0.0
@@ -90,6 +91,8 @@ class Block(StrictModel):
 
     @model_validator(mode="after")
     def _check_target(self) -> Self:
+        if self.listed_apart:
+            return self
         given = {field for field in FIELDS if self.axis(field) is not None}
         if self.sample is not None:
             if unknown := sorted(set(self.sample.ranges) - set(FIELDS)):
@@ -107,6 +110,16 @@ class Block(StrictModel):
     @classmethod
     def _check_branches(cls, value: list[str] | None) -> list[str] | None:
         return None if value is None else known_branches(value)
+
+
+class ListedBlock(Block):
+    """Scenarios listed one by one in a file of their own; no experiment's file writes this.
+
+    `listed` is a frame with the columns of `study.scenario.COLUMNS`, one row a scenario.
+    """
+
+    listed_apart: ClassVar[bool] = True
+    listed: Any = Field(exclude=True)
 
 
 def known_branches(branches: list[str]) -> list[str]:

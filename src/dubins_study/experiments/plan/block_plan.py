@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from dubins_study.experiments.definition.experiment import Experiment, ExperimentError
-from dubins_study.experiments.definition.scenario_block import Block
+from dubins_study.experiments.definition.scenario_block import Block, ListedBlock
 from dubins_study.experiments.plan.scenario_columns import axis_size, axis_values, block_size
 from dubins_study.experiments.plan.solver_description import SolverDescription, describe_solver
 from dubins_study.experiments.plan.solver_specs import expand_solvers
@@ -101,7 +101,8 @@ def block_plans(experiment: Experiment) -> list[BlockPlan]:
 
 def _block_plan(number: int, block: Block, experiment: Experiment) -> BlockPlan:
     solvers = _solvers(number, block, experiment)
-    large = block.guess_lengths is None and block_size(block) >= FEWEST_STREAMED
+    computed = block.guess_lengths is None and not isinstance(block, ListedBlock)
+    large = computed and block_size(block) >= FEWEST_STREAMED
     # Only our own closed form is streamed: a plug-in's code must not run in the run's process.
     streamed = tuple(solver for solver in solvers if large and solver.closed_form)
     return BlockPlan(

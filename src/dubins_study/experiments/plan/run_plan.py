@@ -13,6 +13,7 @@ from dubins_study.experiments.definition.experiment import (
     read,
     validated,
 )
+from dubins_study.experiments.definition.listed_experiment import listed_experiment
 from dubins_study.experiments.plan.cells import Chain, chains
 from dubins_study.experiments.plan.file_checks import check_solvers, placed
 from dubins_study.experiments.plan.solver_specs import expand_solvers
@@ -26,7 +27,7 @@ from dubins_study.study.rows.schema import Key
 class Request(NamedTuple):
     """The arguments of `experiments.run.run`; None means the value in the experiment's file."""
 
-    experiment: str | FilePath
+    experiment: str | FilePath | None = None
     out: str | FilePath | None = None
     solvers: list[str] | None = None
     jobs: int = 1
@@ -37,13 +38,18 @@ class Request(NamedTuple):
     trust_plugins: bool = False
     engine: str = "local"
     scheduler: str | None = None
+    scenarios: str | FilePath | None = None
 
     def command(self) -> str:
         """The command line that asks for the same rows.
 
         It leaves out the results folder and the address of a scheduler, which is private.
         """
-        arguments = ["dubins-study", "run", str(self.experiment)]
+        arguments = ["dubins-study", "run"]
+        if self.experiment is not None:
+            arguments.append(str(self.experiment))
+        if self.scenarios is not None:
+            arguments += ["--scenarios", str(self.scenarios)]
         for spec in self.solvers or ():
             arguments += ["--solver", spec]
         options = {
@@ -71,8 +77,21 @@ class Request(NamedTuple):
         is_address = isinstance(scheduler, str) and scheduler != ""
         no_scheduler = scheduler is None
         name, is_name = self.experiment, isinstance(self.experiment, str | FilePath)
+        listed = self.scenarios is not None
         requirements = (
-            (is_name, f"experiment is {name!r}; expected a name or the path of a .toml file"),
+            (
+                self.scenarios is None or isinstance(self.scenarios, str | FilePath),
+                f"scenarios is {self.scenarios!r}; expected the path of a .csv or .parquet file",
+            ),
+            (
+                not listed or is_name or self.solvers is not None,
+                f"scenarios is {str(self.scenarios)!r}, without solvers; expected solvers "
+                "(--solver ipopt) or an experiment whose solvers are asked",
+            ),
+            (
+                is_name or (listed and name is None),
+                f"experiment is {name!r}; expected a name or the path of a .toml file",
+            ),
             (
                 out is None or isinstance(out, str | FilePath),
                 f"out is {out!r}; expected the path of a folder",
@@ -152,7 +171,7 @@ def plan_run(request: Request) -> RunPlan:
             was expected.
     """
     request.check()
-    experiment_file = _changed(read(str(request.experiment)), request)
+    experiment_file = _changed(_read(request), request)
     experiment = experiment_file.experiment
     if request.solvers is not None:
         # Checked here so that an error message does not name the experiment's file.
@@ -167,6 +186,15 @@ def plan_run(request: Request) -> RunPlan:
         FilePath("results") / experiment_file.name if request.out is None else FilePath(request.out)
     )
     return RunPlan(experiment_file, folder, cell_chains, block_streams)
+
+
+def _read(request: Request) -> ExperimentFile:
+    """The experiment of a request, about the scenarios of a file if the request names one."""
+    file = None if request.experiment is None else read(str(request.experiment))
+    if request.scenarios is None:
+        assert file is not None  # as `Request.check` has seen to
+        return file
+    return listed_experiment(str(request.scenarios), file, request.solvers)
 
 
 def _changed(experiment_file: ExperimentFile, request: Request) -> ExperimentFile:

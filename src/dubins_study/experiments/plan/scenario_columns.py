@@ -14,10 +14,17 @@ from numpy.typing import NDArray
 
 from dubins_study.experiments.definition.axes import Axis, Linear, Log
 from dubins_study.experiments.definition.experiment import ExperimentError
-from dubins_study.experiments.definition.scenario_block import CIRCULAR, FIELDS, POLAR, Block
+from dubins_study.experiments.definition.scenario_block import (
+    CIRCULAR,
+    FIELDS,
+    POLAR,
+    Block,
+    ListedBlock,
+)
 from dubins_study.experiments.plan.sample_points import SamplePoints
 from dubins_study.study.path import FloatArray
 from dubins_study.study.scenario import NUMBERS, Scenario, ScenarioError, check_frame
+from dubins_study.study.scenario import scenarios as listed_scenarios
 
 # One array of shape (rows of the window,) for each name in `NUMBERS`.
 Columns = dict[str, FloatArray]
@@ -29,6 +36,8 @@ _WINDOW_ROWS = 2**15  # if the caller wants all rows
 
 def block_size(block: Block) -> int:
     """How many scenarios a block has."""
+    if isinstance(block, ListedBlock):
+        return len(block.listed)
     return _combinations(block) * (1 if block.sample is None else block.sample.count)
 
 
@@ -81,6 +90,9 @@ def scenarios(block: Block, key: str) -> Iterator[Scenario]:
     Raises:
         ExperimentError: as `windows`.
     """
+    if isinstance(block, ListedBlock):
+        yield from listed_scenarios(block.listed)
+        return
     for columns in windows(block, key, tiled(block_size(block), _WINDOW_ROWS)):
         values = (columns[name].tolist() for name in NUMBERS)
         for numbers in zip(*values, strict=True):

@@ -31,6 +31,7 @@ class Table:
         numbers: more columns of the frame for the CSV file, such as the ends of an interval that
             is shown as text.
         dense: whether it has so many columns that its letters are smaller.
+        stacked: whether a narrow screen shows every line as a list of its cells.
         labels: spec -> the solver's short name on the page; in columns of the kind `solver` the
             page shows it, with the spec as its hover text.
     """
@@ -42,6 +43,7 @@ class Table:
     marks: dict[tuple[int, str], str] | None = None
     numbers: tuple[str, ...] = ()
     dense: bool = False
+    stacked: bool = False
     labels: Mapping[str, str] = field(default_factory=dict)
 
     def texts(self) -> list[list[str]]:

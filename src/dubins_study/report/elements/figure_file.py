@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from io import BytesIO
 
 from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -16,9 +17,13 @@ def fix_layout(figure: Figure) -> None:
     """Compute the layout once for all files of a figure: it takes most of the time of saving."""
     engine = figure.get_layout_engine()
     if engine is not None:
+        # At a low resolution the letters' widths are those of whole pixels.
+        dpi = figure.dpi
+        figure.set_dpi(_DPI)
         FigureCanvasAgg(figure)
         engine.execute(figure)
         figure.set_layout_engine("none")
+        figure.set_dpi(dpi)
 
 
 def figure_bytes(figure: Figure, kind: str) -> bytes:
@@ -40,4 +45,41 @@ def figure_bytes(figure: Figure, kind: str) -> bytes:
     else:
         FigureCanvasPdf(figure).print_pdf(buffer, metadata={"CreationDate": None})  # type: ignore[no-untyped-call]
     figure.set_dpi(dpi)
-    return buffer.getvalue()
+    return _compact(buffer.getvalue()) if kind == "svg" else buffer.getvalue()
+
+
+_TAG = re.compile(rb"<[^>]*>")
+_LONG_NUMBER = re.compile(rb"(-?\d+\.\d\d)\d+")
+_LINE_END = re.compile(rb" *\n(?=[LMQCz\"])")
+_EMPTY_GROUP = re.compile(rb"\n *<g id=\"\w+\"/>")
+_NO_TURN = re.compile(rb' transform="rotate\(-?0 [^"]*\)"')
+_INDENT = re.compile(rb">\n +<")
+_FONT = b"font-family: 'DejaVu Sans'"
+
+
+def _compact(svg: bytes) -> bytes:
+    """The same drawing in fewer bytes: coordinates to a hundredth of a point, the font once."""
+    head, body = svg.split(b"<defs>", 1)
+    # Texts between tags stay as they are.
+    body = _INDENT.sub(b">\n<", _TAG.sub(_short_tag, _EMPTY_GROUP.sub(b"", body)))
+    return head.replace(b"<svg ", b'<svg style="' + _FONT + b'" ', 1) + b"<defs>" + body
+
+
+def _short_tag(match: re.Match[bytes]) -> bytes:
+    tag = _LINE_END.sub(b"", _LONG_NUMBER.sub(rb"\1", match[0]))
+    tag = _NO_TURN.sub(b"", tag.replace(_FONT + b"; ", b"").replace(b"; " + _FONT, b""))
+    return _STEPS.sub(_right_angles, tag) if b" d=" in tag else tag
+
+
+_STEPS = re.compile(rb"M (\S+) ([^LMQCz\"]+)((?:L [^LMQCz\"]+)+)")
+
+
+def _right_angles(match: re.Match[bytes]) -> bytes:
+    """A line whose horizontal and vertical parts name only the coordinate that changes."""
+    here = [match[1], match[2].strip()]
+    parts = [b"M " + b" ".join(here)]
+    for point in match[3].split(b"L ")[1:]:
+        x, y = point.split()
+        parts.append(b"H" + x if y == here[1] else b"V" + y if x == here[0] else b"L%b %b" % (x, y))
+        here = [x, y]
+    return b"".join(parts)

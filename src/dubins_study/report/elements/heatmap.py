@@ -37,10 +37,11 @@ def plot_share_map(
     """
     values = shares.to_numpy(dtype=np.float64)
     lines, columns = values.shape
-    gaps: Style = {"edgecolor": PAPER, "linewidth": 1.2}
-    edges = np.arange(columns + 1) - 0.5, np.arange(lines + 1) - 0.5
-    ax.pcolormesh(*edges, np.ma.masked_invalid(values), cmap=DEPTH, vmin=0, vmax=1, **gaps)
-    ax.invert_yaxis()
+    flat: Style = {"interpolation": "nearest", "aspect": "auto"}
+    ax.imshow(np.ma.masked_invalid(values), cmap=DEPTH, vmin=0, vmax=1, **flat)
+    gaps: Style = {"colors": PAPER, "linewidth": 1.2}
+    ax.hlines(np.arange(1, lines) - 0.5, -0.5, columns - 0.5, **gaps)
+    ax.vlines(np.arange(1, columns) - 0.5, -0.5, lines - 0.5, **gaps)
     for i, j in np.ndindex(lines, columns):
         text, ink = "" if notes is None else str(notes.iat[i, j]), MUTED
         if np.isfinite(values[i, j]):

@@ -27,6 +27,8 @@ _ENGINES = (
     *("dual annealing", "Nelder-Mead", "Powell", "SHGO"),
 )
 _FORMULA = "closed form"
+# A curve that is there to compare with, behind those that have a colour and a name.
+BEHIND: style.Style = {"color": style.RULE, "linewidth": 0.8, "zorder": 1.5}
 
 
 class Look(NamedTuple):
@@ -105,8 +107,14 @@ class Palette:
         for spec in solver_order(list(specs)):
             colour, marker = self.hues[self.engines.get(spec, parse_spec(spec)[0])]
             place = used[colour] = used.get(colour, -1) + 1
-            result[spec] = Look(colour, marker, LINES[place % len(LINES)])
+            # Hues that are alike in grey begin with other dashes.
+            first = self._dashes.get(colour, 0)
+            result[spec] = Look(colour, marker, LINES[(first + place) % len(LINES)])
         return result
+
+    @property
+    def _dashes(self) -> dict[str, int]:
+        return {hue.light: place % len(LINES) for place, hue in enumerate(style.ENGINE_HUES)}
 
     def label(self, spec: str) -> str:
         """A solver's short name; its spec, over several lines, if the page has none."""

@@ -45,6 +45,13 @@ def labels_of(results: Results) -> dict[str, str]:
     return {str(solver): str(label) for solver, label in names_of(results)["label"].items()}
 
 
+def in_page_order(frame: pd.DataFrame, results: Results) -> pd.DataFrame:
+    """The rows in the order of the page's solvers; rows of one solver keep their order."""
+    place = {solver: number for number, solver in enumerate(names_of(results).index)}
+    places = frame["solver"].map(place).fillna(len(place))
+    return frame.loc[places.sort_values(kind="stable").index].reset_index(drop=True)
+
+
 def short_labels(methods: pd.DataFrame) -> dict[str, str]:
     """Solver -> engine, formulation, initial guess, and the settings that differ; all distinct.
 

@@ -11,13 +11,18 @@ from matplotlib.axes import Axes
 from numpy.typing import ArrayLike
 
 from dubins_study.report.elements.axes import only_grid, percent_axis
-from dubins_study.report.elements.looks import Look, name_of
+from dubins_study.report.elements.looks import Look, Palette, name_of
 from dubins_study.report.elements.style import INK, MUTED, Style
 
 
-def label_lines(ax: Axes, solvers: Iterable[str], places: ArrayLike) -> None:
-    """Write the solvers' names to the left of their lines; draw grid lines for the values only."""
-    names = [name_of(solver) for solver in solvers]
+def label_lines(
+    ax: Axes, solvers: Iterable[str], places: ArrayLike, palette: Palette | None = None
+) -> None:
+    """Write the solvers' names to the left of their lines; draw grid lines for the values only.
+
+    The names are the page's short ones if its palette is given, else the specs.
+    """
+    names = [palette.label(solver) if palette else name_of(solver) for solver in solvers]
     ax.set_yticks(np.asarray(places), names, color=INK)
     ax.set_ylim(-0.6, len(names) - 0.4)
     only_grid(ax, "x")
@@ -40,7 +45,11 @@ def plot_quartiles(
 
 
 def plot_shares(
-    ax: Axes, table: pd.DataFrame, look: Mapping[str, tuple[str, str]], notes: Sequence[str]
+    ax: Axes,
+    table: pd.DataFrame,
+    look: Mapping[str, tuple[str, str]],
+    notes: Sequence[str],
+    palette: Palette | None = None,
 ) -> None:
     """Draw one stacked bar per solver: each column of `look` as a share of `attempts`.
 
@@ -49,6 +58,7 @@ def plot_shares(
         table: columns solver, attempts, and a count for each name in `look`.
         look: column -> colour and hatch, in the order of the stack.
         notes: texts to the right of the bars, one per row.
+        palette: of the page, for its short names.
     """
     places = np.arange(len(table))[::-1]
     left = np.zeros(len(table))
@@ -61,6 +71,6 @@ def plot_shares(
         left += width
     for place, note in zip(places, notes, strict=True):
         ax.text(1.015, place, note, va="center", fontsize=7.5, color=MUTED)
-    label_lines(ax, table["solver"], places)
+    label_lines(ax, table["solver"], places, palette)
     ax.set(xlim=(0, 1), xlabel="share of all attempts")
     percent_axis(ax.xaxis)

@@ -34,6 +34,12 @@ def breakable(text: str) -> Markup:
     return Markup(escaped.replace("[", "<wbr>[").replace(",", ",<wbr>"))
 
 
+def choice(text: str) -> Markup:
+    """A choice as HTML: the first line stands out."""
+    first, _, rest = text.partition("\n")
+    return Markup("<strong>{}</strong><br>{}").format(first, rest) if rest else Markup.escape(text)
+
+
 def as_json(value: Any) -> Markup:
     """A value as JSON that no text in it can end the script element of."""
     text = json.dumps(value, ensure_ascii=True, allow_nan=False, separators=(",", ":"))
@@ -81,7 +87,7 @@ def environment() -> Environment:
         lstrip_blocks=True,
     )
     made.filters |= {"breakable": breakable, "markdown": markdown, "pipe_table": to_markdown}
-    made.filters |= {"as_json": as_json, "packed": packed}
+    made.filters |= {"as_json": as_json, "choice": choice, "packed": packed}
     made.tests |= {
         "picture": lambda block: isinstance(block, Picture),
         "table": lambda block: isinstance(block, Table),

@@ -9,14 +9,13 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path as FilePath
 
-from markupsafe import Markup
-
 from dubins_study.errors import DubinsStudyError
 from dubins_study.report.data.results import Folder, Results, load
 from dubins_study.report.elements import style
 from dubins_study.report.elements.content import Picture, Section, Table
 from dubins_study.report.elements.figure_file import figure_bytes, fix_layout
 from dubins_study.report.elements.formats import some
+from dubins_study.report.page.dictionary import dictionary
 from dubins_study.report.page.drawings import Drawings
 from dubins_study.report.page.environment import environment, scripts, styles
 from dubins_study.report.page.glossary import GLOSSARY, Glossed
@@ -28,9 +27,9 @@ from dubins_study.report.paper.citation import PAPER
 
 # What every report is about, in one sentence.
 ASKED = (
-    "From a start pose to a target, by the shortest path whose curvature never exceeds 1/R, with "
-    "any heading at the end: which formulation, which engine and which initial guess find it, how "
-    "surely, how fast, and who proves it?"
+    "From a start pose to a target, with no turn tighter than the radius R and any heading at the "
+    "end: which formulation, engine and initial guess find the shortest path, how surely, how "
+    "fast, and who proves it?"
 )
 
 Progress = Callable[[str], None]
@@ -165,21 +164,18 @@ def _write_whole(target: FilePath, sections: Sequence[Section], runs: Sequence[F
 def _write(folder: FilePath, sections: Sequence[Section], runs: Sequence[Folder]) -> None:
     for name in ("figures", "tables"):
         (folder / name).mkdir()
-    drawn: dict[str, Markup] = {}
-    drawings = Drawings()
-    for block in (block for section in sections for block in section.blocks):
-        if isinstance(block, Table):
-            for suffix, text in (("csv", to_csv), ("md", to_markdown), ("tex", to_tex)):
-                file = folder / "tables" / f"{block.name}.{suffix}"
-                file.write_text(text(block), encoding="utf-8", newline="\n")
-        elif isinstance(block, Picture):
-            fix_layout(block.figure)
-            svg = figure_bytes(block.figure, "svg")
-            (folder / "figures" / f"{block.name}.svg").write_bytes(svg)
-            (folder / "figures" / f"{block.name}.pdf").write_bytes(
-                figure_bytes(block.figure, "pdf")
-            )
-            drawn[block.name] = drawings.inline(svg.decode("utf-8"), block.alt)
+    blocks = [block for section in sections for block in section.blocks]
+    for table in (*(b for b in blocks if isinstance(b, Table)), dictionary(sections)):
+        for suffix, text in (("csv", to_csv), ("md", to_markdown), ("tex", to_tex)):
+            file = folder / "tables" / f"{table.name}.{suffix}"
+            file.write_text(text(table), encoding="utf-8", newline="\n")
+    drawn, drawings = {}, Drawings()
+    for picture in (b for b in blocks if isinstance(b, Picture)):
+        fix_layout(picture.figure)
+        svg, pdf = (figure_bytes(picture.figure, kind) for kind in ("svg", "pdf"))
+        (folder / "figures" / f"{picture.name}.svg").write_bytes(svg)
+        (folder / "figures" / f"{picture.name}.pdf").write_bytes(pdf)
+        drawn[picture.name] = drawings.inline(svg.decode("utf-8"), picture.alt)
     templates = environment()
     templates.filters |= {"left_out": left_out, "warnings": warnings, "glossed": Glossed()}
     content = {"sections": sections, "runs": runs, "drawn": drawn, "asked": ASKED, "paper": PAPER}

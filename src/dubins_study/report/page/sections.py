@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from enum import Enum, auto
 from typing import NamedTuple
@@ -18,14 +18,17 @@ from dubins_study.report.topics.audit.section import audit_section
 from dubins_study.report.topics.basins.section import basins_section
 from dubins_study.report.topics.belief.section import belief_section
 from dubins_study.report.topics.bias.section import bias_section
+from dubins_study.report.topics.caution.section import caution_section
 from dubins_study.report.topics.certificates.section import certificates_section
 from dubins_study.report.topics.comparison.section import comparison_section
 from dubins_study.report.topics.convergence.section import convergence_section
 from dubins_study.report.topics.cost.section import cost_section
+from dubins_study.report.topics.decision.section import decision_section
 from dubins_study.report.topics.discretisation.section import discretisation_section
 from dubins_study.report.topics.existence.section import existence_section
 from dubins_study.report.topics.findings.section import findings_section
 from dubins_study.report.topics.ladder.section import ladder_section
+from dubins_study.report.topics.limits.section import limits_section
 from dubins_study.report.topics.map.section import map_section
 from dubins_study.report.topics.matrix.section import matrix_section
 from dubins_study.report.topics.paper.section import figures_section, paper_section
@@ -46,6 +49,7 @@ class General(Enum):
     EVERY = auto()  # all attempts
     POOLED = auto()  # counted together: without studies of variants and of extreme questions
     COMPARED = auto()  # attempts at questions on which solvers are compared
+    DECIDED = auto()  # those of benchmarks, else those compared, else all
 
 
 class Topic(NamedTuple):
@@ -68,20 +72,32 @@ class Topic(NamedTuple):
     counted: bool = False
 
 
-EVERY, POOLED, COMPARED = General.EVERY, General.POOLED, General.COMPARED
+EVERY, POOLED, COMPARED, DECIDED = General
+BENCHMARK = "benchmark"
 TOPICS = (
-    Topic("what the study found", findings_section, "benchmark"),
+    # the answer
+    Topic("what to use", decision_section, DECIDED),
+    Topic("what the study found", findings_section, BENCHMARK),
+    Topic("what not to conclude", caution_section, DECIDED),
+    # the comparison
+    Topic("formulation by engine", matrix_section, BENCHMARK, counted=True),
     Topic("summary", summary_section, POOLED, counted=True),
-    Topic("formulation by engine", matrix_section, "benchmark", counted=True),
+    Topic("success and gaps", success_section, POOLED, counted=True),
+    Topic("where no path exists", existence_section, POOLED, counted=True),
+    Topic("whom one can believe", belief_section, BENCHMARK),
+    Topic("certificates", certificates_section, POOLED, counted=True),
+    Topic("the comparison of methods", comparison_section, BENCHMARK),
+    Topic("cost where it arises", cost_section, BENCHMARK),
+    Topic("time", time_section, COMPARED),
+    Topic("agreement", agreement_section, COMPARED),
+    Topic("agreement of formulations", formulations_section, BENCHMARK),
+    # the problem and the paper
+    Topic("the explorer", explorer_section, EVERY, counted=True),
+    Topic("length, time and word against radius", radius_section, EVERY),
     Topic("the paper's tables", paper_section, "paper", (POOLED, COMPARED)),
     Topic("the audit of the paper", audit_section, "paper", counted=True),
     Topic("the paper's figures", figures_section, "paper"),
-    Topic("length, time and word against radius", radius_section, EVERY),
-    Topic("agreement", agreement_section, COMPARED),
-    Topic("success and gaps", success_section, POOLED, counted=True),
-    Topic("where no path exists", existence_section, POOLED, counted=True),
-    Topic("certificates", certificates_section, POOLED, counted=True),
-    Topic("time", time_section, COMPARED),
+    # studies of one thing each
     Topic("work and precision", discretisation_section, "discretisation"),
     # Not compared: a plane has a hundred thousand questions that only the closed form answers.
     Topic("the target plane", plane_section, "plane", (POOLED,)),
@@ -92,14 +108,11 @@ TOPICS = (
     Topic("the order of convergence", convergence_section, "convergence"),
     Topic("the ladder toward a circle", ladder_section, "ladder"),
     Topic("what a proof costs", proofs_section, "proofs"),
-    Topic("the comparison of methods", comparison_section, "benchmark"),
-    Topic("agreement of formulations", formulations_section, "benchmark"),
-    Topic("cost where it arises", cost_section, "benchmark"),
-    Topic("whom one can believe", belief_section, "benchmark"),
-    Topic("the solvers and their settings", solvers_section, EVERY, counted=True),
+    # single attempts, and what they rest on
     Topic("single attempts", attempts_section, EVERY, counted=True),
-    Topic("the explorer", explorer_section, EVERY, counted=True),
+    Topic("the solvers and their settings", solvers_section, EVERY, counted=True),
     Topic("the runs and their machines", runs_section, EVERY, counted=True),
+    Topic("limits", limits_section, EVERY, counted=True),
 )
 KEYS = tuple(dict.fromkeys(topic.about for topic in TOPICS if isinstance(topic.about, str)))
 
@@ -128,14 +141,19 @@ def _selections(topic: Topic, results: Results) -> dict[str, Results]:
         return {name: results.only({name}) for name in about}
     if topic.about is EVERY:
         return {"": results}
-    apart = {other.about for other in TOPICS} - {
-        other.about for other in TOPICS if topic.about in other.enters
-    }
-    names = {name for name, key in keys.items() if key not in apart}
+    names = _pooled(keys, COMPARED if topic.about is DECIDED else topic.about)
+    if topic.about is DECIDED:
+        names = {name for name, key in keys.items() if key == BENCHMARK} or names
     if names:
         return {"": results.only(names)}
     # If the report has only studies, they are pooled.
-    return {"": results} if topic.about is POOLED else {}
+    return {} if topic.about is COMPARED else {"": results}
+
+
+def _pooled(keys: Mapping[str, str | None], kind: General) -> set[str]:
+    """The experiments, with the keys that they give, that enter the sections of a general kind."""
+    apart = {topic.about for topic in TOPICS} - {t.about for t in TOPICS if kind in t.enters}
+    return {name for name, key in keys.items() if key not in apart}
 
 
 def _named_after(section: Section, experiment: str) -> Section:

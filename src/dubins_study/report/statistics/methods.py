@@ -115,6 +115,15 @@ def drawn_methods(frame: pd.DataFrame) -> pd.DataFrame:
     return kept.sort_values("place", kind="stable").drop(columns="place")
 
 
+def foremost(scores: pd.Series[float], most: int = MOST_ENGINES) -> list[str]:
+    """Some names with the largest scores, in the order of the scores' index.
+
+    A figure draws their curves in colour and the others in grey.
+    """
+    kept = set(scores.sort_values(ascending=False, kind="stable").index[:most])
+    return [str(name) for name in scores.index if name in kept]
+
+
 def best_of_formulations(frame: pd.DataFrame) -> list[str]:
     """The solver of each formulation that is most surely right, but for the closed form.
 

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.colors import LinearSegmentedColormap, LogNorm
 
 from dubins_study.report.elements.formats import digits, share
-from dubins_study.report.elements.looks import name_of
 from dubins_study.report.elements.style import BLUE, INK, MAP_PAPER, MUTED, ON_MAP, Style
 
 # One hue from light to dark, so that the order stays visible in grey print.
@@ -16,10 +17,11 @@ _DEPTH = LinearSegmentedColormap.from_list("depth", ["#f4f7fa", "#9cc6e0", BLUE,
 _SMALLEST, _LARGEST = 1e-16, 1.0
 
 
-def plot_agreement(ax: Axes, pairs: pd.DataFrame) -> None:
+def plot_agreement(ax: Axes, pairs: pd.DataFrame, labels: Mapping[str, str]) -> None:
     """Draw the largest length difference below the diagonal, the share within 1e-6 above it.
 
-    Columns: first, second, both, largest, within; in the order of the solvers.
+    Columns: first, second, both, largest, within; in the order of the solvers. `labels` are names
+    to show instead of the solvers' own.
     """
     solvers = list(dict.fromkeys([*pairs["first"], *pairs["second"]]))
     n = len(solvers)
@@ -33,10 +35,7 @@ def plot_agreement(ax: Axes, pairs: pd.DataFrame) -> None:
         ax.text(j, i, share(row["within"]), color=INK, **centred)
     norm = LogNorm(_SMALLEST, _LARGEST)
     ax.imshow(depth, cmap=_DEPTH, norm=norm, interpolation="nearest", aspect="auto")
-    names = [
-        f"{i}   {name_of(solver).replace(' by ', chr(10) + 'by ')}"
-        for i, solver in enumerate(solvers, 1)
-    ]
+    names = [f"{labels.get(solver, solver)}   {i}" for i, solver in enumerate(solvers, 1)]
     ax.set_yticks(range(n), names, color=INK)
     ax.set_xticks(range(n), [str(i) for i in range(1, n + 1)], color=INK)
     ax.xaxis.tick_top()

@@ -8,6 +8,8 @@ from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import columns
 from dubins_study.report.elements.content import Section, Table, picture
 from dubins_study.report.elements.formats import count, digits, sentences, share
+from dubins_study.report.elements.names import labels_of
+from dubins_study.report.elements.panels import HIGHEST
 from dubins_study.report.elements.style import WIDE
 from dubins_study.report.statistics.methods import MOST_METHODS, best_of_formulations
 from dubins_study.report.topics.agreement.figures import plot_agreement
@@ -15,7 +17,7 @@ from dubins_study.report.topics.agreement.numbers import agreement
 from dubins_study.report.topics.summary.section import solver_summary
 
 _COLUMNS = (
-    *columns(kind="code", first="solver", second="and"),
+    *columns(kind="solver", first="solver", second="and"),
     *columns(count, questions="questions", both="both arrive"),
     *columns(digits(3), median="median", largest="largest"),
     *columns(share, within="agree to 1e-6"),
@@ -34,15 +36,13 @@ def formulations_section(results: Results) -> Section | None:
     """Matrix and table of the best engine, guess and settings of each formulation."""
     methods = solver_summary(results.attempts)
     best = methods[methods["solver"].isin(best_of_formulations(methods))]
-    names = dict(zip(best["solver"], best["formulation"] + " by " + best["engine"], strict=True))
-    rows = results.rows[results.rows["solver"].isin(list(names))]
-    rows = rows.assign(solver=rows["solver"].map(names))
+    rows = results.rows[results.rows["solver"].isin(best["solver"])]
     which = (
         "Of each formulation the engine, guess and settings that are most surely right, the "
         "fastest of several."
     )
     key, title = "agreement-formulations", "Agreement between formulations"
-    return _section(results, rows, key, title, which, list(names.values()))
+    return _section(results, rows, key, title, which, best["solver"].tolist())
 
 
 def _section(
@@ -62,12 +62,12 @@ def _section(
     matrix = picture(
         key,
         plot_agreement,
-        pairs,
+        *(pairs, labels_of(results)),
         caption="Below the diagonal: the largest |La − Lb| / max(reference, R) of each pair, "
         "darker for more. Above it: the share of common answers that agree to 1e-6. Empty: no "
         "common answer.",
         alt="Matrix of agreement between solvers",
-        height=min(6.3, 0.8 + 0.52 * (1 + pairs["first"].nunique())),
+        height=min(HIGHEST, 0.6 + 0.36 * (1 + pairs["first"].nunique())),
         width=WIDE,
     )
     caption = (
@@ -76,9 +76,9 @@ def _section(
         "optima."
     )
     text = sentences(
-        "Where two solvers both arrive, how far are their lengths apart, and their paths? Only "
-        "cold starts, the first repeat of each, and questions where both arrive; the table says "
-        "how many.",
+        "Only cold starts, the first repeat of each, and questions where both arrive; the table "
+        "says how many.",
         which,
     )
-    return Section(key, title, text, (matrix, Table(key, caption, pairs, _COLUMNS)))
+    lead = "See how far the lengths, and the paths, of two solvers are apart where both arrive."
+    return Section(key, title, text, (matrix, Table(key, caption, pairs, _COLUMNS)), lead)

@@ -42,7 +42,11 @@ def audit_section(results: Results) -> Section | None:
         Table("audit-omitted", _OMITTED_CAPTION, omitted, _OMITTED_COLUMNS),
         Table("audit-statements", _STATEMENTS_CAPTION, statements, _STATEMENTS_COLUMNS),
     )
-    return Section("audit", "The audit of the paper", text, blocks)
+    lead = (
+        "Read each line as one claim of the paper and what exact arithmetic makes of it: which "
+        "numbers are wrong, by how much, and by what accident."
+    )
+    return Section("audit", "The audit of the paper", text, blocks, lead)
 
 
 def _cross(wrong: bool) -> str:

@@ -37,11 +37,14 @@ _TICKS = np.arange(5) * np.pi / 2
 _TICK_TEXTS = ("0", "π/2", "π", "3π/2", "2π")
 
 
-def plot_ends(ax: Axes, table: pd.DataFrame, title: str, listed: Sequence[str]) -> list[Artist]:
-    """Draw one solver's ends over the two turns of its guesses; return the legend's entries.
+_DOTS: dict[str, Any] = {"linestyle": "none", "color": ON_MAP, "markeredgewidth": 0.7}
+
+
+def plot_ends(ax: Axes, table: pd.DataFrame, title: str, listed: Sequence[str]) -> None:
+    """Draw one solver's ends over the two turns of its guesses.
 
     Columns: z1, z2 (rad, on a grid), end. `title` is the panel's title; `listed` holds the ends
-    that the legend lists with their counts.
+    that have marks.
     """
     codes = {end: float(i) for i, end in enumerate(numbers.ENDS)}
     grid = table.assign(code=table["end"].map(codes)).pivot_table(
@@ -58,27 +61,27 @@ def plot_ends(ax: Axes, table: pd.DataFrame, title: str, listed: Sequence[str]) 
         vmax=len(numbers.ENDS) - 0.5,
         interpolation="nearest",
     )
-    handles = []
     for end in listed:
         group = table[table["end"] == end]
-        style: dict[str, Any] = {"linestyle": "none", "color": ON_MAP, "markeredgewidth": 0.7}
         if end in _MARK and len(group):
-            ax.plot(group["z1"], group["z2"], **style | _MARK[end])
-        handles.append(_entry(end, len(group), style))
-    ax.set(xlabel="left turn of the guess, z₁ (rad)", ylabel="right turn of the guess, z₂ (rad)")
-    ax.set_title(title)
+            ax.plot(group["z1"], group["z2"], **_DOTS | _MARK[end])
+    ax.set(xlabel="left turn of the guess (rad)", ylabel="right turn of the guess (rad)")
+    ax.set_title(title, fontsize=8.5, fontweight="normal")
     ax.set_xticks(_TICKS, _TICK_TEXTS)
     ax.set_yticks(_TICKS, _TICK_TEXTS)
     ax.grid(False)
-    return handles
 
 
 def _half_step(values: np.ndarray) -> float:
     return float(np.diff(values).min()) / 2 if values.size > 1 else 0.5
 
 
-def _entry(end: str, count: int, style: dict[str, Any]) -> Artist:
-    text = f"{end} ({count})"
+def legend_entries(listed: Sequence[str]) -> list[Artist]:
+    """The legend's entries for some ends."""
+    return [_entry(end) for end in listed]
+
+
+def _entry(end: str) -> Artist:
     if end in _MARK and _FILL[end] == MAP_PAPER:
-        return Line2D([], [], **style | _MARK[end], label=text)
-    return Patch(facecolor=_FILL[end], edgecolor=ON_MAP, linewidth=0.4, label=text)
+        return Line2D([], [], **_DOTS | _MARK[end], label=end)
+    return Patch(facecolor=_FILL[end], edgecolor=ON_MAP, linewidth=0.4, label=end)

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import math
+
 import pandas as pd
 
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import columns, marks
-from dubins_study.report.elements.content import Picture, Section, Table, picture
+from dubins_study.report.elements.content import Picture, Section, Table
 from dubins_study.report.elements.formats import count, sentences, share, slug
-from dubins_study.report.statistics.metrics import parse_spec, solver_order
+from dubins_study.report.elements.names import names_of
+from dubins_study.report.elements.style import HALF, WIDE, new_figure
+from dubins_study.report.statistics.metrics import solver_order
 from dubins_study.report.topics.basins import numbers
-from dubins_study.report.topics.basins.figures import plot_ends
+from dubins_study.report.topics.basins.figures import legend_entries, plot_ends
 
 
 def basins_section(results: Results) -> Section | None:
@@ -25,15 +29,40 @@ def basins_section(results: Results) -> Section | None:
     capped = ends["solver"].map(numbers.is_capped)
     mapped = ends if capped.all() else ends[~capped]
     present = [end for end in numbers.ENDS if (mapped["end"] == end).any()]
-    pictures = [
-        _picture(label, solver, group, present)
-        for solver in solver_order(mapped["solver"].tolist())
-        for label, group in mapped[mapped["solver"] == solver].groupby("label", sort=True)
-    ]
+    names = _names(results, ends["solver"].unique().tolist())
+    pictures = [_picture(str(label), group, names, present) for label, group in _groups(mapped)]
     table = numbers.shares(ends)
-    findings = _findings(numbers.shares(mapped))
+    table = table.assign(called=table["solver"].map(names))
+    findings = _findings(numbers.shares(mapped).assign(called=lambda t: t["solver"].map(names)))
     text = sentences(_method(ends), *findings, _cap(numbers.capping(table)))
-    return Section("basins", "Where initial guesses lead", text, (*pictures, _table(table)))
+    lead = (
+        "Every point of a map is an initial guess, its colour the path that a solver reaches from "
+        "there: only the palest colour is the shortest path."
+    )
+    return Section("basins", "Where initial guesses lead", text, (*pictures, _table(table)), lead)
+
+
+_ACROSS = 3  # maps side by side
+
+
+def _names(results: Results, solvers: list[str]) -> dict[str, str]:
+    """Solver -> its engine, which is enough of a name if only bounds on turns differ besides."""
+    methods = names_of(results).loc[solvers]
+    told_apart = methods.assign(capped=[numbers.is_capped(solver) for solver in solvers])
+    shared = told_apart.duplicated(["engine", "capped"], keep=False)
+    return {str(k): str(v) for k, v in methods["engine"].where(~shared, methods["label"]).items()}
+
+
+def _groups(mapped: pd.DataFrame) -> list[tuple[object, pd.DataFrame]]:
+    """The attempts of each figure: one scenario, a few solvers."""
+    solvers = solver_order(mapped["solver"].tolist())
+    parts = [solvers[i : i + _ACROSS] for i in range(0, len(solvers), _ACROSS)]
+    return [
+        (label, group[group["solver"].isin(part)])
+        for label, group in mapped.groupby("label", sort=True)
+        for part in parts
+        if group["solver"].isin(part).any()
+    ]
 
 
 def _method(table: pd.DataFrame) -> str:
@@ -95,24 +124,34 @@ def _cap(change: pd.DataFrame) -> str:
 
 
 def _who(row: pd.Series) -> str:
-    return f"{parse_spec(row['solver'])[0]}, {row['label']}"
+    return f"{row['called']}, {row['label']}"
 
 
-def _picture(label: object, solver: str, table: pd.DataFrame, shown: list[str]) -> Picture:
-    title = f"{parse_spec(solver)[0]}, {label}"
+def _picture(label: str, table: pd.DataFrame, names: dict[str, str], shown: list[str]) -> Picture:
+    solvers = solver_order(table["solver"].tolist())
+    figure = new_figure(WIDE if len(solvers) > 1 else HALF, 2.75 + 0.17 * math.ceil(len(shown) / 3))
+    panels = figure.subplots(1, len(solvers), sharex=True, sharey=True, squeeze=False)[0]
+    for ax, solver in zip(panels, solvers, strict=True):
+        group = table[table["solver"] == solver]
+        right = share((group["end"] == numbers.OPTIMUM).mean())
+        plot_ends(ax, group, f"{names[solver]}: {right} shortest", shown)
+        ax.label_outer()
+    legend = {"handles": legend_entries(shown), "ncols": 3 if len(solvers) > 1 else 1}
+    figure.legend(loc="outside lower left", fontsize=7.5, **legend)
+    number = count(len(table) / len(solvers))
     caption = (
-        f"{title}: where each of {count(len(table))} initial guesses leads; in brackets how many. "
-        "White cells with a mark are statements that the check refutes."
+        f"{label[:1].upper()}{label[1:]}: where each of {number} initial guesses leads, a map per "
+        "solver. White cells with a mark are statements that the check refutes."
     )
-    stem, alt = slug(f"basins-{label}-{solver}"), f"Map of initial guesses by end, {title}"
-    data, height = (table, title, shown), 3.8 + 0.16 * len(shown)
-    return picture(stem, plot_ends, *data, caption=caption, alt=alt, height=height, legend=1)
+    stem = slug(f"basins-{label}-{'-'.join(names[solver] for solver in solvers)}")
+    alt = f"Maps of initial guesses by end, {label}"
+    return Picture(stem, caption, figure, alt, half=len(solvers) == 1)
 
 
 def _table(table: pd.DataFrame) -> Table:
     shown = (
         *columns(kind="text", label="scenario"),
-        *columns(kind="code", name="solver"),
+        *columns(kind="text", called="engine"),
         *columns(lambda capped: "≤ 2π" if capped else "free", kind="text", capped="turns"),
         *columns(count, guesses="guesses"),
         *columns(share, optimal="shortest"),
@@ -127,4 +166,5 @@ def _table(table: pd.DataFrame) -> Table:
         "point is a minimum, that a path arrives. A point that its solver does not call a solution "
         "counts as giving up, unless it is the shortest path."
     )
-    return Table("basins", caption, table, shown, marks(table, *numbers.REFUTED))
+    marked = marks(table, *numbers.REFUTED)
+    return Table("basins", caption, table, shown, marked, numbers=("solver",))

@@ -10,6 +10,7 @@ from dubins_study.report.elements.columns import Column, columns, marks
 from dubins_study.report.elements.content import Picture, Section, Table
 from dubins_study.report.elements.formats import count, digits, sentences, share, some
 from dubins_study.report.elements.identity import (
+    best_first,
     cell_text,
     interval_column,
     interval_keys,
@@ -19,7 +20,7 @@ from dubins_study.report.elements.identity import (
 )
 from dubins_study.report.elements.panels import most_per_formulation
 from dubins_study.report.statistics.compared import Compared, compared
-from dubins_study.report.topics.belief.figures import plot_beliefs
+from dubins_study.report.topics.belief.figures import FEW, plot_beliefs
 from dubins_study.report.topics.belief.numbers import (
     FALSE,
     PROOFS,
@@ -29,6 +30,7 @@ from dubins_study.report.topics.belief.numbers import (
     cures,
     false_proofs,
 )
+from dubins_study.report.topics.summary.section import best_solvers
 
 _MOST = 8  # bars in a panel, and columns of the table by stratum
 _MOST_EXAMPLES = 40
@@ -57,14 +59,17 @@ def belief_section(results: Results) -> Section | None:
     table["attempts"] = rows[rows["truth"] == FALSE].groupby("solver").size()
     table["attempts"] = table["attempts"].fillna(0)
     false = false_proofs(rows)
-    blocks: list[Picture | Table] = [_picture(table), _belief_table(table)]
+    blocks: list[Picture | Table] = [
+        _picture(table),
+        *best_first(_belief_table(table), table.index, best_solvers(results)),
+    ]
     if len(false):
         by_stratum = _stratum_table(rows, attempts)
         blocks += [by_stratum] if by_stratum is not None else []
         blocks.append(_proof_table(false, names))
         blocks.append(_cure_table(cures(rows, names), names))
     text = sentences(
-        "See in the figure which engines say what is not so (crossed). A claim is true if it says "
+        "A claim is true if it says "
         "no more than the check finds; a local solver's longer path is a true claim of a local "
         "optimum. It is less than known if a path arrives and the engine does not say so, or only "
         "calls the shortest path feasible. A bound may lie above the shortest length by what the "
@@ -72,7 +77,8 @@ def belief_section(results: Results) -> Section | None:
         "presolve answered is no engine's claim.",
         _liars(table),
     )
-    return Section("belief", "Whom one can believe", text, tuple(blocks))
+    lead = "See which engines say what is not so (crossed), and which say it of how many questions."
+    return Section("belief", "Whom one can believe", text, tuple(blocks), lead)
 
 
 def _liars(table: pd.DataFrame) -> str:
@@ -96,9 +102,11 @@ def _picture(table: pd.DataFrame) -> Picture:
     rest = (
         f" {count(left_out)} methods with fewer false claims are left out." if left_out > 0 else ""
     )
+    few = shown["questions"] < FEW * shown["questions"].max()
+    star = " A star: asked less than half as many questions as others." if few.any() else ""
     caption = (
         "What the claims are worth, as shares of the questions, those without a path included; "
-        f"at the right the number of attempts with a false claim.{rest}"
+        f"at the right the number of attempts with a false claim.{star}{rest}"
     )
     alt = "Stacked bars of true, weak, silent and false claims, in panels by formulation"
     return Picture("belief-claims", caption, plot_beliefs(shown), alt)

@@ -9,7 +9,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 
 from dubins_study.report.elements.axes import log_axis, power
-from dubins_study.report.elements.looks import LINES, Palette, name_of
+from dubins_study.report.elements.looks import LINES, Palette
 from dubins_study.report.elements.style import BLUE, INK, MUTED, VERMILION
 from dubins_study.report.statistics.metrics import solver_order
 
@@ -49,7 +49,9 @@ def plot_left_over(ax: Axes, table: pd.DataFrame, palette: Palette) -> None:
         # Shift each solver a little, since solvers without a turn all have marks at the bottom.
         at = group["radius"] * 1.06 ** (place - 2)
         look = looks[solver]
-        ax.plot(at, left, marker=look.marker, markersize=4, **look.lines, label=name_of(solver, 24))
+        ax.plot(
+            at, left, marker=look.marker, markersize=4, **look.lines, label=palette.label(solver)
+        )
     ax.set(xscale="log", yscale="log", ylim=(foot / 2, None))
     ax.set(xlabel="turning radius R (length unit)", ylabel="right turn left over, z₂ / R")
     log_axis(ax.xaxis)

@@ -8,7 +8,7 @@ from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import SOLVER, columns
 from dubins_study.report.elements.content import Picture, Section, Table, picture
 from dubins_study.report.elements.formats import count, digits
-from dubins_study.report.elements.looks import Palette, legend_lines
+from dubins_study.report.elements.looks import Palette
 from dubins_study.report.statistics.metrics import parse_spec
 from dubins_study.report.topics.bias import numbers
 from dubins_study.report.topics.bias.figures import plot_bias, plot_left_over
@@ -24,7 +24,11 @@ def bias_section(results: Results) -> Section | None:
     if with_barrier.empty:
         return None
     barriers, others = numbers.by_barrier(table), numbers.without_barrier(table)
-    sentences = [_prediction(with_barrier, barriers), *_default(with_barrier), *_others(others)]
+    palette = Palette.of_page(results)
+    sentences = [
+        *(_prediction(with_barrier, barriers), *_default(with_barrier, palette)),
+        *_others(others),
+    ]
     text = (
         "The shortest path to this target is LS, and the paper's model L(z₁) R(z₂) S(z₃) should "
         "answer with z₂ = 0. There its reduced cost is zero: the length grows only like "
@@ -34,11 +38,15 @@ def bias_section(results: Results) -> Section | None:
     compared = table[~table["barrier_set"]]
     blocks: list[Picture | Table] = [_bias_picture(with_barrier)]
     if len(compared):
-        blocks.append(_left_over_picture(compared, Palette.of_page(results)))
+        blocks.append(_left_over_picture(compared, palette))
     blocks.append(_barrier_table(barriers))
     if len(others):
         blocks.append(_other_table(others))
-    return Section("bias", "The interior-point bias in the segments", text, tuple(blocks))
+    lead = (
+        "Marks on the dashed line confirm the prediction: how much turn an interior-point solver "
+        "leaves in a path that should have none, while its length shows nothing."
+    )
+    return Section("bias", "The interior-point bias in the segments", text, tuple(blocks), lead)
 
 
 def _prediction(with_barrier: pd.DataFrame, barriers: pd.DataFrame) -> str:
@@ -55,13 +63,13 @@ def _prediction(with_barrier: pd.DataFrame, barriers: pd.DataFrame) -> str:
     )
 
 
-def _default(with_barrier: pd.DataFrame) -> list[str]:
+def _default(with_barrier: pd.DataFrame, palette: Palette) -> list[str]:
     """One sentence on the radius nearest to 1, if the defaults were tried."""
     row = numbers.default_attempt(with_barrier)
     if row is None:
         return []
     return [
-        f"By its defaults {parse_spec(row['solver'])[0]} stops at μ = {digits(3)(row['mu'])}: at "
+        f"By its defaults {palette.label(row['solver'])} stops at μ = {digits(3)(row['mu'])}: at "
         f"R = {row['radius']:g} it leaves z₂ = {digits(4)(row['z2'])} where "
         f"{digits(4)(row['predicted'])} is predicted, while the length is only "
         f"{digits(2)(max(row['gap'], 0.0))} of itself too long and shows nothing."
@@ -107,7 +115,7 @@ def _left_over_picture(compared: pd.DataFrame, palette: Palette) -> Picture:
         caption="What methods leave that are told no barrier, in radii; at the foot those that "
         "leave no such turn at all.",
         alt="Turn left over by method and radius",
-        height=2.9 + 0.15 * legend_lines(compared["solver"].unique(), 24),
+        height=2.9 + 0.16 * compared["solver"].nunique(),
         legend=1,
     )
 

@@ -10,18 +10,19 @@ from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import SOLVER, Column, columns, marks
 from dubins_study.report.elements.content import Picture, Section, Table, picture
 from dubins_study.report.elements.formats import count, digits, sentences, share
-from dubins_study.report.elements.looks import lines_of_names
-from dubins_study.report.elements.panels import DRAWN_TEXT, plot_share_grid
+from dubins_study.report.elements.identity import best_first
+from dubins_study.report.elements.looks import Palette
+from dubins_study.report.elements.names import in_page_order
+from dubins_study.report.elements.panels import DRAWN_TEXT, HIGHEST, plot_stacked_shares
 from dubins_study.report.elements.solver_lines import plot_shares
 from dubins_study.report.elements.style import BLUE, ORANGE, RULE, SKY, WIDE
 from dubins_study.report.statistics.methods import MOST_METHODS, drawn_methods
-from dubins_study.report.statistics.metrics import by_solver
-from dubins_study.report.topics.summary.section import solver_summary
+from dubins_study.report.topics.summary.section import best_solvers, solver_summary
 
 
 def certificates_section(results: Results) -> Section | None:
     """Proofs as bars and counts, the worst residuals, and the width of the enclosures."""
-    frame = by_solver(results.attempts.proofs())
+    frame = in_page_order(results.attempts.proofs(), results)
     if not frame["certified"].sum():
         return None
     text = (
@@ -33,12 +34,14 @@ def certificates_section(results: Results) -> Section | None:
         "necessary and not sufficient."
     )
     text = sentences(text, _proved(frame), _enclosed(frame), _reported(frame))
-    blocks = (
+    best = best_solvers(results)
+    blocks: tuple[Table | Picture, ...] = (
         _picture(results, frame),
-        _proofs_table(frame),
-        _table(frame, results.attempts.precision),
+        *best_first(_proofs_table(frame), frame["solver"], best),
+        *best_first(_table(frame, results.attempts.precision), frame["solver"], best),
     )
-    return Section("certificates", "Certificates", text, blocks)
+    lead = "See how far the proof of each method's answers goes: the darker, the stronger."
+    return Section("certificates", "Certificates", text, blocks, lead)
 
 
 def _proved(frame: pd.DataFrame) -> str:
@@ -102,15 +105,15 @@ def _picture(results: Results, frame: pd.DataFrame) -> Picture:
         proofs = frame.set_index("solver").reindex(drawn["solver"]).reset_index()
         shares = proofs[list(PROOFS)].div(proofs["attempts"], axis=0)
         named = drawn[["formulation", "short"]].reset_index(drop=True)
-        figure = plot_share_grid(shares.join(named), _LOOK, "share of all attempts")
+        figure = plot_stacked_shares(shares.join(named), _LOOK, "share of all attempts")
         return Picture("certificates", f"{caption} {DRAWN_TEXT}", figure, alt)
     return picture(
         "certificates",
         plot_proofs,
-        frame,
+        *(frame, Palette.of_page(results)),
         caption=caption,
         alt=alt,
-        height=0.9 + max(0.34, 0.14 * lines_of_names(frame["solver"])) * len(frame),
+        height=min(HIGHEST, 0.9 + 0.3 * len(frame)),
         width=WIDE,
     )
 
@@ -118,16 +121,17 @@ def _picture(results: Results, frame: pd.DataFrame) -> Picture:
 # From dark to light, weaker proofs hatched, so that grey print keeps the order.
 _LOOK = {
     "proved": (BLUE, ""),
-    "bounded": (SKY, "..."),
+    "bounded": (SKY, "\\\\"),
     "extremal": (ORANGE, "///"),
     "none": (RULE, "xx"),
 }
 
 
-def plot_proofs(ax: Axes, table: pd.DataFrame) -> None:
+def plot_proofs(ax: Axes, table: pd.DataFrame, palette: Palette) -> None:
     """Draw the share of each proof, one bar per solver. Columns solver, attempts, each proof."""
     look = {name: _LOOK[name] for name in PROOFS}
-    plot_shares(ax, table, look, [f"of {count(attempts)}" for attempts in table["attempts"]])
+    notes = [f"of {count(attempts)}" for attempts in table["attempts"]]
+    plot_shares(ax, table, look, notes, palette)
     ax.figure.legend(loc="outside lower left", ncols=4)
 
 

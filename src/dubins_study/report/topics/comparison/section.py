@@ -7,12 +7,13 @@ import pandas as pd
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.content import Picture, Section, Table
 from dubins_study.report.elements.formats import count, seconds, sentences, share, some
-from dubins_study.report.elements.identity import with_interval
+from dubins_study.report.elements.identity import best_first, with_interval
+from dubins_study.report.elements.looks import Palette
 from dubins_study.report.statistics.compared import Compared, compared
 from dubins_study.report.statistics.cost_table import shared_questions
 from dubins_study.report.statistics.spread import question_spread, solver_spread
 from dubins_study.report.statistics.virtual_best import contributions
-from dubins_study.report.topics.comparison.numbers import mean_ranks, times
+from dubins_study.report.topics.comparison.numbers import best_of_formulations, mean_ranks, times
 from dubins_study.report.topics.comparison.paired import engine_tests, formulation_tests
 from dubins_study.report.topics.comparison.pictures import pictures
 from dubins_study.report.topics.comparison.tables import (
@@ -33,8 +34,12 @@ def comparison_section(results: Results) -> Section | None:
     if shared.empty or len(shared.columns) < 2:
         return None
     ranked, shift, common = mean_ranks(attempts)
-    blocks: list[Picture | Table] = [*pictures(attempts, table, ranked)]
-    blocks.append(rank_table(ranked, shift, common, attempts.limit_s))
+    palette = Palette.of_page(results)
+    blocks: list[Picture | Table] = [*pictures(attempts, table, ranked, palette)]
+    ranks = rank_table(ranked, shift, common, attempts.limit_s)
+    best = set(best_of_formulations(ranked).index)
+    which = "Of each formulation the method with the least mean."
+    blocks += best_first(ranks, ranked.index, best, which)
     engines, formulations = engine_tests(table, ranked), formulation_tests(table, ranked)
     if len(engines):
         blocks.append(test_table(engines, ranked, "formulation"))
@@ -46,14 +51,17 @@ def comparison_section(results: Results) -> Section | None:
     if len(repeats):
         blocks.append(spread_table(repeats, attempts.methods))
     text = sentences(
-        f"See in the profiles which method is fast and which is right: {count(len(shared))} "
-        f"questions with a path, put to {count(len(shared.columns))} methods; failures stay in "
-        "every denominator. The closed form is left out.",
+        f"{count(len(shared))} questions with a path, put to {count(len(shared.columns))} methods; "
+        "failures stay in every denominator. The closed form is left out.",
         _first(ranked),
         _unranked(ranked),
         _left_out(attempts, table),
     )
-    return Section("comparison", "Comparison of methods", text, tuple(blocks))
+    lead = (
+        "See in the profiles which method is fast (high at the left) and which is right at all "
+        "(high at the right)."
+    )
+    return Section("comparison", "Comparison of methods", text, tuple(blocks), lead)
 
 
 def _first(ranked: pd.DataFrame) -> str:

@@ -29,8 +29,8 @@ def refined(rows: pd.DataFrame, settings: Settings) -> pd.DataFrame:
         settings: spec -> its settings, as a manifest holds them.
 
     Returns:
-        Columns series (the method and all settings in its spec except the size), size, place,
-        scenario_id, measure (`gap`, or `miss` in radii for uncorrected collocation), value
+        Columns series (the method and all settings in its spec except the size), solver, size,
+        place, scenario_id, measure (`gap`, or `miss` in radii for uncorrected collocation), value
         (infinite if there is none), wrong_basin and wall_s (s).
     """
     specs = {str(spec): settings.get(str(spec), {}) for spec in rows["solver"].unique()}
@@ -43,6 +43,7 @@ def refined(rows: pd.DataFrame, settings: Settings) -> pd.DataFrame:
     return pd.DataFrame(
         {
             "series": group["solver"].map({spec: series(spec) for spec in refinable}),
+            "solver": group["solver"],
             "size": group["solver"].map(sizes).astype("int64"),
             "place": np.where(group["region"].str.endswith("disc"), *PLACES[::-1]),
             "scenario_id": group["scenario_id"],
@@ -59,6 +60,28 @@ def series(spec: str) -> str:
     name, settings = metrics.parse_spec(spec)
     others = [f"{key}={value}" for key, value in settings.items() if key != SIZES.get(name)]
     return f"{name}[{','.join(others)}]" if others else name
+
+
+def series_names(attempts: pd.DataFrame, labels: Mapping[str, str]) -> pd.DataFrame:
+    """How the series of `refined` are called and drawn.
+
+    Args:
+        attempts: from `refined`.
+        labels: spec -> the solver's short name.
+
+    Returns:
+        Indexed by series; columns solver (one spec of the series) and label (its short name without
+        the size).
+    """
+    frame = attempts.groupby("series")[["solver"]].first()
+    keys = [SIZES[metrics.parse_spec(spec)[0]] for spec in frame["solver"]]
+    pairs = zip(frame["solver"], keys, strict=True)
+    return frame.assign(label=[label_without(labels[spec], key) for spec, key in pairs])
+
+
+def label_without(label: str, key: str) -> str:
+    """A short name without one setting: of the series that differs only in it."""
+    return ", ".join(item for item in label.split(", ") if not item.startswith(f"{key}="))
 
 
 def medians(attempts: pd.DataFrame) -> pd.DataFrame:

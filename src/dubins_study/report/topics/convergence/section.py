@@ -13,9 +13,16 @@ from dubins_study.report.elements.columns import columns
 from dubins_study.report.elements.content import Picture, Section, Table, picture
 from dubins_study.report.elements.formats import count, digits, seconds, sentences, slug
 from dubins_study.report.elements.looks import Palette
+from dubins_study.report.elements.names import labels_of
 from dubins_study.report.statistics.metrics import parse_spec
 from dubins_study.report.topics.convergence.figures import plot_cost, plot_orders
-from dubins_study.report.topics.convergence.numbers import PLACES, medians, orders, refined
+from dubins_study.report.topics.convergence.numbers import (
+    PLACES,
+    medians,
+    orders,
+    refined,
+    series_names,
+)
 
 _WHERE = {"outside": "outside the discs", "in a disc": "in a disc"}
 
@@ -26,8 +33,10 @@ def convergence_section(results: Results) -> Section | None:
     if attempts.empty:
         return None
     table, fits = medians(attempts), orders(attempts)
-    palette = Palette.of_page(results)
-    blocks: tuple[Picture | Table, ...] = (*_pictures(table, fits, palette), _table(fits))
+    names = series_names(attempts, labels_of(results))
+    fits = fits.assign(label=fits["series"].map(names["label"]))
+    pictures = _pictures(table, fits, names, Palette.of_page(results))
+    blocks: tuple[Picture | Table, ...] = (*pictures, _table(fits))
     text = (
         "A held turn rate costs the integral of |ν₃ Δu| over the steps in which it should have "
         "switched. ν₃ leaves zero quadratically where an arc meets a straight and linearly where "
@@ -35,7 +44,11 @@ def convergence_section(results: Results) -> Section | None:
         "grid of headings should cost 1/N² in both."
     )
     text = sentences(text, _falling(fits), _cheapest(fits), _collocated(fits))
-    return Section("convergence", "Order of convergence", text, blocks)
+    lead = (
+        "Read the slope of a line: with twice the steps the gap falls by 2 to the power p, outside "
+        "the turning circles faster than inside."
+    )
+    return Section("convergence", "Order of convergence", text, blocks, lead)
 
 
 def _falling(fits: pd.DataFrame) -> str:
@@ -44,7 +57,7 @@ def _falling(fits: pd.DataFrame) -> str:
         group = fits[(fits["measure"] == "gap") & (fits["place"] == place) & fits["order"].notna()]
         if len(group):
             items = ", ".join(
-                f"{row['series']} {digits(3)(row['order'])}" for row in group.to_dict("records")
+                f"{row['label']} {digits(3)(row['order'])}" for row in group.to_dict("records")
             )
             parts.append(f"{_WHERE[place]} {items}")
     return f"The median gap falls with the orders: {'; '.join(parts)}." if parts else ""
@@ -61,7 +74,7 @@ def _cheapest(fits: pd.DataFrame) -> str:
             parts.append(f"{_WHERE[place]} none of them does")
             continue
         first = there.iloc[0]
-        part = f"{_WHERE[place]} {first['series']} is first, in {seconds(first['goal_s'])}"
+        part = f"{_WHERE[place]} {first['label']} is first, in {seconds(first['goal_s'])}"
         if len(there) < len(group):
             part += f", and {len(group) - len(there)} of {len(group)} never is"
         parts.append(part)
@@ -113,7 +126,9 @@ _COST = (
 )
 
 
-def _pictures(table: pd.DataFrame, fits: pd.DataFrame, palette: Palette) -> list[Picture]:
+def _pictures(
+    table: pd.DataFrame, fits: pd.DataFrame, names: pd.DataFrame, palette: Palette
+) -> list[Picture]:
     table = table[np.isfinite(table["value"]) & (table["value"] > 0)]
     pictures = []
     for measure, place in product(_ORDERS, PLACES):
@@ -121,13 +136,14 @@ def _pictures(table: pd.DataFrame, fits: pd.DataFrame, palette: Palette) -> list
         if group.empty:
             continue
         fitted = fits[(fits["measure"] == measure) & (fits["place"] == place)]
-        orders = dict(zip(fitted["series"], fitted["order"].astype(float), strict=True))
+        orders = fitted.set_index("series")["order"].astype(float)
+        known = names[names.index.isin(group["series"])].join(orders)
         name, ylabel, text = _ORDERS[measure]
-        data = group, palette, orders, ylabel
+        data = group, known, palette, ylabel
         pictures.append(_picture(f"{name}-{slug(place)}", place, text, text, plot_orders, *data))
         if measure == "gap":
             name, alt = f"convergence-time-{slug(place)}", "Median gap against median time"
-            pictures.append(_picture(name, place, _COST, alt, plot_cost, group, palette))
+            pictures.append(_picture(name, place, _COST, alt, plot_cost, group, known, palette))
     return pictures
 
 
@@ -140,7 +156,7 @@ def _picture(
 
 def _table(fits: pd.DataFrame) -> Table:
     shown = (
-        *columns(kind="code", series="method"),
+        *columns(kind="text", label="method"),
         *columns(kind="text", place="where", measure="of the"),
         *columns(count, scenarios="targets"),
         *columns(digits(3), order="order p", least="least", most="most"),
@@ -153,4 +169,4 @@ def _table(fits: pd.DataFrame) -> Table:
         "same N: where a switch falls between two steps moves every single gap. Answers in a "
         "wrong basin, counted for all N, measure no order and only enter the medians."
     )
-    return Table("convergence", caption, fits, shown)
+    return Table("convergence", caption, fits, shown, numbers=("series",))

@@ -13,9 +13,9 @@ from dubins_study.report.elements.style import BLUE, GREEN, ORANGE, RULE, VERMIL
 LOOKS = {
     "winning run": (BLUE, ""),
     "restarts": ("#b9def3", "///"),
-    "losing words": (ORANGE, "..."),
+    "losing words": (ORANGE, "\\\\\\"),
     "words without a path": (VERMILION, "xx"),
-    "building": (GREEN, "|||"),
+    "building": (GREEN, "||"),
     "rest": (RULE, ""),
 }
 
@@ -29,4 +29,4 @@ def plot_cost_shares(table: pd.DataFrame, amount: str) -> Figure:
     present = {kind: look for kind, look in LOOKS.items() if table[kind].any()}
     notes = [show(total) for total in table["total"]]
     label = f"share of {'evaluations' if amount == 'evaluations' else 'the time'}, right answers"
-    return plot_stacked_shares(table, present, notes, label)
+    return plot_stacked_shares(table, present, label, notes)

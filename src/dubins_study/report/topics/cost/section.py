@@ -12,6 +12,7 @@ from dubins_study.report.elements.columns import Column, columns
 from dubins_study.report.elements.content import Picture, Section, Table
 from dubins_study.report.elements.formats import count, digits, seconds, sentences
 from dubins_study.report.elements.identity import (
+    best_first,
     cell_text,
     interval_column,
     interval_keys,
@@ -31,6 +32,7 @@ from dubins_study.report.topics.cost.numbers import (
     shares,
     strata,
 )
+from dubins_study.report.topics.summary.section import best_solvers
 
 # Eight bars in a panel can be read; the tables hold every method.
 _MOST = 8
@@ -56,7 +58,7 @@ def cost_section(results: Results) -> Section | None:
         for amount in ("evaluations", "seconds")
         if len(shares(attempts, answers, amount))
     ]
-    blocks.append(_factor_table(table))
+    blocks += best_first(_factor_table(table), table.index, best_solvers(results))
     if len(savings):
         blocks.append(_presolve_table(savings))
     by_strata = strata(attempts, answers, "evaluations")
@@ -64,16 +66,16 @@ def cost_section(results: Results) -> Section | None:
     if by_stratum is not None:
         blocks.append(by_stratum)
     text = sentences(
-        "See in the figures how little of the cost is the run that gives the answer (dark): the "
-        "rest goes to restarts, to words that lose, to words that have no path, and to building. "
-        "Only right answers at questions with a path count. The floor is the winning run: the same "
-        "engine called once, from the same guess.",
+        "Besides the run that gives the answer, the cost goes to restarts, to words that lose, to "
+        "words that have no path, and to building. Only right answers at questions with a path "
+        "count. The floor is the winning run: the same engine called once, from the same guess.",
         _most_and_least(table),
         _saved(savings),
         _typical(attempts, by_strata),
         _example(example(attempts, answers)),
     )
-    return Section("cost", "Cost where it arises", text, tuple(blocks))
+    lead = "See how little of the cost is the run that gives the answer (the darkest part)."
+    return Section("cost", "Cost where it arises", text, tuple(blocks), lead)
 
 
 def _most_and_least(table: pd.DataFrame) -> str:

@@ -11,6 +11,7 @@ import pandas as pd
 from dubins_study.report.statistics import metrics
 
 SOLVER = "turn-rate-qp"
+_QUANTILES = {"gap_q25": 0.25, "gap": 0.5, "gap_q75": 0.75, "gap_q90": 0.9}
 Settings = Mapping[str, Mapping[str, Any]]
 
 
@@ -22,10 +23,10 @@ def work_precision(rows: pd.DataFrame, settings: Settings) -> pd.DataFrame:
         settings: spec -> its settings, as a manifest holds them.
 
     Returns:
-        Columns engine (with all settings in the spec except n), n, attempts, arrived and success
-        (shares of all attempts), gap and gap_q90 (median and 90 % quantile, infinite if too few
-        arrive), wall_s (median, s), iterations (median), order (p of gap ~ n^-p, up to the
-        engine's smallest gap).
+        Columns engine (with all settings in the spec except n), n, solver (a spec of the engine's,
+        the same at all n), attempts, arrived and success (shares of all attempts), gap and gap_q25,
+        gap_q75, gap_q90 (median and quantiles, infinite if too few arrive), wall_s (median, s),
+        iterations (median), order (p of gap ~ n^-p, up to the engine's smallest gap).
     """
     steps = {spec: _steps(spec, settings) for spec in rows["solver"].unique()}
     refined = rows[rows["solver"].map(steps) > 0]
@@ -35,7 +36,8 @@ def work_precision(rows: pd.DataFrame, settings: Settings) -> pd.DataFrame:
     refined = refined.assign(engine=refined["solver"].map(engines), n=refined["solver"].map(steps))
     frame = _measures(refined).reset_index()
     orders = {engine: _order(group) for engine, group in frame.groupby("engine")}
-    return frame.assign(order=frame["engine"].map(orders))
+    specs = refined.groupby("engine")["solver"].min()
+    return frame.assign(order=frame["engine"].map(orders), solver=frame["engine"].map(specs))
 
 
 def _order(rows: pd.DataFrame) -> float:
@@ -64,6 +66,6 @@ def _measures(rows: pd.DataFrame) -> pd.DataFrame:
     arrived = groups["value"].agg(lambda gaps: np.isfinite(gaps.dropna()).mean())
     frame = pd.DataFrame({"attempts": groups.size(), "arrived": arrived})
     frame = frame.assign(success=groups["success"].mean(), wall_s=groups["wall_s"].median())
-    for name, q in (("gap", 0.5), ("gap_q90", 0.9)):
+    for name, q in _QUANTILES.items():
         frame[name] = groups["value"].agg(metrics.upper_quantile, q=q)
     return frame.assign(iterations=groups["iterations"].median())

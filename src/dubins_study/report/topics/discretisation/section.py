@@ -9,6 +9,9 @@ from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import columns
 from dubins_study.report.elements.content import Picture, Section, Table, picture
 from dubins_study.report.elements.formats import count, digits, seconds, share
+from dubins_study.report.elements.looks import Palette
+from dubins_study.report.elements.names import labels_of
+from dubins_study.report.topics.convergence.numbers import label_without
 from dubins_study.report.topics.discretisation.figures import plot_gap_order, plot_work_precision
 from dubins_study.report.topics.discretisation.numbers import work_precision
 
@@ -19,22 +22,36 @@ def discretisation_section(results: Results) -> Section | None:
     if table.empty:
         return None
     drawable = table[np.isfinite(table["gap"]) & (table["gap"] > 0)]  # the axes are logarithmic
-    pictures = _precision_pictures(drawable) if len(drawable) else ()
+    labels = labels_of(results)
+    named = drawable.assign(label=[_label(labels[spec]) for spec in drawable["solver"]])
+    pictures = _precision_pictures(named, Palette.of_page(results)) if len(named) else ()
     blocks = (*pictures, _precision_table(table))
     text = (
         "turn-rate-qp holds each of n turn rates over a step, so its best path is longer than the "
         "best of all. How fast that cost falls with n, what it takes, and which engine to use."
     )
-    return Section("discretisation", "Work and precision", text, blocks)
+    lead = (
+        "Follow a curve down to the gap that you want and read off the steps and the time; the "
+        "engine whose curve is farthest left is the one to use."
+    )
+    return Section("discretisation", "Work and precision", text, blocks, lead)
 
 
-def _precision_pictures(table: pd.DataFrame) -> tuple[Picture, Picture]:
+def _label(name: str) -> str:
+    """A solver's short name reduced to its engine and what differs besides n."""
+    return ", ".join(item for item in label_without(name, "n").split(", ") if item != "turn rates")
+
+
+_BAND = "a line of medians, with the quartiles over the targets as a band"
+
+
+def _precision_pictures(table: pd.DataFrame, palette: Palette) -> tuple[Picture, Picture]:
     return (
         picture(
             "work-precision",
             plot_work_precision,
-            table,
-            caption="Median time against median gap; the numbers are n. Lower left is better.",
+            *(table, palette),
+            caption=f"Gap against median time: {_BAND}; the numbers are n. Lower left is better.",
             alt="Time against gap for each engine",
             height=3.7,
             legend=2,
@@ -42,9 +59,10 @@ def _precision_pictures(table: pd.DataFrame) -> tuple[Picture, Picture]:
         picture(
             "gap-order",
             plot_gap_order,
-            table,
-            caption="Median gap against the number of steps, and the order p fitted to it as far "
-            "as it falls: beyond its least value the engine's own accuracy decides.",
+            *(table, palette),
+            caption=f"Gap against the number of steps: {_BAND}, and the order p fitted to the "
+            "medians as far as they fall: beyond their least value the engine's own accuracy "
+            "decides.",
             alt="Gap against number of steps for each engine",
             height=3.7,
             legend=2,

@@ -13,10 +13,12 @@ from dubins_study.report.data.verdicts import methods
 from dubins_study.report.elements.columns import columns, marks
 from dubins_study.report.elements.content import Section, Table
 from dubins_study.report.elements.formats import ABSENT, seconds, sentences, share
-from dubins_study.report.elements.identity import method_columns
+from dubins_study.report.elements.identity import best_first, method_columns
 from dubins_study.report.elements.shares import questions
 from dubins_study.report.topics.existence.numbers import engine_times, existence
+from dubins_study.report.topics.summary.section import best_solvers
 
+_LEAD = "See who proves that no path exists, who says nothing, and who is wrong."
 _COLUMNS = (
     *columns(questions, presolved="by presolve"),
     *columns(kind="cell", right_text="right", silent_text="silent", wrong_text="wrong"),
@@ -43,7 +45,8 @@ def existence_section(results: Results) -> Section | None:
         else ""
     )
     text = sentences(_text(frame), sample)
-    return Section("existence", "Where no path exists", text, (_table(frame),))
+    blocks = best_first(_table(frame), frame["solver"], best_solvers(results))
+    return Section("existence", "Where no path exists", text, blocks, _LEAD)
 
 
 def _with_times(frame: pd.DataFrame, times: pd.DataFrame) -> pd.DataFrame:
@@ -72,9 +75,8 @@ def _text(frame: pd.DataFrame) -> str:
     denied = frame[frame["denied"] > 0]
     worst = denied.sort_values("denied_share", kind="stable").tail(1).to_dict("records")
     return sentences(
-        "To recognise that no path exists is another task than to find one. See who proves it, who "
-        "says nothing, and who is wrong; a search that fails where there is nothing to find has "
-        "missed nothing.",
+        "To recognise that no path exists is another task than to find one; a search that fails "
+        "where there is nothing to find has missed nothing.",
         f"The presolve alone answers {share(presolved / total)} of the questions without a path."
         if presolved
         else "",

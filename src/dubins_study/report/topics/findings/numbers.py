@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 from dubins_study.report.topics.findings.engine import (
     derivative_free_search,
@@ -45,6 +45,13 @@ FINDINGS: tuple[Callable[[Evidence], Finding | None], ...] = (
 )
 
 
-def findings(evidence: Evidence) -> list[Finding]:
+# Those that say what not to do: they stand with what not to conclude.
+WARNINGS = (infeasible_claims, no_rank, coarse_transcription)
+ADVICE = tuple(find for find in FINDINGS if find not in WARNINGS)
+
+
+def findings(
+    evidence: Evidence, finders: Sequence[Callable[[Evidence], Finding | None]] = FINDINGS
+) -> list[Finding]:
     """The findings that the rows carry."""
-    return [finding for find in FINDINGS if (finding := find(evidence)) is not None]
+    return [finding for find in finders if (finding := find(evidence)) is not None]

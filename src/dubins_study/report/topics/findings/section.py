@@ -14,7 +14,7 @@ from dubins_study.report.elements.identity import interval_keys
 from dubins_study.report.statistics.compared import compared
 from dubins_study.report.topics.findings.evidence import Evidence
 from dubins_study.report.topics.findings.finding import ENOUGH, Finding
-from dubins_study.report.topics.findings.numbers import findings
+from dubins_study.report.topics.findings.numbers import ADVICE, findings
 
 _MOST = 10
 
@@ -24,19 +24,21 @@ def findings_section(results: Results) -> Section | None:
     attempts = compared(results)
     if attempts is None:
         return None
-    every = findings(Evidence(attempts))
+    every = findings(Evidence(attempts), ADVICE)
     if not every:
         return None
     tables = [_table("findings", every[:_MOST], 1, "What a practitioner can act on.")]
     if every[_MOST:]:
         tables.append(_table("findings-more", every[_MOST:], _MOST + 1, "Further findings."))
     text = (
-        f"Read these {some(len(every), 'sentence')} first; the sections below show where each "
-        "comes from. Every sentence is computed from the rows: it is said only if its 95 % "
-        "interval excludes that there is no difference (the sentence on ranks: only if it does "
-        f"not), and if at least {ENOUGH} questions carry it."
+        "Every sentence is computed from the rows: it is said only if its 95 % interval excludes "
+        f"that there is no difference, and if at least {ENOUGH} questions carry it."
     )
-    return Section("findings", "What the study found", text, tuple(tables))
+    lead = (
+        f"Read {some(len(every), 'sentence')} to act on, the first of them on what matters most; "
+        "each names the section that shows where it comes from."
+    )
+    return Section("findings", "What the study found", text, tuple(tables), lead)
 
 
 def _table(name: str, chosen: Sequence[Finding], first: int, title: str) -> Table:
@@ -64,4 +66,6 @@ def _table(name: str, chosen: Sequence[Finding], first: int, title: str) -> Tabl
         f"{title} Intervals: Wilson's for shares, for as many trials as there are questions, and "
         "bootstrap over scenarios for all others. The CSV file holds the numbers apart."
     )
-    return Table(name, caption, frame, shown, numbers=(*interval_keys("value"), "unit"))
+    return Table(
+        name, caption, frame, shown, numbers=(*interval_keys("value"), "unit"), stacked=True
+    )

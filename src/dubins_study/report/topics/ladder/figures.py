@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import pandas as pd
@@ -24,13 +25,16 @@ _LOOK = {
 }
 
 
-def plot_ladder(ax: Axes, table: pd.DataFrame, solvers: list[str], arrives: int) -> None:
+def plot_ladder(
+    ax: Axes, table: pd.DataFrame, solvers: list[str], names: Mapping[str, str], arrives: int
+) -> None:
     """Draw the finding at each rung, one line per solver.
 
     Args:
         ax: where to draw.
         table: columns solver, rung (power of ten), finding, false_claims.
-        solvers: from the top.
+        solvers: all that have a line.
+        names: solver -> its short name.
         arrives: power of ten of the largest miss that the check allows, drawn as a line.
     """
     lines = {solver: i for i, solver in enumerate(solver_order(solvers)[::-1])}
@@ -44,7 +48,7 @@ def plot_ladder(ax: Axes, table: pd.DataFrame, solvers: list[str], arrives: int)
     rungs = sorted(table["rung"].unique())
     ax.set_xticks(rungs, [power(10.0**r) if r % 3 == 0 else "" for r in rungs])
     ax.set(xlabel="margin / R", xlim=(max(rungs) + 0.6, min(rungs) - 0.6))
-    label_lines(ax, lines, list(lines.values()))
+    label_lines(ax, [names[solver] for solver in lines], list(lines.values()))
     ax.grid(False)
     ax.grid(True, axis="y", color=RULE)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import Any
 
 import pandas as pd
@@ -10,9 +11,10 @@ import pandas as pd
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.axes import power
 from dubins_study.report.elements.columns import SOLVER, Column, columns
-from dubins_study.report.elements.content import Picture, Section, Table, picture
+from dubins_study.report.elements.content import Picture, Section, Table
 from dubins_study.report.elements.formats import ABSENT, count, digits, sentences
-from dubins_study.report.elements.style import Style
+from dubins_study.report.elements.names import labels_of
+from dubins_study.report.elements.style import WIDE, Style, new_figure
 from dubins_study.report.topics.ladder import numbers
 from dubins_study.report.topics.ladder.figures import legend_entries, plot_ladder
 
@@ -24,15 +26,20 @@ def ladder_section(results: Results) -> Section | None:
     attempts = numbers.rungs(results.rows)
     if attempts.empty:
         return None
-    table = numbers.ladder(attempts)
+    table, names = numbers.ladder(attempts), labels_of(results)
+    named = attempts.assign(solver=attempts["solver"].map(names))
     text = (
         "Targets at margins of 1e-1 to 1e-12 R from a turning circle, on both sides of its front "
         "half, across which the shortest length jumps, and of its rear half, across which it does "
         "not."
     )
-    text = sentences(text, _short_by_miss(attempts), _verdicts(attempts), _other_sides(attempts))
-    blocks: list[Picture | Table] = [*_pictures(table), _table(numbers.down_to(table))]
-    return Section("ladder", "The ladder toward a turning circle", text, tuple(blocks))
+    text = sentences(text, _short_by_miss(named), _verdicts(named), _other_sides(named))
+    blocks: list[Picture | Table] = [_picture(table, names), _table(numbers.down_to(table))]
+    lead = (
+        "Follow a solver's line to the right, toward the circle: where its mark changes, a margin "
+        "has become too small for it."
+    )
+    return Section("ladder", "The ladder toward a turning circle", text, tuple(blocks), lead)
 
 
 def _short_by_miss(attempts: pd.DataFrame) -> str:
@@ -82,33 +89,28 @@ def _margin(value: float) -> str:
     return f"1e{round(math.log10(value))}"
 
 
-_FINDINGS_CAPTION = (
-    " Right: the shortest path. Coarse: its shape, but longer than the check's tolerance allows. "
-    "By its miss: optimal for the point that it ends at, and shorter than any path to the target. "
-    f"Dotted: the largest miss that counts as arriving, {power(10.0**_ARRIVES)} R."
+_CAPTION = (
+    "Both sides of both halves of the circle: the worst of the answers at a margin. Right: the "
+    "shortest path. Coarse: its shape, but longer than the check's tolerance allows. By its miss: "
+    "optimal for the point that it ends at, and shorter than any path to the target. Dotted: the "
+    f"largest miss that counts as arriving, {power(10.0**_ARRIVES)} R."
 )
 
 
-def _pictures(table: pd.DataFrame) -> list[Picture]:
+def _picture(table: pd.DataFrame, names: Mapping[str, str]) -> Picture:
+    """One panel per side of the circle, side by side, the solvers' names on the left."""
     solvers = list(dict.fromkeys(table["solver"]))
-    pictures: list[Picture] = []
-    tight: Style = {"ncols": 3, "handletextpad": 0.2, "columnspacing": 1.0}
-    for side in numbers.SIDES:
-        group = table[table["side"] == side]
-        if group.empty:
-            continue
-        caption = f"{side[:1].upper()}{side[1:]} the circle: the worst of the answers at a margin."
-        drawn = picture(
-            f"ladder-{side.replace(', ', '-')}",
-            plot_ladder,
-            *(group, solvers, _ARRIVES),
-            caption=caption if pictures else caption + _FINDINGS_CAPTION,
-            alt=f"Matrix of solvers and margins, {side}",
-            height=1.5 + 0.23 * len(solvers),
-        )
-        drawn.figure.legend(handles=legend_entries(group), loc="outside lower left", **tight)
-        pictures.append(drawn)
-    return pictures
+    sides = [side for side in numbers.SIDES if (table["side"] == side).any()]
+    figure = new_figure(WIDE, min(1.25 + 0.19 * len(solvers), 6.5))
+    panels = figure.subplots(1, len(sides), sharey=True, squeeze=False)[0]
+    for ax, side in zip(panels, sides, strict=True):
+        plot_ladder(ax, table[table["side"] == side], solvers, names, _ARRIVES)
+        ax.set_title(side)
+        ax.tick_params(axis="y", labelleft=ax is panels[0])
+    tight: Style = {"ncols": 6, "handletextpad": 0.2, "columnspacing": 1.2}
+    figure.legend(handles=legend_entries(table), loc="outside lower left", **tight)
+    alt = "Matrix of solvers and margins, a panel per side of the circle"
+    return Picture("ladder", _CAPTION, figure, alt)
 
 
 def _table(reach: pd.DataFrame) -> Table:

@@ -27,7 +27,8 @@ def map_section(results: Results) -> Section | None:
         f"{CELLS} × {CELLS} cells up to {REACH:g} R from the start: every attempt at the branch "
         "best counts."
     )
-    return Section("map", "The plane, counted", text, tuple(pictures))
+    lead = "Compare the two maps: the length jumps only where a circle's front half divides words."
+    return Section("map", "The plane, counted", text, tuple(pictures), lead)
 
 
 def _words(experiment: str, plane: PlaneMap) -> Picture:

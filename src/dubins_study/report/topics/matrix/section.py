@@ -12,13 +12,13 @@ from dubins_study.report.data.verdicts import evaluations
 from dubins_study.report.elements.columns import SOLVER, Column, columns, marks
 from dubins_study.report.elements.content import Picture, Section, Table, picture
 from dubins_study.report.elements.formats import count, digits, seconds, sentences, some
-from dubins_study.report.elements.identity import METHOD
+from dubins_study.report.elements.identity import METHOD, best_first
 from dubins_study.report.elements.shares import INTERVAL_TEXT, percent, questions
 from dubins_study.report.elements.style import WIDE
 from dubins_study.report.topics.matrix.figures import plot_matrix
 from dubins_study.report.topics.matrix.numbers import Matrix, matrix, strata
 from dubins_study.report.topics.matrix.strata import strata_blocks
-from dubins_study.report.topics.summary.section import solver_summary
+from dubins_study.report.topics.summary.section import best_solvers, solver_summary
 
 
 def matrix_section(results: Results) -> Section | None:
@@ -33,9 +33,13 @@ def matrix_section(results: Results) -> Section | None:
     blocks: list[Picture | Table] = [_picture(table), _table(table)]
     if table.reasons:
         blocks.append(_reasons(table))
-    blocks.append(_methods(methods))
-    blocks += strata_blocks(results, methods, strata(results.rows))
-    return Section("matrix", "Formulation by engine", _text(table), tuple(blocks))
+    best = best_solvers(results)
+    blocks += best_first(_methods(methods), methods["solver"], best)
+    blocks += strata_blocks(results, methods, strata(results.rows), best)
+    lead = (
+        "Read along a line for what the formulation buys, down a column for what the engine buys."
+    )
+    return Section("matrix", "Formulation by engine", _text(table), tuple(blocks), lead)
 
 
 def _text(table: Matrix) -> str:
@@ -43,8 +47,7 @@ def _text(table: Matrix) -> str:
     spanned = filled[~filled["few"]]
     spans = [_span(spanned, key) for key in ("formulation", "engine")]
     return sentences(
-        "A result belongs to a formulation, an engine and an initial guess. Read along a line for "
-        "what the formulation buys, down a column for what the engine buys.",
+        "A result belongs to a formulation, an engine and an initial guess.",
         f"Of {some(len(table.cells), 'pair')} ({count(len(table.engines))} engines, "
         f"{count(len(table.formulations))} formulations) {count(len(filled))} have rows; the "
         "others have a reason."

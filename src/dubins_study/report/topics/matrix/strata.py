@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Collection
 
 import pandas as pd
 
@@ -11,11 +12,12 @@ from dubins_study.report.elements.columns import Column, columns
 from dubins_study.report.elements.content import Picture, Table, picture
 from dubins_study.report.elements.formats import slug
 from dubins_study.report.elements.heatmap import whole_percent
+from dubins_study.report.elements.identity import best_first
 from dubins_study.report.topics.matrix.figures import plot_strata
 
 
 def strata_blocks(
-    results: Results, methods: pd.DataFrame, shares: pd.DataFrame
+    results: Results, methods: pd.DataFrame, shares: pd.DataFrame, best: Collection[str]
 ) -> list[Picture | Table]:
     """The shares of `numbers.strata` as maps and as a table; nothing if there is one stratum."""
     names = stratum_order(results, shares["stratum"].unique().tolist())
@@ -28,7 +30,8 @@ def strata_blocks(
         for place, (formulation, group) in enumerate(methods.groupby("formulation", sort=False))
         if formulation != "closed form"
     ]
-    return [*pictures, _table(methods, shares, names)]
+    table = _table(methods, shares, names)
+    return [*pictures, *best_first(table, table.frame["solver"], best)]
 
 
 def stratum_order(results: Results, names: list[str]) -> list[str]:

@@ -8,6 +8,7 @@ from dubins_study.report.data.attempts import EXACT
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.content import Picture, Section, picture
 from dubins_study.report.elements.formats import count
+from dubins_study.report.elements.names import labels_of
 from dubins_study.report.statistics.metrics import solver_order, success
 from dubins_study.report.topics.plane import figures
 from dubins_study.report.topics.plane.numbers import along_circle, exact_answers
@@ -21,8 +22,9 @@ def plane_section(results: Results) -> Section | None:
     if len(exact):
         pictures += [_words(exact), _lengths(exact), _jump(exact)]
     coarse = rows[rows["solver"] != EXACT]
+    names = labels_of(results)
     for number, solver in enumerate(solver_order(coarse["solver"].tolist()), start=1):
-        pictures.append(_failures(number, solver, coarse[coarse["solver"] == solver]))
+        pictures.append(_failures(number, names[solver], coarse[coarse["solver"] == solver]))
     if not pictures:
         return None
     text = (
@@ -31,7 +33,11 @@ def plane_section(results: Results) -> Section | None:
         "there the shortest path turns away first. Across the front half of each circle (heavy) "
         "the length jumps by up to 2π R, and nowhere else."
     )
-    return Section("plane", "The target plane", text, tuple(pictures))
+    lead = (
+        "Look inside the two circles: there the shortest words are others than the paper's, and "
+        "there solvers go wrong."
+    )
+    return Section("plane", "The target plane", text, tuple(pictures), lead)
 
 
 def _words(exact: pd.DataFrame) -> Picture:
@@ -64,11 +70,11 @@ def _jump(exact: pd.DataFrame) -> Picture:
     return picture("plane-jump", figures.plot_jump, table, caption=caption, alt=alt, height=3.5)
 
 
-def _failures(number: int, solver: str, rows: pd.DataFrame) -> Picture:
+def _failures(number: int, name: str, rows: pd.DataFrame) -> Picture:
     group = rows.drop_duplicates(["target_x", "target_y"])
     right = int(success(group).sum())
-    caption = f"{solver}: {count(right)} of {count(len(group))} targets right; lengths in R."
-    name, alt = f"plane-solver-{number}", f"Targets {solver} gets wrong"
+    caption = f"{name}: {count(right)} of {count(len(group))} targets right; lengths in R."
+    stem, alt = f"plane-solver-{number}", f"Targets {name} gets wrong"
     return picture(
-        name, figures.plot_failures, group, caption=caption, alt=alt, height=3.9, legend=2
+        stem, figures.plot_failures, group, caption=caption, alt=alt, height=3.9, legend=2
     )

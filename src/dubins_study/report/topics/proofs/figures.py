@@ -27,26 +27,26 @@ def plot_wall(ax: Axes, table: pd.DataFrame, palette: Palette) -> None:
     looks = palette.looks(table["solver"])
     beside: dict[str, Any] = {"fontsize": 7.5, "color": MUTED}
     for place, row in zip(places, table.to_dict("records"), strict=True):
-        shares = f"{_percent(row['own_bound'])}\n{_percent(row['proved'] / row['attempts'])}"
+        shares = f"{_percent(row['own_bound'])}, {_percent(row['proved'] / row['attempts'])}"
         across = ax.get_yaxis_transform()
-        ax.text(1.02, place, shares, transform=across, va="center", **beside)
+        ax.text(1.01, place, shares, transform=across, va="center", **beside)
         if row["wall_s"] > 0:
             plot_quartiles(ax, row, "wall_s", place, looks[row["solver"]])
-    heading = "own bound,\ncertificate"
-    ax.text(1.02, 1.0, heading, transform=ax.transAxes, va="bottom", **beside)
+    heading = "own bound, certificate"
+    ax.text(1.01, 1.0, heading, transform=ax.transAxes, va="bottom", **beside)
     ax.set(xscale="log", xlabel="time of one attempt")
     log_axis(ax.xaxis, duration)
-    label_lines(ax, table["solver"], places)
+    label_lines(ax, map(palette.label, table["solver"]), places)
 
 
 def _percent(share: float) -> str:
     return f"{100 * share:.0f} %"
 
 
-def plot_prices(ax: Axes, table: pd.DataFrame) -> None:
+def plot_prices(ax: Axes, table: pd.DataFrame, palette: Palette) -> None:
     """Ratio of times by group, median and quartiles.
 
-    Columns group, solver, ratio, ratio_q1, ratio_q3.
+    Columns group, solver, ratio, ratio_q1, ratio_q3; `palette` names the solvers.
     """
     solvers = solver_order(table["solver"].tolist())[::-1]
     names = list(dict.fromkeys(table["group"]))
@@ -61,6 +61,6 @@ def plot_prices(ax: Axes, table: pd.DataFrame) -> None:
     mark_limit(ax, 1.0)
     ax.set(xscale="log", xlabel="time / fastest right answer without a proof")
     log_axis(ax.xaxis)
-    label_lines(ax, solvers, range(len(solvers)))
+    label_lines(ax, map(palette.label, solvers), range(len(solvers)))
     figure = ax.figure
-    figure.legend(loc="outside lower left", ncols=2)
+    figure.legend(loc="outside lower left", ncols=3)

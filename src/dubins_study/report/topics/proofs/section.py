@@ -10,6 +10,7 @@ from dubins_study.report.elements.columns import SOLVER, Column, columns
 from dubins_study.report.elements.content import Picture, Section, Table, picture
 from dubins_study.report.elements.formats import count, digits, seconds, sentences, share
 from dubins_study.report.elements.looks import Palette
+from dubins_study.report.elements.style import WIDE
 from dubins_study.report.statistics.metrics import solver_order
 from dubins_study.report.topics.proofs.figures import plot_prices, plot_wall
 from dubins_study.report.topics.proofs.numbers import fastest, prices, proofs, provers
@@ -21,9 +22,10 @@ def proofs_section(results: Results) -> Section | None:
     if rows.empty:
         return None
     table, price = proofs(rows), prices(rows)
-    blocks: list[Picture | Table] = [_time_picture(table, Palette.of_page(results))]
+    palette = Palette.of_page(results)
+    blocks: list[Picture | Table] = [_time_picture(table, palette)]
     if len(price):
-        blocks.append(_price_picture(price))
+        blocks.append(_price_picture(price, palette))
     blocks.append(_table(table))
     if len(price):
         blocks.append(_price_table(price))
@@ -31,8 +33,17 @@ def proofs_section(results: Results) -> Section | None:
         "A solver's lower bound proves the solver's own answer; a certificate proves the answer of "
         "any solver, afterwards."
     )
-    text = sentences(text, _own_bounds(rows, table), _price(rows, price), _certified(rows, table))
-    return Section("proofs", "What a proof costs", text, tuple(blocks))
+    text = sentences(
+        text,
+        _own_bounds(rows, table, palette),
+        _price(rows, price, palette),
+        _certified(rows, table, palette),
+    )
+    lead = (
+        "Compare a solver that proves its own answer with the fastest right answer without a "
+        "proof: the ratio is the price, and a certificate afterwards is the other way to a proof."
+    )
+    return Section("proofs", "What a proof costs", text, tuple(blocks), lead)
 
 
 def _paid(rows: pd.DataFrame) -> list[str]:
@@ -40,17 +51,17 @@ def _paid(rows: pd.DataFrame) -> list[str]:
     return [solver for solver in provers(rows) if solver != EXACT]
 
 
-def _own_bounds(rows: pd.DataFrame, table: pd.DataFrame) -> str:
+def _own_bounds(rows: pd.DataFrame, table: pd.DataFrame, palette: Palette) -> str:
     parts = [
-        f"{row['solver']} proves {share(row['own_bound'])} of its answers to 1e-4 or closer "
-        f"(largest proven gap {digits(2)(row['gap_most'])}), in {seconds(row['wall_s'])} "
+        f"{palette.label(row['solver'])} proves {share(row['own_bound'])} of its answers to 1e-4 "
+        f"or closer (largest proven gap {digits(2)(row['gap_most'])}), in {seconds(row['wall_s'])} "
         f"(median), {seconds(row['build_s'])} of them building"
         for row in table[table["solver"].isin(_paid(rows))].to_dict("records")
     ]
     return f"By its own bound {'; '.join(parts)}." if parts else ""
 
 
-def _price(rows: pd.DataFrame, price: pd.DataFrame) -> str:
+def _price(rows: pd.DataFrame, price: pd.DataFrame, palette: Palette) -> str:
     first, often = fastest(rows)
     parts = []
     for solver in _paid(rows):
@@ -59,16 +70,16 @@ def _price(rows: pd.DataFrame, price: pd.DataFrame) -> str:
             items = ", ".join(
                 f"{digits(2)(row['ratio'])} ({row['group']})" for row in group.to_dict("records")
             )
-            parts.append(f"{solver} {items}")
+            parts.append(f"{palette.label(solver)} {items}")
     if not parts:
         return ""
     return (
         "Its price, as a multiple of the time of the fastest right answer without one "
-        f"({first} on {share(often)} of the questions): {'; '.join(parts)}."
+        f"({palette.label(first)} on {share(often)} of the questions): {'; '.join(parts)}."
     )
 
 
-def _certified(rows: pd.DataFrame, table: pd.DataFrame) -> str:
+def _certified(rows: pd.DataFrame, table: pd.DataFrame, palette: Palette) -> str:
     plain = table[~table["solver"].isin(provers(rows))]
     if plain.empty:
         return ""
@@ -79,10 +90,10 @@ def _certified(rows: pd.DataFrame, table: pd.DataFrame) -> str:
         f"{count(plain['attempts'].sum())} answers of solvers that prove nothing themselves"
     )
     if len(full):
-        text += f": all of {', '.join(full['solver'])}"
+        text += f": all of {', '.join(map(palette.label, full['solver']))}"
     if rest:
         items = ", ".join(
-            f"{count(row['proved'])} of {count(row['attempts'])} of {row['solver']}"
+            f"{count(row['proved'])} of {count(row['attempts'])} of {palette.label(row['solver'])}"
             for row in plain[plain["solver"].isin(rest)].to_dict("records")
         )
         text += f"{', and' if len(full) else ':'} {items}"
@@ -96,19 +107,32 @@ def _time_picture(table: pd.DataFrame, palette: Palette) -> Picture:
         "certificate proves."
     )
     alt = "Median times and quartiles with shares of proofs, one line per solver"
-    height = 1.3 + 0.42 * len(table)
+    height = min(0.9 + 0.25 * len(table), 6.5)
     return picture(
-        "proofs-time", plot_wall, table, palette, caption=caption, alt=alt, height=height
+        "proofs-time",
+        plot_wall,
+        table,
+        palette,
+        caption=caption,
+        alt=alt,
+        height=height,
+        width=WIDE,
     )
 
 
-def _price_picture(price: pd.DataFrame) -> Picture:
+def _price_picture(price: pd.DataFrame, palette: Palette) -> Picture:
     caption = (
         "Time over that of the fastest right answer without a proof, question by question: median "
         "and quartiles, right answers only. Right of 1 is slower."
     )
-    alt, height = "Ratios of times by group of targets", 1.3 + 0.42 * price["solver"].nunique()
-    return picture("proofs-price", plot_prices, price, caption=caption, alt=alt, height=height)
+    alt, height = (
+        "Ratios of times by group of targets",
+        min(1.1 + 0.25 * price["solver"].nunique(), 6.5),
+    )
+    data = price, palette
+    return picture(
+        "proofs-price", plot_prices, *data, caption=caption, alt=alt, height=height, width=WIDE
+    )
 
 
 def _table(table: pd.DataFrame) -> Table:

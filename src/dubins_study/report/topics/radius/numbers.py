@@ -10,13 +10,14 @@ import numpy as np
 import pandas as pd
 
 from dubins_study.report.data.attempts import EXACT, SUCCESSES
-from dubins_study.report.statistics.metrics import circle_radius, runs_of
+from dubins_study.report.statistics.metrics import by_solver, circle_radius, runs_of
 from dubins_study.study.closed_form.shortest import shortest
 from dubins_study.study.scenario import Scenario
 
 _FEWEST_RADII = 4  # fewer do not show a curve
 _PLACE = ["x", "y", "heading", "target_x", "target_y"]
 _SINGLE_WORDS = ("LS", "RS")
+VISIBLE = 0.01  # relative; an answer that is longer by less lies on the line of the shortest ones
 
 
 class Span(NamedTuple):
@@ -38,8 +39,8 @@ class Sweep:
     shortest: pd.DataFrame  # radius, length, word; one row per radius, rising
     spans: tuple[Span, ...]  # of the words, by rising radius
     single_words: pd.DataFrame  # word, radius, length (NaN where the word does not exist)
-    wrong: pd.DataFrame  # solver, radius, length, arrives; the answers that are not right
-    times: pd.DataFrame  # solver, initial_guess, radius, wall_s (median, s)
+    wrong: pd.DataFrame  # solver, radius, length, arrives; the answers that are visibly wrong
+    times: pd.DataFrame  # solver, radius, wall_s (median of cold attempts, s; NaN where none)
 
 
 def sweep_rows(rows: pd.DataFrame) -> dict[tuple[str, str], pd.DataFrame]:
@@ -58,9 +59,8 @@ def sweep(label: str, rows: pd.DataFrame) -> Sweep:
     """The sweep of some rows of `sweep_rows`."""
     first = rows.iloc[0]
     line = _shortest(rows)
-    wrong = rows[~rows["verdict"].isin(SUCCESSES)]
-    timed = rows[rows["wall_s"].notna()]
-    medians = timed.groupby(["solver", "initial_guess", "radius"])["wall_s"].median()
+    missed = ~rows["verdict"].isin(SUCCESSES)
+    wrong = rows[missed & ~(rows["gap"] <= VISIBLE)]
     return Sweep(
         label,
         circle_radius(*(first[key] for key in _PLACE)),
@@ -68,8 +68,37 @@ def sweep(label: str, rows: pd.DataFrame) -> Sweep:
         _spans(line),
         single_words(first, line["radius"].min(), line["radius"].max()),
         wrong[["solver", "radius", "length"]].assign(arrives=wrong["gap"].notna()),
-        medians.reset_index(),
+        _times(rows, line["radius"]),
     )
+
+
+def _times(rows: pd.DataFrame, radii: pd.Series) -> pd.DataFrame:
+    """One row per solver and radius, so that a curve breaks where a solver was not asked."""
+    medians = cold(rows).groupby(["solver", "radius"], observed=True)["wall_s"].median()
+    solvers = medians.index.unique("solver")
+    every = pd.MultiIndex.from_product([solvers, radii], names=["solver", "radius"])
+    return medians.reindex(every).reset_index()
+
+
+def cold(rows: pd.DataFrame) -> pd.DataFrame:
+    """The cold attempts; all of them if there are none."""
+    chosen = rows[rows["initial_guess"] == "cold"]
+    return chosen if len(chosen) else rows
+
+
+def answers(rows: pd.DataFrame) -> pd.DataFrame:
+    """One row per solver: how its answers along the sweeps are wrong.
+
+    Columns solver, attempts, right, little (longer by at most `VISIBLE`), longer (by more), lost
+    (no path that arrives), most (largest gap of a path that arrives).
+    """
+    right = rows["verdict"].isin(SUCCESSES)
+    little = ~right & (rows["gap"] <= VISIBLE)
+    lost = ~right & rows["gap"].isna()
+    kinds = {"right": right, "little": little, "longer": ~right & ~little & ~lost, "lost": lost}
+    groups = rows.assign(**kinds).groupby("solver", observed=True)
+    frame = groups[list(kinds)].sum().assign(attempts=groups.size(), most=groups["gap"].max())
+    return by_solver(frame.reset_index())
 
 
 def _shortest(rows: pd.DataFrame) -> pd.DataFrame:

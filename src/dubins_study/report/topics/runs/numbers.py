@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Hashable, Iterable, Mapping, Sequence
 from typing import Any
 
 import pandas as pd
@@ -35,16 +35,37 @@ def probe_ratios(table: pd.DataFrame) -> pd.DataFrame:
     For a run on several machines, only the machine that varied most.
 
     Returns:
-        Columns run (with the machine's name if there are several), when (s), ratio.
+        One row per probe, or per `MOST_MARKS`-th of the run's length if it has more probes than
+        that: name (experiment, run, and machine if there are several), when (s), ratio (of the
+        median probe), low and high (of the fastest and the slowest).
     """
     parts = []
-    for run, probes in zip(table["run"], table["probes"], strict=True):
-        machine, group = next(iter(by_machine(probes).items()))
+    for line in table.to_dict("records"):
+        machine, group = next(iter(by_machine(line["probes"]).items()))
         frame = pd.DataFrame(group, columns=list(Probe._fields))
-        name = str(run)[:24] + (f", machine {machine}" if machine else "")
-        ratio = frame["took"] / frame["took"].median()
-        parts.append(pd.DataFrame({"run": name, "when": frame["when"], "ratio": ratio}))
+        frame["ratio"] = frame["took"] / frame["took"].median()
+        parts.append(_marks(frame).assign(name=_name(line, machine)))
     return pd.concat(parts, ignore_index=True)
+
+
+# More marks of a run would run into each other.
+MOST_MARKS = 90
+
+
+def _marks(probes: pd.DataFrame) -> pd.DataFrame:
+    if len(probes) > MOST_MARKS:
+        width = (probes["when"].max() - probes["when"].min()) / MOST_MARKS
+        place = ((probes["when"] - probes["when"].min()) / width).clip(upper=MOST_MARKS - 1)
+        groups = probes.groupby(place.astype(int))
+    else:
+        groups = probes.groupby(probes.index)
+    columns = {"when": ("when", "mean"), "ratio": ("ratio", "median")}
+    return groups.agg(**columns, low=("ratio", "min"), high=("ratio", "max"))
+
+
+def _name(line: Mapping[Hashable, Any], machine: int) -> str:
+    text = f"{str(line['experiment'])[:24]}, run {str(line['run'])[:24]}"
+    return text + (f", machine {machine}" if machine else "")
 
 
 def _row(experiment: str, run: RunEntry) -> dict[str, Any]:

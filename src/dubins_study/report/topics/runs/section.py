@@ -4,17 +4,28 @@ from __future__ import annotations
 
 import re
 from collections.abc import Hashable, Mapping
+from itertools import cycle
 from typing import Any
 
 import pandas as pd
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import columns, marks
 from dubins_study.report.elements.content import Picture, Section, Table, picture
 from dubins_study.report.elements.formats import digits, seconds, share
-from dubins_study.report.elements.style import WIDE
-from dubins_study.report.topics.runs.numbers import probe_ratios, runs
+from dubins_study.report.elements.style import (
+    BLUE,
+    BROWN,
+    GREEN,
+    INK,
+    PURPLE,
+    VERMILION,
+    WIDE,
+    Style,
+)
+from dubins_study.report.topics.runs.numbers import MOST_MARKS, probe_ratios, runs
 from dubins_study.study.rows.machine_noise import NOISY
 
 _MOST_DRAWN = 6
@@ -81,21 +92,34 @@ def _picture(noisy: pd.DataFrame) -> Picture:
         "probes",
         plot_probes,
         probe_ratios(noisy),
+        legend=3,
         caption="The calibration probe in the runs that varied most, relative to its median: 1 is "
-        f"the usual speed, above is slower; the band is {digits(1)(100 * NOISY)} % wide.",
-        alt="Probe times against time, one line per run",
-        height=2.4,
+        "the usual speed, above is slower. A mark is a probe, or the median of those in a "
+        f"{MOST_MARKS}th of a long run, with a bar from the fastest to the slowest; the band is "
+        f"{digits(1)(100 * NOISY)} % wide.",
+        alt="Probe times against time, marks of each run",
+        height=2.6,
         width=WIDE,
     )
 
 
-def plot_probes(ax: Axes, ratios: pd.DataFrame) -> None:
+# Of at most `_MOST_DRAWN` runs: hues that differ in lightness, and markers.
+_MARKS = ((BLUE, "o"), (VERMILION, "s"), (GREEN, "^"), (BROWN, "D"), (PURPLE, "v"), (INK, "x"))
+
+
+def plot_probes(ax: Axes, ratios: pd.DataFrame) -> list[Artist]:
     """Draw the calibration probe's durations, relative to their median, against time.
 
-    Columns: run (its name), when (s since the run began), ratio.
+    Nothing joins the marks: between them nobody measured.
+
+    Columns of `numbers.probe_ratios`. Returns the legend's entries.
     """
-    for name, group in ratios.groupby("run", sort=False):
-        ax.plot(group["when"], group["ratio"], lw=0.8, label=str(name))
-    ax.axhspan(1 - NOISY / 2, 1 + NOISY / 2, alpha=0.15, lw=0)
+    entries: list[Artist] = []
+    groups = ratios.groupby("name", sort=False)
+    for (name, group), (colour, marker) in zip(groups, cycle(_MARKS)):
+        ax.vlines(group["when"], group["low"], group["high"], color=colour, lw=0.7, alpha=0.6)
+        dots: Style = {"color": colour, "marker": marker, "linestyle": "none", "markersize": 3}
+        entries += ax.plot(group["when"], group["ratio"], label=str(name), **dots)
+    ax.axhspan(1 - NOISY / 2, 1 + NOISY / 2, color=BLUE, alpha=0.15, lw=0)
     ax.set(xlabel="time since the run began (s)", ylabel="probe / its median")
-    ax.figure.legend(loc="outside right upper", fontsize=7.5)
+    return entries

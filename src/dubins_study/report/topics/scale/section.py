@@ -5,12 +5,13 @@ from __future__ import annotations
 import pandas as pd
 
 from dubins_study.report.data.results import Results
-from dubins_study.report.elements.axes import power
+from dubins_study.report.elements.axes import label_curves, power
 from dubins_study.report.elements.columns import SOLVER, columns, marks
 from dubins_study.report.elements.content import Picture, Section, Table
-from dubins_study.report.elements.formats import count, digits, share
-from dubins_study.report.elements.looks import Palette, legend_lines
-from dubins_study.report.elements.style import WIDE, new_figure
+from dubins_study.report.elements.formats import count, digits, share, some
+from dubins_study.report.elements.looks import Palette
+from dubins_study.report.elements.style import MUTED, WIDE, Style, new_figure
+from dubins_study.report.statistics.best import MOST_CURVES
 from dubins_study.report.statistics.metrics import parse_spec, solver_order
 from dubins_study.report.topics.scale.figures import plot_scale
 from dubins_study.report.topics.scale.numbers import ROUNDING, by_solver, spreads
@@ -26,9 +27,21 @@ def scale_section(results: Results) -> Section | None:
     if rows.empty:
         return None
     table = by_solver(spreads(rows))
-    text = f"{_method(rows)} {' '.join(_findings(table))}"
-    blocks = (_picture(rows, Palette.of_page(results)), _table(table))
-    return Section("scale", "From micrometres to megametres", text, blocks)
+    palette = Palette.of_page(results)
+    text = f"{_method(rows)} {' '.join(_findings(table, palette))}"
+    blocks = (_picture(rows, _drawn(table), palette), _table(table))
+    lead = (
+        "A level line is a solver that does not care about the unit of length; one that rises has "
+        "a tolerance in metres."
+    )
+    return Section("scale", "From micrometres to megametres", text, blocks, lead)
+
+
+def _drawn(table: pd.DataFrame) -> list[str]:
+    """The solvers that have a curve: those that depend on the unit, then others."""
+    level = table["invariant"] == table["scenarios"]
+    first = [*table[~level]["solver"], *table[level]["solver"]][:MOST_CURVES]
+    return solver_order(first)
 
 
 def _method(rows: pd.DataFrame) -> str:
@@ -40,7 +53,7 @@ def _method(rows: pd.DataFrame) -> str:
     )
 
 
-def _findings(table: pd.DataFrame) -> list[str]:
+def _findings(table: pd.DataFrame, palette: Palette) -> list[str]:
     """Three sentences: invariant solvers, other solvers, and whether the work is invariant."""
     same = table[table["invariant"] == table["scenarios"]]
     first = f"{len(same)} of {len(table)} solvers and variants give the same path everywhere"
@@ -49,7 +62,7 @@ def _findings(table: pd.DataFrame) -> list[str]:
     other = table[table["invariant"] < table["scenarios"]]
     if len(other):
         parts = [
-            f"{row['solver']} (right in {share(row['success'])}"
+            f"{palette.label(row['solver'])} (right in {share(row['success'])}"
             + (f", lengths up to {digits(2)(row['spread'])} apart)" if row["spread"] >= 0 else ")")
             for _, row in other.iterrows()
         ]
@@ -70,27 +83,42 @@ def _findings(table: pd.DataFrame) -> list[str]:
         worst = moved.iloc[moved["iterations"].to_numpy().argmax()]
         third += (
             f"; rounding alone changes it by up to a factor of {digits(2)(worst['iterations'])} "
-            f"({worst['solver']})"
+            f"({palette.label(worst['solver'])})"
         )
     return [f"{first}.", second, f"{third}."]
 
 
-def _picture(rows: pd.DataFrame, palette: Palette) -> Picture:
+_AXIS_NAME: Style = {"ha": "center", "color": MUTED, "fontsize": 8.5}
+_HEIGHT = 3.2  # inches
+# Shares of the figure: where the panels begin and end, the gap between two, their foot and height.
+# To the right of the last one stand the curves' names.
+_LEFT, _RIGHT, _GAP, _BOTTOM, _PANEL = 0.115, 0.735, 0.02, 0.15, 0.74
+
+
+def _picture(rows: pd.DataFrame, solvers: list[str], palette: Palette) -> Picture:
     labels = sorted(rows["label"].unique())
-    solvers = solver_order(rows["solver"].tolist())
-    figure = new_figure(WIDE, 3.3 + 0.13 * legend_lines(solvers, columns=4))
-    panels = figure.subplots(1, len(labels), sharey=True, squeeze=False)[0]
-    for ax, label in zip(panels, labels, strict=True):
-        plot_scale(ax, rows[rows["label"] == label], palette, _FOOT, _TOP)
+    figure = new_figure(WIDE, _HEIGHT)
+    figure.set_layout_engine("none")  # the names' places depend on those of the panels
+    width = (_RIGHT - _LEFT - _GAP * (len(labels) - 1)) / len(labels)
+    shown = rows[rows["solver"].isin(solvers)]
+    for place, label in enumerate(labels):
+        ax = figure.add_axes((_LEFT + place * (width + _GAP), _BOTTOM, width, _PANEL))
+        curves = plot_scale(ax, shown[shown["label"] == label], palette, _FOOT, _TOP)
         ax.set_title(label)
-    panels[0].set_ylabel("gap to the shortest length (relative)")
-    handles, texts = panels[0].get_legend_handles_labels()
-    figure.legend(handles, texts, loc="outside lower left", ncols=4, fontsize=7.5)
+        if place:
+            ax.tick_params(labelleft=False)
+        else:
+            ax.set_ylabel("gap to the shortest length (relative)")
+    figure.text((_LEFT + _RIGHT) / 2, 0.02, "turning radius R (length unit)", **_AXIS_NAME)
+    label_curves(ax, curves)
+    others = rows["solver"].nunique() - len(solvers)
     caption = (
         "Gap against radius, one panel per scenario. The line of a scale-free solver is level. "
         "Below the dotted line are answers exact up to rounding, set apart so that each is seen; "
         "at the top are those that do not arrive."
     )
+    if others:
+        caption += f" Level too, and left out: the lines of {some(others, 'more solver')}."
     return Picture("scale", caption, figure, "Gap against radius for each solver")
 
 

@@ -3,22 +3,33 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 import pandas as pd
-from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from dubins_study.report.data.attempts import PRESOLVED, VERDICTS
-from dubins_study.report.elements.axes import log_axis, mark_limit, percent_axis
+from dubins_study.report.elements.axes import (
+    label_curves,
+    log_axis,
+    mark_limit,
+    percent_axis,
+    step_curve,
+)
 from dubins_study.report.elements.formats import count
-from dubins_study.report.elements.looks import Palette, name_of
-from dubins_study.report.elements.panels import formulation_grid, plot_share_grid
+from dubins_study.report.elements.looks import BEHIND, Look, Palette
+from dubins_study.report.elements.panels import (
+    common_part,
+    curve_panel,
+    curve_panels,
+    plot_stacked_shares,
+)
 from dubins_study.report.elements.solver_lines import plot_shares
-from dubins_study.report.elements.style import BLUE, MUTED, ORANGE, RULE, VERMILION
+from dubins_study.report.elements.style import BLUE, ORANGE, RULE, VERMILION
+from dubins_study.report.statistics.methods import foremost
 from dubins_study.report.statistics.metrics import solver_order
+from dubins_study.study.path import FloatArray
 
 # From dark to light, hatched if an answer is wrong, so that grey print keeps the order.
 VERDICT_LOOK = {
@@ -27,12 +38,12 @@ VERDICT_LOOK = {
     PRESOLVED: ("#e6f2fa", "|"),
     "longer": (ORANGE, "///"),
     "misses": (VERMILION, "xx"),
-    "none": (RULE, "..."),
+    "none": (RULE, ""),
 }
 SMALLEST_GAP = 1e-16
 
 
-def plot_verdicts(ax: Axes, table: pd.DataFrame) -> None:
+def plot_verdicts(ax: Axes, table: pd.DataFrame, palette: Palette) -> None:
     """Draw the share of each verdict, one bar per solver. Columns of `summary.numbers.summary`."""
     look = {verdict: VERDICT_LOOK[verdict] for verdict in VERDICTS}
     notes = [
@@ -40,7 +51,7 @@ def plot_verdicts(ax: Axes, table: pd.DataFrame) -> None:
         f"{count(row['wrong_basins'])} wrong basins"
         for row in table.to_dict("records")
     ]
-    plot_shares(ax, table, look, notes)
+    plot_shares(ax, table, look, notes, palette)
     ax.legend(loc="lower left", bbox_to_anchor=(0, 1.0), ncols=5, borderaxespad=0.2)
 
 
@@ -48,71 +59,86 @@ def plot_verdict_grid(table: pd.DataFrame) -> Figure:
     """The same in one panel per formulation. Columns also formulation and short."""
     shares = table[list(VERDICTS)].div(table["attempts"], axis=0)
     look = {verdict: VERDICT_LOOK[verdict] for verdict in VERDICTS if shares[verdict].any()}
-    return plot_share_grid(
+    return plot_stacked_shares(
         shares.join(table[["formulation", "short"]]), look, "share of all attempts"
     )
 
 
 def plot_gap_profile(
-    ax: Axes, shares: Mapping[str, pd.DataFrame], palette: Palette, tolerance: float | None
-) -> None:
-    """Share of attempts within each gap.
+    shares: Mapping[str, pd.DataFrame], palette: Palette, tolerance: float | None
+) -> Figure:
+    """Share of attempts within each gap, in one panel as wide as the page.
 
     Args:
-        ax: where to draw.
         shares: from `gap_shares`.
         palette: the palette of the page's solvers.
         tolerance: largest gap that the check accepts as optimal, drawn as a line if given.
     """
     solvers = solver_order(list(shares))
-    looks = palette.looks(solvers)
-    for place, solver in enumerate(solvers):
-        _plot_shares_within(ax, shares[solver], name_of(solver, 40), looks[solver].curve(place))
-    if tolerance is not None:
-        mark_limit(ax, tolerance)
-        ax.text(tolerance, 1.03, "optimal up to here", ha="center", fontsize=7.5, color=MUTED)
-    _set_gap_axes(ax)
-    ax.set(xlabel="gap to the shortest length (relative)", ylabel="share of all attempts")
-
-
-def plot_gap_profiles(
-    methods: pd.DataFrame, shares: Mapping[str, pd.DataFrame], tolerance: float | None
-) -> Figure:
-    """Share of attempts within each gap, in one panel per formulation, an engine a curve.
-
-    Args:
-        methods: columns solver, formulation, engine.
-        shares, tolerance: as for `plot_gap_profile`.
-    """
-    figure, panels = formulation_grid(methods, height=0.95)
-    looks = Palette.of(methods["engine"]).looks(methods["engine"])
-    curves: dict[str, Artist] = {}
-    for name, (ax, _) in panels.items():
-        rows = methods[methods["formulation"] == name]
-        for place, (solver, engine) in enumerate(zip(rows["solver"], rows["engine"], strict=True)):
-            curve = looks[engine].curve(place) | {"linewidth": 1.0}
-            curves[engine] = _plot_shares_within(ax, shares[solver], engine, curve)
-        if tolerance is not None:
-            mark_limit(ax, tolerance)
-        _set_gap_axes(ax)
-    figure.supxlabel("gap to the shortest length (relative)", fontsize=8, color=MUTED)
-    figure.supylabel("share of all attempts", fontsize=8, color=MUTED)
-    entries = [curves[engine] for engine in sorted(curves, key=str.casefold)]
-    figure.legend(handles=entries, loc="outside upper left", ncols=6, fontsize=6.5)
+    scores = pd.Series({solver: _share_within(shares[solver], tolerance) for solver in solvers})
+    named = foremost(scores)
+    looks = palette.looks(named)
+    labels = {solver: palette.label(solver) for solver in named}
+    figure, ax = curve_panel(list(labels.values()), *_GAP_AXES)
+    for solver in scores.index.difference(named):
+        ax.step(*_steps(shares[solver]), where="post", **BEHIND)
+    _plot_gaps(ax, {labels[s]: (shares[s], looks[s]) for s in named}, tolerance)
     return figure
 
 
-def _plot_shares_within(
-    ax: Axes, shares: pd.DataFrame, label: str, curve: Mapping[str, Any]
-) -> Artist:
-    within, share = (shares[name].to_numpy() for name in ("gap", "share"))
-    x = np.concatenate(([SMALLEST_GAP], np.maximum(within, SMALLEST_GAP), [10.0]))
-    y = np.concatenate(([0.0], share, share[-1:] if share.size else [0.0]))
-    (line,) = ax.step(x, y, where="post", label=label, **curve)
-    return line
+def _share_within(shares: pd.DataFrame, tolerance: float | None) -> float:
+    """The share of attempts within the tolerance; without one, within any gap."""
+    kept = shares if tolerance is None else shares[shares["gap"] <= tolerance]
+    return float(kept["share"].max()) if len(kept) else 0.0
 
 
-def _set_gap_axes(ax: Axes) -> None:
-    ax.set(xscale="log", xlim=(SMALLEST_GAP, 10), ylim=(0, 1.02))
+def plot_gap_profiles(
+    methods: pd.DataFrame,
+    shares: Mapping[str, pd.DataFrame],
+    palette: Palette,
+    tolerance: float | None,
+) -> Figure:
+    """Share of attempts within each gap, in one panel per formulation, a curve per method.
+
+    Args:
+        methods: columns solver, formulation, short.
+        shares, palette, tolerance: as for `plot_gap_profile`.
+    """
+    groups = {str(name): rows for name, rows in methods.groupby("formulation", sort=False)}
+    parts = {name: common_part(rows["short"].tolist()) for name, rows in groups.items()}
+    titles = {name: f"{name}{shared}" for name, (shared, _) in parts.items()}
+    figure, panels = curve_panels({titles[n]: names for n, (_, names) in parts.items()}, *_GAP_AXES)
+    for name, rows in groups.items():
+        looks = palette.looks(rows["solver"])
+        pairs = zip(parts[name][1], rows["solver"], strict=True)
+        curves = {label: (shares[solver], looks[solver]) for label, solver in pairs}
+        _plot_gaps(panels[titles[name]], curves, tolerance)
+    return figure
+
+
+_GAP_AXES = ("gap to the shortest length (relative)", "share of all attempts")
+_LARGEST_GAP = 10.0
+_GAP_TICKS = (1e-15, 1e-10, 1e-5, 1.0)
+# Points of a curve: as fine as a panel can show.
+_GAPS = np.geomspace(SMALLEST_GAP, _LARGEST_GAP, 100)
+
+
+def _plot_gaps(
+    ax: Axes, curves: Mapping[str, tuple[pd.DataFrame, Look]], tolerance: float | None
+) -> None:
+    """Draw the shares of `gap_shares` with their names; the optimal ones left of a dotted line."""
+    lines = {}
+    for name, (shares, look) in curves.items():
+        (lines[name],) = ax.step(*_steps(shares), where="post", linewidth=1.1, **look.lines)
+    if tolerance is not None:
+        mark_limit(ax, tolerance)
+    ax.set(xscale="log", xlim=(SMALLEST_GAP, _LARGEST_GAP), ylim=(0, 1.02), yticks=(0, 0.5, 1))
     percent_axis(ax.yaxis)
     log_axis(ax.xaxis)
+    ax.set_xticks(_GAP_TICKS)
+    label_curves(ax, lines)
+
+
+def _steps(shares: pd.DataFrame) -> tuple[FloatArray, FloatArray]:
+    gaps = np.maximum(shares["gap"].to_numpy(dtype=np.float64), SMALLEST_GAP)
+    return step_curve(gaps, shares["share"].to_numpy(dtype=np.float64), _GAPS)

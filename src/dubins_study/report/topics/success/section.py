@@ -11,11 +11,13 @@ from dubins_study.report.data.results import Folder, Results
 from dubins_study.report.data.verdicts import failures as failure_counts
 from dubins_study.report.elements.columns import SOLVER, columns
 from dubins_study.report.elements.content import Picture, Section, Table, picture
-from dubins_study.report.elements.formats import count, digits, share, slug
-from dubins_study.report.elements.looks import Palette, legend_lines, lines_of_names
-from dubins_study.report.elements.panels import DRAWN_TEXT
+from dubins_study.report.elements.formats import count, digits, sentences, share, slug, some
+from dubins_study.report.elements.identity import best_first
+from dubins_study.report.elements.looks import Palette
+from dubins_study.report.elements.names import in_page_order
+from dubins_study.report.elements.panels import DRAWN_TEXT, HIGHEST
 from dubins_study.report.elements.style import WIDE
-from dubins_study.report.statistics.methods import MOST_METHODS, drawn_methods
+from dubins_study.report.statistics.methods import MOST_ENGINES, MOST_METHODS, drawn_methods
 from dubins_study.report.topics.success.figures import (
     plot_gap_profile,
     plot_gap_profiles,
@@ -23,7 +25,7 @@ from dubins_study.report.topics.success.figures import (
     plot_verdicts,
 )
 from dubins_study.report.topics.success.numbers import failures, gap_quantiles, gap_shares
-from dubins_study.report.topics.summary.section import solver_summary, summary_table
+from dubins_study.report.topics.summary.section import best_solvers, solver_summary, summary_table
 
 _MOST_FAILURES = 25
 
@@ -34,17 +36,19 @@ def success_section(results: Results) -> Section | None:
     each = {name: attempts.only({name}) for name in attempts.experiments}
     frame = solver_summary(attempts)
     frame = frame[frame["attempts"] > 0]
-    blocks: list[Picture | Table] = [_verdict_picture(frame)] if len(frame) else []
+    palette = Palette.of_page(results)
+    blocks: list[Picture | Table] = [_verdict_picture(frame, palette)] if len(frame) else []
     if len(each) > 1:
         blocks.append(_experiment_table(each))
     quantiles = gap_quantiles(attempts.gap_quantiles())
     if len(quantiles):
-        palette = Palette.of_page(results)
         allowed = _gap_tolerances(results.folders)
         blocks += [
             _profile_picture(name, one, allowed.get(name), palette) for name, one in each.items()
         ]
-        blocks.append(_quantile_table(quantiles, attempts.precision))
+        ordered = in_page_order(quantiles, results)
+        table = _quantile_table(ordered, attempts.precision)
+        blocks += best_first(table, table.frame["solver"], best_solvers(results))
     without_success = failures(failure_counts(attempts))
     if len(without_success):
         blocks.append(_failure_table(without_success))
@@ -53,7 +57,11 @@ def success_section(results: Results) -> Section | None:
         "(length − reference) / max(reference, R) and only a path that arrives has one; the others "
         "count as infinitely far off."
     )
-    return Section("success", "Success and gaps", text, tuple(blocks)) if blocks else None
+    lead = (
+        "See in the bars how often each method is right, and in the curves how exact its paths are "
+        "where it arrives."
+    )
+    return Section("success", "Success and gaps", text, tuple(blocks), lead) if blocks else None
 
 
 def _experiment_table(each: Mapping[str, Attempts]) -> Table:
@@ -71,7 +79,7 @@ def _experiment_table(each: Mapping[str, Attempts]) -> Table:
     )
 
 
-def _verdict_picture(frame: pd.DataFrame) -> Picture:
+def _verdict_picture(frame: pd.DataFrame, palette: Palette) -> Picture:
     what = (
         "Verdicts as shares of all attempts at questions that have a path. The plain bar is "
         "success, hatched ones are not"
@@ -83,10 +91,10 @@ def _verdict_picture(frame: pd.DataFrame) -> Picture:
     return picture(
         "verdicts",
         plot_verdicts,
-        frame,
+        *(frame, palette),
         caption=f"{what}; false claims and wrong basins are counted at the right.",
         alt=alt,
-        height=0.9 + max(0.42, 0.14 * lines_of_names(frame["solver"])) * len(frame),
+        height=min(HIGHEST, 0.9 + 0.36 * len(frame)),
         width=WIDE,
     )
 
@@ -109,21 +117,16 @@ def _profile_picture(
         "further left more accurate; a curve that ends below 100 % belongs to a solver that "
         "sometimes does not arrive."
     )
+    limit = "" if tolerance is None else "Dotted: optimal up to here."
     if len(shares) > MOST_METHODS:
         frame = solver_summary(attempts)
         drawn = drawn_methods(frame[frame["solver"].isin(list(shares))])
-        limit = "" if tolerance is None else " Dotted: optimal up to here."
-        figure = plot_gap_profiles(drawn, shares, tolerance)
-        return Picture(name, f"{caption}{limit} {DRAWN_TEXT}", figure, alt)
-    return picture(
-        name,
-        plot_gap_profile,
-        *(shares, palette, tolerance),
-        caption=caption,
-        alt=alt,
-        height=3.0 + 0.17 * legend_lines(list(shares), width=40),
-        legend=1,
-    )
+        figure = plot_gap_profiles(drawn, shares, palette, tolerance)
+        return Picture(name, sentences(caption, limit, DRAWN_TEXT), figure, alt)
+    grey = len(shares) - MOST_ENGINES
+    rest = f"Grey, without names: the {some(grey, 'solver')} that are optimal least often."
+    figure = plot_gap_profile(shares, palette, tolerance)
+    return Picture(name, sentences(caption, limit, rest if grey > 0 else ""), figure, alt)
 
 
 def _quantile_table(frame: pd.DataFrame, precision: str) -> Table:

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from weakref import WeakKeyDictionary
+
 import pandas as pd
 
-from dubins_study.report.data.attempts import PRESOLVED, Attempts
+from dubins_study.report.data.attempts import EXACT, PRESOLVED, Attempts
 from dubins_study.report.data.results import Results
 from dubins_study.report.data.verdicts import methods, verdicts
 from dubins_study.report.elements.columns import SOLVER, Column, columns, marks
@@ -12,6 +14,7 @@ from dubins_study.report.elements.content import Section, Table
 from dubins_study.report.elements.formats import count, seconds, sentences, share, some
 from dubins_study.report.elements.identity import METHOD
 from dubins_study.report.elements.shares import INTERVAL_TEXT
+from dubins_study.report.statistics.methods import best_of_formulations
 from dubins_study.report.topics.summary.numbers import summary
 
 # The spec instead of the settings: it is what a reader hands to the command.
@@ -31,6 +34,17 @@ _NUMBERS = ("attempts", "questions", "optimal", "right_share", "right_low", "rig
 def solver_summary(attempts: Attempts) -> pd.DataFrame:
     """The table `summary` of attempts."""
     return summary(verdicts(attempts), methods(attempts))
+
+
+def best_solvers(results: Results) -> tuple[str, ...]:
+    """The closed form, and of each formulation the solver that is most surely right."""
+    if results not in _BEST:
+        methods = solver_summary(results.attempts)
+        _BEST[results] = (EXACT, *best_of_formulations(methods))
+    return _BEST[results]
+
+
+_BEST: WeakKeyDictionary[Results, tuple[str, ...]] = WeakKeyDictionary()
 
 
 def summary_table(name: str, caption: str, frame: pd.DataFrame, first: tuple[Column, ...]) -> Table:

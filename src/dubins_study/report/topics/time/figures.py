@@ -8,11 +8,18 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator
 
-from dubins_study.report.elements.axes import duration, log_axis, percent_axis, plain_log_axis
-from dubins_study.report.elements.looks import Palette, name_of
-from dubins_study.report.elements.panels import formulation_grid, name_lines
+from dubins_study.report.elements.axes import (
+    duration,
+    label_curves,
+    log_axis,
+    percent_axis,
+    plain_log_axis,
+    step_curve,
+)
+from dubins_study.report.elements.looks import BEHIND, Palette
+from dubins_study.report.elements.panels import curve_panel, named_panels
 from dubins_study.report.elements.solver_lines import label_lines, plot_quartiles
-from dubins_study.report.elements.style import MUTED
+from dubins_study.report.statistics.methods import foremost
 
 
 def plot_times(ax: Axes, table: pd.DataFrame, palette: Palette) -> None:
@@ -28,40 +35,47 @@ def plot_times(ax: Axes, table: pd.DataFrame, palette: Palette) -> None:
     if high - low < 1:  # an axis shorter than a decade would have no ticks
         ax.set_xlim(10 ** np.floor(low), 10 ** np.ceil(high))
     log_axis(ax.xaxis, duration)
-    label_lines(ax, table["solver"], places)
+    label_lines(ax, table["solver"], places, palette)
 
 
-def plot_time_grid(methods: pd.DataFrame) -> Figure:
+def plot_time_grid(methods: pd.DataFrame, palette: Palette) -> Figure:
     """Median and quartiles of whole attempts, in one panel per formulation.
 
-    Columns of `Attempts.times`, formulation, engine and short.
+    Columns of `Attempts.times`, solver, formulation, engine and short.
     """
-    figure, panels = formulation_grid(methods, line=0.115)
-    looks = Palette.of(methods["engine"]).looks(methods["engine"])
-    for name, (ax, lines) in panels.items():
+    figure, panels = named_panels(methods, "time of one attempt", legend=False)
+    looks = palette.looks(methods["solver"])
+    low, high = methods["wall_s_q1"].min(), methods["wall_s_q3"].max()
+    for name, ax in panels.items():
         rows = methods[methods["formulation"] == name]
-        places = name_lines(ax, rows["short"].tolist(), 6, lines)
-        for place, row in zip(places, rows.to_dict("records"), strict=True):
-            plot_quartiles(ax, row, "wall_s", place, looks[row["engine"]])
-        ax.set_xscale("log")
+        for place, row in zip(range(len(rows))[::-1], rows.to_dict("records"), strict=True):
+            plot_quartiles(ax, row, "wall_s", place, looks[row["solver"]])
+        ax.set(xscale="log", xlim=(0.7 * low, 1.4 * high))
         log_axis(ax.xaxis, duration)
         ax.xaxis.set_major_locator(LogLocator(numticks=5))
-    figure.supxlabel("time of one attempt", fontsize=8, color=MUTED)
     return figure
 
 
-def plot_performance(ax: Axes, ratios: pd.DataFrame, palette: Palette) -> None:
+def plot_performance(ratios: pd.DataFrame, palette: Palette) -> Figure:
     """Share of questions answered correctly within a factor of the fastest. Columns: solvers."""
-    looks = palette.looks(ratios.columns)
-    finite = ratios.to_numpy()[np.isfinite(ratios.to_numpy())]
-    last = 1.3 * float(finite.max()) if finite.size else 10.0
-    for place, solver in enumerate(ratios.columns):
-        ordered = np.sort(ratios[solver].to_numpy(dtype=np.float64))
-        solved = ordered[np.isfinite(ordered)]
-        share = np.arange(solved.size + 1) / len(ratios)
-        x, y = np.concatenate(([1.0], solved, [last])), np.append(share, share[-1])
-        ax.step(x, y, where="post", label=name_of(solver), **looks[solver].curve(place))
-    ax.set(xscale="log", xlim=(1, last), ylim=(0, 1.02))
+    values = ratios.to_numpy(dtype=np.float64)
+    finite = values[np.isfinite(values)]
+    factors = np.geomspace(1.0, max(float(finite.max()) if finite.size else 1.0, 2.0), 200)
+    named = foremost(pd.Series(np.isfinite(values).mean(axis=0), ratios.columns))
+    looks = palette.looks(named)
+    labels = {solver: palette.label(solver) for solver in named}
+    xlabel = "time / time of the fastest right answer"
+    figure, ax = curve_panel(list(labels.values()), xlabel, "share of questions")
+    lines = {}
+    for solver in ratios.columns:
+        times = np.sort(ratios[solver].to_numpy(dtype=np.float64))
+        steps = step_curve(times, np.arange(1, len(times) + 1) / len(times), factors)
+        style = looks[solver].lines if solver in looks else BEHIND
+        (line,) = ax.step(*steps, where="post", **style)
+        if solver in labels:
+            lines[labels[solver]] = line
+    ax.set(xscale="log", xlim=(1, factors[-1]), ylim=(0, 1.02))
     plain_log_axis(ax.xaxis)
     percent_axis(ax.yaxis)
-    ax.set(xlabel="time / time of the fastest right answer", ylabel="share of questions")
+    label_curves(ax, lines, 7)
+    return figure

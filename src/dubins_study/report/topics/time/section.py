@@ -8,17 +8,19 @@ from dubins_study.report.data.attempts import EXACT
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import SOLVER, columns
 from dubins_study.report.elements.content import Picture, Section, Table, picture
-from dubins_study.report.elements.formats import count, seconds
-from dubins_study.report.elements.looks import Palette, legend_lines, lines_of_names
-from dubins_study.report.elements.panels import DRAWN_TEXT
+from dubins_study.report.elements.formats import count, seconds, sentences, some
+from dubins_study.report.elements.identity import best_first
+from dubins_study.report.elements.looks import Palette
+from dubins_study.report.elements.names import in_page_order
+from dubins_study.report.elements.panels import DRAWN_TEXT, HIGHEST
 from dubins_study.report.elements.style import WIDE
 from dubins_study.report.statistics.methods import (
+    MOST_ENGINES,
     MOST_METHODS,
     best_of_formulations,
     drawn_methods,
 )
-from dubins_study.report.statistics.metrics import by_solver
-from dubins_study.report.topics.summary.section import solver_summary
+from dubins_study.report.topics.summary.section import best_solvers, solver_summary
 from dubins_study.report.topics.time.figures import plot_performance, plot_time_grid, plot_times
 from dubins_study.report.topics.time.numbers import mean_times, time_ratios
 
@@ -27,15 +29,17 @@ def time_section(results: Results) -> Section | None:
     """Medians and quartiles; build and solve apart; shifted geometric means."""
     rows = results.rows
     cold = rows[(rows["initial_guess"] == "cold") & rows["answerable"]]
-    frame = by_solver(results.attempts.times())
+    frame = in_page_order(results.attempts.times(), results)
     if frame.empty:
         return None
     palette = Palette.of_page(results)
     several = len(frame) > MOST_METHODS
     methods = solver_summary(results.attempts).drop(columns="wall_s")
     timed = methods.merge(frame, on="solver")
-    medians = _grid_picture(drawn_methods(timed)) if several else _picture(frame, palette)
-    blocks: list[Picture | Table] = [medians, _time_table(frame, results.attempts.precision)]
+    medians = _grid_picture(drawn_methods(timed), palette) if several else _picture(frame, palette)
+    table = _time_table(frame, results.attempts.precision)
+    blocks: list[Picture | Table] = [medians]
+    blocks += [*best_first(table, frame["solver"], best_solvers(results))]
     if several:
         chosen = cold[cold["solver"].isin([EXACT, *best_of_formulations(timed)])]
     else:
@@ -51,12 +55,13 @@ def time_section(results: Results) -> Section | None:
         ", ".join(map(str, results.attempts.values(kind))) for kind in ("jobs", "threads")
     )
     text = (
-        "Questions that have a path: see who is fast there, and at the right of the profile who is "
-        "right. Measured in the process that solves, after a warm-up that is not recorded; "
+        "Questions that have a path. Measured in the process that solves, after a warm-up that is "
+        "not recorded; "
         f"threads: {threads}; jobs side by side: {jobs}. Judging is not timed. Compiled "
         "templates are kept between questions, so building is setting the data."
     )
-    return Section("time", "Time", text, tuple(blocks))
+    lead = "See who is fast, and at the right of the performance profile who is right."
+    return Section("time", "Time", text, tuple(blocks), lead)
 
 
 def _picture(frame: pd.DataFrame, palette: Palette) -> Picture:
@@ -67,18 +72,18 @@ def _picture(frame: pd.DataFrame, palette: Palette) -> Picture:
         caption="Time of one cold attempt: median (mark) and quartiles (bar) of solving (filled, "
         "above) and of building the model (open, below).",
         alt="Median times and quartiles, one line per solver",
-        height=0.7 + max(0.46, 0.13 * lines_of_names(frame["solver"])) * len(frame),
+        height=min(HIGHEST, 0.7 + 0.4 * len(frame)),
         width=WIDE,
     )
 
 
-def _grid_picture(methods: pd.DataFrame) -> Picture:
+def _grid_picture(methods: pd.DataFrame, palette: Palette) -> Picture:
     caption = (
         "Time of one cold attempt, building and solving: median (mark) and quartiles (bar). "
         f"{DRAWN_TEXT}"
     )
     alt = "Median times and quartiles, one line per method, in panels by formulation"
-    return Picture("times", caption, plot_time_grid(methods), alt)
+    return Picture("times", caption, plot_time_grid(methods, palette), alt)
 
 
 def _not_variants(rows: pd.DataFrame) -> pd.DataFrame:
@@ -88,20 +93,19 @@ def _not_variants(rows: pd.DataFrame) -> pd.DataFrame:
 
 
 def _performance_picture(ratios: pd.DataFrame, palette: Palette, which: str) -> Picture:
-    return picture(
-        "performance",
-        plot_performance,
-        *(ratios, palette),
-        caption="Performance profile: the share of questions that a solver answers correctly "
-        f"within a factor of the fastest right answer, over the {count(len(ratios))} questions "
-        "put to all of them. At 1: how often it is the fastest; at the right: how often it is "
-        "right at all. The closed form is left out, since it would flatten every curve."
-        f"{which}",
-        alt="Performance profile of the solvers",
-        height=2.9 + 0.17 * legend_lines(ratios.columns, columns=3),
-        width=WIDE,
-        legend=3,
+    grey = ratios.shape[1] - MOST_ENGINES
+    caption = sentences(
+        "Performance profile: the share of questions that a solver answers correctly within a "
+        f"factor of the fastest right answer, over the {count(len(ratios))} questions put to all "
+        "of them. At 1: how often it is the fastest; at the right: how often it is right at all. "
+        "The closed form is left out, since it would flatten every curve.",
+        which.strip(),
+        f"Grey, without names: the {some(grey, 'solver')} that are right least often."
+        if grey > 0
+        else "",
     )
+    figure = plot_performance(ratios, palette)
+    return Picture("performance", caption, figure, "Performance profile of the solvers")
 
 
 def _time_table(frame: pd.DataFrame, precision: str) -> Table:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
@@ -13,8 +15,11 @@ from dubins_study.report.elements.style import BLUE, VERMILION
 _PARTS = (("ratio", "time", BLUE, "o", 0.14), ("work", "iterations", VERMILION, "s", -0.14))
 
 
-def plot_warm(ax: Axes, table: pd.DataFrame) -> None:
-    """Median and quartiles of warm over cold, time and iterations. Columns of `warm_starts`."""
+def plot_warm(ax: Axes, table: pd.DataFrame, names: Sequence[str]) -> None:
+    """Median and quartiles of warm over cold, time and iterations, one line per solver.
+
+    `table` has the columns of `warm_starts`, `names` the names of its solvers.
+    """
     places = np.arange(len(table))[::-1]
     for key, label, colour, marker, lift in _PARTS:
         positive = (table[key] > 0).to_numpy()
@@ -29,5 +34,5 @@ def plot_warm(ax: Axes, table: pd.DataFrame) -> None:
     left, right = ax.get_xlim()
     ax.set_xlim(min(left, 0.45), max(right, 2.2))  # or 1 would be the only number on the axis
     plain_log_axis(ax.xaxis)
-    label_lines(ax, table["solver"], places)
+    label_lines(ax, names, places)
     ax.figure.legend(loc="outside lower left", ncols=2)

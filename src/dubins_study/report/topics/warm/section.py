@@ -7,23 +7,23 @@ import pandas as pd
 from dubins_study.report.elements.columns import SOLVER, columns
 from dubins_study.report.elements.content import Picture, Table, picture
 from dubins_study.report.elements.formats import count, digits, seconds, sentences, share
-from dubins_study.report.elements.looks import lines_of_names
+from dubins_study.report.elements.looks import Palette
 from dubins_study.report.topics.warm.figures import plot_warm
 
 _SAME = 0.02  # ratios this near to 1 are called equal
 
 
-def warm_blocks(table: pd.DataFrame) -> tuple[Picture, Table]:
+def warm_blocks(table: pd.DataFrame, palette: Palette) -> tuple[Picture, Table]:
     """Figure and table for the result of `warm.numbers.warm_starts`, which must have rows."""
     ratios = picture(
         "warm-starts",
         plot_warm,
-        table,
+        *(table, [palette.label(solver) for solver in table["solver"]]),
         caption="Started from the answer at the neighbouring radius against cold: time and the "
         "solver's own iterations, question by question, median (mark) and quartiles (bar). Left "
         "of 1 the warm start saves.",
         alt="Ratios of warm to cold time and iterations, one line per solver",
-        height=1.2 + max(0.42, 0.16 * lines_of_names(table["solver"])) * len(table),
+        height=min(1.1 + 0.32 * len(table), 7.0),
     )
     return ratios, _table(table)
 

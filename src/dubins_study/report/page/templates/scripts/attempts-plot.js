@@ -134,10 +134,7 @@
   // when the axes have moved. Returns {update(kind), inFrame(), mark(row), without()}.
   async function plot(place, data, state, {tapped, moved}) {
     const Bokeh = await loadBokeh();
-    const source = () => new Bokeh.ColumnDataSource({data: {x: [], y: [], row: []}});
-    const sources = {others: source(), chosen: new Bokeh.ColumnDataSource({
-      data: {x: [], y: [], row: [], marker: [], angle: [], colour: [], fill: []}}), current: source()};
-    let view = null, fig = null, shown = rows(data, state), current = -1;
+    let sources = null, view = null, fig = null, shown = rows(data, state), current = -1;
 
     function fillSources() {
       shown = rows(data, state);
@@ -161,26 +158,33 @@
       if (each.length) tapped(each.slice(0, MOST_HITS));
     }
 
-    let waiting = null, moving = null;
-    for (const one of [sources.chosen, sources.others]) {
-      one.selected.properties.indices.change.connect(() => {
-        if (!one.selected.indices.length) return;
-        clearTimeout(waiting);
-        waiting = setTimeout(hits, 0); // both layers have been asked by then
-      });
+    // Sources of their own for each figure: Bokeh lets no two documents share a model.
+    function newSources() {
+      const source = (more) => new Bokeh.ColumnDataSource({data: {x: [], y: [], row: [], ...more}});
+      sources = {others: source(), current: source(),
+        chosen: source({marker: [], angle: [], colour: [], fill: []})};
+      let waiting = null;
+      for (const one of [sources.chosen, sources.others]) {
+        one.selected.properties.indices.change.connect(() => {
+          if (!one.selected.indices.length) return;
+          clearTimeout(waiting);
+          waiting = setTimeout(hits, 0); // both layers have been asked by then
+        });
+      }
     }
 
     async function draw() {
+      newSources();
       fillSources();
       fig = figure(Bokeh, data, state, sources);
+      let moving = null;
       for (const range of [fig.x_range, fig.y_range]) {
         range.change.connect(() => {
           clearTimeout(moving);
           moving = setTimeout(moved, 150);
         });
       }
-      const before = view;
-      const next = element("div");
+      const before = view, next = element("div");
       place.append(next);
       view = await Bokeh.Plotting.show(fig, next);
       if (before) {
@@ -203,7 +207,7 @@
     }
 
     await draw();
-    return {update, inFrame, mark, figure: () => fig, shown: () => shown};
+    return {update, inFrame, mark, reset: () => view.reset(), figure: () => fig, shown: () => shown};
   }
 
   Object.assign(window.attempts, {plot});

@@ -14,6 +14,9 @@
     const points = list(data);
     let drawn = null;
     const {form, state} = choice(data, (kind) => changed(kind));
+    const reset = element("button", {type: "button", className: "reset"}, "show all of the plot");
+    form.append(" ", reset);
+    reset.addEventListener("click", () => drawn && drawn.reset());
     place.append(form, canvas, legend, status, points.node);
 
     function legendEntry([k, look]) {

@@ -1,0 +1,147 @@
+"""Right solvers with bad habits: what they do to their process, their time, their next answer."""
+
+from __future__ import annotations
+
+import os
+import random
+import subprocess
+import sys
+import threading
+import time
+from dataclasses import replace
+from pathlib import Path as FilePath
+from typing import ClassVar
+
+import numpy as np
+
+from dubins_study import Claim, Question, Solution, Solver
+from lying_dubins.lies import honest
+
+
+class Habit(Solver):
+    """Answers rightly, and has a habit."""
+
+    method = ("one NLP a word", "MINPACK hybr", "bearing")
+    summary = "A right solver with a bad habit, to try the conformance kit on"
+
+    def solve(self, question: Question, limit: float) -> Solution:
+        self.habit()
+        return honest(question.scenario)
+
+    def habit(self) -> None:
+        """What it does beside answering."""
+
+
+class Moves(Habit):
+    name = "moves"
+
+    def habit(self) -> None:
+        os.chdir("/")
+
+
+class Tells(Habit):
+    """Prints, and promises not to."""
+
+    name, keeps_limit = "tells", True
+
+    def habit(self) -> None:
+        print("iteration 1 of 1")
+
+
+class Litters(Habit):
+    name = "litters"
+
+    def habit(self) -> None:
+        FilePath("model.lp").write_text("minimise\n")
+
+
+class Shouts(Habit):
+    """Changes how numpy treats errors, for all who come after."""
+
+    name = "shouts"
+
+    def habit(self) -> None:
+        np.seterr(all="raise")
+
+
+class Sets(Habit):
+    name = "sets"
+
+    def habit(self) -> None:
+        os.environ["DUBINS_QUESTIONS"] = str(time.monotonic())
+
+
+class Leaves(Habit):
+    """A thread for each question, which goes on."""
+
+    name = "leaves"
+
+    def habit(self) -> None:
+        threading.Thread(target=time.sleep, args=(600,), daemon=True).start()
+
+
+class Spawns(Habit):
+    """A process for each question, which goes on."""
+
+    name = "spawns"
+
+    def habit(self) -> None:
+        subprocess.Popen([sys.executable, "-c", "import time; time.sleep(600)"])
+
+
+class Seeds(Habit):
+    name = "seeds"
+
+    def habit(self) -> None:
+        random.seed(17)
+        np.random.seed(17)  # noqa: NPY002  (the habit)
+
+
+class Late(Habit):
+    """Promises to keep its limit, and takes two seconds."""
+
+    name, keeps_limit = "late", True
+
+    def habit(self) -> None:
+        time.sleep(2)
+
+
+class Remembers(Habit):
+    """Is sure of its first answer only."""
+
+    name = "remembers"
+    _asked: ClassVar[list[Question]] = []
+
+    def solve(self, question: Question, limit: float) -> Solution:
+        answer = honest(question.scenario)
+        self._asked.append(question)
+        return answer if len(self._asked) == 1 else replace(answer, claim=Claim.FEASIBLE)
+
+
+class Gambles(Habit):
+    """Claims what a coin says."""
+
+    name = "gambles"
+
+    def solve(self, question: Question, limit: float) -> Solution:
+        answer = honest(question.scenario)
+        if np.random.default_rng().random() < 0.5:
+            return answer
+        return replace(answer, claim=Claim.FEASIBLE)
+
+
+class Unsure(Habit):
+    """Raises where it is asked whether it can run."""
+
+    name = "unsure"
+
+    def unavailable(self) -> str | None:
+        raise OSError("no licence server")
+
+
+class Breaks(Habit):
+    """Declares a word and a guarantee that there are not."""
+
+    name = "breaks"
+    branches = ("best", "LSR")
+    guarantee = "perfect"

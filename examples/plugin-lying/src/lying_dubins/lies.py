@@ -1,0 +1,199 @@
+"""A right solver whose answers are changed before they are returned: one lie each.
+
+No solver is wrong on purpose, but many are wrong like one of these. `lie` chooses; the conformance
+kit has to find it and say what to do.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from honest_dubins import TwoArcs
+
+from dubins_study import Claim, Path, Question, Scenario, Solution, Solver
+
+_HONEST = TwoArcs(guesses=3)
+_LIMIT = 60.0  # s; the lies about time are told elsewhere
+
+
+def honest(scenario: Scenario, branch: str = "best") -> Solution:
+    """The right answer."""
+    return _HONEST.solve(Question(scenario, branch), _LIMIT)
+
+
+def _path(change: Callable[[Scenario, Path], Path]) -> Callable[[Question], Solution]:
+    """A lie that changes the right path."""
+
+    def tell(question: Question) -> Solution:
+        right = honest(question.scenario, question.branch)
+        if right.path is None:
+            return right
+        return replace(right, path=change(question.scenario, right.path))
+
+    return tell
+
+
+def _controls(
+    curvature: Callable[[Scenario, Path], np.ndarray] = lambda s, p: p.curvature,
+    length: Callable[[Scenario, Path], np.ndarray] = lambda s, p: p.length,
+) -> Callable[[Question], Solution]:
+    """A lie that changes the right controls."""
+    return _path(lambda s, p: Path(p.start, curvature(s, p), length(s, p)))
+
+
+def _asked(change: Callable[[Scenario], Scenario]) -> Callable[[Question], Solution]:
+    """A lie that answers another question, from the right start."""
+
+    def tell(question: Question) -> Solution:
+        answer = honest(change(question.scenario), question.branch)
+        path = answer.path
+        if path is None:
+            return answer
+        return replace(answer, path=Path(question.scenario.start, path.curvature, path.length))
+
+    return tell
+
+
+def _answer(change: Callable[[Question, Solution], Solution]) -> Callable[[Question], Solution]:
+    """A lie that changes what is said of the right path."""
+
+    def tell(question: Question) -> Solution:
+        right = honest(question.scenario, question.branch)
+        return right if right.path is None else change(question, right)
+
+    return tell
+
+
+def _with_radius(path: Path) -> np.ndarray:
+    turning = path.curvature != 0
+    return np.where(turning, 1 / np.where(turning, path.curvature, 1.0), 0.0)
+
+
+def _turns(path: Path, factor: float) -> np.ndarray:
+    return np.where(path.curvature != 0, path.length * factor, path.length)
+
+
+def _two_words(question: Question, _: Solution) -> Solution:
+    """The paper's claim: LS or RS is always the shortest."""
+    s = question.scenario
+    paths = [answer.path for word in ("LS", "RS") if (answer := honest(s, word)).path is not None]
+    return Solution(Claim.OPTIMAL, min(paths, key=lambda path: path.total_length))
+
+
+def _only_two_words(question: Question, right: Solution) -> Solution:
+    path = right.path
+    if path is not None and path.length[-1] > 0 and path.curvature[-1] != 0:
+        return Solution(Claim.INFEASIBLE)
+    return right
+
+
+# lies about what a path is made of
+PATHS = {
+    "radius as curvature": _controls(lambda s, p: _with_radius(p)),
+    "curvature of radius 1": _controls(lambda s, p: p.curvature * s.radius),
+    "lengths in radii": _controls(length=lambda s, p: p.length / s.radius),
+    "path of radius 1": _controls(
+        lambda s, p: p.curvature * s.radius, lambda s, p: p.length / s.radius
+    ),
+    "angles": _controls(length=lambda s, p: _turns(p, 1 / s.radius)),
+    "degrees of turn": _controls(length=lambda s, p: _turns(p, 180 / math.pi / s.radius)),
+    "times": _controls(length=lambda s, p: p.length / s.speed),
+    "turn rates": _controls(lambda s, p: p.curvature * s.speed),
+    "left is right": _controls(lambda s, p: -p.curvature),
+    "summed lengths": _controls(length=lambda s, p: np.cumsum(p.length)),
+    "swapped arrays": _controls(lambda s, p: p.length, lambda s, p: p.curvature),
+    "negative length": _controls(length=lambda s, p: -p.length),
+    "not a number": _controls(length=lambda s, p: p.length * math.nan),
+    "nearly there": _controls(length=lambda s, p: p.length * (1 + 1e-4)),
+    "start in the vehicle's frame": _path(
+        lambda s, p: Path((0.0, 0.0, 0.0), p.curvature, p.length)
+    ),
+    "start in degrees": _path(
+        lambda s, p: Path((s.x, s.y, math.degrees(s.heading)), p.curvature, p.length)
+    ),
+}
+# lies about the question
+QUESTIONS = {
+    "heading in degrees": _asked(lambda s: replace(s, heading=math.radians(s.heading))),
+    "heading into degrees": _asked(lambda s: replace(s, heading=math.degrees(s.heading))),
+    "no heading": _asked(lambda s: replace(s, heading=0.0)),
+    "compass": _asked(lambda s: replace(s, heading=math.pi / 2 - s.heading)),
+    "clockwise heading": _asked(lambda s: replace(s, heading=-s.heading)),
+    "start at the origin": _asked(lambda s: replace(s, x=0.0, y=0.0)),
+    "relative target": _asked(
+        lambda s: replace(s, target_x=s.x + s.target_x, target_y=s.y + s.target_y)
+    ),
+    "radius 1": _asked(lambda s: replace(s, radius=1.0)),
+    "diameter": _asked(lambda s: replace(s, radius=s.radius / 2)),
+    "radius inverted": _asked(lambda s: replace(s, radius=1 / s.radius)),
+    "any word": lambda question: honest(question.scenario),
+}
+# lies about the answer
+CLAIMS = {
+    "always optimal": _answer(_two_words),
+    "infeasible": _answer(_only_two_words),
+    "no path": _answer(lambda q, right: Solution(Claim.LOCAL)),
+    "high bound": _answer(
+        lambda q, right: replace(right, lower_bound=1.01 * right.path.total_length)
+    ),
+    "claimed time": _answer(
+        lambda q, right: replace(right, claimed_length=right.path.total_length / q.scenario.speed)
+    ),
+}
+
+
+def _raise(question: Question) -> Solution:
+    raise KeyError("the target is behind")
+
+
+def _raise_sometimes(question: Question) -> Solution:
+    if question.scenario.local()[0] < 0:
+        np.linalg.cholesky(-np.eye(2))
+    return honest(question.scenario, question.branch)
+
+
+def _crash(question: Question) -> Solution:
+    os.abort()
+
+
+def _hang(question: Question) -> Solution:
+    while True:
+        pass
+
+
+# lies that are no answers
+FAILURES = {
+    "raises": _raise,
+    "raises behind": _raise_sometimes,
+    "returns a dict": lambda question: {"length": 1.0},
+    "crashes": _crash,
+    "hangs": _hang,
+}
+LIES = PATHS | QUESTIONS | CLAIMS | FAILURES
+
+
+@dataclass(frozen=True)
+class Lying(Solver):
+    """The honest plug-in's answers, and one lie.
+
+    Args:
+        lie: one of `LIES`.
+    """
+
+    name = "lying"
+    summary = "Another solver's answers and one lie, to try the conformance kit on"
+    method = ("one NLP a word", "MINPACK hybr", "bearing")
+    branches = TwoArcs.branches
+
+    lie: str = "left is right"
+
+    def __post_init__(self) -> None:
+        if self.lie not in LIES:
+            raise ValueError(f"lie is {self.lie!r}; expected one of: {', '.join(LIES)}")
+
+    def solve(self, question: Question, limit: float) -> Solution:
+        return LIES[self.lie](question)

@@ -1,0 +1,1 @@
+"""The topic `caution` of the report."""

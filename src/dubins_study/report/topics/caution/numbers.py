@@ -1,0 +1,119 @@
+"""What the rows do not carry: how finely shares and times are known, and what was not asked."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from dubins_study.report.data.attempts import EXACT
+from dubins_study.report.data.results import Results
+from dubins_study.report.elements.formats import count, digits, seconds, share, some
+from dubins_study.report.statistics.compared import Compared
+from dubins_study.report.statistics.intervals import wilson_interval
+
+# The share that the precision of shares is said of: most methods that matter lie near it.
+_TYPICAL_SHARE = 0.9
+_STOPPED_OUTCOMES = ("timeout", "out_of_memory")
+
+
+class Caution(NamedTuple):
+    """A conclusion that the rows do not carry.
+
+    Args:
+        sentence: with its number.
+        value: the number; NaN if the sentence has none.
+        unit: of the number.
+        of: what the number is of.
+        shown_in: the section that shows more.
+    """
+
+    sentence: str
+    value: float
+    unit: str
+    of: str
+    shown_in: str
+
+
+def overlapping_shares(attempts: Compared) -> Caution | None:
+    """How finely a share of as many questions as there are is known."""
+    questions = int(attempts.answerable["question"].nunique())
+    if not questions:
+        return None
+    low, high = wilson_interval(_TYPICAL_SHARE * questions, questions)
+    points = 100 * (high - low) / 2
+    return Caution(
+        "Do not rank methods by shares whose intervals overlap: a share of "
+        f"{share(_TYPICAL_SHARE)} is known to ±{digits(2)(points)} percentage points.",
+        points,
+        "percentage points",
+        f"{some(questions, 'question')} with a path",
+        "What to use",
+    )
+
+
+def unsteady_machine(results: Results) -> Caution:
+    """By how much the speed of the machines varied while the runs went on."""
+    runs = [run for folder in results.folders for run in folder.manifest.runs]
+    spreads = [run.spread for run in runs if run.spread is not None]
+    if not spreads:
+        return Caution(
+            "Do not rank methods by small differences in time: no run was long enough to tell how "
+            "steady its machine was.",
+            float("nan"),
+            "",
+            some(len(runs), "run"),
+            "The runs and their machines",
+        )
+    return Caution(
+        f"Do not rank methods by times that differ by less than {share(max(spreads))}: by so much "
+        "the speed of the machine varied during a run.",
+        100 * max(spreads),
+        "%",
+        f"{some(len(spreads), 'run')} that timed a fixed piece of work",
+        "The runs and their machines",
+    )
+
+
+def stopped_attempts(attempts: Compared) -> Caution | None:
+    """Attempts that ended at the limit: nobody knows what they would have found."""
+    rows = attempts.answerable[attempts.answerable["solver"] != EXACT]
+    stopped = rows["outcome"].isin(_STOPPED_OUTCOMES) | (rows["claim"] == "limit")
+    number = int(stopped.fillna(False).sum())
+    if not number:
+        return None
+    return Caution(
+        f"Do not conclude that a method cannot solve what it did not: {some(number, 'attempt')} "
+        f"ended at a limit, {seconds(attempts.limit_s)} at most, or at a limit of iterations.",
+        float(number),
+        "attempts",
+        f"{some(len(rows), 'attempt')} of engines at questions with a path",
+        "Success and gaps",
+    )
+
+
+def missing_pairs(results: Results, attempts: Compared) -> Caution | None:
+    """Pairs of a formulation and an engine that nobody asked, or could ask."""
+    entries = {(e.formulation, e.engine) for f in results.folders for e in f.manifest.matrix}
+    methods = attempts.engines
+    asked = set(zip(methods["formulation"], methods["engine"], strict=True))
+    missing = len(entries - asked)
+    if not missing:
+        return None
+    return Caution(
+        f"Do not conclude anything about pairs that are not here: {count(missing)} of "
+        f"{count(len(entries | asked))} pairs of a formulation and an engine have no rows.",
+        float(missing),
+        "pairs",
+        "all formulations with all engines",
+        "Formulation by engine",
+    )
+
+
+def cautions(results: Results, attempts: Compared) -> list[Caution]:
+    """All that the rows give a number for."""
+    every = (
+        overlapping_shares(attempts),
+        unsteady_machine(results),
+        stopped_attempts(attempts),
+        missing_pairs(results, attempts),
+    )
+    return [caution for caution in every if caution is not None]

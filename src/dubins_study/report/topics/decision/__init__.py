@@ -1,0 +1,1 @@
+"""The topic `decision` of the report."""

@@ -1,0 +1,493 @@
+"""The plot of single attempts, the drawer of one, and the worst ten, driven as a reader does."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import re
+import stat
+import subprocess
+import sys
+from pathlib import Path as FilePath
+from typing import Any
+
+import pytest
+from browser_tab import DESK, PHONE
+
+from dubins_study import Scenario, render, solve
+from dubins_study.study.claim import Claim
+from dubins_study.study.path import Path
+from tests.unit.report.results_folder import attempt, write_folder
+
+# What would run if it were not text: in HTML, in a template of Bokeh's, in a shell. A mark that
+# turns the text around is written out by the reader of the results (`study.printable`).
+HOSTILE = "</script><img src=x onerror=alert(1)>@{row}{safe} \"q\" 'p' $(touch pwned) `touch pwned`"
+MINE = f"mine[{HOSTILE}]"
+RAW = "slsqp[model=joint,order=RLS]"
+LONG = "turn-rate-qp[n=20]"
+ODD = Scenario(0.1, -1 / 3, 2.5, 4 / 3, 1.7, 0.7, 1.3, label="odd numbers")
+
+
+def solved(scenario: Scenario, solver: str, branch: str = "best") -> dict[str, Any]:
+    """A row of what a solver really answers."""
+    answer = solve(scenario, solver, branch)
+    row = attempt(scenario, solver, branch, path=answer.path, claim=Claim(answer.claim))
+    return row | {"scenario_id": "0ddba11", "formulation": "solved here", "engine": solver[:5]}
+
+
+def rows() -> list[dict[str, Any]]:
+    """Three solvers at forty targets, and a few questions that are really asked."""
+    made = [solved(ODD, solver) for solver in ("analytic", RAW, LONG)]
+    made.append(solved(ODD, "analytic", "RL"))
+    for number in range(40):
+        angle = 2 * math.pi * number / 40
+        x, y = (2.5 + number / 10) * math.cos(angle), (2.5 + number / 10) * math.sin(angle)
+        scenario = Scenario(target_x=x, target_y=y, label=HOSTILE if number % 2 else "plain")
+        for solver in ("fine", MINE, "far"):
+            wrong = solver != "fine" and number % 3 == 0
+            path: Any = Path(scenario.start, [0.0], [1.0 + number]) if wrong else "exact"
+            row = attempt(scenario, solver, path=path, claim=Claim.LOCAL)
+            row |= {"scenario_id": f"{number:07x}", "message": f"{HOSTILE}\nsecond line"}
+            made.append(row | {"engine": "MyEngine", "wall_s": 1e-3 * (1 + number)})
+    return made
+
+
+@pytest.fixture(scope="module")
+def address(tmp_path_factory: pytest.TempPathFactory) -> str:
+    place = tmp_path_factory.mktemp("attempts")
+    folder = write_folder(place / "mine", "mine", rows(), time_limit_s=30.0)
+    return render([folder], out=place / "report").as_uri()
+
+
+@pytest.fixture
+def plot(new_tab, address: str):
+    """`plot(**options)`: the page with its plot drawn."""
+
+    def opened(at: str = "", **options):
+        page = new_tab(reduced_motion="reduce", **options)
+        page.goto(address + at)
+        page.locator("#attempts").scroll_into_view_if_needed()
+        page.wait_for_selector("#attempts-plot[data-ready=yes]")
+        return page
+
+    return opened
+
+
+def row(page, solver: str, number: int = 0, branch: str = "best") -> int:
+    """The number of an attempt on the page: the solver's attempt at a scenario."""
+    return page.evaluate(
+        """async ([solver, id, branch]) => {
+            const data = await attempts.open();
+            for (let i = 0; i < data.count; i += 1) {
+                if (data.text("solver", i) === solver && data.ofScenario("scenario_id", i) === id
+                    && data.text("branch", i) === branch) return i;
+            }
+            return -1;
+        }""",
+        [solver, f"{number:07x}" if number >= 0 else "0ddba11", branch],
+    )
+
+
+def position(page, attempt_row: int) -> tuple[float, float]:
+    """Where a coloured attempt is drawn, in pixels of the screen; the plot is scrolled there."""
+    page.locator("#attempts-plot .canvas").evaluate(
+        "node => node.scrollIntoView({block: 'center'})"
+    )
+    page.wait_for_timeout(200)
+    return tuple(
+        page.evaluate(
+            """row => {
+                const fig = attempts.drawn.figure();
+                const view = [...Bokeh.index.roots].find((root) => root.model === fig);
+                const points = fig.renderers[1].data_source.data, k = points.row.indexOf(row);
+                const box = view.el.getBoundingClientRect(), {x_scale, y_scale} = view.frame;
+                return [box.left + x_scale.compute(points.x[k]),
+                        box.top + y_scale.compute(points.y[k])];
+            }""",
+            attempt_row,
+        )
+    )
+
+
+def choose(page, *solvers: str) -> None:
+    """Colour these solvers only, by their boxes."""
+    box = page.locator("details.solvers")
+    if box.get_attribute("open") is None:
+        box.locator("summary").click()
+    box.get_by_role("button", name="none").click()
+    for solver in solvers:
+        page.locator(f"details.solvers label[title^={solver}]").click()
+
+
+def axes(page) -> list[float]:
+    return page.evaluate(
+        """() => { const {x_range: x, y_range: y} = attempts.drawn.figure();
+                   return [x.start, x.end, y.start, y.end]; }"""
+    )
+
+
+def test_the_library_is_started_only_for_those_who_look(new_tab, address: str):
+    """Nothing is unpacked before the section comes near."""
+    page = new_tab()
+    page.goto(address)
+
+    assert page.evaluate("typeof window.Bokeh") == "undefined"
+
+
+def test_every_attempt_is_a_point(plot):
+    """Those of chosen solvers are coloured; the text says how many have no place in the plot."""
+    page = plot()
+    made = rows()
+    gaps = sum(one["gap"] is not None for one in made)
+    shown = page.evaluate(
+        "() => attempts.drawn.figure().renderers.map((one) => one.data_source.data.x.length)"
+    )
+
+    assert sum(shown[:2]) == gaps < len(made)
+    choose(page, "fine", "far")
+    status = page.locator("#attempts-plot > p[role=status]")
+    right = sum(one["gap"] is not None for one in made if one["solver"] in ("fine", "far"))
+    assert f"{right} coloured points and {gaps - right} faint ones" in status.text_content()
+    assert f"{80 - right} more have no gap" in status.text_content()
+    page.get_by_text("show the other solvers, faint").click()
+    assert f"{right} coloured points and 0 faint ones" in status.text_content()
+
+
+def test_axes_are_chosen_and_named_with_their_units(plot):
+    """Logarithmic but for angles; zeros stand at the floor that the title names."""
+    page = plot()
+    titles = "() => ['below', 'left'].map((side) => attempts.drawn.figure()[side][0].axis_label)"
+    page.get_by_label("horizontal").select_option("bearing")
+    page.get_by_label("vertical").select_option("miss")
+    page.wait_for_function("() => attempts.drawn.figure().left[0].axis_label.startsWith('miss')")
+
+    assert page.evaluate(titles)[0].endswith("(degrees)")
+    floor = page.evaluate(
+        "() => Math.min(...attempts.drawn.figure().renderers[1].data_source.data.y)"
+    )
+    least = min(one["miss"] for one in rows() if one["miss"])
+    assert 0 < floor < least
+    assert page.evaluate(titles)[1].endswith(
+        "(R); 0 is drawn at 1e−" + str(-round(math.log10(floor)))
+    )
+    kinds = page.evaluate(
+        "() => { const f = attempts.drawn.figure(); return [f.x_scale.type, f.y_scale.type]; }"
+    )
+    assert kinds == ["LinearScale", "LogScale"]
+
+
+def test_solvers_are_found_by_words_and_by_engine(plot):
+    """The list follows the filter; a group's button colours the group."""
+    page = plot()
+    page.locator("details.solvers summary").click()
+    page.locator("details.solvers").get_by_role("searchbox").fill("FINE")
+    assert page.locator("details.solvers .groups label").count() == 1
+
+    page.locator("details.solvers").get_by_role("searchbox").fill("")
+    page.locator("details.solvers select").select_option("engine")
+    page.get_by_role("button", name="only these of MyEngine").click()
+    assert page.locator(".marks li").count() == 3
+    page.get_by_role("button", name="no longer colour").first.click()
+    assert page.locator(".marks li").count() == 2
+
+
+def test_verdicts_are_filtered(plot):
+    """Only attempts with a chosen verdict are drawn."""
+    page = plot()
+    choose(page, "fine", "far")
+    page.get_by_label("vertical").select_option("miss")
+    page.wait_for_function("() => attempts.drawn.figure().left[0].axis_label.startsWith('miss')")
+    filters = page.locator(".filters details", has_text="verdicts")
+    filters.locator("summary").click()
+    filters.get_by_role("button", name="none").click()
+    assert (
+        "0 coloured points and 0 faint"
+        in page.locator("#attempts-plot > p[role=status]").text_content()
+    )
+
+    filters.get_by_label("misses").check()
+    missed = sum(one["verdict"] == "misses" for one in rows() if one["solver"] == "far")
+    assert (
+        f"{missed} coloured points"
+        in page.locator("#attempts-plot > p[role=status]").text_content()
+    )
+
+
+def test_a_point_says_what_it_is_when_the_pointer_is_over_it(plot):
+    """Its names and numbers, and names from outside as text."""
+    page = plot()
+    choose(page, "mine")
+    x, y = position(page, row(page, MINE, 1))
+    page.mouse.move(x - 4, y)
+    page.mouse.move(x, y)
+    tooltip = page.locator(".attempt-tooltip").first
+    tooltip.wait_for()
+
+    assert MINE in tooltip.text_content()
+    assert "optimal" in tooltip.text_content()
+    assert "gap: 0" in tooltip.text_content()
+    assert tooltip.locator("img").count() == 0
+
+
+def test_a_box_and_the_wheel_zoom_and_all_can_be_shown_again(plot):
+    """Dragging a box narrows the axes to it; the wheel zooms with Ctrl held."""
+    page = plot()
+    choose(page, "fine", "far")
+    x, y = position(page, row(page, "fine", 20))
+    before = axes(page)
+    page.mouse.move(x - 60, y - 60)
+    page.mouse.down()
+    page.mouse.move(x, y, steps=4)
+    page.mouse.move(x + 50, y + 40, steps=4)
+    page.mouse.up()
+    boxed = axes(page)
+    assert before[0] < boxed[0] < boxed[1] < before[1]
+    listed = page.locator("details.list summary")
+    page.wait_for_function(
+        "text => document.querySelector('details.list summary').textContent !== text",
+        arg=listed.text_content(),
+    )
+
+    page.get_by_role("button", name="show all of the plot").click()
+    assert axes(page) == pytest.approx(before)
+
+    x, y = position(page, row(page, "fine", 20))
+    page.mouse.move(x, y)
+    page.mouse.wheel(0, 10)
+    page.wait_for_timeout(200)
+    assert axes(page) == pytest.approx(before)
+    x, y = position(page, row(page, "fine", 20))
+    page.mouse.move(x, y)
+    page.keyboard.down("Control")
+    page.mouse.wheel(0, -300)
+    page.wait_for_timeout(200)
+    page.keyboard.up("Control")
+    wheeled = axes(page)
+    assert before[0] < wheeled[0] < wheeled[1] < before[1]
+
+
+def drawn_end(page) -> tuple[tuple[float, float], tuple[float, float], tuple[float, float]]:
+    """The last point of the solver's path, of the reference, and the target, in the drawing."""
+    return page.evaluate(
+        """() => {
+            const last = (name) => document.querySelector(`#attempt-drawer .${name}`)
+                .getAttribute("points").trim().split(" ").at(-1).split(",").map(Number);
+            const target = document.querySelector("#attempt-drawer circle.target");
+            return [last("solver"), last("reference"),
+                    ["cx", "cy"].map((name) => Number(target.getAttribute(name)))];
+        }"""
+    )
+
+
+def test_a_click_opens_the_path_with_its_numbers(plot):
+    """The drawn path ends at the target; the address names the attempt until Escape closes it."""
+    page = plot()
+    choose(page, "far")
+    page.mouse.click(*position(page, row(page, "far", 11)))
+    drawer = page.get_by_role("dialog")
+    drawer.wait_for()
+
+    facts = dict(
+        zip(
+            drawer.locator("dt").all_text_contents(),
+            drawer.locator("dd").all_text_contents(),
+            strict=True,
+        )
+    )
+    expected = next(
+        one for one in rows() if one["solver"] == "far" and one["scenario_id"] == "000000b"
+    )
+    assert facts["claim"] == "local"
+    assert facts["verdict"] == "optimal"
+    assert facts["word"] == expected["word"]
+    assert facts["message"] == f"{HOSTILE}\nsecond line"
+    assert float(facts["length"].removesuffix(" R")) == pytest.approx(expected["length"], rel=5e-3)
+    path, reference, target = drawn_end(page)
+    assert math.dist(path, target) < 0.2  # pixels: coordinates are written to a tenth
+    assert math.dist(reference, target) < 0.2
+    assert drawer.locator("img").count() == 0
+    assert "#attempt=000000b/0/mine/far/best/cold/default" in page.url
+
+    page.keyboard.press("Escape")
+    assert not drawer.is_visible()
+    assert "#attempt" not in page.url
+
+
+@pytest.mark.parametrize("solver", [RAW, LONG, "analytic"])
+def test_a_drawn_path_is_the_solvers(plot, solver: str):
+    """Of a few arcs and of twenty: it ends where the solver's controls lead to."""
+    answer = solve(ODD, solver)
+    page = plot()
+    page.evaluate("async i => attempts.show(await attempts.open(), [i])", row(page, solver, -1))
+    path, reference, target = drawn_end(page)
+    scale = page.evaluate(
+        "() => Number(document.querySelector('#attempt-drawer circle.turning').getAttribute('r'))"
+    )
+    end = answer.path.end
+    # pixels to the right and down, from lengths to the right and up
+    expected = (
+        target[0] + (end.x - ODD.target_x) / ODD.radius * scale,
+        target[1] - (end.y - ODD.target_y) / ODD.radius * scale,
+    )
+
+    assert path == pytest.approx(expected, abs=0.3)  # pixels: tenths, and the grid of long paths
+    assert math.dist(reference, target) < 0.2
+
+
+def test_points_at_one_place_are_led_through(plot):
+    """`next` shows the others there."""
+    page = plot()
+    choose(page, "fine", "far")
+    page.mouse.click(*position(page, row(page, "far", 11)))
+    drawer = page.get_by_role("dialog")
+    drawer.wait_for()
+    first = page.url
+    assert re.search(r"1 of \d+ here", drawer.text_content())
+
+    drawer.get_by_role("button", name="next").press("Enter")
+    assert page.url != first
+    drawer.get_by_role("button", name="previous").press("Enter")
+    assert page.url == first
+
+
+def test_an_address_opens_its_attempt(plot):
+    """A link of a hostile name too."""
+    page = plot()
+    link = page.evaluate(
+        "async i => { const data = await attempts.open(); attempts.show(data, [i]);"
+        " return document.querySelector('#attempt-drawer a').getAttribute('href'); }",
+        row(page, MINE, 3),
+    )
+    other = plot(at=link)
+    drawer = other.get_by_role("dialog")
+    drawer.wait_for()
+
+    assert MINE in drawer.text_content()
+    assert "0000003" in link
+
+
+def test_everything_is_reached_by_keyboard(plot):
+    """The list of points in the frame opens an attempt; closing it leads back to the list."""
+    page = plot()
+    page.locator("details.list summary").press("Enter")
+    button = page.locator("table.points button.open").first
+    button.press("Enter")
+    drawer = page.get_by_role("dialog")
+    drawer.wait_for()
+    assert drawer.evaluate("node => node.contains(document.activeElement)")
+    names = []
+    for _ in range(8):
+        page.keyboard.press("Tab")
+        names.append(page.evaluate("document.activeElement.textContent"))
+    assert {"close", "copy", "link to this attempt"} <= set(names)
+
+    page.locator("#attempt-drawer button.close").press("Enter")
+    assert button.evaluate("node => node === document.activeElement")
+
+
+def test_the_worst_attempts_of_a_solver_are_drawn(plot):
+    """Ten paths and references, the largest miss first; each picture opens the drawer."""
+    page = plot()
+    page.locator("#attempts-worst").scroll_into_view_if_needed()
+    page.wait_for_selector("#attempts-worst[data-ready=yes]")
+    page.get_by_label("solver", exact=True).select_option(
+        page.locator("#worst-solver option[title=far]").get_attribute("value")
+    )
+    cards = page.locator("#attempts-worst .card")
+
+    assert cards.count() == 10
+    texts = cards.locator("span:first-of-type").all_text_contents()
+    misses = [float(re.search(r"miss ([\d.]+) R", text)[1]) for text in texts]
+    assert all("false claim: local, misses" in text for text in texts)
+    assert misses == sorted(misses, reverse=True)
+    assert cards.locator("svg .solver").count() == cards.locator("svg .reference").count() == 10
+    cards.nth(2).press("Enter")
+    assert "misses: a false claim" in page.get_by_role("dialog").text_content()
+
+
+def command_of(page, attempt_row: int) -> str:
+    page.evaluate("async i => attempts.show(await attempts.open(), [i])", attempt_row)
+    return page.locator("#attempt-drawer .command code").text_content()
+
+
+@pytest.mark.parametrize(
+    ("solver", "branch"), [("analytic", "best"), ("analytic", "RL"), (RAW, "best"), (LONG, "best")]
+)
+def test_the_command_repeats_the_attempt(plot, solver: str, branch: str):
+    """Run by a shell it asks the same question, to the last bit, and gets the row's verdict."""
+    page = plot()
+    command = command_of(page, row(page, solver, -1, branch))
+    expected = solved(ODD, solver, branch)
+    programs = f"{FilePath(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
+    done = subprocess.run(
+        ["sh", "-c", f"{command} --json"],
+        **{"capture_output": True, "text": True, "check": True, "timeout": 120},
+        env=os.environ | {"PATH": programs},
+    )
+    answer = json.loads(done.stdout)
+
+    assert "--time-limit 30" in command
+    for name in ("verdict", "claim", "solver", "branch", "margin", "reference", "length", "gap"):
+        assert answer[name] == expected[name], name
+    assert answer["travel_time"] == expected["length"] / 1.3
+
+
+def test_no_name_gets_out_of_its_quotes(plot, tmp_path: FilePath):
+    """A shell hands the solver's name on as one word, and runs nothing that stands in it."""
+    page = plot()
+    command = command_of(page, row(page, MINE, 0))
+    program = tmp_path / "dubins-study"
+    program.write_text(f"#!{sys.executable}\nimport json, sys\nprint(json.dumps(sys.argv[1:]))\n")
+    program.chmod(program.stat().st_mode | stat.S_IXUSR)
+    done = subprocess.run(
+        ["sh", "-c", command],
+        **{"capture_output": True, "text": True, "check": True, "timeout": 60},
+        env=os.environ | {"PATH": f"{tmp_path}{os.pathsep}{os.environ['PATH']}"},
+        cwd=tmp_path,
+    )
+    words = json.loads(done.stdout)
+
+    assert words[words.index("--solver") + 1] == MINE
+    assert {entry.name for entry in tmp_path.iterdir()} == {"dubins-study"}
+
+
+def test_the_plot_follows_the_colour_scheme(plot):
+    """Its paper and its marks are those of the page, in both schemes."""
+    page = plot(color_scheme="light")
+    colours = """() => {
+        const fig = attempts.drawn.figure(), css = getComputedStyle(document.documentElement);
+        return [fig.background_fill_color, css.getPropertyValue("--paper").trim(),
+                fig.renderers[1].data_source.data.colour.join()];
+    }"""
+    light = page.evaluate(colours)
+    page.emulate_media(color_scheme="dark")
+    page.wait_for_function(
+        "light => attempts.drawn.figure().background_fill_color !== light", arg=light[0]
+    )
+    dark = page.evaluate(colours)
+
+    assert light[0] == light[1] != dark[0] == dark[1]
+    assert light[2] != dark[2]
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_a_phone_shows_it_all(plot, scheme: str):
+    """Nothing scrolls sideways, with the drawer open too; a tap opens it."""
+    page = plot(viewport=PHONE, color_scheme=scheme, has_touch=True)
+    choose(page, "far")
+    page.touchscreen.tap(*position(page, row(page, "far", 11)))
+    page.get_by_role("dialog").wait_for()
+
+    assert page.evaluate("document.scrollingElement.scrollWidth") <= PHONE["width"]
+    picture = page.locator("#attempt-drawer svg").bounding_box()
+    assert 0 <= picture["x"] <= picture["x"] + picture["width"] <= PHONE["width"]
+    assert DESK["width"] > PHONE["width"]
+
+
+def test_without_scripts_the_section_says_so(new_tab, address: str):
+    """A sentence instead of an empty box."""
+    page = new_tab(java_script_enabled=False)
+    page.goto(address)
+
+    assert page.get_by_text("This part needs scripts").first.is_visible()

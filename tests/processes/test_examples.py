@@ -1,0 +1,72 @@
+"""Every command has examples in its help, and they run as they stand there."""
+
+from __future__ import annotations
+
+import csv
+import shlex
+import subprocess
+import sys
+
+import pytest
+import typer
+from typer.testing import CliRunner
+
+from dubins_study.cli.app import app
+from dubins_study.cli.terminal.examples import EXAMPLES
+
+DRIVE = [
+    ["target_x", "target_y", "x", "y", "heading", "radius", "label"],
+    ["10", "5", "0", "0", "120deg", "1", "ahead"],
+    ["-3", "-2", "0", "0", "pi/3", "2", "behind, left"],
+]
+LINES = list(dict.fromkeys(line for lines in EXAMPLES.values() for line in lines))
+
+
+def commands(group, words=()):
+    """The words of every command and group of commands."""
+    yield " ".join(words)
+    for name, command in getattr(group, "commands", {}).items():
+        yield from commands(command, (*words, name))
+
+
+ALL = sorted(commands(typer.main.get_command(app)))
+
+
+@pytest.mark.parametrize("words", ALL)
+def test_every_help_ends_with_examples(words):
+    """`-h` and `--help` are one, no line is cut off, and each example fits 80 columns."""
+    arguments = words.split()
+    short, long = (CliRunner().invoke(app, [*arguments, name]) for name in ("-h", "--help"))
+
+    assert short.exit_code == long.exit_code == 0
+    assert short.stdout == long.stdout
+    assert all(f"  {line}\n" in short.stdout for line in EXAMPLES[words])
+    assert not any(line.endswith("...") for line in short.stdout.splitlines()[1:])
+    assert max(map(len, short.stdout.splitlines())) <= 80
+
+
+def test_no_example_is_of_a_command_that_does_not_exist():
+    assert set(EXAMPLES) == set(ALL)
+    for words, lines in EXAMPLES.items():
+        assert all(line.startswith(f"dubins-study {words}".strip()) for line in lines)
+
+
+@pytest.mark.slow
+def test_the_examples_run(tmp_path):
+    """In their order, in one folder; only a comparison may find something to say."""
+    with (tmp_path / "drive.csv").open("w", newline="") as stream:
+        csv.writer(stream).writerows(DRIVE)
+    for line in LINES:
+        words = shlex.split(line)
+        assert words[0] == "dubins-study"
+        done = subprocess.run(
+            [sys.executable, "-m", "dubins_study", *words[1:]],
+            capture_output=True,
+            text=True,
+            cwd=tmp_path,
+            timeout=600,
+        )
+        allowed = (0, 1) if words[1] in ("compare", "check-solver") else (0,)
+        assert done.returncode in allowed, f"{line}: {done.stderr}"
+        assert done.stdout or "--out" in words, line
+        assert "Traceback" not in done.stderr, line

@@ -1,0 +1,255 @@
+"""The plug-ins of `examples/`: the honest ones pass the conformance kit, the lying one does not."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import subprocess
+import sys
+import venv
+from pathlib import Path
+
+import pytest
+
+from dubins_study import check_solver
+from dubins_study.conformance import CHECKS
+from dubins_study.conformance.findings import Status
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+LYING = EXAMPLES / "plugin-lying" / "src" / "lying_dubins"
+ALL_ANSWERS = ("outcome", "controls", "claims", "branches")
+
+# lie -> the check that finds it, and words of what it says
+LIES = {
+    "radius as curvature": ("controls", "6.25 times the allowed one.*is your radius a curvature"),
+    "curvature of radius 1": ("controls", "2.5 times the allowed.*Divide them by the radius"),
+    "lengths in radii": ("controls", "lengths in radii. Multiply them by the radius"),
+    "path of radius 1": ("controls", "is your path that of radius 1"),
+    "angles": ("controls", "lengths of your turns angles in rad"),
+    "degrees of turn": ("controls", "lengths of your turns angles in degrees"),
+    "times": ("controls", "are your lengths times. A length is time . speed"),
+    "turn rates": ("controls", "3 times the allowed one.*are your curvatures turn rates"),
+    "left is right": ("controls", "left and right are swapped"),
+    "summed lengths": ("controls", "summed up from the start"),
+    "swapped arrays": ("controls", "are curvature and length swapped"),
+    "negative length": ("controls", "lengths are not negative.*other sign of curvature"),
+    "not a number": ("controls", "a curvature or a length is not finite"),
+    "nearly there": ("controls", "0.000412 radii from the target.*tighten the tolerance"),
+    "start in the vehicle's frame": ("controls", "not at .0, 0, 1.1.*in the vehicle's frame"),
+    "start in degrees": ("controls", "its heading is in degrees; a Pose has rad"),
+    "heading in degrees": ("controls", "arrives if the heading is taken for degrees"),
+    "heading into degrees": ("controls", "arrives if the heading is turned into degrees"),
+    "no heading": ("controls", "the start heading is 0: is question.scenario.heading used"),
+    "compass": ("controls", "the heading is a compass course"),
+    "clockwise heading": ("controls", "the heading is clockwise"),
+    "start at the origin": ("controls", "start is .0, 0.: are question.scenario.x and y used"),
+    "relative target": ("controls", "Start and target are positions in one frame"),
+    "radius 1": ("controls", "2.5 times the allowed one.*is your path that of radius 1"),
+    "diameter": ("controls", "2 times the allowed one.*is your radius a diameter"),
+    "radius inverted": ("controls", "6.25 times the allowed one.*is your radius a curvature"),
+    "any word": ("branches", "asked for LS, and its path is RS"),
+    "always optimal": ("discs", "claims optimal, but its path is 27.4 % longer.*claim LOCAL"),
+    "infeasible": ("discs", "there is one, RL.*A path exists for every target"),
+    "no path": ("claims", "it claims local and returns no path"),
+    "high bound": ("bounds", "lies above the shortest length.*must hold for the question itself"),
+    "raises": ("outcome", "raised KeyError: 'the target is behind'.*Claim.FAILED"),
+    "raises behind": ("outcome", "LinAlgError: Matrix is not positive definite"),
+    "returns a dict": ("outcome", "solve returned dict; expected a Solution"),
+    "crashes": ("outcome", "its process was ended by SIGABRT"),
+    "hangs": ("outcome", "it did not return.*look at `limit`"),
+}
+# class -> the check that finds its habit, and words of what it says
+HABITS = {
+    "Moves": ("state", "working directory"),
+    "Tells": ("state", "it prints: iteration 1 of 1"),
+    "Litters": ("state", "leaves files in the working directory: model.lp.*TemporaryDirectory"),
+    "Shouts": ("state", "numpy's error handling.*np.errstate"),
+    "Sets": ("state", "environment variables.*env="),
+    "Leaves": ("state", "threads.*end your threads"),
+    "Spawns": ("state", "child processes.*wait for your processes"),
+    "Late": ("limits", "does not return within.*look at `limit`.*do not promise keeps_limit"),
+    "Remembers": ("determinism", "keep nothing between questions"),
+    "Gambles": ("determinism", "it answers returned, .*a generator of the solver's own"),
+    "Unsure": ("loading", r"no licence server.*unavailable\(\) does not raise"),
+    "Breaks": ("loading", "branches names 'LSR'.*expected some of: best, LS"),
+}
+
+
+@pytest.fixture
+def beside(monkeypatch):
+    """The folders of the plug-ins on the path, as if they were installed."""
+    for name in ("plugin-honest", "plugin-lying"):
+        monkeypatch.syspath_prepend(EXAMPLES / name / "src")
+
+
+def text_of(result) -> str:
+    """What a check says, in one line."""
+    return " ".join(f"{one.observed} {one.advice}" for one in result.findings)
+
+
+def found_by(spec: str, check: str):
+    """The report of one check, and of `outcome`, by which a solver that never answers is found."""
+    return check_solver(spec, checks=["outcome", check], time_limit=1)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("lie", LIES)
+def test_every_lie_is_found_in_the_right_words(beside, lie):
+    """What was seen, what to do, and a command that asks again."""
+
+    check, words = LIES[lie]
+    report = found_by(f"{LYING}/lies.py:Lying[lie={lie}]", check)
+
+    assert not report.passed
+    assert report[check].status is Status.FAIL, report
+    assert re.search(words, text_of(report[check])), report
+    for finding in report[check].findings:
+        assert finding.command.startswith("dubins-study solve ")
+        assert f"lie={lie}" in finding.command
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("habit", HABITS)
+def test_every_bad_habit_is_found_in_the_right_words(beside, habit):
+
+    check, words = HABITS[habit]
+    report = found_by(f"{LYING}/habits.py:{habit}", check)
+
+    assert not report.passed
+    assert report[check].status is Status.FAIL, report
+    assert re.search(words, text_of(report[check])), report
+
+
+def test_every_lie_is_in_the_tables(beside):
+    """A lie that no test expects would be found by nobody."""
+    import lying_dubins
+    from lying_dubins import habits
+
+    classes = {name for name, kind in vars(habits).items() if isinstance(kind, type)}
+    told = {name for name in classes if issubclass(getattr(habits, name), habits.Habit)}
+    assert set(lying_dubins.LIES) - {"claimed time"} == set(LIES)
+    assert told - {"Habit", "Seeds"} == set(HABITS)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("spec", "check", "words"),
+    [
+        ("lies.py:Lying[lie=claimed time]", "claims", "is a length, not a travel time"),
+        ("habits.py:Seeds", "state", "a generator of your own"),
+    ],
+)
+def test_what_does_no_harm_is_a_note(beside, spec, check, words):
+    report = found_by(f"{LYING}/{spec}", check)
+
+    assert report.passed, report
+    assert report[check].status is Status.NOTE
+    assert words in text_of(report[check])
+
+
+@pytest.mark.slow
+def test_an_exception_has_the_plugins_own_frames(beside):
+    """The line that called the library, the library's innermost line, and none of ours."""
+    report = found_by(f"{LYING}/lies.py:Lying[lie=raises behind]", "outcome")
+    trace = report["outcome"].findings[0].traceback
+
+    assert "np.linalg.cholesky(-np.eye(2))" in trace
+    assert "raised in" in trace
+    assert "reply.py" not in trace
+    assert "^^^" not in trace
+
+
+@pytest.mark.slow
+def test_a_command_of_a_finding_asks_the_same_question(beside):
+    """It is copied from the report into a shell."""
+    report = found_by(f"{LYING}/lies.py:Lying[lie=left is right]", "controls")
+    [finding] = report["controls"].findings
+    path = os.pathsep.join(
+        str(EXAMPLES / name / "src") for name in ("plugin-honest", "plugin-lying")
+    )
+    asked = subprocess.run(
+        f"{sys.executable} -m {finding.command.replace('dubins-study', 'dubins_study', 1)} --json",
+        shell=True,
+        capture_output=True,
+        text=True,
+        env=os.environ | {"PYTHONPATH": path},
+    )
+    answer = json.loads(asked.stdout)
+
+    assert answer["verdict"] == "misses"
+    assert f"{answer['miss']:.3g} radii" in finding.observed
+
+
+@pytest.mark.slow
+def test_the_solver_in_eight_lines():
+    """It claims no more than it knows; where it finds nothing are notes."""
+    lines = (EXAMPLES / "eight_lines.py").read_text().partition("class ")[2].splitlines()
+    assert len([line for line in lines if line.strip()]) == 8
+
+    report = check_solver(f"{EXAMPLES}/eight_lines.py:EightLines")
+
+    assert report.passed, report
+    assert report.answers["shortest"] > 25
+
+
+@pytest.fixture(scope="module")
+def installed(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
+    """The environment of a user who has installed both plug-ins with pip, without a network."""
+    folder = tmp_path_factory.mktemp("installed")
+    venv.create(folder / "env", with_pip=True, system_site_packages=True)
+    libraries = os.pathsep.join(entry for entry in sys.path if "site-packages" in entry)
+    options = ("--quiet", "--no-index", "--no-deps", "--no-build-isolation", "--target")
+    pip = (folder / "env" / "bin" / "python", "-m", "pip", "--disable-pip-version-check", "install")
+    for name in ("plugin-honest", "plugin-lying"):
+        copy = folder / name
+        subprocess.run(["cp", "-r", EXAMPLES / name, copy], check=True)
+        done = subprocess.run(
+            [*pip, *options, folder / "site", copy],
+            capture_output=True,
+            text=True,
+            env=os.environ | {"PYTHONPATH": libraries},
+        )
+        assert done.returncode == 0, done.stdout + done.stderr
+    return os.environ | {"PYTHONPATH": str(folder / "site")}
+
+
+def called(environment: dict[str, str], *arguments: object, cwd: Path, code: int = 0) -> str:
+    """Standard output of a Python module that must end with a code."""
+    command = [sys.executable, "-m", *map(str, arguments)]
+    done = subprocess.run(command, capture_output=True, text=True, env=environment, cwd=cwd)
+    assert done.returncode == code, done.stdout + done.stderr
+    return done.stdout
+
+
+@pytest.mark.slow
+def test_an_installed_plugin_is_one_of_the_solvers(installed, tmp_path):
+    """Listed, checked, run and reported under its name."""
+    assert "two-arcs" in called(installed, "dubins_study", "solvers", cwd=tmp_path)
+    checked = called(installed, "dubins_study", "check-solver", "two-arcs", "--json", cwd=tmp_path)
+    called(installed, "dubins_study", "run", "paper", "--solver", "two-arcs", cwd=tmp_path)
+    called(installed, "dubins_study", "report", "results/paper", cwd=tmp_path)
+
+    report = json.loads(checked)
+    assert report["passed"]
+    assert {check["name"] for check in report["checks"]} == set(CHECKS)
+    assert (tmp_path / "results" / "paper" / "report" / "index.html").is_file()
+
+
+@pytest.mark.slow
+def test_the_installed_lie_ends_with_exit_code_1(installed, tmp_path):
+    arguments = ("check-solver", "lying[lie=heading in degrees]", "--check", "controls")
+    shown = called(installed, "dubins_study", *arguments, cwd=tmp_path, code=1)
+
+    assert "FAIL  controls" in shown
+    assert "your path arrives if the heading is taken for degrees" in shown
+
+
+@pytest.mark.slow
+def test_the_tests_of_the_honest_plugin(installed, tmp_path):
+    """As its author runs them: one test for each check."""
+    tests = tmp_path / "tests"
+    subprocess.run(["cp", "-r", EXAMPLES / "plugin-honest" / "tests", tests], check=True)
+    shown = called(installed, "pytest", "-q", "-p", "no:cacheprovider", tests, cwd=tmp_path)
+
+    assert f"{len(CHECKS) + 1} passed" in shown

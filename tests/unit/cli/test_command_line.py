@@ -1,0 +1,147 @@
+"""What holds for every command: the nearest name in refusals, verbosity, lists, completion."""
+
+from __future__ import annotations
+
+import json
+import re
+
+import pytest
+from typer.testing import CliRunner
+
+from dubins_study import DubinsStudyError
+from dubins_study.cli.app import app
+from dubins_study.cli.terminal import completion
+from dubins_study.cli.terminal.verbosity import Verbosity, set_verbosity, verbosity
+from dubins_study.experiments.definition.experiment import ExperimentError, packaged
+from dubins_study.experiments.plan.run_plan import Request, plan_run
+from dubins_study.solvers.profiles import PROFILES
+from dubins_study.solvers.registry import GROUP, registered
+from dubins_study.study.nearest import nearest
+from dubins_study.study.words import BRANCHES
+
+PATH = ("solve", "10", "5")
+
+
+def asked(*arguments):
+    return CliRunner().invoke(app, arguments)
+
+
+def line_of(name, text):
+    return next(line for line in text.splitlines() if line.startswith(name))[12:]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (
+            ("--solver", "iptop"),
+            "no solver named 'iptop'; did you mean 'ipopt'? choose one of: ana",
+        ),
+        (("--solver", "ipopt[modl=words]"), "no setting 'modl'; did you mean 'model'? it has: mod"),
+        (("--solver", "ipopt[model=jiont]"), "is 'jiont'; did you mean 'joint'? expected one of: "),
+        (("--solver", "turn-rate-qp[engine=piq]"), "is 'piq'; did you mean 'piqp'? expected one o"),
+        (("--branch", "ls"), "no branch named 'ls'; did you mean 'LS'? choose one of: best, LS"),
+        (("--profile", "acurate"), "no profile named 'acurate'; did you mean 'accurate'? choose"),
+        (("--jsn",), "no such option: --jsn; did you mean '--json'? see dubins-study solve"),
+    ],
+)
+def test_the_nearest_name(arguments, message):
+    with pytest.raises(DubinsStudyError) as refusal:
+        CliRunner().invoke(app, (*PATH, *arguments), catch_exceptions=False)
+    assert message in str(refusal.value)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("solv", "1", "2"), "No such command 'solv'. Did you mean 'solve', 'solvers'?"),
+        (("run", "paper", "--job", "2"), "No such option: --job"),
+    ],
+)
+def test_the_nearest_command_and_option(arguments, message):
+    done = asked(*arguments)
+
+    assert done.exit_code == 2
+    assert message in done.stderr
+
+
+def test_the_nearest_experiment_and_engine():
+    for arguments, message in (
+        (("run", "papr"), "no experiment named 'papr'; did you mean 'paper'? choose one of"),
+        (("run", "paper", "--engine", "desk"), "engine is 'desk'; did you mean 'dask'? expected"),
+    ):
+        with pytest.raises(ExperimentError, match=re.escape(message)):
+            CliRunner().invoke(app, arguments, catch_exceptions=False)
+
+
+@pytest.mark.parametrize("place", ["before", "after"])
+@pytest.mark.parametrize("flag", ["-q", "--quiet", "-v", "--verbose"])
+def test_quiet_and_verbose_are_options_of_every_command(flag, place):
+    """Before the command's name or after it; the answer is the same."""
+    words = (flag, *PATH) if place == "before" else (*PATH, flag)
+    done = asked(*words)
+    level = verbosity()
+    set_verbosity(Verbosity.NORMAL)
+
+    assert line_of("length", done.stdout) == line_of("length", asked(*PATH).stdout)
+    assert level == (Verbosity.QUIET if "q" in flag else Verbosity.VERBOSE)
+
+
+def test_one_solver_and_its_settings():
+    text = asked("solvers", "turn-rate-qp[n=7]").stdout
+
+    assert "n=7, " in text
+    assert "best, LS, RS" in text
+    [listed] = json.loads(asked("solvers", "ipopt", "--json").stdout)
+    assert listed["settings"]["model"] == "words"
+
+
+def test_experiments():
+    """What `run` knows by name, what each asks, and how to use one's own."""
+    listed = {each["name"]: each for each in json.loads(asked("experiments", "--json").stdout)}
+
+    assert set(listed) == set(packaged())
+    assert listed["paper"]["title"] == "The paper's five test problems"
+    assert all(each["question"] and each["solvers"] for each in listed.values())
+    shown = asked("experiments").stdout
+    assert "The paper's five test problems" in shown
+    assert "dubins-study new experiment my.toml" in shown
+    assert "dubins-study run --scenarios my.csv --solver ipopt" in shown
+
+
+@pytest.mark.parametrize("name", ["paper", "proofs", "convergence", "scale"])
+def test_the_cells_of_an_experiment_are_those_of_a_run(name):
+    """Counted without listing them, against the list."""
+    [listed] = json.loads(asked("experiments", name, "--json").stdout)
+    plan = plan_run(Request(name))
+
+    assert listed["cells"] == len(plan.keys)
+    assert listed["solvers"] == plan.solver_specs
+    assert f"cells       {len(plan.keys)}" in asked("experiments", name).stdout
+
+
+def test_what_a_shell_completes():
+    """The names that the library knows, read without importing it."""
+    assert completion.SOLVER_GROUP == GROUP
+    assert completion.solvers("") == registered()
+    assert completion.solvers("turn") == [n for n in registered() if n.startswith("turn")]
+    assert completion.experiments("") == packaged()
+    assert completion.profiles("") == list(PROFILES)
+    assert completion.branches("") == list(BRANCHES)
+
+
+@pytest.mark.parametrize(
+    ("name", "known", "expected"),
+    [
+        ("iptop", ["ipopt", "nlp"], "ipopt"),
+        ("IPOPT", ["ipopt", "nlp"], "ipopt"),
+        ("rs", ["best", "LS", "RS"], "RS"),
+        ("zzz", ["ipopt", "nlp"], None),
+        ("", ["ipopt"], None),
+        ("i" * 5000, ["ipopt"], None),
+        (3, ["ipopt"], None),
+        ("ipopt", [], None),
+    ],
+)
+def test_nearest(name, known, expected):
+    assert nearest(name, known) == expected

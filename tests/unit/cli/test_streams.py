@@ -1,0 +1,99 @@
+"""Progress: one line in a terminal, plain lines now and then without one, nothing if quiet."""
+
+from __future__ import annotations
+
+import io
+import sys
+
+import pytest
+
+from dubins_study.cli.terminal import streams
+from dubins_study.cli.terminal.verbosity import Verbosity, set_verbosity
+
+
+class Terminal(io.StringIO):
+    def isatty(self):
+        return True
+
+
+@pytest.fixture(autouse=True)
+def _normal_again():
+    yield
+    set_verbosity(Verbosity.NORMAL)
+
+
+@pytest.fixture
+def clock(monkeypatch):
+    """A clock that the test sets."""
+    now = [0.0]
+    monkeypatch.setattr(streams.time, "monotonic", lambda: now[0])
+    return now
+
+
+def shown(monkeypatch, clock, stream, seconds=(0, 10, 31, 40, 62)):
+    monkeypatch.setattr(sys, "stderr", stream)
+    counts = []
+    with streams.progress("paper\x1b[31m", counts) as move:
+        for place, second in enumerate(seconds):
+            clock[0] = float(second)
+            move(10 * place, 100)
+    assert counts == [10 * (len(seconds) - 1), 100]
+    return stream.getvalue()
+
+
+def test_plain_lines_with_the_time_left(monkeypatch, clock):
+    """Two lines in a minute; 20 of 100 in 31 s leave 124 s, 40 in 62 s leave 93 s."""
+    lines = shown(monkeypatch, clock, io.StringIO()).splitlines()
+
+    assert lines == [
+        "dubins-study: paper\\x1b[31m: 20 of 100 done, about 2.07 min left",
+        "dubins-study: paper\\x1b[31m: 40 of 100 done, about 93 s left",
+    ]
+
+
+def test_a_verbose_command_says_more(monkeypatch, clock):
+    set_verbosity(Verbosity.VERBOSE)
+
+    assert len(shown(monkeypatch, clock, io.StringIO()).splitlines()) == 4
+
+
+@pytest.mark.parametrize("stream", [io.StringIO, Terminal])
+def test_a_quiet_command_says_nothing(stream, monkeypatch, clock):
+    set_verbosity(Verbosity.QUIET)
+
+    assert shown(monkeypatch, clock, stream()) == ""
+
+
+def test_one_line_in_a_terminal(monkeypatch):
+    monkeypatch.setenv("TERM", "xterm")
+    monkeypatch.setenv("COLUMNS", "60")
+    monkeypatch.setattr(sys, "stderr", Terminal())
+    with streams.progress("paper", []) as move:
+        move(1, 4)
+        move(3, 4)
+    assert sys.stderr.getvalue().count("\n") == 1
+    assert "3/4" in sys.stderr.getvalue()
+
+
+def test_no_colours_where_none_are_wanted(monkeypatch):
+    """NO_COLOR keeps the line and takes its colours."""
+    monkeypatch.setenv("TERM", "xterm")
+    monkeypatch.setenv("NO_COLOR", "1")
+    monkeypatch.setattr(sys, "stderr", Terminal())
+    with streams.progress("paper", []) as move:
+        move(1, 4)
+    assert "\x1b[3" not in sys.stderr.getvalue()
+
+
+def test_a_terminal_that_does_not_move_its_cursor_is_none(monkeypatch):
+    monkeypatch.setattr(sys, "stderr", Terminal())
+    monkeypatch.setenv("TERM", "dumb")
+
+    assert not streams.is_terminal()
+
+
+@pytest.mark.parametrize(
+    ("seconds", "text"), [(1.234, "1.2 s"), (90, "90 s"), (150, "2.5 min"), (7300, "2.03 h")]
+)
+def test_durations(seconds, text):
+    assert streams.duration(seconds) == text

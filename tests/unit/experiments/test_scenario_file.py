@@ -1,0 +1,215 @@
+"""Scenarios of a file: the same from CSV and Parquet, and every wrong row named at once."""
+
+from __future__ import annotations
+
+import math
+
+import pandas as pd
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from dubins_study.experiments.definition import scenario_file
+from dubins_study.experiments.definition.experiment import ExperimentError
+from dubins_study.experiments.definition.scenario_file import ScenarioFileError, read_scenarios
+from dubins_study.experiments.plan.run_plan import Request, plan_run
+from dubins_study.study.scenario import COLUMNS, Scenario, scenarios
+
+HEAD = "target_x,target_y,x,y,heading,radius,label,speed\n"
+GOOD = (
+    HEAD + '10,5,0,0,120deg,1,ahead,\n\n-3,-2,1,1,-pi/3,2,"behind, left",4\n1e0,4,1,1,-0.5,1,,1\n'
+)
+EXPECTED = [
+    Scenario(0, 0, "120deg", 10, 5, 1, 1, "ahead"),
+    Scenario(1, 1, "-pi/3", -3, -2, 2, 4, "behind, left"),
+    Scenario(1, 1, -0.5, 1, 4, 1, 1, ""),
+]
+
+
+def written(tmp_path, text, name="drive.csv"):
+    file = tmp_path / name
+    file.write_bytes(text if isinstance(text, bytes) else text.encode())
+    return file
+
+
+def refusal_of(file):
+    with pytest.raises(ScenarioFileError) as error:
+        read_scenarios(file)
+    return str(error.value).removeprefix(f"{file}: ")
+
+
+@pytest.mark.parametrize("mark", ["", "\ufeff"])
+@pytest.mark.parametrize("end", ["\n", "\r\n"])
+def test_a_csv_file(tmp_path, mark, end):
+    """Columns in any order, empty lines, quoted labels, Windows' line ends, a byte order mark."""
+    frame = read_scenarios(written(tmp_path, mark + GOOD.replace("\n", end)))
+
+    assert list(frame.columns) == list(COLUMNS)
+    assert list(scenarios(frame)) == EXPECTED
+
+
+def test_a_parquet_file(tmp_path):
+    """Numbers or texts of headings; a missing speed or label has its default."""
+    file = tmp_path / "drive.parquet"
+    frame = pd.DataFrame(EXPECTED)
+    frame.drop(columns=["speed"]).assign(label=["ahead", None, ""]).to_parquet(file)
+
+    expected = [(*s.start, s.target_x, s.target_y, s.radius) for s in EXPECTED]
+    read = list(scenarios(read_scenarios(file)))
+    assert [(*s.start, s.target_x, s.target_y, s.radius) for s in read] == expected
+    assert [(s.speed, s.label) for s in read] == [(1, "ahead"), (1, ""), (1, "")]
+
+
+WRONG = (
+    HEAD
+    + '10,5,0,0,120,1,a,\n3,nan,,0,pi/3,-2,"b\n c",0\n1_0,2,3,east,five,1e200,,1\n'
+    + "1e20,2,0,0,0,1,,\n"
+)
+MISTAKES = [
+    "line 2: heading: 120 is more than a full turn; write 120deg, or 120rad",
+    "line 3: x is empty; expected a number",
+    "line 3: target_y is nan; expected a finite number",
+    "line 3: radius is -2.0; expected a number above 0",
+    "line 3: speed is 0.0; expected a number above 0",
+    "line 5: y is 'east'; expected a number",
+    "line 5: heading: 'five' is not an angle; expected e.g. 120deg, 2.0944 or 2pi/3",
+    "line 5: target_x is '1_0'; expected a number",
+    "line 5: radius is 1e+200; expected a number from 1e-150 to 1e+150",
+    "line 6: radius is 1.0; expected at least 1e+07 beside coordinates of size 1e+20, or the",
+]
+
+
+def test_every_wrong_row_is_named(tmp_path):
+    """Line, column, value and rule; a quoted line break counts as a line."""
+    head, *lines = refusal_of(written(tmp_path, WRONG)).splitlines()
+
+    assert head == f"{len(MISTAKES)} mistakes"
+    for line, expected in zip(lines, MISTAKES, strict=True):
+        assert line.startswith(f"  {expected}")
+
+
+def test_the_rows_of_parquet_are_counted_from_one(tmp_path):
+    frame = pd.DataFrame(EXPECTED).assign(radius=[1, 0, None])
+    frame.to_parquet(tmp_path / "a.parquet")
+
+    assert refusal_of(tmp_path / "a.parquet").splitlines()[1:] == [
+        "  row 2: radius is 0.0; expected a number above 0",
+        "  row 3: radius is empty; expected a number",
+    ]
+
+
+def test_so_many_mistakes_are_enough(tmp_path):
+    lines = refusal_of(written(tmp_path, HEAD + "1,2,0,0,0,-1,,\n" * 500)).splitlines()
+
+    assert (lines[0], lines[-1], len(lines)) == ("500 mistakes", "  and 480 more", 22)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("", "missing column 'x'"),
+        (HEAD, "no scenarios; expected a row each"),
+        (HEAD.replace(",", ";"), "the columns are separated by semicolons; expected commas"),
+        (HEAD.replace("heading", "headng"), "line 1: unknown column 'headng'; did you mean 'headi"),
+        (HEAD.replace("speed", "x"), "line 1: column 'x' appears twice"),
+        (HEAD + "1,2,3\n", "line 2: 3 values; expected 8, one a column"),
+        (HEAD + '1,2,"3', "line 2: unexpected end of data"),
+        (HEAD + '1,2,"3"4', "line 2: ',' expected after '\"'"),
+        (HEAD.encode() + b"\xff", "cannot be read: it is not UTF-8 text"),
+        (HEAD + "9" * 200_000, "line 2: field larger than field limit"),
+    ],
+)
+def test_a_file_that_is_no_table(tmp_path, text, message):
+    assert message in refusal_of(written(tmp_path, text))
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("a.txt", "expected a name ending in .csv or .parquet"),
+        ("none.csv", "cannot be read: No such file"),
+        ("folder.csv", "cannot be read: Is a directory"),
+        ("text.parquet", "cannot be read"),
+    ],
+)
+def test_a_file_that_cannot_be_read(tmp_path, name, message):
+    (tmp_path / "folder.csv").mkdir()
+    written(tmp_path, "no Parquet", "text.parquet")
+
+    assert message in refusal_of(tmp_path / name)
+
+
+def test_a_file_has_an_end(tmp_path, monkeypatch):
+    monkeypatch.setattr(scenario_file, "MOST_SCENARIOS", 3)
+    assert len(read_scenarios(written(tmp_path, GOOD))) == 3
+    pd.DataFrame(EXPECTED * 2).to_parquet(tmp_path / "a.parquet")
+
+    assert refusal_of(written(tmp_path, GOOD + "1,2,0,0,0,1,,\n")).startswith("more than 3 sce")
+    assert refusal_of(tmp_path / "a.parquet").startswith("more than 3 scenarios; expected fewer")
+
+
+@given(
+    content=st.binary(max_size=200),
+    head=st.booleans(),
+    suffix=st.sampled_from([".csv", ".parquet"]),
+)
+def test_any_bytes_are_read_or_refused(content, head, suffix, tmp_path_factory):
+    """One refusal that names the file, with no control character of the file's."""
+    file = tmp_path_factory.getbasetemp() / f"any{suffix}"
+    file.write_bytes(HEAD.encode() + content if head else content)
+    try:
+        assert len(read_scenarios(file))
+        return
+    except ScenarioFileError as error:
+        message = str(error)
+    assert message.startswith(str(file))
+    assert all(line.isprintable() for line in message.splitlines())
+
+
+def test_the_cells_of_a_file(tmp_path):
+    """Chosen solvers, or those of an experiment, are asked about exactly these scenarios."""
+    file = written(tmp_path, GOOD)
+    alone = plan_run(Request(scenarios=file, solvers=["slsqp", "analytic"]))
+    paper = plan_run(Request("paper", scenarios=file))
+
+    for plan in (alone, paper):
+        cells = [cell for chain in plan.chains for cell in chain]
+        assert {cell.scenario for cell in cells} == set(EXPECTED)
+        assert str(plan.folder) == "results/drive"
+    assert len(alone.keys) == 6
+    assert set(paper.solver_specs) <= set(plan_run(Request("paper")).solver_specs)
+    assert "--scenarios" in Request(scenarios=file, solvers=["slsqp"]).command()
+
+
+def test_other_scenarios_are_another_experiment(tmp_path):
+    """The text that a results folder keeps tells the scenarios apart."""
+    file = written(tmp_path, GOOD)
+    texts = [
+        plan_run(Request(scenarios=file, solvers=[s])).experiment_file.text
+        for s in ("slsqp", "nlp")
+    ]
+    written(tmp_path, GOOD.replace("10,5", "10,6"))
+    texts.append(plan_run(Request(scenarios=file, solvers=["nlp"])).experiment_file.text)
+
+    assert texts[0] == texts[1] != texts[2]
+
+
+@pytest.mark.parametrize(
+    ("request_", "message"),
+    [
+        (Request(scenarios="a.csv"), "without solvers; expected solvers (--solver ipopt) or an ex"),
+        (Request(), "experiment is None; expected a name or the path"),
+        (Request(scenarios=3, solvers=["nlp"]), "scenarios is 3; expected the path"),
+    ],
+)
+def test_a_request_without_an_end(request_, message):
+    with pytest.raises(ExperimentError) as error:
+        plan_run(request_)
+    assert message in str(error.value)
+
+
+def test_a_heading_is_what_scenario_takes_it_for(tmp_path):
+    """pi/3 in a cell is the angle, to the last bit."""
+    [first, *_] = scenarios(read_scenarios(written(tmp_path, HEAD + "1,2,0,0,pi/3,1,,\n")))
+
+    assert first.heading == math.pi / 3

@@ -1,0 +1,257 @@
+"""The table of choices: each choice turns when the rows that carry it change."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+import pandas as pd
+import pytest
+
+from dubins_study import render
+from dubins_study.report.data.results import load
+from dubins_study.report.page.sections import TOPICS, sections_of
+from dubins_study.report.statistics.compared import Compared
+from dubins_study.report.statistics.methods import methods_of
+from dubins_study.report.topics.decision.numbers import (
+    ANYWHERE,
+    Choice,
+    choices,
+    choose,
+    closed_form,
+    false_provers,
+)
+from dubins_study.study.claim import Claim
+from dubins_study.study.path import Path
+from dubins_study.study.scenario import Scenario
+from tests.unit.report.results_folder import attempt, paper_scenarios
+
+MANY = 200  # questions: two wrong answers leave 99 %
+Row = dict[str, Any]
+
+
+def row(question: int, solver: str, **changes: Any) -> Row:
+    """A right answer in 1 ms, with a gap and a miss of zero, far from every circle."""
+    return {
+        **{"question": question, "scenario": question, "solver": solver, "stratum": ""},
+        **{"formulation": "one NLP a word", "engine": solver, "guess": "bearing"},
+        **{"branch": "best", "answerable": True, "right": True, "claim": "local"},
+        **{"false_claim": False, "false_bound": False, "lower_bound": float("nan")},
+        **{"gap": 0.0, "miss": 0.0, "length": 4.0, "reference": 4.0, "radius": 1.0},
+        **{"region": "outside", "margin": 9.0, "wall_s": 1e-3},
+    } | changes
+
+
+def rows(solver: str, wrong: int = 0, questions: int = MANY, **changes: Any) -> list[Row]:
+    """Rows of one solver, the first `wrong` of them not right."""
+    return [row(n, solver, right=n >= wrong, **changes) for n in range(questions)]
+
+
+def table(*each: Iterable[Row]) -> dict[tuple[str, str], Choice]:
+    """Region and need -> choice."""
+    frame = pd.DataFrame([line for part in each for line in part])
+    found = choices(Compared(frame, methods_of(frame), 2.0, ()))
+    return {(choice.region, choice.need.key): choice for choice in found}
+
+
+def test_of_sure_methods_the_fastest_is_chosen():
+    """One wrong answer in two hundred leaves a method sure enough; its speed decides."""
+    fast, slow = rows("fast", wrong=1, wall_s=1e-3), rows("slow", wall_s=2e-3)
+
+    chosen = table(fast, slow)["far", "loose"]
+    turned = table(rows("fast", wrong=1, wall_s=3e-3), slow)["far", "loose"]
+
+    assert (chosen.solver, chosen.sure, chosen.share) == ("fast", 2, 0.995)
+    assert chosen.wall_s == 1e-3
+    assert turned.solver == "slow"
+
+
+def test_a_fast_method_that_fails_is_not_chosen():
+    """Three wrong answers in two hundred are more than one in a hundred."""
+    slow = rows("slow", wall_s=2e-3)
+
+    assert table(rows("fast", wrong=2), slow)["far", "loose"].solver == "fast"
+    assert table(rows("fast", wrong=3), slow)["far", "loose"].solver == "slow"
+
+
+def test_without_a_sure_method_the_most_surely_right_is_chosen():
+    """However slow it is; and the fastest of those that are as sure."""
+    good, bad = rows("good", wrong=40, wall_s=1.0), rows("bad", wrong=90, wall_s=1e-3)
+
+    assert table(good, bad)["far", "loose"].solver == "good"
+    assert table(good, bad, rows("twin", wrong=40, wall_s=0.5))["far", "loose"].solver == "twin"
+
+
+def test_nothing_is_chosen_where_nothing_is_right():
+    """All failures: no recommendation, though methods were asked."""
+    chosen = table(rows("a", wrong=MANY), rows("b", wrong=MANY))["far", "loose"]
+
+    assert (chosen.solver, chosen.methods, chosen.sure) == ("", 2, 0)
+
+
+@pytest.mark.parametrize("change", [{"gap": 1e-7}, {"gap": -1e-7}, {"miss": 1e-7}])
+def test_a_coarse_path_is_not_tight(change):
+    """A gap, a path that is too short, or an end beside the target: right, and not within 1e-8."""
+    found = table(rows("coarse", **change), rows("fine", wall_s=1.0))
+
+    assert found["far", "loose"].solver == "coarse"
+    assert found["far", "tight"].solver == "fine"
+
+
+def test_misses_count_in_radii():
+    """The same miss is small for a large radius."""
+    miss = 1e-7
+    large = rows("x", miss=miss, radius=100.0, length=400.0, reference=400.0)
+
+    assert table(large)["far", "tight"].share == 1
+    assert table(rows("x", miss=miss))["far", "tight"].solver == ""
+
+
+def test_a_proof_needs_a_bound_that_holds_and_is_near():
+    """A claim without a bound proves nothing; a coarse bound proves a coarse gap only."""
+    proof = {"claim": "optimal", "wall_s": 1.0}
+    found = table(
+        rows("claims", claim="optimal"),
+        rows("coarse", **proof, lower_bound=4.0 - 1e-5),
+        rows("fine", **proof, lower_bound=4.0 - 1e-9),
+    )
+
+    assert found["far", "loose_proof"].solver == "coarse"
+    assert found["far", "tight_proof"].solver == "fine"
+    assert table(rows("claims", claim="optimal"))["far", "loose_proof"].solver == ""
+
+
+@pytest.mark.parametrize("lie", [{"false_bound": True}, {"claim": "optimal", "false_claim": True}])
+def test_who_gave_a_false_proof_once_is_not_recommended_for_proofs(lie):
+    """Not even where its other proofs hold; for a path alone it may be."""
+    proof = {"claim": "optimal", "lower_bound": 4.0}
+    liar = [row(MANY, "liar", **lie, region="left disc", margin=0.5), *rows("liar", **proof)]
+    honest = rows("honest", **proof, wall_s=1.0)
+
+    frame = pd.DataFrame([*liar, *honest])
+    assert false_provers(Compared(frame, methods_of(frame), 2.0, ())) == ["liar"]
+    assert table(liar, honest)["far", "loose_proof"].solver == "honest"
+    assert table(liar, honest)["far", "loose"].solver == "liar"
+    assert table(rows("liar", **proof), honest)["far", "loose_proof"].solver == "liar"
+
+
+def test_regions_follow_the_targets_place():
+    """Near a circle wins over inside and outside; farther than five radii is far."""
+    places = [("outside", 9.0), ("outside", 1.0), ("left disc", 0.5), ("right disc", 1e-3)]
+    near = [row(n, "x", region=r, margin=m) for n, (r, m) in enumerate(places)]
+    found = table(near)
+
+    assert [region for region, need in found if need == "loose"] == [
+        *(ANYWHERE, "far", "outside", "inside", "near")
+    ]
+    assert {found[region, "loose"].questions for region in ("far", "near")} == {1}
+    assert found[ANYWHERE, "loose"].questions == 4
+
+
+def test_each_region_has_a_choice_of_its_own():
+    """A method that is fast everywhere and wrong next to circles is chosen elsewhere only."""
+    near = {"region": "outside", "margin": 1e-4}
+    fast = rows("fast") + [row(MANY + n, "fast", right=False, **near) for n in range(MANY)]
+    sure = [row(n, "sure", wall_s=1.0, **(near if n >= MANY else {})) for n in range(2 * MANY)]
+    found = table(fast, sure)
+
+    assert found["far", "loose"].solver == "fast"
+    assert found["near", "loose"].solver == "sure"
+    assert found[ANYWHERE, "loose"].solver == "sure"
+
+
+def test_a_method_that_met_few_of_the_questions_is_not_compared():
+    """It met others than its rivals."""
+    few = rows("few", questions=MANY // 2, wall_s=1e-4)
+
+    assert table(few, rows("all"))["far", "loose"].solver == "all"
+    assert table(few, rows("all"))["far", "loose"].methods == 1
+
+
+def test_only_the_best_branch_counts_if_it_was_asked():
+    """Whoever needs a path does not ask for a word."""
+    words = rows("x", wrong=MANY, branch="LS")
+    best = [row(MANY + n, "x") for n in range(20)]
+
+    assert table(words, best)["far", "loose"].share == 1
+    assert table(words)["far", "loose"].solver == ""
+
+
+def test_the_closed_form_is_the_baseline_and_no_choice():
+    """It would be chosen everywhere."""
+    frame = pd.DataFrame(rows("analytic", wall_s=1e-6) + rows("x"))
+    compared = Compared(frame, methods_of(frame), 2.0, ())
+    exact = closed_form(compared)
+
+    assert exact is not None
+    assert (exact.solver, exact.wall_s) == ("analytic", 1e-6)
+    assert {choice.solver for choice in choices(compared)} == {"x", ""}
+    alone = frame[frame["solver"] == "x"]
+    assert closed_form(Compared(alone, methods_of(alone), 2.0, ())) is None
+
+
+def test_the_rule_by_hand():
+    """`choose` on a table of three, worked out by hand."""
+    methods = pd.DataFrame(
+        {"share": [1.0, 0.99, 0.98], "low": [0.9, 0.95, 0.97], "wall_s": [3.0, 2.0, 1.0]},
+        index=["a", "b", "c"],
+    )
+
+    assert choose(methods) == "b"
+    assert choose(methods.drop("b")) == "a"
+    assert choose(methods.drop(["a", "b"])) == "c"
+    assert choose(methods.assign(share=0.0)) == ""
+
+
+def _section(folders):
+    results = load(folders)
+    return next(sections_of(TOPICS[0], results))
+
+
+@pytest.mark.parametrize("name", ["paper", "mine"])
+def test_a_report_without_a_benchmark_answers_too(results, name):
+    """From whatever solvers were asked the same questions."""
+    scenarios = paper_scenarios()
+    lines = [attempt(s) for s in scenarios] + [attempt(s, "slsqp") for s in scenarios]
+    section = _section([results(name, lines)])
+
+    assert section.key == "decision"
+    assert section.blocks[0].frame["loose_solver"].eq("slsqp").all()
+    assert "use the closed form (right on 100 %" in section.lead
+
+
+def test_a_benchmark_decides_alone(results):
+    """Rows of other experiments are of other questions."""
+    scenarios = paper_scenarios()
+    paper = results("paper", [attempt(s, "ipopt") for s in scenarios])
+    bench = results("benchmark", [attempt(s, "slsqp") for s in scenarios])
+
+    assert _section([paper, bench]).blocks[0].frame["loose_solver"].eq("slsqp").all()
+
+
+def test_a_report_without_anything_to_recommend_says_so(results, tmp_path):
+    """Only failures, one solver, no closed form, only warm attempts: each in words."""
+    scenarios = paper_scenarios()
+    wrong = [
+        attempt(s, "slsqp", path=Path(s.start, [0.0], [1.0]), claim=Claim.FAILED) for s in scenarios
+    ]
+    failures = _section([results("failures", wrong)])
+    warm = _section([results("warm", [attempt(s, initial_guess="warm") for s in scenarios])])
+    only = _section([results("only", [attempt(s) for s in scenarios])])
+
+    assert "no other method was right on any question" in failures.lead
+    assert "Only one method was asked" in failures.text
+    assert "The closed form was not asked" in failures.text
+    assert "Nothing can be recommended" in warm.lead
+    assert warm.blocks == only.blocks == ()
+    assert "no engine was asked" in only.lead
+
+
+def test_names_of_solvers_are_text_in_the_table(results, tmp_path):
+    """A choice is drawn with its name in front, which may come from a stranger's package."""
+    name = "<script>alert(1)</script>"
+    lines = [attempt(Scenario(0, 0, 0, 9, y), name) for y in range(1, 6)]
+    page = render([results("strange", lines)], tmp_path / "out").read_text(encoding="utf-8")
+
+    assert "<strong>&lt;script&gt;" in page
+    assert "<script>alert" not in page

@@ -1,0 +1,110 @@
+"""Radius sweeps: which answers are drawn, curves that break, and the solvers that have a curve."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from dubins_study.report.data.results import load
+from dubins_study.report.statistics.best import best_solvers
+from dubins_study.report.topics.radius.numbers import answers, sweep, sweep_rows
+from dubins_study.report.topics.radius.section import radius_section
+from dubins_study.study.claim import Claim
+from dubins_study.study.path import Path
+from dubins_study.study.scenario import Scenario
+from tests.unit.report.results_folder import attempt
+
+RADII = (20.0, 40.0, 55.0, 60.0, 80.0)  # the target enters a circle at 57.35
+
+
+def where(radius):
+    """Test problem 5 at some radius."""
+    return Scenario(0, 0, 2.0943951023931953, -80, 20, radius, label="problem 5")
+
+
+def folder_rows():
+    """Right answers, one by 0.5 % and one by 50 % too long, one lost, and a radius not asked."""
+    exact = {"formulation": "closed form", "engine": "closed form"}
+    rows = [attempt(where(radius), **exact) for radius in RADII]
+    rows += [attempt(where(radius), "slsqp", wall_s=1e-3) for radius in RADII if radius != 55.0]
+    rows += [attempt(where(radius), "slsqp", initial_guess="warm", wall_s=9.0) for radius in RADII]
+    made = {"verdict": "longer", "formulation": "turn rates"}
+    rows += [
+        attempt(where(20.0), "turn-rate-qp", gap=0.005, **made),
+        attempt(where(40.0), "turn-rate-qp", gap=0.5, **made),
+    ]
+    lost = Path(where(55.0).start, [0.0], [1.0])
+    rows.append(
+        attempt(
+            where(55.0),
+            "turn-rate-qp",
+            path=lost,
+            claim=Claim.FAILED,
+            **{"formulation": "turn rates"},
+        )
+    )
+    return rows
+
+
+@pytest.fixture
+def loaded(results):
+    return load([results("radius-sweep", folder_rows())])
+
+
+def test_only_visibly_wrong_answers_are_drawn(loaded):
+    """Half a percent lies on the line of the shortest lengths; the table counts it."""
+    (rows,) = sweep_rows(loaded.rows).values()
+    drawn = sweep("problem 5", rows).wrong
+    table = answers(rows).set_index("solver")
+
+    assert drawn[["radius", "arrives"]].to_numpy().tolist() == [[40.0, True], [55.0, False]]
+    counts = table.loc["turn-rate-qp", ["attempts", "right", "little", "longer", "lost"]]
+    assert counts.tolist() == [3, 0, 1, 1, 1]
+    assert table.loc["turn-rate-qp", "most"] == 0.5
+    assert table.loc["slsqp", ["attempts", "right"]].tolist() == [9, 9]
+
+
+def test_a_curve_breaks_at_a_radius_that_was_not_asked(loaded):
+    """Cold medians only, and no line across a gap."""
+    (rows,) = sweep_rows(loaded.rows).values()
+    times = sweep("problem 5", rows).times
+    line = times[times["solver"] == "slsqp"]
+
+    assert line["radius"].tolist() == list(RADII)
+    assert [math.isnan(wall_s) for wall_s in line["wall_s"]] == [r == 55.0 for r in RADII]
+    assert line["wall_s"].max() == 1e-3
+
+
+def test_one_curve_a_formulation(results):
+    """The closed form, and of each formulation the solver that is right most surely, then fast."""
+    scenarios = [Scenario(0, 0, 0, 5, y, 1) for y in (1.0, 2.0, 3.0)]
+    rows = []
+    for scenario in scenarios:
+        rows += [
+            attempt(scenario, formulation="closed form", engine="closed form"),
+            attempt(scenario, "slow", formulation="one NLP a word", wall_s=9.0),
+            attempt(scenario, "fast", formulation="one NLP a word", wall_s=1e-3),
+            attempt(scenario, "qp", formulation="turn rates", wall_s=9.0),
+        ]
+        lost = Path(scenario.start, [0.0], [1.0])
+        rows.append(attempt(scenario, "wrong", path=lost, formulation="turn rates", wall_s=1e-6))
+    frame = load([results("random", rows)]).rows
+
+    assert best_solvers(frame) == ["analytic", "fast", "qp"]
+    assert best_solvers(frame, most=2) == ["analytic", "fast"]
+
+
+def test_a_sweep_is_one_figure_with_length_and_time(loaded):
+    """Two panels, at most ten curves in the panel of times, each with its name."""
+    section = radius_section(loaded)
+    assert section is not None
+    picture = section.blocks[0]
+    length, time = picture.figure.axes
+
+    assert not picture.half
+    assert "R* = 57.35" in {text.get_text() for text in length.texts}
+    assert {"LS", "RL"} <= {text.get_text() for text in length.texts}
+    assert time.get_ylabel() == "median time"
+    assert "closed form" in {text.get_text() for text in time.texts}
+    assert section.lead
