@@ -125,10 +125,12 @@ def _check_section(experiment: str) -> None:
     if section is None:
         return
     from dubins_study.report.page.sections import KEYS
+    from dubins_study.study.nearest import did_you_mean
 
     if section not in KEYS:
         print(
             f"dubins-study: no section of the report is called {section!r}; "
+            f"{did_you_mean(section, KEYS)}"
             f"choose one of: {', '.join(KEYS)}",
             file=sys.stderr,
         )
