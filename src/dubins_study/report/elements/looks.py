@@ -10,7 +10,7 @@ from typing import Any, NamedTuple, Self
 from dubins_study.report.data.attempts import EXACT
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements import style
-from dubins_study.report.elements.names import names_of
+from dubins_study.report.elements.names import figure_names, names_of
 from dubins_study.report.statistics.metrics import natural, parse_spec, solver_order
 
 LineStyle = str | tuple[int, tuple[float, ...]]
@@ -22,9 +22,9 @@ _MARKERS = ("^", "s", "D", "v", "P", "X", "p", "*", "<", ">", "h")
 _ENGINES = (
     *("Ipopt", "SLSQP", "fatrop", "Bonmin", "SLEQP", "trust-constr", "Uno", "Uno filterSQP"),
     *("casadi sqpmethod", "NLopt SLSQP", "APOPT", "COBYQA", "alpaqa", "casadi qrsqp"),
-    *("NLopt AUGLAG", "NLopt COBYLA", "SCIP", "MAiNGO", "MINPACK hybr", "MINPACK lm"),
-    *("PIQP", "OSQP", "Clarabel", "HiGHS", "differential evolution", "CMA-ES", "DIRECT"),
-    *("dual annealing", "Nelder-Mead", "Powell", "SHGO"),
+    *("NLopt AUGLAG", "NLopt COBYLA", "SCIP", "MAiNGO", "Clarabel", "MINPACK lm", "OSQP"),
+    *("CMA-ES", "PIQP", "DIRECT", "MINPACK hybr", "Nelder-Mead", "Powell", "SHGO"),
+    *("dual annealing", "HiGHS", "differential evolution"),
 )
 _FORMULA = "closed form"
 # A curve that is there to compare with, behind those that have a colour and a name.
@@ -115,6 +115,10 @@ class Palette:
     @property
     def _dashes(self) -> dict[str, int]:
         return {hue.light: place % len(LINES) for place, hue in enumerate(style.ENGINE_HUES)}
+
+    def names(self, specs: Iterable[str]) -> dict[str, str]:
+        """The names of a figure's solvers: of a short name only what tells them apart."""
+        return figure_names({spec: self.label(spec) for spec in specs})
 
     def label(self, spec: str) -> str:
         """A solver's short name; its spec, over several lines, if the page has none."""

@@ -37,7 +37,8 @@ def document(environment: Environment, sections: Sequence[Section], runs: Sequen
     latex.filters |= {"tex": tex, "layout": layout_of, "shrunk": _shrunk}
     page = {"width": PAGE_WIDTH, "height": PAGE_HEIGHT}
     template = latex.get_template("report.tex.j2")
-    return template.render(sections=sections, runs=runs, paper=PAPER.citation, **page)
+    printed = [section for section in sections if section.printed]
+    return template.render(sections=printed, runs=runs, paper=PAPER.citation, **page)
 
 
 def _shrunk(picture: Picture) -> str:
