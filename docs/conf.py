@@ -19,6 +19,7 @@ extensions = [
     "sphinx.ext.autodoc",
     "sphinx.ext.napoleon",
     "sphinx_copybutton",
+    "explorer",
     "generated",
     "mathml",
     "short_names",
@@ -39,12 +40,14 @@ nb_execution_mode = "force"
 nb_execution_raise_on_error = True
 nb_execution_timeout = 300
 nb_merge_streams = True
+nb_output_stderr = "remove"  # warnings of libraries, with the builder's folders in them
 
 # Python
 autodoc_typehints = "signature"
 autodoc_member_order = "bysource"
 autodoc_preserve_defaults = True
 autodoc_typehints_format = "short"
+myst_dmath_allow_space = True
 default_role = "code"  # docstrings mark code with one backtick
 # other people's names: their own documentation has them, and the build asks no other host
 nitpick_ignore_regex = [
@@ -61,6 +64,7 @@ html_static_path = ["static"]
 html_css_files = ["site.css"]
 html_show_sourcelink = False
 html_show_sphinx = False
+html_show_search_summary = False  # browsers do not let a page from a file read other files
 copybutton_exclude = ".linenos, .gp, .go"
 copybutton_prompt_text = "$ "
 copybutton_only_copy_prompt_lines = True

@@ -13,7 +13,7 @@ class EightLines(Solver):
 
     def solve(self, question, limit):
         s = question.scenario
-        turns, goal = [copysign(1 / s.radius, s.local()[1]), 0], (s.target_x, s.target_y)
-        z = root(lambda z: np.subtract(Path(s.start, turns, abs(z)).end[:2], goal), 2 * [s.radius])
+        k, goal = [copysign(1 / s.radius, s.local()[1]), 0], (s.target_x, s.target_y)
+        z = root(lambda z: np.subtract(Path(s.start, k, abs(z)).end[:2], goal), 2 * [2 * s.radius])
         claim = Claim.FEASIBLE if z.success else Claim.FAILED
-        return Solution(claim, Path(s.start, turns, abs(z.x)))
+        return Solution(claim, Path(s.start, k, abs(z.x)))

@@ -144,7 +144,8 @@ class Runner:
             timeout=_LIMIT_S,
         )
         output = f"{process.stdout}\n{process.stderr}"
-        allowed = 1 if command.rstrip().endswith("# exit code 1") else 0
+        stated = re.search(r"# exit code (\d+)\s*$", command)
+        allowed = int(stated[1]) if stated else 0
         assert process.returncode == allowed, f"$ {command}\nexit {process.returncode}\n{output}"
         return process.stdout
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import benchmark
 import command_line
+import drawings
 import package
 import paper
 import toml_reference
@@ -23,6 +24,7 @@ SOURCES = (
     | toml_reference.SOURCES
     | command_line.SOURCES
     | benchmark.SOURCES
+    | drawings.SOURCES
     | paper.SOURCES
 )
 

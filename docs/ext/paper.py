@@ -19,16 +19,11 @@ def citation() -> str:
     """The paper as `CITATION.cff` names it among its references."""
     known = yaml.safe_load(_CITATION.read_text(encoding="utf-8"))
     (paper,) = [one for one in known["references"] if one["title"] == _TITLE]
-    names = ", ".join(_author(author) for author in paper["authors"])
+    people = [one for one in paper["authors"] if "family-names" in one]
+    names = ", ".join(f"{one.get('given-names', '')} {one['family-names']}" for one in people)
     where = [str(paper[key]) for key in ("journal", "year", "doi", "url") if key in paper]
-    notes = prose(paper.get("notes", ""))
-    return f"*{prose(paper['title'])}*. {prose('. '.join([names, *where]))}. {notes}".strip()
-
-
-def _author(author: dict[str, str]) -> str:
-    if "name" in author:
-        return author["name"]
-    return f"{author.get('given-names', '')} {author['family-names']}".strip()
+    parts = [names, f"*{prose(paper['title'])}*", *map(prose, where)]
+    return f"{'. '.join(filter(None, parts))}. {prose(paper.get('notes', ''))}"
 
 
 def misprints() -> str:

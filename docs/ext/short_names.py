@@ -41,7 +41,8 @@ def as_written(
         written = written.replace(parameters=list(written.parameters.values())[1:])
     annotation = written.return_annotation
     text = stringify_signature(written, show_return_annotation=False)
-    return text, annotation if isinstance(annotation, str) else None
+    returned = annotation if isinstance(annotation, str) and what != "class" else None
+    return text, returned
 
 
 def setup(app: Sphinx) -> dict[str, Any]:

@@ -51,14 +51,24 @@ def _kind(schema: dict[str, Any]) -> str:
         return f"list of {_kind(schema['items'])}"
     if kind == ["number", "string"]:
         return "number or angle"
-    names = {"string": "text", "boolean": "true or false", "object": "table"}
+    names = {
+        "integer": "whole number",
+        "string": "text",
+        "boolean": "true or false",
+        "object": "table",
+    }
     return names.get(kind, kind) + _bounds(schema)
 
 
 def _bounds(schema: dict[str, Any]) -> str:
     limits = {"minimum": "from", "exclusiveMinimum": "above", "maximum": "to"}
-    texts = [f"{word} {schema[key]:g}" for key, word in limits.items() if key in schema]
+    texts = [f"{word} {_plain(schema[key])}" for key, word in limits.items() if key in schema]
     return f" {' '.join(texts)}" if texts else ""
+
+
+def _plain(value: float) -> str:
+    """A number without an exponent, its digits in groups of three."""
+    return f"{value:,.12g}".replace(",", " ")
 
 
 SOURCES: dict[str, Callable[..., str]] = {"toml": toml_table}

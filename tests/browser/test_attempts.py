@@ -421,7 +421,7 @@ def test_the_command_repeats_the_attempt(plot, solver: str, branch: str):
     expected = solved(ODD, solver, branch)
     programs = f"{FilePath(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
     done = subprocess.run(
-        ["sh", "-c", f"{command} --json"],
+        ["sh", "-c", command.replace(" -- ", " --json -- ")],
         **{"capture_output": True, "text": True, "check": True, "timeout": 120},
         env=os.environ | {"PATH": programs},
     )

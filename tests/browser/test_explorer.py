@@ -98,15 +98,14 @@ def agrees(page) -> None:
         assert (cells["over"] == "shortest") == (optimum.word in best.words)
 
 
-@pytest.mark.parametrize("preset", PRESETS, ids=lambda preset: preset.name)
-def test_every_example_shows_what_the_package_computes(explorer, preset):
+def test_every_example_shows_what_the_package_computes(explorer):
     page = explorer()
-    page.get_by_role("button", name=preset.name, exact=True).click()
-
-    x, y, heading, target_x, target_y, radius = preset.text.split(",")
-    numbers = [float(n) for n in (target_x, target_y, radius)]
-    assert scenario_in(page) == Scenario(float(x), float(y), parse_angle(heading), *numbers)
-    agrees(page)
+    for preset in PRESETS:
+        page.get_by_role("button", name=preset.name, exact=True).click()
+        x, y, heading, target_x, target_y, radius = preset.text.split(",")
+        numbers = [float(n) for n in (target_x, target_y, radius)]
+        assert scenario_in(page) == Scenario(float(x), float(y), parse_angle(heading), *numbers)
+        agrees(page)
 
 
 def test_the_examples_show_what_their_titles_say():
@@ -332,6 +331,45 @@ def test_the_map_is_true(explorer):
     assert compared == {"LS", "RS", "LR", "RL"}
 
 
+def test_the_sweep_over_radii_is_the_package_s(explorer):
+    """Every word's length at 160 radii, the shortest word, and where the chosen radius stands.
+
+    Problem 5's target enters the left disc at R = 57.35: there LS ends and RL begins.
+    """
+    page = explorer("0,0,120deg,-80,20,25")
+    page.wait_for_function("window.explorer.sweep.data()")
+    data = page.evaluate("window.explorer.sweep.data()")
+    assert len(data["radii"]) == 160
+    for i, radius in enumerate(data["radii"]):
+        scenario = Scenario(0, 0, "120deg", -80, 20, radius)
+        best = shortest(scenario)
+        assert best is not None
+        assert data["best"][i] == best.word
+        for branch, lengths in data["lengths"].items():
+            optimum = shortest(scenario, branch)
+            if optimum is None:
+                assert lengths[i] is None
+            else:  # no target lies next to an edge
+                assert lengths[i] == pytest.approx(optimum.total * radius, rel=1e-12)
+    jump = data["best"].index("RL")
+    assert data["radii"][jump - 1] < 57.352960 < data["radii"][jump]
+    bold = page.locator(".explorer-sweep path.optimal.ls").get_attribute("d")
+    assert bold.count("M") == 1
+    assert bold.count("L") == jump - 1
+    dot = page.locator(".explorer-sweep .start").bounding_box()
+    page.locator(".explorer-sweep svg").click(position={"x": 500, "y": 60})
+    page.wait_for_function("window.explorer.state().radius !== 25")
+    agrees(page)
+    moved = page.locator(".explorer-sweep .start")
+    page.wait_for_function(
+        "x => document.querySelector('.explorer-sweep .start').getBoundingClientRect().x !== x",
+        arg=dot["x"],
+    )
+    plot = page.locator(".explorer-sweep svg").bounding_box()
+    box = moved.bounding_box()
+    assert box["x"] + box["width"] / 2 - plot["x"] == pytest.approx(500, abs=2)  # three digits of R
+
+
 def test_a_drag_is_answered_within_a_frame(explorer):
     """Works 1000 random scenarios off; the times are printed (`pytest -s`), not asserted."""
     page = explorer()
@@ -343,6 +381,7 @@ def test_a_drag_is_answered_within_a_frame(explorer):
           for (let i = 0; i < 1000; i += 1) {
             const before = performance.now();
             window.explorer.set({target_x: 12 * random() - 6, target_y: 12 * random() - 6}, "keep");
+            window.explorer.sweep.draw(window.explorer.state(), window.explorer.entries());
             document.body.getBoundingClientRect();  // the layout belongs to the answer
             times.push(performance.now() - before);
           }
@@ -356,18 +395,17 @@ def test_a_drag_is_answered_within_a_frame(explorer):
 
 
 @pytest.mark.parametrize("viewport", [PHONE, DESK], ids=["phone", "desk"])
-@pytest.mark.parametrize("text", [preset.text for preset in PRESETS])
-def test_nothing_is_wider_than_the_screen(explorer, viewport, text):
+def test_nothing_is_wider_than_the_screen(explorer, viewport):
     """No sideways scrolling, all handles in view."""
-    page = explorer(text, viewport=viewport)
-
-    assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
-    box = page.locator(".explorer-plane").bounding_box()
-    for name in ("target", "heading", "radius"):
-        x, y = centre(page, name)
-        box = page.locator(".explorer-plane").bounding_box()
-        assert box["x"] < x < box["x"] + box["width"]
-        assert box["y"] < y < box["y"] + box["height"]
+    page = explorer(viewport=viewport)
+    for preset in PRESETS:
+        page.get_by_role("button", name=preset.name, exact=True).click()
+        assert page.evaluate("document.documentElement.scrollWidth <= innerWidth"), preset
+        for name in ("target", "heading", "radius"):
+            x, y = centre(page, name)
+            box = page.locator(".explorer-plane").bounding_box()
+            assert box["x"] < x < box["x"] + box["width"], preset
+            assert box["y"] < y < box["y"] + box["height"], preset
 
 
 def test_without_scripts_there_are_drawings(explorer):
@@ -400,3 +438,20 @@ def test_no_id_stands_twice_and_every_pattern_exists(explorer):
     named = {match[1] for fill in fills if (match := re.match(r"url\(#(.*)\)", fill))}
     assert len(named) == 3
     assert named <= set(ids)
+
+
+def test_in_the_report_it_answers_beside_the_other_scripts(new_tab, report_page):
+    """Restored from the address, driven by keyboard, the address kept up to date."""
+    page = new_tab(viewport=PHONE)
+    page.goto(f"{report_page.as_uri()}#explore=0,0,60deg,-2,-5,1")
+    assert scenario_in(page) == Scenario(0, 0, "60deg", -2, -5, 1)
+    top = page.locator("#explore").bounding_box()["y"]
+    assert -5 <= top < PHONE["height"] / 2
+    agrees(page)
+    page.locator(".handle.target").focus()
+    page.keyboard.press("ArrowUp")
+    page.wait_for_function("location.hash === '#explore=0,0,60deg,-2,-4.95,1'")
+    assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+    page.evaluate("location.hash = '#explore=0,0,0deg,0,1,2'")  # as a link of another section does
+    page.wait_for_function("window.explorer.state().radius === 2")
+    agrees(page)

@@ -16,6 +16,7 @@ from jsonschema import Draft202012Validator
 import dubins_study
 from dubins_study.experiments.definition.experiment import packaged
 from dubins_study.experiments.definition.json_schema import SCHEMA_FILE, schema_text
+from dubins_study.report.page.sections import TOPICS
 from dubins_study.solvers.registry import load, settings
 
 DOCS = Path(__file__).parents[2] / "docs"
@@ -64,9 +65,9 @@ def test_every_command_has_its_section(generator):
     """`dubins-study --help` and the page name the same commands."""
     page = (DOCS / "reference" / "command-line.md").read_text(encoding="utf-8")
 
-    assert re.findall(r"^```{generated} command (.*)$", page, re.M) == list(
-        generator("command_line").commands()
-    )
+    shown = re.findall(r"^```{generated} command (.*)$", page, re.M)
+
+    assert sorted(shown) == sorted(generator("command_line").commands())
 
 
 def test_every_public_name_is_in_the_reference():
@@ -88,3 +89,13 @@ def test_every_key_of_an_experiment_is_explained(generator):
     assert set(shown) == set(tables) - ways
     for name in tables:
         assert "| needed |" in generator("toml_reference").toml_table(name) or name == "Block"
+
+
+def test_every_section_of_the_report_is_explained():
+    """In the order of the page, by the names that progress shows."""
+    page = (DOCS / "report.md").read_text(encoding="utf-8")
+    table = page.partition("| section | what to read from it |\n|---|---|\n")[2].partition("\n\n")[
+        0
+    ]
+
+    assert re.findall(r"^\| ([^|]*) \|", table, re.M) == [topic.title for topic in TOPICS]

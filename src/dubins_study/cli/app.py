@@ -37,7 +37,13 @@ from dubins_study.cli.arguments import NEGATIVE_NUMBERS
 from dubins_study.cli.terminal.command_line import CommandLine, Quiet, Verbose
 from dubins_study.cli.terminal.verbosity import Verbosity, set_verbosity
 
-app = CommandLine(text="Optimisation solvers judged on the shortest Dubins path to a point.")
+_HELP = """Optimisation solvers judged on the shortest Dubins path to a point.
+
+Results go to stdout, progress and refusals to stderr. Exit code 0: done. 1: done, but something is
+wrong: an audit, a comparison, a check, or with --strict an answer that is not optimal. 2: the
+request was bad. 130: interrupted.
+"""
+app = CommandLine(text=_HELP)
 
 
 def _print_version(asked: bool) -> None:
@@ -57,12 +63,10 @@ def _options(
     quiet: Quiet = False,
     verbose: Verbose = False,
 ) -> None:
-    """Optimisation solvers judged on the shortest Dubins path to a point."""
     set_verbosity(Verbosity(verbose - quiet))
 
 
 app.command(context_settings=NEGATIVE_NUMBERS)(solve.solve)
-app.command(context_settings=NEGATIVE_NUMBERS)(export.export)
 app.command()(solvers.solvers)
 app.command()(experiments.experiments)
 app.command()(run.run)
@@ -71,6 +75,7 @@ app.command()(merge.merge)
 app.command()(report.report)
 app.command()(compare.compare)
 app.command()(audit.audit)
+app.command(context_settings=NEGATIVE_NUMBERS)(export.export)
 app.command()(check_solver.check_solver)
 app.add_typer(new.app, name="new")
 
@@ -79,7 +84,7 @@ def main() -> Any:
     """The command `dubins-study`. Exit code 2 and one message if the request is bad."""
     try:
         try:
-            return app()
+            return app(prog_name="dubins-study")
         finally:
             if sys.stdout is not None:  # it is None where the caller has closed it
                 sys.stdout.flush()

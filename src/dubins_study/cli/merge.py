@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path as FilePath
 from typing import Annotated
 
@@ -13,6 +14,7 @@ def merge(
         list[FilePath], typer.Argument(metavar="DIR", help="results folders, two or more")
     ],
     out: Annotated[FilePath, typer.Option(metavar="DIR", help="new, or empty")],
+    as_json: Annotated[bool, typer.Option("--json", help="print one JSON object")] = False,
 ) -> None:
     """Unite results folders of one experiment.
 
@@ -22,6 +24,9 @@ def merge(
     from dubins_study.study.printable import plain
 
     union = unite(folders, out)
+    if as_json:
+        print(json.dumps(union._asdict() | {"folder": str(union.folder)}, indent=2))
+        return
     lines = [f"{plain(str(union.folder))}: {union.rows} rows"]
     if union.agreeing_repeats:
         lines.append(

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+import math
 from pathlib import Path as FilePath
 from typing import Annotated
 
@@ -25,6 +27,10 @@ def report(
     out: Annotated[
         FilePath | None, typer.Option(metavar="DIR", help="default: report in the first folder")
     ] = None,
+    as_json: Annotated[
+        bool,
+        typer.Option("--json", help="print page and summary as one JSON object"),
+    ] = False,
 ) -> None:
     """Write tables, figures and one page from results folders."""
     from dubins_study.cli.terminal import streams
@@ -32,21 +38,43 @@ def report(
 
     with streams.steps("report") as step:
         page = render(folders, out=out, progress=step)
-    print(report_text(page))
+    print(report_json(page) if as_json else report_text(page))
+
+
+def _summary(page: FilePath) -> list[dict[str, str]]:
+    """The lines of the summary table of a report; numbers as texts, which are empty for none."""
+    import csv
+
+    with (page.parent / "tables" / "summary.csv").open(encoding="utf-8", newline="") as stream:
+        return list(csv.DictReader(stream))
+
+
+def report_json(page: FilePath) -> str:
+    """The path of a report's page, and its summary by the columns of tables/summary.csv."""
+    rows = [{name: _value(text) for name, text in line.items()} for line in _summary(page)]
+    return json.dumps({"page": str(page), "summary": rows}, indent=2, allow_nan=False)
+
+
+def _value(text: str) -> str | float | None:
+    """A cell of the table as JSON has it."""
+    if text.isdecimal():
+        return int(text)
+    try:
+        number = float(text)
+    except ValueError:
+        return text or None
+    return number if math.isfinite(number) else None
 
 
 def report_text(page: FilePath) -> str:
     """The summary table of a report, and the path of its page."""
-    import csv
-
     from dubins_study.cli.terminal.table import table
     from dubins_study.study.printable import plain
 
     def _line(text: str) -> str:
         return plain(text.replace("\n", " "))
 
-    with (page.parent / "tables" / "summary.csv").open(encoding="utf-8", newline="") as stream:
-        lines = list(csv.DictReader(stream))
+    lines = _summary(page)
     # the report leaves out a column that its runs do not need
     shown = {name: title for name, title in _SUMMARY.items() if not lines or name in lines[0]}
     rows = [

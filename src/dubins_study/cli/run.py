@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import sys
 from pathlib import Path as FilePath
 from typing import Annotated
@@ -56,6 +57,9 @@ def run(
     scheduler: Annotated[
         str | None, typer.Option(metavar="ADDRESS", help="of Dask's; default: one on this machine")
     ] = None,
+    as_json: Annotated[
+        bool, typer.Option("--json", help="print the folder's status as one JSON object")
+    ] = False,
 ) -> None:
     """Run an experiment, or go on with it.
 
@@ -97,7 +101,12 @@ def run(
                     scenarios=scenarios,
                     progress=progress,
                 )
-            print(status_text(status_of(folder)))
+            folder_status = status_of(folder)
+            print(
+                json.dumps(folder_status.as_json(), indent=2)
+                if as_json
+                else status_text(folder_status)
+            )
     except KeyboardInterrupt:
         next_step = "run the same command without --restart" if restart else "run the same command"
         cells = " ({} of {} cells done)".format(*counts) if counts else ""
@@ -116,10 +125,12 @@ def _check_section(experiment: str) -> None:
     if section is None:
         return
     from dubins_study.report.page.sections import KEYS
+    from dubins_study.study.nearest import did_you_mean
 
     if section not in KEYS:
         print(
             f"dubins-study: no section of the report is called {section!r}; "
+            f"{did_you_mean(section, KEYS)}"
             f"choose one of: {', '.join(KEYS)}",
             file=sys.stderr,
         )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import logging
 import math
 import sys
 from pathlib import Path as FilePath
@@ -34,6 +35,7 @@ _JSON = (
     *("native_status", "message", "build_s", "solve_s", "wall_s"),
 )
 
+_LOG = logging.getLogger(__name__)
 _MOST_SEGMENTS = 4  # of a path of many pieces, in the text
 
 
@@ -80,6 +82,7 @@ def solve(
         from dubins_study.report.path_plot import check_format
 
         check_format(plot)
+    _LOG.info("asking %s for branch %s, at most %g s", solver, branch, time_limit)
     with streams.solvers_to_stderr():
         answer = ask(scenario, solver, branch, profile=profile, limit=time_limit, isolated=True)
     refusal = _refusal(answer)

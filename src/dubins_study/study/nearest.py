@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-_LEAST_ALIKE = 0.6  # difflib's ratio: twice the letters in common, over all letters of both
+_LEAST_ALIKE = 0.65  # difflib's ratio: twice the letters in common, over all letters of both
 _MAX_CHARS = 80  # of a name; a longer one is no slip of the fingers
 
 

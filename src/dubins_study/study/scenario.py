@@ -81,7 +81,7 @@ class Scenario:
 
     @property
     def extent(self) -> float:
-        """`|x| + |y| + |target_x| + |target_y|`: the size that coordinates are rounded against."""
+        """The size that coordinates are rounded against, `|x| + |y| + |target_x| + |target_y|`."""
         return abs(self.x) + abs(self.y) + abs(self.target_x) + abs(self.target_y)
 
     @property

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from dubins_study.report.data.results import load
 from dubins_study.report.elements.columns import SOLVER
-from dubins_study.report.elements.names import distinct, names_of, short_labels
+from dubins_study.report.elements.names import distinct, figure_names, names_of, short_labels
 from dubins_study.report.page.markup import to_csv
 from dubins_study.report.page.render import render
 from dubins_study.report.page.sections import TOPICS, sections_of
@@ -149,3 +149,20 @@ def test_the_settings_table_has_every_solver_and_every_setting(folder):
     for spec, settings in results.settings.items():
         listed = f"{frame.loc[spec, 'given']}, {frame.loc[spec, 'defaults']}"
         assert {part.split(" ")[0] for part in listed.split(", ") if part} == set(settings)
+
+
+def test_a_figure_shows_of_a_name_what_tells_its_solvers_apart():
+    """Engine and formulation; of two that share them, only what the other has not."""
+    labels = {
+        "a": "Ipopt, word NLPs, bearing start",
+        "b": "Ipopt, collocation, bearing start, no correct, points=1",
+        "c": "Ipopt, collocation, bearing start, no correct, points=2",
+        "d": "closed form",
+    }
+
+    assert figure_names(labels) == {
+        "a": "Ipopt, word NLPs",
+        "b": "Ipopt, collocation, points=1",
+        "c": "Ipopt, collocation, points=2",
+        "d": "closed form",
+    }

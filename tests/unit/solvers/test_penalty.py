@@ -258,7 +258,7 @@ def test_a_word_without_a_path_is_never_called_infeasible_by_a_search(presolve):
         ("evaluations=-1", "evaluations is -1; expected a whole number from 0"),
         ("evaluations=10000000", "expected a whole number from 0 to 1000000"),
         ("engine=nope", "engine is 'nope'; expected one of: differential-evolution"),
-        ("order=SLR", "order is 'SLR'; expected one of: LRS"),
+        ("order=SLR", "order is 'SLR'; did you mean 'LRS'"),
         ("weight=0", "weight is 0.0; expected a number from"),
         ("weight=nan", "weight is nan; expected a number from"),
         ("rounds=0", "rounds is 0; expected a whole number from 1"),

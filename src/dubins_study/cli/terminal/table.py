@@ -9,7 +9,7 @@ import sys
 from collections.abc import Iterator, Mapping, Sequence
 from io import StringIO
 
-_GAP = 3  # characters between two columns
+_GAPS = (3, 2)  # characters between two columns: where they fit, and where room is scarce
 _LEAST_TEXT = 12  # characters that a column of texts keeps; in less, every table is hard to read
 _LEAST_VALUE = 8  # characters beside the name of a column, where every row is a list
 _LEAST_WIDTH = 20  # characters that any terminal has
@@ -48,10 +48,11 @@ def table(head: Sequence[str], rows: Sequence[Sequence[str]], width: int | None 
         max(_widest(name.split()), min(_widest(cells), _widest(cells) if number else _LEAST_TEXT))
         for name, cells, number in zip(head, columns, numeric, strict=True)
     ]
-    room = sum(natural) if width is None else width - _GAP * (len(head) - 1) - 2
-    if sum(least) > room:
-        return "\n\n".join(listing(dict(zip(head, row, strict=True)), width) for row in rows)
-    return _aligned(head, rows, numeric, _column_widths(natural, least, room))
+    for gap in _GAPS:
+        room = sum(natural) if width is None else width - gap * (len(head) - 1) - 2
+        if sum(least) <= room:
+            return _aligned(head, rows, numeric, _column_widths(natural, least, room), gap)
+    return "\n\n".join(listing(dict(zip(head, row, strict=True)), width) for row in rows)
 
 
 def _column_widths(natural: list[int], least: list[int], room: int) -> list[int]:
@@ -64,21 +65,26 @@ def _column_widths(natural: list[int], least: list[int], room: int) -> list[int]
 
 
 def _aligned(
-    head: Sequence[str], rows: Sequence[Sequence[str]], numeric: list[bool], widths: list[int]
+    head: Sequence[str],
+    rows: Sequence[Sequence[str]],
+    numeric: list[bool],
+    widths: list[int],
+    gap: int,
 ) -> str:
     from rich import box
     from rich.console import Console
     from rich.table import Table
     from rich.text import Text
 
-    shown = Table(box=box.SIMPLE_HEAD, pad_edge=False)
+    # the box has a space between two columns; the rest is theirs
+    shown = Table(box=box.SIMPLE_HEAD, pad_edge=False, padding=(0, gap - 2, 0, 1))
     for name, is_number, size in zip(head, numeric, widths, strict=True):
         title = Text(_broken(name, size))  # a name from a results folder may look like markup
         shown.add_column(title, no_wrap=True, justify="right" if is_number else "left")
     for row in rows:
         shown.add_row(*(Text(_broken(cell, size)) for cell, size in zip(row, widths, strict=True)))
     written = StringIO()
-    roomy = 2 * sum(widths) + _GAP * len(widths) + 2  # a character may be two columns wide
+    roomy = 2 * sum(widths) + gap * len(widths) + 2  # a character may be two columns wide
     Console(file=written, width=roomy, highlight=False, no_color=True).print(shown)
     lines = [line.rstrip() for line in written.getvalue().splitlines()]
     return "\n".join(lines).strip("\n")

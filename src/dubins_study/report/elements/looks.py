@@ -10,7 +10,7 @@ from typing import Any, NamedTuple, Self
 from dubins_study.report.data.attempts import EXACT
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements import style
-from dubins_study.report.elements.names import names_of
+from dubins_study.report.elements.names import figure_names, names_of
 from dubins_study.report.statistics.metrics import natural, parse_spec, solver_order
 
 LineStyle = str | tuple[int, tuple[float, ...]]
@@ -115,6 +115,10 @@ class Palette:
     @property
     def _dashes(self) -> dict[str, int]:
         return {hue.light: place % len(LINES) for place, hue in enumerate(style.ENGINE_HUES)}
+
+    def names(self, specs: Iterable[str]) -> dict[str, str]:
+        """The names of a figure's solvers: of a short name only what tells them apart."""
+        return figure_names({spec: self.label(spec) for spec in specs})
 
     def label(self, spec: str) -> str:
         """A solver's short name; its spec, over several lines, if the page has none."""

@@ -89,6 +89,28 @@ def distinct(solvers: Sequence[str], labels: Sequence[str]) -> dict[str, str]:
     return names
 
 
+_KEPT = 2  # items of a short name that a figure always shows: engine and formulation
+
+
+def figure_names(labels: Mapping[str, str]) -> dict[str, str]:
+    """Solver -> name for a figure: engine, formulation, and what else tells its solvers apart.
+
+    Args:
+        labels: solver -> short name on the page, of the solvers that the figure shows.
+    """
+    items = {solver: label.split(", ") for solver, label in labels.items()}
+    groups: dict[tuple[str, ...], list[str]] = {}
+    for solver, parts in items.items():
+        groups.setdefault(tuple(parts[:_KEPT]), []).append(solver)
+    names = {}
+    for first, solvers in groups.items():
+        common = set.intersection(*(set(items[solver]) for solver in solvers))
+        for solver in solvers:
+            rest = [item for item in items[solver][_KEPT:] if item not in common]
+            names[solver] = ", ".join([*first, *rest])
+    return {solver: names[solver] for solver in labels}
+
+
 def _one_line(text: str) -> str:
     line = " ".join(text.split())
     return line if len(line) <= _MOST_CHARACTERS else f"{line[: _MOST_CHARACTERS - 1]}…"

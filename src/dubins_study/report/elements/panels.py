@@ -6,6 +6,7 @@ Their places are computed from the widths of the names, so that a figure needs n
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import lru_cache
 from itertools import combinations, pairwise
 
 import numpy as np
@@ -40,6 +41,7 @@ _USUAL_START = "bearing start"
 _FONTS = TextToPath()
 
 
+@lru_cache(maxsize=2000)
 def text_width(text: str, size: float) -> float:
     """The width of a line of text (inches) at a size (points)."""
     font = FontProperties(family=["DejaVu Sans"], size=size)

@@ -9,7 +9,7 @@ from markupsafe import Markup
 
 from dubins_study.report.explorer.fragment import fragment
 
-SCRIPTS = ("dubins", "explorer-scene", "explorer-answers", "explorer")
+SCRIPTS = ("dubins", "explorer-scene", "explorer-answers", "explorer-sweep", "explorer")
 _PAGE = Markup(
     '<!doctype html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
     '<meta name="viewport" content="width=device-width, initial-scale=1">\n'

@@ -12,14 +12,16 @@ from typing import Any
 import pandas as pd
 from markupsafe import Markup
 
+from dubins_study.report.data.command import solve_command
 from dubins_study.report.data.results import Results
-from dubins_study.report.elements.content import Section, Widget
-from dubins_study.report.elements.formats import count
+from dubins_study.report.elements.columns import SOLVER, Column, columns
+from dubins_study.report.elements.content import Section, Table, Widget
+from dubins_study.report.elements.formats import count, digits
 from dubins_study.report.elements.looks import Palette
 from dubins_study.report.elements.names import names_of
 from dubins_study.report.elements.style import VARIABLES
 from dubins_study.report.interactive.packing import Packed, pack
-from dubins_study.report.interactive.sample import WORST, sample
+from dubins_study.report.interactive.sample import SCENARIO, WORST, sample
 
 # The page stays below 5 MB; the embedded attempts take at most so many bytes of it, as base64 of
 # gzip. More points than these would also be slow to draw.
@@ -67,7 +69,39 @@ def attempts_section(results: Results) -> Section | None:
         ),
     )
     lead = "Choose solvers and axes, then click a point to see the path behind it."
-    return Section("attempts", "Single attempts", _text(rows, results), widgets, lead)
+    blocks = (*widgets, _worst_table(rows))
+    return Section("attempts", "Single attempts", _text(rows, results), blocks, lead)
+
+
+_WORST_COLUMNS = (
+    SOLVER,
+    Column("claim", "claim", kind="text"),
+    Column("verdict", "verdict", kind="text"),
+    *columns(digits(3), gap="gap", miss_R="miss (R)", beyond="too sharp by (1/R)"),
+    Column("label", "scenario", kind="text"),
+    Column("region", "region", kind="text"),
+)
+
+
+def _worst_table(rows: pd.DataFrame) -> Table:
+    """The very worst attempt of each solver; the CSV file also holds its question and command."""
+    worst = rows[rows["worst"] == 1]
+    frame = worst.assign(
+        miss_R=worst["miss"] / worst["radius"],
+        beyond=worst["curvature_excess"],
+        label=worst["label"].replace("", None),
+        command=[solve_command(row) for row in worst.to_dict("records")],
+    ).reset_index(drop=True)
+    caption = (
+        "The worst attempt of each solver; a false claim is red. Gaps are relative to the "
+        "reference. The CSV file also holds the questions and the commands that repeat them."
+    )
+    more = (*SCENARIO, "branch", "false_claim", "command")
+    marked = {(row, "verdict"): "bad" for row in frame.index[frame["false_claim"].eq(True)]}
+    frame["verdict"] = frame["verdict"].where(
+        ~frame["false_claim"].eq(True), frame["verdict"].astype(str) + ": a false claim"
+    )
+    return Table("worst-attempts", caption, frame, _WORST_COLUMNS, marked, more)
 
 
 def _text(rows: pd.DataFrame, results: Results) -> str:

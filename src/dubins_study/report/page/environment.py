@@ -25,7 +25,7 @@ SCRIPTS = (
     *("dubins", "page", "tables"),
     *("attempts-data", "attempts-fields", "path-picture", "drawer", "attempts-solvers"),
     *("attempts-choice", "attempts-plot", "attempts-list", "attempts", "worst"),
-    *("explorer-scene", "explorer-answers", "explorer"),
+    *("explorer-scene", "explorer-answers", "explorer-sweep", "explorer"),
 )
 
 

@@ -37,8 +37,10 @@ _GREEK = (
 _LATIN_SHAPES = str.maketrans("ΑΒΕΖΗΙΚΜΝΟΡΤΧ", "ABEZHIKMNOPTX")
 _JOINED = "-,'"  # two of these in a row are one character to TeX
 
-_LONG_RUN = re.compile(r"(\S{25,})")  # a word that may not fit into a column
-_BREAK = re.compile(r"[^\[,=_/.;:|\\-]{1,12}[\[,=_/.;:|\\-]*|[\[,=_/.;:|\\-]{1,12}")
+_LONG_RUN = re.compile(r"(\S{13,})")  # a word that may not fit into a column
+# Breaks come after punctuation; where there is none, every twelve letters of a very long part.
+_PART = re.compile(r"[^\[,=_/.;:|\\-]*[\[,=_/.;:|\\-]{1,12}|[^\[,=_/.;:|\\-]+")
+_LONG_PART, _PIECE = 24, re.compile(r".{1,12}")
 
 
 def tex(text: str) -> str:
@@ -50,9 +52,16 @@ def tex(text: str) -> str:
     """
     one_line = " ".join(text.split("\n")).replace("\r", " ").replace("\t", " ")
     parts = _LONG_RUN.split(one_line)
-    parts[1::2] = [r"\allowbreak{}".join(map(_escaped, _BREAK.findall(run))) for run in parts[1::2]]
+    parts[1::2] = [r"\allowbreak{}".join(map(_escaped, _pieces(run))) for run in parts[1::2]]
     parts[0::2] = map(_escaped, parts[0::2])
     return "".join(parts)
+
+
+def _pieces(run: str) -> list[str]:
+    """A long word in pieces between which a line may break."""
+    parts = _PART.findall(run)
+    split = [_PIECE.findall(part) if len(part) > _LONG_PART else [part] for part in parts]
+    return [piece for pieces in split for piece in pieces]
 
 
 def _escaped(text: str) -> str:

@@ -17,6 +17,7 @@ from dubins_study.solvers.paper_nlp.local_nlp import LocalNlp, Run
 from dubins_study.solvers.paper_nlp.program import solve
 from dubins_study.solvers.protocol import Method, Solver
 from dubins_study.solvers.setting_checks import positive, within
+from dubins_study.study.nearest import did_you_mean
 
 # A path would let whoever writes an experiment choose the file that is run.
 _EXECUTABLE = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]*")
@@ -96,7 +97,9 @@ class Nlp(LocalNlp, _Named):
         if self.engine == _KNITRO:
             return pyomo_direct.knitro_unavailable()
         missing = ampl.unavailable(self.engine)
-        return missing and f"{missing}, and no engine of that name; there are: {', '.join(ENGINES)}"
+        near = did_you_mean(self.engine, (*ENGINES, _KNITRO))
+        engines = f"no engine of that name; {near}there are: {', '.join(ENGINES)}"
+        return missing and f"{missing}, and {engines}"
 
     @property
     def keeps_limit(self) -> bool:

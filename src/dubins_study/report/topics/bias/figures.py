@@ -40,7 +40,7 @@ def plot_left_over(ax: Axes, table: pd.DataFrame, palette: Palette) -> None:
 
     Columns: solver, radius, z2 (length unit).
     """
-    looks = palette.looks(table["solver"])
+    looks, names = palette.looks(table["solver"]), palette.names(table["solver"])
     share = table["z2"] / table["radius"]
     foot = 10.0 ** np.floor(np.log10(share[share > 0].min()) - 1) if (share > 0).any() else 1e-8
     for place, solver in enumerate(solver_order(table["solver"].tolist())):
@@ -49,9 +49,7 @@ def plot_left_over(ax: Axes, table: pd.DataFrame, palette: Palette) -> None:
         # Shift each solver a little, since solvers without a turn all have marks at the bottom.
         at = group["radius"] * 1.06 ** (place - 2)
         look = looks[solver]
-        ax.plot(
-            at, left, marker=look.marker, markersize=4, **look.lines, label=palette.label(solver)
-        )
+        ax.plot(at, left, marker=look.marker, markersize=4, **look.lines, label=names[solver])
     ax.set(xscale="log", yscale="log", ylim=(foot / 2, None))
     ax.set(xlabel="turning radius R (length unit)", ylabel="right turn left over, z₂ / R")
     log_axis(ax.xaxis)

@@ -68,8 +68,9 @@ def _default(with_barrier: pd.DataFrame, palette: Palette) -> list[str]:
     row = numbers.default_attempt(with_barrier)
     if row is None:
         return []
+    (name,) = palette.names([row["solver"]]).values()
     return [
-        f"By its defaults {palette.label(row['solver'])} stops at μ = {digits(3)(row['mu'])}: at "
+        f"By its defaults {name} stops at μ = {digits(3)(row['mu'])}: at "
         f"R = {row['radius']:g} it leaves z₂ = {digits(4)(row['z2'])} where "
         f"{digits(4)(row['predicted'])} is predicted, while the length is only "
         f"{digits(2)(max(row['gap'], 0.0))} of itself too long and shows nothing."

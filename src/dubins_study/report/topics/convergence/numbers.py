@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from dubins_study.report.elements.names import figure_names
 from dubins_study.report.statistics import metrics
 
 # Method -> the setting that controls its fineness.
@@ -76,7 +77,8 @@ def series_names(attempts: pd.DataFrame, labels: Mapping[str, str]) -> pd.DataFr
     frame = attempts.groupby("series")[["solver"]].first()
     keys = [SIZES[metrics.parse_spec(spec)[0]] for spec in frame["solver"]]
     pairs = zip(frame["solver"], keys, strict=True)
-    return frame.assign(label=[label_without(labels[spec], key) for spec, key in pairs])
+    without = {spec: label_without(labels[spec], key) for spec, key in pairs}
+    return frame.assign(label=frame["solver"].map(figure_names(without)))
 
 
 def label_without(label: str, key: str) -> str:

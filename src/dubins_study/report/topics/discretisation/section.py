@@ -10,7 +10,7 @@ from dubins_study.report.elements.columns import columns
 from dubins_study.report.elements.content import Picture, Section, Table, picture
 from dubins_study.report.elements.formats import count, digits, seconds, share
 from dubins_study.report.elements.looks import Palette
-from dubins_study.report.elements.names import labels_of
+from dubins_study.report.elements.names import figure_names, labels_of
 from dubins_study.report.topics.convergence.numbers import label_without
 from dubins_study.report.topics.discretisation.figures import plot_gap_order, plot_work_precision
 from dubins_study.report.topics.discretisation.numbers import work_precision
@@ -23,7 +23,8 @@ def discretisation_section(results: Results) -> Section | None:
         return None
     drawable = table[np.isfinite(table["gap"]) & (table["gap"] > 0)]  # the axes are logarithmic
     labels = labels_of(results)
-    named = drawable.assign(label=[_label(labels[spec]) for spec in drawable["solver"]])
+    names = figure_names({spec: label_without(labels[spec], "n") for spec in drawable["solver"]})
+    named = drawable.assign(label=[_engine(names[spec]) for spec in drawable["solver"]])
     pictures = _precision_pictures(named, Palette.of_page(results)) if len(named) else ()
     blocks = (*pictures, _precision_table(table))
     text = (
@@ -37,9 +38,9 @@ def discretisation_section(results: Results) -> Section | None:
     return Section("discretisation", "Work and precision", text, blocks, lead)
 
 
-def _label(name: str) -> str:
-    """A solver's short name reduced to its engine and what differs besides n."""
-    return ", ".join(item for item in label_without(name, "n").split(", ") if item != "turn rates")
+def _engine(name: str) -> str:
+    """A solver's name without the formulation, which is the same for all."""
+    return ", ".join(item for item in name.split(", ") if item != "turn rates")
 
 
 _BAND = "a line of medians, with the quartiles over the targets as a band"

@@ -13,7 +13,7 @@ from dubins_study.report.elements.axes import power
 from dubins_study.report.elements.columns import SOLVER, Column, columns
 from dubins_study.report.elements.content import Picture, Section, Table
 from dubins_study.report.elements.formats import ABSENT, count, digits, sentences
-from dubins_study.report.elements.names import labels_of
+from dubins_study.report.elements.looks import Palette
 from dubins_study.report.elements.style import WIDE, Style, new_figure
 from dubins_study.report.topics.ladder import numbers
 from dubins_study.report.topics.ladder.figures import legend_entries, plot_ladder
@@ -26,7 +26,7 @@ def ladder_section(results: Results) -> Section | None:
     attempts = numbers.rungs(results.rows)
     if attempts.empty:
         return None
-    table, names = numbers.ladder(attempts), labels_of(results)
+    table, names = numbers.ladder(attempts), Palette.of_page(results).names(attempts["solver"])
     named = attempts.assign(solver=attempts["solver"].map(names))
     text = (
         "Targets at margins of 1e-1 to 1e-12 R from a turning circle, on both sides of its front "

@@ -128,12 +128,12 @@ def plot_times(ax: Axes, times: pd.DataFrame, solvers: Sequence[str], palette: P
     at = pd.Series(
         [place[key] for key in zip(times["label"], times["path"], strict=True)], times.index
     )
-    looks = palette.looks(solvers)
+    looks, names = palette.looks(solvers), palette.names(solvers)
     for solver in solvers:
         group, dots = times[times["solver"] == solver], looks[solver].dots
         if looks[solver].line != LINES[0]:
             dots |= {"markerfacecolor": "none"}  # another solver with the same engine
-        ax.plot(group["wall_s"], at[group.index], **dots, label=palette.label(solver))
+        ax.plot(group["wall_s"], at[group.index], **dots, label=names[solver])
     printed: dict[str, Any] = {"marker": "x", "color": INK, "markersize": 6, "zorder": 5}
     ax.plot(times["printed_s"], at, linestyle="none", **printed, label="printed in the paper")
     for tick in range(1, round(times["printed_s"].max() / TICK_S) + 1):

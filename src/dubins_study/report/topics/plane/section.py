@@ -8,7 +8,7 @@ from dubins_study.report.data.attempts import EXACT
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.content import Picture, Section, picture
 from dubins_study.report.elements.formats import count
-from dubins_study.report.elements.names import labels_of
+from dubins_study.report.elements.looks import Palette
 from dubins_study.report.statistics.metrics import solver_order, success
 from dubins_study.report.topics.plane import figures
 from dubins_study.report.topics.plane.numbers import along_circle, exact_answers
@@ -22,7 +22,7 @@ def plane_section(results: Results) -> Section | None:
     if len(exact):
         pictures += [_words(exact), _lengths(exact), _jump(exact)]
     coarse = rows[rows["solver"] != EXACT]
-    names = labels_of(results)
+    names = Palette.of_page(results).names(coarse["solver"])
     for number, solver in enumerate(solver_order(coarse["solver"].tolist()), start=1):
         pictures.append(_failures(number, names[solver], coarse[coarse["solver"] == solver]))
     if not pictures:

@@ -36,7 +36,7 @@ def plot_wall(ax: Axes, table: pd.DataFrame, palette: Palette) -> None:
     ax.text(1.01, 1.0, heading, transform=ax.transAxes, va="bottom", **beside)
     ax.set(xscale="log", xlabel="time of one attempt")
     log_axis(ax.xaxis, duration)
-    label_lines(ax, map(palette.label, table["solver"]), places)
+    label_lines(ax, palette.names(table["solver"]).values(), places)
 
 
 def _percent(share: float) -> str:
@@ -61,6 +61,6 @@ def plot_prices(ax: Axes, table: pd.DataFrame, palette: Palette) -> None:
     mark_limit(ax, 1.0)
     ax.set(xscale="log", xlabel="time / fastest right answer without a proof")
     log_axis(ax.xaxis)
-    label_lines(ax, map(palette.label, solvers), range(len(solvers)))
+    label_lines(ax, palette.names(solvers).values(), range(len(solvers)))
     figure = ax.figure
     figure.legend(loc="outside lower left", ncols=3)

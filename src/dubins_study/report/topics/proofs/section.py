@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import TypeAlias
+
 import pandas as pd
 
 from dubins_study.report.data.attempts import EXACT, PROOFS
@@ -15,6 +18,8 @@ from dubins_study.report.statistics.metrics import solver_order
 from dubins_study.report.topics.proofs.figures import plot_prices, plot_wall
 from dubins_study.report.topics.proofs.numbers import fastest, prices, proofs, provers
 
+Names: TypeAlias = Mapping[str, str]  # solver -> its name in the section
+
 
 def proofs_section(results: Results) -> Section | None:
     """Times, proofs and the price of the solvers' own bounds."""
@@ -23,6 +28,7 @@ def proofs_section(results: Results) -> Section | None:
         return None
     table, price = proofs(rows), prices(rows)
     palette = Palette.of_page(results)
+    names = palette.names(rows["solver"])
     blocks: list[Picture | Table] = [_time_picture(table, palette)]
     if len(price):
         blocks.append(_price_picture(price, palette))
@@ -35,9 +41,9 @@ def proofs_section(results: Results) -> Section | None:
     )
     text = sentences(
         text,
-        _own_bounds(rows, table, palette),
-        _price(rows, price, palette),
-        _certified(rows, table, palette),
+        _own_bounds(rows, table, names),
+        _price(rows, price, names),
+        _certified(rows, table, names),
     )
     lead = (
         "Compare a solver that proves its own answer with the fastest right answer without a "
@@ -51,9 +57,9 @@ def _paid(rows: pd.DataFrame) -> list[str]:
     return [solver for solver in provers(rows) if solver != EXACT]
 
 
-def _own_bounds(rows: pd.DataFrame, table: pd.DataFrame, palette: Palette) -> str:
+def _own_bounds(rows: pd.DataFrame, table: pd.DataFrame, names: Names) -> str:
     parts = [
-        f"{palette.label(row['solver'])} proves {share(row['own_bound'])} of its answers to 1e-4 "
+        f"{names[row['solver']]} proves {share(row['own_bound'])} of its answers to 1e-4 "
         f"or closer (largest proven gap {digits(2)(row['gap_most'])}), in {seconds(row['wall_s'])} "
         f"(median), {seconds(row['build_s'])} of them building"
         for row in table[table["solver"].isin(_paid(rows))].to_dict("records")
@@ -61,7 +67,7 @@ def _own_bounds(rows: pd.DataFrame, table: pd.DataFrame, palette: Palette) -> st
     return f"By its own bound {'; '.join(parts)}." if parts else ""
 
 
-def _price(rows: pd.DataFrame, price: pd.DataFrame, palette: Palette) -> str:
+def _price(rows: pd.DataFrame, price: pd.DataFrame, names: Names) -> str:
     first, often = fastest(rows)
     parts = []
     for solver in _paid(rows):
@@ -70,16 +76,16 @@ def _price(rows: pd.DataFrame, price: pd.DataFrame, palette: Palette) -> str:
             items = ", ".join(
                 f"{digits(2)(row['ratio'])} ({row['group']})" for row in group.to_dict("records")
             )
-            parts.append(f"{palette.label(solver)} {items}")
+            parts.append(f"{names[solver]} {items}")
     if not parts:
         return ""
     return (
         "Its price, as a multiple of the time of the fastest right answer without one "
-        f"({palette.label(first)} on {share(often)} of the questions): {'; '.join(parts)}."
+        f"({names[first]} on {share(often)} of the questions): {'; '.join(parts)}."
     )
 
 
-def _certified(rows: pd.DataFrame, table: pd.DataFrame, palette: Palette) -> str:
+def _certified(rows: pd.DataFrame, table: pd.DataFrame, names: Names) -> str:
     plain = table[~table["solver"].isin(provers(rows))]
     if plain.empty:
         return ""
@@ -90,10 +96,10 @@ def _certified(rows: pd.DataFrame, table: pd.DataFrame, palette: Palette) -> str
         f"{count(plain['attempts'].sum())} answers of solvers that prove nothing themselves"
     )
     if len(full):
-        text += f": all of {', '.join(map(palette.label, full['solver']))}"
+        text += f": all of {', '.join(map(names.__getitem__, full['solver']))}"
     if rest:
         items = ", ".join(
-            f"{count(row['proved'])} of {count(row['attempts'])} of {palette.label(row['solver'])}"
+            f"{count(row['proved'])} of {count(row['attempts'])} of {names[row['solver']]}"
             for row in plain[plain["solver"].isin(rest)].to_dict("records")
         )
         text += f"{', and' if len(full) else ':'} {items}"

@@ -69,12 +69,12 @@ def _length_scale(ax: Axes, foot: float, top: float) -> None:
 
 
 def _wrong_answers(ax: Axes, wrong: pd.DataFrame, palette: Palette) -> None:
-    looks = palette.looks(wrong["solver"])
+    looks, names = palette.looks(wrong["solver"]), palette.names(wrong["solver"])
     for solver, look in looks.items():
         group = wrong[wrong["solver"] == solver]
         arrived, lost = group[group["arrives"]], group[~group["arrives"]]
         dots = look.dots | {"markersize": 3.5, "markerfacecolor": "none", "zorder": 4}
-        dots |= {"label": palette.label(solver)[:_MOST_LETTERS]}
+        dots |= {"label": names[solver][:_MOST_LETTERS]}
         ax.plot(arrived["radius"], arrived["length"], **dots)
         if len(lost):  # an empty line off the data's axes would upset the layout
             foot = np.full(len(lost), 0.03)
@@ -89,12 +89,12 @@ def plot_time(ax: Axes, sweep: Sweep, solvers: Sequence[str], palette: Palette) 
 
     The axes must have their final place.
     """
-    looks, curves = palette.looks(solvers), {}
+    looks, names, curves = palette.looks(solvers), palette.names(solvers), {}
     for place, solver in enumerate(solvers):
         group = sweep.times[sweep.times["solver"] == solver]
         style = looks[solver].curve(place) | {"linewidth": 1.1}
         (curve,) = ax.plot(group["radius"], group["wall_s"], **style)
-        curves[palette.label(solver)[:_MOST_LETTERS]] = curve
+        curves[names[solver][:_MOST_LETTERS]] = curve
     ends = sweep.shortest["radius"].min(), sweep.shortest["radius"].max()
     ax.set(xscale="log", xlim=ends, yscale="log", ylabel="median time")
     log_axis(ax.yaxis, duration)

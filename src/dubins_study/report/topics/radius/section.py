@@ -49,7 +49,7 @@ def radius_section(results: Results) -> Section | None:
         "closed form and of each formulation's solver that is most surely right."
     )
     if len(warm):
-        named = warm.assign(solver=[palette.label(solver) for solver in warm["solver"]])
+        named = warm.assign(solver=warm["solver"].map(palette.names(warm["solver"])))
         text += f" {warm_sentences(named)}"
     lead = (
         "See where the target enters a turning circle, at R*: there the word changes, the length "

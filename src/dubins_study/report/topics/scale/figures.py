@@ -26,6 +26,7 @@ def plot_scale(
     are drawn at `foot`, answers that do not arrive at `top`.
     """
     looks, curves = palette.looks(rows["solver"]), {}
+    names = palette.names(rows["solver"])
     for place, solver in enumerate(solver_order(rows["solver"].tolist())):
         group = rows[rows["solver"] == solver].sort_values("radius")
         gap = group["gap"].where(group["gap"] > ROUNDING, foot).where(group["gap"].notna(), top)
@@ -34,7 +35,7 @@ def plot_scale(
         look = looks[solver]
         style: Style = {"marker": look.marker, "markersize": 3}
         (curve,) = ax.plot(group["radius"], gap, **style, **look.lines)
-        curves[palette.label(solver)[:_MOST_LETTERS]] = curve
+        curves[names[solver][:_MOST_LETTERS]] = curve
     mark_limit(ax, ROUNDING, "y")
     ax.set(xscale="log", yscale="log", ylim=(foot / 3, top * 4))
     log_axis(ax.xaxis)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import pandas as pd
 
 from dubins_study.report.data.results import Results
@@ -28,7 +30,7 @@ def scale_section(results: Results) -> Section | None:
         return None
     table = by_solver(spreads(rows))
     palette = Palette.of_page(results)
-    text = f"{_method(rows)} {' '.join(_findings(table, palette))}"
+    text = f"{_method(rows)} {' '.join(_findings(table, palette.names(table['solver'])))}"
     blocks = (_picture(rows, _drawn(table), palette), _table(table))
     lead = (
         "A level line is a solver that does not care about the unit of length; one that rises has "
@@ -53,7 +55,7 @@ def _method(rows: pd.DataFrame) -> str:
     )
 
 
-def _findings(table: pd.DataFrame, palette: Palette) -> list[str]:
+def _findings(table: pd.DataFrame, names: Mapping[str, str]) -> list[str]:
     """Three sentences: invariant solvers, other solvers, and whether the work is invariant."""
     same = table[table["invariant"] == table["scenarios"]]
     first = f"{len(same)} of {len(table)} solvers and variants give the same path everywhere"
@@ -62,7 +64,7 @@ def _findings(table: pd.DataFrame, palette: Palette) -> list[str]:
     other = table[table["invariant"] < table["scenarios"]]
     if len(other):
         parts = [
-            f"{palette.label(row['solver'])} (right in {share(row['success'])}"
+            f"{names[row['solver']]} (right in {share(row['success'])}"
             + (f", lengths up to {digits(2)(row['spread'])} apart)" if row["spread"] >= 0 else ")")
             for _, row in other.iterrows()
         ]
@@ -83,7 +85,7 @@ def _findings(table: pd.DataFrame, palette: Palette) -> list[str]:
         worst = moved.iloc[moved["iterations"].to_numpy().argmax()]
         third += (
             f"; rounding alone changes it by up to a factor of {digits(2)(worst['iterations'])} "
-            f"({palette.label(worst['solver'])})"
+            f"({names[worst['solver']]})"
         )
     return [f"{first}.", second, f"{third}."]
 

@@ -18,7 +18,7 @@ def warm_blocks(table: pd.DataFrame, palette: Palette) -> tuple[Picture, Table]:
     ratios = picture(
         "warm-starts",
         plot_warm,
-        *(table, [palette.label(solver) for solver in table["solver"]]),
+        *(table, list(palette.names(table["solver"]).values())),
         caption="Started from the answer at the neighbouring radius against cold: time and the "
         "solver's own iterations, question by question, median (mark) and quartiles (bar). Left "
         "of 1 the warm start saves.",

@@ -18,28 +18,32 @@
     hex: "M -2.5 -4.4 H 2.5 L 5 0 L 2.5 4.4 H -2.5 L -5 0 Z",
   };
 
+  // Opacity of what fills a mark, and its size (pixels), for solvers of one engine.
+  const VARIANTS = [[0.85, 7], [0, 7], [0.35, 7], [0, 11], [0.85, 4.5], [0.35, 11]];
+
   // How the chosen solvers are drawn: the mark of their engine; those of one mark differ in what
-  // fills it.
+  // fills it and in its size.
   function marks(data, chosen) {
     const used = new Map(), result = new Map();
     for (const k of chosen) {
       const {colour, marker, angle} = data.solvers[k], key = `${colour} ${marker} ${angle}`;
       const turn = used.get(key) || 0;
       used.set(key, turn + 1);
-      result.set(k, {colour, marker, angle, fill: [0.85, 0, 0.35][turn % 3]});
+      const [fill, size] = VARIANTS[turn % VARIANTS.length];
+      result.set(k, {colour, marker, angle, fill, size});
     }
     return result;
   }
 
   // A mark as a small drawing, for the legend.
-  function swatch({colour, marker, angle, fill}) {
+  function swatch({colour, marker, angle, fill, size}) {
     const box = document.createElementNS("http://www.w3.org/2000/svg", "svg");
     box.setAttribute("viewBox", "-7 -7 14 14");
     box.setAttribute("aria-hidden", "true");
     box.setAttribute("class", "swatch");
     const path = document.createElementNS("http://www.w3.org/2000/svg", "path");
     path.setAttribute("d", SHAPES[marker] || SHAPES.circle);
-    path.setAttribute("transform", `rotate(${-angle * 180 / Math.PI})`);
+    path.setAttribute("transform", `rotate(${-angle * 180 / Math.PI}) scale(${size / 9})`);
     path.style.stroke = `var(${colour})`;
     path.style.fill = `var(${colour})`;
     path.style.fillOpacity = fill;
@@ -47,19 +51,17 @@
     return box;
   }
 
-  // At most ten solvers: the most successful of each formulation.
+  // At most ten solvers: of each formulation the one with most right answers.
   function usual(data) {
-    const {solver, verdict} = data.columns;
-    const right = ["optimal", "none exists"].map((text) => data.texts.verdict.indexOf(text) + 1);
-    const count = new Float64Array(data.solvers.length), good = new Float64Array(data.solvers.length);
+    const {solver, verdict} = data.columns, right = new Float64Array(data.solvers.length);
+    const codes = ["optimal", "none exists"].map((text) => data.texts.verdict.indexOf(text) + 1);
     for (let i = 0; i < data.count; i += 1) {
-      count[solver[i] - 1] += 1;
-      if (verdict[i] && right.includes(verdict[i])) good[solver[i] - 1] += 1;
+      if (verdict[i] && codes.includes(verdict[i])) right[solver[i] - 1] += 1;
     }
     const best = new Map();
     data.solvers.forEach(({formulation}, k) => {
       const other = best.get(formulation);
-      if (other === undefined || good[k] / count[k] > good[other] / count[other]) best.set(formulation, k);
+      if (other === undefined || right[k] > right[other]) best.set(formulation, k);
     });
     return [...best.values()].slice(0, MOST_SOLVERS);
   }

@@ -87,10 +87,11 @@
       "--profile": [data.text("profile", i), "default"],
       "--time-limit": [limit ? String(limit) : "60", "60"],
     };
-    const words = ["dubins-study", "solve", targetX, targetY, "--from", x, y, heading];
+    const words = ["dubins-study", "solve", "--from", x, y, heading];
     for (const [name, [value, usual]] of Object.entries(options)) {
       if (value !== usual) words.push(name, value);
     }
+    words.push("--", targetX, targetY); // a negative number is no option
     return words.map(quoted).join(" ");
   }
 

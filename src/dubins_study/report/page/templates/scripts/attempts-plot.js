@@ -75,11 +75,12 @@
       ...columns(data, state, list),
       marker: each.map((look) => look.marker), angle: each.map((look) => look.angle),
       colour: each.map((look) => css(look.colour)), fill: each.map((look) => look.fill),
+      size: each.map((look) => look.size),
     };
   }
 
   // What is shown beside a point; all text is text, whatever it holds.
-  function tooltip(data, state, i) {
+  function tooltip(data, state, i, here) {
     const solver = data.solvers[data.columns.solver[i] - 1];
     const line = (text, style = "") => element("div", {style}, text);
     const value = (name) => `${FIELDS[name].short}: ${number(FIELDS[name].value(data, i))}`;
@@ -88,7 +89,7 @@
     line(solver.label, "font-weight: 600"), line(solver.spec, "font-family: monospace; color: var(--muted)"),
     line([data.anyText("verdict", i), data.anyText("claim", i) && `claim ${data.text("claim", i)}`,
       data.anyText("label", i) || data.anyText("region", i)].filter(Boolean).join(", ")),
-    line(`${value(state.y)}; ${value(state.x)}`));
+    line(`${value(state.y)}; ${value(state.x)}`), line(here));
   }
 
   function figure(Bokeh, data, state, sources) {
@@ -101,7 +102,7 @@
     const zoom = new Bokeh.BoxZoomTool(), wheel = new Bokeh.WheelZoomTool({modifiers: {ctrl: true}});
     const faint = fig.scatter({field: "x"}, {field: "y"}, {source: sources.others, size: 4,
       marker: "circle", fill_color: css("--muted"), fill_alpha: 0.22, line_color: null});
-    const bright = fig.scatter({field: "x"}, {field: "y"}, {source: sources.chosen, size: 7,
+    const bright = fig.scatter({field: "x"}, {field: "y"}, {source: sources.chosen, size: {field: "size"},
       marker: {field: "marker"}, angle: {field: "angle"}, fill_color: {field: "colour"},
       fill_alpha: {field: "fill"}, line_color: {field: "colour"}, line_width: 1.2});
     fig.scatter({field: "x"}, {field: "y"}, {source: sources.current, size: 18, marker: "circle",
@@ -110,8 +111,12 @@
       renderer.nonselection_glyph = null;
       renderer.selection_glyph = null;
     }
+    // Where coloured points are, faint ones below them are not named.
+    const above = () => sources.chosen.inspected.indices.length > 0;
     const hover = new Bokeh.HoverTool({renderers: [bright, faint], limit: MOST_TOOLTIPS,
-      tooltips: (source, {index}) => tooltip(data, state, source.get_column("row")[index])});
+      filters: {row: (_, {data_source}) => data_source === sources.chosen || !above()},
+      tooltips: (source, {index, indices}) => tooltip(data, state, source.get_column("row")[index],
+        index === indices[0] && indices.length > MOST_TOOLTIPS ? `the first of ${indices.length} here` : "")});
     fig.add_tools(zoom, new Bokeh.PanTool(), wheel, new Bokeh.ResetTool(), hover,
       new Bokeh.TapTool({renderers: [bright, faint]}));
     Object.assign(fig.toolbar, {logo: null, active_scroll: wheel, active_drag: coarse ? null : zoom});
@@ -162,7 +167,7 @@
     function newSources() {
       const source = (more) => new Bokeh.ColumnDataSource({data: {x: [], y: [], row: [], ...more}});
       sources = {others: source(), current: source(),
-        chosen: source({marker: [], angle: [], colour: [], fill: []})};
+        chosen: source({marker: [], angle: [], colour: [], fill: [], size: []})};
       let waiting = null;
       for (const one of [sources.chosen, sources.others]) {
         one.selected.properties.indices.change.connect(() => {

@@ -1,4 +1,18 @@
 "use strict";
+// window.explorerNumbers: how the explorer writes numbers.
+window.explorerNumbers = (() => {
+  // Six significant digits, with a minus sign that is one; tiny and huge numbers with a power of ten.
+  function number(value, digits = 6) {
+    const size = Math.abs(value);
+    if (size !== 0 && (size < 1e-4 || size >= 1e9)) {
+      return value.toExponential(digits - 1).replace("-", "−");
+    }
+    return String(Number(value.toPrecision(digits))).replace("-", "−");
+  }
+
+  return {number};
+})();
+
 // window.explorerAnswers(root): the explorer's table and sentences. Everything is set as text.
 window.explorerAnswers = (root) => {
   const SHORTEST = "shortest", DEGREES = 180 / Math.PI;
@@ -11,15 +25,7 @@ window.explorerAnswers = (root) => {
   const place = root.querySelector("[data-answer=place]");
   const summary = root.querySelector("[data-answer=summary]");
 
-  // Six significant digits, with a minus sign that is one; tiny and huge numbers with a power of ten.
-  function number(value, digits = 6) {
-    const size = Math.abs(value);
-    if (size !== 0 && (size < 1e-4 || size >= 1e9)) {
-      return value.toExponential(digits - 1).replace("-", "−");
-    }
-    return String(Number(value.toPrecision(digits))).replace("-", "−");
-  }
-
+  const {number} = window.explorerNumbers;
   const degrees = (angle, digits = 4) => `${number(angle * DEGREES, digits)}°`;
 
   function segmentsOf(entry) {
@@ -40,8 +46,8 @@ window.explorerAnswers = (root) => {
   }
 
   // What the certificate says, in words (docs/derivation.md, sections 9 and 10).
-  function verdict(entry, tied) {
-    const {certificate, segments, word} = entry;
+  function verdict(entry, certificate, tied) {
+    const {segments, word} = entry;
     if (word === "") return "nothing to drive";
     if (certificate.verdict === "no extremal") {
       const [a, b] = segments;
@@ -57,8 +63,7 @@ window.explorerAnswers = (root) => {
     return `extremal, but ${degrees(-certificate.cut_margin)} beyond its cut: another word is shorter`;
   }
 
-  function evidence(entry) {
-    const found = entry.certificate;
+  function evidence(entry, found) {
     if (!entry.word || found.sign_margin === null) return "";
     const size = found.abnormal ? "ν₀ = 0, " : "ν₀ = 1, ";
     const sign = Math.abs(found.sign_margin) < 1e-12 ? 0 : found.sign_margin;
@@ -83,13 +88,14 @@ window.explorerAnswers = (root) => {
       row.classList.toggle("absent", !entry.exists);
       cells.mark.textContent = entry.optimal ? "✓" : "";
       cells.mark.title = entry.optimal ? "the shortest path" : "";
+      const {certificate} = entry;
       const texts = entry.exists ? {
         path: segmentsOf(entry),
         radii: number(entry.length / scenario.radius),
         length: number(entry.length),
         over: over(entry, best),
-        certificate: verdict(entry, tied && entry.optimal),
-        evidence: evidence(entry),
+        certificate: verdict(entry, certificate, tied && entry.optimal),
+        evidence: evidence(entry, certificate),
       } : {path: "–", radii: "–", length: "–", over: "–", certificate: absence(entry.branch, local), evidence: ""};
       for (const [name, text] of Object.entries(texts)) cells[name].textContent = text;
       cells.length.dataset.value = entry.exists ? entry.length : "";
@@ -119,5 +125,5 @@ window.explorerAnswers = (root) => {
     if (summary.textContent !== text) summary.textContent = text;
   }
 
-  return {fill, announce, number};
+  return {fill, announce};
 };

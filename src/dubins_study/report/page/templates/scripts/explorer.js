@@ -10,12 +10,16 @@
   const NUMBERS = ["x", "y", "target_x", "target_y", "radius"];
   const scene = window.explorerScene(root.querySelector(".explorer-stage")), {svg} = scene;
   const answers = window.explorerAnswers(root);
+  const sweep = window.explorerSweep(root.querySelector(".explorer-sweep"), (radius) => {
+    touched = true;
+    set({radius: Number(radius.toPrecision(3))});
+  });
   const fields = {};
   for (const input of root.querySelectorAll("input[name]")) fields[input.name] = input;
   const problem = root.querySelector("[data-answer=problem]");
 
   // The scenario, and the heading as people write it ("120deg", or a number: rad).
-  let state = null, entries = [], side = 1, dragged = null, settle = 0, touched = false;
+  let state = null, entries = [], side = 1, dragged = null, settle = 0, frame = 0, touched = false;
 
   // Angle in rad of "120deg" or of a number in rad; NaN if it is neither.
   function angle(text) {
@@ -76,13 +80,15 @@
     copies.command.textContent = command();
     copies.python.textContent = python();
     speak();
+    cancelAnimationFrame(frame); // once a frame is enough for what is drawn beside the plane
+    frame = requestAnimationFrame(() => sweep.draw(state, entries));
     clearTimeout(settle);
     settle = setTimeout(settled, SETTLED_MS);
   }
 
   // What screen readers say at a handle.
   function speak() {
-    const {number} = answers, degrees = `${number(state.heading / DEGREE, 5)} degrees`;
+    const {number} = window.explorerNumbers, degrees = `${number(state.heading / DEGREE, 5)} degrees`;
     const texts = {
       target: `${number(state.target_x)}, ${number(state.target_y)}. ${summary}`,
       heading: `${degrees}. ${summary}`, radius: `${number(state.radius)}. ${summary}`,
@@ -275,5 +281,5 @@
   addEventListener("hashchange", fromAddress);
   resize();
   fromAddress();
-  window.explorer = {set, parsed, state: () => state, entries: () => entries};
+  window.explorer = {set, parsed, state: () => state, entries: () => entries, sweep};
 })();

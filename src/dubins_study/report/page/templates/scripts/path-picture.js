@@ -99,25 +99,36 @@
     ];
   }
 
-  // Names at the start, the target and the solver's path, and the scale bar.
+  // Names of the start and of the target, each away from the paths, and the scale bar.
   function writing(scenario, lines, at, {scale, size}) {
-    const [sx, sy] = at(scenario.x, scenario.y), [tx, ty] = at(scenario.target_x, scenario.target_y);
-    const texts = [label(sx, sy, "start", size), label(tx, ty, "target", size)];
+    const heading = [Math.cos(scenario.heading), -Math.sin(scenario.heading)];
+    const start = at(scenario.x, scenario.y), target = at(scenario.target_x, scenario.target_y);
+    const line = (lines[1] || lines[0] || []).map((point) => at(...point));
+    const before = line.findLast((point) => distance(point, target) > 12) || start;
+    const arriving = [0, 1].map((k) => (target[k] - before[k]) / (distance(before, target) || 1));
     const unit = round(size[0] / 4 / scale), y = size[1] - 8;
-    texts.push(
+    return [
+      label(start, heading.map((part) => -part), "start", size),
+      label(target, arriving, "target", size),
       shape("path", {d: `M 4 ${y - 4} V ${y} H ${tidy(4 + unit * scale)} V ${y - 4}`, class: "scale"}),
-      named(8 + unit * scale, y, `${window.attempts.number(unit / scenario.radius)} R`));
-    return texts;
+      named(8 + unit * scale, y, `${window.attempts.number(unit / scenario.radius)} R`)];
+  }
+
+  function distance(a, b) {
+    return Math.hypot(a[0] - b[0], a[1] - b[1]);
   }
 
   function named(x, y, text) {
     return shape("text", {x: tidy(x), y: tidy(y)}, text);
   }
 
-  function label(x, y, text, [width]) {
-    const left = x > width - 60;
-    const node = named(x + (left ? -11 : 11), y + 16, text);
-    node.setAttribute("text-anchor", left ? "end" : "start");
+  // A name beside a place, in a direction (of length 1, y down), or opposite if it would be cut.
+  function label(place, direction, text, [width, height]) {
+    const side = (sign) => [0, 1].map((k) => place[k] + sign * (k ? 16 : 12) * direction[k]);
+    const inside = ([x, y]) => x > 8 && x < width - 8 && y > 14 && y < height - 34;
+    const sign = inside(side(1)) ? 1 : -1, [x, y] = side(sign), across = sign * direction[0];
+    const node = named(x, y + 4, text);
+    node.setAttribute("text-anchor", across > 0.4 ? "start" : across < -0.4 ? "end" : "middle");
     return node;
   }
 

@@ -1,0 +1,82 @@
+"""The documentation: it builds without a warning, and its pages work offline and on a phone."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from browser_tab import PHONE
+
+ROOT = Path(__file__).parents[2]
+DOCS = ROOT / "docs"
+# An attribute that makes a browser load something from another host. A link is not one.
+LOADED = re.compile(
+    r"<(?:img|script|iframe|source|link)[^>]+(?:src|href)=\"(?:https?:)?//[^\"]*\"|url\(.?http"
+)
+
+pytestmark = pytest.mark.slow
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The site, built with every warning as an error; its notebooks are run."""
+    out = tmp_path_factory.mktemp("docs") / "site"
+    options = ["-q", "-W", "--keep-going", "-d", str(out.with_name("trees"))]
+    command = [sys.executable, "-m", "sphinx", *options, str(DOCS), str(out)]
+    build = subprocess.run(command, capture_output=True, text=True, timeout=280)
+
+    assert build.returncode == 0, build.stderr
+    return out
+
+
+def pages_of(site: Path) -> list[Path]:
+    """The pages that have a source."""
+    sources = [*DOCS.rglob("*.md"), *(ROOT / "examples" / "notebooks").glob("*.ipynb")]
+    names = [f.relative_to(DOCS if DOCS in f.parents else ROOT / "examples") for f in sources]
+    return [site / name.with_suffix(".html") for name in names]
+
+
+def test_every_source_is_a_page(site: Path):
+    """An unknown link, directive or reference has ended the build before."""
+    pages = pages_of(site)
+
+    assert len(pages) > 30
+    assert all(page.exists() for page in pages)
+
+
+def test_no_page_names_anything_of_another_host(site: Path):
+    """Fonts, scripts, pictures and formulas lie in the folder."""
+    for file in [*site.rglob("*.html"), *site.rglob("*.css")]:
+        assert not LOADED.findall(file.read_text(encoding="utf-8")), file
+
+
+def test_every_page_fits_a_phone(site: Path, new_tab):
+    """400 pixels without sideways scrolling; no error in the console, no request to a host."""
+    tab = new_tab(viewport=PHONE, color_scheme="dark")
+    for page in pages_of(site):
+        tab.goto(page.as_uri())
+        width = tab.evaluate("document.documentElement.scrollWidth")
+
+        assert width <= PHONE["width"], f"{page.name} is {width} pixels wide"
+
+
+def test_formulas_are_drawn_by_the_browser(site: Path, new_tab):
+    """A fraction is higher than the line of text that it replaces."""
+    tab = new_tab()
+    tab.goto((site / "method.html").as_uri())
+    fraction = tab.locator("math mfrac").first.bounding_box()
+
+    assert fraction["height"] > 25  # pixels; a line of text is 16 high
+    assert not tab.locator("text=\\frac").count()
+
+
+def test_a_word_is_found(site: Path, new_tab):
+    """The search works from a file, without a server."""
+    tab = new_tab()
+    tab.goto(f"{(site / 'search.html').as_uri()}?q=presolve")
+    tab.wait_for_selector("#search-results li a")
+
+    assert tab.locator("#search-results li a", has_text="Glossary").count()

@@ -1,0 +1,183 @@
+"""What goes to which stream: results, progress, colours, and how a command ends."""
+
+from __future__ import annotations
+
+import json
+import os
+import pty
+import select
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+
+MINE = """
+title = "mine"
+question = "how far?"
+solvers = ["analytic"]
+[[scenarios]]
+target_x = { linear = [1, 4, 40] }
+target_y = 3
+"""
+COMMAND = [sys.executable, "-m", "dubins_study"]
+
+
+def piped(*arguments, cwd, **environment):
+    return subprocess.run(
+        [*COMMAND, *arguments],
+        capture_output=True,
+        text=True,
+        cwd=cwd,
+        timeout=300,
+        env=os.environ | environment,
+    )
+
+
+def in_a_terminal(*arguments, cwd, columns, **environment):
+    """All that a command writes to a terminal, both streams, and its exit code."""
+    ours, its = pty.openpty()
+    import fcntl
+    import struct
+    import termios
+
+    fcntl.ioctl(its, termios.TIOCSWINSZ, struct.pack("HHHH", 40, columns, 0, 0))
+    unset = {"COLUMNS", "NO_COLOR", "FORCE_COLOR"}
+    env = {k: v for k, v in os.environ.items() if k not in unset} | {"TERM": "xterm"} | environment
+    process = subprocess.Popen(
+        [*COMMAND, *arguments], stdin=its, stdout=its, stderr=its, cwd=cwd, env=env
+    )
+    os.close(its)
+    written, end = b"", time.monotonic() + 300
+    while time.monotonic() < end:
+        if select.select([ours], [], [], 1)[0]:
+            try:
+                data = os.read(ours, 65536)
+            except OSError:  # the other side is closed
+                break
+            if not data:
+                break
+            written += data
+    os.close(ours)
+    return written.decode(), process.wait(60)
+
+
+@pytest.fixture
+def mine(tmp_path):
+    (tmp_path / "mine.toml").write_text(MINE)
+    return tmp_path
+
+
+def test_a_pipe_gets_text_alone(mine):
+    """No control character on either stream, no progress of a short run, and no broken line."""
+    done = piped("run", "mine.toml", cwd=mine)
+
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "\x1b" not in done.stdout
+    assert "40 of 40 cells done" in done.stdout
+    assert len([line for line in done.stdout.splitlines() if "analytic" in line]) == 1
+
+
+@pytest.mark.parametrize("flag", ["--quiet", "--verbose"])
+def test_how_much_a_run_says(mine, flag):
+    """Quiet: results alone. Verbose: every step, on stderr."""
+    done = piped("run", "mine.toml", "--json", flag, cwd=mine)
+
+    assert json.loads(done.stdout)["done"] == 40
+    steps = done.stderr.splitlines()
+    assert bool(steps) == (flag == "--verbose")
+    assert all(step.startswith("dubins-study: ") for step in steps)
+    assert ("40 of them to solve" in done.stderr) == (flag == "--verbose")
+
+
+@pytest.mark.parametrize("columns", [40, 80, 120])
+def test_a_terminal_gets_lines_that_fit(mine, columns):
+    """Progress is one line; the tables below it fit."""
+    written, code = in_a_terminal("run", "mine.toml", cwd=mine, columns=columns)
+
+    assert code == 0
+    *_, shown = written.partition("40 of 40 cells done")
+    assert "\x1b" not in shown
+    assert max(map(len, shown.splitlines())) <= columns
+    progress = written.partition("results/mine:")[0]
+    assert "40/40" in progress
+    assert progress.count("\n") <= 2
+
+
+def test_no_colour_in_a_terminal_that_wants_none(mine):
+    written, code = in_a_terminal("run", "mine.toml", cwd=mine, columns=80, NO_COLOR="1")
+
+    assert code == 0
+    assert "40/40" in written
+    assert "\x1b[3" not in written  # the codes of colours
+
+
+def test_a_quiet_run_in_a_terminal(mine):
+    written, code = in_a_terminal("run", "mine.toml", "-q", cwd=mine, columns=80)
+
+    assert code == 0
+    assert written.startswith("results/mine: 40 of 40 cells done")
+
+
+SLOW = """
+import time
+from dubins_study import Claim, Solution, Solver
+class Slow(Solver):
+    name = "slow"
+    def solve(self, question, limit):
+        open("asked", "w").close()
+        time.sleep(60)
+        return Solution(Claim.FAILED)
+"""
+
+
+def test_ctrl_c_ends_with_130(tmp_path):
+    """At once, without a traceback and without an answer."""
+    (tmp_path / "slow.py").write_text(SLOW)
+    process = subprocess.Popen(
+        [*COMMAND, "solve", "1", "2", "--solver", f"{tmp_path}/slow.py:Slow"],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        cwd=tmp_path,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
+    )
+    end = time.monotonic() + 60
+    while process.poll() is None and time.monotonic() < end and not _asked(tmp_path):
+        time.sleep(0.1)
+    process.send_signal(signal.SIGINT)
+    out, errors = process.communicate(timeout=60)
+
+    assert process.returncode == 130
+    assert out == ""
+    assert "Traceback" not in errors
+
+
+def _asked(folder):
+    """Whether the solver is at work; a worker's own folder may be another."""
+    return (folder / "asked").exists() or any(folder.rglob("asked"))
+
+
+def test_a_shell_completes_names(tmp_path):
+    """As bash asks for them, with the words so far in the environment."""
+    for words, expected in (
+        ("solve 1 2 --solver turn", {"turn-rate-qp", "turn-rates"}),
+        ("run rad", {"radius-sweep", "radius-sweep-full"}),
+        ("solve 1 2 --branch R", {"RS", "RL"}),
+        ("experi", {"experiments"}),
+    ):
+        line = f"dubins-study {words}"
+        asked = {
+            "_DUBINS_STUDY_COMPLETE": "complete_bash",
+            "COMP_WORDS": line,
+            "COMP_CWORD": str(len(line.split()) - 1),
+        }
+        done = subprocess.run(
+            [sys.executable, "-c", "from dubins_study.cli.app import main; main()"],
+            capture_output=True,
+            text=True,
+            cwd=tmp_path,
+            env=os.environ | asked,
+        )
+        assert set(done.stdout.split()) == expected, done.stderr

@@ -1,0 +1,219 @@
+"""All figures of a page of everything: what may be said of any of them."""
+
+from __future__ import annotations
+
+import re
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+from dubins_study.report.data.results import load
+from dubins_study.report.elements.axes import label_curves, spread_labels, step_curve
+from dubins_study.report.elements.content import Picture, Table
+from dubins_study.report.elements.figure_file import figure_bytes, fix_layout
+from dubins_study.report.elements.panels import common_part, split_columns, text_width
+from dubins_study.report.elements.style import RULE, drawing
+from dubins_study.report.page.sections import TOPICS, sections_of
+from tests.unit.report import test_many_methods, test_page
+from tests.unit.report.results_folder import write_folder
+
+# The page's column is 984 pixels wide on a screen of 1280 by 900, half of it 478.
+SCREEN = {False: 900 / 984, True: 900 / 478}
+MOST_CURVES = 10
+MOST_SVG_BYTES = 120_000
+
+
+@pytest.fixture(scope="module")
+def sections(tmp_path_factory):
+    """Every section of a page of sixty-four methods, the paper, sweeps, a plane and meshes."""
+    base = tmp_path_factory.mktemp("everything")
+    rows = {
+        "benchmark": test_many_methods.rows(),
+        "paper": test_page.paper_rows(),
+        "radius-sweep": test_page.sweep_rows(),
+        "plane": test_page.plane_rows(),
+        "discretisation": [
+            row | {"formulation": "turn rates", "engine": row["solver"].split("=")[-1][:-1]}
+            for row in test_page.discretisation_rows()
+        ],
+    }
+    results = load([write_folder(base / name, name, each) for name, each in rows.items()])
+    with drawing():
+        return [section for topic in TOPICS for section in sections_of(topic, results)]
+
+
+@pytest.fixture(scope="module")
+def pictures(sections):
+    """Every figure by its name, laid out and drawn."""
+    blocks = [b for s in sections for b in s.blocks if isinstance(b, Picture)]
+    with drawing():
+        for block in blocks:
+            fix_layout(block.figure)
+            FigureCanvasAgg(block.figure).draw()
+    return {block.name: block for block in blocks}
+
+
+def curves(ax):
+    """The lines of a panel with a colour and many points: not rules beside names, not grey ones."""
+    lines = [line for line in ax.lines if line.get_clip_on() and len(line.get_xdata()) > 2]
+    return [line for line in lines if line.get_color() != RULE and line.get_linestyle() != "None"]
+
+
+def test_the_page_has_figures_of_many_topics(pictures):
+    """So that what follows is said of something."""
+    assert {"matrix", "comparison-profiles", "belief-claims", "verdicts"} <= set(pictures)
+    assert {"comparison-targets", "agreement-formulations", "work-precision"} <= set(pictures)
+    assert len(pictures) > 15
+
+
+def test_no_figure_is_taller_than_a_screen(pictures):
+    """At the width that the page gives it."""
+    for name, block in pictures.items():
+        width, height = block.figure.get_size_inches()
+        assert height / width <= SCREEN[block.half], name
+
+
+def test_no_panel_has_more_than_ten_curves(pictures):
+    """With a colour; the others are grey, without names."""
+    for name, block in pictures.items():
+        for ax in block.figure.axes:
+            assert len(curves(ax)) <= MOST_CURVES, name
+
+
+def test_no_legend_is_larger_than_its_plot(pictures):
+    """Its box has less area than the panels together, and lies in the figure."""
+    for name, block in pictures.items():
+        figure = block.figure
+        boxes = [ax.get_window_extent() for ax in figure.axes if ax.get_visible()]
+        plots = sum(box.width * box.height for box in boxes)
+        legends = [*figure.legends, *(ax.get_legend() for ax in figure.axes)]
+        for legend in filter(None, legends):
+            box = legend.get_window_extent()
+            assert box.width * box.height < plots, name
+            assert figure.bbox.padded(1).containsx(box.x1), name
+            assert figure.bbox.padded(1).containsy(box.y0), name
+
+
+def test_every_figure_says_what_its_axes_are(pictures):
+    """A label at each axis or one for all; maps of named cells have names instead."""
+    for name, block in pictures.items():
+        figure = block.figure
+        labels = [ax.get_xlabel() for ax in figure.axes] + [t.get_text() for t in figure.texts]
+        cells = any(ax.images for ax in figure.axes)
+        assert any(labels) or cells or figure.get_supxlabel(), name
+
+
+def test_the_files_of_figures_are_small(pictures):
+    """The page holds them all."""
+    with drawing():
+        for name, block in pictures.items():
+            assert len(figure_bytes(block.figure, "svg")) < MOST_SVG_BYTES, name
+
+
+def test_every_caption_ends_and_every_lead_is_one_sentence(sections):
+    """A lead says what to see."""
+    for section in sections:
+        for block in section.blocks:
+            if isinstance(block, (Picture, Table)):
+                assert block.caption.rstrip().endswith("."), block.name
+        assert not section.lead or re.search(r"[.?!]$", section.lead), section.key
+
+
+PLACES = st.lists(st.floats(0, 1), max_size=12)
+
+
+@given(PLACES, st.floats(0.01, 0.2))
+def test_labels_keep_apart_in_order_and_in_the_room(places, distance):
+    """If the room is too small for the distance, they share it."""
+    spread = spread_labels(places, distance, (0.0, 1.0))
+    ordered = spread[np.argsort(places, kind="stable")]
+    least = min(distance, 1 / max(1, len(places) - 1))
+
+    assert np.all(np.diff(ordered) >= least - 1e-12)
+    assert np.all((spread >= -1e-12) & (spread <= 1 + 1e-12))
+
+
+@given(PLACES, st.floats(0.001, 0.02))
+def test_labels_move_no_more_than_they_must(places, distance):
+    """Places that are far enough apart stay."""
+    gaps = np.diff(np.sort(places))
+    if np.all(gaps >= distance):
+        assert spread_labels(places, distance, (0.0, 1.0)) == pytest.approx(places)
+
+
+def test_names_at_the_ends_of_curves_do_not_overlap():
+    """Ten curves that end at the same height, measured on the drawn figure."""
+    with drawing():
+        figure = Figure(figsize=(3, 1.4))
+        ax = figure.add_axes((0.1, 0.1, 0.4, 0.8))
+        ax.set(xlim=(0, 1), ylim=(0, 1))
+        lines = {f"engine {n}": ax.plot([0, 1], [n / 20, 0.9])[0] for n in range(10)}
+        label_curves(ax, lines)
+        FigureCanvasAgg(figure).draw()
+    boxes = [text.get_window_extent() for text in ax.texts]
+    boxes.sort(key=lambda box: box.y0)
+
+    assert {text.get_text() for text in ax.texts} == set(lines)
+    # Letters fill their line's box but for a tenth above and below them.
+    for lower, upper in pairwise(boxes):
+        assert upper.y0 + upper.height / 10 >= lower.y1 - lower.height / 10
+    assert boxes[0].y0 >= 0
+    assert boxes[-1].y1 <= figure.bbox.y1
+
+
+@given(st.lists(st.integers(0, 20), min_size=1, max_size=15), st.integers(2, 30))
+def test_a_step_curve_keeps_its_values(values, points):
+    """At every point the coarse curve is what the fine one is there."""
+    x = np.sort(np.asarray(values, dtype=float))
+    y = np.arange(1.0, len(x) + 1)
+    grid = np.linspace(0, 20, points)
+    kept, shown = step_curve(x, y, grid)
+
+    expected = [sum(x <= point) for point in grid]
+    assert shown[np.searchsorted(kept, grid, side="right") - 1].tolist() == expected
+    assert (kept[0], kept[-1]) == (grid[0], grid[-1])
+
+
+@given(st.lists(st.integers(1, 10), min_size=1, max_size=9), st.integers(1, 4))
+def test_panels_fill_columns_in_order(heights, across):
+    """No other cut of the order gives a lower figure with as many columns."""
+    columns = split_columns(heights, across)
+    order = [place for column in columns for place in column]
+    highest = max(sum(heights[i] for i in column) for column in columns)
+
+    assert order == list(range(len(heights)))
+    assert len(columns) == min(across, len(heights))
+    assert highest >= max(max(heights), -(-sum(heights) // len(columns)))
+    # A greedy filling below that height would need more columns.
+    filled, needed = 0, 1
+    for height in heights:
+        needed, filled = (
+            (needed + 1, height) if filled + height >= highest else (needed, filled + height)
+        )
+    assert needed > len(columns) or highest == max(heights)
+
+
+def test_what_all_names_of_a_panel_share_goes_to_its_title():
+    """Only if nothing is lost: a method without a presolve keeps the others' names long."""
+    shared = ["Ipopt, presolve", "SLSQP, presolve"]
+
+    assert common_part(shared) == (" (presolve)", ["Ipopt", "SLSQP"])
+    assert common_part(["HiGHS", *shared]) == ("", ["HiGHS", *shared])
+    assert common_part(["SCIP", "Ipopt, bearing start"]) == (" (bearing start)", ["SCIP", "Ipopt"])
+    assert common_part(["Ipopt, presolve"]) == ("", ["Ipopt, presolve"])
+
+
+def test_text_widths_are_those_of_the_drawn_text():
+    """Room beside the panels is computed before anything is drawn."""
+    with drawing():
+        figure = Figure(figsize=(4, 1), dpi=600)
+        text = figure.text(0, 0.5, "Uno filterSQP, bearing start", fontsize=6)
+        FigureCanvasAgg(figure).draw()
+        width = text.get_window_extent().width / 600
+
+    assert text_width(text.get_text(), 6) == pytest.approx(width, rel=0.02)  # hinting to pixels
