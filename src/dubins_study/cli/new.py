@@ -31,12 +31,12 @@ def solver(
     target = checked_target(file, ".py", "my_solver.py")
     title = class_name(target.stem)
     text = template("solver.py.txt")
-    values = {"file": str(file), "Class": title, "name": target.stem.replace("_", "-")}
+    values = {"file": target.name, "Class": title, "name": target.stem.replace("_", "-")}
     for name, value in values.items():
         text = text.replace(f"{{{name}}}", value)
     write_new(target, text)
-    print(f"{file} is written: the solver {title}")
-    print(f"check it:  dubins-study check-solver {file}:{title}")
+    print(f"{plain(str(file))} is written: the solver {title}")
+    print(f"check it:  {shlex.join(['dubins-study', 'check-solver', f'{file}:{title}'])}")
 
 
 @app.command()

@@ -47,12 +47,17 @@ _NEAR = 1e-2
 def command(spec: str, question: Question) -> str:
     """The command that asks a question again."""
     s = question.scenario
-    words = ["dubins-study", "solve", repr(s.target_x), repr(s.target_y)]
-    words += ["--from", repr(s.x), repr(s.y), f"{s.heading!r}rad"]
-    options = {"--radius": s.radius, "--speed": s.speed}
-    words += [text for name, value in options.items() if value != 1 for text in (name, repr(value))]
+    words = ["dubins-study", "solve", _digits(s.target_x), _digits(s.target_y)]
+    words += ["--from", _digits(s.x), _digits(s.y), f"{_digits(s.heading)}rad"]
+    for option, value in (("--radius", s.radius), ("--speed", s.speed)):
+        words += [option, _digits(value)] if value != 1 else []
     words += ["--branch", question.branch] if question.branch != "best" else []
     return shlex.join([*words, "--solver", spec])
+
+
+def _digits(value: float) -> str:
+    """A number as Python reads it back to the last bit."""
+    return repr(value).removesuffix(".0")
 
 
 def problems(seen: Seen, name: str, guarantee: str) -> list[Problem]:
@@ -69,7 +74,8 @@ def problems(seen: Seen, name: str, guarantee: str) -> list[Problem]:
     def problem(
         kind: Kind, status: Status, observed: str, advice: str = "", traceback: str = ""
     ) -> Problem:
-        shown = command(spec, seen.question)
+        # no command hands over an initial guess
+        shown = "" if seen.question.initial_guess is not None else command(spec, seen.question)
         return Problem(kind, Finding(status, observed, advice, name, shown, traceback))
 
     if answer.outcome is not Outcome.RETURNED:

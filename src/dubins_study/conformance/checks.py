@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from typing import NamedTuple
 
 from dubins_study.conformance import behaviour, questions
@@ -10,6 +11,7 @@ from dubins_study.conformance.answers import Kind, Problem, problems, united
 from dubins_study.conformance.findings import CheckResult, Finding, Status
 from dubins_study.conformance.interview import Interview, Seen
 from dubins_study.solvers.protocol import Question
+from dubins_study.study.check.verdict import Verdict
 from dubins_study.study.closed_form.shortest import shortest_path
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
@@ -38,6 +40,32 @@ def _asked(
         return CheckResult(name, title, shown, f"{len(scenarios)} questions")
 
     return run
+
+
+def _changed(
+    scenarios: Mapping[str, Scenario],
+) -> Callable[[Interview, str, str], CheckResult]:
+    """A check that asks a question that was changed, and says if only the change is answered wrong.
+
+    The shortest path changes with the question, and so should the solver's answer.
+    """
+    ask = _asked(scenarios)
+
+    def run(interview: Interview, name: str, title: str) -> CheckResult:
+        result = ask(interview, name, title)
+        if not result.findings or _wrong(interview, questions.REFERENCE):
+            return result
+        advice = "the same question is answered rightly before it is changed in this way"
+        findings = [
+            found if found.advice else replace(found, advice=advice) for found in result.findings
+        ]
+        return replace(result, findings=tuple(findings))
+
+    return run
+
+
+def _wrong(interview: Interview, scenario: Scenario) -> bool:
+    return interview.ask(Question(scenario)).answer.verdict is not Verdict.OPTIMAL
 
 
 def _branches(interview: Interview, name: str, title: str) -> CheckResult:
@@ -119,7 +147,7 @@ _TABLE = {
         _asked(questions.GENERAL, (Kind.CONTROLS,)),
     ),
     "claims": Check(
-        "claims no more than is true",
+        "claims of optimality, of a bound, of no path; paths that are longer",
         _asked(questions.GENERAL, (Kind.CLAIM, Kind.LENGTH, Kind.BOUND)),
     ),
     "axis": Check("targets straight ahead, straight behind, at the start", _asked(questions.AXIS)),
@@ -127,8 +155,8 @@ _TABLE = {
         "targets within a turning disc, where RL or LR is shortest", _asked(questions.DISCS)
     ),
     "circles": Check("targets on and near a turning circle", _asked(questions.CIRCLES)),
-    "symmetries": Check("mirrored, moved and turned questions", _asked(questions.SYMMETRIES)),
-    "scale": Check("the same question larger, smaller, farther, faster", _asked(questions.SCALES)),
+    "symmetries": Check("mirrored, moved and turned questions", _changed(questions.SYMMETRIES)),
+    "scale": Check("one question larger, smaller, farther, faster", _changed(questions.SCALES)),
     "branches": Check("the words that it declares", _branches),
     "bounds": Check("lower bounds are below the shortest length", _bounds),
     "warm": Check("initial guesses, good and bad", _warm),

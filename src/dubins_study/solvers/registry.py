@@ -10,7 +10,7 @@ from dataclasses import fields, is_dataclass
 from functools import cache
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path as FilePath
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeGuard
 
 from dubins_study.errors import DubinsStudyError
 from dubins_study.solvers.protocol import Method, Solver
@@ -213,6 +213,8 @@ def _kind(name: str) -> type[Solver]:
         if ".py:" in name:
             return _from_file(name)
         known = registered()
+        if name.endswith(".py"):
+            raise SolverError(f"solver {name!r} is a file; expected {name}:Class")
         raise SolverError(
             f"no solver named {name!r}; {did_you_mean(name, known)}choose one of: "
             f"{', '.join(known)}, or give file.py:Class"
@@ -243,11 +245,16 @@ def _from_file(name: str) -> type[Solver]:
         del sys.modules[module_name]
         raise SolverError(f"solver {name!r}: {file} fails: {error!r}") from error
     if not hasattr(module, class_name):
-        near = did_you_mean(class_name, vars(module)).rstrip()
-        raise SolverError(
-            f"solver {name!r}: {file} has no class {class_name!r}{'; ' if near else ''}{near}"
-        )
+        solvers = [key for key, value in vars(module).items() if _is_solver(value)]
+        has = f"it has: {', '.join(solvers)}" if solvers else "no class of it extends Solver"
+        near = did_you_mean(class_name, vars(module))
+        raise SolverError(f"solver {name!r}: {file} has no class {class_name!r}; {near}{has}")
     return _checked(name, getattr(module, class_name))
+
+
+def _is_solver(value: object) -> TypeGuard[type[Solver]]:
+    """Whether a value is a class that extends `Solver`."""
+    return isinstance(value, type) and issubclass(value, Solver) and value is not Solver
 
 
 def _checked(name: str, kind: Any) -> type[Solver]:
@@ -256,7 +263,7 @@ def _checked(name: str, kind: Any) -> type[Solver]:
     Raises:
         SolverError: naming what is missing, or the attribute and its value.
     """
-    if not (isinstance(kind, type) and issubclass(kind, Solver)):
+    if not _is_solver(kind):
         raise SolverError(
             f"solver {name!r} does not extend dubins_study.Solver; expected a frozen dataclass "
             "class Name(Solver) with a name and solve(question, limit)"

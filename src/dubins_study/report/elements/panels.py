@@ -26,7 +26,7 @@ DRAWN_TEXT = (
     "A panel per formulation: of each engine the guess and settings that are most surely right, "
     f"and at most {MOST_ENGINES} engines."
 )
-HIGHEST = 6.4  # inches: on the page a screen of 900 pixels, the caption not counted
+HIGHEST = 6.2  # inches: on the page a screen of 900 pixels, the caption not counted
 _ACROSS = 3
 _NAME, _TITLE, _SMALL = 6.0, 7.5, 6.5  # points: names of lines, of panels, of axes
 # Inches: a line with its gap, a panel's title, its tick labels, the legend, the axis' name, a gap.

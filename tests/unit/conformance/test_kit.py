@@ -1,0 +1,309 @@
+"""The conformance kit in this process: what it makes of solvers that are known."""
+
+from __future__ import annotations
+
+import json
+import math
+
+import pytest
+
+from dubins_study import Claim, Guarantee, Solution, check_solver, solve
+from dubins_study.conformance import CHECKS
+from dubins_study.conformance.answers import command, problems
+from dubins_study.conformance.findings import CheckResult, Finding, Status
+from dubins_study.conformance.kit import ConformanceError
+from dubins_study.conformance.questions import (
+    AXIS,
+    CIRCLES,
+    DISCS,
+    GENERAL,
+    SCALES,
+    SYMMETRIES,
+    WITHOUT,
+    WORDS,
+    name_of,
+)
+from dubins_study.conformance.report import ConformanceReport
+from dubins_study.solvers.analytic import Analytic
+from dubins_study.solvers.profiles import ProfileError
+from dubins_study.solvers.protocol import Question
+from dubins_study.solvers.registry import SolverError
+from dubins_study.study.closed_form.shortest import shortest
+
+ANSWERS = [name for name in CHECKS if name not in ("frames", "limits", "state")]
+TABLES = (GENERAL, AXIS, DISCS, CIRCLES, SYMMETRIES, SCALES)
+
+
+class Right(Analytic):
+    """The closed form as a plug-in."""
+
+    solve_frame = None
+
+
+class Confident(Right):
+    """Looks at LS and RS only, and is sure."""
+
+    branches = ("best",)
+
+    def solve(self, question, limit):
+        answers = [
+            super(Confident, self).solve(Question(question.scenario, word), limit)
+            for word in ("LS", "RS")
+        ]
+        paths = [answer.path for answer in answers if answer.path is not None]
+        return Solution(Claim.OPTIMAL, min(paths, key=lambda path: path.total_length))
+
+
+class Careful(Confident):
+    """The same, and says only that its paths are local optima."""
+
+    def solve(self, question, limit):
+        return Solution(Claim.LOCAL, super().solve(question, limit).path)
+
+
+class Modest(Careful):
+    """The same, and does not inherit the promise of the closed form."""
+
+    guarantee = Guarantee.LOCAL
+
+
+class Raising(Right):
+    """Does not know what to do."""
+
+    def solve(self, question, limit):
+        raise NotImplementedError("later")
+
+
+class OneWord(Right):
+    """Answers RL only."""
+
+    branches = ("RL",)
+
+
+class LazyWords(Right):
+    """Declares all words and answers each with the best path."""
+
+    def solve(self, question, limit):
+        return super().solve(Question(question.scenario), limit)
+
+
+class Misled(Right):
+    """Takes the initial guess for the answer."""
+
+    warm = True
+
+    def solve(self, question, limit):
+        guess = question.initial_guess
+        answer = super().solve(question, limit)
+        return answer if guess is None else Solution(Claim.LOCAL, guess)
+
+
+class Bounding(Right):
+    """A bound above the length in the discs."""
+
+    branches = ("best",)
+
+    def solve(self, question, limit):
+        path = super().solve(question, limit).path
+        grown = path.total_length * (1.01 if path.curvature[-1:].any() else 1)
+        return Solution(Claim.LOCAL, path, lower_bound=grown)
+
+
+def checked(kind, checks=ANSWERS) -> ConformanceReport:
+    return check_solver(kind, checks=checks, isolated=False)
+
+
+def failed(report: ConformanceReport) -> set[str]:
+    return {result.name for result in report if not result.passed}
+
+
+def text(report: ConformanceReport, check: str) -> str:
+    return " ".join(f"{one.observed} {one.advice}" for one in report[check].findings)
+
+
+def test_a_right_solver_passes_without_a_note():
+    report = checked(Right)
+
+    assert report.passed, report
+    assert report.with_status(Status.NOTE) == (), report
+    assert report.answers["longer"] == report.answers["missing"] == 0
+    assert report.answers["right that there is none"] == 4
+
+
+def test_the_papers_claim_is_false_in_the_discs():
+    """And only there: LS or RS is the shortest everywhere else."""
+    report = checked(Confident)
+
+    assert failed(report) == {"discs", "circles"}, report
+    assert "27.4 % longer than the shortest one (RS instead of RL)" in text(report, "discs")
+    assert "claim LOCAL unless the method proves" in text(report, "discs")
+
+
+def test_a_longer_path_is_a_note_of_an_honest_solver():
+    report = checked(Modest)
+
+    assert report.passed, report
+    assert {one.name for one in report.with_status(Status.NOTE)} == {"discs", "circles"}
+
+
+def test_a_longer_path_contradicts_a_guarantee():
+    report = checked(Careful, ["discs"])
+
+    assert "declares the guarantee 'exact'" in text(report, "discs")
+    assert "declare another guarantee" in text(report, "discs")
+
+
+def test_a_solver_that_answers_nothing_is_not_asked_further():
+    report = checked(Raising)
+
+    assert report["outcome"].status is Status.FAIL
+    assert "raise NotImplementedError" in report["outcome"].findings[0].traceback
+    assert "reply.py" not in report["outcome"].findings[0].traceback
+    assert report["controls"].status is Status.NOT_ASKED
+    assert "no question was answered so far" in str(report)
+    assert sum(report.answers.values()) == len(GENERAL)
+
+
+def test_words_that_are_not_told_apart():
+    report = checked(LazyWords, ["branches"])
+
+    assert "it was asked for LS, and its path is RS" in text(report, "branches")
+
+
+def test_a_solver_of_one_word_is_asked_that_word():
+    report = checked(OneWord)
+
+    assert report.passed, report
+    assert report["discs"].status is Status.NOT_APPLICABLE
+    assert sum(report.answers.values()) >= len(WORDS["RL"]) + 1
+
+
+def test_an_initial_guess_is_no_answer():
+    report = checked(Misled, ["warm"])
+
+    assert report["warm"].status is Status.FAIL
+    assert report["warm"].findings[0].question.startswith("initial guess: ")
+    assert report["warm"].findings[0].count == 3
+    assert report["warm"].findings[0].command == ""
+
+
+def test_a_false_bound_is_found_where_it_is_given_and_once_more_in_all():
+    report = checked(Bounding)
+
+    assert failed(report) == {"discs", "circles", "bounds"}, report
+    assert "must hold for the question itself" in text(report, "bounds")
+
+
+def test_the_time_for_all_questions_is_a_bound():
+    report = check_solver("analytic", isolated=False, total_time_limit=1e-9)
+
+    assert not report.passed
+    assert "raise --total-time-limit" in " ".join(str(report).split())
+
+
+def test_the_report_as_json():
+    report = checked(Confident, ["discs"])
+    values = json.loads(json.dumps(report.to_dict(), allow_nan=False))
+
+    assert values["passed"] is False
+    assert [check["name"] for check in values["checks"]] == ["loading", "discs"]
+    assert values["counts"] == {
+        "fail": 1,
+        "pass": 1,
+        "note": 0,
+        "not asked": 0,
+        "not applicable": 0,
+    }
+    finding = values["checks"][1]["findings"][0]
+    assert finding["count"] == 6
+    assert finding["command"].startswith("dubins-study solve 0 1 --from 0 0 0rad --solver ")
+
+
+@pytest.mark.parametrize(
+    ("request_", "error", "message"),
+    [
+        ({"solver": "slqsp"}, SolverError, "no solver named 'slqsp'; .*slsqp"),
+        ({"solver": "nowhere.py:Mine"}, SolverError, "no file"),
+        ({"solver": "analytic[n=2]"}, SolverError, "has no setting 'n'"),
+        ({"solver": 3}, ConformanceError, "expected a spec, or a class that extends Solver"),
+        ({"solver": int}, ConformanceError, "expected a spec, or a class that extends Solver"),
+        ({"checks": ["disc"]}, ConformanceError, "no check named 'disc'; did you mean 'discs'"),
+        ({"time_limit": 0}, Exception, "time_limit is 0; expected a number of seconds above 0"),
+        ({"total_time_limit": math.nan}, Exception, "total_time_limit is nan"),
+        ({"profile": "slow"}, ProfileError, "no profile named 'slow'"),
+    ],
+)
+def test_requests_that_cannot_be_met(request_, error, message):
+    with pytest.raises(error, match=message):
+        check_solver(**({"solver": "analytic", "isolated": False} | request_))
+
+
+def test_a_class_inside_a_function_has_no_spec():
+    class Hidden(Right):
+        pass
+
+    with pytest.raises(ConformanceError, match="not at the top of a file"):
+        check_solver(Hidden)
+
+
+def test_a_registered_class_has_its_name():
+    assert check_solver(Analytic, checks=["loading"], isolated=False).solver == "analytic"
+
+
+def test_the_worst_finding_is_the_checks_status():
+    note, fail = Finding(Status.NOTE, "a"), Finding(Status.FAIL, "b")
+
+    assert CheckResult("x", "y").status is Status.PASS
+    assert CheckResult("x", "y", (note,)).status is Status.NOTE
+    assert CheckResult("x", "y", (note, fail)).status is Status.FAIL
+    assert CheckResult("x", "y", (), "", Status.NOT_ASKED).passed is False
+    assert CheckResult("x", "y", (), "", Status.NOT_APPLICABLE).passed is True
+
+
+@pytest.mark.parametrize("word", WORDS)
+def test_the_questions_of_words_are_what_they_are_for(word):
+    """By the closed form: each has a path of the word, some a shorter one of another word."""
+    for scenario in WORDS[word]:
+        assert shortest(scenario, word) is not None
+    assert shortest(WITHOUT[word], word) is None
+    assert any(shortest(scenario).word != word for scenario in WORDS[word])
+
+
+def test_the_questions_are_where_they_say():
+    regions = {name: problems_region(scenario) for name, scenario in DISCS.items()}
+
+    assert all(region in name for name, region in regions.items()), regions
+    assert all(problems_region(scenario) == "outside" for scenario in GENERAL.values())
+    for name, scenario in CIRCLES.items():
+        wanted = "circle" if name.startswith("on") else "disc" if "inside" in name else "outside"
+        assert wanted in problems_region(scenario), name
+    for table in TABLES:
+        assert all(name_of(scenario) for scenario in table.values())
+
+
+def problems_region(scenario) -> str:
+    """The region of a scenario's target, as rows have it."""
+
+    return solve(scenario).region
+
+
+def test_a_command_holds_every_number_to_the_last_bit():
+    scenario = SYMMETRIES["turned by 2 rad"]
+    words = command("my solver.py:Mine[n=2]", Question(scenario, "RL")).split()
+
+    assert float(words[2]) == scenario.target_x
+    assert float(words[7].removesuffix("rad")) == scenario.heading
+    assert words[8:] == [
+        *("--radius", "0.4", "--speed", "0.5", "--branch", "RL"),
+        *("--solver", "'my", "solver.py:Mine[n=2]'"),
+    ]
+
+
+def test_a_right_answer_has_no_problem():
+    """Else everything would be a finding."""
+    from dubins_study.conformance.interview import Interview
+    from dubins_study.conformance.worker import InProcess
+
+    with Interview("analytic", InProcess("analytic", "default"), "default", 5.0, 60.0) as interview:
+        for name, scenario in GENERAL.items():
+            assert problems(interview.ask(Question(scenario)), name, "exact") == []
