@@ -35,7 +35,7 @@ def right_of(spec: str) -> tuple[float, int]:
 @pytest.mark.parametrize(
     ("formulation", "engine", "spec"),
     [
-        ("grid of headings", "HiGHS", "heading-milp"),
+        ("grid of headings", "HiGHS", "heading-milp[presolve=True]"),
         ("disjunction", "SCIP", "disjunctive"),
         ("penalty", "differential evolution", "penalty"),
     ],
