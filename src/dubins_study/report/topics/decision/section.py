@@ -106,7 +106,7 @@ def _table(found: Sequence[Choice], labels: dict[str, str]) -> Table:
     }
     shown = (
         *columns(kind="text", where="target"),
-        *(Column(need.key, need.title, kind="choice") for need in NEEDS),
+        *(Column(need.key, need.title, kind="pick") for need in NEEDS),
     )
     numbers = ("region", "questions", *(f"{n.key}_{name}" for n in NEEDS for name in _NUMBERS))
     sure = f"{100 * SURE:g} %"

@@ -6,7 +6,7 @@ import re
 from collections.abc import Callable
 from inspect import cleandoc
 
-from markdown import code, prose, table
+from markdown_text import code, prose, table
 
 from dubins_study.conformance import CHECKS
 from dubins_study.conformance.checks import title_of
