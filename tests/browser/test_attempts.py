@@ -485,6 +485,40 @@ def test_a_phone_shows_it_all(plot, scheme: str):
     assert DESK["width"] > PHONE["width"]
 
 
+FAR = Scenario(target_x=1e12, target_y=-3e11, radius=1e3)
+ODD_ROWS = {
+    "all failures": [attempt(ODD, "mine", path=None, claim=Claim.FAILED, message="no")],
+    "one attempt": [attempt(ODD)],
+    "no path exists": [attempt(Scenario(target_x=0, target_y=0.5), branch="LS")],
+    "nothing known": [
+        attempt(ODD, "mine", path=None, claim=Claim.NONE)
+        | dict.fromkeys(
+            ("region", "margin", "verdict", "claim", "outcome", "engine", "formulation", "wall_s")
+        )
+    ],
+    "far away": [attempt(FAR, path=Path(FAR.start, [1e-3, 0.0], [1e3, 1e300]), claim=Claim.LOCAL)],
+    "no length": [attempt(Scenario(target_x=0, target_y=0), path=Path(ODD.start, [], []))],
+}
+
+
+@pytest.mark.parametrize("name", ODD_ROWS)
+def test_odd_rows_are_shown_too(new_tab, tmp_path: FilePath, name: str):
+    """The plot, though it may be empty, the drawer and the pictures of the worst; no error."""
+    page = new_tab(reduced_motion="reduce")
+    folder = write_folder(tmp_path / "odd", "odd", ODD_ROWS[name])
+    page.goto(render([folder]).as_uri())
+    page.locator("#attempts").scroll_into_view_if_needed()
+    page.wait_for_selector("#attempts-plot[data-ready=yes]")
+    page.get_by_label("vertical").select_option("wall_s")
+    page.get_by_label("horizontal").select_option("bearing")
+    page.locator("#attempts-worst").scroll_into_view_if_needed()
+    page.locator("#attempts-worst .card").first.click()
+
+    command = page.locator("#attempt-drawer .command code").text_content()
+    assert str(ODD_ROWS[name][0]["target_x"]).removesuffix(".0") in command
+    assert page.locator("#attempt-drawer svg[aria-label]").count() == 1
+
+
 def test_without_scripts_the_section_says_so(new_tab, address: str):
     """A sentence instead of an empty box."""
     page = new_tab(java_script_enabled=False)

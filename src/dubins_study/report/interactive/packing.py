@@ -16,7 +16,7 @@ from dubins_study.study.scenario import Pose
 
 # Bits of a mantissa that are kept of measured numbers: four digits, of which the page shows three.
 _BITS = 14
-_MEASURED = ("gap", "miss", "curvature_excess", "length", "wall_s", "solve_s", "evaluations")
+_MEASURED = ("gap", "miss", "curvature_excess", "length", "wall_s", "solve_s")
 _CODED = (
     *("experiment", "solver", "profile", "branch", "initial_guess", "word", "outcome", "claim"),
     *("verdict", "native_status", "message"),
@@ -58,6 +58,8 @@ def pack(rows: pd.DataFrame, more: Mapping[str, Any]) -> Packed:
         texts[name] = [str(value) for value in values]
     for name in _MEASURED:
         arrays[name] = _rounded(rows[name])
+    # numbers of 32 bits hold counts up to 16 777 216 exactly
+    arrays["evaluations"] = rows["evaluations"].to_numpy("<f4", na_value=np.nan)
     flags = sum(rows[name].eq(True).to_numpy() << bit for bit, name in enumerate(_FLAGS))
     arrays["flags"] = np.asarray(flags, dtype="u1")
     arrays["repeat"] = rows["repeat"].to_numpy(dtype="<u4")

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import pandas as pd
 
 from dubins_study.report.statistics.metrics import natural, parse_spec
@@ -106,9 +108,10 @@ def drawn_methods(frame: pd.DataFrame) -> pd.DataFrame:
         frame: as for `best_methods`, with formulation and engine.
     Returns:
         Some rows of the frame, in its order; at most `MOST_ENGINES` of a formulation, those most
-        surely right; not the closed form, to which no engine compares.
+        surely right; not the closed form, to which no engine compares, unless there is no other.
     """
     engines = frame[frame["formulation"] != FORMULATIONS[0]]
+    engines = engines if len(engines) else frame
     best = best_methods(engines, ["formulation", "engine"])
     best = best.assign(place=range(len(best)))
     kept = _ranked(best).groupby("formulation", sort=False).head(MOST_ENGINES)
@@ -163,9 +166,12 @@ def _differing(specs: list[str], *, named: bool, also: set[str]) -> dict[str, st
 
 
 def _setting_text(key: str, value: str) -> str:
-    """A setting in a name: a switch by its name alone, anything else with its value."""
-    switch = {"true": key, "false": f"no {key}"}
-    return switch.get(value.lower(), f"{key}={value.lower()}")
+    """A setting in a name: a switch by its name, anything else with its value, e.g. `tol=1e-8`."""
+    switch = {"true": key, "false": f"{key} off"}
+    return switch.get(value.lower(), f"{key}={_ZEROS.sub('', value.lower())}")
+
+
+_ZEROS = re.compile(r"(?<=\de[+-])0+(?=\d)|(?<=\de)\+0*(?=\d)")
 
 
 def _natural_places(texts: pd.Series[str]) -> pd.Series[int]:

@@ -40,7 +40,7 @@ def certificates_section(results: Results) -> Section | None:
         *best_first(_proofs_table(frame), frame["solver"], best),
         *best_first(_table(frame, results.attempts.precision), frame["solver"], best),
     )
-    lead = "See how far the proof of each method's answers goes: the darker, the stronger."
+    lead = "See how far the proof of each method's answers goes: plain blue is proved."
     return Section("certificates", "Certificates", text, blocks, lead)
 
 

@@ -81,8 +81,8 @@ def _experiment_table(each: Mapping[str, Attempts]) -> Table:
 
 def _verdict_picture(frame: pd.DataFrame, palette: Palette) -> Picture:
     what = (
-        "Verdicts as shares of all attempts at questions that have a path. The plain bar is "
-        "success, hatched ones are not"
+        "Verdicts as shares of all attempts at questions that have a path. The plain "
+        "blue is success, hatched and grey are not"
     )
     alt = "Stacked bars of verdicts, one per solver"
     if len(frame) > MOST_METHODS:

@@ -8,15 +8,19 @@
   const HASH = "#attempt=";
   const state = {drawer: null, hits: [], place: 0, before: null};
 
+  // A number of a scenario with at most six digits; the command has them all.
+  function short(value) {
+    return String(Number(value.toPrecision(6))).replaceAll("-", "−");
+  }
+
   function facts(data, i) {
     const {columns} = data, radius = data.ofScenario("radius", i);
     const {target_x, target_y, x, y, heading} = data.scenario(i);
     const claim = data.text("claim", i), verdict = data.text("verdict", i);
     const where = [data.ofScenario("label", i), data.ofScenario("region", i),
       `margin ${number(data.ofScenario("margin", i))} R`];
-    const at = `from (${[x, y].map((v) => number(v, 6)).join(", ")}), `
-      + `heading ${number(heading * 180 / Math.PI, 6)}°, to (${[target_x, target_y]
-        .map((v) => number(v, 6)).join(", ")}), R = ${number(radius, 6)}`;
+    const at = `from (${short(x)}, ${short(y)}), heading ${short(heading * 180 / Math.PI)}°, `
+      + `to (${short(target_x)}, ${short(target_y)}), R = ${short(radius)}`;
     const asked = data.text("branch", i) === "best" ? "the shortest path of all"
       : `the shortest path of word ${data.text("branch", i)}`;
     const guess = data.text("initial_guess", i);
@@ -31,7 +35,7 @@
       ["curvature beyond 1/R", `${number(columns.curvature_excess[i])} / R`, columns.curvature_excess[i] || NaN],
       ["length", `${number(columns.length[i] / radius)} R`, columns.length[i]],
       ["time", `${seconds(columns.wall_s[i])}, in the solver ${seconds(columns.solve_s[i])}`],
-      ["evaluations", number(columns.evaluations[i], 6), columns.evaluations[i]],
+      ["evaluations", String(columns.evaluations[i]), columns.evaluations[i]],
       ["status", data.text("native_status", i)],
       ["message", data.text("message", i)],
       ["asked for", asked + (guess && guess !== "cold" ? `, from the initial guess ${guess}` : "")],

@@ -105,13 +105,14 @@
     const start = at(scenario.x, scenario.y), target = at(scenario.target_x, scenario.target_y);
     const line = (lines[1] || lines[0] || []).map((point) => at(...point));
     const before = line.findLast((point) => distance(point, target) > 12) || start;
-    const arriving = [0, 1].map((k) => (target[k] - before[k]) / (distance(before, target) || 1));
-    const unit = round(size[0] / 4 / scale), y = size[1] - 8;
+    const arriving = [target[0] - before[0], target[1] - before[1]];
+    const taken = []; // boxes of names: the second keeps clear of the first
+    const unit = round(size[0] / 4 / scale / scenario.radius) * scenario.radius, y = size[1] - 8;
     return [
-      label(start, heading.map((part) => -part), "start", size),
-      label(target, arriving, "target", size),
+      label(start, heading.map((part) => -part), "start", size, taken),
+      label(target, arriving, "target", size, taken),
       shape("path", {d: `M 4 ${y - 4} V ${y} H ${tidy(4 + unit * scale)} V ${y - 4}`, class: "scale"}),
-      named(8 + unit * scale, y, `${window.attempts.number(unit / scenario.radius)} R`)];
+      named(8 + unit * scale, y, `${window.attempts.number(unit / scenario.radius, 1)} R`)];
   }
 
   function distance(a, b) {
@@ -122,13 +123,25 @@
     return shape("text", {x: tidy(x), y: tidy(y)}, text);
   }
 
-  // A name beside a place, in a direction (of length 1, y down), or opposite if it would be cut.
-  function label(place, direction, text, [width, height]) {
-    const side = (sign) => [0, 1].map((k) => place[k] + sign * (k ? 16 : 12) * direction[k]);
-    const inside = ([x, y]) => x > 8 && x < width - 8 && y > 14 && y < height - 34;
-    const sign = inside(side(1)) ? 1 : -1, [x, y] = side(sign), across = sign * direction[0];
-    const node = named(x, y + 4, text);
-    node.setAttribute("text-anchor", across > 0.4 ? "start" : across < -0.4 ? "end" : "middle");
+  // A name beside a place: in a direction (y down), else where it fits.
+  function label(place, direction, text, [width, height], taken) {
+    const wide = 6.6 * text.length; // pixels, a little more than the letters take
+    const bearing = Math.atan2(direction[1], direction[0]);
+    const around = [0, 90, -90, 125, -125, 180].map((degrees) => {
+      const angle = bearing + degrees * Math.PI / 180;
+      return [Math.cos(angle), Math.sin(angle)];
+    });
+    const boxes = around.map(([right, down]) => {
+      const x = place[0] + 12 * right + (right > 0.4 ? 0 : right < -0.4 ? -wide : -wide / 2);
+      const y = place[1] + 16 * down;
+      return [x, y - 7, x + wide, y + 7];
+    });
+    const fits = ([x0, y0, x1, y1]) => x0 > 0 && y0 > 0 && x1 < width && y1 < height - 26
+      && taken.every((other) => x1 < other[0] || x0 > other[2] || y1 < other[1] || y0 > other[3]);
+    const box = boxes.find(fits) || boxes[0];
+    taken.push(box);
+    const node = named((box[0] + box[2]) / 2, box[1] + 11, text);
+    node.setAttribute("text-anchor", "middle");
     return node;
   }
 

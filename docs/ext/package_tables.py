@@ -6,8 +6,10 @@ import re
 from collections.abc import Callable
 from inspect import cleandoc
 
-from markdown import code, prose, table
+from markdown_text import code, prose, table
 
+from dubins_study.conformance import CHECKS
+from dubins_study.conformance.checks import title_of
 from dubins_study.experiments.definition.experiment import packaged, read
 from dubins_study.solvers.profiles import PROFILES
 from dubins_study.solvers.protocol import Solver
@@ -95,10 +97,16 @@ def experiments_table() -> str:
     return table(("experiment", "title", "question"), rows)
 
 
+def checks_table() -> str:
+    """What the conformance kit checks."""
+    return table(("check", "the solver ..."), [(code(n), prose(title_of(n))) for n in CHECKS])
+
+
 SOURCES: dict[str, Callable[..., str]] = {
     "settings": settings_table,
     "solvers": solvers_table,
     "columns": columns_table,
     "profiles": profiles_table,
     "experiments": experiments_table,
+    "checks": checks_table,
 }
