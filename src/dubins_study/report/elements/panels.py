@@ -18,6 +18,7 @@ from matplotlib.patches import Patch
 from matplotlib.textpath import TextToPath
 
 from dubins_study.report.elements.axes import only_grid, percent_axis
+from dubins_study.report.elements.names import distinct, one_line
 from dubins_study.report.elements.style import INK, MUTED, WIDE, Style
 from dubins_study.report.statistics.methods import MOST_ENGINES
 
@@ -37,6 +38,7 @@ _HANDLE = 0.32  # inches: from the end of a curve to its name
 _CURVES = 1.35  # inches: the highest panel of curves
 _NAMES_APART = 0.1  # inches: names of curves, of which a panel holds as many as it is high
 
+_MOST_CHARACTERS = 36  # of a name beside a small panel
 _USUAL_START = "bearing start"
 _FONTS = TextToPath()
 
@@ -141,11 +143,13 @@ def common_part(names: Sequence[str]) -> tuple[str, list[str]]:
     Args:
         names: engine, guess and settings, with commas between them.
     """
+    plain = [one_line(name, _MOST_CHARACTERS) for name in names]
+    names = list(distinct([str(place) for place in range(len(plain))], plain).values())
     tails = {name.partition(", ")[2] for name in names}
     # An engine of which only the usual guess is known, or that needs none, does not name it.
     shared = tails - {""} if tails > {_USUAL_START} else tails
     if len(names) < 2 or len(shared) > 1 or shared == {""}:
-        return "", list(names)
+        return "", names
     return f" ({shared.pop()})", [name.partition(", ")[0] for name in names]
 
 

@@ -108,9 +108,10 @@ def drawn_methods(frame: pd.DataFrame) -> pd.DataFrame:
         frame: as for `best_methods`, with formulation and engine.
     Returns:
         Some rows of the frame, in its order; at most `MOST_ENGINES` of a formulation, those most
-        surely right; not the closed form, to which no engine compares.
+        surely right; not the closed form, to which no engine compares, unless there is no other.
     """
     engines = frame[frame["formulation"] != FORMULATIONS[0]]
+    engines = engines if len(engines) else frame
     best = best_methods(engines, ["formulation", "engine"])
     best = best.assign(place=range(len(best)))
     kept = _ranked(best).groupby("formulation", sort=False).head(MOST_ENGINES)
