@@ -17,7 +17,7 @@ PARTS = ROOT / "results" / "benchmark" / "parts" / "*.parquet"
 def benchmark(monkeypatch: pytest.MonkeyPatch):
     """The module of `docs/ext` that writes the tables."""
     monkeypatch.syspath_prepend(str(ROOT / "docs" / "ext"))
-    return import_module("benchmark")
+    return import_module("benchmark_numbers")
 
 
 def right_of(spec: str) -> tuple[float, int]:
