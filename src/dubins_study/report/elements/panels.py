@@ -113,7 +113,7 @@ def named_panels(
             ax = figure.add_axes(_share_of(box, height))
             # The title begins above the names, or a long one would not fit above the lines.
             names_width = max(text_width(name, _NAME) for name in short)
-            title = f"{titles[i]}{shared}"
+            title = f"{one_line(titles[i])}{shared}"
             space = names_width + width + margin - left
             size = _TITLE * min(1.0, space / (_BOLD * text_width(title, _TITLE)))
             ax.set_title(title, fontsize=size, pad=3, x=-names_width / width)
@@ -246,7 +246,7 @@ def curve_panels(
         x = left + column * (width + _GAP) + sum(after[:column])
         y = height - (row + 1) * (_HEAD + tall) - row * ticks
         ax = panels[title] = figure.add_axes(_share_of((x, y, width, tall), height))
-        ax.set_title(title, fontsize=_TITLE, pad=3)
+        ax.set_title(one_line(title), fontsize=_TITLE, pad=3)
         lowest = number + across >= len(titles)
         ax.tick_params(labelsize=_SMALL, pad=1.5)
         ax.xaxis.set_tick_params(labelbottom=lowest or not same_x)

@@ -14,7 +14,7 @@ _STATED = ["formulation", "engine", "guess"]
 # It belongs to the formulation: engines with it and without it solve different problems.
 _PRESOLVE = "presolve"
 # Guesses that need no word where an engine and a formulation have no other.
-_USUAL = ("none", "bearing", "warm", "bearing or warm", UNSTATED)
+_USUAL = ("none", "bearing", "warm", UNSTATED)
 _GUESSES = ("none", "bearing", "zero", "random", "warm", "given")
 
 
@@ -40,8 +40,10 @@ def methods_of(rows: pd.DataFrame) -> pd.DataFrame:
         named = engine == UNSTATED
         settings |= _differing(group.index.tolist(), named=named, also=shared[str(formulation)])
     frame = stated.assign(settings=[settings[spec] for spec in stated.index])
-    guesses = frame.groupby(["formulation", "engine"])["guess"].transform("nunique")
-    guess = frame["guess"].map(_guess_text).where((guesses > 1) | ~frame["guess"].isin(_USUAL), "")
+    # A warm question's path is the question's own guess, not the method's.
+    given = frame["guess"].str.replace(" or warm", "", regex=False)
+    guesses = given.groupby([frame["formulation"], frame["engine"]]).transform("nunique")
+    guess = given.map(_guess_text).where((guesses > 1) | ~given.isin(_USUAL), "")
     variant = _joined(guess, frame["settings"])
     frame = frame.assign(variant=variant, short=_joined(frame["engine"], variant))
     stated_guess = frame["guess"].where(frame["guess"] != "none", "")

@@ -124,7 +124,7 @@ def _profile_picture(
         figure = plot_gap_profiles(drawn, shares, palette, tolerance)
         return Picture(name, sentences(caption, limit, DRAWN_TEXT), figure, alt)
     grey = len(shares) - MOST_ENGINES
-    rest = f"Grey, without names: the {some(grey, 'solver')} that are optimal least often."
+    rest = f"Grey, without names: {some(grey, 'solver')}, optimal least often."
     figure = plot_gap_profile(shares, palette, tolerance)
     return Picture(name, sentences(caption, limit, rest if grey > 0 else ""), figure, alt)
 
