@@ -19,7 +19,7 @@ extensions = [
     "sphinx.ext.autodoc",
     "sphinx.ext.napoleon",
     "sphinx_copybutton",
-    "explorer",
+    "explorer_page",
     "generated",
     "mathml",
     "short_names",

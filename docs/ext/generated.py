@@ -8,11 +8,11 @@ Its first word names a function of `SOURCES`; the rest of the line is that funct
 
 from __future__ import annotations
 
-import benchmark
+import benchmark_numbers
 import command_line
 import drawings
-import package
-import paper
+import package_tables
+import paper_tables
 import toml_reference
 from docutils import nodes
 from docutils.statemachine import StringList
@@ -20,12 +20,12 @@ from sphinx.application import Sphinx
 from sphinx.util.docutils import SphinxDirective
 
 SOURCES = (
-    package.SOURCES
+    package_tables.SOURCES
     | toml_reference.SOURCES
     | command_line.SOURCES
-    | benchmark.SOURCES
+    | benchmark_numbers.SOURCES
     | drawings.SOURCES
-    | paper.SOURCES
+    | paper_tables.SOURCES
 )
 
 

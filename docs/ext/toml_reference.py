@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from markdown import code, prose, table
+from markdown_text import code, prose, table
 
 from dubins_study.experiments.definition.json_schema import json_schema
 

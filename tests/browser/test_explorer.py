@@ -264,9 +264,12 @@ def test_a_broken_address_is_left_alone(explorer):
         assert page.locator("img[src=x]").count() == 0
 
 
-def test_the_offered_command_and_python_run(explorer):
+@pytest.mark.parametrize(
+    "text", ["0.5,0,-110deg,-0.3,0.2,1.5", "0,1e-7,7.5,-3,1,1", "0,0,30°,1,1,2"]
+)
+def test_the_offered_command_and_python_run(explorer, text):
     """As pasted; they print the length that the page shows."""
-    page = explorer("0.5,0,-110deg,-0.3,0.2,1.5")
+    page = explorer(text)
     command = shlex.split(page.locator("[data-copy=command]").text_content())
     length = number(shown(page)[shown_best(page)]["length"])
     assert command[0] == "dubins-study"

@@ -52,12 +52,12 @@ def generator(monkeypatch: pytest.MonkeyPatch):
 
 def test_every_setting_of_every_solver_has_a_meaning(generator):
     """The tables of settings are made of docstrings; a setting that none explains is missing."""
-    package = generator("package")
-    names = package.solver_names()
+    tables = generator("package_tables")
+    names = tables.solver_names()
 
     assert len(names) >= 13
     for name in names:
-        unexplained = set(settings(load(name))) - set(package.setting_meanings(type(load(name))))
+        unexplained = set(settings(load(name))) - set(tables.setting_meanings(type(load(name))))
         assert not unexplained, f"{name}: no docstring explains {unexplained}"
 
 

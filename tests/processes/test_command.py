@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 
+from dubins_study import load_results
 from dubins_study.solvers.export import export
 from dubins_study.study.scenario import COLUMNS, Scenario
 
@@ -172,6 +173,28 @@ def test_run_status_and_report(tmp_path):
     assert "index.html" in shown
     assert "slsqp" in shown
     assert "how far?" in page.read_text(encoding="utf-8")
+
+
+DRIVE = "target_x,target_y,x,y,heading,radius\n10,5,0,0,120deg,1\n-3,-2,0,0,pi/3,2\n"
+
+
+def test_scenarios_of_a_file(tmp_path):
+    """Asked, skipped when asked again, asked by another solver too; other scenarios are refused."""
+    file = tmp_path / "drive.csv"
+    file.write_text(DRIVE)
+    run = ("run", "--scenarios", "drive.csv", "--solver")
+    assert "2 of 2 cells done, finished" in asked(*run, "analytic", cwd=tmp_path)
+    assert "2 of 2 cells done, finished" in asked(*run, "analytic", cwd=tmp_path)
+    assert "4 of 4 cells done" in asked(*run, "shooting", cwd=tmp_path)
+
+    rows = load_results(tmp_path / "results" / "drive")
+    assert sorted(set(rows["heading"])) == [math.pi / 3, 2 * math.pi / 3]
+    assert set(rows["verdict"]) == {"optimal"}
+    file.write_text(DRIVE.replace("10,5", "10,6"))
+    done = dubins(*run, "analytic", cwd=tmp_path)
+    assert done.returncode == 2
+    assert "results/drive holds results of another text of experiment" in done.stderr
+    assert "choose another --out, or --restart" in done.stderr
 
 
 MINE = """

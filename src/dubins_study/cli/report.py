@@ -45,7 +45,10 @@ def _summary(page: FilePath) -> list[dict[str, str]]:
     """The lines of the summary table of a report; numbers as texts, which are empty for none."""
     import csv
 
-    with (page.parent / "tables" / "summary.csv").open(encoding="utf-8", newline="") as stream:
+    file = page.parent / "tables" / "summary.csv"
+    if not file.exists():  # the folders hold no rows
+        return []
+    with file.open(encoding="utf-8", newline="") as stream:
         return list(csv.DictReader(stream))
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import shlex
 from collections.abc import Iterable
 from dataclasses import replace
 from enum import StrEnum
@@ -12,8 +11,9 @@ from typing import NamedTuple
 from dubins_study.conformance.causes import cause_of, start_cause, tightness_cause
 from dubins_study.conformance.findings import Finding, Status
 from dubins_study.conformance.interview import Seen
+from dubins_study.conformance.questions import command
 from dubins_study.solvers.attempt import Answer
-from dubins_study.solvers.protocol import Guarantee, Outcome, Question
+from dubins_study.solvers.protocol import Guarantee, Outcome
 from dubins_study.study.check.verdict import Verdict, curvature_excess, judge
 from dubins_study.study.claim import Claim
 from dubins_study.study.path import Path, drivable
@@ -42,22 +42,6 @@ _SUCCESS = (Claim.OPTIMAL, Claim.LOCAL, Claim.FEASIBLE)
 _CLAIMED = 1e-4
 # radii: a path that ends within this of the target is right but for its solver's tolerance
 _NEAR = 1e-2
-
-
-def command(spec: str, question: Question) -> str:
-    """The command that asks a question again."""
-    s = question.scenario
-    words = ["dubins-study", "solve", _digits(s.target_x), _digits(s.target_y)]
-    words += ["--from", _digits(s.x), _digits(s.y), f"{_digits(s.heading)}rad"]
-    for option, value in (("--radius", s.radius), ("--speed", s.speed)):
-        words += [option, _digits(value)] if value != 1 else []
-    words += ["--branch", question.branch] if question.branch != "best" else []
-    return shlex.join([*words, "--solver", spec])
-
-
-def _digits(value: float) -> str:
-    """A number as Python reads it back to the last bit."""
-    return repr(value).removesuffix(".0")
 
 
 def problems(seen: Seen, name: str, guarantee: str) -> list[Problem]:

@@ -8,10 +8,10 @@ from dataclasses import replace
 import numpy as np
 
 from dubins_study.conformance import questions
-from dubins_study.conformance.answers import command
 from dubins_study.conformance.findings import CheckResult, Finding, Status
 from dubins_study.conformance.interview import Interview, Seen
 from dubins_study.conformance.observer import RANDOM, TEMPORARY
+from dubins_study.conformance.questions import command
 from dubins_study.conformance.worker import GRACE_S
 from dubins_study.solvers.protocol import Guarantee, Outcome, Question
 from dubins_study.study.path import Path

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from inspect import getsourcefile
 from pathlib import Path as FilePath
 from time import monotonic
@@ -19,6 +19,7 @@ from dubins_study.errors import DubinsStudyError
 from dubins_study.solvers.attempt import check_request
 from dubins_study.solvers.profiles import tolerances
 from dubins_study.solvers.protocol import Solver
+from dubins_study.solvers.registry import registered_name
 from dubins_study.study.nearest import did_you_mean
 from dubins_study.study.printable import short
 
@@ -57,7 +58,7 @@ def check_solver(
     Raises:
         SolverError: if there is no such solver, or no class that extends `Solver`.
         ConformanceError, ProfileError, QuestionError: if the request is not a valid one.
-        RunError, ForkServerError: if no worker process can be started.
+        ForkServerError: if no worker process can be started.
     """
     spec = solver if isinstance(solver, str) else _spec_of(solver)
     names = _names(checks)
@@ -65,39 +66,39 @@ def check_solver(
     check_request("best", total_time_limit, "total_time_limit")
     tolerances(profile)
     began = monotonic()
-    results: list[CheckResult] = []
-
-    def done() -> None:
-        if progress is not None:
-            progress(len(results), len(names))
-
     try:
         source: Source = (Worker if isolated else InProcess)(_absolute(spec), profile)
     except LoadError as error:
         found = Finding(Status.FAIL, str(error), loading.BROKEN, traceback=error.frames)
-        results = [failed("loading", found)]
-        results += [_not_asked(name, "it does not load") for name in names[1:]]
-        return ConformanceReport(spec, tuple(results), {}, monotonic() - began)
+        not_asked = [_not_asked(name, "it does not load") for name in names[1:]]
+        results = (failed("loading", found), *not_asked)
+        return ConformanceReport(spec, results, {}, monotonic() - began)
+    checked: list[CheckResult] = []
     with Interview(spec, source, profile, time_limit, total_time_limit) as interview:
-        results.append(loading.check(interview.declared, title_of("loading")))
-        reason = interview.declared["unavailable"]
-        stopped = f"it cannot run here: {reason}" if reason is not None else ""
-        for name in names[1:]:
-            done()
-            if stopped:
-                results.append(_not_asked(name, stopped))
-                continue
-            before = len(interview.seen)
-            try:
-                results.append(run_check(interview, name))
-            except UnfinishedError as error:
-                stopped = str(error)
-                results.append(unfinished(name, interview.seen[before:], stopped))
-            if interview.seen and not interview.answered:
-                stopped = "no question was answered so far; mend that first"
-        done()
-        answers = interview.counts()
-    return ConformanceReport(spec, tuple(results), answers, monotonic() - began)
+        for result in _results(interview, names):
+            checked.append(result)
+            if progress is not None:
+                progress(len(checked), len(names))
+    return ConformanceReport(spec, tuple(checked), interview.counts(), monotonic() - began)
+
+
+def _results(interview: Interview, names: list[str]) -> Iterator[CheckResult]:
+    """The results of checks, one after another; of those that are not reached, why."""
+    yield loading.check(interview.declared, title_of("loading"))
+    reason = interview.declared["unavailable"]
+    stopped = "" if reason is None else f"it cannot run here: {reason}"
+    for name in names[1:]:
+        if stopped:
+            yield _not_asked(name, stopped)
+            continue
+        before = len(interview.seen)
+        try:
+            yield run_check(interview, name)
+        except UnfinishedError as error:
+            stopped = str(error)
+            yield unfinished(name, interview.seen[before:], stopped)
+        if interview.seen and not interview.answered:
+            stopped = "no question was answered so far; mend that first"
 
 
 def _not_asked(name: str, reason: str) -> CheckResult:
@@ -124,8 +125,6 @@ def _absolute(spec: str) -> str:
 
 def _spec_of(kind: Any) -> str:
     """The spec of a class: its registered name, or its file."""
-    from dubins_study.solvers.registry import registered_name
-
     if not (isinstance(kind, type) and issubclass(kind, Solver)):
         raise ConformanceError(
             f"solver is {kind!r:.80}; expected a spec, or a class that extends Solver"

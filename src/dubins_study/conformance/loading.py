@@ -1,11 +1,17 @@
-"""The check of what a solver says of itself."""
+"""What a solver says of itself, asked in its own process, and the check of it."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import is_dataclass
 from typing import Any
 
 from dubins_study.conformance.findings import CheckResult, Finding, Status
-from dubins_study.solvers.protocol import NOT_STATED, Guarantee
+from dubins_study.experiments.code_digest import plain_settings
+from dubins_study.solvers.profiles import PROFILES
+from dubins_study.solvers.protocol import NOT_STATED, Guarantee, Solver
+from dubins_study.solvers.registry import SolverError, load, settings, stated_method, unavailable
+from dubins_study.solvers.reply import exception_text
 from dubins_study.study.nearest import did_you_mean
 from dubins_study.study.words import BRANCHES, FORMULATIONS
 
@@ -65,3 +71,54 @@ def _texts(declared: dict[str, Any]) -> list[Finding]:
         advice = "add a line: summary = ..."
         found.append(Finding(Status.NOTE, "it has no summary", advice))
     return found
+
+
+def declaration(solver: Solver, spec: str) -> dict[str, Any]:
+    """What a solver says of itself, as plain values; a plug-in's own code answers."""
+    kind = type(solver)
+    return {
+        "name": str(kind.name),
+        "guarantee": str(kind.guarantee),
+        "branches": list(kind.branches),
+        "warm": bool(kind.warm),
+        "packages": list(kind.packages),
+        "summary": str(kind.summary),
+        "method": list(stated_method(solver)),
+        "keeps_limit": bool(solver.keeps_limit),
+        "whole_frames": kind.solve_frame is not None,
+        "settings": plain_settings(solver),
+        "frozen": not is_dataclass(kind) or kind.__dataclass_params__.frozen,
+        "setting_problems": setting_problems(solver, spec),
+        "unavailable": unavailable(solver),
+        "reason_raised": _raises(solver.unavailable),
+    }
+
+
+def _raises(function: Callable[[], object]) -> bool:
+    try:
+        function()
+    except Exception:
+        return True
+    return False
+
+
+def setting_problems(solver: Solver, spec: str) -> list[str]:
+    """Settings that a spec cannot set to the value that they have."""
+    name = spec.partition("[")[0]
+    problems = []
+    for profile in PROFILES:
+        try:
+            load(spec, profile)
+        except SolverError as error:
+            problems.append(f"the profile {profile}: {error}")
+    for key, value in settings(solver).items():
+        if value == "":  # nothing that a spec could write
+            continue
+        try:
+            again = settings(load(f"{name}[{key}={value}]"))[key]
+        except Exception as error:
+            problems.append(f"{key}={value}: {exception_text(error)}")
+        else:
+            if again != value or type(again) is not type(value):
+                problems.append(f"{key}={value!r} comes back as {again!r}")
+    return problems

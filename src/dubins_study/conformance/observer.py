@@ -8,16 +8,15 @@ import random
 import sys
 import tempfile
 import traceback
-from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import asdict, is_dataclass
+from dataclasses import asdict
 from pathlib import Path as FilePath
 from typing import Any, NamedTuple
 
 import numpy as np
 import psutil
 
-from dubins_study.experiments.code_digest import plain_settings
+from dubins_study.conformance.loading import declaration
 from dubins_study.experiments.isolation.messages import (
     Channel,
     WorkerReply,
@@ -26,9 +25,8 @@ from dubins_study.experiments.isolation.messages import (
 )
 from dubins_study.experiments.isolation.process_state import ProcessState, seed
 from dubins_study.experiments.isolation.sandbox import bound_memory, pin_threads
-from dubins_study.solvers.profiles import PROFILES
-from dubins_study.solvers.protocol import Outcome, Question, Solution, Solver
-from dubins_study.solvers.registry import SolverError, load, settings, stated_method, unavailable
+from dubins_study.solvers.protocol import Outcome, Question, Solution
+from dubins_study.solvers.registry import SolverError, load
 from dubins_study.solvers.reply import Reply, Times, ask, exception_text, no_answer
 from dubins_study.study.claim import Claim
 from dubins_study.study.path import Path
@@ -183,27 +181,6 @@ def _within(file: str, folder: str) -> bool:
     return file.startswith(folder) and "site-packages" not in file.removeprefix(folder)
 
 
-def declaration(solver: Solver, spec: str) -> dict[str, Any]:
-    """What a solver says of itself, as plain values; a plug-in's own code answers."""
-    kind = type(solver)
-    return {
-        "name": str(kind.name),
-        "guarantee": str(kind.guarantee),
-        "branches": list(kind.branches),
-        "warm": bool(kind.warm),
-        "packages": list(kind.packages),
-        "summary": str(kind.summary),
-        "method": list(stated_method(solver)),
-        "keeps_limit": bool(solver.keeps_limit),
-        "whole_frames": kind.solve_frame is not None,
-        "settings": plain_settings(solver),
-        "frozen": not is_dataclass(kind) or kind.__dataclass_params__.frozen,
-        "setting_problems": setting_problems(solver, spec),
-        "unavailable": unavailable(solver),
-        "reason_raised": _raises(solver.unavailable),
-    }
-
-
 def serve(channel: Channel, spec: str, profile: str, folder: str, memory_bytes: int) -> None:
     """Load a solver, describe it, and answer requests until the channel is closed.
 
@@ -245,33 +222,3 @@ def _send(channel: Channel, message: list[Any]) -> None:
     channel.put(message)
     channel.line.setblocking(True)  # a solver may have made the socket non-blocking
     channel.flush()
-
-
-def _raises(function: Callable[[], object]) -> bool:
-    try:
-        function()
-    except Exception:
-        return True
-    return False
-
-
-def setting_problems(solver: Solver, spec: str) -> list[str]:
-    """Settings that a spec cannot set to the value that they have."""
-    name = spec.partition("[")[0]
-    problems = []
-    for profile in PROFILES:
-        try:
-            load(spec, profile)
-        except SolverError as error:
-            problems.append(f"the profile {profile}: {error}")
-    for key, value in settings(solver).items():
-        if value == "":  # nothing that a spec could write
-            continue
-        try:
-            again = settings(load(f"{name}[{key}={value}]"))[key]
-        except Exception as error:
-            problems.append(f"{key}={value}: {exception_text(error)}")
-        else:
-            if again != value or type(again) is not type(value):
-                problems.append(f"{key}={value!r} comes back as {again!r}")
-    return problems

@@ -1,4 +1,4 @@
-"""The scenarios of the checks, by name. No two of their numbers agree by accident.
+"""The scenarios of the checks, by name, and the commands that ask them.
 
 Radii, speeds, start poses and headings differ from 1 and 0 one after another: which questions fail
 says what a solver mixes up.
@@ -7,8 +7,10 @@ says what a solver mixes up.
 from __future__ import annotations
 
 import math
+import shlex
 from dataclasses import replace
 
+from dubins_study.solvers.protocol import Question
 from dubins_study.study.scenario import Scenario
 
 # General positions, outside both turning discs: the shortest path is LS or RS.
@@ -148,3 +150,19 @@ def name_of(scenario: Scenario) -> str:
     tables = (GENERAL, AXIS, DISCS, CIRCLES, SYMMETRIES, SCALES)
     names = (name for table in tables for name, one in table.items() if one == scenario)
     return next(names, "")
+
+
+def command(spec: str, question: Question) -> str:
+    """The command that asks a question again."""
+    s = question.scenario
+    words = ["dubins-study", "solve", _digits(s.target_x), _digits(s.target_y)]
+    words += ["--from", _digits(s.x), _digits(s.y), f"{_digits(s.heading)}rad"]
+    for option, value in (("--radius", s.radius), ("--speed", s.speed)):
+        words += [option, _digits(value)] if value != 1 else []
+    words += ["--branch", question.branch] if question.branch != "best" else []
+    return shlex.join([*words, "--solver", spec])
+
+
+def _digits(value: float) -> str:
+    """A number as Python reads it back to the last bit."""
+    return repr(value).removesuffix(".0")

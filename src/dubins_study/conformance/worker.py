@@ -11,7 +11,8 @@ from tempfile import mkdtemp
 from time import monotonic
 from typing import Any, Protocol
 
-from dubins_study.conformance.observer import TEMPORARY, Observation, Observer, declaration
+from dubins_study.conformance.loading import declaration
+from dubins_study.conformance.observer import TEMPORARY, Observation, Observer
 from dubins_study.errors import DubinsStudyError
 from dubins_study.experiments.isolation.fork_server import ForkedProcess, exit_status, fork
 from dubins_study.experiments.isolation.messages import (

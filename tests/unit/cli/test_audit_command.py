@@ -13,7 +13,8 @@ from dubins_study.report.paper import audit_file
 
 @pytest.fixture
 def asked():
-    return lambda *arguments: CliRunner().invoke(app, ["audit", *arguments])
+    without_terminal = CliRunner(env={"COLUMNS": None})  # a row of a table is then one line
+    return lambda *arguments: without_terminal.invoke(app, ["audit", *arguments])
 
 
 def test_json_is_the_committed_file(asked):

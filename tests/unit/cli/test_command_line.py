@@ -145,3 +145,43 @@ def test_what_a_shell_completes():
 )
 def test_nearest(name, known, expected):
     assert nearest(name, known) == expected
+
+
+def test_a_new_experiment_is_one_that_runs(tmp_path, monkeypatch):
+    """Its commented keys are keys, its scenarios are what the comments say."""
+    monkeypatch.chdir(tmp_path)
+    done = asked("new", "experiment", "my-first.toml")
+
+    assert done.exit_code == 0
+    assert "dubins-study run my-first.toml" in done.stdout
+    plan = plan_run(Request("my-first.toml"))
+    assert str(plan.folder) == "results/my-first"
+    assert plan.experiment_file.experiment.title == "My first"
+    scenarios = {cell.scenario for chain in plan.chains for cell in chain}
+    assert len(scenarios) == 2 + 8 + 16
+    assert len(plan.solver_specs) == 4
+    text = (tmp_path / "my-first.toml").read_text()
+    uncommented = re.sub(r"(?m)^# (?=(repeats|time_limit_s|memory_limit_gib|profile) =)", "", text)
+    assert uncommented.count("# ") < text.count("# ")
+    (tmp_path / "all.toml").write_text(uncommented)
+    experiment = plan_run(Request("all.toml")).experiment_file.experiment
+    assert (experiment.repeats, experiment.time_limit_s, experiment.profile) == (5, 10, "accurate")
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("my.tml", "my.tml: expected a name of letters, .* did you mean my.toml?"),
+        ("my", "did you mean my.toml?"),
+        ("a b.toml", "did you mean a-b.toml?"),
+        ("there.toml", "there.toml exists; expected the name of a new file"),
+        ("no/where.toml", "cannot write no/where.toml: No such file or directory"),
+    ],
+)
+def test_a_new_experiment_has_a_name_that_is_free(name, message, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "there.toml").write_text("mine")
+    with pytest.raises(DubinsStudyError, match=message):
+        CliRunner().invoke(app, ("new", "experiment", name), catch_exceptions=False)
+    assert [file.name for file in tmp_path.iterdir()] == ["there.toml"]
+    assert (tmp_path / "there.toml").read_text() == "mine"

@@ -9,7 +9,7 @@ import pytest
 
 from dubins_study import Claim, Guarantee, Solution, check_solver, solve
 from dubins_study.conformance import CHECKS
-from dubins_study.conformance.answers import command, problems
+from dubins_study.conformance.answers import problems
 from dubins_study.conformance.findings import CheckResult, Finding, Status
 from dubins_study.conformance.kit import ConformanceError
 from dubins_study.conformance.questions import (
@@ -21,6 +21,7 @@ from dubins_study.conformance.questions import (
     SYMMETRIES,
     WITHOUT,
     WORDS,
+    command,
     name_of,
 )
 from dubins_study.conformance.report import ConformanceReport

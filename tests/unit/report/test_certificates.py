@@ -108,7 +108,7 @@ def test_the_section_says_what_the_rows_say(results, tmp_path):
     assert "Of 5 attempts 2 are proved (40.0 %; 1 bounded, 1 extremal, 1 none)." in text
     assert "is 4.4e−16 of it: as much as the rounding of the data leaves open." in text
     assert "both sides of a jump" not in text
-    assert "at most 1.0e−7 (slsqp, whose median is 5.0e−8)" in text
+    assert "at most 1.0e−7 (slsqp, word NLPs, whose median is 5.0e−8)" in text
     assert "of 2 lower bounds 1 lie above" in text
 
     wide = [row | {"reference_low": 0.5} for row in rows()[:2]]

@@ -135,7 +135,7 @@ def test_methods_are_named_by_the_settings_that_differ(results):
 
     assert names.to_dict() == {
         "ipopt": "Ipopt",
-        "ipopt[presolve=True,polish=False]": "Ipopt, presolve, no polish",
+        "ipopt[presolve=True,polish=False]": "Ipopt, presolve, polish off",
         "ipopt[presolve=True]": "Ipopt, presolve",
         "slsqp[presolve=True]": "SLSQP, presolve",
     }

@@ -198,6 +198,7 @@ def test_the_rule_by_hand():
     )
 
     assert choose(methods) == "b"
+    assert choose(methods.assign(wall_s=[2.1, 2.0, 1.0])) == "a"  # as fast, and surer
     assert choose(methods.drop("b")) == "a"
     assert choose(methods.drop(["a", "b"])) == "c"
     assert choose(methods.assign(share=0.0)) == ""

@@ -8,7 +8,8 @@ import pytest
 
 from dubins_study.report.data.results import load
 from dubins_study.report.elements.content import Picture
-from dubins_study.report.elements.style import RULE
+from dubins_study.report.elements.figure_file import figure_bytes
+from dubins_study.report.elements.style import RULE, drawing
 from dubins_study.report.page.render import render
 from dubins_study.report.page.sections import TOPICS, sections_of
 from dubins_study.report.statistics.methods import MOST_ENGINES
@@ -116,3 +117,25 @@ def test_long_tables_scroll_inside_their_frame(folder, tmp_path):
         lines = text.count("<tr>") - 1
         assert ('class="scroll tall"' in text) == (lines > 20), name
         assert ("scroll inside the table" in text) == (lines > 20), name
+
+
+@pytest.mark.parametrize("formulation", ["closed form", None, "x" * 3000 + "\n<b>", "$\\frac"])
+def test_many_methods_of_one_strange_formulation_are_drawn(formulation, results):
+    """No formulation of our own, or none that an engine solves; names as long as they like."""
+    engine = "e" * 3000 + "\n\u202e$"
+    strange = [
+        attempt(
+            scenario, f"s{n}", formulation=formulation, engine=f"{engine}{n}", scenario_id=str(k)
+        )
+        for n in range(16)
+        for k, scenario in enumerate(SCENARIOS)
+    ]
+    loaded = load([results("strange", strange)])
+    with drawing():
+        drawn = pictures({s.key: s for topic in TOPICS for s in sections_of(topic, loaded)})
+        files = [figure_bytes(block.figure, "svg") for block in drawn]
+
+    assert {"verdicts", "times", "gap-profile-strange"} <= {block.name for block in drawn}
+    assert all(files)
+    for block in drawn:
+        assert block.figure.get_size_inches()[1] < 7, block.name

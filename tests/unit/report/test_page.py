@@ -95,6 +95,15 @@ def test_every_section_is_there(whole):
         assert f'href="#{key}"' in page
 
 
+def test_every_section_says_first_what_to_see(whole):
+    """One sentence below every heading."""
+    page = whole.read_text(encoding="utf-8")
+    sections = re.findall(r'<section id="([^"]+)".*?</section>', page, re.DOTALL)
+    leads = re.findall(r'<section id="([^"]+)"[^>]*>\s*<h2>.*?</h2>\s*<p class="see">[A-Z]', page)
+
+    assert leads == sections
+
+
 def test_every_figure_and_table_is_a_file_too(whole):
     """SVG and PDF, CSV and Markdown and TeX; none of them empty."""
     for folder, suffixes in (("figures", ("svg", "pdf")), ("tables", ("csv", "md", "tex"))):

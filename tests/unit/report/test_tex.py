@@ -184,6 +184,7 @@ def test_pdflatex_compiles_the_report(hostile_report):
     assert "Undefined control sequence" not in log
     assert "undefined references" not in log
     assert max(sticking_out, default=0.0) < 5.0
+    assert "Overfull \\vbox" not in log
 
 
 @pytest.mark.slow

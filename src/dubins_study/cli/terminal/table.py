@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from io import StringIO
 
 _GAPS = (3, 2)  # characters between two columns: where they fit, and where room is scarce
-_LEAST_TEXT = 12  # characters that a column of texts keeps; in less, every table is hard to read
+_LEAST_TEXT = (8, 14)  # characters that a column of texts keeps: as its longest word, but within
 _LEAST_VALUE = 8  # characters beside the name of a column, where every row is a list
 _LEAST_WIDTH = 20  # characters that any terminal has
 _NUMBER = re.compile(r"[-+]?\d[\d.]*(e[-+]?\d+)?\s?%?")
@@ -45,7 +45,7 @@ def table(head: Sequence[str], rows: Sequence[Sequence[str]], width: int | None 
     numeric = [all(_NUMBER.fullmatch(cell) for cell in column if cell) for column in columns]
     natural = [_widest([name, *cells]) for name, cells in zip(head, columns, strict=True)]
     least = [
-        max(_widest(name.split()), min(_widest(cells), _widest(cells) if number else _LEAST_TEXT))
+        max(_widest(name.split()), _widest(cells) if number else _least_text(cells))
         for name, cells, number in zip(head, columns, numeric, strict=True)
     ]
     for gap in _GAPS:
@@ -53,6 +53,13 @@ def table(head: Sequence[str], rows: Sequence[Sequence[str]], width: int | None 
         if sum(least) <= room:
             return _aligned(head, rows, numeric, _column_widths(natural, least, room), gap)
     return "\n\n".join(listing(dict(zip(head, row, strict=True)), width) for row in rows)
+
+
+def _least_text(cells: Sequence[str]) -> int:
+    """The width in which a column of texts can still be read."""
+    low, high = _LEAST_TEXT
+    words = [piece.rstrip() for cell in cells for piece in _BREAKS.split(cell)]
+    return min(_widest(cells), max(low, min(_widest(words), high)))
 
 
 def _column_widths(natural: list[int], least: list[int], room: int) -> list[int]:

@@ -38,6 +38,14 @@ _PLAIN = pa.schema(
 )
 
 
+class NoRowsError(ResultsError):
+    """A results folder whose run has written no row so far."""
+
+    def __init__(self, folder: FilePath, message: str) -> None:
+        super().__init__(f"{folder} has no rows: {message}")
+        self.folder = folder
+
+
 @dataclass(frozen=True)
 class Folder:
     """A results folder: its manifest, and the numbers of its rows that do and do not count."""
@@ -185,12 +193,32 @@ def load(folders: Iterable[str | FilePath], *, every_row: bool = False) -> Resul
     )
 
 
+def load_with_rows(
+    folders: Iterable[str | FilePath],
+) -> tuple[Results | None, tuple[Folder, ...]]:
+    """As `load`, with folders that hold no rows set apart: the results, and those folders.
+
+    Returns:
+        None instead of results if no folder has rows.
+    """
+    left = [FilePath(folder) for folder in folders]
+    empty: list[Folder] = []
+    while left or not empty:
+        try:
+            return load(left), tuple(empty)
+        except NoRowsError as error:
+            left.remove(error.folder)
+            manifest = read_manifest(error.folder, printable=True)
+            empty.append(Folder(manifest, RowCounts(0, 0, 0, 0)))
+    return None, tuple(empty)
+
+
 def _source(folder: FilePath, manifest: Manifest) -> Source:
     parts = [read_footer(file) for file in part_files(folder)]
     if not parts:
-        raise ResultsError(f"{folder} has no rows: expected Parquet files in {folder / PARTS}")
+        raise NoRowsError(folder, f"expected Parquet files in {folder / PARTS}")
     if not sum(part.rows for part in parts):
-        raise ResultsError(f"{folder} has no rows: its parts are empty")
+        raise NoRowsError(folder, "its parts are empty")
     digests, tolerance = manifest.code_digests, manifest.gap_tolerance
     return Source(manifest.experiment.name, digests, tolerance, parts)
 

@@ -162,3 +162,9 @@ class Section:
     text: str
     blocks: tuple[Block, ...]
     lead: str = ""
+
+    @property
+    def printed(self) -> bool:
+        """Whether it shows more than what needs a page's scripts."""
+        widgets = [isinstance(block, Widget) for block in self.blocks]
+        return not widgets or not all(widgets)

@@ -53,6 +53,7 @@ _LONG_NUMBER = re.compile(rb"(-?\d+\.\d\d)\d+")
 _LINE_END = re.compile(rb" *\n(?=[LMQCz\"])")
 _EMPTY_GROUP = re.compile(rb"\n *<g id=\"\w+\"/>")
 _NO_TURN = re.compile(rb' transform="rotate\(-?0 [^"]*\)"')
+_FILL = re.compile(rb' fill="(#\w{6})"')  # of hatches; the page's modes change styles alone
 _INDENT = re.compile(rb">\n +<")
 _FONT = b"font-family: 'DejaVu Sans'"
 
@@ -68,6 +69,7 @@ def _compact(svg: bytes) -> bytes:
 def _short_tag(match: re.Match[bytes]) -> bytes:
     tag = _LINE_END.sub(b"", _LONG_NUMBER.sub(rb"\1", match[0]))
     tag = _NO_TURN.sub(b"", tag.replace(_FONT + b"; ", b"").replace(b"; " + _FONT, b""))
+    tag = _FILL.sub(rb' style="fill: \1"', tag)
     return _STEPS.sub(_right_angles, tag) if b" d=" in tag else tag
 
 

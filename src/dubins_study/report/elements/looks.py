@@ -22,9 +22,9 @@ _MARKERS = ("^", "s", "D", "v", "P", "X", "p", "*", "<", ">", "h")
 _ENGINES = (
     *("Ipopt", "SLSQP", "fatrop", "Bonmin", "SLEQP", "trust-constr", "Uno", "Uno filterSQP"),
     *("casadi sqpmethod", "NLopt SLSQP", "APOPT", "COBYQA", "alpaqa", "casadi qrsqp"),
-    *("NLopt AUGLAG", "NLopt COBYLA", "SCIP", "MAiNGO", "MINPACK hybr", "MINPACK lm"),
-    *("PIQP", "OSQP", "Clarabel", "HiGHS", "differential evolution", "CMA-ES", "DIRECT"),
-    *("dual annealing", "Nelder-Mead", "Powell", "SHGO"),
+    *("NLopt AUGLAG", "NLopt COBYLA", "SCIP", "MAiNGO", "Clarabel", "MINPACK lm", "OSQP"),
+    *("CMA-ES", "PIQP", "DIRECT", "MINPACK hybr", "Nelder-Mead", "Powell", "SHGO"),
+    *("dual annealing", "HiGHS", "differential evolution"),
 )
 _FORMULA = "closed form"
 # A curve that is there to compare with, behind those that have a colour and a name.

@@ -70,9 +70,9 @@ def short_label(row: Mapping[Hashable, Any]) -> str:
     """
     formulation, engine = str(row["formulation"]), str(row["engine"])
     if engine == UNSTATED:
-        return _one_line(str(row["solver"]))
+        return one_line(str(row["solver"]))
     where = "" if formulation == engine else _FORMULATIONS.get(formulation, formulation)
-    return _one_line(", ".join(filter(None, [engine, where, str(row["variant"])])))
+    return one_line(", ".join(filter(None, [engine, where, str(row["variant"])])))
 
 
 def distinct(solvers: Sequence[str], labels: Sequence[str]) -> dict[str, str]:
@@ -111,9 +111,10 @@ def figure_names(labels: Mapping[str, str]) -> dict[str, str]:
     return {solver: names[solver] for solver in labels}
 
 
-def _one_line(text: str) -> str:
+def one_line(text: str, most: int = _MOST_CHARACTERS) -> str:
+    """A text without line breaks, and with at most so many characters."""
     line = " ".join(text.split())
-    return line if len(line) <= _MOST_CHARACTERS else f"{line[: _MOST_CHARACTERS - 1]}…"
+    return line if len(line) <= most else f"{line[: most - 1]}…"
 
 
 def with_labels(section: Section, results: Results) -> Section:

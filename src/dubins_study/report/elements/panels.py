@@ -18,6 +18,7 @@ from matplotlib.patches import Patch
 from matplotlib.textpath import TextToPath
 
 from dubins_study.report.elements.axes import only_grid, percent_axis
+from dubins_study.report.elements.names import distinct, one_line
 from dubins_study.report.elements.style import INK, MUTED, WIDE, Style
 from dubins_study.report.statistics.methods import MOST_ENGINES
 
@@ -26,7 +27,7 @@ DRAWN_TEXT = (
     "A panel per formulation: of each engine the guess and settings that are most surely right, "
     f"and at most {MOST_ENGINES} engines."
 )
-HIGHEST = 6.4  # inches: on the page a screen of 900 pixels, the caption not counted
+HIGHEST = 6.2  # inches: on the page a screen of 900 pixels, the caption not counted
 _ACROSS = 3
 _NAME, _TITLE, _SMALL = 6.0, 7.5, 6.5  # points: names of lines, of panels, of axes
 # Inches: a line with its gap, a panel's title, its tick labels, the legend, the axis' name, a gap.
@@ -37,6 +38,7 @@ _HANDLE = 0.32  # inches: from the end of a curve to its name
 _CURVES = 1.35  # inches: the highest panel of curves
 _NAMES_APART = 0.1  # inches: names of curves, of which a panel holds as many as it is high
 
+_MOST_CHARACTERS = 36  # of a name beside a small panel
 _USUAL_START = "bearing start"
 _FONTS = TextToPath()
 
@@ -111,7 +113,7 @@ def named_panels(
             ax = figure.add_axes(_share_of(box, height))
             # The title begins above the names, or a long one would not fit above the lines.
             names_width = max(text_width(name, _NAME) for name in short)
-            title = f"{titles[i]}{shared}"
+            title = f"{one_line(titles[i])}{shared}"
             space = names_width + width + margin - left
             size = _TITLE * min(1.0, space / (_BOLD * text_width(title, _TITLE)))
             ax.set_title(title, fontsize=size, pad=3, x=-names_width / width)
@@ -141,11 +143,13 @@ def common_part(names: Sequence[str]) -> tuple[str, list[str]]:
     Args:
         names: engine, guess and settings, with commas between them.
     """
+    plain = [one_line(name, _MOST_CHARACTERS) for name in names]
+    names = list(distinct([str(place) for place in range(len(plain))], plain).values())
     tails = {name.partition(", ")[2] for name in names}
     # An engine of which only the usual guess is known, or that needs none, does not name it.
     shared = tails - {""} if tails > {_USUAL_START} else tails
     if len(names) < 2 or len(shared) > 1 or shared == {""}:
-        return "", list(names)
+        return "", names
     return f" ({shared.pop()})", [name.partition(", ")[0] for name in names]
 
 
@@ -242,7 +246,7 @@ def curve_panels(
         x = left + column * (width + _GAP) + sum(after[:column])
         y = height - (row + 1) * (_HEAD + tall) - row * ticks
         ax = panels[title] = figure.add_axes(_share_of((x, y, width, tall), height))
-        ax.set_title(title, fontsize=_TITLE, pad=3)
+        ax.set_title(one_line(title), fontsize=_TITLE, pad=3)
         lowest = number + across >= len(titles)
         ax.tick_params(labelsize=_SMALL, pad=1.5)
         ax.xaxis.set_tick_params(labelbottom=lowest or not same_x)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Hashable, Iterable, Mapping, Sequence
 from typing import Any
 
@@ -22,12 +23,20 @@ def label_lines(
 
     The names are the page's short ones if its palette is given, else the specs.
     """
-    names = [palette.label(solver) if palette else name_of(solver) for solver in solvers]
+    names = [wrapped(palette.label(solver)) if palette else name_of(solver) for solver in solvers]
     ax.set_yticks(np.asarray(places), names, color=INK)
     ax.set_ylim(-0.6, len(names) - 0.4)
     only_grid(ax, "x")
     ax.spines["left"].set_visible(False)
     ax.tick_params(axis="y", length=0)
+
+
+def wrapped(name: str) -> str:
+    """A short name over several lines if it is long."""
+    return "\n".join(textwrap.wrap(name, _MOST_CHARACTERS, break_long_words=False))
+
+
+_MOST_CHARACTERS = 32
 
 
 def plot_quartiles(

@@ -12,7 +12,8 @@ def explorer_section(results: Results) -> Section:
     caption = (
         "The map shows the shortest word of every target: LS and RS on both sides of the vehicle's "
         "axis, RL and LR (hatched) inside its turning circles, whose front halves (heavy) the "
-        "length jumps across. Bold: the shortest path; thin: the other words'."
+        "length jumps across. Bold: the shortest path; thin: the other words'. Below it: every "
+        "word's length against the turning radius. A click in either sets the target or the radius."
     )
     lead = "Drag the target across a turning circle to see the shortest path jump to another word."
     text = (

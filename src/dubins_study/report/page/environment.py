@@ -7,13 +7,14 @@ import gzip
 import json
 from collections.abc import Sequence
 from importlib.resources import files
-from typing import Any
+from itertools import groupby
+from typing import Any, NamedTuple
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
 from dubins_study.report.elements import style
-from dubins_study.report.elements.content import Picture, Table, Widget
+from dubins_study.report.elements.content import Block, Picture, Section, Table, Widget
 from dubins_study.report.page.markup import markdown, to_markdown
 
 _PACKAGE = "dubins_study.report.page"
@@ -77,6 +78,39 @@ def _texts(folder: str, names: Sequence[str]) -> list[Markup]:
     return [Markup(file.read_text(encoding="utf-8")) for file in present]
 
 
+# As many pictures in a row are shown; the rest is folded away behind a line that names them.
+_SHOWN_PICTURES = 4
+
+
+class Blocks(NamedTuple):
+    """Blocks of a section that stand together, `folded` behind a line or not."""
+
+    blocks: tuple[Block, ...]
+    folded: bool = False
+
+
+def grouped(blocks: Sequence[Block]) -> list[Blocks]:
+    """The blocks in order, all but the first of many pictures in a row folded."""
+    groups: list[Blocks] = []
+    for is_picture, run in groupby(blocks, lambda block: isinstance(block, Picture)):
+        each = tuple(run)
+        shown = _SHOWN_PICTURES if is_picture and len(each) > _SHOWN_PICTURES + 1 else len(each)
+        groups.append(Blocks(each[:shown]))
+        if each[shown:]:
+            groups.append(Blocks(each[shown:], folded=True))
+    return groups
+
+
+def height_of(section: Section) -> int:
+    """About how tall a section is (CSS px): what a browser assumes until it comes into view."""
+    heights = [
+        150 + 45 * min(len(block.frame), 12) if isinstance(block, Table) else 500
+        for group in grouped(section.blocks)
+        for block in (group.blocks if not group.folded else ())
+    ]
+    return 200 + sum(heights)
+
+
 def environment() -> Environment:
     """Autoescape is on for HTML; Markdown escapes through its own filter."""
     made = Environment(
@@ -87,6 +121,7 @@ def environment() -> Environment:
         lstrip_blocks=True,
     )
     made.filters |= {"breakable": breakable, "markdown": markdown, "pipe_table": to_markdown}
+    made.filters |= {"grouped": grouped, "height_of": height_of}
     made.filters |= {"as_json": as_json, "choice": choice, "packed": packed}
     made.tests |= {
         "picture": lambda block: isinstance(block, Picture),

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from jinja2 import Environment
 
 from dubins_study.report.data.results import Folder
-from dubins_study.report.elements.content import Picture, Section, Widget
+from dubins_study.report.elements.content import Picture, Section
 from dubins_study.report.page.tex_layout import PAGE_HEIGHT, PAGE_WIDTH, layout_of
 from dubins_study.report.page.tex_text import tex
 from dubins_study.report.paper.citation import PAPER
@@ -37,14 +37,8 @@ def document(environment: Environment, sections: Sequence[Section], runs: Sequen
     latex.filters |= {"tex": tex, "layout": layout_of, "shrunk": _shrunk}
     page = {"width": PAGE_WIDTH, "height": PAGE_HEIGHT}
     template = latex.get_template("report.tex.j2")
-    printed = [section for section in sections if _printed(section)]
+    printed = [section for section in sections if section.printed]
     return template.render(sections=printed, runs=runs, paper=PAPER.citation, **page)
-
-
-def _printed(section: Section) -> bool:
-    """Whether a section shows more than what needs a page's scripts."""
-    kinds = [isinstance(block, Widget) for block in section.blocks]
-    return not kinds or not all(kinds)
 
 
 def _shrunk(picture: Picture) -> str:

@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from pathlib import Path as FilePath
 
 from dubins_study.errors import DubinsStudyError
-from dubins_study.report.data.results import Folder, Results, load
+from dubins_study.report.data.results import Folder, Results, load_with_rows
 from dubins_study.report.elements import style
 from dubins_study.report.elements.content import Picture, Section, Table
 from dubins_study.report.elements.figure_file import figure_bytes, fix_layout
@@ -24,6 +24,7 @@ from dubins_study.report.page.markup import to_csv, to_markdown
 from dubins_study.report.page.sections import KEYS, TOPICS, sections_of
 from dubins_study.report.page.tex_table import to_tex
 from dubins_study.report.paper.citation import PAPER
+from dubins_study.report.topics.limits.section import limits_section
 
 # What every report is about, in one sentence.
 ASKED = (
@@ -79,9 +80,10 @@ def _few_collections() -> Iterator[None]:
 def _render(
     given: Sequence[str | FilePath], out: str | FilePath | None, progress: Progress | None
 ) -> FilePath:
-    results = load(given)
+    results, empty = load_with_rows(given)
     target = FilePath(given[0]) / "report" if out is None else FilePath(out)
-    return write_page(target, lambda: _sections(results, progress), results.folders)
+    folders = (*(results.folders if results else ()), *empty)
+    return write_page(target, lambda: _sections(results, progress), folders)
 
 
 def write_page(
@@ -135,13 +137,24 @@ def _check_target(target: FilePath) -> None:
         )
 
 
-def _sections(results: Results, progress: Progress | None) -> list[Section]:
+def _sections(results: Results | None, progress: Progress | None) -> list[Section]:
     sections: list[Section] = []
+    if results is None:
+        return [_without_rows(), limits_section(None)]
     for topic in TOPICS:
         if progress is not None:
             progress(topic.title)
         sections += sections_of(topic, results)
     return sections
+
+
+def _without_rows() -> Section:
+    text = (
+        "No solver's answer was recorded: the run has not begun, was stopped before its first "
+        "answer, or every solver was left out. Run dubins-study status on the folder, then run "
+        "the command below again: it goes on where it stopped."
+    )
+    return Section("decision", "No rows", text, (), "There is nothing to report yet.")
 
 
 def _write_whole(target: FilePath, sections: Sequence[Section], runs: Sequence[Folder]) -> None:
@@ -191,6 +204,8 @@ def _write(folder: FilePath, sections: Sequence[Section], runs: Sequence[Folder]
 def warnings(run: Folder) -> list[str]:
     """Warnings about a folder's numbers; empty if there is no problem."""
     lines = []
+    if not run.rows.current:
+        lines.append("It has no rows: no number here is of it.")
     if not run.manifest.finished:
         lines.append("Not finished: numbers below are of the cells done so far.")
     if run.rows.contradicting:

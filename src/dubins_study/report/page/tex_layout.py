@@ -12,7 +12,8 @@ from dubins_study.report.elements.content import Table
 
 # mm: what is printed of a page of A4. The width is that of two columns of a journal.
 PAGE_WIDTH, PAGE_HEIGHT = 180.0, 250.0
-GAP = 1.6  # mm between two columns
+GAP = 2.2  # mm between two columns
+ROW_GAP = 0.7  # mm between two rows of several lines
 RIGHT = ("number", "cell")  # kinds of columns that are aligned right
 _PT = 0.3515  # mm
 # Commands of TeX -> width of a digit and height of a line (pt), the largest letters first. Of the
@@ -59,7 +60,7 @@ def layout_of(table: Table) -> Layout:
         for size, (digit, line) in _SIZES.items():
             widths = _fitted(digits, breaks, across, digit * _PT)
             if widths is not None:
-                height = _lines(texts, widths, digit * _PT) * line * _PT
+                height = _lines(texts, widths, digit * _PT) * line * _PT + ROW_GAP * len(texts)
                 return Layout(size, widths, turned, height > down - _CAPTION)
     # So many columns that the lines of all of them break.
     width = PAGE_HEIGHT / len(digits) - GAP

@@ -4,7 +4,14 @@ from __future__ import annotations
 
 from dubins_study.report.elements.columns import Column
 from dubins_study.report.elements.content import Table
-from dubins_study.report.page.tex_layout import GAP, RIGHT, heading_lines, layout_of, printed_texts
+from dubins_study.report.page.tex_layout import (
+    GAP,
+    RIGHT,
+    ROW_GAP,
+    heading_lines,
+    layout_of,
+    printed_texts,
+)
 from dubins_study.report.page.tex_text import tex
 
 # Package -> what shows that a table needs it.
@@ -25,12 +32,14 @@ def to_tex(table: Table) -> str:
         for place, (column, width) in enumerate(columns)
     ]
     head = [r"\toprule", _row(heading), r"\midrule"]
+    several = any("\n" in text for row in texts for text in row) or any(layout.widths)
     rows = [
         _row(
             [
                 _cell(text.split("\n"), column, width, "t")
                 for text, (column, width) in zip(row, columns, strict=True)
-            ]
+            ],
+            rf"\addlinespace[{ROW_GAP:g}mm]" if several else "",
         )
         for row in texts
     ]
@@ -59,8 +68,9 @@ def _column(column: Column, width: float | None) -> str:
     return "r" if column.kind in RIGHT else "l"
 
 
-def _row(cells: list[str]) -> str:
-    row = " & ".join(cells) + r" \tabularnewline"
+def _row(cells: list[str], gap: str = "") -> str:
+    """A line of the table; `gap` is a command for the distance to the next one."""
+    row = " & ".join(cells) + r" \tabularnewline" + gap
     return "{}" + row if row.startswith("[") else row  # or TeX would read it as a distance
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import pandas as pd
 
 from dubins_study.report.statistics.metrics import natural, parse_spec
@@ -12,7 +14,7 @@ _STATED = ["formulation", "engine", "guess"]
 # It belongs to the formulation: engines with it and without it solve different problems.
 _PRESOLVE = "presolve"
 # Guesses that need no word where an engine and a formulation have no other.
-_USUAL = ("none", "bearing", "warm", "bearing or warm", UNSTATED)
+_USUAL = ("none", "bearing", "warm", UNSTATED)
 _GUESSES = ("none", "bearing", "zero", "random", "warm", "given")
 
 
@@ -38,8 +40,10 @@ def methods_of(rows: pd.DataFrame) -> pd.DataFrame:
         named = engine == UNSTATED
         settings |= _differing(group.index.tolist(), named=named, also=shared[str(formulation)])
     frame = stated.assign(settings=[settings[spec] for spec in stated.index])
-    guesses = frame.groupby(["formulation", "engine"])["guess"].transform("nunique")
-    guess = frame["guess"].map(_guess_text).where((guesses > 1) | ~frame["guess"].isin(_USUAL), "")
+    # A warm question's path is the question's own guess, not the method's.
+    given = frame["guess"].str.replace(" or warm", "", regex=False)
+    guesses = given.groupby([frame["formulation"], frame["engine"]]).transform("nunique")
+    guess = given.map(_guess_text).where((guesses > 1) | ~given.isin(_USUAL), "")
     variant = _joined(guess, frame["settings"])
     frame = frame.assign(variant=variant, short=_joined(frame["engine"], variant))
     stated_guess = frame["guess"].where(frame["guess"] != "none", "")
@@ -106,9 +110,10 @@ def drawn_methods(frame: pd.DataFrame) -> pd.DataFrame:
         frame: as for `best_methods`, with formulation and engine.
     Returns:
         Some rows of the frame, in its order; at most `MOST_ENGINES` of a formulation, those most
-        surely right; not the closed form, to which no engine compares.
+        surely right; not the closed form, to which no engine compares, unless there is no other.
     """
     engines = frame[frame["formulation"] != FORMULATIONS[0]]
+    engines = engines if len(engines) else frame
     best = best_methods(engines, ["formulation", "engine"])
     best = best.assign(place=range(len(best)))
     kept = _ranked(best).groupby("formulation", sort=False).head(MOST_ENGINES)
@@ -163,9 +168,12 @@ def _differing(specs: list[str], *, named: bool, also: set[str]) -> dict[str, st
 
 
 def _setting_text(key: str, value: str) -> str:
-    """A setting in a name: a switch by its name alone, anything else with its value."""
-    switch = {"true": key, "false": f"no {key}"}
-    return switch.get(value.lower(), f"{key}={value.lower()}")
+    """A setting in a name: a switch by its name, anything else with its value, e.g. `tol=1e-8`."""
+    switch = {"true": key, "false": f"{key} off"}
+    return switch.get(value.lower(), f"{key}={_ZEROS.sub('', value.lower())}")
+
+
+_ZEROS = re.compile(r"(?<=\de[+-])0+(?=\d)|(?<=\de)\+0*(?=\d)")
 
 
 def _natural_places(texts: pd.Series[str]) -> pd.Series[int]:

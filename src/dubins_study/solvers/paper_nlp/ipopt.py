@@ -44,7 +44,8 @@ class Ipopt(LocalNlp):
     """Model (4.12) by Ipopt; settings that are not explained here: `LocalNlp`.
 
     Args:
-        tol, max_iter: Ipopt's own.
+        tol: Ipopt's own tolerance.
+        max_iter: largest number of iterations.
         bound_relax: Ipopt's bound_relax_factor. Its default, 1e-8, returns arcs of -1e-8, which no
             vehicle drives: cut to zero they miss a target 1 000 radii away by 1e-5 radii.
         mu_target: Ipopt's own: the barrier parameter to stop at.

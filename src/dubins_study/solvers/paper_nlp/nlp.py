@@ -43,8 +43,9 @@ class Nlp(LocalNlp, _Named):
     """Model (4.12) by one of many NLP engines; settings not explained here: `LocalNlp`.
 
     Args:
-        tol, max_iter: of the engines of the table; KNITRO and executables run with their defaults,
-            as in the paper.
+        tol: the feasibility, and with most engines the optimality, that an engine of the table is
+            asked for; KNITRO and executables run with their defaults, as in the paper.
+        max_iter: largest number of iterations of an engine of the table.
     """
 
     tol: float = 1e-9

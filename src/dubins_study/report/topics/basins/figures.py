@@ -24,15 +24,16 @@ _FILL = {
     numbers.FALSE_MINIMUM: MAP_PAPER,
     numbers.INFEASIBLE: MAP_PAPER,
     numbers.FALSE_PATH: MAP_PAPER,
-    numbers.GIVES_UP: "#8a8f96",
+    numbers.GIVES_UP: "#5d636b",
 }
 _MARK: dict[str, dict[str, Any]] = {
     numbers.TURNS: {"marker": ".", "markersize": 1.8},
     numbers.FALSE_MINIMUM: {"marker": "^", "markersize": 4, "markerfacecolor": "none"},
     numbers.INFEASIBLE: {"marker": "x", "markersize": 4},
     numbers.FALSE_PATH: {"marker": "s", "markersize": 3.5, "markerfacecolor": "none"},
-    numbers.GIVES_UP: {"marker": "_", "markersize": 3},
+    numbers.GIVES_UP: {"marker": "_", "markersize": 3, "color": MAP_PAPER},
 }
+_HATCH = {numbers.TURNS: "..."}  # in the legend, instead of marks
 _TICKS = np.arange(5) * np.pi / 2
 _TICK_TEXTS = ("0", "π/2", "π", "3π/2", "2π")
 
@@ -84,4 +85,5 @@ def legend_entries(listed: Sequence[str]) -> list[Artist]:
 def _entry(end: str) -> Artist:
     if end in _MARK and _FILL[end] == MAP_PAPER:
         return Line2D([], [], **_DOTS | _MARK[end], label=end)
-    return Patch(facecolor=_FILL[end], edgecolor=ON_MAP, linewidth=0.4, label=end)
+    style: dict[str, Any] = {"hatch": _HATCH.get(end, ""), "edgecolor": ON_MAP, "linewidth": 0.4}
+    return Patch(facecolor=_FILL[end], **style, label=end)

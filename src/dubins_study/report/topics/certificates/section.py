@@ -12,7 +12,7 @@ from dubins_study.report.elements.content import Picture, Section, Table, pictur
 from dubins_study.report.elements.formats import count, digits, sentences, share
 from dubins_study.report.elements.identity import best_first
 from dubins_study.report.elements.looks import Palette
-from dubins_study.report.elements.names import in_page_order
+from dubins_study.report.elements.names import in_page_order, labels_of
 from dubins_study.report.elements.panels import DRAWN_TEXT, HIGHEST, plot_stacked_shares
 from dubins_study.report.elements.solver_lines import plot_shares
 from dubins_study.report.elements.style import BLUE, ORANGE, RULE, SKY, WIDE
@@ -33,14 +33,15 @@ def certificates_section(results: Results) -> Section | None:
         "bound is within the tolerance. Extremal: Pontryagin's conditions alone, which are "
         "necessary and not sufficient."
     )
-    text = sentences(text, _proved(frame), _enclosed(frame), _reported(frame))
+    named = frame.assign(label=frame["solver"].map(labels_of(results)))
+    text = sentences(text, _proved(frame), _enclosed(frame), _reported(named))
     best = best_solvers(results)
     blocks: tuple[Table | Picture, ...] = (
         _picture(results, frame),
         *best_first(_proofs_table(frame), frame["solver"], best),
         *best_first(_table(frame, results.attempts.precision), frame["solver"], best),
     )
-    lead = "See how far the proof of each method's answers goes: the darker, the stronger."
+    lead = "See how far the proof of each method's answers goes: plain blue is proved."
     return Section("certificates", "Certificates", text, blocks, lead)
 
 
@@ -79,11 +80,11 @@ def _reported(frame: pd.DataFrame) -> str:
         best, worst = ranked[0], ranked[-1]
         part = (
             "the multipliers of an extremal are off its own costates by at most "
-            f"{digits(2)(worst['costate_error'])} ({worst['solver']}, whose median is "
+            f"{digits(2)(worst['costate_error'])} ({worst['label']}, whose median is "
             f"{digits(2)(worst['costate_median'])})"
         )
         if len(compared) > 1:
-            part += f", at best by {digits(2)(best['costate_error'])} ({best['solver']})"
+            part += f", at best by {digits(2)(best['costate_error'])} ({best['label']})"
         parts.append(part)
     if bounds := int(frame["bounds"].sum()):
         false = int(frame["false_bounds"].sum())

@@ -74,7 +74,7 @@ def cost_section(results: Results) -> Section | None:
         _typical(attempts, by_strata),
         _example(example(attempts, answers)),
     )
-    lead = "See how little of the cost is the run that gives the answer (the darkest part)."
+    lead = "See how little of the cost is the run that gives the answer (plain blue)."
     return Section("cost", "Cost where it arises", text, tuple(blocks), lead)
 
 

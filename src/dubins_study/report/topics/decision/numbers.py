@@ -15,6 +15,8 @@ from dubins_study.study.path import FloatArray
 
 # A method that meets a need on so many of the questions is sure enough to be chosen for its speed.
 SURE = 0.99
+# Times that differ by less are one: a machine's speed varies as much within a run.
+AS_FAST = 1.1
 # A method that was asked fewer of a region's questions met others than its rivals.
 ENOUGH_ASKED = 0.9
 LOOSE, TIGHT = 1e-4, 1e-8
@@ -98,18 +100,19 @@ def choices(compared: Compared) -> list[Choice]:
 
 
 def choose(methods: pd.DataFrame) -> str:
-    """The solver to use: the fastest of those that are sure, else the most surely right.
+    """The solver to use: the surest of the fastest that are sure, else the most surely right.
 
     Args:
         methods: indexed by solver: share, low (the end of its interval) and wall_s (s).
     Returns:
-        Of the methods with a share of at least `SURE` the one with the least time, then the
-        largest share; if there is none, the one with the largest `low`, then the least time;
-        empty if no share is above 0.
+        Of the methods with a share of at least `SURE` and a time that is at most `AS_FAST` times
+        the least of theirs the one with the largest share, then the least time; if there is none,
+        the one with the largest `low`, then the least time; empty if no share is above 0.
     """
     sure = methods[methods["share"] >= SURE]
     if len(sure):
-        order = sure.sort_values(["wall_s", "share"], ascending=[True, False], kind="stable")
+        fast = sure[sure["wall_s"] <= AS_FAST * sure["wall_s"].min()]
+        order = fast.sort_values(["share", "wall_s"], ascending=[False, True], kind="stable")
         return str(order.index[0])
     ever = methods[methods["share"] > 0]
     if ever.empty:

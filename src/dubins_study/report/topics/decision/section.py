@@ -106,18 +106,19 @@ def _table(found: Sequence[Choice], labels: dict[str, str]) -> Table:
     }
     shown = (
         *columns(kind="text", where="target"),
-        *(Column(need.key, need.title, kind="choice") for need in NEEDS),
+        *(Column(need.key, need.title, kind="pick") for need in NEEDS),
     )
     numbers = ("region", "questions", *(f"{n.key}_{name}" for n in NEEDS for name in _NUMBERS))
     sure = f"{100 * SURE:g} %"
     caption = (
         f"Of the methods that meet a need on at least {sure} of the questions the one with the "
-        "least median time; if there is none, the most surely right one (largest lower end of its "
-        "interval), in grey. In brackets after a target the number of questions, after a share "
-        "the 95 % interval (Wilson, a trial a question), then the median time of an attempt, "
-        "failures included. Circles: the two of radius R that the vehicle can turn along at the "
-        "start. Where a name says nothing else, the search starts at the bearing of the target. "
-        "Chosen after the fact, the best of many methods flatters a little."
+        "least median time, of times within a tenth the surest; if there is none, the most surely "
+        "right one (largest lower end of its interval), in grey. In brackets after a target the "
+        "number of questions, after a share the 95 % interval (Wilson, a trial a question), then "
+        "the median time of an attempt, failures included. Circles: the two of radius R that the "
+        "vehicle can turn along at the start. Where a name says nothing else, the search starts "
+        "at the bearing of the target. Chosen after the fact, the best of many methods flatters "
+        "a little."
     )
     return Table("decision", caption, pd.DataFrame(lines), shown, marks, numbers, stacked=True)
 

@@ -36,7 +36,7 @@ _LIMITS = (
 )
 
 
-def limits_section(_: Results) -> Section:
+def limits_section(_: Results | None) -> Section:
     """What the numbers do not say; the meaning of every column of the rows."""
     lead = (
         "Read on the left what the numbers of this page are of, on the right what they leave open."

@@ -13,6 +13,7 @@ from dubins_study.report.elements.columns import SOLVER, Column, columns, marks
 from dubins_study.report.elements.content import Picture, Section, Table, picture
 from dubins_study.report.elements.formats import count, digits, seconds, sentences, some
 from dubins_study.report.elements.identity import METHOD, best_first
+from dubins_study.report.elements.panels import HIGHEST
 from dubins_study.report.elements.shares import INTERVAL_TEXT, percent, questions
 from dubins_study.report.elements.style import WIDE
 from dubins_study.report.topics.matrix.figures import plot_matrix
@@ -84,7 +85,7 @@ def _picture(table: Matrix) -> Picture:
         "of the pair's initial guesses and settings; darker for more. In brackets: the number of "
         f"the reason below why a pair has no row.{star}",
         alt="Map of right answers, engines by formulations",
-        height=min(6.3, 0.75 + 0.19 * max(len(table.engines), 5)),
+        height=min(HIGHEST, 0.75 + 0.19 * max(len(table.engines), 5)),
         width=WIDE,
     )
 

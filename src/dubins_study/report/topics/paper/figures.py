@@ -129,10 +129,13 @@ def plot_times(ax: Axes, times: pd.DataFrame, solvers: Sequence[str], palette: P
         [place[key] for key in zip(times["label"], times["path"], strict=True)], times.index
     )
     looks, names = palette.looks(solvers), palette.names(solvers)
+    drawn: set[tuple[str, str]] = set()
     for solver in solvers:
-        group, dots = times[times["solver"] == solver], looks[solver].dots
-        if looks[solver].line != LINES[0]:
+        group, look = times[times["solver"] == solver], looks[solver]
+        dots = look.dots
+        if look[:2] in drawn:
             dots |= {"markerfacecolor": "none"}  # another solver with the same engine
+        drawn.add(look[:2])
         ax.plot(group["wall_s"], at[group.index], **dots, label=names[solver])
     printed: dict[str, Any] = {"marker": "x", "color": INK, "markersize": 6, "zorder": 5}
     ax.plot(times["printed_s"], at, linestyle="none", **printed, label="printed in the paper")

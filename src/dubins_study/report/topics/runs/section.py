@@ -50,7 +50,8 @@ def runs_section(results: Results) -> Section | None:
         text += f"No run varied by more than {share(NOISY)}."
     else:
         text += "No run here was long enough to tell."
-    return Section("runs", "The runs and their machines", text, blocks)
+    lead = "Look here, before you quote a time, whether the machine that took it was steady."
+    return Section("runs", "The runs and their machines", text, blocks, lead)
 
 
 def _sentence(run: Mapping[Hashable, Any]) -> str:

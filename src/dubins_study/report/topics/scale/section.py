@@ -33,8 +33,8 @@ def scale_section(results: Results) -> Section | None:
     text = f"{_method(rows)} {' '.join(_findings(table, palette.names(table['solver'])))}"
     blocks = (_picture(rows, _drawn(table), palette), _table(table))
     lead = (
-        "A level line is a solver that does not care about the unit of length; one that rises has "
-        "a tolerance in metres."
+        "A level line is a solver that does not care about the unit of length; one that bends has "
+        "a tolerance that does not grow with the radius."
     )
     return Section("scale", "From micrometres to megametres", text, blocks, lead)
 

@@ -81,8 +81,8 @@ def _experiment_table(each: Mapping[str, Attempts]) -> Table:
 
 def _verdict_picture(frame: pd.DataFrame, palette: Palette) -> Picture:
     what = (
-        "Verdicts as shares of all attempts at questions that have a path. The plain bar is "
-        "success, hatched ones are not"
+        "Verdicts as shares of all attempts at questions that have a path. The plain "
+        "blue is success, hatched and grey are not"
     )
     alt = "Stacked bars of verdicts, one per solver"
     if len(frame) > MOST_METHODS:
@@ -124,7 +124,7 @@ def _profile_picture(
         figure = plot_gap_profiles(drawn, shares, palette, tolerance)
         return Picture(name, sentences(caption, limit, DRAWN_TEXT), figure, alt)
     grey = len(shares) - MOST_ENGINES
-    rest = f"Grey, without names: the {some(grey, 'solver')} that are optimal least often."
+    rest = f"Grey, without names: {some(grey, 'solver')}, optimal least often."
     figure = plot_gap_profile(shares, palette, tolerance)
     return Picture(name, sentences(caption, limit, rest if grey > 0 else ""), figure, alt)
 

@@ -88,4 +88,6 @@ def summary_section(results: Results) -> Section | None:
         "No number here rests on a solver's own word: each path is driven again from its controls "
         "and judged against the closed form.",
     )
-    return Section("summary", "Summary", text, (summary_table("summary", caption, frame, ()),))
+    lead = "Look up how one solver did: right, wrong, silent, and in what time."
+    table = summary_table("summary", caption, frame, ())
+    return Section("summary", "Summary", text, (table,), lead)

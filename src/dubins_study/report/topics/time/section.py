@@ -100,9 +100,7 @@ def _performance_picture(ratios: pd.DataFrame, palette: Palette, which: str) -> 
         "of them. At 1: how often it is the fastest; at the right: how often it is right at all. "
         "The closed form is left out, since it would flatten every curve.",
         which.strip(),
-        f"Grey, without names: the {some(grey, 'solver')} that are right least often."
-        if grey > 0
-        else "",
+        f"Grey, without names: {some(grey, 'solver')}, right least often." if grey > 0 else "",
     )
     figure = plot_performance(ratios, palette)
     return Picture("performance", caption, figure, "Performance profile of the solvers")

@@ -107,11 +107,10 @@
     if (touched && !dragged) history.replaceState(null, "", `${HASH}${listed(state)}`);
   }
 
-  const quoted = (text) => (/^[+-]?[\d.]+(deg|rad)?$/.test(text) ? text : `"${text}"`);
-
-  function command() {
+  function command() { // a heading of more than a turn is taken only with its unit
     const {x, y, written, target_x, target_y, radius} = state;
-    return `dubins-study solve ${target_x} ${target_y} --from ${x} ${y} ${quoted(written)} --radius ${radius}`;
+    const heading = written.replace("°", "deg").replace(/\d$/, "$&rad").replace(/\s/g, "");
+    return `dubins-study solve ${target_x} ${target_y} --from ${x} ${y} ${heading} --radius ${radius}`;
   }
 
   function python() {

@@ -67,6 +67,16 @@
     }
   });
   narrow.addEventListener("change", fold);
+
+  // What is folded away on the screen is printed: figures here, lines of tables by their style.
+  let unfolded = [];
+  window.addEventListener("beforeprint", () => {
+    unfolded = [...document.querySelectorAll("details.more:not([open])")];
+    for (const part of unfolded) part.open = true;
+  });
+  window.addEventListener("afterprint", () => {
+    for (const part of unfolded) part.open = false;
+  });
   document.addEventListener("scroll", onScroll, {passive: true});
   window.addEventListener("resize", onScroll);
   fold();

@@ -5,7 +5,7 @@
 // where there is one, and otherwise the cell's text with its numbers as numbers: 10, 20, 160.
 window.studyTables = (() => {
   const FILTER_FROM = 13; // lines from which a table gets a filter
-  const FOLD_FROM = 46, FOLDED = 20; // lines from which a table is folded, and lines left then
+  const FOLD_FROM = 41, FOLDED = 12; // lines from which a table is folded, and lines left then
   const NUMBER = /\d+(?:\.\d+)?(?:e[+-]?\d+)?/gi;
   const ABSENT = new Set(["", "–", "-"]);
   const NEXT = {none: "ascending", ascending: "descending", descending: "none"};
@@ -138,7 +138,7 @@ window.studyTables = (() => {
         show();
       });
       const frame = table.closest(".scroll") || table;
-      frame.classList.remove("tall");
+      if (state.lines.length >= FOLD_FROM) frame.classList.remove("tall");
       frame.before(tools.bar);
     }
 

@@ -6,12 +6,17 @@ import re
 from collections.abc import Callable
 from inspect import cleandoc
 
-from markdown import code, prose, table
+from markdown_text import code, prose, table
 
+from dubins_study.conformance import CHECKS
+from dubins_study.conformance.checks import title_of
 from dubins_study.experiments.definition.experiment import packaged, read
+from dubins_study.solvers.minlp_engines import table as minlp_table
+from dubins_study.solvers.nlp_engines import table as nlp_table
 from dubins_study.solvers.profiles import PROFILES
 from dubins_study.solvers.protocol import Solver
 from dubins_study.solvers.registry import load, ours, registered, settings, stated_method
+from dubins_study.solvers.stochastic import engines as search_engines
 from dubins_study.study.rows import schema
 
 # An item of `Args:` in a docstring: names, a colon, and what they mean.
@@ -30,12 +35,18 @@ def solver_names() -> list[str]:
     return [name for name in registered() if ours(name)]
 
 
-def settings_table(spec: str) -> str:
-    """Every setting of a solver: its default, what the profiles change, and what it means."""
-    solver = load(spec)
+def settings_table(argument: str) -> str:
+    """Every setting of a solver: its default, what the profiles change, and what it means.
+
+    `ipopt without nlp`: those of one solver that another one does not have.
+    """
+    spec, _, other = argument.partition(" without ")
+    solver, shared = load(spec), settings(load(other)) if other else {}
     meanings, profiles = setting_meanings(type(solver)), type(solver).profiles
     rows = []
     for name, value in settings(solver).items():
+        if name in shared:
+            continue
         changed = {key: change[name] for key, change in profiles.items() if name in change}
         in_profiles = ", ".join(f"{key} {code(new)}" for key, new in changed.items())
         shown = str(value).lower() if isinstance(value, bool) else value
@@ -95,10 +106,28 @@ def experiments_table() -> str:
     return table(("experiment", "title", "question"), rows)
 
 
+def engine_names(kind: str) -> str:
+    """The names that the setting `engine` takes, each with the engine's own name."""
+    tables = {
+        "nlp": nlp_table.ENGINES,
+        "global": minlp_table.ENGINES,
+        "search": search_engines.ENGINES,
+    }
+    names = [f"{code(name)} ({prose(entry.label)})" for name, entry in tables[kind].items()]
+    return f"Names of engines: {', '.join(names)}."
+
+
+def checks_table() -> str:
+    """What the conformance kit checks."""
+    return table(("check", "the solver ..."), [(code(n), prose(title_of(n))) for n in CHECKS])
+
+
 SOURCES: dict[str, Callable[..., str]] = {
     "settings": settings_table,
     "solvers": solvers_table,
     "columns": columns_table,
     "profiles": profiles_table,
     "experiments": experiments_table,
+    "checks": checks_table,
+    "engine-names": engine_names,
 }

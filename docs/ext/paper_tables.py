@@ -6,7 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import yaml
-from markdown import prose, table
+from markdown_text import prose, table
 
 from dubins_study.report.paper.audit import audit
 from dubins_study.report.paper.audit_file import CORRECT

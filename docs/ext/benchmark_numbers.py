@@ -7,7 +7,7 @@ from functools import cache
 from pathlib import Path
 
 import pandas as pd
-from markdown import prose, table
+from markdown_text import prose, table
 
 from dubins_study.report.data.results import Results, load
 from dubins_study.report.elements.formats import digits

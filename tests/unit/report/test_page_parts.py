@@ -1,0 +1,197 @@
+"""Parts of the page: figures made small, the glossary, folded figures, dictionaries, odd runs."""
+
+from __future__ import annotations
+
+import gzip
+import json
+import math
+import re
+from base64 import b64decode
+from io import StringIO
+from pathlib import Path as FilePath
+from xml.etree import ElementTree
+
+import numpy as np
+import pandas as pd
+import pytest
+from matplotlib.figure import Figure
+
+from dubins_study import render
+from dubins_study.report.elements.columns import Column
+from dubins_study.report.elements.content import Picture, Table
+from dubins_study.report.page.drawings import Drawings
+from dubins_study.report.page.environment import as_json, grouped, packed
+from dubins_study.report.page.glossary import GLOSSARY, Glossed
+from dubins_study.study.claim import Claim
+from dubins_study.study.path import Path
+from dubins_study.study.rows.files import ResultsError
+from dubins_study.study.rows.schema import ROW
+from tests.unit.report.results_folder import attempt, paper_scenarios
+
+SVG = """<?xml version="1.0"?><svg xmlns="http://www.w3.org/2000/svg"
+ xmlns:xlink="http://www.w3.org/1999/xlink" viewBox="0 0 10 10"><metadata>made by</metadata>
+ <defs><path id="mark" d="M 0 1.23456789
+L 1 -2.5e-3
+z"/><clipPath id="cut"><rect x="0.5" y="1" width="2.0" height="3"/></clipPath></defs>
+ <g id="axes_1"><g id="empty"/>
+  <use xlink:href="#mark" x="1.23456789" y="2.0" style="fill: #1a1c1f; stroke: none"/>
+  <path d="M 3.999999 4 L 5 6" clip-path="url(#cut)" style="fill: #1a1c1f; stroke: none"/>
+  <text style="fill: #123456" transform="rotate(-0 1 2)">1.23456789 &lt;b&gt; M 1.000001</text>
+ </g></svg>"""
+
+
+def test_a_figure_is_smaller_and_shows_the_same():
+    """Text is unchanged; lengths are rounded to 0.01 points; nothing that is used is lost."""
+    drawings = Drawings()
+    inline = drawings.inline(SVG, "a <figure>")
+    tree = ElementTree.fromstring(inline)
+    name = "{http://www.w3.org/2000/svg}"
+    use, text = tree.find(f".//{name}use"), tree.find(f".//{name}text")
+    anchor = use.attrib["{http://www.w3.org/1999/xlink}href"].removeprefix("#")
+
+    assert tree.attrib["aria-label"] == "a <figure>"
+    assert text.text == "1.23456789 <b> M 1.000001"
+    assert "transform" not in text.attrib
+    assert (use.attrib["x"], use.attrib["y"]) == ("1.23", "2")
+    assert tree.find(f".//*[@id='{anchor}']").attrib["d"].startswith("M0 1.23L1 -2.5e-3")
+    assert "metadata" not in inline
+    assert "var(--ink)" in drawings.css()
+    assert len(inline) < len(SVG)
+
+
+def test_two_figures_share_looks_and_no_anchor():
+    """Equal styles become one class; an anchor is of one figure only."""
+    drawings = Drawings()
+    first, second = (
+        ElementTree.fromstring(drawings.inline(SVG, "x")).findall(".//*[@id]") for _ in range(2)
+    )
+
+    ids = [part.attrib["id"] for part in (*first, *second)]
+    assert len(ids) == len(set(ids)) == 4
+    assert drawings.css().count("stroke:none") == 1
+
+
+def test_the_first_use_of_a_word_is_a_link():
+    """Once on a page, with its meaning; what is from outside stays text."""
+    glossed = Glossed()
+    first = glossed("The gap of <b>an engine</b>, and another gap.")
+    second = glossed("A gap.")
+
+    assert first.count('href="#term-gap"') == first.count('href="#term-engine"') == 1
+    assert "&lt;b&gt;" in first
+    assert second == "A gap."
+    assert len({word.anchor for word in GLOSSARY}) == len(GLOSSARY)
+
+
+def test_of_many_figures_in_a_row_the_first_are_shown():
+    """Up to five stay; of six the last two are folded; a table between starts anew."""
+    table = Table("t", "", pd.DataFrame({"a": [1]}), (Column("a", "a"),))
+    pictures = [Picture(f"p{n}", "", Figure(), "") for n in range(6)]
+
+    def shape(blocks):
+        return [(len(group.blocks), group.folded) for group in grouped(blocks)]
+
+    assert shape(pictures[:5]) == [(5, False)]
+    assert shape(pictures) == [(4, False), (2, True)]
+    assert shape([*pictures[:4], table, *pictures[4:]]) == [(4, False), (1, False), (2, False)]
+
+
+def test_the_number_behind_a_cell_is_the_raw_one():
+    """Of text with an interval the number it begins with; nothing behind what is no number."""
+    frame = pd.DataFrame(
+        {"v": [0.5, None], "flag": [True, False], "name": ["a", "b"]}
+        | {"w_text": ["50 %", "–"], "w_share": [0.5, np.nan], "x_text": ["1", "2"], "x": [1, 2]}
+    )
+    shown = [Column(key, key) for key in ("v", "flag", "name", "w_text", "x_text")]
+
+    assert Table("t", "", frame, tuple(shown)).values() == [
+        [0.5, 1.0, None, 0.5, 1.0],
+        [None, 0.0, None, None, 2.0],
+    ]
+
+
+def test_embedded_data_cannot_end_its_element():
+    """JSON without a bare angle bracket; the same bytes give the same text."""
+    value = {"</script>": ["<!--", "\u2028&", 1.5, None]}
+
+    assert not set("<>&\u2028") & set(as_json(value))
+    assert json.loads(as_json(value)) == value
+    assert gzip.decompress(b64decode(packed(b"abc"))) == b"abc"
+    assert packed(b"abc") == packed(b"abc")
+    with pytest.raises(ValueError, match="JSON"):
+        as_json(math.nan)
+
+
+def test_dictionaries_name_every_column(results, tmp_path):
+    """Those of the rows, and those of every table's CSV file."""
+    folder = results("paper", [attempt(s) for s in paper_scenarios()])
+    tables = render([folder], tmp_path / "out").parent / "tables"
+    rows = pd.read_csv(tables / "columns.csv", keep_default_na=False)
+    known = pd.read_csv(tables / "dictionary.csv", keep_default_na=False)
+
+    assert rows["name"].tolist() == [column.name for column in ROW]
+    for file in tables.glob("*.csv"):
+        if file.stem != "dictionary":
+            header = pd.read_csv(StringIO(file.read_text(encoding="utf-8")), nrows=0)
+            named = known.loc[known["file"] == file.stem, "column"].tolist()
+            assert named == header.columns.tolist(), file
+
+
+def _text(page: FilePath) -> str:
+    return page.read_text(encoding="utf-8")
+
+
+def test_an_empty_run_makes_a_page_that_says_so(results, tmp_path):
+    """No part, or one without rows: alone, and beside a run that has rows."""
+    rows = [attempt(s) for s in paper_scenarios()]
+    bare, none, full = results("bare", rows), results("none", []), results("paper", rows)
+    (bare / "parts" / "1.parquet").unlink()
+
+    page = render([bare, none], tmp_path / "a")
+    both = render([bare, full], tmp_path / "b")
+
+    assert "There is nothing to report yet." in _text(page)
+    assert "There is nothing to report yet." in (page.parent / "report.md").read_text()
+    assert _text(page).count("It has no rows") == 2
+    assert (page.parent / "tables" / "columns.csv").exists()
+    assert 'id="summary"' in _text(both)
+    assert _text(both).count("It has no rows") == 1
+
+
+def test_what_is_no_results_folder_is_no_empty_run(results, tmp_path):
+    """A missing folder, and none at all, are still refused."""
+    with pytest.raises(ResultsError, match="not a folder"):
+        render([results("none", []), tmp_path / "nowhere"], tmp_path / "out")
+    with pytest.raises(ResultsError, match="at least one"):
+        render([], tmp_path / "out")
+
+
+def _failures():
+    return [
+        attempt(s, solver, path=Path(s.start, [0.0], [1.0]), claim=Claim.FAILED)
+        for s in paper_scenarios()
+        for solver in ("slsqp", "ipopt")
+    ]
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("name", ["benchmark", "paper", "mine"])
+@pytest.mark.parametrize(
+    ("rows", "words"),
+    [
+        (lambda: [attempt(s) for s in paper_scenarios()], "no engine was asked"),
+        (lambda: [attempt(s, "slsqp") for s in paper_scenarios()], "Only one method was asked"),
+        (_failures, "no other method was right on any question"),
+        (
+            lambda: [attempt(s, x) for s in paper_scenarios() for x in ("slsqp", "ipopt")],
+            "The closed form was not asked here",
+        ),
+    ],
+    ids=["closed form alone", "one solver", "all failures", "no closed form"],
+)
+def test_a_run_of_little_makes_a_page_that_says_so(results, tmp_path, name, rows, words):
+    """In the section that opens the page."""
+    page = _text(render([results(name, rows())], tmp_path / "out"))
+
+    section = page.split('<section id="decision"')[1].split("</section>")[0]
+    assert words in re.sub(r"<[^>]*>", "", section)
