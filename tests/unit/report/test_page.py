@@ -114,6 +114,17 @@ def test_every_figure_and_table_is_a_file_too(whole):
     assert (whole.parent / "report.md").stat().st_size > 0
 
 
+def test_figures_fit_a_column_and_a_screen(whole):
+    """Each is as wide as a column of a journal or two, 88 or 180 mm, and at most 7 inches high."""
+    for file in sorted((whole.parent / "figures").glob("*.pdf")):
+        box = re.search(rb"/MediaBox \[ ?0 0 ([\d.]+) ([\d.]+) ?\]", file.read_bytes())
+        assert box is not None
+        width, height = (float(size) / 72 for size in box.groups())
+        # the file gives sizes with as many digits as a float; a tenth of a point is invisible
+        assert min(abs(width * 25.4 - mm) for mm in (88, 180)) < 0.05, file.name
+        assert height <= 7, file.name
+
+
 class Requests(HTMLParser):
     """Collects whatever would make a browser fetch something."""
 

@@ -30,7 +30,10 @@ def basins_section(results: Results) -> Section | None:
     mapped = ends if capped.all() else ends[~capped]
     present = [end for end in numbers.ENDS if (mapped["end"] == end).any()]
     names = _names(results, ends["solver"].unique().tolist())
-    pictures = [_picture(str(label), group, names, present) for label, group in _groups(mapped)]
+    pictures = [
+        _picture(number, str(label), group, names, present)
+        for number, (label, group) in enumerate(_groups(mapped), start=1)
+    ]
     table = numbers.shares(ends)
     table = table.assign(called=table["solver"].map(names))
     findings = _findings(numbers.shares(mapped).assign(called=lambda t: t["solver"].map(names)))
@@ -43,6 +46,7 @@ def basins_section(results: Results) -> Section | None:
 
 
 _ACROSS = 3  # maps side by side
+_MOST_LETTERS = 20  # of a solver's name above its map
 
 
 def _names(results: Results, solvers: list[str]) -> dict[str, str]:
@@ -127,23 +131,25 @@ def _who(row: pd.Series) -> str:
     return f"{row['called']}, {row['label']}"
 
 
-def _picture(label: str, table: pd.DataFrame, names: dict[str, str], shown: list[str]) -> Picture:
+def _picture(
+    number: int, label: str, table: pd.DataFrame, names: dict[str, str], shown: list[str]
+) -> Picture:
     solvers = solver_order(table["solver"].tolist())
     figure = new_figure(WIDE if len(solvers) > 1 else HALF, 2.75 + 0.17 * math.ceil(len(shown) / 3))
     panels = figure.subplots(1, len(solvers), sharex=True, sharey=True, squeeze=False)[0]
     for ax, solver in zip(panels, solvers, strict=True):
         group = table[table["solver"] == solver]
         right = share((group["end"] == numbers.OPTIMUM).mean())
-        plot_ends(ax, group, f"{names[solver]}: {right} shortest", shown)
+        plot_ends(ax, group, f"{names[solver][:_MOST_LETTERS]}: {right} shortest", shown)
         ax.label_outer()
     legend = {"handles": legend_entries(shown), "ncols": 3 if len(solvers) > 1 else 1}
     figure.legend(loc="outside lower left", fontsize=7.5, **legend)
-    number = count(len(table) / len(solvers))
+    guesses = count(len(table) / len(solvers))
     caption = (
-        f"{label[:1].upper()}{label[1:]}: where each of {number} initial guesses leads, a map per "
+        f"{label[:1].upper()}{label[1:]}: where each of {guesses} initial guesses leads, a map per "
         "solver. White cells with a mark are statements that the check refutes."
     )
-    stem = slug(f"basins-{label}-{'-'.join(names[solver] for solver in solvers)}")
+    stem = slug(f"basins-{number}-{label}")
     alt = f"Maps of initial guesses by end, {label}"
     return Picture(stem, caption, figure, alt, half=len(solvers) == 1)
 
