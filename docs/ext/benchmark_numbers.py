@@ -14,6 +14,7 @@ from dubins_study.report.elements.formats import digits
 from dubins_study.report.elements.shares import percent, questions
 from dubins_study.report.statistics.compared import compared
 from dubins_study.report.statistics.methods import best_methods
+from dubins_study.report.topics.decision.section import decision_section
 from dubins_study.report.topics.findings import numbers as findings
 from dubins_study.report.topics.findings.evidence import Evidence
 from dubins_study.report.topics.matrix.numbers import strata
@@ -145,6 +146,17 @@ def all_findings() -> str:
     return "\n".join(f"{n}. {prose(sentence)}" for n, sentence in enumerate(sentences, 1))
 
 
+def decision() -> str:
+    """What to use, by the target's place, the accuracy wanted and the need of proof."""
+    section = decision_section(_results())
+    if section is None or not section.blocks:
+        raise LookupError("the rows of the benchmark carry no table of choices")
+    (block,) = section.blocks
+    lines = [[prose(cell.replace("\n", ": ")) for cell in line] for line in block.texts()]
+    head = [prose(column.title) for column in block.columns]
+    return f"{prose(section.lead)}\n\n{table(head, lines)}\n\n{prose(section.text)}"
+
+
 SOURCES: dict[str, Callable[..., str]] = {
     "benchmark-formulation": formulation,
     "benchmark-formulations": formulations,
@@ -152,4 +164,5 @@ SOURCES: dict[str, Callable[..., str]] = {
     "benchmark-strata": by_stratum,
     "finding": finding,
     "findings": all_findings,
+    "decision": decision,
 }

@@ -38,14 +38,14 @@ def solver_names() -> list[str]:
 def settings_table(argument: str) -> str:
     """Every setting of a solver: its default, what the profiles change, and what it means.
 
-    `ipopt without nlp`: those of one solver that another one does not have.
+    `ipopt without nlp`: those of one solver that another one lacks or begins otherwise.
     """
     spec, _, other = argument.partition(" without ")
     solver, shared = load(spec), settings(load(other)) if other else {}
     meanings, profiles = setting_meanings(type(solver)), type(solver).profiles
     rows = []
     for name, value in settings(solver).items():
-        if name in shared:
+        if name in shared and shared[name] == value:
             continue
         changed = {key: change[name] for key, change in profiles.items() if name in change}
         in_profiles = ", ".join(f"{key} {code(new)}" for key, new in changed.items())
