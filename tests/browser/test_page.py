@@ -141,3 +141,15 @@ def test_text_from_outside_stays_text(new_tab, report_page: Path):
     assert "</script><script>alert('x')</script>" in text
     assert "\\u202eabc\\u2066" in text
     assert not set("\u202a\u202b\u202d\u202e\u2066\u2067\u2068") & set(text)
+
+
+def test_a_link_to_what_is_folded_unfolds_it(new_tab, report_page: Path):
+    """Else a permalink to one of many figures would lead to nothing."""
+    page = new_tab(reduced_motion="reduce")
+    page.goto(report_page.as_uri())
+    folded = page.locator("details.more figure").first
+    anchor = folded.get_attribute("id")
+    assert not folded.is_visible()
+
+    page.evaluate("(anchor) => { window.location.hash = anchor }", anchor)
+    folded.wait_for(state="visible")

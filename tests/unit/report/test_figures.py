@@ -16,8 +16,8 @@ from dubins_study.report.data.results import load
 from dubins_study.report.elements.axes import label_curves, spread_labels, step_curve
 from dubins_study.report.elements.content import Picture, Table
 from dubins_study.report.elements.figure_file import figure_bytes, fix_layout
-from dubins_study.report.elements.panels import common_part, split_columns, text_width
-from dubins_study.report.elements.style import RULE, drawing
+from dubins_study.report.elements.panels import common_part, split_columns
+from dubins_study.report.elements.style import RULE, drawing, text_width
 from dubins_study.report.page.sections import TOPICS, sections_of
 from tests.unit.report import test_many_methods, test_page
 from tests.unit.report.results_folder import write_folder

@@ -6,9 +6,9 @@ import pandas as pd
 import pytest
 
 from dubins_study.report.data.results import load
-from dubins_study.report.elements.heatmap import whole_percent
 from dubins_study.report.elements.shares import share_text, with_share
 from dubins_study.report.statistics.methods import best_methods, drawn_methods
+from dubins_study.report.topics.matrix.heatmap import whole_percent
 from dubins_study.report.topics.matrix.numbers import matrix, strata
 from dubins_study.report.topics.matrix.section import matrix_section
 from dubins_study.report.topics.matrix.strata import stratum_order

@@ -89,11 +89,24 @@ def test_of_many_figures_in_a_row_the_first_are_shown():
     pictures = [Picture(f"p{n}", "", Figure(), "") for n in range(6)]
 
     def shape(blocks):
-        return [(len(group.blocks), group.folded) for group in grouped(blocks)]
+        return [(len(group.blocks), bool(group.summary)) for group in grouped(blocks)]
 
     assert shape(pictures[:5]) == [(5, False)]
     assert shape(pictures) == [(4, False), (2, True)]
     assert shape([*pictures[:4], table, *pictures[4:]]) == [(4, False), (1, False), (2, False)]
+
+
+def test_a_long_table_is_folded_behind_a_shorter_one():
+    """It is shown where it is all there is; the line that stands for it says what it holds."""
+
+    def table(lines):
+        return Table(
+            "t", "All of it. More.", pd.DataFrame({"a": range(lines)}), (Column("a", "a"),)
+        )
+
+    assert [g.summary for g in grouped([table(50)])] == [""]
+    assert [g.summary for g in grouped([table(3), table(50)])] == ["", "All 50 lines: all of it"]
+    assert [g.summary for g in grouped([table(3), table(40)])] == ["", ""]
 
 
 def test_the_number_behind_a_cell_is_the_raw_one():

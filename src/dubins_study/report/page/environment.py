@@ -80,25 +80,43 @@ def _texts(folder: str, names: Sequence[str]) -> list[Markup]:
 
 # As many pictures in a row are shown; the rest is folded away behind a line that names them.
 _SHOWN_PICTURES = 4
+# A table of more lines is folded away if another table of its section comes before it.
+_SHOWN_LINES = 40
 
 
 class Blocks(NamedTuple):
-    """Blocks of a section that stand together, `folded` behind a line or not."""
+    """Blocks of a section that stand together; `summary` stands for them while they are folded."""
 
     blocks: tuple[Block, ...]
-    folded: bool = False
+    summary: str = ""
 
 
 def grouped(blocks: Sequence[Block]) -> list[Blocks]:
-    """The blocks in order, all but the first of many pictures in a row folded."""
+    """The blocks in order; all but the first of many pictures, and long tables, are folded."""
     groups: list[Blocks] = []
+    tables = 0
     for is_picture, run in groupby(blocks, lambda block: isinstance(block, Picture)):
         each = tuple(run)
-        shown = _SHOWN_PICTURES if is_picture and len(each) > _SHOWN_PICTURES + 1 else len(each)
-        groups.append(Blocks(each[:shown]))
-        if each[shown:]:
-            groups.append(Blocks(each[shown:], folded=True))
+        if is_picture:
+            shown = _SHOWN_PICTURES if len(each) > _SHOWN_PICTURES + 1 else len(each)
+            groups.append(Blocks(each[:shown]))
+            if each[shown:]:
+                names = "; ".join(block.alt for block in each[shown:] if isinstance(block, Picture))
+                groups.append(Blocks(each[shown:], f"{len(each) - shown} more figures: {names}"))
+            continue
+        for block in each:
+            long = isinstance(block, Table) and len(block.frame) > _SHOWN_LINES and tables > 0
+            groups.append(Blocks((block,), _summary(block) if long else ""))
+            tables += isinstance(block, Table)
     return groups
+
+
+def _summary(block: Block) -> str:
+    """A long table in a line: its lines and the beginning of its caption."""
+    lines = len(block.frame) if isinstance(block, Table) else 0
+    caption = " ".join(block.caption.removeprefix(f"All {lines} lines. ").split())
+    first = caption.partition(". ")[0].rstrip(".")
+    return f"All {lines} lines: {first[:1].lower()}{first[1:]}"
 
 
 def height_of(section: Section) -> int:
@@ -106,7 +124,7 @@ def height_of(section: Section) -> int:
     heights = [
         150 + 45 * min(len(block.frame), 12) if isinstance(block, Table) else 500
         for group in grouped(section.blocks)
-        for block in (group.blocks if not group.folded else ())
+        for block in (() if group.summary else group.blocks)
     ]
     return 200 + sum(heights)
 

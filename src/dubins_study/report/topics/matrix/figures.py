@@ -7,8 +7,8 @@ import textwrap
 import pandas as pd
 from matplotlib.axes import Axes
 
-from dubins_study.report.elements.heatmap import plot_share_map
 from dubins_study.report.elements.style import INK, MUTED, Style
+from dubins_study.report.topics.matrix.heatmap import plot_share_map
 from dubins_study.report.topics.matrix.numbers import Matrix
 
 

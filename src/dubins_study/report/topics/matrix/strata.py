@@ -11,9 +11,9 @@ from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import Column, columns
 from dubins_study.report.elements.content import Picture, Table, picture
 from dubins_study.report.elements.formats import slug
-from dubins_study.report.elements.heatmap import whole_percent
 from dubins_study.report.elements.identity import best_first
 from dubins_study.report.topics.matrix.figures import plot_strata
+from dubins_study.report.topics.matrix.heatmap import whole_percent
 
 
 def strata_blocks(

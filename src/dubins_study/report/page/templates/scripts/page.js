@@ -68,6 +68,17 @@
   });
   narrow.addEventListener("change", fold);
 
+  // A link to a folded figure or table unfolds it; browsers do so of themselves only sometimes.
+  function unfold() {
+    const target = document.getElementById(window.location.hash.slice(1));
+    const box = target && target.closest("details.more:not([open])");
+    if (!box) return;
+    box.open = true;
+    target.scrollIntoView();
+  }
+  window.addEventListener("hashchange", unfold);
+  unfold();
+
   // What is folded away on the screen is printed: figures here, lines of tables by their style.
   let unfolded = [];
   window.addEventListener("beforeprint", () => {
