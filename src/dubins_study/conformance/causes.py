@@ -35,6 +35,11 @@ def cause_of(scenario: Scenario, path: Path) -> str:
     """What the author of a path that misses, or is too tight, has mixed up; empty if unknown."""
     if not path.length.size:
         return ""
+    if _is_target(scenario, path.curvature[-1], path.length[-1]):
+        return (
+            "are these positions? A path is its controls: a curvature and a length for each arc, "
+            "from which the check drives it"
+        )
     with np.errstate(all="ignore"):
         for cause in CAUSES:
             try:
@@ -44,6 +49,12 @@ def cause_of(scenario: Scenario, path: Path) -> str:
             if _fits(case):
                 return cause.advice
     return ""
+
+
+def _is_target(scenario: Scenario, x: float, y: float) -> bool:
+    """Whether two numbers are the target's coordinates."""
+    near = 1e-6 * scenario.radius
+    return abs(x - scenario.target_x) <= near and abs(y - scenario.target_y) <= near
 
 
 def _fits(case: _Case) -> bool:
@@ -117,6 +128,14 @@ CAUSES = (
     Cause(
         "are your curvatures in units of 1 / radius? Divide them by the radius",
         _controls(lambda s, p: p.curvature / s.radius),
+    ),
+    Cause(
+        "are your curvatures angles of turn? A curvature is angle / length",
+        _controls(lambda s, p: p.curvature / np.where(p.length == 0, 1.0, p.length)),
+    ),
+    Cause(
+        "are your curvatures in degrees? A curvature is rad / length",
+        _controls(lambda s, p: np.radians(p.curvature)),
     ),
     Cause(
         "are your lengths in radii? Multiply them by the radius",

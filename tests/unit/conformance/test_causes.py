@@ -31,6 +31,8 @@ MIXED_UP = {
     "is your radius a curvature": (np.where(TURNS, np.sign(K) * R, 0), S),
     "left and right are swapped": (-K, S),
     "curvatures in units of 1 / radius": (K * R, S),
+    "curvatures angles of turn": (K * S, S),
+    "curvatures in degrees": (np.degrees(K), S),
     "lengths in radii": (K, S / R),
     "that of radius 1": (K * R, S / R),
     "angles in rad": (K, np.where(TURNS, S / R, S)),
@@ -73,6 +75,14 @@ def test_a_question_that_is_misread(words):
     cause = cause_of(REFERENCE, Path(REFERENCE.start, other.curvature, other.length))
 
     assert re.search(words, cause)
+
+
+def test_positions_are_no_controls():
+    """What planners of waypoints return."""
+    positions = RIGHT.sample(30)
+
+    cause = cause_of(REFERENCE, Path(REFERENCE.start, positions[:, 0], positions[:, 1]))
+    assert "are these positions" in cause
 
 
 def test_every_cause_has_a_test():

@@ -6,9 +6,13 @@ import math
 
 import pytest
 
+from dubins_study.report.elements.figure_file import fix_layout
+from dubins_study.report.elements.style import drawing
 from dubins_study.report.paper.audit_file import misprints
 from dubins_study.report.paper.printed import PROBLEMS, compare, segments
 from dubins_study.report.topics.paper.numbers import printed_times, time_ends
+from dubins_study.report.topics.paper.pictures import feasible_picture
+from dubins_study.report.topics.paper.section import figures_section
 from dubins_study.study.closed_form.shortest import shortest_path
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Pose
@@ -101,3 +105,42 @@ def test_printed_times_are_ticks_beside_our_medians(results):
     assert ends["slowest_s"].unique().tolist() == [4e-3]
     assert ends["exact_s"].unique().tolist() == [5e-5]
     assert ends["word"].tolist()[:2] == ["RS", "LS"]  # test problem 1: optimal, feasible
+
+
+def test_the_papers_figures_have_its_panels(results):
+    """3.1, then 6.1 to 6.5: two panels where the paper has two, with equal limits; all named."""
+    rows = [attempt(s, branch=word) for s in paper_scenarios() for word in ("LS", "RS")]
+    with drawing():
+        section = figures_section(load_folders([results("paper", rows)]))
+        assert section is not None
+        pictures = {picture.name: picture for picture in section.blocks}
+        for picture in pictures.values():
+            fix_layout(picture.figure)
+    panels = {name: picture.figure.axes for name, picture in pictures.items()}
+
+    assert list(pictures) == ["paths-feasible", *(f"paths-{i}" for i in range(1, 6))]
+    assert [len(axes) for axes in panels.values()] == [1, 1, 2, 1, 2, 2]
+    for name in ("paths-2", "paths-4"):
+        one, two = panels[name]
+        assert one.get_xlim() == pytest.approx(two.get_xlim())
+        assert one.get_ylim() == pytest.approx(two.get_ylim())
+    assert [ax.get_title("left") for ax in panels["paths-2"]] == [
+        "(a) optimal: LS, 6.743",  # the lengths of Table 6.2, with one digit more
+        "(b) feasible: RS, 12.96",
+    ]
+    named = {text.get_text() for text in panels["paths-1"][0].texts}
+    assert {"optimal: RS, 11.87", "feasible: LS, 16.88"} <= named
+    assert {"P", "X₁", "X₂", "X₃ = T", "LS", "RS"} <= {
+        text.get_text() for text in panels["paths-feasible"][0].texts
+    }
+
+
+def test_the_feasible_paths_reach_the_target_along_tangents():
+    """Figure 3.1's own example: each path ends at T, straight on from its circle."""
+    picture = feasible_picture()
+    (ax,) = picture.figure.axes
+    ends = [line.get_xydata()[-1] for line in ax.lines if len(line.get_xydata()) > 2]
+
+    assert len(ends) == 2
+    assert ends[0] == pytest.approx(ends[1])
+    assert ends[0] == pytest.approx((4.6, 2.4))

@@ -188,6 +188,25 @@ def test_pdflatex_compiles_the_report(hostile_report):
 
 
 @pytest.mark.slow
+def test_a_table_needs_only_the_packages_that_it_names(hostile_report, tmp_path):
+    """Each stands in a document of its own settings, with the packages of its first line."""
+    pdflatex = needed("pdflatex")
+    tables = sorted((hostile_report / "tables").glob("*.tex"))
+    lines = [table.read_text(encoding="utf-8").partition("\n")[0] for table in tables]
+    packages = {line.removeprefix("% Needs the packages ").rstrip(".") for line in lines}
+    for place, chosen in enumerate(sorted(packages)):
+        own = [t for t, line in zip(tables, lines, strict=True) if line.endswith(f" {chosen}.")]
+        inputs = "\n\n".join(rf"\input{{{table}}}" for table in own)
+        text = rf"\documentclass{{article}}\usepackage{{{chosen}}}\begin{{document}}" + "\n"
+        file = tmp_path / f"alone-{place}.tex"
+        file.write_text(f"{text}{inputs}\n\\end{{document}}\n", encoding="utf-8")
+        command = [pdflatex, "-interaction=nonstopmode", "-halt-on-error", file.name]
+        run = subprocess.run(command, cwd=tmp_path, capture_output=True, check=False)
+        assert run.returncode == 0, run.stdout[-2000:].decode("latin-1")
+        assert "Missing character" not in file.with_suffix(".log").read_text(encoding="latin-1")
+
+
+@pytest.mark.slow
 def test_no_font_of_a_figure_or_the_report_is_type_3(hostile_report):
     """Journals refuse bitmap and drawn letters; pdffonts sees what they see."""
     pdffonts = needed("pdffonts")

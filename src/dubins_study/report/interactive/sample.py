@@ -53,12 +53,15 @@ def sample(attempts: Attempts, most: int) -> pd.DataFrame:
             {_STRATA}),
         candidates AS (
             SELECT unnest(max_by({_ADDRESS}, {_BADNESS}, {WORST * repeats}), recursive := true)
-            FROM chosen GROUP BY solver)
-        SELECT {", ".join(columns)}, {", ".join(arcs)},
-            coalesce(len(curvatures), 0) AS arcs, {_LONG}, {_LEVEL} AS level, {_SIZE} AS size,
-            (part, place) IN (SELECT (part, place) FROM spread) AS spread,
-            (part, place) IN (SELECT (part, place) FROM candidates) AS candidate
-        FROM chosen WHERE spread OR candidate
+            FROM chosen GROUP BY solver),
+        picked AS MATERIALIZED (
+            SELECT part, place, bool_or(is_spread) AS spread, bool_or(NOT is_spread) AS candidate
+            FROM (SELECT *, true AS is_spread FROM spread
+                UNION ALL SELECT *, false AS is_spread FROM candidates)
+            GROUP BY part, place)
+        SELECT {", ".join(columns)}, {", ".join(arcs)}, coalesce(len(curvatures), 0) AS arcs,
+            {_LONG}, {_LEVEL} AS level, {_SIZE} AS size, spread, candidate
+        FROM chosen JOIN picked USING (part, place)
         ORDER BY solver, scenario_id, branch, experiment, initial_guess, profile, repeat"""
     )
     rows = rows.assign(worst=_ranks(rows))

@@ -9,6 +9,8 @@
   async function start() {
     const data = await open();
     const canvas = element("div", {className: "canvas"}), legend = element("ul", {className: "marks"});
+    canvas.setAttribute("role", "group");
+    canvas.setAttribute("aria-label", "plot of attempts; the table below lists its coloured points");
     const status = element("p", {className: "note"});
     status.setAttribute("role", "status");
     const points = list(data);
