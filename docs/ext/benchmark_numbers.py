@@ -17,7 +17,7 @@ from dubins_study.report.statistics.methods import best_methods
 from dubins_study.report.topics.decision.section import decision_section
 from dubins_study.report.topics.findings import numbers as findings
 from dubins_study.report.topics.findings.evidence import Evidence
-from dubins_study.report.topics.matrix.numbers import strata
+from dubins_study.report.topics.matrix.numbers import matrix, strata
 from dubins_study.report.topics.summary.section import solver_summary
 from dubins_study.study.words import FORMULATIONS
 
@@ -53,18 +53,31 @@ def _of(key: str, value: str) -> pd.DataFrame:
 def formulation(name: str) -> str:
     """The engines of a formulation, each with its most reliable guess and settings."""
     best = best_methods(_of("formulation", name), ["engine"])
-    return _share_table(best.sort_values("right_low", ascending=False, kind="stable"), "engine")
+    return _share_table(best.sort_values("right_low", ascending=False, kind="stable"))
 
 
-def engine(label: str) -> str:
-    """The formulations that an engine was asked, each with its best guess and settings."""
-    return _share_table(best_methods(_of("engine", label), ["formulation"]), "formulation")
+def family(kind: str) -> str:
+    """Engines of a family by the formulations that they were asked: share right, median time."""
+    entries = [entry for folder in _results().folders for entry in folder.manifest.matrix]
+    cells = matrix(_methods(), entries).cells
+    chosen = cells[(cells["kind"] == kind) & cells["filled"]]
+    if chosen.empty:
+        raise LookupError(f"no rows; choose one of: {', '.join(sorted(set(cells['kind'])))}")
+    formulations = [name for name in FORMULATIONS if name in set(chosen["formulation"])]
+    text = {
+        (row["engine"], row["formulation"]): f"{percent(row['right_share'])} %"
+        f"{'*' if row['few'] else ''}, {_three(1e3 * row['wall_s'])} ms"
+        for row in chosen.to_dict("records")
+    }
+    engines = list(dict.fromkeys(chosen["engine"]))
+    rows = [[e, *(prose(text.get((e, name), "–")) for name in formulations)] for e in engines]
+    return table(("engine", *formulations), rows)
 
 
-def _share_table(methods: pd.DataFrame, key: str) -> str:
+def _share_table(methods: pd.DataFrame) -> str:
     rows = [
         (
-            row[key],
+            row["engine"],
             ", ".join(filter(None, (row["guess"].replace("none", ""), row["settings"]))) or "–",
             f"{percent(row['right_share'])} % of {questions(row['right_of'])}",
             f"{percent(row['right_low'])} to {percent(row['right_high'])}",
@@ -75,7 +88,7 @@ def _share_table(methods: pd.DataFrame, key: str) -> str:
         for row in methods.to_dict("records")
     ]
     head = ("right", "95 %", "median ms", "wrong basins", "false claims")
-    return table((key, "guess, settings", *head), rows)
+    return table(("engine", "guess, settings", *head), rows)
 
 
 def formulations() -> str:
@@ -160,7 +173,7 @@ def decision() -> str:
 SOURCES: dict[str, Callable[..., str]] = {
     "benchmark-formulation": formulation,
     "benchmark-formulations": formulations,
-    "benchmark-engine": engine,
+    "benchmark-family": family,
     "benchmark-strata": by_stratum,
     "finding": finding,
     "findings": all_findings,

@@ -23,7 +23,7 @@ pytestmark = pytest.mark.slow
 @pytest.fixture(scope="module")
 def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The site, built with every warning as an error; its notebooks are run."""
-    out = tmp_path_factory.mktemp("docs") / "site"
+    out = tmp_path_factory.mktemp("docs").resolve() / "site"
     options = ["-q", "-W", "--keep-going", "-d", str(out.with_name("trees"))]
     command = [sys.executable, "-m", "sphinx", *options, str(DOCS), str(out)]
     build = subprocess.run(command, capture_output=True, text=True, timeout=280)
@@ -51,6 +51,21 @@ def test_no_page_names_anything_of_another_host(site: Path):
     """Fonts, scripts, pictures and formulas lie in the folder."""
     for file in [*site.rglob("*.html"), *site.rglob("*.css")]:
         assert not LOADED.findall(file.read_text(encoding="utf-8")), file
+
+
+def test_no_link_leads_nowhere(site: Path):
+    """Links between pages, to places within them, and to files; Sphinx checks only its own."""
+    texts = {page: page.read_text(encoding="utf-8") for page in site.rglob("*.html")}
+    places = {page: set(re.findall(r'\bid="([^"]+)"', text)) for page, text in texts.items()}
+    wrong = []
+    for page, text in texts.items():
+        for link in set(re.findall(r'(?:href|src)="(?!https?:|mailto:|data:)([^"]+)"', text)):
+            name, _, place = link.partition("#")
+            target = (page.parent / name.partition("?")[0]).resolve() if name else page
+            known = target.exists() and (not place or place in places.get(target, {place}))
+            wrong += [] if known else [f"{page.name}: {link}"]
+
+    assert not wrong
 
 
 def test_every_page_fits_a_phone(site: Path, new_tab):

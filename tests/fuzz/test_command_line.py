@@ -179,6 +179,7 @@ def test_a_request_is_answered_or_refused(words, place, song):
 
 
 @pytest.mark.slow
+@pytest.mark.timeout(1200)  # 2000 requests take four minutes of a quiet core
 @cases(2000)
 @given(words=requests())
 def test_thousands_of_requests_are(words, place, song):
