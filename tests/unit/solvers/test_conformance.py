@@ -9,6 +9,7 @@ from cases import PAPER
 
 from dubins_study.conformance import check_solver
 from dubins_study.conformance.findings import Status
+from dubins_study.conformance.questions import AXIS, GENERAL
 from dubins_study.experiments.solve import solve
 from dubins_study.solvers.protocol import Guarantee, Outcome, Question, Solution, Solver
 from dubins_study.solvers.registry import available_solvers, entries, load, registered
@@ -67,7 +68,8 @@ def test_every_solver_keeps_the_promise(name):
 
     assert report.passed, report
     counts, guarantee = report.answers, load(name).guarantee
-    assert counts["shortest"] > 20
+    # of every target outside the discs; in them a coarse path may be too long
+    assert counts["shortest"] >= len(GENERAL) + len(AXIS)
     assert counts["none"] == counts["unanswered"] == counts["missing"] == 0
     if guarantee not in (Guarantee.DISCRETISED, Guarantee.STOCHASTIC):
         assert report.with_status(Status.NOTE) == (), report
