@@ -38,8 +38,8 @@ def solved(scenario: Scenario, solver: str, branch: str = "best") -> dict[str, A
 
 def rows() -> list[dict[str, Any]]:
     """Three solvers at forty targets, and a few questions that are really asked."""
-    made = [solved(ODD, solver) for solver in ("analytic", RAW, LONG)]
-    made.append(solved(ODD, "analytic", "RL"))
+    records = [solved(ODD, solver) for solver in ("analytic", RAW, LONG)]
+    records.append(solved(ODD, "analytic", "RL"))
     for number in range(40):
         angle = 2 * math.pi * number / 40
         x, y = (2.5 + number / 10) * math.cos(angle), (2.5 + number / 10) * math.sin(angle)
@@ -49,8 +49,8 @@ def rows() -> list[dict[str, Any]]:
             path: Any = Path(scenario.start, [0.0], [1.0 + number]) if wrong else "exact"
             row = attempt(scenario, solver, path=path, claim=Claim.LOCAL)
             row |= {"scenario_id": f"{number:07x}", "message": f"{HOSTILE}\nsecond line"}
-            made.append(row | {"engine": "MyEngine", "wall_s": 1e-3 * (1 + number)})
-    return made
+            records.append(row | {"engine": "MyEngine", "wall_s": 1e-3 * (1 + number)})
+    return records
 
 
 @pytest.fixture(scope="module")
@@ -138,16 +138,16 @@ def test_the_library_is_started_only_for_those_who_look(new_tab, address: str):
 def test_every_attempt_is_a_point(plot):
     """Those of chosen solvers are coloured; the text says how many have no place in the plot."""
     page = plot()
-    made = rows()
-    gaps = sum(one["gap"] is not None for one in made)
+    records = rows()
+    gaps = sum(one["gap"] is not None for one in records)
     shown = page.evaluate(
         "() => attempts.drawn.figure().renderers.map((one) => one.data_source.data.x.length)"
     )
 
-    assert sum(shown[:2]) == gaps < len(made)
+    assert sum(shown[:2]) == gaps < len(records)
     choose(page, "fine", "far")
     status = page.locator("#attempts-plot > p[role=status]")
-    right = sum(one["gap"] is not None for one in made if one["solver"] in ("fine", "far"))
+    right = sum(one["gap"] is not None for one in records if one["solver"] in ("fine", "far"))
     assert f"{right} coloured points and {gaps - right} faint ones" in status.text_content()
     assert f"{80 - right} more have no gap" in status.text_content()
     page.get_by_text("show the other solvers, faint").click()

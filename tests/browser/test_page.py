@@ -7,7 +7,12 @@ from pathlib import Path
 import pytest
 from browser_tab import DESK, PHONE
 
+from dubins_study import render
+from dubins_study.study.claim import Claim
+from tests.unit.report.results_folder import attempt, paper_scenarios, write_folder
+
 WIDTHS = {"phone": PHONE, "desk": DESK}
+LOST = [(scenario, solver) for scenario in paper_scenarios() for solver in ("slsqp", "ipopt")]
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
@@ -153,3 +158,27 @@ def test_a_link_to_what_is_folded_unfolds_it(new_tab, report_page: Path):
 
     page.evaluate("(anchor) => { window.location.hash = anchor }", anchor)
     folded.wait_for(state="visible")
+
+
+@pytest.mark.parametrize("viewport", WIDTHS.values(), ids=WIDTHS)
+@pytest.mark.parametrize(
+    ("rows", "words"),
+    [
+        ([], "There is nothing to report yet."),
+        ([attempt(paper_scenarios()[0], "slsqp")], "Only one method was asked"),
+        (
+            [attempt(s, x, path=None, claim=Claim.FAILED) for s, x in LOST],
+            "none can be recommended",
+        ),
+    ],
+    ids=["empty", "one solver", "all failures"],
+)
+def test_a_run_of_little_is_a_page_too(new_tab, tmp_path: Path, rows, words, viewport):
+    """Its scripts find nothing to work on, and say nothing."""
+    folder = write_folder(tmp_path / "mine", "mine", rows)
+    page = new_tab(viewport=viewport)
+    page.goto(render([folder], tmp_path / "out").as_uri())
+
+    assert words in page.locator("#decision").text_content()
+    assert page.locator("#contents a[aria-current]").count() == 1
+    assert page.evaluate("document.scrollingElement.scrollWidth") <= viewport["width"]

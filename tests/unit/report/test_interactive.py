@@ -33,7 +33,7 @@ def arcs(number: int, radius: float = 2.0) -> Path:
 
 def rows() -> list[dict[str, Any]]:
     """Three solvers at thirty targets, twice each; every fifth answer misses by its number."""
-    made = []
+    records = []
     for number in range(30):
         angle = 2 * math.pi * number / 30
         scenario = Scenario(
@@ -45,7 +45,7 @@ def rows() -> list[dict[str, Any]]:
             path: Any = "exact"
             if wrong or solver == "long":
                 path = Path(scenario.start, [0.0], [number]) if wrong else arcs(40)
-            made += [
+            records += [
                 attempt(
                     scenario,
                     solver,
@@ -59,7 +59,7 @@ def rows() -> list[dict[str, Any]]:
                 )
                 for repeat in (0, 1)
             ]
-    return made
+    return records
 
 
 @pytest.fixture(scope="module")
@@ -189,11 +189,11 @@ def test_a_path_of_no_length_is_a_point():
 def test_the_worst_attempts_are_false_claims_before_longer_paths_before_misses(tmp_path):
     """Ten different questions a solver, the worst first; compared with a plain sort."""
     level = {"longer": 3, "misses": 2, "none": 1}
-    made = []
+    records = []
     for number in range(60):
         scenario = Scenario(target_x=3 + number, target_y=1)
         verdict = ("longer", "misses", "none", "optimal")[number % 4]
-        made += [
+        records += [
             attempt(scenario, "mine", scenario_id=f"{number:08x}", repeat=repeat)
             | {
                 "verdict": verdict,
@@ -203,7 +203,7 @@ def test_the_worst_attempts_are_false_claims_before_longer_paths_before_misses(t
             }
             for repeat in (0, 1, 2)
         ]
-    frame = pd.DataFrame(made)
+    frame = pd.DataFrame(records)
 
     def badness(row: Any) -> tuple[Any, ...]:
         size = max(row.miss, 0 if row.gap != row.gap else row.gap)
@@ -212,7 +212,7 @@ def test_the_worst_attempts_are_false_claims_before_longer_paths_before_misses(t
     questions = frame[frame["repeat"] == 0]
     expected = sorted(questions.itertuples(), key=badness, reverse=True)[:WORST]
 
-    folder = write_folder(tmp_path / "mine", "mine", made)
+    folder = write_folder(tmp_path / "mine", "mine", records)
     ranked = sample(load([folder]).attempts, most=1)
     ranked = ranked[ranked["worst"] > 0].sort_values("worst")
     assert ranked["worst"].tolist() == list(range(1, WORST + 1))
@@ -229,10 +229,11 @@ def test_every_stratum_has_points_at_the_same_scenarios(results: Results):
 
     assert len(spread) <= 40 < len(every)
     assert set(map(tuple, spread[stratum].to_numpy())) == set(map(tuple, every[stratum].to_numpy()))
-    for _, own in spread.groupby(stratum):
-        key = dict(own[stratum].iloc[0])
+    for _, stratum_rows in spread.groupby(stratum):
+        key = dict(stratum_rows[stratum].iloc[0])
         same = every[(every[list(key)] == pd.Series(key)).all(axis=1)]
-        assert own["scenario_id"].tolist() == sorted(same["scenario_id"])[: len(own)]
+        ids = stratum_rows["scenario_id"].tolist()
+        assert ids == sorted(same["scenario_id"])[: len(ids)]
 
 
 def test_the_sample_shrinks_to_its_budget(results: Results, monkeypatch: pytest.MonkeyPatch):
@@ -250,6 +251,6 @@ def test_the_sample_shrinks_to_its_budget(results: Results, monkeypatch: pytest.
     assert f"Shown are {shown} of the 180 attempts" in less.text
 
 
-def _content(made: Any) -> tuple[bytes, bytes]:
-    packed = made.blocks[0].packed
+def _content(shown: Any) -> tuple[bytes, bytes]:
+    packed = shown.blocks[0].packed
     return packed["attempts"], packed["attempts-header"]

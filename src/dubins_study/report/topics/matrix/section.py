@@ -152,7 +152,7 @@ def _methods(methods: pd.DataFrame) -> Table:
         *columns(digits(3), evaluations="evaluations, median"),
     )
     caption = (
-        f"All methods: questions that have a path. {INTERVAL_TEXT} Wrong basins and false claims "
+        f"Questions that have a path. {INTERVAL_TEXT} Wrong basins and false claims "
         "count attempts. A dash: the engine does not count its evaluations."
     )
     numbers = ("attempts", "right_of", "right_share", "right_low", "right_high", "settings")

@@ -18,7 +18,7 @@ _COLUMNS = (
     *columns(kind="text", label="solver"),
     Column("solver", "spec", kind="code"),
     *columns(kind="prose", given="settings that are not the default"),
-    *columns(kind="prose", defaults="settings that are"),
+    *columns(kind="prose", defaults="settings at their default"),
 )
 
 

@@ -70,7 +70,7 @@ window.studyTables = (() => {
     const head = table.tHead && table.tHead.rows[0], body = table.tBodies[0];
     if (!head || !body || table.dataset.enhanced) return null;
     table.dataset.enhanced = "yes";
-    const state = {lines: [...body.rows], words: [], open: false, found: new Map()};
+    const state = {lines: [...body.rows], words: [], open: false, texts: new Map()};
     const tools = {};
 
     function show() {
@@ -86,8 +86,8 @@ window.studyTables = (() => {
 
     function matches(line) {
       if (!state.words.length) return true;
-      if (!state.found.has(line)) state.found.set(line, searchable(line));
-      return state.words.every((word) => state.found.get(line).includes(word));
+      if (!state.texts.has(line)) state.texts.set(line, searchable(line));
+      return state.words.every((word) => state.texts.get(line).includes(word));
     }
 
     function report(matching, cut) {
@@ -112,7 +112,7 @@ window.studyTables = (() => {
     function update() {
       state.original = [...body.rows];
       state.lines = [...body.rows];
-      state.found.clear();
+      state.texts.clear();
       const header = [...head.cells].find((cell) => !["none", null].includes(cell.ariaSort));
       if (header) {
         state.lines = sorted(state.original, header.cellIndex, header.ariaSort);
