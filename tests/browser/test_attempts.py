@@ -485,6 +485,25 @@ def test_a_phone_shows_it_all(plot, scheme: str):
     assert DESK["width"] > PHONE["width"]
 
 
+def test_a_finger_on_the_plot_scrolls_the_page(plot):
+    """A box is drawn by the mouse only: a reader on a phone gets past the plot."""
+    page = plot(viewport=PHONE, has_touch=True, is_mobile=True)
+    canvas = page.locator("#attempts-plot .canvas")
+    canvas.evaluate("node => node.scrollIntoView({block: 'center'})")
+    box, before = canvas.bounding_box(), page.evaluate("scrollY")
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    finger = page.context.new_cdp_session(page)
+    finger.send(
+        "Input.dispatchTouchEvent", {"type": "touchStart", "touchPoints": [{"x": x, "y": y}]}
+    )
+    for step in range(1, 11):
+        points = [{"x": x, "y": y - 20 * step}]
+        finger.send("Input.dispatchTouchEvent", {"type": "touchMove", "touchPoints": points})
+    finger.send("Input.dispatchTouchEvent", {"type": "touchEnd", "touchPoints": []})
+
+    page.wait_for_function("before => scrollY > before + 50", arg=before)
+
+
 FAR = Scenario(target_x=1e12, target_y=-3e11, radius=1e3)
 ODD_ROWS = {
     "all failures": [attempt(ODD, "mine", path=None, claim=Claim.FAILED, message="no")],

@@ -1,0 +1,22 @@
+"""The page of decisions: what, why and what it rules out begin lines of their own."""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+from sphinx.application import Sphinx
+
+_PART = re.compile(r"\n(What|Why|Rules out|Undone): ")
+
+
+def break_lines(app: Sphinx, page: str, source: list[str]) -> None:
+    """Two blanks at the end of a line are a line break in Markdown."""
+    if page == "decisions":
+        source[0] = _PART.sub(r"  \n**\1:** ", source[0])
+
+
+def setup(app: Sphinx) -> dict[str, Any]:
+    """Change the page's text as it is read; the file stays as it is."""
+    app.connect("source-read", break_lines)
+    return {"parallel_read_safe": True}
