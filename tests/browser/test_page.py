@@ -182,3 +182,14 @@ def test_a_run_of_little_is_a_page_too(new_tab, tmp_path: Path, rows, words, vie
     assert words in page.locator("#decision").text_content()
     assert page.locator("#contents a[aria-current]").count() == 1
     assert page.evaluate("document.scrollingElement.scrollWidth") <= viewport["width"]
+
+
+def test_links_jump(new_tab, report_page: Path):
+    """Without smooth scrolling, which stopped 4500 px short of a late section of the benchmark's
+    page: sections get their heights only when they come near."""
+    page = new_tab(viewport=DESK)
+    page.goto(report_page.as_uri())
+    assert page.evaluate("getComputedStyle(document.documentElement).scrollBehavior") == "auto"
+
+    page.locator('#contents a[href="#attempts"]').first.click()
+    assert -2 <= page.locator("#attempts").bounding_box()["y"] < DESK["height"]
