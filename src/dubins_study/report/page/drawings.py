@@ -24,10 +24,6 @@ _STYLE = re.compile(r' style="([^"]*)"')
 _DEFINED = re.compile(r' id="([^"]+)"')
 _USED = re.compile(r'(?:href="#|url\(#)([^")]+)')
 _NAMED = re.compile(r'(?P<before> id="|href="#|url\(#)(?P<name>[^")]+)')
-_PLACED = re.compile(r' (d|points|x|y|width|height|transform)="([^"]*)"')
-_NO_TURN = re.compile(r"rotate\(-?0 [^)]*\)\s*")
-_NUMBER = re.compile(r"-?\d+\.\d+")
-_BESIDE_LETTER = re.compile(r"\s*([MLHVCSQTAZz])\s*")
 # matplotlib writes a group for every artist; with neither name nor look it changes nothing.
 _EMPTY = re.compile(r"<g></g>|<g/>|<defs></defs>")
 
@@ -43,7 +39,7 @@ class Drawings:
         self._figures = 0
 
     def inline(self, svg: str, alt: str) -> Markup:
-        """An SVG file's text as an element of the page; lengths rounded to 0.01 of a point."""
+        """An SVG file's text as an element of the page."""
         self._figures += 1
         body = _METADATA.sub("", svg[svg.index("<svg") :])
         names = {name: f"f{self._figures}-{n}" for n, name in enumerate(_used(body), 1)}
@@ -60,10 +56,9 @@ class Drawings:
         return Markup("\n").join(Markup(rule) for rule in rules)
 
     def _smaller(self, tag: str, names: dict[str, str]) -> str:
-        """A tag with a class for its style, short names of what is used, and few digits."""
+        """A tag with a class for its style, and short names of what is used."""
         tag = _DEFINED.sub(lambda m: m.group() if m.group(1) in names else "", tag)
         tag = _NAMED.sub(lambda m: f"{m['before']}{names.get(m['name'], m['name'])}", tag)
-        tag = _PLACED.sub(_rounded, tag)
         return _STYLE.sub(self._classed, tag)
 
     def _classed(self, match: re.Match[str]) -> str:
@@ -78,12 +73,3 @@ class Drawings:
 def _used(body: str) -> list[str]:
     """The names that something in the figure refers to, each once."""
     return list(dict.fromkeys(_USED.findall(body)))
-
-
-def _rounded(match: re.Match[str]) -> str:
-    name, text = match.groups()
-    text = _NO_TURN.sub("", text)
-    text = _NUMBER.sub(lambda number: f"{float(number.group()):.2f}".rstrip("0").rstrip("."), text)
-    if name == "d":
-        text = _BESIDE_LETTER.sub(r"\1", text)
-    return f' {name}="{text.strip()}"' if text else ""
