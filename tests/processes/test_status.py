@@ -9,6 +9,7 @@ import pytest
 from live_run import finished, manifest, parts, quick_experiment, slow_experiment, started, wait_for
 
 from dubins_study import run, status
+from dubins_study.cli.status import status_text
 from dubins_study.experiments.store.part_writer import write_part
 from dubins_study.study.rows.parts import read_part
 from dubins_study.study.rows.row_table import rows_table
@@ -64,6 +65,18 @@ def test_done_left_and_failing_are_counted(folder):
     assert found.verdicts["slsqp"] == {"timeout": 3, "optimal": CELLS - 5}
     assert found.verdicts["analytic"] == {"optimal": CELLS}
     assert found.unknown == ["shooting"]
+
+
+def test_a_folder_that_has_lost_rows_is_not_finished(folder):
+    """A part of a run that had finished is cut short: the cells of its rows are left."""
+    assert status(folder).finished
+    (part,) = parts(folder)
+    part.write_bytes(part.read_bytes()[:100])
+
+    cut = status(folder)
+    assert (cut.damaged, sum(cut.left.values())) == (1, cut.cells)
+    assert not cut.finished
+    assert "not finished: run it again" in status_text(cut)
 
 
 def test_the_time_left_is_each_solvers_mean_and_the_overhead(folder):
