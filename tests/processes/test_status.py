@@ -137,6 +137,7 @@ def test_a_noisy_run_says_so(folder):
     assert f"the machine's speed varied by 26.1 % during run {runs[0]['run_id']}" in said
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "entry",
     [
@@ -176,6 +177,7 @@ def test_subsets_and_repeats_keep_count(tmp_path):
     assert status(folder).cells == status(folder).done == 4 + 16
 
 
+@pytest.mark.slow
 def test_runs_tell_how_they_ended(tmp_path):
     """Interrupted, then finished; each with when and how long."""
     experiment, out = slow_experiment(tmp_path, nap=0.1, count=40), tmp_path / "out"

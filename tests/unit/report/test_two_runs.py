@@ -213,6 +213,7 @@ def test_runs_without_a_common_question_are_refused(results):
         compare(base, base, slower=0.9)
 
 
+@pytest.mark.slow
 def test_the_command_its_exit_codes_and_its_page(results, tmp_path):
     """0; 1 with --fail-on-regression if something is worse; 2 for a bad request; hostile names."""
     name = "<script>alert(1)</script>&[x=1]"
