@@ -177,8 +177,8 @@ def load(spec: str, profile: str = "default") -> Solver:
     """
     name, given = _parse(spec)
     kind = _kind(name)
-    values = {**kind.profiles.get(profile, {}), **_convert(name, kind, given)}
     try:
+        values = {**kind.profiles.get(profile, {}), **_convert(name, kind, given)}
         solver = kind(**values)
         stated_method(solver)
         return solver
@@ -271,7 +271,9 @@ def _let_import_from(folder: FilePath) -> None:
     sys.path.insert(min(others, default=len(sys.path)), str(folder))
     for name, module in list(sys.modules.items()):
         top, file = name.partition(".")[0], getattr(module, "__file__", None) or ""
-        of_another = any(file.startswith((f"{one}/{top}.", f"{one}/{top}/")) for one in _plugin_folders)
+        of_another = any(
+            file.startswith((f"{one}/{top}.", f"{one}/{top}/")) for one in _plugin_folders
+        )
         if of_another and ((folder / f"{top}.py").is_file() or (folder / top).is_dir()):
             del sys.modules[name]
     _plugin_folders.append(folder)
