@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import os
+import re
 import signal
 import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
 from hypothesis import HealthCheck, settings
@@ -39,14 +41,34 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     for item in items:
         if "slow" in item.keywords and not config.getoption("--slow"):
             item.add_marker(pytest.mark.skip(reason="slow; run with --slow"))
-        if group := _group(item):
-            item.add_marker(pytest.mark.xdist_group(group))
 
 
-def _group(item: pytest.Item) -> str:
-    """What stays in one worker where tests run in parallel: tests that look at one shared run."""
-    file = item.path.relative_to(Path(__file__).parent)
-    if file.parts[0] == "unit" or item.get_closest_marker("xdist_group"):
-        return ""
-    shared = getattr(item, "callspec", None) and item.callspec.params.get("shared")
-    return f"{file.parts[0]} {shared}" if shared else str(file)
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
+    """Groups by the names of tests: the mark of pytest-xdist 3.8 is lost under pytest 9.2."""
+    if config.getoption("dist") != "loadgroup":
+        return None
+    from xdist.scheduler import LoadScopeScheduling
+
+    class Groups(LoadScopeScheduling):
+        def _split_scope(self, nodeid: str) -> str:
+            return _group(nodeid)
+
+    return Groups(config, log)
+
+
+_BY_FOLDER = ("tests/browser",)  # one browser and one report for all of them
+_RUN = re.compile(r"\w+, \d jobs")  # how a parameter names the run that many tests look at
+_ALONE = ("tests/unit", "tests/adversary")
+_BY_FILE = ("tests/unit/report",)  # most of its files draw one page, and look at it in many tests
+
+
+def _group(nodeid: str) -> str:
+    """What stays in one worker: the tests of one shared run, else of one file, or one test."""
+    file, _, test = nodeid.partition("::")
+    if file.startswith(_ALONE) and not file.startswith(_BY_FILE):
+        return nodeid
+    if file.startswith(_BY_FOLDER):
+        return str(Path(file).parent)
+    run = _RUN.search(test)
+    return f"{Path(file).parent} {run[0]}" if run else file

@@ -33,10 +33,7 @@ def test_no_counterexample_in_few_cases() -> None:
 
 @pytest.mark.slow
 @pytest.mark.timeout(1200)
-@pytest.mark.parametrize(
-    "part",
-    [pytest.param(i, marks=pytest.mark.xdist_group(f"adversary {i}")) for i in range(PARTS)],
-)
+@pytest.mark.parametrize("part", range(PARTS))
 def test_no_counterexample(part: int) -> None:
     """100 000 cases in all; `make adversary N=1000000` tries any number."""
     size = ALL // PARTS

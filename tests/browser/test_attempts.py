@@ -127,6 +127,7 @@ def axes(page) -> list[float]:
     )
 
 
+@pytest.mark.slow
 def test_the_library_is_started_only_for_those_who_look(new_tab, address: str):
     """Nothing is unpacked before the section comes near."""
     page = new_tab()
@@ -154,6 +155,7 @@ def test_every_attempt_is_a_point(plot):
     assert f"{right} coloured points and 0 faint ones" in status.text_content()
 
 
+@pytest.mark.slow
 def test_axes_are_chosen_and_named_with_their_units(plot):
     """Logarithmic but for angles; zeros stand at the floor that the title names."""
     page = plot()
@@ -177,6 +179,7 @@ def test_axes_are_chosen_and_named_with_their_units(plot):
     assert kinds == ["LinearScale", "LogScale"]
 
 
+@pytest.mark.slow
 def test_solvers_are_found_by_words_and_by_engine(plot):
     """The list follows the filter; a group's button colours the group."""
     page = plot()
@@ -214,6 +217,7 @@ def test_verdicts_are_filtered(plot):
     )
 
 
+@pytest.mark.slow
 def test_a_point_says_what_it_is_when_the_pointer_is_over_it(plot):
     """Its names and numbers, and names from outside as text."""
     page = plot()
@@ -230,6 +234,7 @@ def test_a_point_says_what_it_is_when_the_pointer_is_over_it(plot):
     assert tooltip.locator("img").count() == 0
 
 
+@pytest.mark.slow
 def test_a_box_and_the_wheel_zoom_and_all_can_be_shown_again(plot):
     """Dragging a box narrows the axes to it; the wheel zooms with Ctrl held."""
     page = plot()
@@ -335,6 +340,7 @@ def test_a_drawn_path_is_the_solvers(plot, solver: str):
     assert math.dist(reference, target) < 0.2
 
 
+@pytest.mark.slow
 def test_points_at_one_place_are_led_through(plot):
     """`next` shows the others there."""
     page = plot()
@@ -367,6 +373,7 @@ def test_an_address_opens_its_attempt(plot):
     assert "0000003" in link
 
 
+@pytest.mark.slow
 def test_everything_is_reached_by_keyboard(plot):
     """The list of points in the frame opens an attempt; closing it leads back to the list."""
     page = plot()
@@ -386,6 +393,7 @@ def test_everything_is_reached_by_keyboard(plot):
     assert button.evaluate("node => node === document.activeElement")
 
 
+@pytest.mark.slow
 def test_the_worst_attempts_of_a_solver_are_drawn(plot):
     """Ten paths and references, the largest miss first; each picture opens the drawer."""
     page = plot()
@@ -411,6 +419,7 @@ def command_of(page, attempt_row: int) -> str:
     return page.locator("#attempt-drawer .command code").text_content()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("solver", "branch"), [("analytic", "best"), ("analytic", "RL"), (RAW, "best"), (LONG, "best")]
 )
@@ -452,6 +461,7 @@ def test_no_name_gets_out_of_its_quotes(plot, tmp_path: FilePath):
     assert {entry.name for entry in tmp_path.iterdir()} == {"dubins-study"}
 
 
+@pytest.mark.slow
 def test_the_plot_follows_the_colour_scheme(plot):
     """Its paper and its marks are those of the page, in both schemes."""
     page = plot(color_scheme="light")
@@ -471,6 +481,7 @@ def test_the_plot_follows_the_colour_scheme(plot):
     assert light[2] != dark[2]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_a_phone_shows_it_all(plot, scheme: str):
     """Nothing scrolls sideways, with the drawer open too; a tap opens it."""
@@ -485,6 +496,7 @@ def test_a_phone_shows_it_all(plot, scheme: str):
     assert DESK["width"] > PHONE["width"]
 
 
+@pytest.mark.slow
 def test_a_finger_on_the_plot_scrolls_the_page(plot):
     """A box is drawn by the mouse only: a reader on a phone gets past the plot."""
     page = plot(viewport=PHONE, has_touch=True, is_mobile=True)
@@ -520,6 +532,7 @@ ODD_ROWS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ODD_ROWS)
 def test_odd_rows_are_shown_too(new_tab, tmp_path: FilePath, name: str):
     """The plot, though it may be empty, the drawer and the pictures of the worst; no error."""

@@ -169,6 +169,7 @@ def test_certificates_are_the_package_s(in_page):
     assert compared > 2 * len(cases)
 
 
+@pytest.mark.slow
 def test_what_the_certificate_says_is_what_is_shortest(in_page):
     """Away from edges the verdict `shortest` stands at the optimal words and at no other."""
     cases = [case for case in all_cases() if margin(case) > 1e-6]
@@ -183,6 +184,7 @@ def test_what_the_certificate_says_is_what_is_shortest(in_page):
     assert len(apart) > 4000
 
 
+@pytest.mark.slow
 def test_every_path_arrives(in_page):
     """The path of each word, driven by the package, ends at the target."""
     cases = all_cases()
@@ -237,6 +239,7 @@ def test_the_length_obeys_bellman_s_principle(in_page):
     assert np.allclose(whole, least + step, rtol=0, atol=step**2)
 
 
+@pytest.mark.slow
 def test_a_polyline_holds_the_path_s_ends_and_stays_on_it(in_page):
     """Every point lies on the path as the package drives it; arcs are divided finely."""
     cases = [

@@ -146,6 +146,7 @@ def test_dragging_the_target_moves_it_and_everything_follows(explorer):
     agrees(page)
 
 
+@pytest.mark.slow
 def test_dragging_across_the_circle_changes_the_word(explorer):
     """From outside into the left disc: LS ends to exist and RL is shortest."""
     page = explorer("0,0,0deg,1.3,1,1")
@@ -161,6 +162,7 @@ def test_dragging_across_the_circle_changes_the_word(explorer):
     agrees(page)
 
 
+@pytest.mark.slow
 def test_dragging_heading_and_radius(explorer):
     """The heading points where the pointer is; the radius grows away from the start."""
     page = explorer("0,0,0deg,4,3,1")
@@ -190,6 +192,7 @@ def test_a_finger_drags_the_target(explorer):
     agrees(page)
 
 
+@pytest.mark.slow
 def test_by_keyboard(explorer):
     """Arrows move a handle, shift makes them ten times as strong, + and - change the radius."""
     page = explorer("0,0,0deg,3,2,1")
@@ -215,6 +218,7 @@ def test_by_keyboard(explorer):
     assert page.get_by_role("slider").count() == 3
 
 
+@pytest.mark.slow
 def test_fields_and_their_refusals(explorer):
     """A number that no scenario may have is refused in words; the picture stays as it was."""
     page = explorer("0,0,0deg,3,2,1")
@@ -264,6 +268,7 @@ def test_a_broken_address_is_left_alone(explorer):
         assert page.locator("img[src=x]").count() == 0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "text", ["0.5,0,-110deg,-0.3,0.2,1.5", "0,1e-7,7.5,-3,1,1", "0,0,30°,1,1,2"]
 )
@@ -301,6 +306,7 @@ def test_copy_puts_the_command_on_the_clipboard(explorer):
     assert page.evaluate("navigator.clipboard.readText()") == expected
 
 
+@pytest.mark.slow
 def test_the_map_is_true(explorer):
     """The region under 400 points of the picture is named after the package's shortest word."""
     page = explorer("0.3,-0.2,25deg,1.4,1.1,0.9")
@@ -334,6 +340,7 @@ def test_the_map_is_true(explorer):
     assert compared == {"LS", "RS", "LR", "RL"}
 
 
+@pytest.mark.slow
 def test_the_sweep_over_radii_is_the_package_s(explorer):
     """Every word's length at 160 radii, the shortest word, and where the chosen radius stands.
 
@@ -373,6 +380,7 @@ def test_the_sweep_over_radii_is_the_package_s(explorer):
     assert box["x"] + box["width"] / 2 - plot["x"] == pytest.approx(500, abs=2)  # three digits of R
 
 
+@pytest.mark.slow
 def test_a_drag_is_answered_within_a_frame(explorer):
     """Works 1000 random scenarios off; the times are printed (`pytest -s`), not asserted."""
     page = explorer()
@@ -397,6 +405,7 @@ def test_a_drag_is_answered_within_a_frame(explorer):
     agrees(page)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("viewport", [PHONE, DESK], ids=["phone", "desk"])
 def test_nothing_is_wider_than_the_screen(explorer, viewport):
     """No sideways scrolling, all handles in view."""
@@ -420,6 +429,7 @@ def test_without_scripts_there_are_drawings(explorer):
     assert not page.locator(".explorer-live").is_visible()
 
 
+@pytest.mark.slow
 def test_in_print_there_are_no_buttons(explorer):
     """The picture and the table stay."""
     page = explorer()

@@ -62,6 +62,7 @@ def test_every_file_that_the_page_links_is_there(new_tab, report_page: Path):
     assert {Path(name).suffix for name in files} == {".csv", ".md", ".tex", ".svg", ".pdf"}
 
 
+@pytest.mark.slow
 def test_the_contents_follow_the_reading(new_tab, report_page: Path):
     """On a desk they stay on the screen, and mark the section that is read."""
     page = new_tab(viewport=DESK, reduced_motion="reduce")
@@ -96,6 +97,7 @@ def test_the_contents_fold_away_on_a_phone(new_tab, report_page: Path):
     assert page.locator("#contents summary").bounding_box()["y"] >= 0
 
 
+@pytest.mark.slow
 def test_the_page_is_reached_by_keyboard(new_tab, report_page: Path):
     """The first stop skips to the answer; every stop shows where the reader is."""
     page = new_tab()
@@ -111,6 +113,7 @@ def test_the_page_is_reached_by_keyboard(new_tab, report_page: Path):
         assert outline != "none", page.evaluate("document.activeElement.outerHTML.slice(0, 200)")
 
 
+@pytest.mark.slow
 def test_print_shows_all_rows_and_no_contents(new_tab, report_page: Path):
     """Boxes that scroll on a screen are whole on paper, in dark ink."""
     page = new_tab(color_scheme="dark")
@@ -148,6 +151,7 @@ def test_text_from_outside_stays_text(new_tab, report_page: Path):
     assert not set("\u202a\u202b\u202d\u202e\u2066\u2067\u2068") & set(text)
 
 
+@pytest.mark.slow
 def test_a_link_to_what_is_folded_unfolds_it(new_tab, report_page: Path):
     """Else a permalink to one of many figures would lead to nothing."""
     page = new_tab(reduced_motion="reduce")
@@ -160,6 +164,7 @@ def test_a_link_to_what_is_folded_unfolds_it(new_tab, report_page: Path):
     folded.wait_for(state="visible")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("viewport", WIDTHS.values(), ids=WIDTHS)
 @pytest.mark.parametrize(
     ("rows", "words"),

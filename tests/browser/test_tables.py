@@ -163,6 +163,7 @@ def test_a_long_table_is_folded(page_of):
     assert not fold.is_visible()
 
 
+@pytest.mark.slow
 def test_all_lines_are_printed(page_of):
     """A folded table is whole on paper, without the tools."""
     page = page_of(160)
@@ -180,6 +181,7 @@ def test_without_scripts_the_table_is_whole(page_of):
     assert page.locator(".table-tools").count() == 0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_tables_fit_a_phone(page_of, scheme: str):
     """The tools wrap; nothing scrolls sideways but the table's own box."""

@@ -14,17 +14,27 @@ _ELEMENTS = """
     html head meta title style body header h1 h2 h3 p dl dt dd code strong nav ol li a main
     section div figure figcaption table thead tbody tr th td footer details summary pre wbr
     svg g defs path use text tspan rect clippath lineargradient image metadata pattern
+    span bdi br button label input form output small em cite img script
 """.split()  # noqa: SIM905
 _ATTRIBUTES = """
     lang charset name content class id href scope aria-label role style d transform x y width
     height viewbox version xmlns xmlns:xlink xlink:href clip-path fill stroke opacity
     preserveaspectratio stroke-width type patternunits
+    open title tabindex src alt step min autocomplete aria-live aria-hidden
 """.split()  # noqa: SIM905
+_HANDLERS = [("onsubmit", "return false")]
+# to a place on the page, a picture in it, or a file of the report
+_LINK = re.compile(
+    r"#|data:image/(png|svg\+xml);base64,|(tables|figures)/[a-z0-9-]+\.[a-z]+$|report\.[a-z]+$"
+)
+_DATA = ("application/json", "text/plain")  # of scripts that are not run
 
 # of TeX
 _TEX = """
     begin end toprule midrule bottomrule texttt textbackslash textasciitilde textasciicircum
     textless textgreater textbar leq geq infty times cdot mu pi zeta surd checkmark frac
+    textasciigrave begingroup endgroup setlength tabcolsep tiny footnotesize raggedright
+    tabularnewline addlinespace endhead endfoot allowbreak ldots ding pm
 """.split()  # noqa: SIM905
 
 
@@ -32,14 +42,24 @@ class _Page(HTMLParser):
     def __init__(self) -> None:
         super().__init__(convert_charrefs=True)
         self.odd: list[str] = []
+        self._runs = False  # inside a script that a browser runs, not one that holds data
 
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self._runs = tag == "script" and dict(attrs).get("type") not in _DATA
         if tag not in _ELEMENTS:
             self.odd.append(f"<{tag}>")
         for name, said in attrs:
-            link = name.endswith("href") and not (said or "").startswith(("#", "data:image/png"))
-            if name not in _ATTRIBUTES or link:
+            link = name.endswith(("href", "src")) and not _LINK.match(said or "")
+            known = name in _ATTRIBUTES or name.startswith("data-") or (name, said) in _HANDLERS
+            if not known or link:
                 self.odd.append(f"<{tag} {name}={said!r}>")
+
+    def handle_endtag(self, tag: str) -> None:
+        self._runs = False
+
+    def handle_data(self, data: str) -> None:
+        if self._runs and MARK in data:
+            self.odd.append(f"<script>{data}")
 
     def handle_comment(self, data: str) -> None:
         if MARK in data:

@@ -56,6 +56,7 @@ def shown_as_text(made, name, tmp_path_factory):
     check_report(folder / "report")
 
 
+@pytest.mark.slow
 @cases(2)
 @given(made=rows(), name=words)
 def test_words_of_rows_are_shown_as_text(made, name, tmp_path_factory):

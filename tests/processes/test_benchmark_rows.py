@@ -45,6 +45,7 @@ def scenario_of(row):
     return Scenario(**{name: row[name] for name in names(SCENARIO)})
 
 
+@pytest.mark.slow
 def test_it_is_the_experiment_of_today(table):
     """Its text and its cells are those that `dubins-study run benchmark` would ask for now."""
     packaged = read("benchmark")

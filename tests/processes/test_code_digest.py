@@ -81,6 +81,7 @@ def test_a_room_is_read_whole_and_no_other():
     assert not {name for name in sources if name.startswith("study/rows/")}
 
 
+@pytest.mark.slow
 def test_an_edit_changes_the_digest_of_the_room_and_of_rooms_that_build_on_it(tmp_path):
     """In a copy of the package: of the solver's room, of the check; not of another room."""
     shutil.copytree(PACKAGE, tmp_path / "dubins_study")
@@ -214,6 +215,7 @@ def test_cells_know_their_code(tmp_path):
     assert {cell.key[-1] for cell in cells} == {cell.code_digest for cell in cells}
 
 
+@pytest.mark.slow
 def test_folders_of_two_codes(tmp_path):
     """Of a cell that both hold the first is kept, and the page says what was left out."""
     plugin, file = tmp_path / "mine.py", tmp_path / "changing.toml"

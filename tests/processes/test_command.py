@@ -69,6 +69,7 @@ def test_a_branch_without_a_path():
     assert answer["segments"] == []
 
 
+@pytest.mark.slow
 def test_plot(tmp_path):
     for suffix in ("svg", "pdf", "png"):
         file = tmp_path / f"path.{suffix}"
@@ -178,6 +179,7 @@ def test_run_status_and_report(tmp_path):
 DRIVE = "target_x,target_y,x,y,heading,radius\n10,5,0,0,120deg,1\n-3,-2,0,0,pi/3,2\n"
 
 
+@pytest.mark.slow
 def test_scenarios_of_a_file(tmp_path):
     """Asked, skipped when asked again, asked by another solver too; other scenarios are refused."""
     file = tmp_path / "drive.csv"
@@ -207,6 +209,7 @@ target_y = 3
 """
 
 
+@pytest.mark.slow
 def test_a_folder_without_rows(tmp_path):
     """Interrupted before the first row, or its parts deleted: nothing is done, and no more."""
     (tmp_path / "mine.toml").write_text(MINE)
@@ -257,6 +260,7 @@ def plugin(tmp_path):
     return str(tmp_path / "plugin.py")
 
 
+@pytest.mark.slow
 def test_what_a_solver_prints_is_no_result(plugin, tmp_path):
     done = dubins("solve", "1", "2", "--solver", f"{plugin}:Loud", "--json")
 
@@ -286,6 +290,7 @@ def test_a_false_claim_is_told(plugin):
     assert "false claim" not in asked("solve", "1", "2")
 
 
+@pytest.mark.slow
 def test_a_solver_that_was_not_asked_gives_no_answer(plugin):
     """The reason on stderr and exit code 2; with --json the object, too."""
     done = dubins("solve", "1", "2", "--solver", f"{plugin}:Absent", "--plot", "unused.svg")
@@ -370,6 +375,7 @@ class Odd(Solver):
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("curvature", "length"),
     [

@@ -97,6 +97,7 @@ def flipped(content: bytes) -> bytes:
     return bytes(changed)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("damage", [truncated, no_end, empty, flipped])
 def test_a_damaged_part_is_put_aside_and_its_cells_are_solved_again(folder, experiment, damage):
     """One warning names it, nothing is deleted, and the table is whole again."""

@@ -5,6 +5,8 @@ from __future__ import annotations
 import subprocess
 import sys
 
+import pytest
+
 
 def loaded_by(statement: str) -> set[str]:
     """Modules that a fresh interpreter holds after a statement."""
@@ -30,6 +32,7 @@ def test_the_face_is_lazy():
     loaded_by("import dubins_study as d; [getattr(d, name) for name in d.__all__]")
 
 
+@pytest.mark.slow
 def test_a_run_without_streams_loads_no_numba(tmp_path):
     """Rows are judged one at a time; the compiled kernels take half a second to load."""
     loaded = loaded_by(

@@ -137,6 +137,7 @@ class Slow(Slsqp):
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("jobs", ["1", "2"])
 def test_the_command_says_what_is_kept(experiment, tmp_path, jobs):
     """Exit code 130, one line with the count, no traceback of any process; a rerun completes."""
@@ -157,6 +158,7 @@ def test_the_command_says_what_is_kept(experiment, tmp_path, jobs):
     assert printed == ""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("jobs", ["1", "2"])
 def test_a_second_stops_at_once(experiment, tmp_path, jobs):
     (tmp_path / "slow.py").write_text(SLOW)
@@ -170,6 +172,7 @@ def test_a_second_stops_at_once(experiment, tmp_path, jobs):
     assert "Traceback" not in err
 
 
+@pytest.mark.slow
 def test_after_a_fresh_run_the_same_command_would_throw_away(experiment, tmp_path):
     """So the message names the other one."""
     out = tmp_path / "out"
@@ -182,6 +185,7 @@ def test_after_a_fresh_run_the_same_command_would_throw_away(experiment, tmp_pat
     assert "what was done is kept, run the same command without --restart to go on (" in err
 
 
+@pytest.mark.slow
 def test_ipopt_does_not_swallow_it(experiment, tmp_path):
     """casadi turns a KeyboardInterrupt into a warning and a failed solve; neither is recorded."""
     out = tmp_path / "out"

@@ -58,6 +58,7 @@ def every_row(folder):
     return pd.concat([pq.read_table(f).to_pandas() for f in sorted((folder / "parts").iterdir())])
 
 
+@pytest.mark.slow
 def test_numbers_are_of_all_rows_and_rows_a_sample_of_scenarios(many, sampling, tmp_path):
     """The counts of the parts are those of single cells; a scenario is in the sample or is not."""
     found = load_results([many])
@@ -90,6 +91,7 @@ def test_the_sample_does_not_depend_on_the_order_of_parts(many, sampling, monkey
     assert set(one.rows["scenario_id"]) == set(other.rows["scenario_id"])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kept", [5000, 10**6])
 def test_what_two_folders_hold_counts_once(many, tmp_path, kept, monkeypatch):
     """Chunks are known by their metadata, cells by their keys; whole rows or a sample of them."""
@@ -148,6 +150,7 @@ def test_small_folders_are_read_whole(many, tmp_path):
     alike(found.attempts, attempts_of(tmp_path / "cells", whole))
 
 
+@pytest.mark.slow
 def test_the_plane_is_counted_by_cells(many):
     """Against each row by hand, turned into the vehicle's frame by complex numbers."""
     rows = every_row(many)

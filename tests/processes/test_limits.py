@@ -104,6 +104,7 @@ def _keeps(spec: str, limit: float) -> None:
             assert seconds < limit + 1, (scenario, asked)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", available_solvers())
 def test_every_solver_keeps_a_limit_in_this_process(name):
     """With its ordinary settings, at hard targets, to the second."""
@@ -150,6 +151,7 @@ def test_an_executable_promises_nothing(name):
     assert not load(f"{name}[via=executable]").keeps_limit
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", available_solvers())
 def test_no_solver_captures_output(name, monkeypatch):
     """Nothing makes a pipe or a temporary file for what is printed, which could fill."""
@@ -236,6 +238,7 @@ def test_where_a_plugin_is_asked(name, isolated, here):
     assert answer.verdict == "optimal"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("isolated", [None, False])
 def test_a_plugin_that_prints_megabytes_keeps_its_answer(isolated):
     """In a worker its output is thrown away, in the caller's process it is the caller's."""
@@ -302,6 +305,7 @@ def _send(connection):
     connection.send(f"{hanging.outcome}, {solve(EASY, 'slsqp', isolated=True).verdict}")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", ["fork", "spawn"])
 def test_from_a_daemon_process(method):
     """Which may have no children by `multiprocessing`; forked after this process had workers."""
@@ -318,6 +322,7 @@ def test_from_a_daemon_process(method):
     assert solve(EASY, plugin("Dies")).outcome == "crashed"  # our own server is still there
 
 
+@pytest.mark.slow
 def test_from_a_script_without_a_main_guard():
     """It is not run again in the worker."""
     done = script(f"from dubins_study import *\nprint(solve({EASY!r}, {plugin('Repeats')!r}))")

@@ -27,6 +27,7 @@ def contents(folder):
     return held, manifest
 
 
+@pytest.mark.slow
 def test_a_second_run_is_told_who_is_at_work_and_touches_nothing(tmp_path):
     experiment, out = slow_experiment(tmp_path, nap=30), tmp_path / "out"
     with started("run", experiment, "--trust-plugins", "--out", out) as first:
@@ -46,6 +47,7 @@ def test_a_second_run_is_told_who_is_at_work_and_touches_nothing(tmp_path):
         assert first.poll() is None
 
 
+@pytest.mark.slow
 def test_a_killed_run_holds_nothing_even_while_its_workers_live(tmp_path):
     """kill -9 of the run alone: workers that nap on do not keep the next run out."""
     experiment, out = slow_experiment(tmp_path, nap=0.2, count=24), tmp_path / "out"
@@ -123,6 +125,7 @@ if __name__ == "__main__":
         process.stdout.close()
 
 
+@pytest.mark.slow
 def test_status_and_report_work_while_a_run_does(tmp_path):
     experiment, out = slow_experiment(tmp_path, nap=0.3, count=1000), tmp_path / "out"
     with started("run", experiment, "--trust-plugins", "--out", out) as first:
@@ -137,6 +140,7 @@ def test_status_and_report_work_while_a_run_does(tmp_path):
         assert first.poll() is None
 
 
+@pytest.mark.slow
 def test_status_writes_nothing(tmp_path):
     """So that a folder that may only be read can be looked at."""
     experiment, out = slow_experiment(tmp_path, nap=0, count=2), tmp_path / "out"

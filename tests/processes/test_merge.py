@@ -198,6 +198,7 @@ def _link(folder):
     return "is a link"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("spoil", [_other, _schema, _damage, _nothing, _link])
 def test_folders_that_cannot_be_merged(halves, tmp_path, spoil):
     message = spoil(halves[1])

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import re
 
+import pytest
+
 from dubins_study import render, run
 from dubins_study.experiments.definition.experiment import read
 
 
+@pytest.mark.slow
 def test_a_copied_study_keeps_its_section(tmp_path):
     """The TOML file's `section` reaches the page through the manifest, whatever the file's name."""
     text = read("basins").text.replace(", 25]", ", 2]")

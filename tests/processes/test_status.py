@@ -9,6 +9,7 @@ import pytest
 from live_run import finished, manifest, parts, quick_experiment, slow_experiment, started, wait_for
 
 from dubins_study import run, status
+from dubins_study.cli.status import status_text
 from dubins_study.experiments.store.part_writer import write_part
 from dubins_study.study.rows.parts import read_part
 from dubins_study.study.rows.row_table import rows_table
@@ -64,6 +65,18 @@ def test_done_left_and_failing_are_counted(folder):
     assert found.verdicts["slsqp"] == {"timeout": 3, "optimal": CELLS - 5}
     assert found.verdicts["analytic"] == {"optimal": CELLS}
     assert found.unknown == ["shooting"]
+
+
+def test_a_folder_that_has_lost_rows_is_not_finished(folder):
+    """A part of a run that had finished is cut short: the cells of its rows are left."""
+    assert status(folder).finished
+    (part,) = parts(folder)
+    part.write_bytes(part.read_bytes()[:100])
+
+    cut = status(folder)
+    assert (cut.damaged, sum(cut.left.values())) == (1, cut.cells)
+    assert not cut.finished
+    assert "not finished: run it again" in status_text(cut)
 
 
 def test_the_time_left_is_each_solvers_mean_and_the_overhead(folder):
@@ -124,6 +137,7 @@ def test_a_noisy_run_says_so(folder):
     assert f"the machine's speed varied by 26.1 % during run {runs[0]['run_id']}" in said
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "entry",
     [
@@ -163,6 +177,7 @@ def test_subsets_and_repeats_keep_count(tmp_path):
     assert status(folder).cells == status(folder).done == 4 + 16
 
 
+@pytest.mark.slow
 def test_runs_tell_how_they_ended(tmp_path):
     """Interrupted, then finished; each with when and how long."""
     experiment, out = slow_experiment(tmp_path, nap=0.1, count=40), tmp_path / "out"

@@ -79,6 +79,7 @@ def test_a_pipe_gets_text_alone(mine):
     assert len([line for line in done.stdout.splitlines() if "analytic" in line]) == 1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("flag", ["--quiet", "--verbose"])
 def test_how_much_a_run_says(mine, flag):
     """Quiet: results alone. Verbose: every step, on stderr."""
@@ -91,6 +92,7 @@ def test_how_much_a_run_says(mine, flag):
     assert ("40 of them to solve" in done.stderr) == (flag == "--verbose")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("columns", [40, 80, 120])
 def test_a_terminal_gets_lines_that_fit(mine, columns):
     """Progress is one line; the tables below it fit."""

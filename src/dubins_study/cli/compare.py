@@ -83,13 +83,28 @@ def _text(comparison: Comparison) -> str:
         else f"The same work took {speed.ratio:.3g} times as long ({speed.low:.3g} to "
         f"{speed.high:.3g}), by {speed.evidence}; times of changed solvers are divided by that."
     )
-    lines = [table(head, rows), "", machine, *_regressions(comparison)]
+    lines = [table(head, rows), "", machine, *_unpaired(comparison), *_regressions(comparison)]
     if comparison.page is not None:
         lines.append(f"page: {plain(str(comparison.page))}")
     return "\n".join(lines)
 
 
-_MOST_LINES = 20
+_MOST_LINES, _MOST_NAMES = 20, 8
+
+
+def _unpaired(comparison: Comparison) -> list[str]:
+    """What only one run was asked: nothing is said of it."""
+    from dubins_study.study.printable import plain
+
+    lines = []
+    for side in ("base", "new"):
+        counts = comparison.unpaired.set_index("solver")[f"only_{side}"]
+        counts = counts[counts > 0]
+        names = [f"{plain(str(solver))} {n}" for solver, n in counts.head(_MOST_NAMES).items()]
+        more = [f"{len(counts) - _MOST_NAMES} more solvers"] if len(counts) > _MOST_NAMES else []
+        if names:
+            lines.append(f"Not compared, questions of {side} only: {', '.join(names + more)}.")
+    return lines
 
 
 def _regressions(comparison: Comparison) -> list[str]:
@@ -99,7 +114,7 @@ def _regressions(comparison: Comparison) -> list[str]:
     if frame.empty:
         return ["Nothing became worse."]
     shown = [
-        plain(f"  {row['kind']}: {row['solver']}, {row['scenario']}: {row['base']} -> {row['new']}")
+        plain(f"  {row['kind']}: {_place(row)}: {_change(row)}")
         + (f"\n    {plain(row['command'])}" if row["command"] else "")
         for row in frame.head(_MOST_LINES).to_dict("records")
     ]
@@ -110,3 +125,11 @@ def _regressions(comparison: Comparison) -> list[str]:
 
 def _percent(value: float, questions: int) -> str:
     return f"{100 * value:.1f} % of {questions}" if questions else "none asked"
+
+
+def _place(row: dict[Any, Any]) -> str:
+    return ", ".join(filter(None, (row["solver"], row["scenario"])))
+
+
+def _change(row: dict[Any, Any]) -> str:
+    return " -> ".join(filter(None, (row["base"], row["new"])))

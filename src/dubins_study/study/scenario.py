@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -157,6 +157,11 @@ def _problem(name: str, value: float) -> str | None:
     return None
 
 
+def missing_columns(names: Sequence[str]) -> str:
+    """The beginning of a sentence about columns that a table of scenarios lacks."""
+    return f"missing column{'s' if len(names) > 1 else ''} {', '.join(map(repr, names))}"
+
+
 def check_frame(frame: pd.DataFrame) -> pd.DataFrame:
     """The frame with the columns of `COLUMNS` in order, float64 where they are numbers.
 
@@ -165,8 +170,8 @@ def check_frame(frame: pd.DataFrame) -> pd.DataFrame:
     `Scenario` takes it (a heading is in radians) or, of `label`, a text.
 
     Raises:
-        ScenarioError: naming the column that is missing or unknown, or the field, the value and
-            the index label of the first row that no scenario may have.
+        ScenarioError: naming the columns that are missing, one that is unknown, or the field, the
+            value and the index label of the first row that no scenario may have.
     """
     import pandas as pd
 
@@ -175,7 +180,7 @@ def check_frame(frame: pd.DataFrame) -> pd.DataFrame:
     names = list(frame.columns)
     expected = f"expected columns {', '.join(COLUMNS)}"
     if missing := [name for name in COLUMNS if name not in names and name not in _DEFAULTS]:
-        raise ScenarioError(f"missing column {missing[0]!r}; {expected}")
+        raise ScenarioError(f"{missing_columns(missing)}; {expected}")
     if unknown := [name for name in names if name not in COLUMNS]:
         raise ScenarioError(f"unknown column {unknown[0]!r}; {expected}")
     if len(set(names)) < len(names):

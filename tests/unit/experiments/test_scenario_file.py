@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 import pandas as pd
+import pyarrow.parquet as pq
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -98,6 +99,21 @@ def test_the_rows_of_parquet_are_counted_from_one(tmp_path):
     ]
 
 
+def test_the_index_of_a_filtered_frame(tmp_path):
+    """pandas writes the index of a filtered frame as a column with a name of its own."""
+    frame = pd.DataFrame([*EXPECTED, *EXPECTED])
+    kept = frame.iloc[[0, 1, 3]]
+    kept.to_parquet(tmp_path / "a.parquet")
+    columns = pq.read_schema(tmp_path / "a.parquet").names
+    assert "__index_level_0__" in columns
+
+    message = refusal_of(tmp_path / "a.parquet")
+    assert message.startswith("the file: column '__index_level_0__' is the index of a pandas frame")
+    assert "to_parquet(..., index=False)" in message
+    kept.to_parquet(tmp_path / "b.parquet", index=False)
+    assert len(read_scenarios(tmp_path / "b.parquet")) == 3
+
+
 def test_so_many_mistakes_are_enough(tmp_path):
     lines = refusal_of(written(tmp_path, HEAD + "1,2,0,0,0,-1,,\n" * 500)).splitlines()
 
@@ -107,7 +123,9 @@ def test_so_many_mistakes_are_enough(tmp_path):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("", "missing column 'x'"),
+        ("", "missing columns 'x', 'y', 'heading', 'target_x', 'target_y', 'radius'; expected the"),
+        ("x,y,target_x,target_y\n", "line 1: missing columns 'heading', 'radius'; expected"),
+        ("x,y,target_x,target_y,radius\n", "line 1: missing column 'heading'; expected"),
         (HEAD, "no scenarios; expected a row each"),
         (HEAD.replace(",", ";"), "the columns are separated by semicolons; expected commas"),
         (HEAD.replace("heading", "headng"), "line 1: unknown column 'headng'; did you mean 'headi"),

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path as FilePath
 from typing import Any
 
 import pytest
+from matplotlib.figure import Figure
 
+from dubins_study.report.elements.figure_file import figure_bytes
 from tests.unit.report.results_folder import write_folder
 
 
@@ -19,3 +21,22 @@ def results(tmp_path: FilePath) -> Callable[..., FilePath]:
         return write_folder(tmp_path / name, name, rows, **manifest)
 
     return make
+
+
+# of these the PDF files of figures are looked at
+_WITH_PDF = ("test_page", "test_tex")
+
+
+@pytest.fixture(autouse=True, scope="module")
+def svg_alone(request: pytest.FixtureRequest) -> Iterator[None]:
+    """Figures as SVG alone: fonts are cut for every PDF anew, a third of what a page costs."""
+    if request.module.__name__.rpartition(".")[2] in _WITH_PDF:
+        yield
+        return
+
+    def drawn(figure: Figure, kind: str) -> bytes:
+        return b"%PDF" if kind == "pdf" else figure_bytes(figure, kind)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("dubins_study.report.page.render.figure_bytes", drawn)
+        yield

@@ -35,7 +35,7 @@ _GAPS = st.none() | st.sampled_from([0.0, 1e-16, 1e-4]) | st.floats(-1e-9, 10)
 _SIZES = st.none() | st.floats(0, 1e3)
 
 # loading a folder and asking for its tables takes half a second: a few examples by default
-FEW, MANY = settings(deadline=None, max_examples=5), settings(deadline=None, max_examples=100)
+FEW, MANY = settings(deadline=None, max_examples=2), settings(deadline=None, max_examples=100)
 
 
 @st.composite
@@ -216,6 +216,7 @@ def kind_of(row):
     return "wrong" if row["false_claim"] else "silent"
 
 
+@pytest.mark.slow
 def test_texts_as_dictionaries_are_texts(tmp_path):
     """As Arrow may store them in parts."""
     rows = pd.DataFrame({"experiment": "e", "solver": ["a", "b", "a"], "verdict": ["none"] * 3})
@@ -294,6 +295,7 @@ def test_the_gap_profile_of_many_gaps_is_short_and_right_to_the_last_attempt(tmp
         assert share == pytest.approx((gaps <= within * (1 + 1e-12)).mean(), abs=1e-12)
 
 
+@pytest.mark.slow
 def test_approximate_times_are_near(tmp_path, monkeypatch):
     """Quartiles of many attempts, each of a rank that is off by about a hundredth at most."""
     monkeypatch.setattr(attempts_module, "EXACT_ROWS", 10)

@@ -246,6 +246,7 @@ def test_the_algorithm_beyond_a_turning_circle(found):
     assert fifth["example_excess"] == pytest.approx(0.34, abs=0.005)
 
 
+@pytest.mark.slow
 def test_the_unsplit_model_is_right_in_one_disc_only(found):
     """Model (4.12) by brute force: turn left by z1, then the shortest RS from there."""
     for crossing in found["algorithm"]:

@@ -166,6 +166,7 @@ def test_the_section_tells_what_the_rows_hold(results, tmp_path):
     assert "from 100 % at best" in text
 
 
+@pytest.mark.slow
 def test_lost_rows_are_drawn_as_given_up(results, tmp_path):
     """A crash takes length and claim with it; the report is still made."""
     lost = dict.fromkeys(("region", "reference_word", "reference", "iterations"))

@@ -128,6 +128,7 @@ def test_the_section_says_what_the_rows_say(results, tmp_path):
     assert "z₂ does not follow this everywhere: it is up to a relative 1.0 away" in bad
 
 
+@pytest.mark.slow
 def test_a_part_of_the_rows_is_enough(results, tmp_path):
     """Lost answers, no defaults, no other methods: what is left is drawn, and nothing is not."""
     lost = attempt(behind(5.0), TOLD.format(1e-9), path=None, claim=Claim.NONE, outcome="crashed")

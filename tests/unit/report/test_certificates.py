@@ -117,6 +117,7 @@ def test_the_section_says_what_the_rows_say(results, tmp_path):
     assert "lower bounds" not in text
 
 
+@pytest.mark.slow
 def test_rows_without_certificates_have_no_section(results, tmp_path):
     """Of rows in which nothing is certified there is nothing to tell."""
     page = render([results("tiny", [attempt(s) for s in paper_scenarios()])], tmp_path / "out")

@@ -109,6 +109,7 @@ def test_the_section_says_what_the_rows_say(results, tmp_path):
     }
 
 
+@pytest.mark.slow
 def test_lost_rows_make_a_section_too(results, tmp_path):
     """Nothing arrives: a table, no picture, no order."""
     gone = dict.fromkeys(("gap", "length", "miss", "wall_s"))

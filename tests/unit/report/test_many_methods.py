@@ -119,6 +119,7 @@ def test_long_tables_scroll_inside_their_frame(folder, tmp_path):
         assert ("scroll inside the table" in text) == (lines > 20), name
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("formulation", ["closed form", None, "x" * 3000 + "\n<b>", "$\\frac"])
 def test_many_methods_of_one_strange_formulation_are_drawn(formulation, results):
     """No formulation of our own, or none that an engine solves; names as long as they like."""

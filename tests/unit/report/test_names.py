@@ -41,6 +41,7 @@ ROWS = st.lists(
 )
 
 
+@pytest.mark.slow
 @given(ROWS)
 def test_no_two_solvers_share_a_name(rows):
     """Whatever plug-ins call themselves, and whatever their rows do not state."""
@@ -102,6 +103,7 @@ def test_a_name_says_engine_formulation_guess_and_what_differs(folder):
     assert list(labels) == list(LABELS.values())
 
 
+@pytest.mark.slow
 def test_the_page_shows_the_name_and_the_spec_on_hover(folder, tmp_path):
     """The CSV file keeps the spec, which is what a command reads."""
     text = render([folder], tmp_path / "out").read_text(encoding="utf-8")

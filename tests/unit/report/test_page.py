@@ -163,6 +163,7 @@ def test_the_paper_section_says_26_of_33(whole):
     assert "26 of the 33 printed lengths" in whole.read_text(encoding="utf-8")
 
 
+@pytest.mark.slow
 def test_the_same_rows_give_the_same_bytes(results, tmp_path):
     """No dates and no random ids: a report can be compared with the committed one."""
     folder = results("paper", paper_rows())
@@ -266,13 +267,29 @@ def _same_place(target_x, target_y):
     ("name", "rows"),
     [
         ("all-lost", [_lost(s, outcome="unavailable") for s in paper_scenarios()]),
-        ("one-lost", [attempt(paper_scenarios()[0]), _lost(paper_scenarios()[0])]),
-        ("paper", [attempt(s, branch="LS") for s in paper_scenarios()]),
-        ("ahead", [attempt(s) for s in _same_place(5, 0)]),
-        ("behind", [attempt(s) for s in _same_place(-5, 0)]),
-        ("at-the-start", [attempt(s) for s in _same_place(0, 0)]),
-        ("warm-only", [attempt(s, initial_guess="warm") for s in paper_scenarios()]),
-        ("discretisation", [_lost(s, "turn-rate-qp[n=10]") for s in paper_scenarios()]),
+        pytest.param(
+            "one-lost",
+            [attempt(paper_scenarios()[0]), _lost(paper_scenarios()[0])],
+            marks=pytest.mark.slow,
+        ),
+        pytest.param(
+            "paper", [attempt(s, branch="LS") for s in paper_scenarios()], marks=pytest.mark.slow
+        ),
+        pytest.param("ahead", [attempt(s) for s in _same_place(5, 0)], marks=pytest.mark.slow),
+        pytest.param("behind", [attempt(s) for s in _same_place(-5, 0)], marks=pytest.mark.slow),
+        pytest.param(
+            "at-the-start", [attempt(s) for s in _same_place(0, 0)], marks=pytest.mark.slow
+        ),
+        pytest.param(
+            "warm-only",
+            [attempt(s, initial_guess="warm") for s in paper_scenarios()],
+            marks=pytest.mark.slow,
+        ),
+        pytest.param(
+            "discretisation",
+            [_lost(s, "turn-rate-qp[n=10]") for s in paper_scenarios()],
+            marks=pytest.mark.slow,
+        ),
         ("many", [attempt(s, f"s{i}[a={i}]") for s in paper_scenarios()[:2] for i in range(9)]),
     ],
 )
@@ -283,6 +300,7 @@ def test_odd_results_make_a_report_too(results, tmp_path, name, rows):
     assert '<section id="summary"' in page.read_text(encoding="utf-8")
 
 
+@pytest.mark.slow
 def test_default_place_is_inside_the_first_folder(results):
     """And a second report replaces the first, leaving nothing else behind."""
     folder = results("tiny", [attempt(paper_scenarios()[0])])
@@ -295,6 +313,7 @@ def test_default_place_is_inside_the_first_folder(results):
     assert sorted(p.name for p in folder.iterdir()) == ["manifest.json", "parts", "report"]
 
 
+@pytest.mark.slow
 def test_an_unfinished_run_says_so(results, tmp_path):
     """Its numbers are of some cells only, which may be the easy ones."""
     done = results("tiny", [attempt(paper_scenarios()[0])])
@@ -306,6 +325,7 @@ def test_an_unfinished_run_says_so(results, tmp_path):
     assert "Not finished" in (page.parent / "report.md").read_text(encoding="utf-8")
 
 
+@pytest.mark.slow
 def test_progress_is_told(results, tmp_path):
     """The caller shows progress; render says where it is."""
     told: list[str] = []

@@ -187,7 +187,10 @@ def _failures():
 
 
 @pytest.mark.filterwarnings("error")
-@pytest.mark.parametrize("name", ["benchmark", "paper", "mine"])
+@pytest.mark.parametrize(
+    "name",
+    ["benchmark", *(pytest.param(name, marks=pytest.mark.slow) for name in ("paper", "mine"))],
+)
 @pytest.mark.parametrize(
     ("rows", "words"),
     [

@@ -77,6 +77,7 @@ def test_a_run_on_several_machines_is_as_noisy_as_the_worst(page):
     assert "both, machine 1" in (place / "figures" / "probes.svg").read_text()
 
 
+@pytest.mark.slow
 def test_a_quiet_run_says_so(page):
     place = page(entry("quiet", STEADY))
 
@@ -84,6 +85,7 @@ def test_a_quiet_run_says_so(page):
     assert not (place / "figures" / "probes.svg").exists()
 
 
+@pytest.mark.slow
 def test_a_short_run_does_not_pretend_to_know(page):
     place = page(entry("short", NOISY[:4]))
 
@@ -96,6 +98,7 @@ def test_a_run_without_an_end_is_running_or_killed(results):
     assert runs(found.folders)["state"].tolist() == ["running, or killed"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "strange",
     [

@@ -62,6 +62,7 @@ def test_an_unknown_section_is_a_line_on_the_page(results, tmp_path):
     assert "summary" in section_ids(page)
 
 
+@pytest.mark.slow
 def test_two_experiments_of_one_topic_have_a_section_each(results, tmp_path):
     """Their anchors and files differ, and each shows its own attempts."""
     first, second = (folder(results, name, "basins") for name in ("one", "two"))
@@ -72,6 +73,7 @@ def test_two_experiments_of_one_topic_have_a_section_each(results, tmp_path):
         assert (page.parent / "tables" / f"basins-{name}.csv").is_file()
 
 
+@pytest.mark.slow
 def test_a_study_enters_no_pooled_number(results):
     """Variants and extreme questions are not counted with other experiments' attempts."""
     folders = [

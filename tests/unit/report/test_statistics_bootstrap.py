@@ -261,6 +261,7 @@ def test_a_resample_has_the_size_of_the_sample(scenarios, resamples, seed):
     assert counts.sum(axis=1).tolist() == [scenarios] * resamples
 
 
+@pytest.mark.slow
 def test_very_many_scenarios_draw_fewer_resamples():
     """Their counts would take gigabytes; the interval covers the mean and is narrow."""
     many = pd.DataFrame({"a": np.random.default_rng(4).normal(3.0, 1.0, 50_000)})

@@ -79,6 +79,7 @@ def test_a_third_solver_turns_the_order_of_two():
     assert (shares.loc["a", "b"], shares.loc["b", "a"]) == (pair["a"], pair["b"])
 
 
+@pytest.mark.slow
 @given(tables, st.sampled_from([1.0, 2.0, 3.0]))
 def test_pairwise_shares_are_those_of_pairwise_profiles(table, factor):
     """Each entry is one point of one profile; the diagonal is no comparison."""

@@ -187,6 +187,22 @@ def test_what_only_one_run_was_asked_is_counted_apart(results):
     assert changed.loc["code of solvers, settings or packages", "solvers"] == 1
 
 
+def test_a_run_that_lacks_what_it_was_asked_has_become_worse(results):
+    """Cells without a row fail a comparison; questions that were never asked do not."""
+    entry = {"settings": {}, "code_digest": NEW, "cells": 12}
+    base = results("a", rows())
+    part = results("b", rows(digest=NEW, scenarios=SCENARIOS[:9]), solvers={"mine": entry})
+    small = results("c", rows(digest=NEW, scenarios=SCENARIOS[:9]))
+    (line,) = compare(base, part).regressions.to_dict("records")
+
+    assert (line["kind"], line["solver"]) == ("not answered", "mine")
+    assert line["new"] == "9 of the 12 cells asked"
+    assert not compare(base, small).regressed
+    shown = CliRunner().invoke(app, ["compare", str(base), str(small), "--fail-on-regression"])
+    assert shown.exit_code == 0
+    assert "Not compared, questions of base only: mine 3." in shown.stdout
+
+
 def test_runs_without_a_common_question_are_refused(results):
     """One message says what was expected; so it does of a ratio below 1."""
     base, new = results("a", rows("one")), results("b", rows("other"))
@@ -197,6 +213,7 @@ def test_runs_without_a_common_question_are_refused(results):
         compare(base, base, slower=0.9)
 
 
+@pytest.mark.slow
 def test_the_command_its_exit_codes_and_its_page(results, tmp_path):
     """0; 1 with --fail-on-regression if something is worse; 2 for a bad request; hostile names."""
     name = "<script>alert(1)</script>&[x=1]"

@@ -85,6 +85,7 @@ def test_hard_scenarios():
             assert not exists or found.verdict is Verdict.OPTIMAL, (scenario, branch)
 
 
+@pytest.mark.slow
 @given(scenarios())
 @settings(max_examples=10, deadline=None)
 def test_the_mirror_image_is_as_long(scenario):

@@ -30,6 +30,13 @@ LARGEST_GAP = {
 }
 EASY = Scenario(0, 0, 0.3, 3, 2, 1)
 
+# The whole kit takes seconds of a solver; one that is exact and one that iterates are always asked.
+ALWAYS = ("analytic", "slsqp")
+EACH = [
+    pytest.param(name, marks=() if name in ALWAYS else pytest.mark.slow)
+    for name in available_solvers()
+]
+
 
 def test_every_entry_says_what_it_is():
     """Name, method, guarantee, branches and a line of summary, available or not."""
@@ -43,8 +50,17 @@ def test_every_entry_says_what_it_is():
         assert entry.reason is None or entry.reason.strip()
 
 
-@pytest.mark.parametrize("name", available_solvers())
-@pytest.mark.parametrize("branch", ["best", "LS", "RS"])
+@pytest.mark.parametrize(
+    ("name", "branch"),
+    [
+        pytest.param(
+            *(name, branch),
+            marks=() if branch == "best" or name in ALWAYS else pytest.mark.slow,
+        )
+        for name in available_solvers()
+        for branch in ("best", "LS", "RS")
+    ],
+)
 @pytest.mark.parametrize("problem", PAPER)
 def test_paper_problems(name, branch, problem):
     """Every solver finds the shortest path of every branch of the paper's problems."""
@@ -61,7 +77,7 @@ def test_paper_problems(name, branch, problem):
 QUICK = ("outcome", "controls", "claims", "axis", "discs", "branches")
 
 
-@pytest.mark.parametrize("name", available_solvers())
+@pytest.mark.parametrize("name", EACH)
 def test_every_solver_keeps_the_promise(name):
     """As a plug-in has to; ours are the shortest as well, save what is coarse or drawn."""
     report = check_solver(name, checks=QUICK, isolated=False)
@@ -85,7 +101,7 @@ def test_a_branch_it_cannot_answer_is_a_row(name):
         assert answer.verdict is Verdict.NONE
 
 
-@pytest.mark.parametrize("name", available_solvers())
+@pytest.mark.parametrize("name", EACH)
 def test_profiles_are_accepted(name):
     """Every solver runs under every profile, and `accurate` is no worse than `fast`."""
     gaps = {p: solve(EASY, name, profile=p).gap for p in ("fast", "default", "accurate")}

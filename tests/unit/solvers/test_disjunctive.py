@@ -274,6 +274,7 @@ def test_the_time_limit_is_kept_and_said():
     assert 0 <= found.lower_bound <= shortest(question.scenario).total
 
 
+@pytest.mark.slow
 def test_scip_is_silent(capfd):
     """Neither Pyomo nor SCIP nor its linear programs' solver write to the terminal."""
     ask(0.2, 1.3, feastol=1e-9)

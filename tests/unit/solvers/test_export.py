@@ -176,6 +176,7 @@ def test_the_starting_point_of_every_format_is_the_same(tmp_path):
     assert any(nl)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", [*CASES, "at the start"])
 def test_the_disjunctive_nl_file_is_solved_to_the_shortest_length(name, tmp_path):
     """SCIP's own reader, SCIP's own proof; it meets each equation to 1e-6 and gains by a few."""
@@ -235,6 +236,7 @@ def test_the_closed_form_solves_the_disjunctive_model(name, tmp_path):
         assert relation == "=l=" or difference >= -1e-12
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("model", "format", "order"), KINDS)
 def test_files_tell_nothing_of_the_machine(model, format, order, tmp_path):
     """The same text from another process in another folder, with no path of either in it."""

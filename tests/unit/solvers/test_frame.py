@@ -36,6 +36,7 @@ FRAME = pd.DataFrame(
 )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("branch", BRANCHES)
 def test_a_frame_says_what_single_attempts_say(branch):
     """Texts and flags equal; numbers to 1e-11 of the radius and coordinates (see test_kernel)."""

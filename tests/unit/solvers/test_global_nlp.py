@@ -61,6 +61,7 @@ def test_a_word_without_a_path_is_called_infeasible(engine):
     assert some.length == pytest.approx(shortest(some.scenario, "RL").total)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("engine", INSTALLED)
 def test_an_engine_prints_and_writes_nothing_and_repeats_itself(
     engine, capfd, tmp_path, monkeypatch

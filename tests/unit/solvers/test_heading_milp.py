@@ -83,6 +83,7 @@ def test_inside_a_disc_the_second_arc_is_the_long_one(place):
     assert 0 <= found.gap <= 0.15 * (2 * math.pi / DEFAULT.headings) ** 2
 
 
+@pytest.mark.slow
 def test_every_hard_target_is_reached_or_said_to_be_out_of_reach():
     """At every scale, on the circles, next to them and to the start: no miss, no false claim."""
     for n, row in enumerate(hard_frame(60, seed=5).itertuples()):
@@ -124,6 +125,7 @@ def test_a_target_nearly_ahead_is_reached_by_less_than_a_step(X, Y):
     assert found.gap <= coarseness(DEFAULT) or found.region == "right disc"
 
 
+@pytest.mark.slow
 @settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(st.floats(-4, 4), st.floats(-4, 4), st.sampled_from(["LS", "RS"]))
 def test_highs_finds_the_best_choice_of_the_grid(X, Y, branch):

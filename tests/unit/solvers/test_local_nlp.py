@@ -53,6 +53,7 @@ def test_the_equations_are_those_of_the_path(z, name, scenario):
     np.testing.assert_allclose(residual, 0, atol=1e-11)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", NLP)
 @settings(max_examples=40)
 @given(scenario=scenarios(far=1000.0))
@@ -66,6 +67,7 @@ def test_best_is_right_everywhere(name, scenario):
     assert answer.gap < 1e-7
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", NLP)
 @pytest.mark.parametrize("branch", ["LS", "RS"])
 @settings(max_examples=40)
@@ -93,6 +95,7 @@ def test_ipopt_recognises_a_word_that_does_not_exist(branch):
     assert "Infeasible" in answer.native_status
 
 
+@pytest.mark.slow
 def test_the_papers_order_is_not_mirror_symmetric():
     """L R S does not contain RL: wrong in the left disc only (docs/derivation.md, section 7)."""
     left, right = Scenario(0, 0, 0, 0, 1, 1), Scenario(0, 0, 0, 0, -1, 1)
@@ -152,6 +155,7 @@ def test_slsqp_gets_nowhere_from_the_zero_that_ampl_starts_at():
     assert answer.verdict is Verdict.MISSES
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", INITIAL_GUESSES)
 @pytest.mark.parametrize("name", SUBPROBLEMS)
 @given(scenario=scenarios())

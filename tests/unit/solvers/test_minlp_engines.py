@@ -109,6 +109,7 @@ def test_a_licence_that_is_missing_is_a_message(monkeypatch):
     assert "no licence" in result.message
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", INSTALLED)
 def test_a_process_that_asks_an_engine_prints_nothing(name):
     """Warnings too: pytest catches those of its own process."""

@@ -234,7 +234,14 @@ MAY_FAIL = {"cobyqa", "nlopt-cobyla", "nlopt-auglag"}
 ENGINE_LIMIT_S = 3.0  # the others take a few hundredths
 
 
-@pytest.mark.parametrize("engine", [name for name in table.ENGINES if name != "sleqp"])
+@pytest.mark.parametrize(
+    "engine",
+    [
+        pytest.param(name, marks=pytest.mark.slow if name in MAY_FAIL else ())
+        for name in table.ENGINES
+        if name != "sleqp"
+    ],
+)
 def test_every_engine_of_the_table(engine):
     """A solution of problem 1, or at least no false claim; a missing engine has a reason."""
     solver = MultipleShooting(n=3, engine=engine, max_iter=100)

@@ -59,6 +59,7 @@ def test_trust_constr_finds_the_best_everywhere(scenario):
     assert answer.gap < 1e-7
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("branch", ["LS", "RS", "LR", "RL"])
 @settings(max_examples=10)
 @given(scenario=scenarios(far=4.0))
@@ -82,6 +83,7 @@ def test_trust_constr_finds_a_word_or_says_not_to_have(branch, scenario):
         assert answer.verdict in (Verdict.OPTIMAL, *[Verdict.LONGER] * (branch in ("LR", "RL")))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["slsqp", "ipopt"])
 @pytest.mark.parametrize("branch", ["LR", "RL"])
 @settings(max_examples=25)
@@ -150,6 +152,7 @@ def programs(tmp_path, monkeypatch):
     return tmp_path
 
 
+@pytest.mark.slow
 def test_an_executable_solves_the_papers_model(programs):
     """Its path, duals, status and message come back; the duals are those of Ipopt in process."""
     put_solver(programs, "snopt")
@@ -166,6 +169,7 @@ def test_an_executable_solves_the_papers_model(programs):
     assert "stand-in" in ours.message
 
 
+@pytest.mark.slow
 def test_an_executable_in_the_left_disc(programs):
     """RL is found there, in a mirror; LS does not exist, and the solver's 200 says so."""
     put_solver(programs, "snopt")

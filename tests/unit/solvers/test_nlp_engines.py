@@ -139,6 +139,7 @@ def test_a_word_without_a_path_is_not_claimed(name):
     assert (point.claim is Claim.LOCAL) == (name in LOOSE)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", AVAILABLE)
 def test_silent_and_repeatable(name, capfd):
     """No banner, no log, and the same answer after another question."""
@@ -298,6 +299,7 @@ def test_a_missing_package_is_a_reason(name, monkeypatch):
     assert table.unavailable(name) == f"the package {ENGINES[name].packages[0]} is not installed"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["slsqp", "ipopt", "nlopt-slsqp"])
 def test_an_engine_loads_no_other_engines_package(name):
     """Of the packages of all engines, a question loads those of the engine that answers it."""

@@ -126,6 +126,7 @@ def test_no_weight_serves_all_targets():
     assert function.at(np.array((arc, 0.0, 0.0))) < optimum
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", AVAILABLE)
 def test_every_engine_over_seeds(name):
     """Outside the discs every engine arrives at every seed, mostly by way of the shortest word.

@@ -81,6 +81,7 @@ def test_every_engine_gives_the_same_answer_and_it_is_marked(question):
         assert answer.message.startswith("presolve: the target is ")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ENGINES)
 def test_without_it_no_engine_knows_for_nothing(name):
     """It searches, and ends soon, with a claim that is not false and that nothing else made."""
@@ -103,6 +104,7 @@ def test_without_it_no_engine_knows_for_nothing(name):
 
 # not multiple-shooting: at the last place, 2e-15 R inside the circle, its path of one arc misses by
 # the rounding of four arcs, 1e-15 R, which is less than what the check allows a word to be off
+@pytest.mark.slow
 @pytest.mark.parametrize("name", [name for name in TRANSCRIPTIONS if name != "multiple-shooting"])
 def test_turning_one_way_into_the_circle_is_not_called_the_word(name):
     """Straight first and then left leads into the rear half at any depth, and LS does not."""
@@ -117,6 +119,7 @@ def test_turning_one_way_into_the_circle_is_not_called_the_word(name):
         assert not attempt(solver, Question(Scenario(0, 0, 0, *place, 1), "LS")).false_claim
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", TRANSCRIPTIONS)
 def test_a_word_that_exists_is_not_taken_for_turning_one_way(name):
     """On the circle and outside, down to 1e-15 R, where the word's equations become singular."""
@@ -130,7 +133,13 @@ def test_a_word_that_exists_is_not_taken_for_turning_one_way(name):
 
 
 @pytest.mark.parametrize("name", ENGINES)
-@pytest.mark.parametrize("target", [(0.3, 0.8), (4.0, 2.0), (-0.6, -1.3), (-3.0, 0.5)])
+@pytest.mark.parametrize(
+    "target",
+    [
+        (0.3, 0.8),
+        *(pytest.param(p, marks=pytest.mark.slow) for p in ((4, 2), (-0.6, -1.3), (-3, 0.5))),
+    ],
+)
 def test_the_best_path_is_found_without_the_words_that_cannot_exist(name, target):
     """No shortest path is lost with them, and the answer is the engine's own."""
     scenario = Scenario(0, 0, 0, *target, 1)
@@ -197,6 +206,7 @@ def exact_distances(scenario: Scenario, word: str) -> tuple[float, float]:
         ctx.prec = before
 
 
+@pytest.mark.slow
 @given(
     word=st.sampled_from(WORDS),
     size=st.sampled_from((1, 3)),

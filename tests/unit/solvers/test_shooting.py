@@ -173,6 +173,7 @@ def test_best_is_right_everywhere(scenario):
     assert answer.gap < 1e-8  # ten times the residual allowed
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("branch", "root"),
     # of two arcs' two solutions lm misses the shorter now and then

@@ -104,8 +104,18 @@ def test_paper_problems_match_the_closed_form(
     check_path(scenario, solution, TurnRateQp(), branch)
 
 
-@pytest.mark.parametrize("engine", ENGINES)
-@pytest.mark.parametrize("place", PLACES)
+@pytest.mark.parametrize(
+    ("engine", "place"),
+    [
+        # OSQP takes a hundred times as long as the others
+        pytest.param(
+            *(engine, place),
+            marks=pytest.mark.slow if engine == "osqp" and place != "behind" else (),
+        )
+        for engine in ENGINES
+        for place in PLACES
+    ],
+)
 def test_every_engine_answers_everywhere(engine: str, place: str) -> None:
     """A path with a small gap, or at least a claim that says there is none."""
     scenario, solver = scenario_at(*PLACES[place]), TurnRateQp(n=30, engine=engine)
@@ -248,6 +258,7 @@ def test_useless_warm_start_does_no_harm(curvature: list[float], length: list[fl
     assert found.verdict == Verdict.OPTIMAL
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("engine", ENGINES)
 def test_answers_do_not_depend_on_earlier_questions(engine: str) -> None:
     """What an engine remembers from one QP to the next ends with the question."""
@@ -418,6 +429,7 @@ def check_everywhere(target: tuple[float, float], radius: float, solver: TurnRat
             assert found.gap > -1e-6  # a path that is too short to be true would be a bug
 
 
+@pytest.mark.slow
 @given(targets, st.floats(-6, 6))
 @settings(max_examples=15, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 def test_random_scenarios(target: tuple[float, float], exponent: float) -> None:

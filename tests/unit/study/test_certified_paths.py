@@ -75,6 +75,7 @@ def test_no_adversary_is_proved(name, branch):
     assert found.pmp_residual > PMP_TOLERANCE
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("curvature", "length"),
     [

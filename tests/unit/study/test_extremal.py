@@ -203,6 +203,7 @@ def test_a_nearly_straight_leg_is_a_leg():
     assert cut_margin(bent) < 0
 
 
+@pytest.mark.slow
 def test_an_arc_in_a_million_pieces_is_an_arc():
     arc = pieces(Path(Pose(0, 0, 0), np.ones(10**6), np.full(10**6, 4e-7)), 1.0)
 
@@ -210,6 +211,7 @@ def test_an_arc_in_a_million_pieces_is_an_arc():
     assert arc.length == pytest.approx([0.4])
 
 
+@pytest.mark.slow
 def test_what_is_passed_over_is_next_to_nothing_or_kept():
     """Pieces that are each too small, and together the whole path, stay."""
     rates = np.resize([1.0, -1.0], 5 * 10**6)

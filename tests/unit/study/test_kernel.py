@@ -99,6 +99,7 @@ raise SystemExit(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))
 """
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork here")
 def test_a_forked_child_can_go_on():
     """GNU OpenMP ends a child that starts threads after its parent did; ours does not start any."""

@@ -36,6 +36,7 @@ def at_the_limit(shares, radius, heading) -> Scenario:
     raise AssertionError
 
 
+@pytest.mark.slow
 @given(
     SHARES,
     st.floats(-150, 136).map(lambda exponent: 10.0**exponent),

@@ -195,6 +195,8 @@ def test_columns():
     frame = pd.DataFrame([GOOD])
     with pytest.raises(ScenarioError, match="missing column 'radius'; expected columns x, y"):
         check_frame(frame.drop(columns="radius"))
+    with pytest.raises(ScenarioError, match="missing columns 'y', 'radius'; expected columns x, y"):
+        check_frame(frame.drop(columns=["radius", "y"]))
     with pytest.raises(ScenarioError, match="unknown column 'radios'"):
         check_frame(frame.assign(radios=1))
     with pytest.raises(ScenarioError, match="expected a DataFrame"):

@@ -11,7 +11,14 @@ from dubins_study.experiments.definition.messages import Problem, refusal
 from dubins_study.study.angle import AngleError, parse_angle
 from dubins_study.study.nearest import did_you_mean, nearest
 from dubins_study.study.printable import short
-from dubins_study.study.scenario import COLUMNS, NUMBERS, Scenario, ScenarioError, check_frame
+from dubins_study.study.scenario import (
+    COLUMNS,
+    NUMBERS,
+    Scenario,
+    ScenarioError,
+    check_frame,
+    missing_columns,
+)
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -21,6 +28,9 @@ _MOST_BYTES = 2**30
 _DEFAULTS: dict[str, Any] = {"speed": 1.0, "label": ""}
 _REQUIRED = [name for name in COLUMNS if name not in _DEFAULTS]
 _EXPECTED = f"expected the columns {', '.join(_REQUIRED)} and, if wanted, {', '.join(_DEFAULTS)}"
+# What pandas names an index without a name, such as that of a filtered frame.
+_PANDAS_INDEX = "__index_level_"
+_NO_INDEX = "leave it out with to_parquet(..., index=False)"
 # Where a row stands, such as `line 7`, and its values by column.
 _Row = tuple[str, dict[str, Any]]
 
@@ -183,11 +193,15 @@ def _check_columns(file: str, head: Sequence[str], where: str) -> None:
     missing = [name for name in _REQUIRED if name not in head]
     sentences, meant = [], set()
     for name in dict.fromkeys(name for name in head if name not in COLUMNS):
+        if name.startswith(_PANDAS_INDEX):
+            sentences.append(f"column {short(name)} is the index of a pandas frame; {_NO_INDEX}")
+            continue
         absent = [*missing, *(n for n in _DEFAULTS if n not in head)]
         meant.add(nearest(name, absent))
         near = did_you_mean(name, absent)
         sentences.append(f"unknown column {short(name)}; {near}{_EXPECTED}")
-    sentences += [f"missing column {n!r}; {_EXPECTED}" for n in missing if n not in meant]
+    if lacking := [name for name in missing if name not in meant]:
+        sentences.append(f"{missing_columns(lacking)}; {_EXPECTED}")
     twice = dict.fromkeys(name for name in head if name in COLUMNS and head.count(name) > 1)
     sentences += [f"column {name!r} appears twice" for name in twice]
     if len(head) == 1 and ";" in head[0]:

@@ -31,6 +31,7 @@ class Status:
         stale: number of rows of earlier code, which do not count.
         damaged: number of parts that cannot be read.
         aside: number of damaged parts that runs have moved away.
+        finished: whether a run has come to the end and no cell is left.
         process: pid of the current run, 0 if it is unknown; None if no run is active.
         jobs: number of jobs of the last run.
         seconds_left: estimated time (s) for the cells that are left, with `jobs` processes. It uses
@@ -120,7 +121,7 @@ def _status(
         stale=sum(count.rows for count in counts) - rows.total(),
         damaged=damaged,
         aside=len(list(aside.glob("*.parquet"))) if aside.is_dir() else 0,
-        finished=bool(manifest.finished) and not live,
+        finished=bool(manifest.finished) and not live and not left,
         process=pid if pid is None or isinstance(pid, int) else 0,
         jobs=jobs,
         seconds_left=seconds,

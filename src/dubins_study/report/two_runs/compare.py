@@ -12,7 +12,7 @@ from dubins_study.report.two_runs.comparison import Comparison
 from dubins_study.report.two_runs.differences import differences
 from dubins_study.report.two_runs.machine_speed import machine_speed, unchanged_solvers
 from dubins_study.report.two_runs.numbers import solver_changes, time_ratios
-from dubins_study.report.two_runs.pairs import pairs, unpaired
+from dubins_study.report.two_runs.pairs import pairs, unanswered, unpaired
 from dubins_study.report.two_runs.regressions import regressions
 from dubins_study.report.two_runs.section import sections
 
@@ -57,7 +57,7 @@ def compare(
     changes = solver_changes(paired, speed, unchanged)
     comparison = Comparison(
         changes,
-        regressions(paired, changes, slower),
+        regressions(paired, changes, unanswered(after), slower),
         unpaired(before, after),
         differences(before, after),
         speed,

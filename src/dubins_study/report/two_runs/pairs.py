@@ -49,6 +49,23 @@ def unpaired(base: Results, new: Results) -> pd.DataFrame:
     return frame[frame.sum(axis=1) > 0].rename_axis("solver").reset_index()
 
 
+def unanswered(results: Results) -> pd.DataFrame:
+    """Solvers of which a run lacks cells that it was asked: it is not finished, or lost rows.
+
+    Returns:
+        Columns solver, cells (asked), rows (there), both whole numbers.
+    """
+    rows = results.attempts.frame("SELECT solver, count(*) AS rows FROM chosen GROUP BY solver")
+    known = dict(zip(rows["solver"], rows["rows"], strict=True))
+    entries = results.folders[0].manifest.solvers
+    lines = [
+        (spec, entry.cells, int(known.get(spec, 0)))
+        for spec, entry in entries.items()
+        if known.get(spec, 0) < entry.cells
+    ]
+    return pd.DataFrame(lines, columns=["solver", "cells", "rows"])
+
+
 def _sided(base: Results, new: Results) -> list[tuple[str, Results]]:
     return list(zip(SIDES, (base, new), strict=True))
 

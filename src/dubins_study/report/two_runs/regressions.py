@@ -16,21 +16,26 @@ ALPHA = 0.05
 COLUMNS = ("kind", "solver", "scenario", "branch", "base", "new", "command")
 
 
-def regressions(pairs: pd.DataFrame, changes: pd.DataFrame, slower: float) -> pd.DataFrame:
+def regressions(
+    pairs: pd.DataFrame, changes: pd.DataFrame, unanswered: pd.DataFrame, slower: float
+) -> pd.DataFrame:
     """What became worse, in the order of the kinds.
 
     Args:
         pairs: as `pairs.pairs` returns it.
         changes: of `numbers.solver_changes`.
+        unanswered: of the new run, as `pairs.unanswered` returns it.
         slower: a solver is slower if the interval of its time ratio lies above this, and the test
             finds a difference.
     Returns:
         Columns kind (`no longer right`, `no longer denied`, `false claim`, `less accurate`,
-        `slower`), solver, scenario (its label, or its target), branch, base and new (as text), and
-        the command that asks the question again. `slower` is of all questions: without scenario.
+        `slower`, `not answered`), solver, scenario (its label, or its target), branch, base and new
+        (as text), and the command that asks the question again. The last two kinds are of all
+        questions of a solver: without scenario.
     """
     tables = [_questions(pairs, kind) for kind in _KINDS]
-    frame = pd.concat([*tables, _slower(changes, slower)], ignore_index=True)
+    tables += [_slower(changes, slower), _not_answered(unanswered)]
+    frame = pd.concat(tables, ignore_index=True)
     return frame[list(COLUMNS)]
 
 
@@ -101,3 +106,19 @@ def _slower(changes: pd.DataFrame, slower: float) -> pd.DataFrame:
         ],
         columns=list(COLUMNS),
     )
+
+
+def _not_answered(unanswered: pd.DataFrame) -> pd.DataFrame:
+    lines = [
+        (
+            "not answered",
+            line.solver,
+            "",
+            "",
+            "",
+            f"{line.rows} of the {line.cells} cells asked",
+            "",
+        )
+        for line in unanswered.itertuples()
+    ]
+    return pd.DataFrame(lines, columns=list(COLUMNS))

@@ -57,7 +57,8 @@ def _regressions(comparison: Comparison) -> Section:
         "No longer right: right in every repeat of the base, in none of the new run. No longer "
         "denied: the same of questions that have no path. Less accurate: a gap that is "
         f"{WORSE_GAP:g} times as large, and above {GAP_FLOOR:g}. Slower: the interval of the time "
-        f"ratio lies above {comparison.slower:g}, and the test finds a difference."
+        f"ratio lies above {comparison.slower:g}, and the test finds a difference. Not answered: "
+        "the new run was asked these cells and has no row of them."
     )
     blocks = (Table("regressions", caption, frame, _REGRESSIONS),) if len(frame) else ()
     lead = (
