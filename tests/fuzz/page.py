@@ -11,30 +11,35 @@ from xml.etree import ElementTree
 from tests.fuzz.hostile import MARK
 
 _ELEMENTS = """
-    html head meta title style body header h1 h2 h3 p dl dt dd code strong nav ol li a main
-    section div figure figcaption table thead tbody tr th td footer details summary pre wbr
+    html head meta title style body header h1 h2 h3 p dl dt dd code strong em cite bdi small nav ol
+    li a main section div span pre figure figcaption img table thead tbody tr th td
+    details summary wbr form label input output button script
     svg g defs path use text tspan rect clippath lineargradient image metadata pattern
-    span bdi br button label input form output small em cite img script
 """.split()  # noqa: SIM905
 _ATTRIBUTES = """
-    lang charset name content class id href scope aria-label role style d transform x y width
-    height viewbox version xmlns xmlns:xlink xlink:href clip-path fill stroke opacity
-    preserveaspectratio stroke-width type patternunits
-    open title tabindex src alt step min autocomplete aria-live aria-hidden
+    lang charset name content class id href src alt title scope aria-label aria-hidden aria-live
+    role style tabindex open autocomplete onsubmit step min max
+    data-answer data-branch data-cell data-copies data-copy data-explorer data-fit data-label
+    data-scenario data-title data-value
+    d transform x y width height viewbox version xmlns xmlns:xlink xlink:href clip-path fill stroke
+    opacity preserveaspectratio stroke-width type patternunits
 """.split()  # noqa: SIM905
-_HANDLERS = [("onsubmit", "return false")]
-# to a place on the page, a picture in it, or a file of the report
-_LINK = re.compile(
-    r"#|data:image/(png|svg\+xml);base64,|(tables|figures)/[a-z0-9-]+\.[a-z]+$|report\.[a-z]+$"
-)
-_DATA = ("application/json", "text/plain")  # of scripts that are not run
+# what a template says there; anything else would run or load something
+_VALUES = {
+    "href": r"#.*|(tables|figures)/[a-z0-9-]+\.(csv|md|tex|svg|pdf)",
+    "xlink:href": r"#.*|data:image/png;base64,[A-Za-z0-9+/=\s]+",
+    "src": r"data:image/(png|svg\+xml);base64,[A-Za-z0-9+/=]+",
+    "onsubmit": "return false",
+}
+# attributes that a browser shows as text, or a script reads as text
+_TEXTS = ("title", "alt", "aria-label", "content", "data-title", "data-value", "data-copy", "id")
 
 # of TeX
 _TEX = """
-    begin end toprule midrule bottomrule texttt textbackslash textasciitilde textasciicircum
-    textless textgreater textbar leq geq infty times cdot mu pi zeta surd checkmark frac
-    textasciigrave begingroup endgroup setlength tabcolsep tiny footnotesize raggedright
-    tabularnewline addlinespace endhead endfoot allowbreak ldots ding pm
+    begin end begingroup endgroup endhead endfoot toprule midrule bottomrule addlinespace
+    setlength tabcolsep footnotesize raggedright allowbreak tabularnewline
+    texttt textbackslash textasciitilde textasciicircum textasciigrave textless textgreater textbar
+    leq geq infty times cdot mu pi pm zeta surd checkmark frac ldots
 """.split()  # noqa: SIM905
 
 
@@ -42,24 +47,27 @@ class _Page(HTMLParser):
     def __init__(self) -> None:
         super().__init__(convert_charrefs=True)
         self.odd: list[str] = []
-        self._runs = False  # inside a script that a browser runs, not one that holds data
+        self._in_script = ""  # the type of the script that is read; "" outside of scripts
 
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        self._runs = tag == "script" and dict(attrs).get("type") not in _DATA
         if tag not in _ELEMENTS:
             self.odd.append(f"<{tag}>")
         for name, said in attrs:
-            link = name.endswith(("href", "src")) and not _LINK.match(said or "")
-            known = name in _ATTRIBUTES or name.startswith("data-") or (name, said) in _HANDLERS
-            if not known or link:
+            value = said or ""
+            told = name in _VALUES and not re.fullmatch(_VALUES[name], value)
+            marked = MARK in value and name not in _TEXTS
+            if name not in _ATTRIBUTES or told or marked:
                 self.odd.append(f"<{tag} {name}={said!r}>")
+        self._in_script = (dict(attrs).get("type") or "program") if tag == "script" else ""
 
     def handle_endtag(self, tag: str) -> None:
-        self._runs = False
+        self._in_script = ""
 
     def handle_data(self, data: str) -> None:
-        if self._runs and MARK in data:
-            self.odd.append(f"<script>{data}")
+        if self._in_script == "program" and MARK in data:
+            self.odd.append(f"<script>{data[:80]}")
+        if self._in_script == "application/json":
+            check_json(data)
 
     def handle_comment(self, data: str) -> None:
         if MARK in data:
@@ -74,15 +82,21 @@ class _Page(HTMLParser):
             self.odd.append(f"<?{data}>")
 
 
-def check_report(folder: Path) -> None:
-    """A report that nobody has to fear, whatever its rows and manifests say."""
-    html = (folder / "index.html").read_text(encoding="utf-8")
+def odd_parts(html: str) -> list[str]:
+    """What stands in a page that no template of ours writes: elements, attributes, programs."""
     page = _Page()
     page.feed(html)
     page.close()
-    assert not page.odd, page.odd[:5]
+    return page.odd
+
+
+def check_report(folder: Path) -> None:
+    """A report that nobody has to fear, whatever its rows and manifests say."""
+    html = (folder / "index.html").read_text(encoding="utf-8")
+    assert not (odd := odd_parts(html)), odd[:5]
     assert not _controls(html)
     _check_markdown((folder / "report.md").read_text(encoding="utf-8"))
+    _check_document((folder / "report.tex").read_text(encoding="utf-8"))
     for file in (folder / "tables").glob("*.md"):
         _check_markdown(file.read_text(encoding="utf-8"))
     for file in (folder / "tables").glob("*.tex"):
@@ -104,6 +118,14 @@ def _check_markdown(text: str) -> None:
 def _check_tex(text: str) -> None:
     assert not _controls(text)
     assert set(re.findall(r"\\([a-zA-Z]+)", text)) <= set(_TEX)
+
+
+def _check_document(text: str) -> None:
+    """The document reads its own tables and figures only."""
+    assert not _controls(text)
+    for read in re.findall(r"\\(?:input|include|includegraphics)(?:\[[^]]*\])?\{(.*?)\}", text):
+        assert re.fullmatch(r"(tables|figures)/[a-z0-9-]+(\.tex|\.pdf)?", read), read
+    assert not re.search(r"\\(write|openout|openin|catcode|csname|immediate)", text)
 
 
 def _controls(text: str) -> set[str]:
