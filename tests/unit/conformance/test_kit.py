@@ -27,7 +27,7 @@ from dubins_study.conformance.questions import (
     command,
     name_of,
 )
-from dubins_study.conformance.report import ConformanceReport
+from dubins_study.conformance.report import ConformanceReport, report_text
 from dubins_study.experiments.isolation.monitor import GRACE_S as RUN_GRACE_S
 from dubins_study.solvers.analytic import Analytic
 from dubins_study.solvers.profiles import ProfileError
@@ -155,6 +155,12 @@ class OneWordRaising(OneWord):
     """Declares one word and does not answer it."""
 
     solve = Raising.solve
+
+
+class Everything(Right):
+    """Answers all that a solver may be asked."""
+
+    warm, guarantee, branches = True, Guarantee.STOCHASTIC, ("best", *WORDS)
 
 
 class Brief(Right):
@@ -442,6 +448,30 @@ def test_every_failure_shows_a_command(kind):
         assert re.search(r"solve [-.0-9 ]+--from|check-solver \S+ --check", finding.command)
         assert f"$ {finding.command}\n" in str(report)
     assert len(re.findall(r"^ +\$ ", str(report), re.MULTILINE)) == len(failures)
+
+
+@pytest.mark.parametrize("width", [40, 64, 100])
+@pytest.mark.parametrize("kind", [Raising, Lost])
+def test_the_report_fits_the_terminal(kind, width):
+    """But for tracebacks, and commands, which are copied whole; a line goes on below its text."""
+    path = re.escape(checked(kind, ["loading"]).solver)
+    shown = re.sub(path, "my.py:Mine", report_text(checked(kind), width))
+    whole = ("$", "File", "raise ", "NotImplementedError")  # commands and tracebacks
+    lines = [one for one in shown.splitlines() if not one.lstrip().startswith(whole)]
+    marked = ("pass  ", "note  ", "FAIL  ", "  –   ", "  ?   ", "      ", "passed: ", "FAILED: ")
+
+    assert max(map(len, lines)) <= width
+    assert all(one.startswith((*marked, "my.py:Mine")) or one == "" for one in lines[:-3]), shown
+
+
+@pytest.mark.parametrize(
+    ("kind", "least", "most"), [(Modest, 40, 48), (Everything, 62, 70), (OneWord, 4, 40)]
+)
+def test_how_many_questions_are_asked(kind, least, most):
+    """As the documentation says: 40 to 70 of a solver that answers `best`, by what else it does."""
+    asked = sum(checked(kind, CHECKS).answers.values())
+
+    assert least <= asked <= most
 
 
 def test_the_advice_for_a_disc_is_not_that_for_the_axis():
