@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from itertools import groupby
 from textwrap import fill, indent
 from typing import Any
@@ -99,7 +99,10 @@ def report_text(report: ConformanceReport, width: int | None = None) -> str:
         [result] = results
         line = f"{_MARKS[result.status]}  {result.name:<12} {_about(result)}"
         blocks.append(_wrapped(line, width, _MARGIN))
-        for found in result.findings:
+        for place, found in enumerate(result.findings, 1):
+            later = [one for one in result.findings[place:] if one.status is Status.FAIL]
+            if found.command in [one.command for one in later]:
+                found = replace(found, command="")  # one command repeats them all: below the last
             earlier = shown.get(found.advice) if found.status is Status.FAIL else None
             blocks.append(indent(_finding(found, earlier, width - len(_MARGIN)), _MARGIN))
             shown.setdefault(found.advice or found.observed, result.name)

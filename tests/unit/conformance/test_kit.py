@@ -440,14 +440,28 @@ def test_a_solver_without_a_path_passes_no_check_of_paths():
 def test_every_failure_shows_a_command(kind):
     """Also where its advice was given before, and where one question shows nothing."""
     report = checked(kind)
-    failures = [one for result in report for one in result.findings if one.status is Status.FAIL]
+    failed_by = {
+        result.name: [one for one in result.findings if one.status is Status.FAIL]
+        for result in report
+    }
+    failures = [one for findings in failed_by.values() for one in findings]
 
     assert failures
     for finding in failures:
         assert finding.command.startswith("dubins-study "), finding
         assert re.search(r"solve [-.0-9 ]+--from|check-solver \S+ --check", finding.command)
         assert f"$ {finding.command}\n" in str(report)
-    assert len(re.findall(r"^ +\$ ", str(report), re.MULTILINE)) == len(failures)
+    wanted = [len({one.command for one in findings}) for findings in failed_by.values()]
+    assert len(re.findall(r"^ +\$ ", str(report), re.MULTILINE)) == sum(wanted)
+
+
+def test_a_command_is_shown_once_a_check_below_the_last_failure():
+    """A note shows none, and takes none away."""
+    ended = (Status.FAIL, "a"), (Status.FAIL, "b"), (Status.NOTE, "c")
+    findings = tuple(Finding(status, seen, command="ask again") for status, seen in ended)
+    shown = report_text(ConformanceReport("x", (CheckResult("y", "z", findings),), {}, 0.0))
+
+    assert [line.strip() for line in shown.splitlines()[3:7]] == ["a", "b", "$ ask again", "c"]
 
 
 @pytest.mark.parametrize("width", [40, 64, 100])
