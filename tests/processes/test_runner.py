@@ -271,7 +271,11 @@ def test_errors_name_the_file_unless_the_caller_is_to_blame(small, tmp_path):
     for old, new, message in (
         ('"analytic"', '"anal"', "solvers: no solver named 'anal'"),
         ('"analytic"', '"ipopt[steps=3]"', "solvers: solver 'ipopt' has no setting 'steps'"),
-        ("[1.0, 2.0, 4]", "[-1.0, 2.0, 4]", "scenarios.0, scenario 0: radius is -1.0"),
+        (
+            "[1.0, 2.0, 4]",
+            "[-1.0, 2.0, 4]",
+            "scenarios.0.radius: expected a number above 0; got -1.0",
+        ),
         ('label = "sweep"', 'solvers = ["anal"]', "scenarios.0.solvers: no solver named 'anal'"),
     ):
         Path(small).write_text(SMALL.replace(old, new))

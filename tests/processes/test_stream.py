@@ -238,7 +238,10 @@ TWICE = GRID.replace("[0.4, 2]", "[2, 7]")
             GRID + '[[scenarios]]\nlabel = "grid"\nheading = 2\ntarget_x = 4\ntarget_y = 4\n',
             "scenarios.1, scenario 0: the same as scenarios.0, scenario 2999",
         ),
-        (GRID.replace("heading", "radius = 0\nheading"), "scenarios.0, scenario 0: radius is 0.0"),
+        (
+            GRID.replace("heading", "radius = 1e200\nheading"),
+            "scenarios.0, scenario 0: radius is 1e",
+        ),
     ],
 )
 def test_blocks_that_repeat_a_scenario_are_refused(experiment, tmp_path, text, message):

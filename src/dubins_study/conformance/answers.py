@@ -11,12 +11,13 @@ from typing import NamedTuple
 from dubins_study.conformance.causes import cause_of, start_cause, tightness_cause
 from dubins_study.conformance.findings import Finding, Status
 from dubins_study.conformance.interview import Seen
-from dubins_study.conformance.questions import command
+from dubins_study.conformance.questions import check_command, command, name_of
 from dubins_study.solvers.attempt import Answer
 from dubins_study.solvers.protocol import Guarantee, Outcome
 from dubins_study.study.check.verdict import Verdict, curvature_excess, judge
 from dubins_study.study.claim import Claim
 from dubins_study.study.path import Path, drivable
+from dubins_study.study.scenario import Scenario
 
 
 class Kind(StrEnum):
@@ -58,8 +59,9 @@ def problems(seen: Seen, name: str, guarantee: str) -> list[Problem]:
     def problem(
         kind: Kind, status: Status, observed: str, advice: str = "", traceback: str = ""
     ) -> Problem:
-        # no command hands over an initial guess
-        shown = "" if seen.question.initial_guess is not None else command(spec, seen.question)
+        shown = command(spec, seen.question)
+        if seen.question.initial_guess is not None:  # no option of `solve` hands one over
+            shown = check_command(spec, "warm")
         return Problem(kind, Finding(status, observed, advice, name, shown, traceback))
 
     if answer.outcome is not Outcome.RETURNED:
@@ -91,6 +93,10 @@ _OUTCOMES = {
     "raise",
 }
 _RAISED = {
+    "solve() takes": "write `def solve(self, question, limit)`; limit is in seconds",
+    "solve() missing": "write `def solve(self, question, limit)`, with no other argument",
+    "build() takes": "write `def build(self, question)`, and `def solve(self, model, limit)`",
+    "build() missing": "write `def build(self, question)`, with no other argument",
     "expected a Solution": "solve returns a Solution: return Solution(Claim.LOCAL, path)",
     "expected one of: optimal": "a claim is one of dubins_study.Claim",
     "curvature has shape": "give one curvature and one length for each arc",
@@ -181,7 +187,7 @@ def _missing(answer: Answer, path: Path) -> tuple[str, str]:
         observed = f"its path ends {miss:.3g} radii from the target; 1e-6 counts as arriving"
         if miss < _NEAR:
             return observed, "tighten the tolerance of the end point, or claim FAILED"
-        return observed, cause_of(scenario, path) or (
+        return observed, cause_of(scenario, path) or _in_disc(scenario, branch) or (
             "drive your path with question.scenario.start: dubins_study.Path(start, curvatures, "
             "lengths).end is where it ends"
         )
@@ -197,6 +203,17 @@ def _missing(answer: Answer, path: Path) -> tuple[str, str]:
             "tell apart out of `branches`",
         )
     return "its path is too long to be driven to within a radius", ""
+
+
+def _in_disc(scenario: Scenario, branch: str) -> str:
+    """What to do about targets inside a turning disc, if the scenario's is one; else nothing."""
+    X, Y = scenario.local()
+    if branch != "best" or math.hypot(X, abs(Y) - 1) >= 1:
+        return ""
+    return (
+        "inside a turning disc no turn towards the target leads to it: a turn away comes first (RL "
+        "or LR), or nearly a full turn (RS or LS). Claim FAILED where the method has neither"
+    )
 
 
 def _pose(pose: Iterable[float]) -> str:
@@ -237,6 +254,14 @@ def _longer(answer: Answer, guarantee: str) -> _Observed:
         observed = f"it declares the guarantee {guarantee!r}, but its path is {how}"
         return Kind.CLAIM, Status.FAIL, observed, advice
     return Kind.LENGTH, Status.NOTE, f"its path is {how}", ""
+
+
+def unanswered(asked: Iterable[Seen], name: str) -> tuple[Finding, ...]:
+    """Findings about questions that were not answered; of scenarios with the name, or their own."""
+    listed = [
+        p for seen in asked for p in problems(seen, name or name_of(seen.question.scenario), "")
+    ]
+    return united(problem for problem in listed if problem.kind is Kind.OUTCOME)
 
 
 def united(found: Iterable[Problem]) -> tuple[Finding, ...]:

@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from dubins_study.conformance import behaviour, questions
-from dubins_study.conformance.answers import Kind, Problem, problems, united
+from dubins_study.conformance.answers import Kind, Problem, problems, unanswered, united
 from dubins_study.conformance.findings import CheckResult, Finding, Status
 from dubins_study.conformance.interview import Interview, Seen
 from dubins_study.solvers.protocol import Question
@@ -27,17 +27,25 @@ class Check(NamedTuple):
 def _asked(
     scenarios: Mapping[str, Scenario], kinds: tuple[Kind, ...] = tuple(Kind)
 ) -> Callable[[Interview, str, str], CheckResult]:
-    """A check that asks for the best path of scenarios, and reports problems of some kinds."""
+    """A check that asks for the best path of scenarios, and reports problems of some kinds.
+
+    A question that this check is the first to ask, and that is not answered, is reported too.
+    """
 
     def run(interview: Interview, name: str, title: str) -> CheckResult:
         if not interview.answers("best"):
             return _not_applicable(name, title, "the solver does not answer `best`")
-        found: list[Problem] = []
+        shown: list[Problem] = []
+        answers: list[Seen] = []
         for label, scenario in scenarios.items():
-            seen = interview.ask(Question(scenario))
-            found += problems(seen, label, interview.declared["guarantee"])
-        shown = united(one for one in found if one.kind in kinds)
-        return CheckResult(name, title, shown, f"{len(scenarios)} questions")
+            before = len(interview.seen)
+            answers.append(interview.ask(Question(scenario)))
+            wanted = {*kinds, Kind.OUTCOME} if len(interview.seen) > before else kinds
+            found = problems(answers[-1], label, interview.declared["guarantee"])
+            shown += [one for one in found if one.kind in wanted]
+        if Kind.CONTROLS in kinds and not shown and all(one.answer.path is None for one in answers):
+            return _not_applicable(name, title, "it returned no path")
+        return CheckResult(name, title, united(shown), f"{len(scenarios)} questions")
 
     return run
 
@@ -84,13 +92,22 @@ def _branches(interview: Interview, name: str, title: str) -> CheckResult:
 
 
 def _bounds(interview: Interview, name: str, title: str) -> CheckResult:
-    """The lower bounds of all answers so far."""
+    """The lower bounds of all answers so far; of the usual questions if none was asked yet."""
+    before = len(interview.seen)
+    if interview.answers("best"):
+        for scenario in _BOUNDED.values():
+            interview.ask(Question(scenario))
+    else:
+        for word in filter(interview.answers, questions.WORDS):
+            for scenario in questions.WORDS[word]:
+                interview.ask(Question(scenario, word))
+    silent = unanswered(interview.seen[before:], "")
     with_bound = [
         seen
         for seen in interview.seen
         if seen.answer.lower_bound is not None or seen.answer.false_bound
     ]
-    if not with_bound:
+    if not (with_bound or silent):
         return _not_applicable(name, title, "the solver gives no lower bounds")
     found = [
         problem
@@ -98,7 +115,11 @@ def _bounds(interview: Interview, name: str, title: str) -> CheckResult:
         for problem in problems(seen, questions.name_of(seen.question.scenario), "")
         if problem.kind is Kind.BOUND
     ]
-    return CheckResult(name, title, united(found), f"{len(with_bound)} bounds")
+    return CheckResult(name, title, (*silent, *united(found)), f"{len(with_bound)} bounds")
+
+
+# What a full set of checks has asked before it looks at the bounds.
+_BOUNDED = questions.GENERAL | questions.AXIS | questions.DISCS | questions.CIRCLES
 
 
 def _not_applicable(name: str, title: str, reason: str) -> CheckResult:

@@ -11,7 +11,7 @@ from typing import Any
 
 from dubins_study.conformance import loading
 from dubins_study.conformance.checks import CHECKS, failed, run_check, title_of, unfinished
-from dubins_study.conformance.findings import CheckResult, Finding, Status
+from dubins_study.conformance.findings import CheckResult, Status
 from dubins_study.conformance.interview import Interview, UnfinishedError
 from dubins_study.conformance.report import ConformanceReport
 from dubins_study.conformance.worker import InProcess, LoadError, Source, Worker
@@ -69,7 +69,7 @@ def check_solver(
     try:
         source: Source = (Worker if isolated else InProcess)(_absolute(spec), profile)
     except LoadError as error:
-        found = Finding(Status.FAIL, str(error), loading.BROKEN, traceback=error.frames)
+        found = loading.broken(str(error), error.frames, spec)
         not_asked = [_not_asked(name, "it does not load") for name in names[1:]]
         results = (failed("loading", found), *not_asked)
         return ConformanceReport(spec, results, {}, monotonic() - began)
@@ -84,7 +84,7 @@ def check_solver(
 
 def _results(interview: Interview, names: list[str]) -> Iterator[CheckResult]:
     """The results of checks, one after another; of those that are not reached, why."""
-    yield loading.check(interview.declared, title_of("loading"))
+    yield loading.check(interview.declared, title_of("loading"), interview.spec)
     reason = interview.declared["unavailable"]
     stopped = "" if reason is None else f"it cannot run here: {reason}"
     for name in names[1:]:

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import is_dataclass
+from dataclasses import is_dataclass, replace
+from inspect import get_annotations
 from typing import Any
 
 from dubins_study.conformance.findings import CheckResult, Finding, Status
+from dubins_study.conformance.questions import check_command
 from dubins_study.experiments.code_digest import plain_settings
 from dubins_study.solvers.profiles import PROFILES
 from dubins_study.solvers.protocol import NOT_STATED, Guarantee, Solver
@@ -16,14 +18,30 @@ from dubins_study.study.nearest import did_you_mean
 from dubins_study.study.words import BRANCHES, FORMULATIONS
 
 BROKEN = "the file has to load by itself: python my_solver.py must not raise"
+# part of the message of a solver that does not load -> what to do, where it is not the file
+_BROKEN = {
+    "required positional argument": "give each setting a default, such as `n: int = 10`",
+    "cannot be made": "its class is called with no arguments, and with settings; it must not raise",
+}
 
 
-def check(declared: dict[str, Any], title: str) -> CheckResult:
+def broken(message: str, traceback: str, spec: str) -> Finding:
+    """The finding about a solver that does not load."""
+    advice = next((text for part, text in _BROKEN.items() if part in message), BROKEN)
+    shown = check_command(spec, "loading")
+    return Finding(Status.FAIL, message, advice, command=shown, traceback=traceback)
+
+
+def check(declared: dict[str, Any], title: str, spec: str) -> CheckResult:
     """Findings about the declaration of a solver that was loaded."""
     found = [*_branches(declared), *_guarantee(declared), *_texts(declared)]
-    for problem in declared["setting_problems"]:
-        advice = "give each setting a default of type int, float, bool or str"
+    for problem, advice in declared["setting_problems"]:
         found.append(Finding(Status.NOTE, f"a spec cannot set {problem}", advice))
+    if declared["no_settings"] is not None:
+        names = ", ".join(declared["no_settings"])
+        observed = f"it is no dataclass: {names} cannot be set" if names else "it is no dataclass"
+        advice = "write @dataclass(frozen=True) above its class: its fields are then its settings"
+        found.append(Finding(Status.NOTE, observed, advice))
     if not declared["frozen"]:
         advice = "write @dataclass(frozen=True): the same settings then stay the same solver"
         found.append(Finding(Status.NOTE, "its settings can be changed", advice))
@@ -33,6 +51,7 @@ def check(declared: dict[str, Any], title: str) -> CheckResult:
             advice = "unavailable() does not raise: it returns the reason as a text, or None"
         status = Status.FAIL if declared["reason_raised"] else Status.NOTE
         found.append(Finding(status, observed, advice))
+    found = [replace(one, command=check_command(spec, "loading")) for one in found]
     found.sort(key=lambda one: one.status is not Status.FAIL)
     formulation, engine = declared["method"][:2]
     return CheckResult(
@@ -64,7 +83,7 @@ def _texts(declared: dict[str, Any]) -> list[Finding]:
         found.append(Finding(Status.NOTE, "it does not state its method", advice))
     elif formulation not in FORMULATIONS:
         hint = did_you_mean(formulation, FORMULATIONS)
-        advice = f"{hint}A row of its own is fine; the others are: {', '.join(FORMULATIONS)}"
+        advice = f"{hint}A row of its own is fine; the others are: {'; '.join(FORMULATIONS)}"
         observed = f"its formulation, {formulation!r}, is not one of this package's"
         found.append(Finding(Status.NOTE, observed, advice))
     if not declared["summary"]:
@@ -87,11 +106,25 @@ def declaration(solver: Solver, spec: str) -> dict[str, Any]:
         "keeps_limit": bool(solver.keeps_limit),
         "whole_frames": kind.solve_frame is not None,
         "settings": plain_settings(solver),
+        "no_settings": _no_settings(kind),
         "frozen": not is_dataclass(kind) or kind.__dataclass_params__.frozen,
         "setting_problems": setting_problems(solver, spec),
         "unavailable": unavailable(solver),
         "reason_raised": _raises(solver.unavailable),
     }
+
+
+def _no_settings(kind: type[Solver]) -> list[str] | None:
+    """What looks like settings and is none for want of a dataclass; None if nothing is missing."""
+    own = kind.__mro__[: kind.__mro__.index(Solver)]
+    declared = {name: str(type_) for one in own for name, type_ in get_annotations(one).items()}
+    fields = getattr(kind, "__dataclass_fields__", {})
+    names = [
+        name
+        for name, type_ in declared.items()
+        if name not in fields and not hasattr(Solver, name) and "ClassVar" not in type_
+    ]
+    return names if names or not is_dataclass(kind) else None
 
 
 def _raises(function: Callable[[], object]) -> bool:
@@ -102,23 +135,34 @@ def _raises(function: Callable[[], object]) -> bool:
     return False
 
 
-def setting_problems(solver: Solver, spec: str) -> list[str]:
-    """Settings that a spec cannot set to the value that they have."""
+_DEFAULT = "give each setting a default of type int, float, bool or str"
+_TEXT = "a spec has no room for a comma, a bracket or spaces at the ends; use a word as the default"
+
+
+def setting_problems(solver: Solver, spec: str) -> list[tuple[str, str]]:
+    """Settings that a spec cannot set to the value that they have, each with what to do."""
     name = spec.partition("[")[0]
     problems = []
     for profile in PROFILES:
         try:
             load(spec, profile)
         except SolverError as error:
-            problems.append(f"the profile {profile}: {error}")
+            advice = "a profile is a dict of settings that the class accepts"
+            problems.append((f"the profile {profile}: {error}", advice))
     for key, value in settings(solver).items():
         if value == "":  # nothing that a spec could write
             continue
+        if type(value) not in (int, float, bool, str):
+            problems.append(
+                (f"{key}: its default {value!r:.40} is a {type(value).__name__}", _DEFAULT)
+            )
+            continue
+        advice = _TEXT if isinstance(value, str) else "the class must accept its own default"
         try:
             again = settings(load(f"{name}[{key}={value}]"))[key]
         except Exception as error:
-            problems.append(f"{key}={value}: {exception_text(error)}")
+            problems.append((f"{key}={value}: {exception_text(error)}", advice))
         else:
             if again != value or type(again) is not type(value):
-                problems.append(f"{key}={value!r} comes back as {again!r}")
+                problems.append((f"{key}={value!r}: it comes back as {again!r}", advice))
     return problems

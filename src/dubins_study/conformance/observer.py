@@ -30,6 +30,7 @@ from dubins_study.solvers.registry import SolverError, load
 from dubins_study.solvers.reply import Reply, Times, ask, exception_text, no_answer
 from dubins_study.study.claim import Claim
 from dubins_study.study.path import Path
+from dubins_study.study.scenario import Pose
 
 _PACKAGE = str(FilePath(__file__).parents[1])
 _MAX_TRACEBACK_CHARS = 4000
@@ -70,6 +71,7 @@ class Observer:
     ):
         self._spec, self._profile = spec, profile
         self.solver = load(spec, profile)
+        Path(Pose(0, 0, 0), [0.0], [1.0])  # what our first path imports is not the solver's doing
         self._state = ProcessState(memory_bytes)
         self._raised: BaseException | None = None
         self._children = _children()

@@ -163,6 +163,11 @@ def command(spec: str, question: Question) -> str:
     return shlex.join([*words, "--solver", spec])
 
 
+def check_command(spec: str, check: str) -> str:
+    """The command that makes a check again, where one question does not show what was seen."""
+    return shlex.join(["dubins-study", "check-solver", spec, "--check", check])
+
+
 def _digits(value: float) -> str:
     """A number as Python reads it back to the last bit."""
     return repr(value).removesuffix(".0")

@@ -113,10 +113,10 @@ def _finding(found: Finding, earlier: str | None) -> str:
     where = f"{plain(found.question)}: " if found.question else ""
     lines = [_wrapped(f"{where}{plain(found.observed)}{more}")]
     if earlier is not None:
-        return "\n".join([*lines, f"→ as in {earlier}"])
-    if found.advice:
+        lines.append(f"→ as in {earlier}")
+    elif found.advice:
         lines.append(_wrapped(f"→ {plain(found.advice)}", "  "))
-    if found.traceback:
+    if found.traceback and earlier is None:
         lines.append(indent(printable_text(found.traceback.rstrip()), "  "))
     if found.command and found.status is Status.FAIL:
         lines.append(f"$ {plain(found.command)}")

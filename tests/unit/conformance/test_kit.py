@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import json
 import math
+import re
+import signal
+import time
 
 import pytest
 
-from dubins_study import Claim, Guarantee, Solution, check_solver, solve
+from dubins_study import Claim, Guarantee, Path, Solution, check_solver, solve
 from dubins_study.conformance import CHECKS
 from dubins_study.conformance.answers import problems
 from dubins_study.conformance.findings import CheckResult, Finding, Status
@@ -25,6 +28,7 @@ from dubins_study.conformance.questions import (
     name_of,
 )
 from dubins_study.conformance.report import ConformanceReport
+from dubins_study.experiments.isolation.monitor import GRACE_S as RUN_GRACE_S
 from dubins_study.solvers.analytic import Analytic
 from dubins_study.solvers.profiles import ProfileError
 from dubins_study.solvers.protocol import Question
@@ -110,6 +114,65 @@ class Bounding(Right):
         return Solution(Claim.LOCAL, path, lower_bound=grown)
 
 
+class Tiring(Right):
+    """Changes the state of its process in every solve, each time alike."""
+
+    branches = ("best",)
+
+    def solve(self, question, limit):
+        signal.signal(signal.SIGALRM, signal.SIG_IGN)
+        return super().solve(question, limit)
+
+
+class Slow(Right):
+    """Takes twice as long as a run lets it, whatever its limit."""
+
+    branches, keeps_limit = ("best",), False
+
+    def solve(self, question, limit):
+        time.sleep(2 * RUN_GRACE_S + 0.05)
+        return super().solve(question, limit)
+
+
+class Idle(Right):
+    """Finds nothing, and says so."""
+
+    branches = ("best",)
+
+    def solve(self, question, limit):
+        return Solution(Claim.FAILED)
+
+
+class HighBound(Right):
+    """A bound that is too high, on every question."""
+
+    def solve(self, question, limit):
+        path = super().solve(question, limit).path
+        return Solution(Claim.LOCAL, path, lower_bound=path and 1.01 * path.total_length)
+
+
+class OneWordRaising(OneWord):
+    """Declares one word and does not answer it."""
+
+    solve = Raising.solve
+
+
+class Brief(Right):
+    """Forgets the limit."""
+
+    def solve(self, question):
+        raise AssertionError
+
+
+class Lost(Right):
+    """Drives straight on, and is sure."""
+
+    branches = ("best",)
+
+    def solve(self, question, limit):
+        return Solution(Claim.OPTIMAL, Path(question.scenario.start, [0.0], [1.0]))
+
+
 def checked(kind, checks=ANSWERS) -> ConformanceReport:
     return check_solver(kind, checks=checks, isolated=False)
 
@@ -185,7 +248,7 @@ def test_an_initial_guess_is_no_answer():
     assert report["warm"].status is Status.FAIL
     assert report["warm"].findings[0].question.startswith("initial guess: ")
     assert report["warm"].findings[0].count == 3
-    assert report["warm"].findings[0].command == ""
+    assert report["warm"].findings[0].command.endswith(":Misled --check warm")
 
 
 def test_a_false_bound_is_found_where_it_is_given_and_once_more_in_all():
@@ -308,3 +371,85 @@ def test_a_right_answer_has_no_problem():
     with Interview("analytic", InProcess("analytic", "default"), "default", 5.0, 60.0) as interview:
         for name, scenario in GENERAL.items():
             assert problems(interview.ask(Question(scenario)), name, "exact") == []
+
+
+ALONE = ("outcome", "controls", "claims", "bounds", "limits", "determinism", "state", "branches")
+
+
+@pytest.mark.parametrize("check", ALONE)
+def test_a_check_alone_does_not_pass_what_was_not_answered(check):
+    """No check takes an exception for an answer, also where it is the only check."""
+    report = checked(Raising, [check])
+
+    assert report[check].status is Status.FAIL, report
+    assert "raised NotImplementedError: later" in text(report, check)
+
+
+@pytest.mark.parametrize("check", ["bounds", "limits", "determinism", "state", "branches"])
+def test_a_solver_of_one_word_is_asked_it_by_each_check_alone(check):
+    assert checked(OneWordRaising, [check])[check].status is Status.FAIL
+
+
+def test_a_false_bound_is_found_by_its_check_alone():
+    """Also one that is false in the discs only."""
+    for kind in (HighBound, Bounding):
+        assert "lies above the shortest length" in text(checked(kind, ["bounds"]), "bounds")
+
+
+def test_a_change_that_every_solve_makes_alike_is_seen():
+    """In a new process, where what our own first path imports does not excuse the first solve."""
+    report = check_solver(Tiring, checks=["state"])
+
+    assert report["state"].status is Status.FAIL, report
+    assert "signal handlers" in text(report, "state")
+
+
+def test_checks_that_are_asked_for_alone_ask_what_they_look_at():
+    report = checked(Right, ["state"])
+
+    assert report["state"].summary == f"{len(GENERAL)} questions"
+    assert checked(Right, ["bounds"]).answers["shortest"] > len(GENERAL)
+
+
+def test_a_solve_that_a_run_would_end_is_a_note():
+    """A run ends it a tenth of a second after its limit; that is no promise of a plug-in."""
+    report = checked(Slow, ["limits"])
+
+    assert report["limits"].status is Status.NOTE, report
+    assert "return the best path so far" in text(report, "limits")
+    assert checked(Right, ["limits"])["limits"].status is Status.PASS
+
+
+def test_a_solver_without_a_path_passes_no_check_of_paths():
+    report = checked(Idle)
+
+    assert report["controls"].status is Status.NOT_APPLICABLE
+    assert report["determinism"].status is Status.NOT_APPLICABLE
+    assert report["controls"].summary == "it returned no path"
+    assert report["symmetries"].status is Status.NOTE
+    assert {one.name for one in report.with_status(Status.PASS)} == {"outcome", "loading"}, report
+
+
+@pytest.mark.parametrize("kind", [Raising, Confident, Careful, Misled, Bounding, Lost, LazyWords])
+def test_every_failure_shows_a_command(kind):
+    """Also where its advice was given before, and where one question shows nothing."""
+    report = checked(kind)
+    failures = [one for result in report for one in result.findings if one.status is Status.FAIL]
+
+    assert failures
+    for finding in failures:
+        assert finding.command.startswith("dubins-study "), finding
+        assert re.search(r"solve [-.0-9 ]+--from|check-solver \S+ --check", finding.command)
+        assert f"$ {finding.command}\n" in str(report)
+    assert len(re.findall(r"^ +\$ ", str(report), re.MULTILINE)) == len(failures)
+
+
+def test_the_advice_for_a_disc_is_not_that_for_the_axis():
+    report = checked(Lost, ["axis", "discs"])
+
+    assert "no turn towards the target leads to it" in text(report, "discs")
+    assert "no turn towards" not in text(report, "axis")
+
+
+def test_a_solve_without_its_second_argument():
+    assert "def solve(self, question, limit)" in text(checked(Brief, ["outcome"]), "outcome")

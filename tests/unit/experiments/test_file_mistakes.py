@@ -92,9 +92,108 @@ def test_solvers_are_checked_together(tmp_path):
 
 def test_the_line_of_a_scenario_that_no_vehicle_has(tmp_path):
     block = "[[scenarios]]\ntarget_x = 1\ntarget_y = 2\n"
-    text = f'title = "t"\nquestion = "q"\nsolvers = ["analytic"]\n{block}{block}radius = [1, 0]\n'
+    text = (
+        f'title = "t"\nquestion = "q"\nsolvers = ["analytic"]\n{block}{block}radius = [1, 1e200]\n'
+    )
 
-    assert refusal_of(text, tmp_path).startswith("line 7: scenarios.1, scenario 1: radius is 0.0;")
+    assert refusal_of(text, tmp_path).startswith(
+        "line 7: scenarios.1, scenario 1: radius is 1e+200; expected a number from"
+    )
+
+
+ALL = """title = "t"
+question = "q"
+solvers = ["slsqp[model={words,jont}]", "turn-rate-qp[n=-5]", "no.py:A[n={1,2}]", "a{b"]
+repeats = 0
+[[scenarios]]
+target_x = 10
+radius = [1,
+ -2, 0]
+speed = { linear = [1, -1, 3] }
+heading = "west"
+[[scenarios]]
+distance = -3
+bearing = 1
+target_x = 3
+[[scenarios]]
+arc = 1
+margin = 1
+target_z = 1
+[[scenarios]]
+[scenarios.sample]
+method = "sobol2"
+count = 1
+seed = 1
+[scenarios.sample.ranges]
+target_x = { log = [1, 20] }
+bearings = { linear = [0, 1] }
+[[scenarios]]
+[scenarios.sample]
+method = "sobol"
+count = 1
+seed = 1
+[scenarios.sample.ranges]
+distance = { linear = [-1, 3] }
+bearing = { linear = [0, 1] }
+radius = { linear = [0, 1] }
+"""
+WAYS = "expected target_x and target_y, or distance and bearing, or arc and margin"
+TOGETHER = [
+    "line 3: solvers: solver 'slsqp[model=jont]': model is 'jont'; did you mean 'joint'? expe",
+    "line 3: solvers: solver 'turn-rate-qp[n=-5]': n is -5; expected a whole number from 2",
+    "line 3: solvers: solver 'a{b': '{' is not closed",
+    "line 4: repeats is 0: expected a number of at least 1",
+    f"line 5: scenarios.0: {WAYS}",
+    "line 7: scenarios.0.radius is [1, -2, 0]: expected a number above 0; got -2.0, 0.0",
+    "line 9: scenarios.0.speed: expected a number above 0; got -1.0",
+    "line 10: scenarios.0.heading is 'west': 'west' is not an angle",
+    f"line 11: scenarios.1: {WAYS}",
+    "line 12: scenarios.1.distance is -3: expected a number of at least 0 (a target behind has",
+    "line 18: scenarios.2.target_z: unknown key; did you mean 'target_y'?",
+    "line 21: scenarios.3.sample.method is 'sobol2': expected 'sobol' or 'latin hypercube'",
+    "line 26: scenarios.3.sample.ranges.bearings: no such field; did you mean 'bearing'? expect",
+    "line 32: scenarios.4.sample.ranges: distance: expected a number of at least 0 (a target be",
+]
+
+
+def test_targets_solvers_and_signs_are_told_with_the_rest(tmp_path):
+    """What needs a whole block, a solver that is made, or every value of an axis waits for none."""
+    head, *mistakes = refusal_of(ALL, tmp_path).splitlines()
+
+    assert head == f"{len(TOGETHER)} mistakes"
+    for line, expected in zip(mistakes, TOGETHER, strict=True):
+        assert line.startswith(f"  {expected}")
+    assert mistakes[-1].endswith("got -1.0; radius: expected a number above 0; got 0.0")
+
+
+def test_an_invalid_file_has_no_power_over_the_time(tmp_path):
+    """Ten thousand specs that would be a thousand each: the first thousand are tried."""
+    line = ", ".join(['"slsqp[model={jont,' + ",".join("a" * 30) + ']"'] * 1000)
+    braces = ", ".join(['"' + "{analytic,}" * 9 + '"'] * 10_000)
+    for solvers in (line, braces):
+        text = f'title = 1\nquestion = "q"\nsolvers = [{solvers}]\n'
+        assert "title is 1: expected a text" in refusal_of(text, tmp_path)
+
+
+def test_no_plugin_is_loaded_for_a_message(tmp_path):
+    """Of an invalid file as of a valid one: its code may be anyone's."""
+    plugin, mark = tmp_path / "rude.py", tmp_path / "mark"
+    plugin.write_text(f"import pathlib\npathlib.Path({str(mark)!r}).touch()\n")
+    specs = [f"{plugin}:A", f"{{analytic,{plugin}:A}}", f"{plugin}:A[n=1]", f"slsqp[x={plugin}:A]"]
+    text = f"title = 1\nsolvers = {specs}\n"
+
+    assert "title is 1" in refusal_of(text, tmp_path)
+    assert not mark.exists()
+
+
+def test_a_target_at_the_start_is_one(tmp_path):
+    file = tmp_path / "my.toml"
+    file.write_text(
+        'title = "t"\nquestion = "q"\nsolvers = ["analytic"]\n'
+        "[[scenarios]]\ndistance = [0, 1]\nbearing = 0\n"
+    )
+
+    assert plan_run(Request(str(file))).rows == 2
 
 
 def test_twenty_mistakes_are_enough(tmp_path):

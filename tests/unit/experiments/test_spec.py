@@ -210,7 +210,10 @@ def test_sizes_are_counted_exactly():
         (HEAD + "time_limit_s = -1\n" + BLOCK, "time_limit_s is -1"),
         (HEAD + "time_limit_s = nan\n" + BLOCK, "time_limit_s is nan"),
         (HEAD + BLOCK + 'heading = "east"\n', "'east' is not an angle"),
-        (HEAD + BLOCK + "radius = 0\n", "scenarios.0, scenario 0: radius is 0.0"),
+        (
+            HEAD + BLOCK + "radius = 0\n",
+            "scenarios.0.radius is 0: expected a number above 0; got 0.0",
+        ),
         (HEAD + BLOCK + "radius = nan\n", "scenarios.0.radius is nan"),
         (HEAD + BLOCK + "radius = { log = [0, 1, 3] }\n", "starts and ends above 0"),
         (HEAD + BLOCK + "radius = { log = [1, 2] }\n", "scenarios.0.radius.log"),

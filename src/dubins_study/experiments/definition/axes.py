@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 from pydantic import (
     AfterValidator,
@@ -90,16 +90,3 @@ class LogRange(StrictModel):
 # The values of one field: a number, a list of numbers, or evenly spaced numbers.
 Axis = Number | Annotated[list[Number], Field(min_length=1)] | Linear | Log
 Range = LinearRange | LogRange
-
-
-class Sample(StrictModel):
-    """Quasi-random points over ranges of fields, drawn by `scipy.stats.qmc`."""
-
-    method: Literal["sobol", "latin hypercube"]
-    """How points are spread; the first points of a Sobol sample cover its ranges as well."""
-    count: Count
-    """Number of scenarios."""
-    seed: Seed
-    """The same seed draws the same points."""
-    ranges: dict[str, Range] = Field(min_length=1)
-    """Field -> its range; a field of the block that is not named here has the block's value."""

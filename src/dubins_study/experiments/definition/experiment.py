@@ -13,7 +13,6 @@ from dubins_study.errors import DubinsStudyError
 from dubins_study.experiments.definition.axes import (
     Count,
     Gibibytes,
-    Sample,
     Seconds,
     SectionName,
     Seed,
@@ -24,7 +23,9 @@ from dubins_study.experiments.definition.scenario_block import (
     FIELDS,
     Block,
     GuessLengths,
+    Sample,
     known_branches,
+    target_problems,
 )
 from dubins_study.experiments.definition.solver_problems import solver_problems
 from dubins_study.experiments.definition.toml_lines import KeyPath
@@ -233,5 +234,6 @@ def validated(file: str, fields: dict[str, Any], text: str = "") -> Experiment:
     try:
         return Experiment.model_validate(fields)
     except ValidationError as error:
-        problems = problems_of(error, TABLE_KEYS) + solver_problems(fields)
+        problems = problems_of(error, TABLE_KEYS)
+        problems += target_problems(fields) + solver_problems(fields)
         raise ExperimentError(refusal(file, problems, text)) from None

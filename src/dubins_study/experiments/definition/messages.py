@@ -134,6 +134,8 @@ def _sentence(error: Any, known: TableKeys) -> str:
         near = did_you_mean(location[-1], _keys_beside(location, known)).rstrip()
         return f"{key}: unknown key{'; ' if near else ''}{near}"
     message = error["msg"].removeprefix("Value error, ")
+    if location[-1:] == ("[key]",):  # the value is the key itself
+        value = {}
     if kind in _EXPECTED:
         message = _EXPECTED[kind].format(**error.get("ctx", {}))
     return f"{key}{_quoted(value)}: {message:.{_MAX_MESSAGE_CHARS}}"

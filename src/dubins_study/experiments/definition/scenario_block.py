@@ -2,11 +2,23 @@
 
 from __future__ import annotations
 
-from typing import Any, ClassVar, Self
+from collections.abc import Callable
+from typing import Annotated, Any, ClassVar, Literal, Self
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import AfterValidator, Field, ValidationInfo, field_validator, model_validator
 
-from dubins_study.experiments.definition.axes import Axis, Sample, StrictModel
+from dubins_study.experiments.definition.axes import (
+    Axis,
+    Count,
+    Linear,
+    LinearRange,
+    Log,
+    LogRange,
+    Range,
+    Seed,
+    StrictModel,
+)
+from dubins_study.experiments.definition.messages import Problem
 from dubins_study.study.nearest import did_you_mean
 from dubins_study.study.words import BRANCHES
 
@@ -14,7 +26,73 @@ from dubins_study.study.words import BRANCHES
 CARTESIAN = ("target_x", "target_y")
 POLAR = ("distance", "bearing")
 CIRCULAR = ("arc", "margin")
+_WAYS = (CARTESIAN, POLAR, CIRCULAR)
+_TARGETS = f"expected {', or '.join(' and '.join(way) for way in _WAYS)}"
 FIELDS = ("x", "y", "heading", *CARTESIAN, "radius", "speed", *POLAR, *CIRCULAR)
+
+
+# Field -> the rule of its values; a rule about a number by itself, so that a file's lines tell it.
+_RULES: dict[str, tuple[Callable[[float], bool], str]] = {
+    "radius": (lambda value: value > 0, "above 0"),
+    "speed": (lambda value: value > 0, "above 0"),
+    "distance": (lambda value: value >= 0, "of at least 0 (a target behind has bearing 180deg)"),
+}
+_MOST_VALUES = 5  # that a sentence lists
+
+
+def _values(axis: Axis | Range | None) -> list[float]:
+    """The values of an axis or a range; of an evenly spaced one, those at its ends."""
+    if isinstance(axis, Log | LogRange):
+        return list(axis.log[:2])
+    if isinstance(axis, Linear):
+        first, last, count = axis.linear
+        return [first, last] if count > 1 else [first]
+    if isinstance(axis, LinearRange):
+        return list(axis.linear)
+    if isinstance(axis, list):
+        return axis
+    return [] if axis is None else [axis]
+
+
+def refused(field: str, values: list[float]) -> str | None:
+    """What is wrong with values of a field, all of them in a sentence; None if nothing is."""
+    holds, rule = _RULES.get(field, (None, ""))
+    wrong = [] if holds is None else [str(value) for value in values if not holds(value)]
+    if not wrong:
+        return None
+    more = len(wrong) - _MOST_VALUES
+    listed = ", ".join(wrong[:_MOST_VALUES]) + (f" and {more} more" if more > 0 else "")
+    return f"expected a number {rule}; got {listed}"
+
+
+def _field_name(name: str) -> str:
+    if name not in FIELDS:
+        raise ValueError(f"no such field; {did_you_mean(name, FIELDS)}expected {', '.join(FIELDS)}")
+    return name
+
+
+FieldName = Annotated[str, AfterValidator(_field_name)]
+
+
+class Sample(StrictModel):
+    """Quasi-random points over ranges of fields, drawn by `scipy.stats.qmc`."""
+
+    method: Literal["sobol", "latin hypercube"]
+    """How points are spread; the first points of a Sobol sample cover its ranges as well."""
+    count: Count
+    """Number of scenarios."""
+    seed: Seed
+    """The same seed draws the same points."""
+    ranges: dict[FieldName, Range] = Field(min_length=1)
+    """Field -> its range; a field of the block that is not named here has the block's value."""
+
+    @field_validator("ranges")
+    @classmethod
+    def _check_ranges(cls, ranges: dict[str, Range]) -> dict[str, Range]:
+        refusals = ((name, refused(name, _values(over))) for name, over in ranges.items())
+        if told := [f"{name}: {sentence}" for name, sentence in refusals if sentence]:
+            raise ValueError("; ".join(told))
+        return ranges
 
 
 class GuessLengths(StrictModel):
@@ -64,7 +142,7 @@ class Block(StrictModel):
     target_y: Axis | None = None
     """Target position."""
     distance: Axis | None = None
-    """Distance of the target, in radii."""
+    """Distance of the target, in radii; at least 0."""
     bearing: Axis | None = None
     """Direction of the target from the start's heading: radians, or a text."""
     arc: Axis | None = None
@@ -95,16 +173,17 @@ class Block(StrictModel):
             return self
         given = {field for field in FIELDS if self.axis(field) is not None}
         if self.sample is not None:
-            if unknown := sorted(set(self.sample.ranges) - set(FIELDS)):
-                near = did_you_mean(unknown[0], FIELDS)
-                raise ValueError(
-                    f"sample.ranges names {unknown[0]!r}; {near}expected {', '.join(FIELDS)}"
-                )
             given |= set(self.sample.ranges)
-        ways = (CARTESIAN, POLAR, CIRCULAR)
-        if given & {field for way in ways for field in way} not in map(set, ways):
-            raise ValueError(f"expected {', or '.join(' and '.join(way) for way in ways)}")
+        if not _one_target(given):
+            raise ValueError(_TARGETS)
         return self
+
+    @field_validator(*_RULES)
+    @classmethod
+    def _check_values(cls, axis: Axis | None, info: ValidationInfo) -> Axis | None:
+        if sentence := refused(str(info.field_name), _values(axis)):
+            raise ValueError(sentence)
+        return axis
 
     @field_validator("branches")
     @classmethod
@@ -120,6 +199,29 @@ class ListedBlock(Block):
 
     listed_apart: ClassVar[bool] = True
     listed: Any = Field(exclude=True)
+
+
+def _one_target(given: set[str]) -> bool:
+    """Whether fields write a target in one of the ways, and in one only."""
+    return given & {field for way in _WAYS for field in way} in map(set, _WAYS)
+
+
+def target_problems(fields: dict[str, Any]) -> list[Problem]:
+    """Blocks of an invalid file that write no target, whatever else is wrong with them.
+
+    A block with an unknown key is left out: it may be a misspelt part of the target.
+    """
+    blocks = fields.get("scenarios")
+    problems = []
+    for number, block in enumerate(blocks if isinstance(blocks, list) else ()):
+        if not isinstance(block, dict) or block.keys() - Block.model_fields.keys():
+            continue
+        sample = block.get("sample")
+        ranges = sample.get("ranges") if isinstance(sample, dict) else None
+        sampled = set(ranges) if isinstance(ranges, dict) else set()
+        if sampled <= set(FIELDS) and not _one_target(sampled | block.keys()):
+            problems.append(Problem(("scenarios", number), f"scenarios.{number}: {_TARGETS}"))
+    return problems
 
 
 def known_branches(branches: list[str]) -> list[str]:

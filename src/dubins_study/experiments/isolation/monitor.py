@@ -19,7 +19,7 @@ from dubins_study.solvers.reply import Reply, Times, no_answer
 POLL_INTERVAL_S = 0.02
 # Seconds beyond the time limit: a solver that respects the limit needs a moment to send its answer.
 # With the poll interval and the kill itself, a solve ends within 0.3 s of its limit.
-_GRACE_S = 0.1
+GRACE_S = 0.1
 # Seconds that a process may take to start, or a solver to load.
 _START_UP_S = 60.0
 # Seconds that a warm-up may take beyond the time limit: it loads what later solves find loaded.
@@ -69,7 +69,7 @@ class Monitor:
             Phase.IDLE: _STALL_S,
             Phase.LOADING: _START_UP_S,
             Phase.WARMING_UP: limits.time_s + _WARM_UP_S,
-            Phase.SOLVING: limits.time_s + _GRACE_S,
+            Phase.SOLVING: limits.time_s + GRACE_S,
         }
         self._observations: dict[WorkerProcess, _Observation] = {}
         self._look_count, self._suspended_s = 0, 0.0  # totals

@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from dubins_study.experiments.definition.axes import LinearRange, Range, Sample
+from dubins_study.experiments.definition.axes import LinearRange, Range
 from dubins_study.experiments.definition.experiment import ExperimentError
+from dubins_study.experiments.definition.scenario_block import Sample
 from dubins_study.study.path import FloatArray
 
 # All points of a Latin hypercube are drawn at once, because each depends on their number.
