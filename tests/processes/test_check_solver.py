@@ -2,16 +2,23 @@
 
 from __future__ import annotations
 
+import importlib.util
 import json
+import keyword
 import re
+from pathlib import Path as FilePath
 
 import pytest
+from hypothesis import assume, example, given
+from hypothesis import strategies as st
 from typer.testing import CliRunner
 
 from dubins_study import DubinsStudyError
 from dubins_study.cli.app import app
 from dubins_study.cli.arguments import CommandError
+from dubins_study.cli.new import checked_target
 from dubins_study.conformance import CHECKS
+from dubins_study.solvers.registry import load
 
 
 def called(*arguments):
@@ -39,6 +46,12 @@ def test_the_new_solver_passes_as_it_is(tmp_path, monkeypatch):
         ("mine.txt", r"expected a name ending in \.py; did you mean mine\.py"),
         ("my-solver.py", "letters, digits and underscores, .*did you mean my_solver.py"),
         ("class.py", "did you mean class_solver.py"),
+        ("a b.txt", r"expected a name ending in \.py; did you mean a_b\.py"),
+        ("numpy", r"did you mean numpy_solver\.py"),
+        ("numpy.py", "instead of the installed numpy. Did you mean numpy_solver.py"),
+        ("math.py", "instead of the installed math. Did you mean math_solver.py"),
+        ("dubins_study.py", "Did you mean dubins_study_solver.py"),
+        ("12.py", "did you mean my_solver.py"),
         ("nowhere/mine.py", "cannot write nowhere/mine.py: No such file"),
     ],
 )
@@ -49,6 +62,25 @@ def test_files_that_no_solver_is_written_into(tmp_path, monkeypatch, name, messa
     assert isinstance(ended.exception, CommandError)
     assert re.search(message, str(ended.exception))
     assert list(tmp_path.iterdir()) == []
+
+
+@given(st.text(st.characters(exclude_characters="/\0", exclude_categories=["Cs"]), min_size=1))
+@example("numpy.py")
+@example("a b.txt")
+@example("import.numpy")
+@example(".")
+def test_a_suggested_name_is_not_refused(name):
+    """Python can import it, and finds no other module under it."""
+    try:
+        checked_target(FilePath(name), ".py", "my_solver.py")
+    except CommandError as error:
+        assume("exists" not in str(error))
+        near = re.search(r"[Dd]id you mean (\S+)\?$", str(error))[1]
+        assert checked_target(FilePath(near), ".py", "my_solver.py").name == near
+        name = near
+    assert name.removesuffix(".py").isidentifier()
+    assert not keyword.iskeyword(name.removesuffix(".py"))
+    assert importlib.util.find_spec(name.removesuffix(".py")) is None
 
 
 @pytest.mark.slow
@@ -102,7 +134,76 @@ def test_a_file_that_does_not_load_is_a_finding_with_its_traceback(tmp_path, mon
     assert "FAIL  loading" in ended.stdout
     assert 'mine.py", line 3, in <module>' in ended.stdout
     assert "has no attribute 'Nothing'" in ended.stdout
-    assert "it does not load" in ended.stdout
+    assert "it does not load" in " ".join(ended.stdout.split())
+
+
+SOLVER = """
+from dataclasses import dataclass
+from dubins_study import Claim, Solution, Solver
+
+{head}
+class Mine(Solver):
+    name, summary, method = "mine", "a line", {method}
+    {setting}
+
+    def solve(self, question, limit):
+        return Solution(Claim.FAILED)
+"""
+FROZEN, METHOD = "@dataclass(frozen=True)", '("penalty", "mine")'
+# what is wrong -> how the solver differs, the status of `loading`, and words of the report
+LOADING = {
+    "no default": ({"setting": "n: int"}, "fail", "give each setting a default, such as `n: int"),
+    "no settings": ({"head": ""}, "note", "it is no dataclass write @dataclass"),
+    "no dataclass": ({"head": "", "setting": "n: int = 4"}, "note", "no dataclass: n cannot be"),
+    "a tuple": ({"setting": "a: tuple = ()"}, "note", "a: its default () is a tuple give each"),
+    "nothing": ({"setting": "a: object = None"}, "note", "a: its default None is a NoneType give"),
+    "a comma": ({"setting": "a: str = 'b,c'"}, "note", "no room for a comma, a bracket"),
+    "an end": ({"setting": "a: str = ' b'"}, "note", "no room for a comma, a bracket or spaces"),
+    "a row": ({"method": '("my row", "mine")'}, "note", "joint NLP, LRS; joint NLP, RLS; joint"),
+    "raising": (
+        {"setting": "def __post_init__(self): raise OSError"},
+        "fail",
+        "its class is called with no arguments",
+    ),
+    "nothing wrong": ({"setting": "n: int = 4"}, "pass", "mine: penalty, mine"),
+}
+
+
+@pytest.mark.parametrize("wrong", LOADING)
+def test_what_a_solver_says_of_itself_is_explained(tmp_path, monkeypatch, wrong):
+    """A mistake in a declaration has the advice for this mistake."""
+    monkeypatch.chdir(tmp_path)
+    difference, status, words = LOADING[wrong]
+    values = {"head": FROZEN, "method": METHOD, "setting": ""} | difference
+    (tmp_path / "mine.py").write_text(SOLVER.format(**values))
+    ended = called("check-solver", "mine.py:Mine", "--check", "loading", "--json")
+    [check] = json.loads(ended.stdout)["checks"]
+
+    assert check["status"] == status, check
+    assert ended.exit_code == (status == "fail")
+    found = [f"{one['observed']} {one['advice']}" for one in check["findings"]]
+    assert words in " ".join([check["summary"], *found]), check
+
+
+def test_a_setting_of_a_solver_that_cannot_be_made_is_refused(tmp_path, monkeypatch):
+    """No traceback of this package: a spec with settings asks the class for its defaults."""
+    monkeypatch.chdir(tmp_path)
+    text = SOLVER.format(head=FROZEN, method=METHOD, setting="n: int")
+    (tmp_path / "mine.py").write_text(text)
+
+    with pytest.raises(DubinsStudyError, match=r"cannot be made: .*required positional argument"):
+        load("mine.py:Mine[n=3]")
+
+
+def test_a_module_beside_the_file_is_found_in_the_worker(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    text = SOLVER.format(head="import beside\n" + FROZEN, method="beside.METHOD", setting="")
+    (tmp_path / "mine.py").write_text(text)
+    (tmp_path / "beside.py").write_text(f"METHOD = {METHOD}")
+    ended = called("check-solver", "mine.py:Mine", "--check", "loading")
+
+    assert ended.exit_code == 0, ended.stdout
+    assert "mine: penalty, mine" in ended.stdout
 
 
 def test_a_file_that_exists_is_not_overwritten(tmp_path, monkeypatch):

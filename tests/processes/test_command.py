@@ -85,43 +85,50 @@ def test_solvers():
     assert "turn-rate-qp" in asked("solvers")
 
 
+REFUSED = [
+    (("solve", "nan", "0"), "target_x is nan; expected a finite number"),
+    (("solve", "1", "inf"), "target_y is inf; expected a finite number"),
+    (("solve", "one", "0"), "target_x is 'one'; expected a number"),
+    (("solve", "1", "2", "--radius", "0"), "radius is 0.0; expected a number above 0"),
+    (("solve", "1", "2", "--radius", "-1"), "radius is -1.0; expected a number above 0"),
+    (("solve", "1", "2", "--speed", "0"), "speed is 0.0; expected a number above 0"),
+    (("solve", "1", "2", "--from", "0", "0", "east"), "heading: 'east' is not an angle"),
+    (("solve", "1", "2", "--from", "0", "0", "120"), "write 120deg, or 120rad"),
+    (("solve", "1", "2", "--solver", "nope"), "no solver named 'nope'; choose one of"),
+    (("solve", "1", "2", "--branch", "SL"), "no branch named 'SL'; choose one of"),
+    (("solve", "1", "2", "--profile", "x"), "no profile named 'x'"),
+    (
+        ("solve", "1", "2", "--time-limit", "0"),
+        "--time-limit is 0.0; expected a number of seconds above 0",
+    ),
+    (("solve", "1", "2", "--plot", "path.bmp"), "expected a name ending in .svg"),
+    (("solve", "1", "2", "--plot", "/nowhere/path.svg"), "cannot write /nowhere/path.svg"),
+    (("export", "1", "nan"), "target_y is nan; expected a finite number"),
+    (("export", "1", "2", "--radius", "0"), "radius is 0.0; expected a number above 0"),
+    (("export", "1", "2", "--from", "0", "0", "up"), "heading: 'up' is not an angle"),
+    (("export", "1", "2", "--model", "x"), "model is 'x'; expected one of: paper, disj"),
+    (("export", "1", "2", "--format", "lp"), "format is 'lp'; expected one of: nl, mod"),
+    (("export", "1", "2", "--order", "SRL"), "order is 'SRL'; did you mean"),
+    (("export", "1", "2", "--out", "/nowhere/a.nl"), "cannot write /nowhere/a.nl"),
+    (("solve", "1", "2", "--bogus"), "no such option: --bogus"),
+    (("solve", "--bogus", "1", "2"), "no such option: --bogus"),
+    (("solve", "1", "2", "-r"), "no such option: -r"),
+    (("solve", "1", "2", "3"), "unexpected argument '3'"),
+    (("solve", "1", "2", "--solver", "turn-rate-qp", "--branch", "LR"), "is unsupported: turn"),
+    (("run", "nope"), "no experiment named 'nope'; choose one of"),
+    (("run", "paper", "--solver", "nope", "--out", "unused"), "no solver named 'nope'"),
+    (("run", "paper", "--jobs", "0", "--out", "unused"), "jobs is 0"),
+    (("status", "/nowhere"), "is no results folder"),
+    (("report", "/nowhere"), "/nowhere"),
+]
+
+
+# each starts a process, which takes half a second; every fourth is asked by default
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (("solve", "nan", "0"), "target_x is nan; expected a finite number"),
-        (("solve", "1", "inf"), "target_y is inf; expected a finite number"),
-        (("solve", "one", "0"), "target_x is 'one'; expected a number"),
-        (("solve", "1", "2", "--radius", "0"), "radius is 0.0; expected a number above 0"),
-        (("solve", "1", "2", "--radius", "-1"), "radius is -1.0; expected a number above 0"),
-        (("solve", "1", "2", "--speed", "0"), "speed is 0.0; expected a number above 0"),
-        (("solve", "1", "2", "--from", "0", "0", "east"), "heading: 'east' is not an angle"),
-        (("solve", "1", "2", "--from", "0", "0", "120"), "write 120deg, or 120rad"),
-        (("solve", "1", "2", "--solver", "nope"), "no solver named 'nope'; choose one of"),
-        (("solve", "1", "2", "--branch", "SL"), "no branch named 'SL'; choose one of"),
-        (("solve", "1", "2", "--profile", "x"), "no profile named 'x'"),
-        (
-            ("solve", "1", "2", "--time-limit", "0"),
-            "--time-limit is 0.0; expected a number of seconds above 0",
-        ),
-        (("solve", "1", "2", "--plot", "path.bmp"), "expected a name ending in .svg"),
-        (("solve", "1", "2", "--plot", "/nowhere/path.svg"), "cannot write /nowhere/path.svg"),
-        (("export", "1", "nan"), "target_y is nan; expected a finite number"),
-        (("export", "1", "2", "--radius", "0"), "radius is 0.0; expected a number above 0"),
-        (("export", "1", "2", "--from", "0", "0", "up"), "heading: 'up' is not an angle"),
-        (("export", "1", "2", "--model", "x"), "model is 'x'; expected one of: paper, disj"),
-        (("export", "1", "2", "--format", "lp"), "format is 'lp'; expected one of: nl, mod"),
-        (("export", "1", "2", "--order", "SRL"), "order is 'SRL'; did you mean"),
-        (("export", "1", "2", "--out", "/nowhere/a.nl"), "cannot write /nowhere/a.nl"),
-        (("solve", "1", "2", "--bogus"), "no such option: --bogus"),
-        (("solve", "--bogus", "1", "2"), "no such option: --bogus"),
-        (("solve", "1", "2", "-r"), "no such option: -r"),
-        (("solve", "1", "2", "3"), "unexpected argument '3'"),
-        (("solve", "1", "2", "--solver", "turn-rate-qp", "--branch", "LR"), "is unsupported: turn"),
-        (("run", "nope"), "no experiment named 'nope'; choose one of"),
-        (("run", "paper", "--solver", "nope", "--out", "unused"), "no solver named 'nope'"),
-        (("run", "paper", "--jobs", "0", "--out", "unused"), "jobs is 0"),
-        (("status", "/nowhere"), "is no results folder"),
-        (("report", "/nowhere"), "/nowhere"),
+        pytest.param(*case, marks=pytest.mark.slow if number % 4 else ())
+        for number, case in enumerate(REFUSED)
     ],
 )
 def test_bad_requests_get_one_message(arguments, message, tmp_path):

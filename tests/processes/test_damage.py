@@ -126,6 +126,7 @@ def test_a_damaged_part_is_put_aside_and_its_cells_are_solved_again(folder, expe
     assert len(load([folder]).rows) == CELLS
 
 
+@pytest.mark.slow
 def test_status_and_report_tell_of_damage(folder):
     """The one counts it and goes on, the other refuses and says what to do."""
     part = folder / "parts" / "a.parquet"

@@ -346,7 +346,7 @@ def test_inside_a_worker():
         pytest.param("collocation", EASY, marks=pytest.mark.slow),
         # OSQP and SCIP catch the signal
         pytest.param("turn-rate-qp[n=640,engine=osqp]", HARD[-1], marks=pytest.mark.slow),
-        ("disjunctive", HANGING[1]),
+        pytest.param("disjunctive", HANGING[1], marks=pytest.mark.slow),
         pytest.param("heading-milp", EASY, marks=pytest.mark.slow),
     ],
 )

@@ -168,6 +168,7 @@ def test_a_lock_that_is_a_link_is_refused(tmp_path):
     assert (tmp_path / "mine").read_text() == "mine"
 
 
+@pytest.mark.slow
 def test_runs_that_begin_at_once_leave_one_row_a_cell(tmp_path):
     """Of many, one works at a time; the others are refused, and nothing is lost or doubled."""
     experiment, out = slow_experiment(tmp_path, nap=0.05, count=10), tmp_path / "out"

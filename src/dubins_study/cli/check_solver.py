@@ -33,11 +33,13 @@ def check_solver(
 ) -> None:
     """Check a solver of your own.
 
-    Asks about 70 questions. Exit code 1 if the solver fails a check.
+    Asks 40 to 70 questions, by what the solver answers. Exit code 1 if the solver fails a check.
     """
     from dubins_study.cli.terminal import streams
+    from dubins_study.cli.terminal.table import terminal_width
     from dubins_study.conformance import CHECKS
     from dubins_study.conformance import check_solver as checked
+    from dubins_study.conformance.report import report_text
     from dubins_study.solvers.attempt import check_request
 
     check_request("best", time_limit, "--time-limit")
@@ -50,5 +52,6 @@ def check_solver(
             total_time_limit=total_time_limit,
             progress=progress,
         )
-    print(json.dumps(report.to_dict(), indent=2) if as_json else report)
+    text = report_text(report, terminal_width())
+    print(json.dumps(report.to_dict(), indent=2) if as_json else text)
     raise typer.Exit(0 if report.passed else 1)

@@ -5,6 +5,8 @@ from __future__ import annotations
 import keyword
 import re
 import shlex
+import sys
+from importlib.machinery import PathFinder
 from importlib.resources import files
 from pathlib import Path as FilePath
 from typing import Annotated
@@ -71,17 +73,42 @@ def checked_target(file: FilePath, suffix: str, example: str) -> FilePath:
     Raises:
         CommandError: naming the file, what was expected and the nearest name that fits.
     """
+    if file.exists():  # said before anything about its name
+        raise CommandError(f"{file} exists; expected the name of a new file")
+    near = f"{_importable(file.stem or 'my')}{suffix}"
     if file.suffix != suffix:
-        near = file.with_suffix(suffix).name if file.suffix else f"{file.name}{suffix}"
         raise CommandError(f"{file}: expected a name ending in {suffix}; did you mean {near}?")
-    if not re.fullmatch(r"[A-Za-z]\w*", file.stem, re.ASCII) or keyword.iskeyword(file.stem):
-        near = re.sub(r"\W+", "_", file.stem, flags=re.ASCII).strip("_0123456789") or "my"
-        near = f"{near}_solver" if keyword.iskeyword(near) else near
+    if file.name == near:
+        return file
+    if file.stem.isidentifier() and _is_installed(file.stem):
         raise CommandError(
-            f"{file}: expected a name of letters, digits and underscores, such as {example}; "
-            f"did you mean {near}{suffix}?"
+            f"{file}: expected a name that hides no module; Python would import this file instead "
+            f"of the installed {file.stem}. Did you mean {near}?"
         )
-    return file
+    raise CommandError(
+        f"{file}: expected a name of letters, digits and underscores, such as {example}; "
+        f"did you mean {near}?"
+    )
+
+
+def _importable(stem: str) -> str:
+    """The name nearest to a stem that a module may have and that hides no other module."""
+    name = stem
+    if not re.fullmatch(r"[A-Za-z]\w*", stem, re.ASCII):
+        name = re.sub(r"\W+", "_", stem, flags=re.ASCII).strip("_0123456789") or "my_solver"
+    while keyword.iskeyword(name) or _is_installed(name):
+        name += "_solver"
+    return name
+
+
+def _is_installed(name: str) -> bool:
+    """Whether Python has a module of a name, elsewhere than in the working directory."""
+    if name in sys.stdlib_module_names:
+        return True
+    here = {"", str(FilePath.cwd())}
+    return (
+        PathFinder.find_spec(name, [place for place in sys.path if place not in here]) is not None
+    )
 
 
 def class_name(stem: str) -> str:

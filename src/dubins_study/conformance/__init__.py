@@ -1,7 +1,8 @@
 """Check that a solver keeps the promise of `solvers/protocol.py`, and explain where it does not.
 
-`check_solver(solver)` puts some seventy questions to a solver in a worker process and returns a
-`ConformanceReport`. `CHECKS` are the names of its checks, for `pytest.mark.parametrize`.
+`check_solver(solver)` puts 40 to 70 questions to a solver, by what it answers, in a worker process
+and returns a `ConformanceReport`. `CHECKS` are the names of its checks, for
+`pytest.mark.parametrize`.
 """
 
 from dubins_study.conformance.checks import CHECKS as CHECKS

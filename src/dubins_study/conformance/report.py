@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from itertools import groupby
 from textwrap import fill, indent
 from typing import Any
@@ -67,7 +67,7 @@ class ConformanceReport:
         }
 
 
-_WIDTH = 100
+_WIDTH, _LEAST_WIDTH = 100, 30
 _MARKS = {
     Status.PASS: "pass",
     Status.NOTE: "note",
@@ -78,23 +78,36 @@ _MARKS = {
 _MARGIN = " " * 6
 
 
-def report_text(report: ConformanceReport) -> str:
-    """All checks, a line each, with their findings below; the verdict last."""
+def report_text(report: ConformanceReport, width: int | None = None) -> str:
+    """All checks, a line each, with their findings below; the verdict last.
+
+    Args:
+        report: of a solver.
+        width: of the terminal; lines are shorter than that and 100 characters. Commands and
+            tracebacks are never broken.
+    """
+    width = max(min(width or _WIDTH, _WIDTH), _LEAST_WIDTH)
     shown: dict[str, str] = {}  # advice -> the check that gave it first
     blocks = []
     for (status, _), group in groupby(report, key=_together):
         results = list(group)
         if len(results) > 1:
             names = ", ".join(result.name for result in results)
-            blocks.append(_wrapped(f"{_MARKS[status]}  {names}: {plain(results[0].summary)}"))
+            line = f"{_MARKS[status]}  {names}: {plain(results[0].summary)}"
+            blocks.append(_wrapped(line, width, _MARGIN))
             continue
         [result] = results
-        blocks.append(f"{_MARKS[result.status]}  {result.name:<12} {_about(result)}")
-        for found in result.findings:
+        line = f"{_MARKS[result.status]}  {result.name:<12} {_about(result)}"
+        blocks.append(_wrapped(line, width, _MARGIN))
+        for place, found in enumerate(result.findings, 1):
+            later = [one for one in result.findings[place:] if one.status is Status.FAIL]
+            if found.command in [one.command for one in later]:
+                found = replace(found, command="")  # one command repeats them all: below the last
             earlier = shown.get(found.advice) if found.status is Status.FAIL else None
-            blocks.append(indent(_finding(found, earlier), _MARGIN))
+            blocks.append(indent(_finding(found, earlier, width - len(_MARGIN)), _MARGIN))
             shown.setdefault(found.advice or found.observed, result.name)
-    return "\n".join([f"{plain(report.solver)}", "", *blocks, "", verdict(report)])
+    last = [_wrapped(line, width, "  ") for line in verdict(report).splitlines()]
+    return "\n".join([plain(report.solver), "", *blocks, "", *last])
 
 
 def _together(result: CheckResult) -> tuple[Status, object]:
@@ -108,14 +121,14 @@ def _about(result: CheckResult) -> str:
     return f"{result.title}{summary}"
 
 
-def _finding(found: Finding, earlier: str | None) -> str:
+def _finding(found: Finding, earlier: str | None, width: int) -> str:
     more = f" (and {found.count - 1} more)" if found.count > 1 else ""
     where = f"{plain(found.question)}: " if found.question else ""
-    lines = [_wrapped(f"{where}{plain(found.observed)}{more}")]
+    lines = [_wrapped(f"{where}{plain(found.observed)}{more}", width)]
     if earlier is not None:
         lines.append(f"→ as in {earlier}")
     elif found.advice:
-        lines.append(_wrapped(f"→ {plain(found.advice)}", "  "))
+        lines.append(_wrapped(f"→ {plain(found.advice)}", width, "  "))
     if found.traceback and earlier is None:
         lines.append(indent(printable_text(found.traceback.rstrip()), "  "))
     if found.command and found.status is Status.FAIL:
@@ -123,10 +136,10 @@ def _finding(found: Finding, earlier: str | None) -> str:
     return "\n".join(lines)
 
 
-def _wrapped(text: str, hanging: str = "") -> str:
+def _wrapped(text: str, width: int, hanging: str = "") -> str:
     return fill(
         text,
-        _WIDTH - len(_MARGIN),
+        width,
         subsequent_indent=hanging,
         break_long_words=False,
         break_on_hyphens=False,
@@ -149,4 +162,4 @@ def verdict(report: ConformanceReport) -> str:
     word = "passed" if report.passed else "FAILED"
     asked = f"{sum(report.answers.values())} questions in {report.seconds:.1f} s"
     ended = ", ".join(f"{count} {name}" for name, count in report.answers.items() if count)
-    return f"{word}: {', '.join(counts)}\n{asked}: {ended}"
+    return f"{word}: {', '.join(counts)}\n{asked}{': ' if ended else ''}{ended}"

@@ -140,7 +140,7 @@ class Worker:
         message, output = self._receive(self._process, allowed)
         if message is None:
             self._may_be_cold = False  # what did not answer once is not waited for longer again
-            ended = self._ended(monotonic() - began, limit, output)
+            ended = self._ended(monotonic() - began, limit, warm_up, output)
             return [Observation(ended, output=output)] * len(questions)
         self._cold, self._may_be_cold = False, True
         try:
@@ -180,13 +180,15 @@ class Worker:
         declared: dict[str, Any] = message[1]
         return declared
 
-    def _ended(self, seconds: float, limit: float, output: str) -> Reply:
+    def _ended(self, seconds: float, limit: float, warm_up: float, output: str) -> Reply:
         """The reply for a process that has ended, or that is ended now."""
         assert self._process is not None
         code = self._process.exit_code(0.0)
         self.restart()
         if code is None:
             message = f"ended after {seconds:.1f} s; the limit is {limit:g} s"
+            if warm_up:
+                message += f", and {warm_up:g} s more for libraries to load"
             return no_answer(Outcome.TIMEOUT, message, Times(wall=seconds))
         status, message = exit_status(code)
         said = f"; its last output: {output}" if output else ""

@@ -27,7 +27,7 @@ from dubins_study.conformance.questions import (
     command,
     name_of,
 )
-from dubins_study.conformance.report import ConformanceReport
+from dubins_study.conformance.report import ConformanceReport, report_text
 from dubins_study.experiments.isolation.monitor import GRACE_S as RUN_GRACE_S
 from dubins_study.solvers.analytic import Analytic
 from dubins_study.solvers.profiles import ProfileError
@@ -155,6 +155,12 @@ class OneWordRaising(OneWord):
     """Declares one word and does not answer it."""
 
     solve = Raising.solve
+
+
+class Everything(Right):
+    """Answers all that a solver may be asked."""
+
+    warm, guarantee, branches = True, Guarantee.STOCHASTIC, ("best", *WORDS)
 
 
 class Brief(Right):
@@ -434,14 +440,52 @@ def test_a_solver_without_a_path_passes_no_check_of_paths():
 def test_every_failure_shows_a_command(kind):
     """Also where its advice was given before, and where one question shows nothing."""
     report = checked(kind)
-    failures = [one for result in report for one in result.findings if one.status is Status.FAIL]
+    failed_by = {
+        result.name: [one for one in result.findings if one.status is Status.FAIL]
+        for result in report
+    }
+    failures = [one for findings in failed_by.values() for one in findings]
 
     assert failures
     for finding in failures:
         assert finding.command.startswith("dubins-study "), finding
         assert re.search(r"solve [-.0-9 ]+--from|check-solver \S+ --check", finding.command)
         assert f"$ {finding.command}\n" in str(report)
-    assert len(re.findall(r"^ +\$ ", str(report), re.MULTILINE)) == len(failures)
+    wanted = [len({one.command for one in findings}) for findings in failed_by.values()]
+    assert len(re.findall(r"^ +\$ ", str(report), re.MULTILINE)) == sum(wanted)
+
+
+def test_a_command_is_shown_once_a_check_below_the_last_failure():
+    """A note shows none, and takes none away."""
+    ended = (Status.FAIL, "a"), (Status.FAIL, "b"), (Status.NOTE, "c")
+    findings = tuple(Finding(status, seen, command="ask again") for status, seen in ended)
+    shown = report_text(ConformanceReport("x", (CheckResult("y", "z", findings),), {}, 0.0))
+
+    assert [line.strip() for line in shown.splitlines()[3:7]] == ["a", "b", "$ ask again", "c"]
+
+
+@pytest.mark.parametrize("width", [40, 64, 100])
+@pytest.mark.parametrize("kind", [Raising, Lost])
+def test_the_report_fits_the_terminal(kind, width):
+    """But for tracebacks, and commands, which are copied whole; a line goes on below its text."""
+    path = re.escape(checked(kind, ["loading"]).solver)
+    shown = re.sub(path, "my.py:Mine", report_text(checked(kind), width))
+    whole = ("$", "File", "raise ", "NotImplementedError")  # commands and tracebacks
+    lines = [one for one in shown.splitlines() if not one.lstrip().startswith(whole)]
+    marked = ("pass  ", "note  ", "FAIL  ", "  –   ", "  ?   ", "      ", "passed: ", "FAILED: ")
+
+    assert max(map(len, lines)) <= width
+    assert all(one.startswith((*marked, "my.py:Mine")) or one == "" for one in lines[:-3]), shown
+
+
+@pytest.mark.parametrize(
+    ("kind", "least", "most"), [(Modest, 40, 48), (Everything, 62, 70), (OneWord, 4, 40)]
+)
+def test_how_many_questions_are_asked(kind, least, most):
+    """As the documentation says: 40 to 70 of a solver that answers `best`, by what else it does."""
+    asked = sum(checked(kind, CHECKS).answers.values())
+
+    assert least <= asked <= most
 
 
 def test_the_advice_for_a_disc_is_not_that_for_the_axis():

@@ -59,6 +59,7 @@ def test_numbers_by_hand(results):
     assert math.isnan(table.loc["disjunctive", "costate_error"])
 
 
+@pytest.mark.slow
 def test_multipliers_are_compared_with_costates_that_are_there(results):
     """Not of a single arc, which leaves them free, nor of a path that is no extremal or is lost."""
     scenario = paper_scenarios()[0]

@@ -248,6 +248,7 @@ def test_a_report_without_anything_to_recommend_says_so(results, tmp_path):
     assert "no engine was asked" in only.lead
 
 
+@pytest.mark.slow
 def test_names_of_solvers_are_text_in_the_table(results, tmp_path):
     """A choice is drawn with its name in front, which may come from a stranger's package."""
     name = "<script>alert(1)</script>"

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 
+import pytest
+
 from dubins_study import render
 from dubins_study.report.data.results import load
 from dubins_study.report.topics.ladder.numbers import SIDES, down_to, ladder, rungs
@@ -104,6 +106,7 @@ def test_the_section_says_what_the_rows_say(results, tmp_path):
     assert "no solver trades a miss for the short path" in text_of(level, tmp_path / "b")
 
 
+@pytest.mark.slow
 def test_a_false_claim_is_counted(results, tmp_path):
     """A longer path that claims to be the shortest."""
     inside = target(FRONT, -1e-2)

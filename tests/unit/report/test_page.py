@@ -290,7 +290,11 @@ def _same_place(target_x, target_y):
             [_lost(s, "turn-rate-qp[n=10]") for s in paper_scenarios()],
             marks=pytest.mark.slow,
         ),
-        ("many", [attempt(s, f"s{i}[a={i}]") for s in paper_scenarios()[:2] for i in range(9)]),
+        pytest.param(
+            "many",
+            [attempt(s, f"s{i}[a={i}]") for s in paper_scenarios()[:2] for i in range(9)],
+            marks=pytest.mark.slow,
+        ),
     ],
 )
 def test_odd_results_make_a_report_too(results, tmp_path, name, rows):

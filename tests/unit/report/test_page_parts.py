@@ -134,6 +134,7 @@ def test_embedded_data_cannot_end_its_element():
         as_json(math.nan)
 
 
+@pytest.mark.slow
 def test_dictionaries_name_every_column(results, tmp_path):
     """Those of the rows, and those of every table's CSV file."""
     folder = results("paper", [attempt(s) for s in paper_scenarios()])
@@ -194,8 +195,16 @@ def _failures():
 @pytest.mark.parametrize(
     ("rows", "words"),
     [
-        (lambda: [attempt(s) for s in paper_scenarios()], "no engine was asked"),
-        (lambda: [attempt(s, "slsqp") for s in paper_scenarios()], "Only one method was asked"),
+        pytest.param(
+            lambda: [attempt(s) for s in paper_scenarios()],
+            "no engine was asked",
+            marks=pytest.mark.slow,
+        ),
+        pytest.param(
+            lambda: [attempt(s, "slsqp") for s in paper_scenarios()],
+            "Only one method was asked",
+            marks=pytest.mark.slow,
+        ),
         (_failures, "no other method was right on any question"),
         (
             lambda: [attempt(s, x) for s in paper_scenarios() for x in ("slsqp", "ipopt")],

@@ -116,6 +116,7 @@ def test_the_section_says_what_the_rows_say(results, tmp_path):
     assert (tmp_path / "out" / "figures" / "proofs-price.svg").is_file()
 
 
+@pytest.mark.slow
 def test_lost_rows_make_a_section_too(results, tmp_path):
     """Nothing came back: no price, no bound, and a page."""
     gone = dict.fromkeys(("length", "gap", "wall_s", "build_s", "region", "reference_word"))

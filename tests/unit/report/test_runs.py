@@ -66,6 +66,7 @@ def test_a_noisy_run_says_so_in_words(page):
     assert rows["loud"]["load"] == "0.25 to 1.50"
 
 
+@pytest.mark.slow
 def test_a_run_on_several_machines_is_as_noisy_as_the_worst(page):
     """A second machine, twice as fast, is no noise; the one that varied is drawn."""
     listed = [[2.0 * i, took, 1] for i, took in enumerate(NOISY)]

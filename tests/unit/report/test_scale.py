@@ -93,6 +93,7 @@ def test_the_section_says_what_the_rows_say(results, tmp_path):
     assert "None depends on the unit." in text_of(level, tmp_path / "b")
 
 
+@pytest.mark.slow
 def test_lost_answers_are_no_spread(results, tmp_path):
     """Nothing came back from one solver: no number is made of it, and the page is."""
     gone = dict.fromkeys(("region", "reference_word", "reference", "iterations", "length", "gap"))

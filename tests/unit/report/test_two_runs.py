@@ -73,6 +73,7 @@ def test_lost_answers_are_named_with_their_scenarios_and_commands(results):
     ]
 
 
+@pytest.mark.slow
 def test_swapping_the_runs_swaps_what_is_lost_and_gained(results):
     """The comparison has no preferred side."""
     base = results("a", rows(wrong=(0, 1), time=1e-3) + rows("still"))
@@ -187,6 +188,7 @@ def test_what_only_one_run_was_asked_is_counted_apart(results):
     assert changed.loc["code of solvers, settings or packages", "solvers"] == 1
 
 
+@pytest.mark.slow
 def test_a_run_that_lacks_what_it_was_asked_has_become_worse(results):
     """Cells without a row fail a comparison; questions that were never asked do not."""
     entry = {"settings": {}, "code_digest": NEW, "cells": 12}

@@ -47,6 +47,7 @@ def test_the_hessian_is_the_derivative_of_the_jacobian(z, weights):
     np.testing.assert_allclose(hessian(z, weights), numeric, atol=1e-6)
 
 
+@pytest.mark.slow
 @settings(max_examples=15)
 @given(scenario=scenarios(far=1000.0))
 def test_trust_constr_finds_the_best_everywhere(scenario):

@@ -168,6 +168,7 @@ LENGTHS = st.one_of(
 RADII = st.sampled_from([1.0, 1e-150, 1e150, 0.3, 7e5])
 
 
+@pytest.mark.slow
 @given(st.lists(st.tuples(RATES, LENGTHS, RATES, LENGTHS, RADII, st.floats(-9, 9)), min_size=1))
 def test_a_frame_measures_what_one_path_measures(rows):
     """Of ordinary and hostile paths of two arcs: nulls in the same places, numbers alike."""
