@@ -37,7 +37,8 @@ _TEXTS = ("title", "alt", "aria-label", "content", "data-title", "data-value", "
 # of TeX
 _TEX = """
     begin end begingroup endgroup endhead endfoot toprule midrule bottomrule addlinespace
-    setlength tabcolsep tiny scriptsize footnotesize small normalsize raggedright allowbreak tabularnewline
+    setlength tabcolsep tiny scriptsize footnotesize small normalsize raggedright
+    allowbreak tabularnewline
     texttt textbackslash textasciitilde textasciicircum textasciigrave textless textgreater textbar
     leq geq infty times cdot mu pi pm zeta surd checkmark frac ldots
     ae AE oe OE o O l L ss i j S copyright approx circ partial neq rightarrow leftarrow in varsigma
