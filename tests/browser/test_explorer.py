@@ -420,12 +420,22 @@ def test_nothing_is_wider_than_the_screen(explorer, viewport):
             assert box["y"] < y < box["y"] + box["height"], preset
 
 
+def test_big_and_small_numbers_are_short(explorer):
+    """Powers of ten without zeros that say nothing: columns and ticks are narrow."""
+    texts = explorer().evaluate(
+        "[4e6, 1e12, 1.5e9, -2e-7, 1234567, 999999, 0.25].map((x) => explorerNumbers.number(x))"
+    )
+
+    assert texts == ["4e6", "1e12", "1.5e9", "−2e−7", "1.23457e6", "999999", "0.25"]
+
+
 def test_without_scripts_there_are_drawings(explorer):
     """Two pictures with a text; no dead buttons."""
     page = explorer(java_script_enabled=False)
 
     assert page.locator(".explorer-still img").count() == 2
     assert page.locator(".explorer-still").is_visible()
+    assert page.get_by_text("needs JavaScript").is_visible()
     assert not page.locator(".explorer-live").is_visible()
 
 

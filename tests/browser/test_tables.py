@@ -109,6 +109,21 @@ def test_numbers_are_sorted_by_their_values_by_keyboard(page_of):
     assert header(page, "gap").get_attribute("aria-sort") == "none"
 
 
+def test_a_heading_without_text_is_no_button(page_of):
+    """A button without a name says nothing to those who only hear it."""
+    page = page_of(3)
+    page.evaluate("""() => {
+      const table = document.querySelector("table").cloneNode(true);
+      delete table.dataset.enhanced;
+      table.tHead.rows[0].cells[0].replaceChildren();
+      document.querySelector(".scroll").replaceChildren(table);
+      studyTables.enhance(table);
+    }""")
+
+    assert page.locator("th").nth(0).locator("button").count() == 0
+    assert page.locator("th").nth(1).locator("button").count() >= 1
+
+
 def test_a_filter_shows_the_lines_with_all_of_its_words(page_of):
     """In any case, in the full names too; it says how many of how many, and keeps the sorting."""
     page = page_of(40)

@@ -179,6 +179,18 @@ def test_the_section(results):
         "belief-false",
         "belief-cures",
     ]
-    assert "most often scip" in section.text
+    assert "others, scip (bearing) on one NLP a word: at 100 %" in section.text
+    assert "of its 1 question." in section.text
     assert "No method makes a false claim" in belief_section(good).text
     assert len(belief_section(good).blocks) == 2
+
+
+def test_the_most_often_false_was_asked_as_much_as_others(results):
+    """False at its one question says less than false at one of three."""
+    often = honest(PLAIN, "scip", Claim.INFEASIBLE, None)
+    rare = [honest(PLAIN, "gurobi", Claim.INFEASIBLE, None)]
+    rare += [honest(scenario, "gurobi", Claim.OPTIMAL) for scenario in (FAR, DISC)]
+
+    text = belief_section(load([results("few", [often, *rare])])).text
+    assert "2 of 2 methods make false claims" in text
+    assert "others, gurobi (bearing) on one NLP a word: at 33.3 %" in text

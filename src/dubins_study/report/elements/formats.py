@@ -17,7 +17,10 @@ def slug(text: str) -> str:
 
 
 def digits(n: int) -> Format:
-    """A format with `n` significant digits, in plain notation between 1e-3 and 1e6."""
+    """A format with `n` significant digits, in plain notation between 1e-3 and 1e6.
+
+    A whole number has thin spaces between thousands, as those of `count`.
+    """
 
     def show(value: Any) -> str:
         number = float(value)
@@ -27,7 +30,9 @@ def digits(n: int) -> Format:
             return "∞" if number > 0 else ABSENT
         exponent = math.floor(math.log10(abs(float(f"{number:.{n - 1}e}"))))
         if -4 < exponent < 6:
-            return f"{number:.{max(0, n - 1 - exponent)}f}".replace("-", "−")
+            decimals = n - 1 - exponent
+            text = f"{number:.{decimals}f}" if decimals > 0 else count(round(number))
+            return text.replace("-", "−")
         mantissa, _, power = f"{number:.{n - 1}e}".partition("e")
         return f"{mantissa}e{int(power)}".replace("-", "−")
 

@@ -26,13 +26,15 @@ def plot_agreement(ax: Axes, pairs: pd.DataFrame, labels: Mapping[str, str]) -> 
     solvers = list(dict.fromkeys([*pairs["first"], *pairs["second"]]))
     n = len(solvers)
     depth = np.full((n, n), np.nan)
-    centred: Style = {"ha": "center", "va": "center", "fontsize": 8.5 if n < 10 else 7}
+    centred: Style = {"ha": "center", "va": "center", "fontsize": 8.5 if n < 10 else 6.5}
+    depth_text = digits(2) if n < 10 else digits(1)
+    share_text = share if n < 10 else _short_share
     for row in pairs[pairs["both"] > 0].to_dict("records"):
         i, j = sorted((solvers.index(row["first"]), solvers.index(row["second"])))
         depth[j, i] = min(max(row["largest"], _SMALLEST), _LARGEST)
         ink = MAP_PAPER if depth[j, i] > 1e-6 else ON_MAP
-        ax.text(i, j, digits(2)(row["largest"]), color=ink, **centred)
-        ax.text(j, i, share(row["within"]), color=INK, **centred)
+        ax.text(i, j, depth_text(row["largest"]), color=ink, **centred)
+        ax.text(j, i, share_text(row["within"]), color=INK, **centred)
     norm = LogNorm(_SMALLEST, _LARGEST)
     ax.imshow(depth, cmap=_DEPTH, norm=norm, interpolation="nearest", aspect="auto")
     names = [f"{labels.get(solver, solver)}   {i}" for i, solver in enumerate(solvers, 1)]
@@ -44,3 +46,11 @@ def plot_agreement(ax: Axes, pairs: pd.DataFrame, labels: Mapping[str, str]) -> 
     for spine in ax.spines.values():
         spine.set_visible(False)
     ax.plot([-0.5, n - 0.5], [-0.5, n - 0.5], color=MUTED, linewidth=0.5)
+
+
+def _short_share(value: float) -> str:
+    """A share in whole per cent, for narrow cells; 0 % and 100 % only of none and of all."""
+    percent = 100 * value
+    if 0 < percent < 1:
+        return "<1 %"
+    return ">99 %" if 99 < percent < 100 else f"{percent:.0f} %"

@@ -85,9 +85,9 @@ _PATH_COLUMNS = (
     *_ROW,
     *columns(kind="text", word="word"),
     *columns(digits(3), miss="miss", rounding_allows="rounding allows"),
-    *columns(_cross, kind="text", beyond=""),
+    *columns(_cross, kind="text", beyond="beyond"),
     *columns(sum_of_parts="sum of parts", total="total"),
-    *columns(_cross, kind="text", wrong_sum=""),
+    *columns(_cross, kind="text", wrong_sum="wrong sum"),
 )
 
 

@@ -86,11 +86,16 @@ def _liars(table: pd.DataFrame) -> str:
     if liars.empty:
         questions = int(table["questions"].max())
         return f"No method makes a false claim at any of up to {some(questions, 'question')}."
-    worst = liars.sort_values("false", ascending=False).to_dict("records")[0]
+    # of a method that was asked few questions the share says little: the figure stars it
+    asked = liars[liars["questions"] >= FEW * table["questions"].max()]
+    if asked.empty:
+        return f"{len(liars)} of {some(len(table), 'method')} make false claims."
+    worst = asked.sort_values("false", ascending=False).to_dict("records")[0]
     text = with_interval(share, worst["false"], worst["false_low"], worst["false_high"])
     return (
-        f"{len(liars)} of {some(len(table), 'method')} make false claims; most often "
-        f"{worst['name']}: at {text} of its questions."
+        f"{len(liars)} of {some(len(table), 'method')} make false claims; most often, of "
+        f"those asked at least half as many questions as others, {worst['name']}: at {text} of "
+        f"its {some(int(worst['questions']), 'question')}."
     )
 
 

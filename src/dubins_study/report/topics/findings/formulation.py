@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pandas as pd
 
-from dubins_study.report.elements.formats import some
+from dubins_study.report.elements.formats import digits, some
 from dubins_study.report.topics.findings.evidence import Evidence
 from dubins_study.report.topics.findings.finding import (
     PERCENT,
@@ -169,15 +169,14 @@ def near_circles(evidence: Evidence) -> Finding | None:
         return None
     _, solver, near, away = max(losses)
     return Finding(
-        f"Distrust {evidence.name(solver)} next to a turning circle: within {_NEAR:g} radii of "
-        f"one it is right on {near.percent_text()} of the questions, elsewhere on "
-        f"{away.percent_text()}. "
-        f"Of "
+        f"Distrust {evidence.name(solver)} next to a turning circle: within "
+        f"{digits(1)(_NEAR)} radii of one it is right on {near.percent_text()} of the questions, "
+        f"elsewhere on {away.percent_text()}. Of "
         f"{some(len(asked), 'method')} {len(losses)} lose like that.",
         near,
         PERCENT,
-        f"{some(near.questions, 'question')} within {_NEAR:g} radii of a circle, "
-        f"{away.questions} at least {_AWAY:g} radii from one",
+        f"{some(near.questions, 'question')} within {digits(1)(_NEAR)} radii of a circle, "
+        f"{away.questions} at least {digits(1)(_AWAY)} radii from one",
         STRATA,
     )
 

@@ -58,7 +58,7 @@ def _table(name: str, chosen: Sequence[Finding], first: int, title: str) -> Tabl
         ]
     )
     shown = (
-        *columns(count, place=""),
+        *columns(count, place="no."),
         *columns(kind="prose", sentence="finding"),
         *columns(kind="prose", question="asked of", shown_in="shown in"),
     )

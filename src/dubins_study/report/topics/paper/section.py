@@ -73,7 +73,7 @@ def _side_by_side(cells: pd.DataFrame, number: str) -> Table:
     wrong = frame[list(QUANTITIES)].map(lambda text: "✗" in str(text))
     frame["row"] = [_row_name(row) if row["source"] == "paper" else "" for row in rows]
     shown = (
-        *columns(kind="text", row="", source="from"),
+        *columns(kind="text", row="row", source="from"),
         *columns(z1="left turn ζ₁", z2="right turn ζ₂", z3="straight ζ₃", f="total f"),
     )
     caption = f"Table {number}. {_TITLES[number]} Lengths; ✗ marks what is not a correct rounding."

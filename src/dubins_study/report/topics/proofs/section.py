@@ -158,7 +158,7 @@ def _table(table: pd.DataFrame) -> Table:
         "Proved to none: the certificate's words. Own bound: attempts whose own lower bound leaves "
         "(length − bound) / length at 1e-4 or less; the closed form's bound is its length."
     )
-    return Table("proofs", caption, table, shown)
+    return Table("proofs", caption, table, shown, dense=True)
 
 
 def _price_table(price: pd.DataFrame) -> Table:

@@ -52,7 +52,7 @@ def summary_table(name: str, caption: str, frame: pd.DataFrame, first: tuple[Col
     rare = [key for key in ("none exists", PRESOLVED, "not_returned") if not frame[key].any()]
     shown = [column for column in _COLUMNS if column.key not in rare]
     bad = marks(frame, "misses", "none", "false_claims", "not_returned")
-    return Table(name, caption, frame, (*first, *shown), bad, _NUMBERS)
+    return Table(name, caption, frame, (*first, *shown), bad, _NUMBERS, dense=True)
 
 
 def summary_section(results: Results) -> Section | None:
@@ -63,6 +63,10 @@ def summary_section(results: Results) -> Section | None:
     caption = sentences(
         "Questions that have a path. Right: the check finds the answer optimal; shares are of all "
         f"questions, those that failed included. {INTERVAL_TEXT} The other columns count attempts.",
+        "A question that is asked again with another kind of start (a warm one) counts once more: "
+        "such trials depend on each other, and the intervals are narrower than they should be."
+        if len(attempts.values("initial_guess")) > 1
+        else "",
         "By presolve: the setting presolve answered that no path exists, and no engine was asked."
         if frame[PRESOLVED].any()
         else "",

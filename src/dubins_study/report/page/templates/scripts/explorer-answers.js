@@ -4,8 +4,9 @@ window.explorerNumbers = (() => {
   // Six significant digits, with a minus sign that is one; tiny and huge numbers with a power of ten.
   function number(value, digits = 6) {
     const size = Math.abs(value);
-    if (size !== 0 && (size < 1e-4 || size >= 1e9)) {
-      return value.toExponential(digits - 1).replace("-", "−");
+    if (size !== 0 && (size < 1e-4 || size >= 1e6)) {
+      const [mantissa, power] = value.toExponential(digits - 1).split("e");
+      return `${Number(mantissa)}e${Number(power)}`.replaceAll("-", "−");
     }
     return String(Number(value.toPrecision(digits))).replace("-", "−");
   }

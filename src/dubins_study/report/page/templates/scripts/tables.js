@@ -143,6 +143,7 @@ window.studyTables = (() => {
     }
 
     for (const header of head.cells) {
+      if (!header.textContent.trim()) continue; // a button would have no name
       const button = element("button", {type: "button", className: "sort"}, ...header.childNodes);
       header.append(button);
       header.setAttribute("aria-sort", "none");
