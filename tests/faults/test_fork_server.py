@@ -115,7 +115,7 @@ MAIN = "from dubins_study.cli.app import main; main()"
 
 @pytest.mark.parametrize("start", [["-m", "dubins_study"], ["-c", MAIN]])
 def test_a_worker_finds_no_module_in_the_working_directory(tmp_path, start):
-    """A file that lies there by chance stands in for no package: the plug-in's folder comes last."""
+    """A file that lies there by chance stands in for no package: a plug-in's folder is last."""
     (tmp_path / "paths.py").write_text(PATHS)
     for name in ("report.py", "study.py"):
         (tmp_path / name).write_text("raise RuntimeError('the wrong file')")
