@@ -198,3 +198,32 @@ def test_links_jump(new_tab, report_page: Path):
 
     page.locator('#contents a[href="#attempts"]').first.click()
     assert -2 <= page.locator("#attempts").bounding_box()["y"] < DESK["height"]
+
+
+def test_print_keeps_the_headings_of_tables(new_tab, report_page: Path):
+    """Scripts make them buttons, and print hides the buttons that only work on a screen."""
+    page = new_tab()
+    page.goto(report_page.as_uri())
+    page.emulate_media(media="print")
+    headings = page.locator("#decision th .sort")
+
+    assert headings.count() > 2
+    assert all(headings.nth(place).is_visible() for place in range(headings.count()))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("anchor", ["limits", "attempts", "widget-worst", "glossary"])
+def test_a_link_arrives_when_the_page_is_opened(new_tab, report_page: Path, anchor: str):
+    """Sections above get their heights, and scripts fill them, after the browser's own jump."""
+    page = new_tab()
+    page.goto(f"{report_page.as_uri()}#{anchor}")
+    page.wait_for_function(
+        """(anchor) => {
+            const top = document.getElementById(anchor).getBoundingClientRect().top;
+            const all = document.scrollingElement;
+            const end = all.scrollTop + window.innerHeight >= all.scrollHeight - 2;
+            return Math.abs(top) < 120 || end;
+        }""",
+        arg=anchor,
+        timeout=10_000,
+    )

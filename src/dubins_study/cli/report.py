@@ -75,7 +75,7 @@ def report_text(page: FilePath) -> str:
     from dubins_study.study.printable import plain
 
     def _line(text: str) -> str:
-        return plain(text.replace("\n", " "))
+        return plain(text.replace("\n", " ").replace("\u202f", " "))  # thin spaces of numbers
 
     lines = _summary(page)
     # the report leaves out a column that its runs do not need

@@ -76,8 +76,9 @@ GLOSSARY = (
     ),
     Word(
         "false claim",
-        "A solver says more than the check finds: optimal for a longer path, or infeasible where a "
-        "path exists.",
+        "A solver says more than the check finds: optimal for a longer path, a path that misses, "
+        "or infeasible where a path exists. False bounds, lower bounds above the shortest length, "
+        "are counted apart from them, or with them where the text says so.",
         "false claims?",
     ),
     Word(

@@ -8,6 +8,7 @@ import tempfile
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path as FilePath
+from typing import NamedTuple
 
 from dubins_study.errors import DubinsStudyError
 from dubins_study.report.data.results import Folder, Results, load_with_rows
@@ -26,11 +27,19 @@ from dubins_study.report.page.tex_table import to_tex
 from dubins_study.report.paper.citation import PAPER
 from dubins_study.report.topics.limits.section import limits_section
 
-# What every report is about, in one sentence.
-ASKED = (
+
+class Head(NamedTuple):
+    """A page's heading, and in one sentence what it was asked."""
+
+    heading: str
+    asked: str
+
+
+REPORT_HEAD = Head(
+    "The shortest bounded-curvature path to a point",
     "From a start pose to a target, with no turn tighter than the radius R and any heading at the "
     "end: which formulation, engine and initial guess find the shortest path, how surely, how "
-    "fast, and who proves it?"
+    "fast, and who proves it?",
 )
 
 Progress = Callable[[str], None]
@@ -87,14 +96,18 @@ def _render(
 
 
 def write_page(
-    out: str | FilePath, draw: Callable[[], Sequence[Section]], folders: Sequence[Folder]
+    out: str | FilePath,
+    draw: Callable[[], Sequence[Section]],
+    folders: Sequence[Folder],
+    head: Head = REPORT_HEAD,
 ) -> FilePath:
     """Write sections as a page, tables and figures; returns the path of `index.html`.
 
     Args:
         out: the folder to write to; an earlier report there is replaced in one step.
         draw: makes the sections, once it is known that the folder can be written.
-        folders: the results folders that the page is about, for its head and its provenance.
+        folders: the results folders that the page is about, for its provenance.
+        head: what stands at its top.
 
     Raises:
         ReportError: if `out` cannot be written.
@@ -108,7 +121,7 @@ def write_page(
         sections = draw()
         try:
             target.parent.mkdir(parents=True, exist_ok=True)
-            _write_whole(target, sections, folders)
+            _write_whole(target, sections, folders, head)
         except OSError as error:
             raise _unwritable(target, error) from None
     return target / "index.html"
@@ -157,12 +170,14 @@ def _without_rows() -> Section:
     return Section("decision", "No rows", text, (), "There is nothing to report yet.")
 
 
-def _write_whole(target: FilePath, sections: Sequence[Section], runs: Sequence[Folder]) -> None:
+def _write_whole(
+    target: FilePath, sections: Sequence[Section], runs: Sequence[Folder], head: Head
+) -> None:
     """Write to a temporary folder, then rename it: a reader never sees an incomplete report."""
     fresh = FilePath(tempfile.mkdtemp(prefix=f".{target.name}-", dir=target.parent))
     try:
         fresh.chmod(0o755)  # mkdtemp creates a private folder
-        _write(fresh, sections, runs)
+        _write(fresh, sections, runs, head)
         if target.exists():
             old = FilePath(tempfile.mkdtemp(prefix=f".{target.name}-old-", dir=target.parent))
             target.rename(old / "report")
@@ -174,7 +189,9 @@ def _write_whole(target: FilePath, sections: Sequence[Section], runs: Sequence[F
         shutil.rmtree(fresh, ignore_errors=True)
 
 
-def _write(folder: FilePath, sections: Sequence[Section], runs: Sequence[Folder]) -> None:
+def _write(
+    folder: FilePath, sections: Sequence[Section], runs: Sequence[Folder], head: Head
+) -> None:
     for name in ("figures", "tables"):
         (folder / name).mkdir()
     blocks = [block for section in sections for block in section.blocks]
@@ -191,8 +208,8 @@ def _write(folder: FilePath, sections: Sequence[Section], runs: Sequence[Folder]
         drawn[picture.name] = drawings.inline(svg.decode("utf-8"), picture.alt)
     templates = environment()
     templates.filters |= {"left_out": left_out, "warnings": warnings, "glossed": Glossed()}
-    content = {"sections": sections, "runs": runs, "drawn": drawn, "asked": ASKED, "paper": PAPER}
-    content |= {"glossary": GLOSSARY}
+    content = {"sections": sections, "runs": runs, "drawn": drawn, "paper": PAPER}
+    content |= {"glossary": GLOSSARY, **head._asdict()}
     parts = {"style": styles() + drawings.css(), "scripts": scripts()}
     for file_name in ("index.html", "report.md"):
         page = templates.get_template(f"{file_name}.j2").render(**content, **parts)

@@ -6,8 +6,8 @@ from dataclasses import replace
 from pathlib import Path as FilePath
 
 from dubins_study.errors import DubinsStudyError
-from dubins_study.report.data.results import load
-from dubins_study.report.page.render import write_page
+from dubins_study.report.data.results import Folder, load
+from dubins_study.report.page.render import Head, write_page
 from dubins_study.report.two_runs.comparison import Comparison
 from dubins_study.report.two_runs.differences import differences
 from dubins_study.report.two_runs.machine_speed import machine_speed, unchanged_solvers
@@ -65,5 +65,21 @@ def compare(
     )
     if out is None:
         return comparison
-    page = write_page(out, lambda: sections(paired, comparison), (*before.folders, *after.folders))
+    folders = (*before.folders, *after.folders)
+    head = Head("Two runs compared", _asked(FilePath(base), FilePath(new), *folders))
+    page = write_page(out, lambda: sections(paired, comparison), folders, head)
     return replace(comparison, page=page)
+
+
+def _asked(base: FilePath, new: FilePath, before: Folder, after: Folder) -> str:
+    return (
+        f"What became better or worse in the new run, {_described(new, after)}, than in the base, "
+        f"{_described(base, before)}?"
+    )
+
+
+def _described(place: FilePath, folder: Folder) -> str:
+    manifest = folder.manifest
+    commit = str(manifest.git.get("commit") or "")[:10]
+    parts = [f"experiment {folder.name}", manifest.created or "", commit and f"commit {commit}"]
+    return f"{place.name or place} ({', '.join(filter(None, parts))})"

@@ -125,12 +125,12 @@ def _unpaired(comparison: Comparison) -> str:
     if frame.empty:
         return "Both were asked the same questions."
     lines = [
-        f"{some(number, 'question')} of {some(int((frame[key] > 0).sum()), 'solver')} only the "
-        f"{side} run was asked"
+        f"only the {side} run was asked {some(number, 'question')} of "
+        f"{some(int((frame[key] > 0).sum()), 'solver')}"
         for key, side in (("only_base", "base"), ("only_new", "new"))
         if (number := int(frame[key].sum()))
     ]
-    return "; ".join(lines) + ": they are left out."
+    return f"Not compared: {'; '.join(lines)}."
 
 
 def _points(value: float) -> str:

@@ -9,6 +9,7 @@ from dubins_study.report.data.results import Results
 from dubins_study.report.elements.formats import count, digits, seconds, share, some
 from dubins_study.report.statistics.compared import Compared
 from dubins_study.report.statistics.intervals import wilson_interval
+from dubins_study.study.words import FORMULATIONS
 
 # The share that the precision of shares is said of: most methods that matter lie near it.
 _TYPICAL_SHARE = 0.9
@@ -92,7 +93,13 @@ def stopped_attempts(attempts: Compared) -> Caution | None:
 
 def missing_pairs(results: Results, attempts: Compared) -> Caution | None:
     """Pairs of a formulation and an engine that nobody asked, or could ask."""
-    entries = {(e.formulation, e.engine) for f in results.folders for e in f.manifest.matrix}
+    # the closed form is a formulation without an engine, and no pair
+    entries = {
+        (e.formulation, e.engine)
+        for folder in results.folders
+        for e in folder.manifest.matrix
+        if FORMULATIONS[0] not in (e.formulation, e.engine)
+    }
     methods = attempts.engines
     asked = set(zip(methods["formulation"], methods["engine"], strict=True))
     missing = len(entries - asked)

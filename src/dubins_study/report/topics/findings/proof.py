@@ -68,9 +68,9 @@ def false_proof(evidence: Evidence) -> Finding | None:
         f" And {some(len(order) - 1 - _NAMES, 'method')} more." if len(order) > _NAMES + 1 else ""
     )
     return Finding(
-        f"Check a proof as you check an answer: {evidence.name(order[0])} claims what is false on "
-        f"{share.percent_text()} of the questions; on {some(false['attempts'], 'attempt')} "
-        f"{false['proof']}.{more}",
+        f"Check a proof as you check an answer: {evidence.name(order[0])} claims or bounds what "
+        f"is false on {share.percent_text()} of the questions; on "
+        f"{some(false['attempts'], 'attempt')} {false['proof']}.{more}",
         share,
         PERCENT,
         f"{some(share.questions, 'question')}, those without a path included; "

@@ -54,6 +54,7 @@
     document.addEventListener("attempt", ({detail}) => drawn.mark(detail));
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => changed("theme"));
     place.dataset.ready = "yes";
+    document.dispatchEvent(new Event("laidout"));
   }
 
   whenNear(place, start);

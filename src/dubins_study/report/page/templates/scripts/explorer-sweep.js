@@ -57,13 +57,22 @@ window.explorerSweep = (host, choose) => {
     limit = step * Math.ceil(2.5 * radius / step);
   }
 
+  // No lengths at radii that doubles are too coarse for beside so far a target.
+  function wordsAt(scenario) {
+    try {
+      return window.dubins.words(scenario);
+    } catch {
+      return BRANCHES.map((branch) => ({branch, exists: false}));
+    }
+  }
+
   function sample(scenario) {
     const radii = [], lengths = {LS: [], RS: [], LR: [], RL: []}, best = [];
     for (let i = 1; i <= SAMPLES; i += 1) {
       const radius = limit * i / SAMPLES;
       radii.push(radius);
       let shortest = null;
-      for (const entry of window.dubins.words({...scenario, radius})) {
+      for (const entry of wordsAt({...scenario, radius})) {
         lengths[entry.branch].push(entry.exists ? entry.length : null);
         if (entry.optimal && !shortest) shortest = entry.branch;
       }

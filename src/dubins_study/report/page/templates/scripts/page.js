@@ -79,6 +79,21 @@
   window.addEventListener("hashchange", unfold);
   unfold();
 
+  // The browser jumps to a link's place before the sections above it have their real heights, and
+  // before scripts have filled them: arrive again, unless the reader has begun to move.
+  let moved = false;
+  for (const kind of ["wheel", "touchmove", "keydown", "pointerdown"]) {
+    window.addEventListener(kind, () => { moved = true; }, {once: true, passive: true});
+  }
+  function arrive() {
+    const target = !moved && document.getElementById(window.location.hash.slice(1));
+    if (target) target.scrollIntoView();
+  }
+  window.addEventListener("load", () => {
+    for (const ms of [50, 250]) window.setTimeout(arrive, ms); // one frame is too early
+  });
+  document.addEventListener("laidout", arrive);
+
   // What is folded away on the screen is printed: figures here, lines of tables by their style.
   let unfolded = [];
   window.addEventListener("beforeprint", () => {

@@ -67,6 +67,7 @@
     place.append(element("label", {htmlFor: select.id}, "solver "), select, list);
     update();
     place.dataset.ready = "yes";
+    document.dispatchEvent(new Event("laidout"));
   }
 
   whenNear(place, start);
