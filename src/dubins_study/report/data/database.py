@@ -18,7 +18,7 @@ from dubins_study.study.rows.row_table import ARROW_SCHEMA
 from dubins_study.study.rows.validation import printable_rows
 
 # DuckDB writes data beyond this limit to a temporary folder.
-_MEMORY_LIMIT = "1GB"
+_MEMORY_LIMIT = "600MB"
 # A second thread would cost memory and save no time: most of the work is checking the parts.
 _THREADS = 1
 

@@ -47,7 +47,7 @@ def overlapping_shares(attempts: Compared) -> Caution | None:
         points,
         "percentage points",
         f"{some(questions, 'question')} with a path",
-        "What to use",
+        "Summary",
     )
 
 
