@@ -115,7 +115,7 @@ MAIN = "from dubins_study.cli.app import main; main()"
 
 @pytest.mark.parametrize("start", [["-m", "dubins_study"], ["-c", MAIN]])
 def test_a_worker_finds_no_module_in_the_working_directory(tmp_path, start):
-    """A file that lies there by chance stands in for no package: a plug-in's folder is last."""
+    """A file that lies there by chance stands in for no package; the plug-in's path is enough."""
     (tmp_path / "paths.py").write_text(PATHS)
     for name in ("report.py", "study.py"):
         (tmp_path / name).write_text("raise RuntimeError('the wrong file')")
@@ -127,5 +127,4 @@ def test_a_worker_finds_no_module_in_the_working_directory(tmp_path, start):
     (message,) = rows(tmp_path / "out")["message"]
     folder, path = json.loads(message)
     assert folder == str(tmp_path)
-    assert not {"", "."} & set(path)
-    assert path.index(str(tmp_path)) == len(path) - 1
+    assert not {"", ".", str(tmp_path)} & set(path)

@@ -239,7 +239,6 @@ def _from_file(name: str) -> type[Solver]:
     assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
     sys.modules[module_name] = module  # dataclasses look their module up by its name
-    _let_import_from(path.resolve().parent)
     try:
         spec.loader.exec_module(module)
     except (Exception, SystemExit) as error:  # the user's own program; whatever it raises
@@ -251,32 +250,6 @@ def _from_file(name: str) -> type[Solver]:
         near = did_you_mean(class_name, vars(module))
         raise SolverError(f"solver {name!r}: {file} has no class {class_name!r}; {near}{has}")
     return _checked(name, getattr(module, class_name))
-
-
-_plugin_folders: list[FilePath] = []
-
-
-def _let_import_from(folder: FilePath) -> None:
-    """Let a plug-in's file import the modules beside it, after every installed one.
-
-    The folder comes before those of other plug-ins. A module of the same name that one of them has
-    imported is forgotten, so that two versions of a solver have each its own.
-    """
-    if folder in _plugin_folders:
-        _plugin_folders.remove(folder)
-        sys.path[:] = [place for place in sys.path if place != str(folder)]
-    if str(folder) in sys.path:  # the caller's own choice
-        return
-    others = [sys.path.index(str(one)) for one in _plugin_folders if str(one) in sys.path]
-    sys.path.insert(min(others, default=len(sys.path)), str(folder))
-    for name, module in list(sys.modules.items()):
-        top, file = name.partition(".")[0], getattr(module, "__file__", None) or ""
-        of_another = any(
-            file.startswith((f"{one}/{top}.", f"{one}/{top}/")) for one in _plugin_folders
-        )
-        if of_another and ((folder / f"{top}.py").is_file() or (folder / top).is_dir()):
-            del sys.modules[name]
-    _plugin_folders.append(folder)
 
 
 def _is_solver(value: object) -> TypeGuard[type[Solver]]:

@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-import sys
-from importlib.machinery import PathFinder
-
 import pandas as pd
 import pytest
 
 from dubins_study.experiments.code_digest import code_digest
 from dubins_study.experiments.solve import solve, solve_frame
-from dubins_study.solvers import registry
 from dubins_study.solvers.attempt import QuestionError
 from dubins_study.solvers.profiles import ProfileError
 from dubins_study.solvers.protocol import Method, Outcome
@@ -207,60 +203,3 @@ def test_requests_that_no_solver_gets():
         solve(EASY, limit=float("nan"))
     with pytest.raises(ProfileError, match="no profile named 'slow'; choose one of: default"):
         solve(EASY, profile="slow")
-
-
-BESIDE = """
-from dubins_study import Solver
-
-import shared_numbers
-from shared_texts.words import WORD
-
-
-class Mine(Solver):
-    name = "mine"
-    summary = f"{WORD} {shared_numbers.NUMBER}"
-
-    def solve(self, question, limit):
-        import shared_late
-"""
-
-
-@pytest.fixture
-def beside(tmp_path, monkeypatch):
-    """Two versions of a plug-in, each with modules of the same names beside it."""
-    monkeypatch.setattr(sys, "path", sys.path.copy())
-    monkeypatch.setattr(registry, "_plugin_folders", [])
-    for version in ("old", "new"):
-        folder = tmp_path / version
-        (folder / "shared_texts").mkdir(parents=True)
-        (folder / "mine.py").write_text(BESIDE)
-        (folder / "shared_numbers.py").write_text(f"NUMBER = {len(version)}\nVERSION = {version!r}")
-        (folder / "shared_texts" / "__init__.py").write_text("")
-        (folder / "shared_texts" / "words.py").write_text(f"WORD = {version!r}")
-        (folder / "shared_late.py").write_text(f"raise ValueError({version!r})")
-        (folder / "numpy.py").write_text("raise ImportError('not the installed one')")
-    yield tmp_path
-    for name in [name for name in sys.modules if name.startswith("shared_")]:
-        del sys.modules[name]
-
-
-def test_a_plug_in_imports_the_modules_beside_its_file(beside):
-    """Each version its own, and none hides an installed module."""
-    kinds = {version: type(load(f"{beside / version}/mine.py:Mine")) for version in ("old", "new")}
-
-    assert {version: kind.summary for version, kind in kinds.items()} == {
-        "old": "old 3",
-        "new": "new 3",
-    }
-    assert "site-packages" in PathFinder.find_spec("numpy").origin
-    assert sys.path[-2:] == [str(beside / "new"), str(beside / "old")]
-    with pytest.raises(ValueError, match="new"):
-        kinds["new"]().solve(None, 1.0)
-
-
-def test_a_folder_that_the_caller_can_import_from_is_left_where_it_is(beside):
-    sys.path.insert(0, str(beside / "old"))
-    places = sys.path.copy()
-    load(f"{beside / 'old'}/mine.py:Mine")
-
-    assert sys.path == places

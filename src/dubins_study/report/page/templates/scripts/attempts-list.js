@@ -50,7 +50,11 @@
       element("div", {className: "scroll", tabIndex: 0}, table));
     const sorting = enhance(table);
 
+    let shown = null; // equal rows keep their lines, and with them a reader's focus
+
     function update(rows) {
+      if (rows.join() === shown) return;
+      shown = rows.join();
       body.replaceChildren(...rows.slice(0, MOST_LINES).map((i) => line(data, i)));
       sorting.update();
       const cut = rows.length > MOST_LINES ? `; the ${MOST_LINES} highest are listed` : "";
