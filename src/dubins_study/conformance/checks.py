@@ -41,8 +41,8 @@ def _asked(
             before = len(interview.seen)
             answers.append(interview.ask(Question(scenario)))
             wanted = {*kinds, Kind.OUTCOME} if len(interview.seen) > before else kinds
-            found = problems(answers[-1], label, interview.declared["guarantee"])
-            shown += [one for one in found if one.kind in wanted]
+            answer_problems = problems(answers[-1], label, interview.declared["guarantee"])
+            shown += [one for one in answer_problems if one.kind in wanted]
         if Kind.CONTROLS in kinds and not shown and all(one.answer.path is None for one in answers):
             return _not_applicable(name, title, "it returned no path")
         return CheckResult(name, title, united(shown), f"{len(scenarios)} questions")
@@ -65,7 +65,8 @@ def _changed(
             return result
         advice = "the same question is answered rightly before it is changed in this way"
         findings = [
-            found if found.advice else replace(found, advice=advice) for found in result.findings
+            finding if finding.advice else replace(finding, advice=advice)
+            for finding in result.findings
         ]
         return replace(result, findings=tuple(findings))
 
@@ -81,14 +82,14 @@ def _branches(interview: Interview, name: str, title: str) -> CheckResult:
     words = [word for word in questions.WORDS if interview.answers(word)]
     if not words:
         return _not_applicable(name, title, "the solver answers `best` only")
-    found: list[Problem] = []
+    word_problems: list[Problem] = []
     for word in words:
-        asked = {f"{word}, question {n}": q for n, q in enumerate(questions.WORDS[word], 1)}
-        asked[f"{word}, which has no path here"] = questions.WITHOUT[word]
-        for label, scenario in asked.items():
+        scenarios = {f"{word}, question {n}": q for n, q in enumerate(questions.WORDS[word], 1)}
+        scenarios[f"{word}, which has no path here"] = questions.WITHOUT[word]
+        for label, scenario in scenarios.items():
             seen = interview.ask(Question(scenario, word))
-            found += problems(seen, label, interview.declared["guarantee"])
-    return CheckResult(name, title, united(found), ", ".join(words))
+            word_problems += problems(seen, label, interview.declared["guarantee"])
+    return CheckResult(name, title, united(word_problems), ", ".join(words))
 
 
 def _bounds(interview: Interview, name: str, title: str) -> CheckResult:
@@ -109,13 +110,13 @@ def _bounds(interview: Interview, name: str, title: str) -> CheckResult:
     ]
     if not (with_bound or silent):
         return _not_applicable(name, title, "the solver gives no lower bounds")
-    found = [
+    bound_problems = [
         problem
         for seen in with_bound
         for problem in problems(seen, questions.name_of(seen.question.scenario), "")
         if problem.kind is Kind.BOUND
     ]
-    return CheckResult(name, title, (*silent, *united(found)), f"{len(with_bound)} bounds")
+    return CheckResult(name, title, (*silent, *united(bound_problems)), f"{len(with_bound)} bounds")
 
 
 # What a full set of checks has asked before it looks at the bounds.
@@ -139,11 +140,11 @@ def _warm(interview: Interview, name: str, title: str) -> CheckResult:
         ),
         "a path of no arcs": Path(start, [], []),
     }
-    found: list[Problem] = []
+    guess_problems: list[Problem] = []
     for label, guess in guesses.items():
         seen = interview.ask(Question(scenario, initial_guess=guess))
-        found += problems(seen, f"initial guess: {label}", interview.declared["guarantee"])
-    return CheckResult(name, title, united(found), f"{len(guesses)} initial guesses")
+        guess_problems += problems(seen, f"initial guess: {label}", interview.declared["guarantee"])
+    return CheckResult(name, title, united(guess_problems), f"{len(guesses)} initial guesses")
 
 
 def _frames(interview: Interview, name: str, title: str) -> CheckResult:
@@ -151,11 +152,11 @@ def _frames(interview: Interview, name: str, title: str) -> CheckResult:
     if not (interview.declared["whole_frames"] and interview.answers("best")):
         return _not_applicable(name, title, "the solver has no solve_frame")
     scenarios = questions.GENERAL | questions.AXIS | questions.DISCS
-    asked = [Question(scenario) for scenario in scenarios.values()]
-    found: list[Problem] = []
-    for label, seen in zip(scenarios, interview.ask_frame(asked), strict=True):
-        found += problems(seen, f"in a frame: {label}", interview.declared["guarantee"])
-    return CheckResult(name, title, united(found), f"{len(asked)} rows")
+    row_questions = [Question(scenario) for scenario in scenarios.values()]
+    row_problems: list[Problem] = []
+    for label, seen in zip(scenarios, interview.ask_frame(row_questions), strict=True):
+        row_problems += problems(seen, f"in a frame: {label}", interview.declared["guarantee"])
+    return CheckResult(name, title, united(row_problems), f"{len(row_questions)} rows")
 
 
 _TABLE = {
@@ -200,17 +201,17 @@ def title_of(name: str) -> str:
     return "loads, and says what it is" if name == "loading" else _TABLE[name].title
 
 
-def failed(name: str, found: Finding) -> CheckResult:
+def failed(name: str, finding: Finding) -> CheckResult:
     """The result of a check that failed for one reason."""
-    return CheckResult(name, title_of(name), (found,))
+    return CheckResult(name, title_of(name), (finding,))
 
 
 def unfinished(name: str, seen: list[Seen], reason: str) -> CheckResult:
     """The result of a check that was cut short: what failed until then, or that it was not made."""
-    found = [
+    not_asked = [
         problem
         for one in seen
         for problem in problems(one, questions.name_of(one.question.scenario), "")
         if problem.kind is Kind.OUTCOME
     ]
-    return CheckResult(name, title_of(name), united(found), reason, Status.NOT_ASKED)
+    return CheckResult(name, title_of(name), united(not_asked), reason, Status.NOT_ASKED)
