@@ -243,13 +243,28 @@ def _from_file(name: str) -> type[Solver]:
         spec.loader.exec_module(module)
     except (Exception, SystemExit) as error:  # the user's own program; whatever it raises
         del sys.modules[module_name]
-        raise SolverError(f"solver {name!r}: {file} fails: {error!r}") from error
+        hint = _hint_of_a_neighbour(path, error)
+        raise SolverError(f"solver {name!r}: {file} fails: {error!r}{hint}") from error
     if not hasattr(module, class_name):
         solvers = [key for key, value in vars(module).items() if _is_solver(value)]
         has = f"it has: {', '.join(solvers)}" if solvers else "no class of it extends Solver"
         near = did_you_mean(class_name, vars(module))
         raise SolverError(f"solver {name!r}: {file} has no class {class_name!r}; {near}{has}")
     return _checked(name, getattr(module, class_name))
+
+
+def _hint_of_a_neighbour(path: FilePath, error: BaseException) -> str:
+    """What to do if a plug-in's file imports one that lies beside it; empty if it does not."""
+    missing = (getattr(error, "name", None) or "").partition(".")[0]
+    beside = missing and (
+        path.with_name(f"{missing}.py").is_file() or (path.parent / missing).is_dir()
+    )
+    if not (isinstance(error, ModuleNotFoundError) and beside):
+        return ""
+    return (
+        f"; a solver's file is loaded alone, so that it does not find {missing} beside it: make "
+        "them a package and install it"
+    )
 
 
 def _is_solver(value: object) -> TypeGuard[type[Solver]]:
