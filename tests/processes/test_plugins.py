@@ -74,7 +74,7 @@ HABITS = {
     "Spawns": ("state", "child processes.*wait for your processes"),
     "Late": ("limits", "does not return within.*look at `limit`.*do not promise keeps_limit"),
     "Remembers": ("determinism", "keep nothing between questions"),
-    "Gambles": ("determinism", "it answers returned, .*a generator of the solver's own"),
+    "Gambles": ("determinism", "its answer differs by .*a generator of the solver's own"),
     "Unsure": ("loading", r"no licence server.*unavailable\(\) does not raise"),
     "Breaks": ("loading", "branches names 'LSR'.*expected some of: best, LS"),
 }

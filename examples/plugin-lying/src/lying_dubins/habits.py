@@ -119,15 +119,19 @@ class Remembers(Habit):
 
 
 class Gambles(Habit):
-    """Claims what a coin says."""
+    """Cuts its first arc in two where chance says."""
 
     name = "gambles"
 
     def solve(self, question: Question, limit: float) -> Solution:
         answer = honest(question.scenario)
-        if np.random.default_rng().random() < 0.5:
+        if answer.path is None:
             return answer
-        return replace(answer, claim=Claim.FEASIBLE)
+        share = np.random.default_rng().uniform(0.1, 0.9)
+        first, *rest = answer.path.length
+        curvature = np.insert(answer.path.curvature, 0, answer.path.curvature[0])
+        length = np.array([share * first, (1 - share) * first, *rest])
+        return replace(answer, path=replace(answer.path, curvature=curvature, length=length))
 
 
 class Unsure(Habit):

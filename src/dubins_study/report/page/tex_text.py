@@ -94,7 +94,7 @@ def _accented(character: str) -> str:
 def _greek(character: str) -> str:
     """A Greek letter without accents; empty for anything else."""
     name = unicodedata.name(character, "").replace("LAMDA", "LAMBDA")
-    small, _, letter = name.removeprefix("GREEK ").partition(" LETTER ")
-    if letter.lower() not in _GREEK:
+    script, _, letter = name.partition(" LETTER ")
+    if letter.lower() not in _GREEK or script not in ("GREEK SMALL", "GREEK CAPITAL"):
         return ""
-    return rf"$\{letter.lower() if small == 'SMALL' else letter.capitalize()}$"
+    return rf"$\{letter.lower() if script == 'GREEK SMALL' else letter.capitalize()}$"

@@ -48,7 +48,8 @@ def plot_verdicts(ax: Axes, table: pd.DataFrame, palette: Palette) -> None:
         for row in table.to_dict("records")
     ]
     plot_shares(ax, table, look, notes, palette)
-    ax.legend(loc="lower left", bbox_to_anchor=(0, 1.0), ncols=5, borderaxespad=0.2)
+    if ax.get_legend_handles_labels()[0]:  # no bar has a label where no verdict is known
+        ax.legend(loc="lower left", bbox_to_anchor=(0, 1.0), ncols=5, borderaxespad=0.2)
 
 
 def plot_verdict_grid(table: pd.DataFrame) -> Figure:
