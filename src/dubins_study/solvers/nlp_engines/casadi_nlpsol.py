@@ -37,12 +37,14 @@ class _Plugin(NamedTuple):
         claims: the engine's statuses as claims; other statuses have casadi's word (`_UNIFIED`).
         watched: whether it calls casadi's `iteration_callback` and so can be stopped.
         raises: whether it raises where it fails.
+        remembers: whether an answer depends on what the same object solved before.
     """
 
     options: Callable[[float, int], dict[str, Any]]
     claims: dict[str, Claim]
     watched: bool = False
     raises: bool = False
+    remembers: bool = False
 
 
 def _sqp(qp: dict[str, Any], tol: float, max_iter: int) -> dict[str, Any]:
@@ -108,7 +110,10 @@ _PLUGINS = {
         },
     ),
     # both raise where a quadratic program has no solution
-    "sqpmethod": _Plugin(partial(_sqp, {"printLevel": "none"}), CLAIMS, watched=True, raises=True),
+    # qpOASES starts where it ended last
+    "sqpmethod": _Plugin(
+        partial(_sqp, {"printLevel": "none"}), CLAIMS, watched=True, raises=True, remembers=True
+    ),
     "qrsqp": _Plugin(
         partial(_sqp, dict.fromkeys(("print_iter", "print_header", "print_info"), False)),
         CLAIMS,
@@ -126,9 +131,14 @@ class _Silence(io.TextIOBase):
 
 
 class _Compiled(NamedTuple):
-    """A program compiled for an engine; the deadline, if there is one, stops it."""
+    """A program compiled for an engine.
 
-    solve: Any
+    Args:
+        solver: gives the object that solves it once.
+        deadline: stops it, if there is one.
+    """
+
+    solver: Callable[[], Any]
     deadline: Deadline | None
 
 
@@ -143,7 +153,16 @@ def _compiled(expressions: Expressions, plugin: str, tol: float, max_iter: int) 
     if _PLUGINS[plugin].watched and (max_iter > _QUICK_ITERATIONS or n > _FEW_VARIABLES):
         deadline = Deadline()
         options["iteration_callback"] = deadline.watch(n, m)
-    return _Compiled(casadi.nlpsol("engine", plugin, problem, options), deadline)
+    solver = casadi.nlpsol("engine", plugin, problem, options)
+    if not _PLUGINS[plugin].remembers:
+        return _Compiled(lambda: solver, deadline)
+    # the derivatives, which take ten times as long to make as all else, are kept
+    derivatives = {
+        "jac_fg": solver.get_function("nlp_jac_fg"),
+        "hess_lag": solver.get_function("nlp_hess_l"),
+    }
+    again = partial(casadi.nlpsol, "engine", plugin, solver.oracle(), options | derivatives)
+    return _Compiled(again, deadline)
 
 
 def _engine(plugin: str, tol: float, max_iter: int) -> Engine:
@@ -152,7 +171,8 @@ def _engine(plugin: str, tol: float, max_iter: int) -> Engine:
             if plugin != "ipopt":  # whose options silence it
                 streams.enter_context(redirect_stdout(_Silence()))
                 streams.enter_context(redirect_stderr(_Silence()))
-            solve, deadline = _compiled(program.expressions, plugin, tol, max_iter)
+            solver, deadline = _compiled(program.expressions, plugin, tol, max_iter)
+            solve = solver()
             if deadline is not None:
                 deadline.at = perf_counter() + seconds
             bounds = {"lbx": program.lower, "ubx": program.upper, "lbg": 0, "ubg": 0}
