@@ -20,6 +20,7 @@ from dubins_study.study.claim import Claim
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
 from tests.unit.report.results_folder import attempt, paper_scenarios
+from tests.unit.report.topic_page import topic_page
 
 HOSTILE = "<script>alert('x')</script> & |a_b| $x^2$ \\input{y} `c` [l](u) #%~{}"
 
@@ -347,7 +348,7 @@ def test_a_place_that_cannot_be_written_is_refused(results, tmp_path):
 
     for out in ("file", "file/below", "full"):
         with pytest.raises(ReportError, match=out.split("/")[0]):
-            render([folder], tmp_path / out)
+            topic_page(folder, tmp_path / out, "summary")
     assert (tmp_path / "file").read_text() == "mine"
     assert [p.name for p in (tmp_path / "full").iterdir()] == ["thesis.txt"]
 
@@ -355,7 +356,7 @@ def test_a_place_that_cannot_be_written_is_refused(results, tmp_path):
 def test_nothing_half_written_is_left(results, tmp_path, monkeypatch):
     """A report that fails while it is written leaves the old one as it was."""
     folder = results("tiny", [attempt(paper_scenarios()[0])])
-    page = render([folder], tmp_path / "out")
+    page = topic_page(folder, tmp_path / "out", "summary")
     before = page.read_bytes()
 
     def full(*_: object) -> str:
@@ -363,7 +364,7 @@ def test_nothing_half_written_is_left(results, tmp_path, monkeypatch):
 
     monkeypatch.setattr("dubins_study.report.page.render.to_tex", full)
     with pytest.raises(ReportError, match="No space left"):
-        render([folder], tmp_path / "out")
+        topic_page(folder, tmp_path / "out", "summary")
 
     assert page.read_bytes() == before
     assert {p.name for p in tmp_path.iterdir()} == {"tiny", "out"}
