@@ -22,9 +22,11 @@ settings.register_profile(
     max_examples=100,
     suppress_health_check=[HealthCheck.too_slow],
 )
+# the tests that are not slow draw fewer of the same kind; continuous integration runs all tests
+settings.register_profile("quick", settings.get_profile("repeatable"), max_examples=40)
 # other examples: hypothesis would ignore `--hypothesis-seed` where it is derandomised
 settings.register_profile("seeded", settings.get_profile("repeatable"), derandomize=False)
-settings.load_profile("repeatable")
+settings.load_profile("quick")
 
 # Hypothesis also draws the constants of all modules that are loaded by then, and so would draw
 # other examples in each worker and each order of tests.
@@ -47,6 +49,8 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 def pytest_configure(config: pytest.Config) -> None:
     if config.getoption("hypothesis_seed", None) is not None:
         settings.load_profile("seeded")
+    elif config.getoption("--slow"):
+        settings.load_profile("repeatable")
 
 
 @pytest.hookimpl(tryfirst=True)

@@ -20,7 +20,7 @@ from dubins_study.study.claim import Claim
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
 from tests.unit.report.results_folder import attempt, paper_scenarios
-from tests.unit.report.topic_page import topic_page
+from tests.unit.report.topic_page import topic_page, with_pdf_files
 
 HOSTILE = "<script>alert('x')</script> & |a_b| $x^2$ \\input{y} `c` [l](u) #%~{}"
 
@@ -79,7 +79,8 @@ def whole(tmp_path_factory):
         "discretisation": discretisation_rows(),
     }
     folders = [write_folder(base / name, name, rows) for name, rows in made.items()]
-    return render(folders, out=base / "report")
+    with with_pdf_files():
+        return render(folders, out=base / "report")
 
 
 def test_every_section_is_there(whole):
@@ -168,7 +169,8 @@ def test_the_paper_section_says_26_of_33(whole):
 def test_the_same_rows_give_the_same_bytes(results, tmp_path):
     """No dates and no random ids: a report can be compared with the committed one."""
     folder = results("paper", paper_rows())
-    pages = [render([folder], out=tmp_path / name).parent for name in ("one", "two")]
+    with with_pdf_files():
+        pages = [render([folder], out=tmp_path / name).parent for name in ("one", "two")]
     files = sorted(file.relative_to(pages[0]) for file in pages[0].rglob("*") if file.is_file())
 
     assert len(files) > 20

@@ -1,13 +1,16 @@
-"""A page of a few topics, for the tests of one of them."""
+"""Pages of a few topics, for the tests of one of them; pages with PDF files."""
 
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path as FilePath
 
 import pytest
 
 from dubins_study import render
+from dubins_study.report.elements.figure_file import figure_bytes
 from dubins_study.report.page.sections import TOPICS
 
 
@@ -32,3 +35,11 @@ def section_text(title: str, key: str, folders: FilePath | list[FilePath], out: 
     page = topic_page(folders, out, title).read_text(encoding="utf-8")
     section = page.split(f'<section id="{key}"')[1]
     return re.sub(r"<[^>]*>", "", section.split("<figure")[0])
+
+
+@contextmanager
+def with_pdf_files() -> Iterator[None]:
+    """Draw the PDF files of figures too, which the fixture `svg_alone` leaves out."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("dubins_study.report.page.render.figure_bytes", figure_bytes)
+        yield

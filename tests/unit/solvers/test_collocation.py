@@ -15,7 +15,6 @@ from hypothesis import strategies as st
 from pyomo.environ import Constraint
 from pyomo.environ import value as value_of
 from scipy.integrate import solve_ivp
-from stand_in import put_solver
 
 from dubins_study.experiments.solve import solve
 from dubins_study.solvers.nlp_engines.program import EngineResult
@@ -225,19 +224,6 @@ def test_ipopt_giving_up_is_a_claim():
     assert answer.native_status == "Maximum_Iterations_Exceeded"
     assert answer.path is not None
     assert not answer.false_claim
-
-
-def test_an_executable_on_path_is_used(tmp_path, monkeypatch):
-    """`ipopt` on PATH comes first; its answer, duals included, is the library's."""
-    put_solver(tmp_path, "ipopt")
-    library = solve(PAPER["problem 1"], "collocation[via=library]", "RS")
-    monkeypatch.setenv("PATH", str(tmp_path), prepend=":")
-
-    executable = solve(PAPER["problem 1"], "collocation", "RS")
-
-    assert "stand-in" in executable.message
-    assert executable.length == pytest.approx(library.length, rel=1e-8)
-    assert executable.multiplier_x == pytest.approx(library.multiplier_x, abs=1e-6)
 
 
 @pytest.mark.parametrize(
