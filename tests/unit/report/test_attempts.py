@@ -15,17 +15,13 @@ from hypothesis.extra import numpy as arrays
 
 from dubins_study.report.data import attempts as attempts_module
 from dubins_study.report.data.attempts import PRESOLVED, PROOFS, VERDICTS
+from dubins_study.report.data.failures import failures as failure_counts
 from dubins_study.report.data.verdicts import KINDS, methods, verdicts
 from dubins_study.report.data.verdicts import existence as existence_counts
-from dubins_study.report.data.verdicts import failures as failure_counts
 from dubins_study.report.statistics import metrics
 from dubins_study.report.topics.existence.numbers import existence
-from dubins_study.report.topics.success.numbers import (
-    failures,
-    gap_quantiles,
-    gap_shares,
-    gist,
-)
+from dubins_study.report.topics.failures.numbers import failures, gist
+from dubins_study.report.topics.success.numbers import gap_quantiles, gap_shares
 from dubins_study.report.topics.summary.section import solver_summary
 from tests.unit.report.results_folder import attempts_of
 

@@ -79,19 +79,6 @@ def existence(attempts: Attempts) -> pd.DataFrame:
     )
 
 
-def failures(attempts: Attempts) -> pd.DataFrame:
-    """Attempts without success at questions that have a path, counted by what was said of them.
-
-    Columns: solver, outcome, claim, verdict, message, native_status, attempts.
-    """
-    kinds = "solver, outcome, claim, verdict, message, native_status"
-    return attempts.frame(
-        f"""SELECT {kinds}, count(*) AS attempts FROM chosen
-        WHERE answerable AND (verdict IS NULL OR verdict NOT IN {(*SUCCESSES, PRESOLVED)})
-        GROUP BY {kinds}"""
-    )
-
-
 _RIGHT = f"verdict IN {SUCCESSES}"
 _KIND = f"""CASE WHEN answerable THEN NULL WHEN verdict = '{PRESOLVED}' THEN 'presolved'
     WHEN outcome IN ('unsupported', 'unavailable') THEN 'unasked'
