@@ -109,4 +109,5 @@ def _table(frame: pd.DataFrame) -> Table:
             **marks(frame.assign(denied_text=frame["denied"] > 0), "denied_text"),
         },
         _NUMBERS,
+        dense=True,
     )
