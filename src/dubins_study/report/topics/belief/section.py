@@ -169,7 +169,7 @@ def _proof_table(false: pd.DataFrame, names: pd.DataFrame) -> Table:
             digits(9), lower_bound="its bound", length="its length", reference_high="shortest"
         ),
         *columns(digits(2), most="bound too high by, at most", tolerance="tolerance"),
-        *columns(kind="code", command="ask again"),
+        *columns(kind="command", command="ask again"),
     )
     caption = (
         "False claims by name, each with its plainest example: the one with the roundest numbers, "
