@@ -1,4 +1,4 @@
-"""The closed form in the page (`scripts/dubins.js`) against the package, on 10^4 targets."""
+"""The closed form in the page (`scripts/dubins*.js`) against the package, on 10^4 targets."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from dubins_study.study.scenario import NUMBERS, Scenario, scenarios
 from dubins_study.study.vehicle_frame import EPS, local
 
 ROOT = Path(__file__).parents[2]
-SCRIPT = ROOT / "src/dubins_study/report/page/templates/scripts/dubins.js"
+SCRIPTS = ROOT / "src/dubins_study/report/page/templates/scripts"
 BRANCHES = ("LS", "RS", "LR", "RL")
 FIELDS = NUMBERS[:-1]  # the speed is no part of the question
 
@@ -58,7 +58,8 @@ def all_cases() -> list[Scenario]:
 def in_page(new_tab):
     """`in_page(body, scenarios)`: what the script's `body`, a function of one scenario, returns."""
     page = new_tab()
-    page.add_script_tag(path=SCRIPT)
+    for name in ("dubins", "dubins-certificate"):
+        page.add_script_tag(path=SCRIPTS / f"{name}.js")
 
     def answers(body: str, cases: list[Scenario]) -> list:
         rows = [{name: getattr(case, name) for name in FIELDS} for case in cases]
@@ -109,6 +110,19 @@ def test_every_word_of_ten_thousand_targets_is_the_package_s(in_page):
                 assert interval.absent, where
 
     assert undecided < 0.001 * 4 * len(cases)
+
+
+def test_lengths_alone_are_those_of_the_words(in_page):
+    """The same formulas: the same doubles; absent where a word has no path."""
+    cases = all_cases()[::2]
+    body = "s => [dubins.lengths(s), dubins.words(s)]"
+
+    for case, (lengths, entries) in zip(cases, in_page(body, cases), strict=True):
+        for entry in entries:
+            assert lengths[entry["branch"]] == entry["length"], case
+        best = next(e for e in entries if e["branch"] == lengths["best"])
+        assert best["optimal"], case
+        assert set(lengths) == {*BRANCHES, "best"}
 
 
 def test_the_optimal_words_region_and_margin_are_the_package_s(in_page):
@@ -269,7 +283,8 @@ def test_a_polyline_holds_the_path_s_ends_and_stays_on_it(in_page):
 def test_bad_input_is_refused_by_name(new_tab):
     """A scenario that cannot be names the field and the value."""
     page = new_tab()
-    page.add_script_tag(path=SCRIPT)
+    for name in ("dubins", "dubins-certificate"):
+        page.add_script_tag(path=SCRIPTS / f"{name}.js")
     good = {"x": 0, "y": 0, "heading": parse_angle("120deg"), "target_x": 1, "target_y": 2}
     for change, text in (
         ({"radius": 0}, "radius is 0; expected a number above 0"),

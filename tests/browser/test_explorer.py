@@ -392,7 +392,8 @@ def test_a_drag_is_answered_within_a_frame(explorer):
           for (let i = 0; i < 1000; i += 1) {
             const before = performance.now();
             window.explorer.set({target_x: 12 * random() - 6, target_y: 12 * random() - 6}, "keep");
-            window.explorer.sweep.draw(window.explorer.state(), window.explorer.entries());
+            const best = window.explorer.entries().find((entry) => entry.optimal);
+            window.explorer.sweep.draw(window.explorer.state(), best.length);
             document.body.getBoundingClientRect();  // the layout belongs to the answer
             times.push(performance.now() - before);
           }

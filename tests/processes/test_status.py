@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import shutil
+from dataclasses import replace
 
 import pytest
 from live_run import finished, manifest, parts, quick_experiment, slow_experiment, started, wait_for
@@ -101,6 +102,15 @@ def test_the_time_left_is_each_solvers_mean_and_the_overhead(folder):
     text = finished("status", folder).stdout
     assert "time left about 4 s with 1 job" in text
     assert "left      2: slsqp 2" in text
+
+
+def test_of_many_solvers_the_text_names_the_five_with_most_cells_left(folder):
+    """The benchmark has 179 solvers; `--json` names them all."""
+    left = {f"s{number}": number for number in range(1, 10)}
+    text = status_text(replace(status(folder), left=left, unknown=list(left)))
+
+    assert "left      45: s9 9, s8 8, s7 7, s6 6, s5 5 and 4 more\n" in text
+    assert "without s1, s2, s3, s4, s5 and 4 more: no row is done yet" in text
 
 
 def test_of_a_solver_without_rows_no_time_is_made_up(folder):

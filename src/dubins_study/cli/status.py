@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from datetime import datetime
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Annotated
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from dubins_study.study.rows.manifest import RunEntry
 
 _MOST_RUNS = 10  # only the last runs are listed
+_MOST_NAMES = 5  # in one line; `--json` names all
 
 
 def status(
@@ -70,7 +71,14 @@ def _state(progress: Status) -> str:
 
 
 def _listed(counts: Mapping[str, int]) -> str:
-    return ", ".join(f"{plain(name)} {number}" for name, number in counts.items())
+    """The names with the largest counts, and how many more there are."""
+    largest = sorted(counts.items(), key=lambda item: -item[1])
+    return _few([f"{plain(name)} {number}" for name, number in largest])
+
+
+def _few(texts: Sequence[str]) -> str:
+    more = len(texts) - _MOST_NAMES
+    return ", ".join(texts[:_MOST_NAMES]) + (f" and {more} more" if more > 0 else "")
 
 
 def _some(parts: int) -> str:
@@ -83,9 +91,8 @@ def _time_left(progress: Status) -> str:
         return "unknown: no row is done yet to judge by"
     text = f"about {duration(progress.seconds_left)} {jobs}"
     if progress.unknown:
-        text += (
-            f", without {', '.join(map(plain, progress.unknown))}: no row is done yet to judge by"
-        )
+        names = _few([plain(name) for name in progress.unknown])
+        text += f", without {names}: no row is done yet to judge by"
     return text
 
 

@@ -15,17 +15,13 @@ from hypothesis.extra import numpy as arrays
 
 from dubins_study.report.data import attempts as attempts_module
 from dubins_study.report.data.attempts import PRESOLVED, PROOFS, VERDICTS
+from dubins_study.report.data.failures import failures as failure_counts
 from dubins_study.report.data.verdicts import KINDS, methods, verdicts
 from dubins_study.report.data.verdicts import existence as existence_counts
-from dubins_study.report.data.verdicts import failures as failure_counts
 from dubins_study.report.statistics import metrics
 from dubins_study.report.topics.existence.numbers import existence
-from dubins_study.report.topics.success.numbers import (
-    failures,
-    gap_quantiles,
-    gap_shares,
-    gist,
-)
+from dubins_study.report.topics.failures.numbers import failures, gist
+from dubins_study.report.topics.success.numbers import gap_quantiles, gap_shares
 from dubins_study.report.topics.summary.section import solver_summary
 from tests.unit.report.results_folder import attempts_of
 
@@ -154,8 +150,9 @@ test_numbers_are_those_of_the_frame_often = pytest.mark.slow(
 def numbers_are_those_of(found, rows):
     presolved = (rows["presolved"] == True) & (rows["verdict"] == "none exists")  # noqa: E712 (None)
     rows = rows.assign(verdict=rows["verdict"].mask(presolved, PRESOLVED))
-    # every row is another repeat of its question; whether that has a path is drawn for each row
-    weight = 1 / rows.groupby(["solver", *QUESTION])["solver"].transform("size")
+    # Every row is another attempt at one scenario; whether that has a path is drawn for each row. A
+    # trial is the scenario with a branch: experiments, initial guesses and repeats are its parts.
+    weight = 1 / rows.groupby(["solver", "branch"])["solver"].transform("size")
     rows = rows.assign(weight=weight)
     existence_is_that_of(found, rows)
     every, rows = rows, rows[rows["reference_word"].notna()]
@@ -193,9 +190,6 @@ def numbers_are_those_of(found, rows):
         for m, s in zip(bad.message, bad.native_status, strict=True)
     ]
     assert set(table["message"]) == set(map(gist, said))
-
-
-QUESTION = ["experiment", "branch", "initial_guess"]
 
 
 def existence_is_that_of(found, rows):

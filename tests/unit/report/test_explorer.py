@@ -13,6 +13,7 @@ import pytest
 from dubins_study.report.elements.content import Section
 from dubins_study.report.explorer.fragment import FIELDS, PRESETS, fragment
 from dubins_study.report.explorer.section import explorer_section
+from dubins_study.report.explorer.standalone import SCRIPTS as STANDALONE_SCRIPTS
 from dubins_study.report.explorer.standalone import scripts, standalone, write_standalone
 from dubins_study.report.page.environment import SCRIPTS
 from dubins_study.report.paper.printed import PROBLEMS
@@ -99,9 +100,10 @@ def test_the_page_of_its_own_asks_for_nothing(tmp_path):
 
 
 def test_the_report_runs_the_same_scripts_in_the_same_order():
-    names = [name for name in SCRIPTS if name == "dubins" or name.startswith("explorer")]
+    names = [name for name in SCRIPTS if name.startswith(("dubins", "svg", "explorer"))]
 
-    assert len(names) == len(scripts()) == 5
+    assert names == list(STANDALONE_SCRIPTS)
+    assert len(scripts()) == len(names) == 9
 
 
 def test_a_printed_document_has_no_explorer():

@@ -91,7 +91,7 @@ def test_every_section_is_there(whole):
     assert keys == [
         *("decision", "caution", "summary", "success", "time", "agreement"),
         *("explorer", "radius", "paper", "audit", "paths", "discretisation", "plane"),
-        *("attempts", "solvers", "limits", "provenance", "glossary"),
+        *("failures", "attempts", "solvers", "limits", "provenance", "glossary"),
     ]
     for key in keys:
         assert f'href="#{key}"' in page
@@ -199,7 +199,7 @@ def test_hostile_names_are_shown_as_they_are(results, tmp_path):
         assert "<script" not in svg.read_text(encoding="utf-8")
         assert "mathdefault" not in svg.read_text(encoding="utf-8")
     for line in (tmp_path / "out" / "tables" / "failures.md").read_text().splitlines():
-        assert len(re.findall(r"(?<!\\)\|", line)) == 7  # six cells
+        assert len(re.findall(r"(?<!\\)\|", line)) == 8  # seven cells
 
 
 def test_tex_and_markdown_escapes():

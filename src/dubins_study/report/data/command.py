@@ -15,7 +15,8 @@ def solve_command(row: Mapping[Hashable, Any] | pd.Series) -> str:
     """The `dubins-study solve` command of a row; numbers with all their digits, quoted for a shell.
 
     Args:
-        row: the columns of a scenario, branch, solver, and, if it has one, profile.
+        row: the columns of a scenario, branch, solver, and, if it has them, profile and
+            `time_limit_s`, which the command then states.
     """
     x, y, heading, target_x, target_y, radius = (number_text(row[name]) for name in SCENARIO)
     parts = ["dubins-study solve"]
@@ -24,6 +25,8 @@ def solve_command(row: Mapping[Hashable, Any] | pd.Series) -> str:
     parts += [f"--branch {shlex.quote(str(row['branch']))}"] if row["branch"] != "best" else []
     profile = str(row.get("profile", "default"))
     parts += [f"--profile {shlex.quote(profile)}"] if profile != "default" else []
+    limit = row.get("time_limit_s")
+    parts += [f"--time-limit {number_text(limit)}"] if limit is not None else []
     # without the dashes a negative number would be read as an option
     parts += [f"--solver {shlex.quote(str(row['solver']))} -- {target_x} {target_y}"]
     return " ".join(parts)

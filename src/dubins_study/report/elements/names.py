@@ -72,7 +72,14 @@ def short_label(row: Mapping[Hashable, Any]) -> str:
     if engine == UNSTATED:
         return one_line(str(row["solver"]))
     where = "" if formulation == engine else _FORMULATIONS.get(formulation, formulation)
-    return one_line(", ".join(filter(None, [engine, where, str(row["variant"])])))
+    settings = str(row["settings"]).split(", ")
+    guess = str(row["variant"]).removesuffix(str(row["settings"])).removesuffix(", ")
+    method = ", ".join(filter(None, [engine, where, guess]))
+    # the settings of a long name that come last are those that a study varies
+    texts = [", ".join(["…", *settings[number:]]) for number in range(1, len(settings))]
+    names = [", ".join(filter(None, [method, text])) for text in [str(row["settings"]), *texts]]
+    short_enough = (name for name in names if len(name) <= _MOST_CHARACTERS)
+    return one_line(next(short_enough, names[0]))
 
 
 def distinct(solvers: Sequence[str], labels: Sequence[str]) -> dict[str, str]:

@@ -9,7 +9,10 @@ from markupsafe import Markup
 
 from dubins_study.report.explorer.fragment import fragment
 
-SCRIPTS = ("dubins", "explorer-scene", "explorer-answers", "explorer-sweep", "explorer")
+SCRIPTS = (
+    *("dubins", "dubins-certificate", "svg", "explorer-scene", "explorer-handles"),
+    *("explorer-answers", "explorer-sweep", "explorer-copies", "explorer"),
+)
 _PAGE = Markup(
     '<!doctype html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
     '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
@@ -18,7 +21,6 @@ _PAGE = Markup(
     "<p>{lead}</p>\n{body}\n</main>\n{scripts}\n</body>\n</html>\n"
 )
 _TEMPLATES = files("dubins_study.report.page") / "templates"
-_BASE = files("dubins_study.report.explorer") / "templates" / "standalone.css"
 _TITLE = "Explore the shortest bounded-curvature path to a point"
 _LEAD = (
     "A vehicle that turns no tighter than a radius R drives from a place and heading to a target. "
@@ -27,8 +29,8 @@ _LEAD = (
 
 
 def style() -> str:
-    """The explorer's own style; the colours `--ink`, `--muted`, ... are of the page around it."""
-    return _text("styles", "explorer.css")
+    """The style of a page around the explorer, and the explorer's own."""
+    return "\n".join(_text("styles", f"{name}.css") for name in ("base", "explorer"))
 
 
 def scripts() -> list[str]:
@@ -41,7 +43,7 @@ def standalone(title: str = _TITLE, lead: str = _LEAD) -> str:
     return _PAGE.format(
         title=title,
         lead=lead,
-        style=Markup(f"{_BASE.read_text(encoding='utf-8')}\n{style()}"),
+        style=Markup(style()),
         body=fragment(),
         scripts=Markup("\n".join(f"<script>\n{text}</script>" for text in scripts())),
     )

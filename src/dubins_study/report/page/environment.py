@@ -18,14 +18,18 @@ from dubins_study.report.elements.content import Block, Picture, Section, Table,
 from dubins_study.report.page.markup import markdown, to_markdown
 
 _PACKAGE = "dubins_study.report.page"
-# After `style.css`; what is printed has the last word.
-STYLES = ("tables", "attempts", "drawer", "explorer", "print")
+# `base` is the explorer's own page's too; what is printed has the last word.
+STYLES = (
+    *("styles/base", "style", "styles/tables", "styles/attempts", "styles/drawer"),
+    *("styles/explorer", "styles/print"),
+)
 # The order in which the scripts run: later ones use what earlier ones hand out.
 SCRIPTS = (
-    *("dubins", "page", "tables"),
+    *("dubins", "dubins-certificate", "svg", "page", "tables"),
     *("attempts-data", "attempts-fields", "path-picture", "drawer", "attempts-solvers"),
     *("attempts-choice", "attempts-plot", "attempts-list", "attempts", "worst"),
-    *("explorer-scene", "explorer-answers", "explorer-sweep", "explorer"),
+    *("explorer-scene", "explorer-handles", "explorer-answers", "explorer-sweep"),
+    *("explorer-copies", "explorer"),
 )
 
 
@@ -59,8 +63,7 @@ def scripts() -> list[Markup]:
 
 def styles() -> Markup:
     """The page's style, in the order in which rules win; the figures' hues come first."""
-    names = [f"{name}.css" for name in STYLES]
-    return Markup("\n").join([_hues(), *_texts("", ["style.css"]), *_texts("styles", names)])
+    return Markup("\n").join([_hues(), *_texts("", [f"{name}.css" for name in STYLES])])
 
 
 def _hues() -> Markup:

@@ -25,6 +25,7 @@ from dubins_study.report.page.markup import to_csv, to_markdown
 from dubins_study.report.page.sections import KEYS, TOPICS, sections_of
 from dubins_study.report.page.tex_table import to_tex
 from dubins_study.report.paper.citation import PAPER
+from dubins_study.report.topics.failures.section import failures_section
 from dubins_study.report.topics.limits.section import limits_section
 
 
@@ -153,7 +154,7 @@ def _check_target(target: FilePath) -> None:
 def _sections(results: Results | None, progress: Progress | None) -> list[Section]:
     sections: list[Section] = []
     if results is None:
-        return [_without_rows(), limits_section(None)]
+        return [_without_rows(), failures_section(None), limits_section(None)]
     for topic in TOPICS:
         if progress is not None:
             progress(topic.title)

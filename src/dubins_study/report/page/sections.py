@@ -26,6 +26,7 @@ from dubins_study.report.topics.cost.section import cost_section
 from dubins_study.report.topics.decision.section import decision_section
 from dubins_study.report.topics.discretisation.section import discretisation_section
 from dubins_study.report.topics.existence.section import existence_section
+from dubins_study.report.topics.failures.section import failures_section
 from dubins_study.report.topics.findings.section import findings_section
 from dubins_study.report.topics.ladder.section import ladder_section
 from dubins_study.report.topics.limits.section import limits_section
@@ -108,6 +109,7 @@ TOPICS = (
     Topic("the order of convergence", convergence_section, "convergence"),
     Topic("the ladder toward a circle", ladder_section, "ladder"),
     Topic("what a proof costs", proofs_section, "proofs"),
+    Topic("failures", failures_section, POOLED, counted=True),
     # single attempts, and what they rest on
     Topic("single attempts", attempts_section, EVERY, counted=True),
     Topic("the solvers and their settings", solvers_section, EVERY, counted=True),

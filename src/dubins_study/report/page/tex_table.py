@@ -77,7 +77,7 @@ def _row(cells: list[str], gap: str = "") -> str:
 def _cell(lines: list[str], column: Column, width: float | None, place: str) -> str:
     """One cell; `place`, b or t, is the line of several that stands beside the other cells."""
     escaped = [tex(line) for line in lines]
-    if column.kind == "code" and place == "t":
+    if column.kind in ("code", "command") and place == "t":
         escaped = [rf"\texttt{{{line}}}" for line in escaped]
     if width is not None:
         return rf"\raggedright {' '.join(escaped)}"

@@ -36,12 +36,13 @@ def methods_of(rows: pd.DataFrame) -> pd.DataFrame:
         str(name): _differing_keys([parse_spec(spec)[1] for spec in group.index]) & {_PRESOLVE}
         for name, group in stated.groupby("formulation")
     }
-    for (formulation, engine, _), group in stated.groupby(_STATED, sort=False):
+    # A warm question's path is the question's own guess, not the method's.
+    given = stated["guess"].str.replace(" or warm", "", regex=False)
+    methods = stated.groupby([stated["formulation"], stated["engine"], given], sort=False)
+    for (formulation, engine, _), group in methods:
         named = engine == UNSTATED
         settings |= _differing(group.index.tolist(), named=named, also=shared[str(formulation)])
     frame = stated.assign(settings=[settings[spec] for spec in stated.index])
-    # A warm question's path is the question's own guess, not the method's.
-    given = frame["guess"].str.replace(" or warm", "", regex=False)
     guesses = given.groupby([frame["formulation"], frame["engine"]]).transform("nunique")
     guess = given.map(_guess_text).where((guesses > 1) | ~given.isin(_USUAL), "")
     variant = _joined(guess, frame["settings"])
@@ -56,7 +57,7 @@ def methods_of(rows: pd.DataFrame) -> pd.DataFrame:
     ]
     order = frame.assign(
         formulation=_places(frame["formulation"], FORMULATIONS),
-        guess=_places(frame["guess"], _GUESSES),
+        guess=_places(given, _GUESSES),
         engine=frame["engine"].str.casefold(),
         settings=_natural_places(frame["settings"]),
         spec=_natural_places(frame.index.to_series()),

@@ -1,8 +1,6 @@
-"""Gaps and failures, solver by solver."""
+"""Gaps, solver by solver."""
 
 from __future__ import annotations
-
-import re
 
 import numpy as np
 import pandas as pd
@@ -10,29 +8,6 @@ import pandas as pd
 from dubins_study.report.statistics.metrics import by_solver
 
 REGIONS = ("all", "outside", "left disc", "right disc", "circle")
-
-
-def gist(message: str) -> str:
-    """A message without numbers and repetitions, so that similar messages count as one."""
-    parts = [re.sub(r"\d[\d.]*(?:[eE][+-]?\d+)?", "#", part) for part in message.split("; ")]
-    return "; ".join(dict.fromkeys(parts))[:160]
-
-
-def failures(frame: pd.DataFrame) -> pd.DataFrame:
-    """Attempts without success, counted by outcome, claim, verdict and message, largest first.
-
-    Args:
-        frame: from `report.data.attempts.Attempts.failures`.
-
-    Returns:
-        Columns solver, outcome, claim, verdict, message (the gist of the backend's message, or of
-        its status if there is no message), attempts.
-    """
-    keys = ["solver", "outcome", "claim", "verdict", "message"]
-    text = frame["message"].replace("", None).fillna(frame["native_status"]).fillna("")
-    counted = frame.assign(message=text.map(gist)).groupby(keys, dropna=False)["attempts"].sum()
-    ascending = [False] + [True] * len(keys)
-    return counted.reset_index().sort_values(["attempts", *keys], ascending=ascending)
 
 
 def gap_quantiles(frame: pd.DataFrame) -> pd.DataFrame:

@@ -1,4 +1,4 @@
-"""The section on success: verdicts, gaps, and what failed."""
+"""The section on success: verdicts and gaps."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ import pandas as pd
 
 from dubins_study.report.data.attempts import Attempts
 from dubins_study.report.data.results import Folder, Results
-from dubins_study.report.data.verdicts import failures as failure_counts
 from dubins_study.report.elements.columns import SOLVER, columns
 from dubins_study.report.elements.content import Picture, Section, Table, picture
 from dubins_study.report.elements.formats import count, digits, sentences, share, slug, some
@@ -24,14 +23,12 @@ from dubins_study.report.topics.success.figures import (
     plot_verdict_grid,
     plot_verdicts,
 )
-from dubins_study.report.topics.success.numbers import failures, gap_quantiles, gap_shares
+from dubins_study.report.topics.success.numbers import gap_quantiles, gap_shares
 from dubins_study.report.topics.summary.section import best_solvers, solver_summary, summary_table
-
-_MOST_FAILURES = 25
 
 
 def success_section(results: Results) -> Section | None:
-    """Verdicts, gap profiles, gap quantiles per region, and what failed."""
+    """Verdicts, gap profiles and gap quantiles per region."""
     attempts = results.attempts
     each = {name: attempts.only({name}) for name in attempts.experiments}
     frame = solver_summary(attempts)
@@ -49,9 +46,6 @@ def success_section(results: Results) -> Section | None:
         ordered = in_page_order(quantiles, results)
         table = _quantile_table(ordered, attempts.precision)
         blocks += best_first(table, table.frame["solver"], best_solvers(results))
-    without_success = failures(failure_counts(attempts))
-    if len(without_success):
-        blocks.append(_failure_table(without_success))
     text = (
         "Questions that have a path; every attempt at them counts, failed ones too. The gap is "
         "(length − reference) / max(reference, R) and only a path that arrives has one; the others "
@@ -147,18 +141,3 @@ def _quantile_table(frame: pd.DataFrame, precision: str) -> Table:
         f"{' Of so many solvers only all regions together.' if several else ''}{precision}"
     )
     return Table("gap-quantiles", caption, frame, shown)
-
-
-def _failure_table(failures_by_kind: pd.DataFrame) -> Table:
-    frame = failures_by_kind.head(_MOST_FAILURES).reset_index(drop=True)
-    shown = (
-        SOLVER,
-        *columns(kind="text", outcome="outcome", claim="claim", verdict="verdict"),
-        *columns(kind="prose", message="the backend said"),
-        *columns(count, attempts="attempts"),
-    )
-    caption = (
-        "Attempts without success at questions that have a path, by what was said of them (# "
-        f"stands for a number), the {_MOST_FAILURES} most frequent."
-    )
-    return Table("failures", caption, frame, shown)

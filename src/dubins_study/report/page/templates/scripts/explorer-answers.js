@@ -16,6 +16,7 @@ window.explorerNumbers = (() => {
 
 // window.explorerAnswers(root): the explorer's table and sentences. Everything is set as text.
 window.explorerAnswers = (root) => {
+  const {set, write} = window.svgElements;
   const SHORTEST = "shortest", DEGREES = 180 / Math.PI;
   const rows = new Map();
   for (const row of root.querySelectorAll("tr[data-branch]")) {
@@ -87,8 +88,8 @@ window.explorerAnswers = (root) => {
       const {row, cells} = rows.get(entry.branch);
       row.classList.toggle("optimal", entry.optimal);
       row.classList.toggle("absent", !entry.exists);
-      cells.mark.textContent = entry.optimal ? "✓" : "";
-      cells.mark.title = entry.optimal ? "the shortest path" : "";
+      write(cells.mark, entry.optimal ? "✓" : "");
+      set(cells.mark, {title: entry.optimal ? "the shortest path" : ""});
       const {certificate} = entry;
       const texts = entry.exists ? {
         path: segmentsOf(entry),
@@ -98,10 +99,10 @@ window.explorerAnswers = (root) => {
         certificate: verdict(entry, certificate, tied && entry.optimal),
         evidence: evidence(entry, certificate),
       } : {path: "–", radii: "–", length: "–", over: "–", certificate: absence(entry.branch, local), evidence: ""};
-      for (const [name, text] of Object.entries(texts)) cells[name].textContent = text;
-      cells.length.dataset.value = entry.exists ? entry.length : "";
+      for (const [name, text] of Object.entries(texts)) write(cells[name], text);
+      set(cells.length, {"data-value": entry.exists ? entry.length : ""});
     }
-    place.textContent = placeOf(scenario);
+    write(place, placeOf(scenario));
     return summaryOf(scenario, best, tied);
   }
 
@@ -123,7 +124,7 @@ window.explorerAnswers = (root) => {
 
   // Spoken by screen readers, so only once a drag rests.
   function announce(text) {
-    if (summary.textContent !== text) summary.textContent = text;
+    write(summary, text);
   }
 
   return {fill, announce};

@@ -6,22 +6,12 @@
 // of the start's axis and RS to its right, but RL inside the left turning circle and LR inside the
 // right one. A view is {x, y, scale}: the plane's point in the middle, and pixels per length unit.
 window.explorerScene = (stage) => {
-  const NAMESPACE = "http://www.w3.org/2000/svg";
+  const {element, set, write} = window.svgElements;
   const EDGE = 34; // pixels between what is shown and the picture's edge
   const HEADING_ARM = 62; // pixels from the start to the heading's handle
   const BRANCHES = ["RL", "LR", "RS", "LS"]; // later ones are drawn over earlier ones
   const FAR = 1e5; // pixels; more than any screen has
   let width = 720, height = 500, view = {x: 0, y: 0, scale: 40};
-
-  function element(name, attributes, parent) {
-    const made = document.createElementNS(NAMESPACE, name);
-    set(made, attributes);
-    return parent.appendChild(made);
-  }
-
-  function set(target, attributes) {
-    for (const [name, value] of Object.entries(attributes)) target.setAttribute(name, value);
-  }
 
   const svg = element("svg", {class: "explorer-plane"}, stage);
   const definitions = element("defs", {}, svg);
@@ -52,11 +42,11 @@ window.explorerScene = (stage) => {
   const regionTexts = {};
   for (const word of Object.keys(regions)) {
     regionTexts[word] = element("text", {class: "region-text"}, signs);
-    regionTexts[word].textContent = word;
+    write(regionTexts[word], word);
   }
   const [aheadText, behindText] = ["S", "LS = RS"].map((word) => {
     const text = element("text", {class: "axis-text"}, signs);
-    text.textContent = word;
+    write(text, word);
     return text;
   });
   const arm = element("line", {class: "heading-arm"}, lines);
@@ -69,12 +59,13 @@ window.explorerScene = (stage) => {
     pathTexts[branch] = element("text", {class: `path-text ${branch.toLowerCase()}`}, signs);
   }
   const radiusText = element("text", {class: "radius-text"}, signs);
-  radiusText.textContent = "R";
+  write(radiusText, "R");
   const start = element("circle", {class: "start", r: 4}, lines);
 
   // Pixels of a point of the plane; y grows upwards there and downwards here.
-  const px = (x) => width / 2 + (x - view.x) * view.scale;
-  const py = (y) => height / 2 - (y - view.y) * view.scale;
+  const px = (x) => hundredth(width / 2 + (x - view.x) * view.scale);
+  const py = (y) => hundredth(height / 2 - (y - view.y) * view.scale);
+  const hundredth = (pixels) => Math.round(100 * pixels) / 100;
 
   // A point of the plane from the vehicle's frame (length unit), and back.
   function outOf({x, y, heading}, forward, left) {
@@ -153,14 +144,14 @@ window.explorerScene = (stage) => {
     const corner = (forward, left) => `${sx + forward * cos - left * sin},${sy - forward * sin - left * cos}`;
     for (const [word, side] of [["LS", 1], ["RS", -1]]) {
       const points = [corner(-FAR, 0), corner(FAR, 0), corner(FAR, side * FAR), corner(-FAR, side * FAR)];
-      for (const part of [regions[word], hatches[word]]) if (part) part.setAttribute("points", points.join(" "));
+      for (const part of [regions[word], hatches[word]]) if (part) set(part, {points: points.join(" ")});
     }
     [["RL", 1], ["LR", -1]].forEach(([word, side], i) => {
       const centre = {cx: sx - side * r * sin, cy: sy - side * r * cos, r};
       set(regions[word], centre);
       set(hatches[word], centre);
       const top = outOf(scenario, 0, 2 * side * radius);
-      fronts[i].setAttribute("d", `M${sx} ${sy}A${r} ${r} 0 0 ${side > 0 ? 0 : 1} ${px(top.x)} ${py(top.y)}`);
+      set(fronts[i], {d: `M${sx} ${sy}A${r} ${r} 0 0 ${side > 0 ? 0 : 1} ${px(top.x)} ${py(top.y)}`});
     });
     set(ahead, {x1: sx, y1: sy, x2: sx + FAR * cos, y2: sy - FAR * sin});
     set(behind, {x1: sx, y1: sy, x2: sx - FAR * cos, y2: sy + FAR * sin});
@@ -197,11 +188,11 @@ window.explorerScene = (stage) => {
     const taken = Object.values(places);
     for (const entry of entries) {
       const path = paths[entry.branch], text = pathTexts[entry.branch];
-      path.setAttribute("d", entry.exists ? outline(scenario, entry) : "");
+      set(path, {d: entry.exists ? outline(scenario, entry) : ""});
       path.classList.toggle("optimal", entry.optimal);
       text.classList.toggle("optimal", entry.optimal);
-      text.textContent = entry.exists && entry.word ? entry.branch : "";
-      if (!text.textContent) continue;
+      write(text, entry.exists && entry.word ? entry.branch : "");
+      if (!entry.exists || !entry.word) continue;
       const place = freePlace(scenario, entry, taken);
       taken.push(place);
       set(text, {x: place.x + 7, y: place.y - 7});

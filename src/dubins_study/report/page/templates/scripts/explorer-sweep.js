@@ -2,28 +2,26 @@
 // window.explorerSweep(host, choose): below the explorer's plane, every word's length against the
 // turning radius, as in the paper's Figures 6.1 to 6.5; bold where a word is the shortest.
 //
-// `draw(scenario)` draws it, `data()` returns {limit, radii, lengths: {LS: [...], ...}, best: [...]}
-// (length unit, null where a word has no path). A click calls `choose(radius)`.
+// `resize(width)` sets its width (CSS px) and `draw(scenario, best)` draws it, `best` the length at
+// the scenario's own radius; `data()` returns {limit, radii, lengths: {LS: [...], ...}, best: [...]}
+// (length unit, null where a word has no path). A click calls `choose(radius)`. It is drawn anew in
+// every frame of a drag: what is kept here from one drawing to the next is garbage otherwise, which
+// the browser collects in the middle of a drag.
 window.explorerSweep = (host, choose) => {
-  const NAMESPACE = "http://www.w3.org/2000/svg", SAMPLES = 160, HEIGHT = 190;
+  const {element, set, write} = window.svgElements;
+  const SAMPLES = 160, HEIGHT = 190;
   const BRANCHES = ["RL", "LR", "RS", "LS"], MARGIN = {left: 52, right: 34, top: 12, bottom: 34};
+  const BOTTOM = HEIGHT - MARGIN.bottom; // px, where lengths are zero
+  const NAME = {width: 24, height: 18, ascent: 14}; // px, of a word's name with room around it
   // of two neighbouring lengths, as a share of the largest radius: no word grows faster without a jump
   const JUMP = 0.12;
-  let width = 720, limit = 0, top = 1, kept = null;
-
-  function element(name, attributes, parent) {
-    const made = document.createElementNS(NAMESPACE, name);
-    set(made, attributes);
-    return parent.appendChild(made);
-  }
-
-  function set(target, attributes) {
-    for (const [name, value] of Object.entries(attributes)) target.setAttribute(name, value);
-  }
+  let width = 720, limit = 0, top = 0;
+  const lengths = {}, places = new Array(SAMPLES), best = new Array(SAMPLES);
+  for (const branch of BRANCHES) lengths[branch] = new Float64Array(SAMPLES);
 
   const svg = element("svg", {class: "explorer-sweep-plot", role: "img", height: HEIGHT}, host);
   const rules = element("g", {class: "rules"}, svg), curves = {}, names = {};
-  const now = element("line", {class: "now"}, svg);
+  const now = element("line", {class: "now", y1: MARGIN.top, y2: BOTTOM}, svg);
   for (const branch of BRANCHES) {
     curves[branch] = {
       thin: element("path", {class: `path ${branch.toLowerCase()}`}, svg),
@@ -32,7 +30,7 @@ window.explorerSweep = (host, choose) => {
   }
   for (const branch of BRANCHES) {
     names[branch] = element("text", {class: `path-text ${branch.toLowerCase()}`}, svg);
-    names[branch].textContent = branch;
+    write(names[branch], branch);
   }
   const dot = element("circle", {class: "start", r: 5}, svg);
   svg.addEventListener("click", (event) => {
@@ -41,8 +39,17 @@ window.explorerSweep = (host, choose) => {
     if (radius > 0 && radius <= limit) choose(radius);
   });
 
+  const tenth = (pixels) => Math.round(10 * pixels) / 10;
   const sx = (radius) => MARGIN.left + radius / limit * (width - MARGIN.left - MARGIN.right);
-  const sy = (length) => HEIGHT - MARGIN.bottom - length / top * (HEIGHT - MARGIN.top - MARGIN.bottom);
+  const sy = (length) => BOTTOM - length / top * (BOTTOM - MARGIN.top);
+  const radiusAt = (i) => limit * (i + 1) / SAMPLES;
+
+  function resize(newWidth) {
+    width = newWidth;
+    set(svg, {viewBox: `0 0 ${width} ${HEIGHT}`});
+    const step = (width - MARGIN.left - MARGIN.right) / SAMPLES;
+    for (let i = 0; i < SAMPLES; i += 1) places[i] = String(tenth(MARGIN.left + (i + 1) * step));
+  }
 
   // A step of 1, 2 or 5 times a power of ten that cuts a range into at most `parts`.
   function stepOf(range, parts) {
@@ -50,111 +57,121 @@ window.explorerSweep = (host, choose) => {
     return [1, 2, 5, 10].map((factor) => factor * power).find((step) => range / step <= parts);
   }
 
-  // The radii stay while the scenario's is well inside of them, so that a drag does not move them.
+  // Both scales stay while what they show fills them well, so that a drag does not move them.
   function chooseLimit(radius) {
     if (radius > 0.12 * limit && radius < 0.93 * limit) return;
     const step = stepOf(2.5 * radius, 5);
     limit = step * Math.ceil(2.5 * radius / step);
   }
 
-  // No lengths at radii that doubles are too coarse for beside so far a target.
-  function wordsAt(scenario) {
-    try {
-      return window.dubins.words(scenario);
-    } catch {
-      return BRANCHES.map((branch) => ({branch, exists: false}));
-    }
+  function chooseTop(most) {
+    if (most <= top && most > 0.45 * top) return;
+    const step = stepOf(most, 4);
+    top = step * Math.ceil(most / step);
   }
 
+  // Fills `lengths` and `best`; returns the largest length. No lengths at radii that doubles are too
+  // coarse for beside so far a target.
   function sample(scenario) {
-    const radii = [], lengths = {LS: [], RS: [], LR: [], RL: []}, best = [];
-    for (let i = 1; i <= SAMPLES; i += 1) {
-      const radius = limit * i / SAMPLES;
-      radii.push(radius);
-      let shortest = null;
-      for (const entry of wordsAt({...scenario, radius})) {
-        lengths[entry.branch].push(entry.exists ? entry.length : null);
-        if (entry.optimal && !shortest) shortest = entry.branch;
+    const there = {...scenario};
+    let most = 0;
+    for (let i = 0; i < SAMPLES; i += 1) {
+      there.radius = radiusAt(i);
+      const answer = window.dubins.refusal(there) ? null : window.dubins.lengths(there);
+      best[i] = answer ? answer.best : null;
+      for (const branch of BRANCHES) {
+        const length = lengths[branch][i] = answer ? answer[branch] : NaN;
+        if (length > most) most = length;
       }
-      best.push(shortest);
     }
-    return {limit, radii, lengths, best};
+    return most;
   }
 
-  // A line through those samples that `wanted` takes, broken where it takes none and at jumps.
-  function line(lengths, wanted) {
-    let text = "", before = null;
-    lengths.forEach((length, i) => {
-      const here = length !== null && wanted(i);
-      if (here) {
-        const joined = before !== null && Math.abs(length - before) <= JUMP * limit;
-        text += `${joined ? "L" : "M"}${sx(kept.radii[i]).toFixed(1)} ${sy(length).toFixed(1)}`;
-      }
-      before = here ? length : null;
-    });
-    return text;
+  // The lines of a word: through all its samples, and through those where it is the shortest; broken
+  // where it has no path, and at jumps.
+  function drawCurve(branch) {
+    const values = lengths[branch];
+    let thin = "", bold = "";
+    for (let i = 0; i < SAMPLES; i += 1) {
+      const length = values[i];
+      if (Number.isNaN(length)) continue;
+      const joined = i > 0 && Math.abs(length - values[i - 1]) <= JUMP * limit; // false beside a NaN
+      const point = `${places[i]} ${tenth(sy(length))}`;
+      thin += (joined ? "L" : "M") + point;
+      if (best[i] === branch) bold += (joined && best[i - 1] === branch ? "L" : "M") + point;
+    }
+    set(curves[branch].thin, {d: thin});
+    set(curves[branch].bold, {d: bold});
   }
 
   function drawRules() {
-    const {number} = window.explorerNumbers, bottom = HEIGHT - MARGIN.bottom, scales = `${width} ${limit} ${top}`;
+    const {number} = window.explorerNumbers, scales = `${width} ${limit} ${top}`;
     if (rules.dataset.scales === scales) return;
     rules.dataset.scales = scales;
     rules.replaceChildren();
     const [stepR, stepL] = [stepOf(limit, width < 500 ? 4 : 8), stepOf(top, 4)];
     for (let i = 0; i * stepR <= limit * 1.0001; i += 1) {
       const x = sx(i * stepR);
-      element("line", {x1: x, x2: x, y1: bottom, y2: bottom + 4}, rules);
-      element("text", {x, y: bottom + 16, class: "tick middle"}, rules).textContent = number(i * stepR, 4);
+      element("line", {x1: x, x2: x, y1: BOTTOM, y2: BOTTOM + 4}, rules);
+      write(element("text", {x, y: BOTTOM + 16, class: "tick middle"}, rules), number(i * stepR, 4));
     }
     for (let i = 0; i * stepL <= top * 1.0001; i += 1) {
       const y = sy(i * stepL);
       element("line", {x1: MARGIN.left, x2: width - MARGIN.right, y1: y, y2: y}, rules);
-      element("text", {x: MARGIN.left - 6, y: y + 4, class: "tick end"}, rules).textContent = number(i * stepL, 4);
+      write(element("text", {x: MARGIN.left - 6, y: y + 4, class: "tick end"}, rules), number(i * stepL, 4));
     }
-    element("text", {x: (MARGIN.left + width - MARGIN.right) / 2, y: HEIGHT - 3, class: "tick middle"}, rules)
-      .textContent = "turning radius R";
-    const turn = `rotate(-90) translate(${-(HEIGHT - MARGIN.bottom + MARGIN.top) / 2} 12)`;
-    element("text", {transform: turn, class: "tick middle"}, rules).textContent = "length";
+    const middle = {x: (MARGIN.left + width - MARGIN.right) / 2, y: HEIGHT - 3, class: "tick middle"};
+    write(element("text", middle, rules), "turning radius R");
+    const turn = `rotate(-90) translate(${-(BOTTOM + MARGIN.top) / 2} 12)`;
+    write(element("text", {transform: turn, class: "tick middle"}, rules), "length");
   }
 
+  // Names stand where their lines end, or as near above or below as there is room between the axis
+  // and the picture's edge: four names of 18 px fit there in any order.
   function placeNames() {
     const taken = [];
     for (const branch of [...BRANCHES].reverse()) {
-      const last = kept.lengths[branch].findLastIndex((length) => length !== null);
-      names[branch].setAttribute("visibility", last < 0 ? "hidden" : "visible");
+      const last = lengths[branch].findLastIndex((length) => !Number.isNaN(length));
+      set(names[branch], {visibility: last < 0 ? "hidden" : "visible"});
       if (last < 0) continue;
-      const x = sx(kept.radii[last]) + 4;
-      let y = sy(kept.lengths[branch][last]) + 4;
-      const next = y + 13 > HEIGHT - MARGIN.bottom ? -13 : 13;
-      while (taken.some(([a, b]) => Math.abs(a - x) < 24 && Math.abs(b - y) < 13)) y += next;
-      taken.push([x, y]);
-      set(names[branch], {x, y});
+      const x = Number(places[last]) + 4, end = sy(lengths[branch][last]) + 4;
+      const y = freeHeight(taken.filter((place) => Math.abs(place.x - x) < NAME.width), end);
+      taken.push({x, y});
+      set(names[branch], {x, y: tenth(y)});
     }
   }
 
-  function draw(scenario, entries) {
-    width = host.clientWidth || width;
-    svg.setAttribute("viewBox", `0 0 ${width} ${HEIGHT}`);
+  // The height (px, of the base line) next to a wanted one that is clear of others and inside.
+  function freeHeight(others, wanted) {
+    const low = NAME.ascent, high = BOTTOM - 4;
+    const inside = Math.min(high, Math.max(low, wanted));
+    const heights = [inside, ...others.flatMap(({y}) => [y - NAME.height, y + NAME.height])];
+    const free = heights.filter((y) => y >= low && y <= high
+      && others.every((other) => Math.abs(other.y - y) > NAME.height - 0.01)); // rounding
+    return free.reduce((next, y) => (Math.abs(y - inside) < Math.abs(next - inside) ? y : next), free[0]);
+  }
+
+  function draw(scenario, length) {
     chooseLimit(scenario.radius);
-    kept = sample(scenario);
-    const all = Object.values(kept.lengths).flat().concat(entries.map((entry) => entry.length));
-    const most = Math.max(limit * 0.01, ...all.filter((length) => length > 0));
-    const step = stepOf(most, 4);
-    top = step * Math.ceil(most / step);
+    chooseTop(Math.max(limit * 0.01, sample(scenario), length));
     drawRules();
-    for (const branch of BRANCHES) {
-      const lengths = kept.lengths[branch];
-      curves[branch].thin.setAttribute("d", line(lengths, () => true));
-      curves[branch].bold.setAttribute("d", line(lengths, (i) => kept.best[i] === branch));
-    }
+    BRANCHES.forEach(drawCurve);
     placeNames();
-    const best = entries.find((entry) => entry.optimal), x = sx(scenario.radius);
-    set(now, {x1: x, x2: x, y1: MARGIN.top, y2: HEIGHT - MARGIN.bottom});
-    set(dot, {cx: x, cy: sy(best.length)});
+    const x = tenth(sx(scenario.radius));
+    set(now, {x1: x, x2: x});
+    set(dot, {cx: x, cy: tenth(sy(length))});
     const {number} = window.explorerNumbers;
-    svg.setAttribute("aria-label", `Length of every word's path against the turning radius from 0 to ${number(limit)}; `
-      + `at the chosen radius ${number(scenario.radius)} the shortest is ${number(best.length)}`);
+    set(svg, {"aria-label": `Length of every word's path against the turning radius from 0 to ${number(limit)}; `
+      + `at the chosen radius ${number(scenario.radius)} the shortest is ${number(length)}`});
   }
 
-  return {draw, data: () => kept};
+  function data() {
+    const listed = (values) => Array.from(values, (length) => (Number.isNaN(length) ? null : length));
+    return {
+      limit, radii: Array.from(best, (_, i) => radiusAt(i)), best: [...best],
+      lengths: Object.fromEntries(BRANCHES.map((branch) => [branch, listed(lengths[branch])])),
+    };
+  }
+
+  return {draw, resize, data};
 };

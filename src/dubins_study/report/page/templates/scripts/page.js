@@ -94,10 +94,10 @@
   });
   document.addEventListener("laidout", arrive);
 
-  // What is folded away on the screen is printed: figures here, lines of tables by their style.
+  // What is folded away on the screen is printed: figures and commands here, lines of tables by their style.
   let unfolded = [];
   window.addEventListener("beforeprint", () => {
-    unfolded = [...document.querySelectorAll("details.more:not([open])")];
+    unfolded = [...document.querySelectorAll("details:is(.more, .command):not([open])")];
     for (const part of unfolded) part.open = true;
   });
   window.addEventListener("afterprint", () => {

@@ -1,0 +1,45 @@
+"use strict";
+// window.explorerCopies(root): the scenario as a command, as Python and as a link, each with a button
+// that copies it.
+window.explorerCopies = (root) => {
+  const {write} = window.svgElements, codes = {};
+  for (const code of root.querySelectorAll("[data-copy]")) codes[code.dataset.copy] = code;
+  for (const button of root.querySelectorAll("button[data-copies]")) {
+    const label = button.textContent;
+    button.addEventListener("click", async () => {
+      const done = await copied(codes[button.dataset.copies]);
+      button.textContent = done ? "copied" : "press Ctrl+C";
+      setTimeout(() => { button.textContent = label; }, 1500);
+    });
+  }
+
+  async function copied(code) {
+    getSelection().selectAllChildren(code); // if the browser refuses, the text is selected for Ctrl+C
+    try {
+      await navigator.clipboard.writeText(code.textContent);
+      return true;
+    } catch {
+      return document.execCommand("copy");
+    }
+  }
+
+  function command({x, y, written, target_x, target_y, radius}) {
+    // a heading of more than a turn is taken only with its unit
+    const heading = written.replace("°", "deg").replace(/\d$/, "$&rad").replace(/\s/g, "");
+    return `dubins-study solve ${target_x} ${target_y} --from ${x} ${y} ${heading} --radius ${radius}`;
+  }
+
+  function python({x, y, written, target_x, target_y, radius}) {
+    const heading = /[a-z°]/i.test(written.replace(/e[+-]?\d+$/i, "")) ? `"${written}"` : written;
+    return `from dubins_study import Scenario, solve\n\nanswer = solve(Scenario(${x}, ${y}, ${heading}, `
+      + `${target_x}, ${target_y}, radius=${radius}))\nprint(answer.word, answer.length, answer.verdict)`;
+  }
+
+  return {
+    fill(scenario) {
+      write(codes.command, command(scenario));
+      write(codes.python, python(scenario));
+    },
+    link: (address) => write(codes.link, address),
+  };
+};

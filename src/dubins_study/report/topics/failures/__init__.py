@@ -1,0 +1,1 @@
+"""The topic `failures` of the report."""

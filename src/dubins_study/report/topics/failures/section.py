@@ -1,0 +1,172 @@
+"""The section on failures: what happened, what solvers said, where, and how to repeat one."""
+
+from __future__ import annotations
+
+import pandas as pd
+
+from dubins_study.report.data import failures as counts
+from dubins_study.report.data.failures import KINDS, OUTCOMES
+from dubins_study.report.data.results import Results
+from dubins_study.report.elements.columns import SOLVER, columns, marks
+from dubins_study.report.elements.content import Picture, Section, Table
+from dubins_study.report.elements.formats import count, sentences, share, some
+from dubins_study.report.topics.failures.figures import plot_failure_map
+from dubins_study.report.topics.failures.numbers import (
+    FailureMap,
+    by_region,
+    failure_map,
+    failures,
+    unreturned,
+    with_commands,
+)
+
+_MOST = 25
+_TITLE = "Failures"
+_NAMES = {name: name.replace("_", " ") for name in OUTCOMES}
+_KIND_TEXT = {
+    "no return": "did not return",
+    "no path": "returned without a path",
+    "misses": "brought a path that misses the target",
+    "longer": "brought a longer path",
+}
+
+
+def failures_section(results: Results | None) -> Section:
+    """Outcomes by solver, messages with commands that repeat them, and where failures happen.
+
+    Args:
+        results: None of an empty run.
+    """
+    if results is None:
+        lead = "No attempt was recorded, so nothing is known to have failed."
+        return Section("failures", _TITLE, "", (), lead)
+    attempts = results.attempts
+    stopped = unreturned(counts.outcomes(attempts))
+    frame = counts.regions(attempts)
+    kinds = frame[list(KINDS)].sum()
+    asked, failed = int(frame["attempts"].sum()), int(kinds.sum())
+    limits = _time_limits(results)
+    blocks: list[Picture | Table] = []
+    if len(stopped):
+        blocks.append(_outcome_table(with_commands(stopped, limits)))
+    if failed:
+        messages = failures(counts.failures(attempts)).head(_MOST).reset_index(drop=True)
+        blocks.append(_message_table(with_commands(messages, limits)))
+        places = failure_map(counts.places(attempts))
+        blocks += [_picture(places, asked)] if places.shares else []
+        blocks.append(_region_table(by_region(frame)))
+    lead = _lead(attempts.count, stopped, failed, int(kinds["no return"]))
+    text = _text(kinds, asked, failed) if blocks else ""
+    return Section("failures", _TITLE, text, tuple(blocks), lead)
+
+
+def _time_limits(results: Results) -> dict[str, float]:
+    """Experiment -> the time limit of its first folder that states one (s)."""
+    limits: dict[str, float] = {}
+    for run in results.folders:
+        if run.manifest.time_limit_s is not None:
+            limits.setdefault(run.name, run.manifest.time_limit_s)
+    return limits
+
+
+def _lead(total: int, stopped: pd.DataFrame, failed: int, silent: int) -> str:
+    """What to see: how many attempts did not return, and why; how many others failed."""
+    lost = int(stopped["unreturned"].sum())
+    others = f"what solvers said in {some(failed - silent, 'other failure' if lost else 'failure')}"
+    if lost:
+        sums = stopped[list(OUTCOMES)].sum()
+        why = ", ".join(f"{count(n)} {_NAMES[str(name)]}" for name, n in sums.items() if n)
+        return (
+            f"See which solvers returned no answer in {count(lost)} of {some(total, 'attempt')} "
+            f"({why}){f', and {others}' if failed > silent else ''}."
+        )
+    every = "the only attempt" if total == 1 else f"each of the {count(total)} attempts"
+    if failed:
+        return f"See {others}, and where their targets lie; {every} returned."
+    return f"Nothing failed: {every} returned, and the check accepts every path that was asked for."
+
+
+def _text(kinds: pd.Series[int], asked: int, failed: int) -> str:
+    parts = [f"{count(n)} {_KIND_TEXT[str(kind)]}" for kind, n in kinds.items() if n]
+    return sentences(
+        f"Of {some(asked, 'attempt')} at questions that have a path, {count(failed)} failed "
+        f"({share(failed / asked)}): {', '.join(parts)}."
+        if failed
+        else f"No attempt at a question that has a path failed ({count(asked)} attempts).",
+        "The sections above count each of them in their shares. A longer path is often the local "
+        "optimum that a local solver promises; the section on success says how much longer."
+        if kinds["longer"]
+        else "",
+        "An attempt that found none where no path exists has not failed.",
+    )
+
+
+def _outcome_table(stopped: pd.DataFrame) -> Table:
+    present = {name: title for name, title in _NAMES.items() if stopped[name].any()}
+    caption = (
+        "Attempts whose process did not return an answer, by solver, at all questions. Timeout: "
+        "stopped at the time limit, because the solver did not stop by itself. Unsupported: the "
+        "solver cannot read such a question. Unavailable: it is not installed, or has no licence. "
+        "Solvers of which every attempt returned are left out. The command repeats one such "
+        f"attempt, that of the nearest target, under the time limit of its run.{_cold(stopped)}"
+    )
+    shown = (
+        SOLVER,
+        *columns(count, attempts="attempts"),
+        *columns(count, **present),
+        *columns(count, unreturned="in all"),
+        *columns(kind="command", command="ask again"),
+    )
+    bad = marks(stopped, *present)
+    return Table("outcomes", caption, stopped, shown, bad)
+
+
+def _cold(table: pd.DataFrame) -> str:
+    """A sentence on commands that cannot start where their attempt started."""
+    warm = table["warm"].eq(True).any()
+    return " It starts cold, also where all attempts of its line started warm." if warm else ""
+
+
+def _message_table(table: pd.DataFrame) -> Table:
+    shown = (
+        SOLVER,
+        *columns(kind="text", outcome="outcome", claim="claim", verdict="verdict"),
+        *columns(kind="prose", message="what the solver said"),
+        *columns(count, attempts="attempts"),
+        *columns(kind="command", command="ask again"),
+    )
+    caption = (
+        "Failures by what was said of them (# stands for a number), "
+        f"{f'the {_MOST} most frequent' if len(table) == _MOST else 'the most frequent first'}. "
+        "The command repeats one of them, that of the nearest target, under the time limit of its "
+        f"run.{_cold(table)}"
+    )
+    return Table("failures", caption, table, shown, numbers=("experiment",), dense=True)
+
+
+def _picture(places: FailureMap, asked: int) -> Picture:
+    shown = share(places.attempts / asked)
+    caption = (
+        "Where the targets of failures lie, seen from the vehicle (the arrow) and in turning "
+        "radii, with the two turning circles. The colour of a cell is the share of its attempts "
+        f"that failed in this way; grey cells hold no target. {shown} of the attempts have their "
+        "target on this map."
+    )
+    alt = f"Maps of the share of failures around the start: {', '.join(places.shares)}"
+    return Picture("failure-map", caption, plot_failure_map(places.shares), alt)
+
+
+def _region_table(regions: pd.DataFrame) -> Table:
+    present = {kind: kind for kind in KINDS if regions[kind].any()}
+    shown = (
+        *columns(kind="text", place="the target lies"),
+        *columns(count, attempts="attempts", failed="failed"),
+        *columns(share, failed_share="share"),
+        *columns(share, **present),
+    )
+    caption = (
+        "Failures by where the target lies, as numbers and as shares of the attempts there: in "
+        "all, and by kind. All solvers together: the numbers say where questions are hard, not "
+        "which solver to choose."
+    )
+    return Table("failures-by-region", caption, regions, shown)

@@ -1,0 +1,161 @@
+"""Failures: outcomes, messages, places and commands, counted by hand."""
+
+from __future__ import annotations
+
+import math
+import shlex
+
+import pytest
+
+from dubins_study import render
+from dubins_study.report.data import failures as counts
+from dubins_study.report.data.results import load
+from dubins_study.report.topics.failures.numbers import by_region, failure_map, failures, unreturned
+from dubins_study.report.topics.failures.section import failures_section
+from dubins_study.study.claim import Claim
+from dubins_study.study.path import Path
+from dubins_study.study.scenario import Scenario
+from tests.unit.report.results_folder import attempt
+
+NEAR, FAR = Scenario(0, 0, 0, 2, 2.5), Scenario(0, 0, 0, 30, 1)
+TURNED = Scenario(5, 5, math.pi / 2, 5, 7.6, 2.0)  # straight ahead, 1.3 radii away
+IN_DISC = Scenario(0, 0, 0, 0.2, 1.0)
+SAID = {"message": "stopped after 1.11 s; the limit is 1 s"}
+
+
+def stray(scenario):
+    """A path that leads nowhere."""
+    return Path(scenario.start, [0.0], [0.1])
+
+
+def silent(scenario, solver, outcome, **changes):
+    """An attempt without an answer."""
+    changes = {"outcome": outcome, "message": ""} | changes
+    return attempt(scenario, solver, path=None, claim=Claim.NONE, **changes)
+
+
+def rows():
+    """Two timeouts, a crash, a miss, two that say they failed, and seven right answers."""
+    misses = [attempt(IN_DISC, "b", path=stray(IN_DISC), claim=Claim.FAILED, message="off by 7.5")]
+    failed = [
+        attempt(where, "b", path=None, claim=Claim.FAILED, message=f"off by {k}", repeat=k)
+        for k, where in enumerate((TURNED, FAR), 1)
+    ]
+    return [
+        silent(NEAR, "a", "timeout", **SAID),
+        silent(FAR, "a", "timeout", message="stopped after 1.20 s; the limit is 1 s"),
+        silent(IN_DISC, "a", "out_of_memory"),
+        attempt(TURNED, "a"),
+        attempt(NEAR, "b"),
+        *misses,
+        *failed,
+        *(attempt(where, "c") for where in (NEAR, FAR, TURNED, IN_DISC)),
+    ]
+
+
+@pytest.fixture
+def folder(results):
+    """The rows in a folder whose run had a limit of 1.5 s an attempt."""
+    return results("e", rows(), time_limit_s=1.5)
+
+
+def test_outcomes_by_solver(folder):
+    """Only the solver that was stopped; each outcome apart, with the nearest as its example."""
+    (line,) = unreturned(counts.outcomes(load([folder]).attempts)).to_dict("records")
+
+    assert (line["solver"], line["attempts"], line["unreturned"]) == ("a", 4, 3)
+    assert (line["timeout"], line["out_of_memory"], line["crashed"]) == (2, 1, 0)
+    assert (line["target_x"], line["target_y"]) == (0.2, 1.0)
+
+
+def test_messages_that_differ_in_numbers_are_one(folder):
+    """The most frequent first; the example is the first repeat, then the nearest target."""
+    table = failures(counts.failures(load([folder]).attempts))
+    lines = table.set_index(["solver", "outcome", "verdict"])
+
+    assert table["attempts"].sum() == 6
+    assert table["attempts"].is_monotonic_decreasing
+    stopped = lines.loc[("a", "timeout", "none")]
+    assert (stopped["message"], stopped["attempts"]) == ("stopped after # s; the limit is # s", 2)
+    assert (stopped["target_x"], stopped["target_y"]) == (2, 2.5)
+    said = lines.loc[("b", "returned", "none")]
+    assert (said["message"], said["attempts"], said["repeat"]) == ("off by #", 2, 1)
+
+
+def test_where_failures_lie(folder):
+    """Twelve attempts, by region, and by kind; a question that was stopped has a place too."""
+    table = by_region(counts.regions(load([folder]).attempts)).set_index("place")
+
+    assert table["attempts"].to_dict() == {
+        "outside, beyond 4 R of the start": 3,
+        "outside, within 4 R of the start": 6,
+        "in the left disc": 3,
+    }
+    assert table["failed"].tolist() == [2, 2, 2]
+    beyond = table.loc["outside, beyond 4 R of the start"]
+    assert beyond[["no return", "no path", "misses", "longer"]].tolist() == pytest.approx(
+        [1 / 3, 1 / 3, 0, 0]
+    )
+    assert table.loc["in the left disc", "misses"] == pytest.approx(1 / 3)
+
+
+def test_the_map_is_seen_from_the_vehicle_in_radii(folder):
+    """TURNED lies 1.3 radii straight ahead: cell (4 + 1.3) * 3 = 15, in the row of Y = 0."""
+    plane = failure_map(counts.places(load([folder]).attempts))
+
+    assert plane.attempts == 9  # three are at the far target
+    assert set(plane.shares) == {"no return", "no path", "misses"}
+    assert plane.shares["no path"][12, 15] == pytest.approx(1 / 3)  # a and c are right there
+    assert math.isnan(plane.shares["no path"][0, 0])
+
+
+def test_a_command_repeats_the_failure(folder, tmp_path):
+    """The spec, the question and the run's time limit, as a shell reads them."""
+    section = failures_section(load([folder]))
+    table = next(block for block in section.blocks if block.name == "failures")
+    line = table.frame.set_index("outcome").loc["timeout"]
+
+    assert shlex.split(line["command"]) == shlex.split(
+        "dubins-study solve --time-limit 1.5 --solver a -- 2 2.5"
+    )
+    page = render([folder], tmp_path / "out").read_text(encoding="utf-8")
+    assert "--time-limit 1.5 --solver a -- 2 2.5" in page
+    assert page.count('<section id="failures"') == 1
+
+
+def test_the_lead_counts(folder):
+    """What did not return, why, and how many others failed; the text says of how many."""
+    section = failures_section(load([folder]))
+
+    assert "3 of 12 attempts (2 timeout, 1 out of memory)" in section.lead
+    assert "3 other failures" in section.lead
+    assert "Of 12 attempts at questions that have a path, 6 failed (50.0 %)" in section.text
+
+
+def test_without_failures_a_sentence(results):
+    """No table where nothing failed, nothing was asked, or none exists and that was found."""
+    good = failures_section(load([results("good", [attempt(NEAR), attempt(FAR)])]))
+    none = failures_section(load([results("none", [attempt(IN_DISC, branch="LS")])]))
+
+    for section in (good, none, failures_section(None)):
+        assert not section.blocks
+        assert not section.text
+    assert good.lead.startswith("Nothing failed: each of the 2 attempts returned")
+    assert none.lead.startswith("Nothing failed: the only attempt returned")
+    assert "No attempt was recorded" in failures_section(None).lead
+
+
+def test_returned_failures_alone(results):
+    """If every attempt returned there is no table of outcomes."""
+    wrong = [attempt(NEAR, "b", path=stray(NEAR), claim=Claim.LOCAL), attempt(FAR, "b")]
+    section = failures_section(load([results("e", wrong)]))
+
+    assert [block.name for block in section.blocks] == [
+        "failures",
+        "failure-map",
+        "failures-by-region",
+    ]
+    assert section.lead == (
+        "See what solvers said in 1 failure, and where their targets lie; each of the 2 attempts "
+        "returned."
+    )
