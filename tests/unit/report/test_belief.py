@@ -176,9 +176,13 @@ def test_the_section(results):
     assert [block.name for block in section.blocks] == [
         "belief-claims",
         "belief",
+        "belief-kinds",
         "belief-false",
         "belief-cures",
     ]
+    kinds = section.blocks[2]
+    assert kinds.texts() == [["one NLP a word", "scip", "bearing", "1"]]
+    assert "infeasible, but has a path" in [column.title for column in kinds.columns]
     assert "others, scip (bearing) on one NLP a word: at 100 %" in section.text
     assert "of its 1 question." in section.text
     assert "No method makes a false claim" in belief_section(good).text
