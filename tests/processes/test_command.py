@@ -159,7 +159,7 @@ def test_bad_options_get_usage():
     done = dubins("solve", "1")
 
     assert done.returncode == 2
-    assert "Missing argument" in done.stderr
+    assert "Y is missing: target position; expected dubins-study solve X Y" in done.stderr
     assert "Traceback" not in done.stderr
 
 

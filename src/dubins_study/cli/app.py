@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import errno
 import os
-import re
 import sys
 from typing import Annotated, Any
 
@@ -98,15 +97,7 @@ def main() -> Any:
         print(f"dubins-study: the output cannot be written: {error.strerror}", file=sys.stderr)
         sys.exit(2)
     except DubinsStudyError as error:  # any other exception is a bug and shows its traceback
-        print(f"dubins-study: {_visible(str(error))}", file=sys.stderr)
+        from dubins_study.cli.terminal.request import refusal_text
+
+        print(refusal_text(str(error)), file=sys.stderr)
         sys.exit(2)
-
-
-def _visible(message: str) -> str:
-    """The message with visible control characters; they may come from a file.
-
-    A line break is kept only before two spaces, where the message starts the item of a list.
-    """
-    from dubins_study.study.printable import plain
-
-    return "\n".join(map(plain, re.split(r"\n(?=  )", message)))

@@ -1,26 +1,20 @@
-"""Arguments that several commands share: a target, a start pose and a radius."""
+"""Arguments and options of the commands, each declared once, and their texts as values."""
 
 from __future__ import annotations
 
+from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from dubins_study.errors import DubinsStudyError
+from dubins_study.cli.terminal import completion
+from dubins_study.cli.terminal.request import CommandError, is_number
 
 if TYPE_CHECKING:
     from dubins_study.study.scenario import Scenario
 
-# A target such as -6 3 must not be read as options. `_check_rest` refuses unknown options.
-NEGATIVE_NUMBERS: dict[str, Any] = {"ignore_unknown_options": True, "allow_extra_args": True}
-
-TargetX = Annotated[str, typer.Argument(metavar="X", help="target position")]
-TargetY = Annotated[str, typer.Argument(metavar="Y", help="target position")]
-StartPose = Annotated[
-    tuple[str, str, str],
-    typer.Option("--from", metavar="X Y HEADING", help="start pose, e.g. 0 0 120deg"),
-]
-Radius = Annotated[str, typer.Option(help="minimum turning radius")]
+# A target such as -6 3 must not be read as options. `terminal.request` refuses unknown options.
+NEGATIVE_NUMBERS: dict[str, Any] = {"ignore_unknown_options": True}
 
 
 def whole_number(text: str | int) -> int:
@@ -30,7 +24,7 @@ def whole_number(text: str | int) -> int:
         typer.BadParameter: naming the value and what was expected.
     """
     try:
-        if "_" in str(text):  # which Python takes within a number
+        if not is_number(str(text)):
             raise ValueError
         return int(text)
     except ValueError:
@@ -43,44 +37,111 @@ def number(text: str | float) -> float:
     Raises:
         typer.BadParameter: naming the value and what was expected.
     """
-    try:
-        return _number("", str(text))
-    except CommandError:
-        raise typer.BadParameter(f"{text!r:.60}; expected a number") from None
+    if not is_number(str(text)):
+        raise typer.BadParameter(f"{text!r:.60}; expected a number")
+    return float(text)
 
 
-class CommandError(DubinsStudyError, ValueError):
-    """The command line cannot be read, or its result cannot be printed or saved."""
-
-
-def _check_rest(context: typer.Context, target: tuple[str, str]) -> None:
-    """Refuse unknown options, and words after the target."""
-    rest = context.args
-    for word in (*target, *rest):
-        if word.startswith("-") and not _is_number(word):
-            from dubins_study.study.nearest import did_you_mean
-
-            known = [name for option in context.command.params for name in option.opts]
-            near = did_you_mean(word.partition("=")[0], known)
-            raise CommandError(
-                f"no such option: {word}; {near}see dubins-study {context.info_name} --help"
-            )
-    if rest:
-        raise CommandError(
-            f"unexpected argument {rest[0]!r}; expected a target of two numbers, X Y"
-        )
-
-
-def _is_number(text: str) -> bool:
-    try:
-        _number("", text)
-    except CommandError:
-        return False
-    return True
+# the question of a solve
+TargetX = Annotated[str, typer.Argument(metavar="X", help="target position")]
+TargetY = Annotated[str, typer.Argument(metavar="Y", help="target position")]
+StartPose = Annotated[
+    tuple[str, str, str],
+    typer.Option("--from", metavar="X Y HEADING", help="start pose, e.g. 0 0 120deg"),
+]
+Radius = Annotated[str, typer.Option(metavar="NUMBER", help="minimum turning radius")]
+Speed = Annotated[str, typer.Option(metavar="NUMBER", help="constant speed")]
+Branch = Annotated[
+    str,
+    typer.Option(metavar="NAME", help="best, LS, RS, LR or RL", autocompletion=completion.branches),
+]
+# who answers, and within which limits
+Spec = Annotated[
+    str,
+    typer.Option(
+        "--solver",
+        metavar="SPEC",
+        help="name, name[setting=value] or file.py:Class",
+        autocompletion=completion.solvers,
+    ),
+]
+Specs = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--solver",
+        metavar="SPEC",
+        help="instead of the experiment's own; may be given several times",
+        autocompletion=completion.solvers,
+    ),
+]
+Profile = Annotated[
+    str,
+    typer.Option(
+        metavar="NAME", help="default, fast or accurate", autocompletion=completion.profiles
+    ),
+]
+SolveLimit = Annotated[
+    float,
+    typer.Option(
+        "--time-limit", metavar="SECONDS", parser=number, help="seconds that the solve may take"
+    ),
+]
+# a run
+Experiment = Annotated[
+    str | None,
+    typer.Argument(
+        metavar="EXPERIMENT",
+        help="a name, or the path of a .toml file; optional with --scenarios",
+        autocompletion=completion.experiments,
+    ),
+]
+Scenarios = Annotated[
+    FilePath | None,
+    typer.Option(metavar="FILE", help="ask about these: .csv or .parquet, a row a scenario"),
+]
+ResultsFolder = Annotated[
+    FilePath | None,
+    typer.Option("--out", metavar="DIR", help="default: results/<experiment or file>"),
+]
+Jobs = Annotated[
+    int,
+    typer.Option(metavar="N", parser=whole_number, help="processes; 1 where times are quoted"),
+]
+CellLimit = Annotated[
+    float | None,
+    typer.Option(
+        "--time-limit",
+        metavar="SECONDS",
+        parser=number,
+        help="seconds after which a solve is ended",
+    ),
+]
+MemoryLimit = Annotated[
+    float | None, typer.Option(metavar="GIB", parser=number, help="GiB that a solve may hold")
+]
+Repeats = Annotated[
+    int | None, typer.Option(metavar="N", parser=whole_number, help="attempts per cell")
+]
+Restart = Annotated[bool, typer.Option("--restart", help="throw away earlier rows")]
+TrustPlugins = Annotated[
+    bool, typer.Option("--trust-plugins", help="the experiment may name plug-ins and programs")
+]
+Engine = Annotated[str, typer.Option(metavar="NAME", help="local, or dask")]
+Scheduler = Annotated[
+    str | None, typer.Option(metavar="ADDRESS", help="of Dask's; default: one on this machine")
+]
+# what is printed and drawn
+Json = Annotated[bool, typer.Option("--json", help="print one JSON object")]
+StatusJson = Annotated[
+    bool, typer.Option("--json", help="print the folder's status as one JSON object")
+]
+Plot = Annotated[
+    FilePath | None, typer.Option(metavar="FILE", help="draw the path: .svg, .pdf or .png")
+]
+Strict = Annotated[bool, typer.Option("--strict", help="exit code 1 unless the verdict is optimal")]
 
 
 def scenario_of(
-    context: typer.Context,
     target: tuple[str, str],
     start: tuple[str, str, str],
     radius: str,
@@ -89,13 +150,11 @@ def scenario_of(
     """A scenario from the texts of the command line.
 
     Raises:
-        CommandError, AngleError, ScenarioError: naming the field, its value and what was expected,
-            or naming the first unknown option or the first word after the target.
+        CommandError, AngleError, ScenarioError: naming the field, its value and what was expected.
     """
     from dubins_study.study.angle import AngleError, parse_angle
     from dubins_study.study.scenario import Scenario
 
-    _check_rest(context, target)
     try:
         heading = parse_angle(start[2])
     except AngleError as error:
@@ -112,11 +171,8 @@ def scenario_of(
 
 
 def _number(name: str, text: str) -> float:
-    from dubins_study.study.printable import short
+    if not is_number(text):
+        from dubins_study.study.printable import short
 
-    try:
-        if "_" in text:  # which Python takes within a number
-            raise ValueError
-        return float(text)
-    except ValueError:
-        raise CommandError(f"{name} is {short(text)}; expected a number") from None
+        raise CommandError(f"{name} is {short(text)}; expected a number")
+    return float(text)

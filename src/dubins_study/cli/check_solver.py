@@ -24,10 +24,12 @@ def check_solver(
         list[str] | None, typer.Option(metavar="NAME", help="only this check; may be repeated")
     ] = None,
     time_limit: Annotated[
-        float, typer.Option(parser=number, help="seconds that a question may take")
+        float,
+        typer.Option(metavar="SECONDS", parser=number, help="seconds that a question may take"),
     ] = 5.0,
     total_time_limit: Annotated[
-        float, typer.Option(parser=number, help="seconds that all questions may take")
+        float,
+        typer.Option(metavar="SECONDS", parser=number, help="seconds that all questions may take"),
     ] = 600.0,
     as_json: Annotated[bool, typer.Option("--json", help="print one JSON object")] = False,
 ) -> None:

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from dubins_study.cli.arguments import number
+
 if TYPE_CHECKING:
     from dubins_study.report.two_runs.comparison import Comparison
 
@@ -19,7 +21,8 @@ def compare(
         FilePath | None, typer.Option(metavar="DIR", help="write a page with tables and figures")
     ] = None,
     slower: Annotated[
-        float, typer.Option(metavar="RATIO", help="times as long that count as slower")
+        float,
+        typer.Option(metavar="RATIO", parser=number, help="times as long that count as slower"),
     ] = 1.1,
     fail_on_regression: Annotated[
         bool, typer.Option("--fail-on-regression", help="exit code 1 if anything became worse")

@@ -8,26 +8,30 @@ from typing import Annotated
 import typer
 
 from dubins_study.cli.arguments import (
-    CommandError,
     Radius,
     StartPose,
     TargetX,
     TargetY,
     scenario_of,
 )
+from dubins_study.cli.terminal.request import CommandError
 
 
 def export(
-    context: typer.Context,
     x: TargetX,
     y: TargetY,
     start: StartPose = ("0", "0", "0"),
     radius: Radius = "1",
-    model: Annotated[str, typer.Option(help="paper (4.12), or disjunctive")] = "paper",
+    model: Annotated[
+        str, typer.Option(metavar="NAME", help="paper (4.12), or disjunctive")
+    ] = "paper",
     file_format: Annotated[
-        str, typer.Option("--format", help="nl, gams, or mod: AMPL's language, model paper only")
+        str,
+        typer.Option(
+            "--format", metavar="NAME", help="nl, gams, or mod: AMPL's language, model paper only"
+        ),
     ] = "nl",
-    order: Annotated[str, typer.Option(help="of model paper: LRS or RLS")] = "LRS",
+    order: Annotated[str, typer.Option(metavar="NAME", help="of model paper: LRS or RLS")] = "LRS",
     out: Annotated[
         FilePath | None, typer.Option(metavar="FILE", help="default: standard output")
     ] = None,
@@ -35,7 +39,7 @@ def export(
     """Write a model of one scenario for other people's solvers."""
     from dubins_study.solvers.export import export as export_model
 
-    scenario = scenario_of(context, (x, y), start, radius)
+    scenario = scenario_of((x, y), start, radius)
     text = export_model(scenario, model, file_format, order)
     if out is None:
         print(text, end="")

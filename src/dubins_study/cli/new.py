@@ -13,8 +13,8 @@ from typing import Annotated
 
 import typer
 
-from dubins_study.cli.arguments import CommandError
 from dubins_study.cli.terminal.command_line import CommandLine
+from dubins_study.cli.terminal.request import CommandError
 from dubins_study.study.printable import plain
 
 app = CommandLine("new", "Write a file to begin with.")

@@ -7,20 +7,12 @@ import logging
 import math
 import sys
 from pathlib import Path as FilePath
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
 import typer
 
-from dubins_study.cli.arguments import (
-    CommandError,
-    Radius,
-    StartPose,
-    TargetX,
-    TargetY,
-    number,
-    scenario_of,
-)
-from dubins_study.cli.terminal import completion
+from dubins_study.cli import arguments
+from dubins_study.cli.terminal.request import CommandError
 
 if TYPE_CHECKING:
     from dubins_study.solvers.attempt import Answer
@@ -40,43 +32,25 @@ _MOST_SEGMENTS = 4  # of a path of many pieces, in the text
 
 
 def solve(
-    context: typer.Context,
-    x: TargetX,
-    y: TargetY,
-    start: StartPose = ("0", "0", "0"),
-    radius: Radius = "1",
-    speed: Annotated[str, typer.Option(help="constant speed")] = "1",
-    solver: Annotated[
-        str,
-        typer.Option(
-            metavar="SPEC",
-            help="name, name[setting=value] or file.py:Class",
-            autocompletion=completion.solvers,
-        ),
-    ] = "analytic",
-    branch: Annotated[
-        str, typer.Option(help="best, LS, RS, LR or RL", autocompletion=completion.branches)
-    ] = "best",
-    profile: Annotated[
-        str, typer.Option(help="default, fast or accurate", autocompletion=completion.profiles)
-    ] = "default",
-    time_limit: Annotated[
-        float, typer.Option(parser=number, help="seconds that the solve may take")
-    ] = 60.0,
-    as_json: Annotated[bool, typer.Option("--json", help="print one JSON object")] = False,
-    plot: Annotated[
-        FilePath | None, typer.Option(metavar="FILE", help="draw the path: .svg, .pdf or .png")
-    ] = None,
-    strict: Annotated[
-        bool, typer.Option("--strict", help="exit code 1 unless the verdict is optimal")
-    ] = False,
+    x: arguments.TargetX,
+    y: arguments.TargetY,
+    start: arguments.StartPose = ("0", "0", "0"),
+    radius: arguments.Radius = "1",
+    speed: arguments.Speed = "1",
+    solver: arguments.Spec = "analytic",
+    branch: arguments.Branch = "best",
+    profile: arguments.Profile = "default",
+    time_limit: arguments.SolveLimit = 60.0,
+    as_json: arguments.Json = False,
+    plot: arguments.Plot = None,
+    strict: arguments.Strict = False,
 ) -> None:
     """Solve one scenario and judge the answer."""
     from dubins_study.cli.terminal import streams
     from dubins_study.experiments.solve import solve as ask
     from dubins_study.solvers.attempt import check_request
 
-    scenario = scenario_of(context, (x, y), start, radius, speed)
+    scenario = arguments.scenario_of((x, y), start, radius, speed)
     check_request(branch, time_limit, "--time-limit")
     if plot is not None:
         from dubins_study.report.path_plot import check_format
@@ -90,17 +64,21 @@ def solve(
         print(answer_json(answer) if as_json else answer_text(answer), flush=True)
     if refusal is not None:
         raise CommandError(refusal)
-    drawable = answer.length is not None and answer.curvatures is not None
-    if plot is not None and drawable:
-        from dubins_study.report.path_plot import plot_path
-
-        plot_path(answer, plot)
-    undrawn = plot is not None and not drawable
-    if undrawn:
-        reason = "there is no path" if answer.path is None else "the path is not finite"
-        print(f"dubins-study: {plot} is not drawn: {reason}", file=sys.stderr)
-    if undrawn or (strict and answer.verdict != "optimal"):
+    drawn = plot is None or _draw(answer, plot)
+    if not drawn or (strict and answer.verdict != "optimal"):
         raise typer.Exit(1)
+
+
+def _draw(answer: Answer, file: FilePath) -> bool:
+    """Draw the path of an answer into a file; False, with the reason on stderr, if none can be."""
+    if answer.length is None or answer.curvatures is None:
+        reason = "there is no path" if answer.path is None else "the path is not finite"
+        print(f"dubins-study: {file} is not drawn: {reason}", file=sys.stderr)
+        return False
+    from dubins_study.report.path_plot import plot_path
+
+    plot_path(answer, file)
+    return True
 
 
 def _refusal(answer: Answer) -> str | None:

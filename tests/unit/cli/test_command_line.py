@@ -51,20 +51,6 @@ def test_the_nearest_name(arguments, message):
     assert message in str(refusal.value)
 
 
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (("solv", "1", "2"), "No such command 'solv'. Did you mean 'solve', 'solvers'?"),
-        (("run", "paper", "--job", "2"), "No such option: --job"),
-    ],
-)
-def test_the_nearest_command_and_option(arguments, message):
-    done = asked(*arguments)
-
-    assert done.exit_code == 2
-    assert message in done.stderr
-
-
 def test_the_nearest_experiment_and_engine():
     for arguments, message in (
         (("run", "papr"), "no experiment named 'papr'; did you mean 'paper'? choose one of"),

@@ -150,8 +150,9 @@ test_numbers_are_those_of_the_frame_often = pytest.mark.slow(
 def numbers_are_those_of(found, rows):
     presolved = (rows["presolved"] == True) & (rows["verdict"] == "none exists")  # noqa: E712 (None)
     rows = rows.assign(verdict=rows["verdict"].mask(presolved, PRESOLVED))
-    # every row is another repeat of its question; whether that has a path is drawn for each row
-    weight = 1 / rows.groupby(["solver", *QUESTION])["solver"].transform("size")
+    # Every row is another attempt at one scenario; whether that has a path is drawn for each row. A
+    # trial is the scenario with a branch: experiments, initial guesses and repeats are its parts.
+    weight = 1 / rows.groupby(["solver", "branch"])["solver"].transform("size")
     rows = rows.assign(weight=weight)
     existence_is_that_of(found, rows)
     every, rows = rows, rows[rows["reference_word"].notna()]
@@ -189,9 +190,6 @@ def numbers_are_those_of(found, rows):
         for m, s in zip(bad.message, bad.native_status, strict=True)
     ]
     assert set(table["message"]) == set(map(gist, said))
-
-
-QUESTION = ["experiment", "branch", "initial_guess"]
 
 
 def existence_is_that_of(found, rows):

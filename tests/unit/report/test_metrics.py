@@ -9,11 +9,14 @@ import pandas as pd
 import pytest
 
 from dubins_study.report.data.attempts import VERDICTS
-from dubins_study.report.data.verdicts import failures as failure_counts
+from dubins_study.report.data.failures import failures as failure_counts
+from dubins_study.report.data.verdicts import starts
 from dubins_study.report.statistics import metrics
 from dubins_study.report.topics.agreement.numbers import agreement
 from dubins_study.report.topics.discretisation.numbers import work_precision
-from dubins_study.report.topics.success.numbers import failures, gap_quantiles
+from dubins_study.report.topics.failures.numbers import failures
+from dubins_study.report.topics.success.numbers import gap_quantiles
+from dubins_study.report.topics.summary.numbers import by_start
 from dubins_study.report.topics.summary.section import solver_summary
 from dubins_study.report.topics.time.numbers import mean_times, time_ratios
 from dubins_study.report.topics.warm.numbers import warm_starts
@@ -348,3 +351,53 @@ def test_the_order_is_fitted_as_far_as_the_gap_falls():
     found = work_precision(rows, settings_of(*rows["solver"]))
 
     assert found["order"].tolist() == pytest.approx([2.0] * 4)
+
+
+def test_cold_and_warm_attempts_at_a_question_are_one_trial(tmp_path):
+    """Of ten questions asked cold and warm, a solver that is right on seven has seven of ten.
+
+    Counted as twenty trials the interval would be narrower by a factor of about the root of two.
+    """
+    rows = pd.DataFrame(
+        [
+            {
+                **{"experiment": "e", "solver": "b", "branch": "best", "scenario_id": f"{place}"},
+                **{"initial_guess": start, "reference_word": "LS", "outcome": "returned"},
+                "verdict": "optimal" if place < 7 else "longer",
+            }
+            for place in range(10)
+            for start in ("cold", "warm")
+        ]
+    )
+    line = solver_summary(attempts_of(tmp_path, rows)).iloc[0]
+
+    assert (line["attempts"], line["questions"], line["right"]) == (20, 10, 7)
+    # Wilson's interval of 7 in 10, from the quadratic (p - 0.7)^2 = z^2 p (1 - p) / 10
+    z = 1.959963984540054
+    ends = np.roots([1 + z * z / 10, -(1.4 + z * z / 10), 0.49])
+    assert [line["right_low"], line["right_high"]] == pytest.approx(sorted(ends), abs=1e-12)
+
+
+def test_cold_and_warm_starts_apart(tmp_path):
+    """At the questions that were asked both ways; of two cold repeats one right is a half."""
+    cell = {"experiment": "e", "solver": "b", "branch": "best", "reference_word": "LS"}
+    kinds = [
+        *(("0", "cold", v) for v in ("optimal", "longer")),
+        *(("1", "cold", "longer"), ("2", "cold", "optimal")),
+        *(("0", "warm", "optimal"), ("1", "warm", "optimal")),
+    ]
+    rows = pd.DataFrame(
+        [
+            {**cell, "scenario_id": name, "initial_guess": start, "verdict": verdict}
+            for name, start, verdict in kinds
+        ]
+    )
+    counted = attempts_of(tmp_path, rows)
+    (line,) = by_start(starts(counted)).to_dict("records")
+
+    assert (line["cold_of"], line["cold_share"]) == (2, 0.25)
+    assert (line["warm_of"], line["warm_share"]) == (2, 1)
+    # all in all: question 0 is right in two of three attempts, 1 in one of two, 2 in the only one
+    whole = solver_summary(counted).iloc[0]
+    assert whole["right"] == pytest.approx(2 / 3 + 1 / 2 + 1, abs=1e-6)
+    assert starts(attempts_of(tmp_path / "cold", rows[rows["initial_guess"] == "cold"])).empty

@@ -12,8 +12,10 @@ from collections.abc import Callable
 from typing import Annotated, Any
 
 import typer
+from typer.core import TyperCommand, TyperGroup
 
 from dubins_study.cli.terminal.examples import EXAMPLES
+from dubins_study.cli.terminal.request import CommandError, checked_words, unknown_command
 from dubins_study.cli.terminal.verbosity import Verbosity, set_verbosity
 
 _CONTEXT: dict[str, Any] = {"help_option_names": ["-h", "--help"]}
@@ -22,6 +24,42 @@ Quiet = Annotated[
     bool, typer.Option("--quiet", "-q", help="no progress on stderr: only warnings and refusals")
 ]
 Verbose = Annotated[bool, typer.Option("--verbose", "-v", help="every step on stderr")]
+
+
+class _Command(TyperCommand):
+    """A command whose refusals are ours."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        return _parsed(super().parse_args, ctx, args)
+
+
+class _Group(TyperGroup):
+    """A group whose refusals are ours."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        # without a word, Typer shows the help
+        return _parsed(super().parse_args, ctx, args) if args else super().parse_args(ctx, args)
+
+    def resolve_command(self, ctx: Any, args: list[str]) -> Any:
+        if not ctx.resilient_parsing and args[0] not in self.commands:
+            raise unknown_command(ctx, args[0])
+        return super().resolve_command(ctx, args)
+
+
+def _parsed(parse: Callable[[Any, list[str]], list[str]], ctx: Any, args: list[str]) -> list[str]:
+    """What Typer makes of the words after a command's name.
+
+    Raises:
+        CommandError: naming the option or argument, its value and what was expected.
+    """
+    if ctx.resilient_parsing:  # a shell completes a word
+        return parse(ctx, args)
+    try:
+        return parse(ctx, checked_words(ctx, args))
+    except typer.BadParameter as error:
+        option: Any = error.param
+        name = option.opts[0] if option is not None else "the command line"
+        raise CommandError(f"{name} is {error.message}") from None
 
 
 class CommandLine(typer.Typer):
@@ -35,6 +73,7 @@ class CommandLine(typer.Typer):
     def __init__(self, words: str = "", text: str = "", **options: Any) -> None:
         self._words = words
         super().__init__(
+            cls=_Group,
             help=text,
             no_args_is_help=True,
             pretty_exceptions_enable=False,
@@ -48,7 +87,7 @@ class CommandLine(typer.Typer):
         def add(function: Callable[..., None]) -> Callable[..., None]:
             own_name = name or function.__name__.replace("_", "-")
             epilog = examples_text(f"{self._words} {own_name}".strip())
-            settings: dict[str, Any] = {"epilog": epilog, **options}
+            settings: dict[str, Any] = {"cls": _Command, "epilog": epilog, **options}
             super(CommandLine, self).command(own_name, **settings)(_with_verbosity(function))
             return function
 

@@ -17,6 +17,9 @@ EXACT = "analytic"
 # The verdict on an answer of the presolve counts as a verdict of its own: no engine was asked.
 PRESOLVED = "by presolve"
 VERDICTS = ("optimal", "none exists", PRESOLVED, "longer", "misses", "none")
+# What an interval counts as one trial of a solver: repeats of it, cold and warm starts, and the
+# same attempt in another experiment all depend on each other.
+TRIAL = ("scenario_id", "branch")
 SUCCESSES = ("optimal", "none exists")
 PROOFS = ("proved", "bounded", "extremal", "none")
 TIMES = ("build_s", "solve_s", "wall_s")

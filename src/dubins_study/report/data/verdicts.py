@@ -1,15 +1,16 @@
 """Verdicts counted over all attempts: on questions that have a path, and on those that have none.
 
-Finding a path and finding out that none exists are different tasks, so they are counted apart. The
-number of questions that a solver answered right counts repeats as parts: a question that is
-answered right in two of three repeats counts 2/3.
+Finding a path and finding out that none exists are different tasks, so they are counted apart. A
+number of questions counts trials, each a scenario and a branch (`report.data.attempts.TRIAL`): all
+attempts of a solver at it are parts of one. Of two right attempts in three it has 2/3 of a question
+right, whether the three are repeats, or a cold and two warm starts.
 """
 
 from __future__ import annotations
 
 import pandas as pd
 
-from dubins_study.report.data.attempts import PRESOLVED, SUCCESSES, VERDICTS, Attempts
+from dubins_study.report.data.attempts import PRESOLVED, SUCCESSES, TRIAL, VERDICTS, Attempts
 
 
 def methods(attempts: Attempts) -> pd.DataFrame:
@@ -42,6 +43,26 @@ def verdicts(attempts: Attempts) -> pd.DataFrame:
             {_questions(f"answerable AND {_RIGHT}")} AS "right", {counted},
             {attempts.quantile("wall_s", 0.5)} FILTER (answerable) AS wall_s
         FROM {_weighted(attempts)} GROUP BY solver"""
+    )
+
+
+def starts(attempts: Attempts) -> pd.DataFrame:
+    """Questions that have a path and that a solver was asked both cold and warm.
+
+    Columns: solver, initial_guess (cold or warm), questions, right.
+    """
+    trial = f"PARTITION BY solver, {', '.join(TRIAL)}"
+    both = " AND ".join(
+        f"bool_or(initial_guess = '{start}') OVER ({trial})" for start in ("cold", "warm")
+    )
+    # Without a warm attempt nothing is sorted: that would take memory for very many rows.
+    asked = f"({both})" if "warm" in attempts.values("initial_guess") else "false"
+    return attempts.frame(
+        f"""SELECT solver, initial_guess, {_questions("true")} AS questions,
+            {_questions(_RIGHT)} AS "right"
+        FROM (SELECT *, {asked} AS asked FROM {_weighted(attempts, "initial_guess")})
+        WHERE asked AND answerable AND initial_guess IN ('cold', 'warm')
+        GROUP BY solver, initial_guess ORDER BY solver, initial_guess"""
     )
 
 
@@ -83,14 +104,22 @@ _RIGHT = f"verdict IN {SUCCESSES}"
 _KIND = f"""CASE WHEN answerable THEN NULL WHEN verdict = '{PRESOLVED}' THEN 'presolved'
     WHEN outcome IN ('unsupported', 'unavailable') THEN 'unasked'
     WHEN {_RIGHT} THEN 'right' WHEN false_claim THEN 'wrong' ELSE 'silent' END"""
-_QUESTION = "experiment, solver, profile, scenario_id, branch, initial_guess"
+# Columns that tell attempts of one solver at one trial apart.
+_VARIED = ("repeat", "initial_guess", "profile", "experiment")
 
 
-def _weighted(attempts: Attempts) -> str:
-    """The query of the attempts with a `weight` that is 1 over the repeats of their question."""
+def _weighted(attempts: Attempts, also: str = "") -> str:
+    """The query of the attempts with a `weight` that is 1 over the attempts at their trial.
+
+    Args:
+        attempts: the attempts.
+        also: another column whose values are trials of their own, such as the initial guess.
+    """
     weight = "1.0"
-    if len(attempts.values("repeat")) > 1:
-        weight = f"1.0 / count(*) OVER (PARTITION BY {_QUESTION})"
+    # Of very many streamed attempts no two are at one trial; to look for pairs would take memory.
+    if any(len(attempts.values(name)) > 1 for name in _VARIED):
+        key = ", ".join(("solver", *TRIAL, *filter(None, [also])))
+        weight = f"1.0 / count(*) OVER (PARTITION BY {key})"
     return f"(SELECT *, CAST({weight} AS DOUBLE) AS weight FROM chosen)"
 
 

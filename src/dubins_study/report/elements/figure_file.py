@@ -3,12 +3,18 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
+from contextlib import contextmanager
+from functools import cache
 from io import BytesIO
 
+from fontTools import subset
+from fontTools.ttLib import TTFont
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.backends.backend_pdf import FigureCanvasPdf
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
+from matplotlib.font_manager import FontPath
 
 _DPI = 200  # of pictures inside a figure; lines and letters stay lines and letters
 
@@ -43,7 +49,8 @@ def figure_bytes(figure: Figure, kind: str) -> bytes:
     if kind == "svg":
         FigureCanvasSVG(figure).print_svg(buffer, metadata={"Date": None})  # type: ignore[no-untyped-call]
     else:
-        FigureCanvasPdf(figure).print_pdf(buffer, metadata={"CreationDate": None})  # type: ignore[no-untyped-call]
+        with _fonts_without_layout():
+            FigureCanvasPdf(figure).print_pdf(buffer, metadata={"CreationDate": None})  # type: ignore[no-untyped-call]
     figure.set_dpi(dpi)
     return _compact(buffer.getvalue()) if kind == "svg" else buffer.getvalue()
 
@@ -85,3 +92,32 @@ def _right_angles(match: re.Match[bytes]) -> bytes:
         parts.append(b"H" + x if y == here[1] else b"V" + y if x == here[0] else b"L%b %b" % (x, y))
         here = [x, y]
     return b"".join(parts)
+
+
+# The tables of a TrueType font that a PDF file reads (ISO 32000-1, sec. 9.9).
+_TABLES = {"cvt ", "fpgm", "glyf", "head", "hhea", "hmtx", "loca", "maxp", "prep"}
+
+
+@contextmanager
+def _fonts_without_layout() -> Iterator[None]:
+    """Inside the `with` block matplotlib cuts the fonts of PDF files from smaller ones.
+
+    Most of the time of cutting a font goes to tables that set text, which matplotlib has done.
+    """
+    load = subset.load_font
+    subset.load_font = lambda file, options: load(BytesIO(_drawn_part(file)), options)
+    try:
+        yield
+    finally:
+        subset.load_font = load
+
+
+@cache
+def _drawn_part(file: FontPath) -> bytes:
+    """The font with all its letters, and with those tables alone that draw them."""
+    buffer = BytesIO()
+    with TTFont(file, fontNumber=file.face_index, recalcTimestamp=False) as font:
+        for table in set(font.keys()) - _TABLES - {"GlyphOrder"}:
+            del font[table]
+        font.save(buffer, reorderTables=False)
+    return buffer.getvalue()

@@ -9,8 +9,9 @@ from dubins_study.report.elements.formats import ABSENT, count, digits
 from dubins_study.report.statistics.intervals import wilson_intervals
 
 INTERVAL_TEXT = (
-    "Below each share its 95 % interval (Wilson), for as many trials as there are questions; a "
-    "question that is answered right in two of three repeats counts 2/3."
+    "Below each share its 95 % interval (Wilson). A trial is a scenario with a branch: all "
+    "attempts of a solver at it, in repeats and from cold and warm starts, are parts of one trial, "
+    "and two right answers of three count 2/3."
 )
 
 

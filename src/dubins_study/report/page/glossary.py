@@ -60,7 +60,8 @@ GLOSSARY = (
     Word(
         "question",
         "A scenario (start pose, target, turning radius), a branch (the best path, or that of one "
-        "word) and an initial guess. Repeats of a question count as one.",
+        "word) and an initial guess. In a share all attempts of a solver at one scenario and "
+        "branch count as one trial: repeats, and cold and warm starts.",
         "questions?",
     ),
     Word(

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pandas as pd
 
-from dubins_study.report.data.attempts import EXACT
-from dubins_study.report.statistics.intervals import wilson_intervals
+from dubins_study.report.data.attempts import EXACT, TRIAL
+from dubins_study.report.statistics.intervals import scenario_shares
 from dubins_study.report.statistics.methods import best_methods, methods_of
 from dubins_study.report.statistics.metrics import success
 
@@ -22,13 +22,11 @@ def best_solvers(rows: pd.DataFrame, most: int = MOST_CURVES) -> list[str]:
         rows: attempts at questions that have a path.
         most: number of solvers, at most.
     """
-    groups = rows.assign(right=success(rows)).groupby("solver", observed=True)
-    frame = groups.agg(
-        right=("right", "sum"), attempts=("right", "size"), wall_s=("wall_s", "median")
-    )
-    frame = methods_of(rows)[["formulation"]].join(frame).reset_index(names="solver")
-    low = wilson_intervals(frame["right"].to_numpy(float), frame["attempts"].to_numpy(float))[:, 0]
-    best = best_methods(frame.assign(right_low=low), ["formulation"])
+    judged = rows.assign(right=success(rows))
+    shares = scenario_shares(judged, by=["solver"], success="right", scenario=TRIAL)
+    frame = methods_of(rows)[["formulation"]].join(shares["low"].rename("right_low"))
+    frame = frame.join(rows.groupby("solver", observed=True)["wall_s"].median())
+    best = best_methods(frame.reset_index(names="solver"), ["formulation"])
     surest = best.assign(other=best["solver"] != EXACT).sort_values(
         ["other", "right_low", "wall_s"], ascending=[True, False, True], kind="stable"
     )

@@ -12,12 +12,11 @@ from weakref import WeakKeyDictionary
 import numpy as np
 import pandas as pd
 
-from dubins_study.report.data.attempts import EXACT, SUCCESSES
+from dubins_study.report.data.attempts import EXACT, SUCCESSES, TRIAL
 from dubins_study.report.data.results import Results
 from dubins_study.report.statistics.methods import methods_of
 
 _NEVER_SOLVED = ("unavailable", "unsupported")
-_QUESTION = ["experiment", "scenario_id", "branch"]
 
 
 T = TypeVar("T")
@@ -113,7 +112,7 @@ def _compared(results: Results) -> Compared | None:
     methods = methods_of(kept)
     stated = methods[["formulation", "engine", "guess"]]
     kept = kept.assign(
-        question=kept.groupby(_QUESTION, observed=True, sort=False).ngroup(),
+        question=kept.groupby(list(TRIAL), observed=True, sort=False).ngroup(),
         scenario=pd.factorize(kept["scenario_id"])[0],
         right=kept["verdict"].isin(SUCCESSES).fillna(False).astype(bool) & ~presolved,
         presolved=presolved,

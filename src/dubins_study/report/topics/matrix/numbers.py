@@ -7,10 +7,11 @@ from typing import NamedTuple
 
 import pandas as pd
 
+from dubins_study.report.data.attempts import TRIAL
 from dubins_study.report.elements.shares import with_share
 from dubins_study.report.statistics.intervals import scenario_shares
 from dubins_study.report.statistics.methods import best_methods
-from dubins_study.report.statistics.metrics import QUESTION, success
+from dubins_study.report.statistics.metrics import success
 from dubins_study.study.rows.manifest import MatrixEntry
 from dubins_study.study.words import FORMULATIONS
 
@@ -99,6 +100,6 @@ def strata(rows: pd.DataFrame) -> pd.DataFrame:
     """
     kept = rows[rows["answerable"]]
     kept = kept.assign(right=success(kept), stratum=kept["label"].fillna(""))
-    shares = scenario_shares(kept, by=["solver", "stratum"], success="right", scenario=QUESTION)
+    shares = scenario_shares(kept, by=["solver", "stratum"], success="right", scenario=TRIAL)
     frame = shares.reset_index()
     return with_share(frame[["solver", "stratum"]], "right", frame["successes"], frame["trials"])

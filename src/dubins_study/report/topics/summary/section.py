@@ -8,14 +8,15 @@ import pandas as pd
 
 from dubins_study.report.data.attempts import EXACT, PRESOLVED, Attempts
 from dubins_study.report.data.results import Results
-from dubins_study.report.data.verdicts import methods, verdicts
+from dubins_study.report.data.verdicts import methods, starts, verdicts
 from dubins_study.report.elements.columns import SOLVER, Column, columns, marks
 from dubins_study.report.elements.content import Section, Table
 from dubins_study.report.elements.formats import count, seconds, sentences, share, some
 from dubins_study.report.elements.identity import METHOD
+from dubins_study.report.elements.names import in_page_order
 from dubins_study.report.elements.shares import INTERVAL_TEXT
 from dubins_study.report.statistics.methods import best_of_formulations
-from dubins_study.report.topics.summary.numbers import summary
+from dubins_study.report.topics.summary.numbers import STARTS, by_start, summary
 
 # The spec instead of the settings: it is what a reader hands to the command.
 _COLUMNS = (
@@ -63,10 +64,6 @@ def summary_section(results: Results) -> Section | None:
     caption = sentences(
         "Questions that have a path. Right: the check finds the answer optimal; shares are of all "
         f"questions, those that failed included. {INTERVAL_TEXT} The other columns count attempts.",
-        "A question that is asked again with another kind of start (a warm one) counts once more: "
-        "such trials depend on each other, and the intervals are narrower than they should be."
-        if len(attempts.values("initial_guess")) > 1
-        else "",
         "By presolve: the setting presolve answered that no path exists, and no engine was asked."
         if frame[PRESOLVED].any()
         else "",
@@ -94,4 +91,17 @@ def summary_section(results: Results) -> Section | None:
     )
     lead = "Look up how one solver did: right, wrong, silent, and in what time."
     table = summary_table("summary", caption, frame, ())
-    return Section("summary", "Summary", text, (table,), lead)
+    started = in_page_order(by_start(starts(attempts)), results)
+    tables = (table, _start_table(started)) if len(started) else (table,)
+    return Section("summary", "Summary", text, tables, lead)
+
+
+def _start_table(frame: pd.DataFrame) -> Table:
+    caption = (
+        "Cold and warm starts apart, at the questions that a solver was asked both ways. Warm: the "
+        "search began at the answer to a neighbouring question. Shares with their 95 % interval "
+        "(Wilson); a trial is a scenario with a branch, repeats are its parts."
+    )
+    shown = (SOLVER, *columns(kind="cell", cold_text="right, cold", warm_text="right, warm"))
+    numbers = tuple(f"{start}_{end}" for start in STARTS for end in ("share", "low", "high"))
+    return Table("summary-by-start", caption, frame, shown, numbers=numbers)
