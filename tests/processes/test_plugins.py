@@ -105,22 +105,27 @@ def text_of(result) -> str:
     return " ".join(f"{one.observed} {one.advice}" for one in result.findings)
 
 
-def found_by(spec: str, check: str):
+def report_of(spec: str, check: str):
     """The report of one check, and of `outcome`, by which a solver that never answers is found."""
     return check_solver(spec, checks=["outcome", check], time_limit=1)
+
+
+def failed(spec: str, check: str, words: str):
+    """The report of a plug-in that must fail this check, and for the reason that is said."""
+    report = report_of(spec, check)
+    assert not report.passed
+    assert report[check].status is Status.FAIL, report
+    assert re.search(words, text_of(report[check])), report
+    return report
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("lie", LIES)
 def test_every_lie_is_found_in_the_right_words(beside, lie):
     """What was seen, what to do, and a command that asks again."""
-
     check, words = LIES[lie]
-    report = found_by(f"{LYING}/lies.py:Lying[lie={lie}]", check)
+    report = failed(f"{LYING}/lies.py:Lying[lie={lie}]", check, words)
 
-    assert not report.passed
-    assert report[check].status is Status.FAIL, report
-    assert re.search(words, text_of(report[check])), report
     for finding in report[check].findings:
         assert finding.command.startswith("dubins-study solve ")
         assert shlex.quote(report.solver) in finding.command
@@ -129,13 +134,7 @@ def test_every_lie_is_found_in_the_right_words(beside, lie):
 @pytest.mark.slow
 @pytest.mark.parametrize("habit", HABITS)
 def test_every_bad_habit_is_found_in_the_right_words(beside, habit):
-
-    check, words = HABITS[habit]
-    report = found_by(f"{LYING}/habits.py:{habit}", check)
-
-    assert not report.passed
-    assert report[check].status is Status.FAIL, report
-    assert re.search(words, text_of(report[check])), report
+    assert failed(f"{LYING}/habits.py:{habit}", *HABITS[habit]).solver
 
 
 def test_every_lie_is_in_the_tables(beside):
@@ -144,9 +143,9 @@ def test_every_lie_is_in_the_tables(beside):
     from lying_dubins import habits
 
     classes = {name for name, kind in vars(habits).items() if isinstance(kind, type)}
-    told = {name for name in classes if issubclass(getattr(habits, name), habits.Habit)}
+    habit_classes = {name for name in classes if issubclass(getattr(habits, name), habits.Habit)}
     assert set(lying_dubins.LIES) - {"claimed time"} == set(LIES)
-    assert told - {"Habit", "Seeds"} == set(HABITS)
+    assert habit_classes - {"Habit", "Seeds"} == set(HABITS)
 
 
 @pytest.mark.slow
@@ -158,7 +157,7 @@ def test_every_lie_is_in_the_tables(beside):
     ],
 )
 def test_what_does_no_harm_is_a_note(beside, spec, check, words):
-    report = found_by(f"{LYING}/{spec}", check)
+    report = report_of(f"{LYING}/{spec}", check)
 
     assert report.passed, report
     assert report[check].status is Status.NOTE
@@ -168,7 +167,7 @@ def test_what_does_no_harm_is_a_note(beside, spec, check, words):
 @pytest.mark.slow
 def test_an_exception_has_the_plugins_own_frames(beside):
     """The line that called the library, the library's innermost line, and none of ours."""
-    report = found_by(f"{LYING}/lies.py:Lying[lie=raises behind]", "outcome")
+    report = report_of(f"{LYING}/lies.py:Lying[lie=raises behind]", "outcome")
     trace = report["outcome"].findings[0].traceback
 
     assert "np.linalg.cholesky(-np.eye(2))" in trace
@@ -180,19 +179,19 @@ def test_an_exception_has_the_plugins_own_frames(beside):
 @pytest.mark.slow
 def test_a_command_of_a_finding_asks_the_same_question(beside):
     """It is copied from the report into a shell."""
-    report = found_by(f"{LYING}/lies.py:Lying[lie=left is right]", "controls")
+    report = report_of(f"{LYING}/lies.py:Lying[lie=left is right]", "controls")
     [finding] = report["controls"].findings
     path = os.pathsep.join(
         str(EXAMPLES / name / "src") for name in ("plugin-honest", "plugin-lying")
     )
-    asked = subprocess.run(
+    process = subprocess.run(
         f"{sys.executable} -m {finding.command.replace('dubins-study', 'dubins_study', 1)} --json",
         shell=True,
         capture_output=True,
         text=True,
         env=os.environ | {"PYTHONPATH": path},
     )
-    answer = json.loads(asked.stdout)
+    answer = json.loads(process.stdout)
 
     assert answer["verdict"] == "misses"
     assert f"{answer['miss']:.3g} radii" in finding.observed
