@@ -2,10 +2,10 @@
 // window.explorerHandles(scene, model): the handles of target, start heading and turning radius, for
 // mouse, touch and keyboard.
 //
-// `model` is {state(), side(), change(values), rest()}: `change` is called for every move, `rest`
-// once a drag has ended. `place(places)` moves the handles to pixels of the plane, `speak(scenario,
-// summary)` sets what screen readers say, `dragged()` says whether one is being dragged, `pointed(event)`
-// returns the values of a target under the pointer.
+// `model` is {state(), side(), change(values, view), rest()}: `change` is called for every move, with
+// the view "keep" in a drag; `rest` is called once a drag has ended. `place(places)` moves the handles
+// to pixels of the plane, `speak(scenario, summary)` sets what screen readers say, `dragged()` says
+// whether one is being dragged, `pointed(event)` returns the values of a target under the pointer.
 window.explorerHandles = (scene, model) => {
   const {element, set, write} = window.svgElements, {svg} = scene, DEGREE = Math.PI / 180;
   const ROUGH = 10; // steps of an arrow key with shift, and of page up and down
@@ -98,7 +98,7 @@ window.explorerHandles = (scene, model) => {
 
   function drag(event) {
     const {x, y} = pixelsOf(event);
-    model.change(MOVES[dragged].drag(scene.pointAt(x + offset.x, y + offset.y)));
+    model.change(MOVES[dragged].drag(scene.pointAt(x + offset.x, y + offset.y)), "keep");
   }
 
   function end() {
@@ -113,7 +113,6 @@ window.explorerHandles = (scene, model) => {
     event.preventDefault();
     const n = page || event.shiftKey && step ? ROUGH : 1;
     model.change(radius ? MOVES.radius.key(radius, n) : MOVES[name].key(step || page, n));
-    model.rest();
   }
 
   function place(places) {

@@ -7,10 +7,11 @@
   if (!root) return;
   const HASH = "#explore=", DEGREE = Math.PI / 180;
   const SETTLED_MS = 250; // after the last change: address, spoken summary
+  const LARGEST = 1e100; // beyond it, squares of pixels and scales of axes overflow
   const NUMBERS = ["x", "y", "target_x", "target_y", "radius"];
   const scene = window.explorerScene(root.querySelector(".explorer-stage")), {svg} = scene;
   const handles = window.explorerHandles(scene, {
-    state: () => state, side: () => side, change: (values) => changed(values, "keep"), rest: () => set({}),
+    state: () => state, side: () => side, change: changed, rest: () => set({}),
   });
   const answers = window.explorerAnswers(root), copies = window.explorerCopies(root);
   const sweep = window.explorerSweep(root.querySelector(".explorer-sweep"),
@@ -37,14 +38,24 @@
     const [x, y, written, target_x, target_y, radius] = parts;
     const scenario = {x: Number(x), y: Number(y), heading: angle(written),
       target_x: Number(target_x), target_y: Number(target_y), radius: Number(radius), written: written.trim()};
-    return window.dubins.refusal(scenario) ? null : scenario;
+    return refusal(scenario) ? null : scenario;
+  }
+
+  // Why a scenario cannot be shown; "" if it can be.
+  function refusal(scenario) {
+    const message = window.dubins.refusal(scenario);
+    if (message) return message;
+    const name = NUMBERS.find((each) => Math.abs(scenario[each]) > LARGEST);
+    if (name) return `${name} is ${scenario[name]}; expected at most ${LARGEST}, which can be drawn`;
+    return scenario.radius < 1 / LARGEST
+      ? `radius is ${scenario.radius}; expected at least ${1 / LARGEST}, which can be drawn` : "";
   }
 
   const listed = ({x, y, written, target_x, target_y, radius}) => [x, y, written, target_x, target_y, radius].join(",");
 
   // The only place where the scenario changes. `view`: "fit", "keep", or undefined: fit if need be.
   function set(change, view) {
-    const next = {...state, ...change}, message = window.dubins.refusal(next);
+    const next = {...state, ...change}, message = refusal(next);
     problem.textContent = message;
     if (message) return false;
     state = next;
