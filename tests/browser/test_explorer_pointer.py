@@ -1,0 +1,156 @@
+"""The explorer's handles, dragged by mouse and finger."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+from browser_tab import PHONE
+from explorer_page import agrees, centre, drag, scenario_in, shown
+
+from dubins_study import Scenario
+
+
+def test_dragging_the_target_moves_it_and_everything_follows(explorer):
+    """By the mouse: the handle stays under the pointer, the numbers are the package's."""
+    page = explorer("0,0,0deg,2,1.5,1")
+    before, (x, y) = scenario_in(page), centre(page, "target")
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.move(x - 40, y + 70, steps=4)
+    assert centre(page, "target") == pytest.approx((x - 40, y + 70), abs=1)  # a pixel of rounding
+    page.mouse.up()
+
+    after = scenario_in(page)
+    assert after.target_x < before.target_x
+    assert after.target_y < before.target_y
+    agrees(page)
+
+
+@pytest.mark.slow
+def test_dragging_across_the_circle_changes_the_word(explorer):
+    """From outside into the left disc: LS ends to exist and RL is shortest."""
+    page = explorer("0,0,0deg,1.3,1,1")
+    assert shown(page)["LS"]["optimal"] == "true"
+    x, _ = centre(page, "target")
+    inside = page.locator("circle[data-word=RL]").bounding_box()
+    drag(page, "target", inside["x"] + inside["width"] / 2 - x, 0)
+
+    assert shown(page)["RL"]["optimal"] == "true"
+    assert (
+        shown(page)["LS"]["certificate"] == "no path: the target is inside the left turning circle"
+    )
+    agrees(page)
+
+
+@pytest.mark.slow
+def test_dragging_heading_and_radius(explorer):
+    """The heading points where the pointer is; the radius grows away from the start."""
+    page = explorer("0,0,0deg,4,3,1")
+    drag(page, "heading", -62, -62)  # from 62 pixels ahead to 62 above
+    assert scenario_in(page).heading == pytest.approx(math.pi / 2, abs=0.03)
+    agrees(page)
+    page = explorer("0,0,0deg,4,3,1")
+    drag(page, "radius", 0, 30)
+    assert scenario_in(page).radius > 1.1
+    agrees(page)
+
+
+def test_a_finger_drags_the_target(explorer):
+    """Touch events reach the handle, and only handles keep the page from scrolling."""
+    page = explorer("0,0,0deg,2,1.5,1", viewport=PHONE, has_touch=True, is_mobile=True)
+    x, y = centre(page, "target")
+    session = page.context.new_cdp_session(page)
+    for kind, dx in (("touchStart", 0), ("touchMove", -15), ("touchMove", -30), ("touchEnd", None)):
+        points = [] if dx is None else [{"x": x + dx, "y": y}]
+        session.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
+
+    assert scenario_in(page).target_x < 2
+    assert (
+        page.evaluate("getComputedStyle(document.querySelector('.handle')).touchAction") == "none"
+    )
+    assert page.evaluate("getComputedStyle(document.querySelector('svg')).touchAction") == "auto"
+    agrees(page)
+
+
+def test_a_second_finger_does_not_move_what_the_first_drags(explorer):
+    """It lies on another handle and slides, as for a zoom of the page."""
+    page = explorer("0,0,0deg,2,1.5,1", viewport=PHONE, has_touch=True, is_mobile=True)
+    x, y = centre(page, "target")
+    other_x, other_y = centre(page, "radius")
+    first, second = {"x": x, "y": y, "id": 1}, {"x": other_x, "y": other_y, "id": 2}
+    session = page.context.new_cdp_session(page)
+    moves = (
+        ("touchStart", [first]),
+        ("touchStart", [first, second]),
+        ("touchMove", [first, second | {"x": other_x + 40}]),
+    )
+    for kind, points in moves:
+        session.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
+    assert scenario_in(page) == Scenario(0, 0, 0, 2, 1.5, 1)
+    session.send("Input.dispatchTouchEvent", {"type": "touchEnd", "touchPoints": []})
+    for kind, points in (
+        ("touchStart", [first]),
+        ("touchMove", [first | {"x": x - 30}]),
+        ("touchEnd", []),
+    ):  # the next drag is one of its own
+        session.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
+    assert scenario_in(page).target_x < 2
+    assert scenario_in(page).radius == 1
+    agrees(page)
+
+
+@pytest.mark.slow
+def test_a_drag_is_answered_within_a_frame(explorer):
+    """Works 1000 random scenarios off; the times are printed (`pytest -s`), not asserted."""
+    page = explorer()
+    times = page.evaluate(
+        """() => {
+          let seed = 1;
+          const random = () => { seed = seed * 48271 % 2147483647; return seed / 2147483647; };
+          const times = [];
+          for (let i = 0; i < 1000; i += 1) {
+            const before = performance.now();
+            window.explorer.set({target_x: 12 * random() - 6, target_y: 12 * random() - 6}, "keep");
+            const best = window.explorer.entries().find((entry) => entry.optimal);
+            window.explorer.sweep.draw(window.explorer.state(), best.length);
+            document.body.getBoundingClientRect();  // the layout belongs to the answer
+            times.push(performance.now() - before);
+          }
+          return times;
+        }"""
+    )
+    times.sort()
+    print(f"update: median {times[500]:.2f} ms, 99 % {times[990]:.2f} ms, most {times[-1]:.2f} ms")
+    assert len(times) == 1000
+    agrees(page)
+
+
+def test_of_two_handles_the_nearer_one_is_dragged(explorer):
+    """The target's finger-sized ring lies over the heading's handle, which stays in reach."""
+    page = explorer("0,0,0deg,4,3,1")
+    x, y = centre(page, "heading")
+    tx, ty = centre(page, "target")
+    drag(page, "target", x + 15 - tx, y - ty)
+    before = scenario_in(page)
+    x, y = centre(page, "heading")
+    covering = f"document.elementFromPoint({x}, {y}).closest('.handle').matches('.target')"
+    assert page.evaluate(covering)
+    drag(page, "heading", -62, -62)
+
+    after = scenario_in(page)
+    assert after.heading == pytest.approx(math.pi / 2, abs=0.03)  # a pixel or two of 62
+    assert (after.target_x, after.target_y) == (before.target_x, before.target_y)
+
+
+def test_a_press_beside_a_handle_s_middle_moves_nothing(explorer):
+    """The handle keeps its distance from the pointer; then it moves as far as the pointer does."""
+    page = explorer("0,0,0deg,4,3,1")
+    x, y = centre(page, "target")
+    page.mouse.move(x + 7, y - 5)
+    page.mouse.down()
+    assert scenario_in(page) == Scenario(0, 0, 0, 4, 3, 1)
+    page.mouse.move(x + 27, y - 5, steps=2)
+    assert centre(page, "target") == pytest.approx((x + 20, y), abs=1)  # a pixel of rounding
+    page.mouse.up()
+    agrees(page)
