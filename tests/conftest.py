@@ -76,14 +76,13 @@ def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
 
 _BY_FOLDER = ("tests/browser",)  # one browser and one report for all of them
 _RUN = re.compile(r"\w+, \d jobs")  # how a parameter names the run that many tests look at
-_ALONE = ("tests/unit", "tests/adversary")
-_BY_FILE = ("tests/unit/report",)  # most of its files draw one page, and look at it in many tests
+_ALONE = ("tests/adversary",)  # one file of long tests that share nothing
 
 
 def _group(nodeid: str) -> str:
     """What stays in one worker: the tests of one shared run, else of one file, or one test."""
     file, _, test = nodeid.partition("::")
-    if file.startswith(_ALONE) and not file.startswith(_BY_FILE):
+    if file.startswith(_ALONE):
         return nodeid
     if file.startswith(_BY_FOLDER):
         return str(Path(file).parent)
