@@ -11,6 +11,7 @@ from typing import Any
 
 import pytest
 from hypothesis import HealthCheck, settings
+from hypothesis.internal.conjecture import providers
 
 # derandomised, so that a red run can be repeated; no deadline, since the machine may be shared
 settings.register_profile(
@@ -21,7 +22,16 @@ settings.register_profile(
     max_examples=100,
     suppress_health_check=[HealthCheck.too_slow],
 )
-settings.load_profile("repeatable")
+# the tests that are not slow draw fewer of the same kind; continuous integration runs all tests
+settings.register_profile("quick", settings.get_profile("repeatable"), max_examples=40)
+# other examples: hypothesis would ignore `--hypothesis-seed` where it is derandomised
+settings.register_profile("seeded", settings.get_profile("repeatable"), derandomize=False)
+settings.load_profile("quick")
+
+# Hypothesis also draws the constants of all modules that are loaded by then, and so would draw
+# other examples in each worker and each order of tests.
+_NO_CONSTANTS = providers.Constants()
+providers._get_local_constants = lambda: _NO_CONSTANTS
 
 # the tests start hundreds of interpreters, which read the byte code that the first ones keep
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
@@ -34,6 +44,13 @@ signal.signal(signal.SIGINT, signal.default_int_handler)
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--slow", action="store_true", help="run the slow tests as well")
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    if config.getoption("hypothesis_seed", None) is not None:
+        settings.load_profile("seeded")
+    elif config.getoption("--slow"):
+        settings.load_profile("repeatable")
 
 
 @pytest.hookimpl(tryfirst=True)
@@ -59,14 +76,13 @@ def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
 
 _BY_FOLDER = ("tests/browser",)  # one browser and one report for all of them
 _RUN = re.compile(r"\w+, \d jobs")  # how a parameter names the run that many tests look at
-_ALONE = ("tests/unit", "tests/adversary")
-_BY_FILE = ("tests/unit/report",)  # most of its files draw one page, and look at it in many tests
+_ALONE = ("tests/adversary",)  # one file of long tests that share nothing
 
 
 def _group(nodeid: str) -> str:
     """What stays in one worker: the tests of one shared run, else of one file, or one test."""
     file, _, test = nodeid.partition("::")
-    if file.startswith(_ALONE) and not file.startswith(_BY_FILE):
+    if file.startswith(_ALONE):
         return nodeid
     if file.startswith(_BY_FOLDER):
         return str(Path(file).parent)

@@ -20,7 +20,7 @@ from dubins_study.study.rows.schema import KEY, ROW, names
 # what differs between two runs that find the same
 OF_THE_RUN = {"build_s", "solve_s", "wall_s", "subproblem_s", "best_run_s"}
 OF_THE_RUN |= {"jobs", "executor", "run_id", "started"}
-PATIENCE = 60.0
+PATIENCE = 120.0  # s
 
 
 def table(folder: Path) -> pd.DataFrame:

@@ -23,6 +23,18 @@ class Slow(Slsqp):
         time.sleep({nap})
         return super().solve(model, limit)
 """
+# leaves the file `asked` beside itself when it is asked, and takes NAP seconds to answer
+TELLS_AND_NAPS = """
+import os, time
+from pathlib import Path
+from dubins_study.solvers.paper_nlp.slsqp import Slsqp
+class Slow(Slsqp):
+    def solve(self, model, limit):
+        if model.question.scenario.label != "warm-up":
+            Path(__file__).with_name("asked").touch()
+            time.sleep(float(os.environ["NAP"]))
+        return super().solve(model, limit)
+"""
 TARGETS = """
 title = "slow"
 question = "is it kept?"
@@ -82,7 +94,7 @@ def started(*arguments: object) -> Iterator[subprocess.Popen[str]]:
         process.communicate()
 
 
-def wait_for(condition: Callable[[], object], seconds: float = 60) -> None:
+def wait_for(condition: Callable[[], object], seconds: float = 120) -> None:
     """Come back as soon as the condition holds."""
     until = time.monotonic() + seconds
     while not condition():

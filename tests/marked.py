@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import signal
 import time
+from pathlib import Path
 from uuid import uuid4
 
 import psutil
@@ -35,7 +36,7 @@ def alive(mark: str) -> list[psutil.Process]:
     return found
 
 
-def left_behind(mark: str, within: float = 5.0) -> list[str]:
+def left_behind(mark: str, within: float = 30.0) -> list[str]:
     """What is alive of a run after its end, given a moment to go."""
     give_up = time.monotonic() + within
     while found := alive(mark):
@@ -43,6 +44,23 @@ def left_behind(mark: str, within: float = 5.0) -> list[str]:
             break
         time.sleep(0.02)
     return [f"{process.pid} of {process.ppid()}: {process.cmdline()}" for process in found]
+
+
+def wait_until_handled(pid: int, number: signal.Signals, seconds: float = 60.0) -> None:
+    """Wait until a process has taken a signal and waits again: two at once would count as one."""
+    fields, give_up = {}, time.monotonic() + seconds
+    while time.monotonic() < give_up:
+        time.sleep(
+            0.3
+        )  # the time that a process needs for it on a machine at rest, many times over
+        try:
+            text = Path(f"/proc/{pid}/status").read_text()
+        except OSError:
+            return  # it has ended
+        fields = dict(line.split(":\t", 1) for line in text.splitlines() if ":\t" in line)
+        pending = int(fields["SigPnd"], 16) | int(fields["ShdPnd"], 16)
+        if not pending >> (number - 1) & 1 and fields["State"][0] != "R":
+            return
 
 
 def kill_all(mark: str) -> None:

@@ -164,7 +164,7 @@ def decision() -> str:
     section = decision_section(_results())
     if section is None or not section.blocks:
         raise LookupError("the rows of the benchmark carry no table of choices")
-    (block,) = section.blocks
+    block = section.blocks[0]
     lines = [[prose(cell.replace("\n", ": ")) for cell in line] for line in block.texts()]
     head = [prose(column.title) for column in block.columns]
     return f"{prose(section.lead)}\n\n{table(head, lines)}\n\n{prose(section.text)}"

@@ -13,6 +13,8 @@ from browser_report import small_report
 from browser_tab import DESK, Tab
 from playwright.sync_api import Browser, Page, sync_playwright
 
+from dubins_study.report.explorer.standalone import write_standalone
+
 
 @pytest.fixture(scope="session")
 def chromium() -> Iterator[Browser]:
@@ -45,3 +47,21 @@ def new_tab(chromium: Browser) -> Iterator[Any]:
     yield opened
     for tab in tabs:
         tab.close()
+
+
+@pytest.fixture(scope="session")
+def explorer_address(tmp_path_factory: pytest.TempPathFactory) -> str:
+    """The explorer's own page."""
+    return write_standalone(tmp_path_factory.mktemp("explorer") / "explorer.html").as_uri()
+
+
+@pytest.fixture
+def explorer(new_tab: Any, explorer_address: str) -> Any:
+    """`explorer(text="", **options)`: the page opened at `#explore=text`."""
+
+    def opened(text: str = "", **options: Any) -> Page:
+        page: Page = new_tab(**options)
+        page.goto(f"{explorer_address}#explore={text}" if text else explorer_address)
+        return page
+
+    return opened

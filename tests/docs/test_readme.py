@@ -17,7 +17,7 @@ SHOWN = ("where", "loose", "tight", "loose_proof")
 def table_lines() -> list[str]:
     """The rows of README's table, as the committed rows have it."""
     section = decision_section(load([ROOT / "results" / "benchmark"]))
-    (table,) = section.blocks
+    table = section.blocks[0]
     texts = table.frame[list(SHOWN)].map(lambda text: " ".join(text.replace("\n", ": ").split()))
     return [f"| {' | '.join(line)} |" for line in texts.itertuples(index=False)]
 

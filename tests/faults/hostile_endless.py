@@ -89,16 +89,7 @@ class ForkTwo(Endless):
     pids: str = ""
 
     def hang(self):
-        for own_session in (False, True):
-            if os.fork() == 0:
-                try:
-                    if own_session:
-                        os.setsid()
-                    deaf()
-                    note(self.pids)
-                    loop_in_c()
-                finally:
-                    os._exit(1)
+        loop_in_two_children(self.pids, ignore_signals=True)
         note(self.pids)
         loop_in_c()
 
@@ -110,15 +101,7 @@ class ForkAndDie(Endless):
     pids: str = ""
 
     def hang(self):
-        for own_session in (False, True):
-            if os.fork() == 0:
-                try:
-                    if own_session:
-                        os.setsid()
-                    note(self.pids)
-                    loop_in_c()
-                finally:
-                    os._exit(1)
+        loop_in_two_children(self.pids)
         time.sleep(0.2)
         os.abort()
 
@@ -197,6 +180,21 @@ class DeadThreads(Endless):
         lock.acquire()
         threading.Thread(target=lock.acquire).start()
         lock.acquire()
+
+
+def loop_in_two_children(file: str, ignore_signals: bool = False) -> None:
+    """Fork two children that loop, the second in a session of its own."""
+    for own_session in (False, True):
+        if os.fork() == 0:
+            try:
+                if own_session:
+                    os.setsid()
+                if ignore_signals:
+                    deaf()
+                note(file)
+                loop_in_c()
+            finally:
+                os._exit(1)
 
 
 def note(file: str, pid: int | None = None) -> None:

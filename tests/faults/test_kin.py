@@ -63,42 +63,37 @@ def slow_run(folder, nap, count, file="pids"):
     return experiment(folder, ([napping], count), ([HONEST], 8)), folder / file
 
 
+def napping_rows(tmp_path, clean, jobs, limit, nap, number):
+    """The rows of four naps, in the first of which the worker got a signal; others are as ever."""
+    asking, file = slow_run(tmp_path, nap, 4)
+    options = ("--out", tmp_path / "out", "--jobs", jobs, "--time-limit", limit)
+    with started("run", asking, *options) as run:
+        os.kill(until(lambda: noted(file), run)[0], number)
+        ended = run.wait()
+
+    assert ended.code == 0, ended.err
+    assert ended.alive == []
+    every = rows(tmp_path / "out")
+    assert lasting(every[every["plugin"] == "Honest"]).equals(lasting(clean))
+    return every[every["plugin"] == "Napping"]
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("jobs", [1, 2])
 def test_a_worker_killed_from_outside_is_one_crashed_row(tmp_path, clean, jobs):
     """The cell it was at says SIGKILL; the others know nothing of it."""
-    asking, file = slow_run(tmp_path, 1.0, 4)
-    with started(
-        "run", asking, "--out", tmp_path / "out", "--jobs", jobs, "--time-limit", 20
-    ) as run:
-        os.kill(until(lambda: noted(file), run)[0], signal.SIGKILL)
-        ended = run.wait()
+    naps = napping_rows(tmp_path, clean, jobs, 20, 1.0, signal.SIGKILL)
 
-    assert ended.code == 0, ended.err
-    found = rows(tmp_path / "out")
-    napping = found[found["plugin"] == "Napping"]
-    assert sorted(napping["outcome"]) == ["crashed", "returned", "returned", "returned"]
-    assert set(napping[napping["outcome"] == "crashed"]["native_status"]) == {"SIGKILL"}
-    assert lasting(found[found["plugin"] == "Honest"]).equals(lasting(clean))
-    assert ended.alive == []
+    assert sorted(naps["outcome"]) == ["crashed", "returned", "returned", "returned"]
+    assert set(naps[naps["outcome"] == "crashed"]["native_status"]) == {"SIGKILL"}
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("jobs", [1, 2])
 def test_a_worker_stopped_from_outside_is_killed_at_the_limit(tmp_path, clean, jobs):
-    asking, file = slow_run(tmp_path, 0.7, 4)
-    with started(
-        "run", asking, "--out", tmp_path / "out", "--jobs", jobs, "--time-limit", 2
-    ) as run:
-        os.kill(until(lambda: noted(file), run)[0], signal.SIGSTOP)
-        ended = run.wait()
+    naps = napping_rows(tmp_path, clean, jobs, 2, 0.7, signal.SIGSTOP)
 
-    assert ended.code == 0, ended.err
-    found = rows(tmp_path / "out")
-    napping = found[found["plugin"] == "Napping"]
-    assert sorted(napping["outcome"]) == ["returned", "returned", "returned", "timeout"]
-    assert lasting(found[found["plugin"] == "Honest"]).equals(lasting(clean))
-    assert ended.alive == []
+    assert sorted(naps["outcome"]) == ["returned", "returned", "returned", "timeout"]
 
 
 @pytest.mark.slow

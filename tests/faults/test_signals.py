@@ -7,6 +7,7 @@ import signal
 import time
 
 import pytest
+from marked import wait_until_handled
 
 from dubins_study.experiments.store.folder import done
 from tests.faults.launch import experiment, rows, spec, started, study, until
@@ -15,18 +16,18 @@ pytestmark = pytest.mark.slow
 HONEST = spec("honest", "Honest")
 
 
-def during_a_cell(tmp_path, numbers, jobs, limit, nap=600.0, asked=1):
+def during_a_cell(tmp_path, numbers, jobs, limit, nap=600.0, under_way=1):
     """Signals to the whole group, as a terminal sends them, once the long cells are under way."""
     file, out = tmp_path / "pids", tmp_path / "out"
     napping = spec("honest", "Napping", nap=nap, note=file)
     asking = experiment(tmp_path, ([napping], 4), ([HONEST], 8))
     options = ("--out", out, "--jobs", jobs, "--time-limit", limit)
     with started("run", asking, *options) as run:
-        until(lambda: file.exists() and len(file.read_text().split()) >= asked, run)
+        until(lambda: file.exists() and len(file.read_text().split()) >= under_way, run)
         time.sleep(0.3)
         for number in numbers:
             os.killpg(run.process.pid, number)
-            time.sleep(0.3)
+            wait_until_handled(run.process.pid, number)
         ended = run.wait()
     assert ended.alive == []
     assert "Traceback" not in ended.err
@@ -44,22 +45,22 @@ def kept(out, ended):
 @pytest.mark.parametrize("jobs", [1, 2])
 def test_the_first_lets_the_cell_come_to_its_limit(tmp_path, jobs):
     """A cell that never ends is a timeout like any other; then the run stops."""
-    ended, _, out = during_a_cell(tmp_path, [signal.SIGINT], jobs, 3, asked=jobs)
+    ended, _, out = during_a_cell(tmp_path, [signal.SIGINT], jobs, 3, under_way=jobs)
 
     assert ended.code == 130, ended.err
-    found = kept(out, ended)
-    late = found[found["plugin"] == "Napping"]
+    kept_rows = kept(out, ended)
+    late = kept_rows[kept_rows["plugin"] == "Napping"]
     assert jobs <= len(late) < 4
     assert set(late["outcome"]) == {"timeout"}
 
 
 @pytest.mark.parametrize("jobs", [1, 2])
 def test_the_first_lets_the_cell_be_answered(tmp_path, jobs):
-    ended, asking, out = during_a_cell(tmp_path, [signal.SIGINT], jobs, 60, nap=2.0, asked=jobs)
+    ended, asking, out = during_a_cell(tmp_path, [signal.SIGINT], jobs, 60, nap=2.0, under_way=jobs)
 
     assert ended.code == 130, ended.err
-    found = kept(out, ended)
-    late = found[found["plugin"] == "Napping"]
+    kept_rows = kept(out, ended)
+    late = kept_rows[kept_rows["plugin"] == "Napping"]
     assert jobs <= len(late) < 4
     assert set(late["outcome"]) == {"returned"}
 
@@ -82,7 +83,7 @@ def test_the_second_stops_at_once(tmp_path, jobs):
 @pytest.mark.parametrize("jobs", [1, 2])
 def test_sigterm_ends_it_in_order(tmp_path, jobs):
     """As a machine that shuts down, or a batch system, ends it: rows written, nothing left."""
-    ended, _, out = during_a_cell(tmp_path, [signal.SIGTERM], jobs, 3, asked=jobs)
+    ended, _, out = during_a_cell(tmp_path, [signal.SIGTERM], jobs, 3, under_way=jobs)
 
     assert ended.code in (130, 143), ended.err
     assert set(kept(out, ended)["outcome"]) <= {"returned", "timeout"}

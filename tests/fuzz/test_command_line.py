@@ -146,6 +146,10 @@ def place(tmp_path_factory, small_run, song):
     patch.undo()
 
 
+# what only holds other commands gets help where none of them is named
+_GROUPS = ([], ["new"])
+
+
 def answered_or_refused(words: list[str], place: Path, song: Path) -> None:
     outer = sorted(place.parent.iterdir())
     with watched() as seen, temporary_files_in(place):
@@ -155,7 +159,7 @@ def answered_or_refused(words: list[str], place: Path, song: Path) -> None:
     if said.code == 2:
         # an answer is kept if its drawing fails
         assert not said.out or any(word.startswith("--plot") for word in words)
-        if words:  # nothing at all gets help
+        if words not in _GROUPS:
             assert re.fullmatch(r"dubins-study: [^\n]+\n(  [^\n]+\n)*", said.err)
             assert not raw_controls(said.err)
     else:

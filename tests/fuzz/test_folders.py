@@ -115,6 +115,7 @@ def test_a_spoilt_folder_is_resumed(seed, spoilt, small_run, song):
 
 
 @pytest.mark.slow
+@pytest.mark.timeout(1800)  # these three take minutes of a quiet core
 @cases(400)
 @given(seed=seeds)
 def test_hundreds_of_spoilt_folders_are_looked_at(seed, spoilt, small_run, song):
@@ -122,6 +123,7 @@ def test_hundreds_of_spoilt_folders_are_looked_at(seed, spoilt, small_run, song)
 
 
 @pytest.mark.slow
+@pytest.mark.timeout(1800)
 @cases(100)
 @given(seed=seeds)
 def test_hundreds_of_spoilt_folders_are_reported(seed, spoilt, song):
@@ -129,6 +131,7 @@ def test_hundreds_of_spoilt_folders_are_reported(seed, spoilt, song):
 
 
 @pytest.mark.slow
+@pytest.mark.timeout(1800)
 @cases(100)
 @given(seed=seeds)
 def test_hundreds_of_spoilt_folders_are_resumed(seed, spoilt, small_run, song):

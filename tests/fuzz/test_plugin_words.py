@@ -64,6 +64,7 @@ def test_words_of_rows_are_shown_as_text(made, name, tmp_path_factory):
 
 
 @pytest.mark.slow
+@pytest.mark.timeout(1800)  # 30 pages take three minutes of a quiet core
 @cases(30)
 @given(made=rows(), name=words)
 def test_dozens_of_folders_of_words_are(made, name, tmp_path_factory):

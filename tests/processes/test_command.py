@@ -7,6 +7,7 @@ import math
 import shutil
 import subprocess
 import sys
+from contextlib import chdir
 from pathlib import Path
 
 import pytest
@@ -14,6 +15,7 @@ import pytest
 from dubins_study import load_results
 from dubins_study.solvers.export import export
 from dubins_study.study.scenario import COLUMNS, Scenario
+from tests.fuzz.watched import command
 
 
 def dubins(*arguments: str, cwd=None) -> subprocess.CompletedProcess[str]:
@@ -26,8 +28,15 @@ def dubins(*arguments: str, cwd=None) -> subprocess.CompletedProcess[str]:
     )
 
 
-def asked(*arguments: str, cwd=None) -> str:
-    done = dubins(*arguments, cwd=cwd)
+def dubins_here(*arguments: str, cwd=None) -> subprocess.CompletedProcess[str]:
+    """In this process, for what starts no other and loads no plug-in."""
+    with chdir(cwd or Path.cwd()):
+        ended = command(*arguments)
+    return subprocess.CompletedProcess(arguments, ended.code, ended.out, ended.err)
+
+
+def output(done: subprocess.CompletedProcess[str]) -> str:
+    """What a command prints that must succeed."""
     assert done.returncode == 0, done.stderr
     return done.stdout
 
@@ -38,7 +47,7 @@ PROBLEM_1 = ("solve", "10", "5", "--from", "0", "0", "120deg", "--radius", "1")
 @pytest.mark.parametrize("solver", ["analytic", "ipopt"])
 def test_solve_json(solver):
     """The JSON object for the paper's first problem."""
-    answer = json.loads(asked(*PROBLEM_1, "--solver", solver, "--json"))
+    answer = json.loads(output(dubins_here(*PROBLEM_1, "--solver", solver, "--json")))
 
     assert answer["word"] == "RS"
     assert answer["length"] == pytest.approx(11.868088817, abs=1e-8)
@@ -52,17 +61,19 @@ def test_solve_json(solver):
 
 
 def test_solve_text_tells_the_tie_straight_behind():
-    assert "LS  (tied with RS)" in asked("solve", "-5", "0")
+    assert "LS  (tied with RS)" in output(dubins_here("solve", "-5", "0"))
 
 
 def test_negative_targets_are_not_options():
-    answer = json.loads(asked("solve", "-6", "-3", "--from", "-1", "-1", "-2pi/3", "--json"))
+    answer = json.loads(
+        output(dubins_here("solve", "-6", "-3", "--from", "-1", "-1", "-2pi/3", "--json"))
+    )
 
     assert answer["length"] > 0
 
 
 def test_a_branch_without_a_path():
-    answer = json.loads(asked("solve", "0", "1", "--branch", "LS", "--json"))
+    answer = json.loads(output(dubins_here("solve", "0", "1", "--branch", "LS", "--json")))
 
     assert answer["verdict"] == "none exists"
     assert answer["length"] is None
@@ -73,16 +84,16 @@ def test_a_branch_without_a_path():
 def test_plot(tmp_path):
     for suffix in ("svg", "pdf", "png"):
         file = tmp_path / f"path.{suffix}"
-        asked(*PROBLEM_1, "--plot", str(file))
+        output(dubins(*PROBLEM_1, "--plot", str(file)))
         assert file.stat().st_size > 1000
 
 
 def test_solvers():
-    listed = json.loads(asked("solvers", "--json"))
+    listed = json.loads(output(dubins_here("solvers", "--json")))
 
     assert {"analytic", "slsqp", "ipopt", "turn-rate-qp"} <= {entry["name"] for entry in listed}
     assert all(entry["available"] == (entry["reason"] is None) for entry in listed)
-    assert "turn-rate-qp" in asked("solvers")
+    assert "turn-rate-qp" in output(dubins_here("solvers"))
 
 
 REFUSED = [
@@ -133,7 +144,7 @@ REFUSED = [
 )
 def test_bad_requests_get_one_message(arguments, message, tmp_path):
     """Exit code 2, one line on stderr, nothing on stdout, nothing written."""
-    done = dubins(*arguments, cwd=tmp_path)
+    done = dubins_here(*arguments, cwd=tmp_path)
 
     assert done.returncode == 2, done.stderr
     assert message in done.stderr
@@ -145,8 +156,10 @@ def test_bad_requests_get_one_message(arguments, message, tmp_path):
 def test_export(tmp_path):
     """The text of the Python call, to standard output or to a file."""
     pose = ("-6", "3", "--from", "1", "-2", "120deg", "--radius", "2")
-    shown = asked("export", *pose, "--format", "mod", "--order", "RLS")
-    wrote = asked("export", *pose, "--model", "disjunctive", "--out", "a.nl", cwd=tmp_path)
+    shown = output(dubins_here("export", *pose, "--format", "mod", "--order", "RLS"))
+    wrote = output(
+        dubins_here("export", *pose, "--model", "disjunctive", "--out", "a.nl", cwd=tmp_path)
+    )
 
     scenario = Scenario(1, -2, 2 * math.pi / 3, -6, 3, 2)
     assert shown == export(scenario, "paper", "mod", "RLS")
@@ -170,12 +183,12 @@ def test_run_status_and_report(tmp_path):
         'title = "mine"\nquestion = "how far?"\nsolvers = ["analytic", "slsqp"]\n'
         "[[scenarios]]\ntarget_x = [1, 2]\ntarget_y = 3\n"
     )
-    first = asked("run", str(file), cwd=tmp_path)
+    first = output(dubins("run", str(file), cwd=tmp_path))
     assert "4 of 4 cells done, finished" in first
-    assert asked("run", str(file), cwd=tmp_path) == first
-    assert "optimal" in asked("status", "results/mine", cwd=tmp_path)
+    assert output(dubins("run", str(file), cwd=tmp_path)) == first
+    assert "optimal" in output(dubins("status", "results/mine", cwd=tmp_path))
 
-    shown = asked("report", "results/mine", cwd=tmp_path)
+    shown = output(dubins("report", "results/mine", cwd=tmp_path))
 
     page = tmp_path / "results" / "mine" / "report" / "index.html"
     assert "index.html" in shown
@@ -192,9 +205,9 @@ def test_scenarios_of_a_file(tmp_path):
     file = tmp_path / "drive.csv"
     file.write_text(DRIVE)
     run = ("run", "--scenarios", "drive.csv", "--solver")
-    assert "2 of 2 cells done, finished" in asked(*run, "analytic", cwd=tmp_path)
-    assert "2 of 2 cells done, finished" in asked(*run, "analytic", cwd=tmp_path)
-    assert "4 of 4 cells done" in asked(*run, "shooting", cwd=tmp_path)
+    assert "2 of 2 cells done, finished" in output(dubins(*run, "analytic", cwd=tmp_path))
+    assert "2 of 2 cells done, finished" in output(dubins(*run, "analytic", cwd=tmp_path))
+    assert "4 of 4 cells done" in output(dubins(*run, "shooting", cwd=tmp_path))
 
     rows = load_results(tmp_path / "results" / "drive")
     assert sorted(set(rows["heading"])) == [math.pi / 3, 2 * math.pi / 3]
@@ -220,17 +233,19 @@ target_y = 3
 def test_a_folder_without_rows(tmp_path):
     """Interrupted before the first row, or its parts deleted: nothing is done, and no more."""
     (tmp_path / "mine.toml").write_text(MINE)
-    asked("run", "mine.toml", cwd=tmp_path)
+    output(dubins("run", "mine.toml", cwd=tmp_path))
     shutil.rmtree(tmp_path / "results" / "mine" / "parts")
 
-    assert asked("status", "results/mine", cwd=tmp_path).startswith("results/mine: 0 of 2 cells do")
-    assert "2 of 2 cells done, finished" in asked("run", "mine.toml", cwd=tmp_path)
+    assert output(dubins("status", "results/mine", cwd=tmp_path)).startswith(
+        "results/mine: 0 of 2 cells do"
+    )
+    assert "2 of 2 cells done, finished" in output(dubins("run", "mine.toml", cwd=tmp_path))
 
 
 def test_errors_of_a_run_begin_the_output(tmp_path):
     """No empty line before the message, which names the file."""
     (tmp_path / "mine.toml").write_text(MINE.replace("analytic", "anal"))
-    done = dubins("run", "mine.toml", cwd=tmp_path)
+    done = dubins_here("run", "mine.toml", cwd=tmp_path)
 
     assert done.returncode == 2
     assert done.stderr.startswith(
@@ -275,16 +290,16 @@ def test_what_a_solver_prints_is_no_result(plugin, tmp_path):
     assert "from Python" not in done.stderr
     assert "from below" not in done.stderr
     (tmp_path / "mine.toml").write_text(MINE)
-    shown = asked("run", "mine.toml", "--solver", f"{plugin}:Loud", cwd=tmp_path)
+    shown = output(dubins("run", "mine.toml", "--solver", f"{plugin}:Loud", cwd=tmp_path))
     assert shown.startswith("results/mine: 2 of 2 cells done")
     assert "from" not in shown
 
 
 def test_nobody_has_to_listen():
     """A closed stdout is no error."""
-    command = "from dubins_study.cli.app import main; main()"
+    program = "from dubins_study.cli.app import main; main()"
     done = subprocess.run(
-        ["sh", "-c", '"$0" -c "$1" solve 1 2 >&-', sys.executable, command],
+        ["sh", "-c", '"$0" -c "$1" solve 1 2 >&-', sys.executable, program],
         stderr=subprocess.PIPE,
         text=True,
     )
@@ -293,8 +308,8 @@ def test_nobody_has_to_listen():
 
 
 def test_a_false_claim_is_told(plugin):
-    assert "false claim" in asked("solve", "1", "2", "--solver", f"{plugin}:Liar")
-    assert "false claim" not in asked("solve", "1", "2")
+    assert "false claim" in output(dubins("solve", "1", "2", "--solver", f"{plugin}:Liar"))
+    assert "false claim" not in output(dubins("solve", "1", "2"))
 
 
 @pytest.mark.slow
@@ -336,13 +351,13 @@ def test_the_public_surface_from_python():
 def test_export_takes_no_word_that_it_does_not_know():
     """A misspelt radius would export another problem."""
     for words in (("--raduis", "25"), ("7",), ("--speed", "2")):
-        done = dubins("export", "10", "5", *words)
+        done = dubins_here("export", "10", "5", *words)
         assert done.returncode == 2
         assert words[0] in done.stderr
 
 
 def test_a_message_is_one_line_whatever_it_quotes(tmp_path):
-    done = dubins("status", "a\nb\x1b[31m", cwd=tmp_path)
+    done = dubins_here("status", "a\nb\x1b[31m", cwd=tmp_path)
 
     assert done.returncode == 2
     assert done.stderr.startswith("dubins-study: a\\nb\\x1b[31m is no results folder")
@@ -358,7 +373,7 @@ def test_brackets_in_names_are_no_markup(tmp_path):
         "[[scenarios]]\ntarget_x = 3\ntarget_y = 2\n"
     )
 
-    asked("run", "[/red].toml", "--out", "out", cwd=tmp_path)
+    output(dubins("run", "[/red].toml", "--out", "out", cwd=tmp_path))
 
 
 def test_tables_hold_text():
@@ -407,8 +422,8 @@ def test_controls_that_are_not_finite_cost_their_own_row_alone(tmp_path, curvatu
         "[[scenarios]]\ntarget_x = 3\ntarget_y = 4\n"
     )
     chosen = ("--solver", "analytic", "--solver", spec)
-    asked("run", str(tmp_path / "one.toml"), *chosen, "--out", str(tmp_path / "out"))
-    asked("report", str(tmp_path / "out"))
+    output(dubins("run", str(tmp_path / "one.toml"), *chosen, "--out", str(tmp_path / "out")))
+    output(dubins("report", str(tmp_path / "out")))
 
 
 def test_a_full_disk_for_the_output_is_one_message():

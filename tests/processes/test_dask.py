@@ -146,7 +146,8 @@ def test_what_a_dead_worker_was_solving_dies_with_it(experiment, tmp_path, addre
     pids: list[int] = []
 
     def kill(done, total):
-        if (tmp_path / "pids").exists() and not pids:
+        # a file that is there may be empty for another moment
+        if (tmp_path / "pids").exists() and (tmp_path / "pids").read_text() and not pids:
             pids.extend(map(int, (tmp_path / "pids").read_text().split()))
             psutil.Process(pids[0]).kill()
 

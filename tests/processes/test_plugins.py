@@ -35,6 +35,12 @@ LIES = {
     "degrees of curvature": ("controls", "are your curvatures in degrees"),
     "positions": ("controls", "are these positions. A path is its controls"),
     "left is right": ("controls", "left and right are swapped"),
+    "right is left": ("controls", "only turns to the right go wrong"),
+    "one turn to the wrong side": ("discs", "one of its turns is to the wrong side"),
+    "turns left out": ("controls", "are its turns left out.*length 0"),
+    "chords": ("controls", "lengths of your turns chords"),
+    "lengths times speed": ("controls", "lengths multiplied by the speed"),
+    "from the target": ("controls", "path starts at .*path from the target to the start"),
     "summed lengths": ("controls", "summed up from the start"),
     "swapped arrays": ("controls", "are curvature and length swapped"),
     "negative length": ("controls", "lengths are not negative.*other sign of curvature"),
@@ -51,9 +57,15 @@ LIES = {
     "relative target": ("controls", "Start and target are positions in one frame"),
     "radius 1": ("controls", "2.5 times the allowed one.*is your path that of radius 1"),
     "diameter": ("controls", "2 times the allowed one.*is your radius a diameter"),
+    "wide turns": ("claims", "2 times as wide as the radius allows.*taken for a diameter"),
+    "radius times speed": ("claims", "3 times as wide.*is your radius multiplied by the speed"),
+    "no start": ("controls", "starts at .0, 0. with heading 0: is question.scenario.start used"),
+    "backwards": ("controls", "if start and target are exchanged"),
+    "y down": ("controls", "arrives if y points down"),
     "radius inverted": ("controls", "6.25 times the allowed one.*is your radius a curvature"),
     "any word": ("branches", "asked for LS, and its path is RS"),
     "always optimal": ("discs", "claims optimal, but its path is 27.4 % longer.*claim LOCAL"),
+    "needless turns": ("claims", "172 % longer.*turns by more than a full turn"),
     "infeasible": ("discs", "there is one, RL.*A path exists for every target"),
     "no path": ("claims", "it claims local and returns no path"),
     "high bound": ("bounds", "lies above the shortest length.*must hold for the question itself"),
@@ -74,6 +86,7 @@ HABITS = {
     "Spawns": ("state", "child processes.*wait for your processes"),
     "Late": ("limits", "does not return within.*look at `limit`.*do not promise keeps_limit"),
     "Remembers": ("determinism", "keep nothing between questions"),
+    "Keeps": ("symmetries", "its answer to an earlier question, all at once: does it keep answers"),
     "Gambles": ("determinism", "its answer differs by .*a generator of the solver's own"),
     "Unsure": ("loading", r"no licence server.*unavailable\(\) does not raise"),
     "Breaks": ("loading", "branches names 'LSR'.*expected some of: best, LS"),
@@ -92,22 +105,27 @@ def text_of(result) -> str:
     return " ".join(f"{one.observed} {one.advice}" for one in result.findings)
 
 
-def found_by(spec: str, check: str):
+def report_of(spec: str, check: str):
     """The report of one check, and of `outcome`, by which a solver that never answers is found."""
     return check_solver(spec, checks=["outcome", check], time_limit=1)
+
+
+def failed(spec: str, check: str, words: str):
+    """The report of a plug-in that must fail this check, and for the reason that is said."""
+    report = report_of(spec, check)
+    assert not report.passed
+    assert report[check].status is Status.FAIL, report
+    assert re.search(words, text_of(report[check])), report
+    return report
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("lie", LIES)
 def test_every_lie_is_found_in_the_right_words(beside, lie):
     """What was seen, what to do, and a command that asks again."""
-
     check, words = LIES[lie]
-    report = found_by(f"{LYING}/lies.py:Lying[lie={lie}]", check)
+    report = failed(f"{LYING}/lies.py:Lying[lie={lie}]", check, words)
 
-    assert not report.passed
-    assert report[check].status is Status.FAIL, report
-    assert re.search(words, text_of(report[check])), report
     for finding in report[check].findings:
         assert finding.command.startswith("dubins-study solve ")
         assert shlex.quote(report.solver) in finding.command
@@ -116,13 +134,7 @@ def test_every_lie_is_found_in_the_right_words(beside, lie):
 @pytest.mark.slow
 @pytest.mark.parametrize("habit", HABITS)
 def test_every_bad_habit_is_found_in_the_right_words(beside, habit):
-
-    check, words = HABITS[habit]
-    report = found_by(f"{LYING}/habits.py:{habit}", check)
-
-    assert not report.passed
-    assert report[check].status is Status.FAIL, report
-    assert re.search(words, text_of(report[check])), report
+    assert failed(f"{LYING}/habits.py:{habit}", *HABITS[habit]).solver
 
 
 def test_every_lie_is_in_the_tables(beside):
@@ -131,9 +143,9 @@ def test_every_lie_is_in_the_tables(beside):
     from lying_dubins import habits
 
     classes = {name for name, kind in vars(habits).items() if isinstance(kind, type)}
-    told = {name for name in classes if issubclass(getattr(habits, name), habits.Habit)}
+    habit_classes = {name for name in classes if issubclass(getattr(habits, name), habits.Habit)}
     assert set(lying_dubins.LIES) - {"claimed time"} == set(LIES)
-    assert told - {"Habit", "Seeds"} == set(HABITS)
+    assert habit_classes - {"Habit", "Seeds"} == set(HABITS)
 
 
 @pytest.mark.slow
@@ -145,7 +157,7 @@ def test_every_lie_is_in_the_tables(beside):
     ],
 )
 def test_what_does_no_harm_is_a_note(beside, spec, check, words):
-    report = found_by(f"{LYING}/{spec}", check)
+    report = report_of(f"{LYING}/{spec}", check)
 
     assert report.passed, report
     assert report[check].status is Status.NOTE
@@ -155,7 +167,7 @@ def test_what_does_no_harm_is_a_note(beside, spec, check, words):
 @pytest.mark.slow
 def test_an_exception_has_the_plugins_own_frames(beside):
     """The line that called the library, the library's innermost line, and none of ours."""
-    report = found_by(f"{LYING}/lies.py:Lying[lie=raises behind]", "outcome")
+    report = report_of(f"{LYING}/lies.py:Lying[lie=raises behind]", "outcome")
     trace = report["outcome"].findings[0].traceback
 
     assert "np.linalg.cholesky(-np.eye(2))" in trace
@@ -167,19 +179,19 @@ def test_an_exception_has_the_plugins_own_frames(beside):
 @pytest.mark.slow
 def test_a_command_of_a_finding_asks_the_same_question(beside):
     """It is copied from the report into a shell."""
-    report = found_by(f"{LYING}/lies.py:Lying[lie=left is right]", "controls")
+    report = report_of(f"{LYING}/lies.py:Lying[lie=left is right]", "controls")
     [finding] = report["controls"].findings
     path = os.pathsep.join(
         str(EXAMPLES / name / "src") for name in ("plugin-honest", "plugin-lying")
     )
-    asked = subprocess.run(
+    process = subprocess.run(
         f"{sys.executable} -m {finding.command.replace('dubins-study', 'dubins_study', 1)} --json",
         shell=True,
         capture_output=True,
         text=True,
         env=os.environ | {"PYTHONPATH": path},
     )
-    answer = json.loads(asked.stdout)
+    answer = json.loads(process.stdout)
 
     assert answer["verdict"] == "misses"
     assert f"{answer['miss']:.3g} radii" in finding.observed

@@ -31,15 +31,13 @@ def experiments(
 ) -> None:
     """List the experiments that `run` knows by name."""
     from dubins_study.experiments.definition.experiment import packaged, read
-    from dubins_study.experiments.plan.file_checks import check_solvers
+    from dubins_study.experiments.plan.file_checks import read_checked
     from dubins_study.experiments.plan.overview import overview
 
     if experiment is None:
         overviews = [overview(read(name)) for name in packaged()]
     else:
-        file = read(experiment)
-        check_solvers(file, trust_plugins=False)
-        overviews = [overview(file)]
+        overviews = [overview(read_checked(experiment, trust_plugins=False))]
     if as_json:
         print(json.dumps([each._asdict() for each in overviews], indent=2))
     elif experiment is None:

@@ -108,10 +108,10 @@ def _check_section(experiment: str) -> None:
 
     Rows are rows whatever the report makes of them, so that the run goes on.
     """
-    from dubins_study.experiments.definition.experiment import packaged, read
+    from dubins_study.experiments.definition.experiment_text import packaged, text_of
 
-    section = None if experiment in packaged() else read(experiment).experiment.section
-    if section is None:
+    section = None if experiment in packaged() else text_of(experiment).fields().get("section")
+    if not isinstance(section, str):
         return
     from dubins_study.report.page.sections import KEYS
     from dubins_study.study.nearest import did_you_mean

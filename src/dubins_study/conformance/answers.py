@@ -8,7 +8,13 @@ from dataclasses import replace
 from enum import StrEnum
 from typing import NamedTuple
 
-from dubins_study.conformance.causes import cause_of, start_cause, tightness_cause
+from dubins_study.conformance.causes import cause_of
+from dubins_study.conformance.faults import (
+    claimed_length_cause,
+    length_cause,
+    start_cause,
+    tightness_cause,
+)
 from dubins_study.conformance.findings import Finding, Status
 from dubins_study.conformance.interview import Seen
 from dubins_study.conformance.questions import check_command, command, name_of
@@ -172,7 +178,7 @@ def _missing(answer: Answer, path: Path) -> tuple[str, str]:
     end = path.end
     miss = math.hypot(end.x - scenario.target_x, end.y - scenario.target_y) / scenario.radius
     if path.start != scenario.start:
-        advice = start_cause(scenario, path.start)
+        advice = start_cause(scenario, path)
         return f"its path starts at {_pose(path.start)}, not at {_pose(scenario.start)}", advice
     if excess > 1e-9:
         observed = (
@@ -230,9 +236,8 @@ def _of_length(answer: Answer, guarantee: str) -> list[_Observed]:
         scale = max(length, answer.scenario.radius)
         if abs(claimed - length) > _CLAIMED * scale:
             observed = f"claimed_length is {claimed:.6g}; its path is {length:.6g} long"
-            advice = "claimed_length is the length that the solver reports for its path"
-            if math.isclose(claimed, length / answer.scenario.speed, rel_tol=_CLAIMED):
-                advice = "claimed_length is a length, not a travel time"
+            assert answer.path is not None  # it has a length
+            advice = claimed_length_cause(answer.scenario, answer.path, claimed)
             listed.append((Kind.LENGTH, Status.NOTE, observed, advice))
     return listed
 
@@ -244,16 +249,17 @@ def _longer(answer: Answer, guarantee: str) -> _Observed:
     how = f"{share:.3g} % longer than the shortest one ({word} instead of {best})"
     if word == best:
         how = f"{share:.3g} % longer than the shortest {best}"
+    cause = "" if answer.path is None else length_cause(answer.scenario, answer.path)
     if answer.claim is Claim.OPTIMAL:
-        advice = "claim LOCAL unless the method proves that no path is shorter"
+        advice = cause or "claim LOCAL unless the method proves that no path is shorter"
         observed = f"it claims optimal, but its path is {how}"
         return Kind.CLAIM, Status.FAIL, observed, advice
     exact = guarantee in (Guarantee.EXACT, Guarantee.GLOBAL)
     if exact and answer.claim in _SUCCESS:
-        advice = "declare another guarantee, or claim LIMIT where the time did not suffice"
+        advice = cause or "declare another guarantee, or claim LIMIT where the time did not suffice"
         observed = f"it declares the guarantee {guarantee!r}, but its path is {how}"
         return Kind.CLAIM, Status.FAIL, observed, advice
-    return Kind.LENGTH, Status.NOTE, f"its path is {how}", ""
+    return Kind.LENGTH, Status.NOTE, f"its path is {how}", cause
 
 
 def unanswered(asked: Iterable[Seen], name: str) -> tuple[Finding, ...]:

@@ -1,4 +1,4 @@
-"""Guess from a wrong path what its solver mixed up: which other question it would be right for."""
+"""Guess from a path that misses what its solver mixed up: which question it would be right for."""
 
 from __future__ import annotations
 
@@ -10,11 +10,12 @@ from typing import NamedTuple
 import numpy as np
 
 from dubins_study.study.path import Path, drivable
-from dubins_study.study.scenario import Pose, Scenario
+from dubins_study.study.scenario import Scenario
 
+SWAPPED_SIDES = "left and right are swapped: curvature is positive to the left"
 # A path fits a guess if it ends within this many radii of the target, and is no more than this
 # share too tight: far more than a solver's tolerance, far less than a guess fits by chance.
-_FIT = 1e-3
+FIT = 1e-3
 
 
 class _Case(NamedTuple):
@@ -40,13 +41,16 @@ def cause_of(scenario: Scenario, path: Path) -> str:
             "are these positions? A path is its controls: a curvature and a length for each arc, "
             "from which the check drives it"
         )
+    turning = path.curvature != 0
+    if turning.any() and not path.length[turning].any():
+        return "are its turns left out? They have the length 0; an arc is angle * radius long"
     with np.errstate(all="ignore"):
         for cause in CAUSES:
             try:
                 case = cause.undo(scenario, path)
             except (ValueError, TypeError):  # the path does not fit the guess at all
                 continue
-            if _fits(case):
+            if fits(*case):
                 return cause.advice
     return ""
 
@@ -57,15 +61,15 @@ def _is_target(scenario: Scenario, x: float, y: float) -> bool:
     return abs(x - scenario.target_x) <= near and abs(y - scenario.target_y) <= near
 
 
-def _fits(case: _Case) -> bool:
-    scenario, path = case
+def fits(scenario: Scenario, path: Path) -> bool:
+    """Whether a path is one of a scenario's, but for rounding and a solver's tolerance."""
     if not drivable(path):
         return False
     driven = path.curvature[path.length > 0]
     tightest = float(np.abs(driven).max(initial=0.0)) * scenario.radius
     end = path.end
     miss = math.hypot(end.x - scenario.target_x, end.y - scenario.target_y)
-    return tightest <= 1 + _FIT and miss <= _FIT * scenario.radius
+    return tightest <= 1 + FIT and miss <= FIT * scenario.radius
 
 
 def _controls(
@@ -102,6 +106,25 @@ def _turning(path: Path, factor: float | np.ndarray) -> np.ndarray:
     return np.where(path.curvature != 0, path.length * factor, path.length)
 
 
+def _flipped(path: Path, which: int) -> np.ndarray:
+    """The curvatures, one of the turns to the other side; `which` counts turns, -1 is the last."""
+    turns = np.flatnonzero((path.curvature != 0) & (path.length > 0))
+    if turns.size < 2:
+        raise ValueError("a path of one turn has no other")
+    return np.where(np.arange(path.length.size) == turns[which], -path.curvature, path.curvature)
+
+
+def _of_chords(scenario: Scenario, path: Path) -> np.ndarray:
+    """The lengths, those of turns taken for chords; not a number where a chord is too long."""
+    half = path.length / (2 * scenario.radius)
+    return np.where(path.curvature != 0, 2 * scenario.radius * np.arcsin(half), path.length)
+
+
+def _exchanged(scenario: Scenario) -> Scenario:
+    s = scenario
+    return replace(s, x=s.target_x, y=s.target_y, target_x=s.x, target_y=s.y)
+
+
 def _compass(scenario: Scenario) -> Scenario:
     return replace(scenario, heading=math.pi / 2 - scenario.heading)
 
@@ -122,8 +145,16 @@ CAUSES = (
         _controls(lambda s, p: _inverse(p)),
     ),
     Cause(
-        "left and right are swapped: curvature is positive to the left",
+        SWAPPED_SIDES,
         _controls(lambda s, p: -p.curvature),
+    ),
+    *(
+        Cause(
+            "one of its turns is to the wrong side: curvature is positive to the left and negative "
+            "to the right",
+            _controls(lambda s, p, which=which: _flipped(p, which)),  # type: ignore[misc]
+        )
+        for which in (0, -1)
     ),
     Cause(
         "are your curvatures in units of 1 / radius? Divide them by the radius",
@@ -157,6 +188,14 @@ CAUSES = (
     Cause(
         "are your lengths times? A length is time * speed",
         _controls(length=lambda s, p: p.length * s.speed),
+    ),
+    Cause(
+        "are your lengths multiplied by the speed? A path's lengths do not depend on it",
+        _controls(length=lambda s, p: p.length / s.speed),
+    ),
+    Cause(
+        "are the lengths of your turns chords? An arc is angle * radius long",
+        _controls(length=_of_chords),
     ),
     Cause(
         "are your curvatures turn rates? A curvature is turn rate / speed",
@@ -209,35 +248,19 @@ CAUSES = (
         "target are positions in one frame",
         _asked(lambda s: replace(s, x=0.0, y=0.0)),
     ),
+    Cause(
+        "your path arrives if it starts at (0, 0) with heading 0: is question.scenario.start used?",
+        _asked(lambda s: replace(s, x=0.0, y=0.0, heading=0.0)),
+    ),
     Cause("your path arrives if x and y are swapped", _asked(_swapped)),
+    Cause(
+        "your path arrives if y points down: headings are counter-clockwise and curvature is "
+        "positive to the left where y points up",
+        _asked(lambda s: replace(s, y=-s.y, target_y=-s.target_y)),
+    ),
+    Cause(
+        "your path arrives if start and target are exchanged: it leads from "
+        "question.scenario.start to the target",
+        _asked(_exchanged),
+    ),
 )
-
-
-def start_cause(scenario: Scenario, start: Pose) -> str:
-    """What makes a path's start differ from the question's; empty if unknown."""
-    right = scenario.start
-    if start == (0.0, 0.0, 0.0):
-        return "is it in the vehicle's frame? Its controls are the same in the world's frame"
-    same_place = (start.x, start.y) == (right.x, right.y)
-    if same_place and math.isclose(start.heading, math.degrees(right.heading)):
-        return "its heading is in degrees; a Pose has rad"
-    if same_place:
-        return "its heading is another one; the vehicle cannot turn on the spot"
-    return "give question.scenario.start as it is"
-
-
-def tightness_cause(scenario: Scenario, excess: float) -> str:
-    """What makes an arriving path too tight, from its tightest curvature times the radius."""
-    radius, ratio = scenario.radius, 1 + excess
-    near = [
-        (radius**2, "is your radius a curvature? A path's curvature is 1 / radius at most"),
-        (radius, "is your path that of radius 1? Its curvature is 1 / question.scenario.radius"),
-        (2.0, "is your radius a diameter?"),
-        (scenario.speed, "is your curvature a turn rate? A curvature is turn rate / speed"),
-    ]
-    for value, advice in near:
-        if value > 1 and math.isclose(ratio, value, rel_tol=_FIT):
-            return advice
-    if excess < _FIT:
-        return "keep the curvature within 1 / radius exactly: clip it, or tighten the bound"
-    return "keep the curvature between -1 / radius and 1 / radius"

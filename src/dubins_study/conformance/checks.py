@@ -10,6 +10,7 @@ from dubins_study.conformance import behaviour, questions
 from dubins_study.conformance.answers import Kind, Problem, problems, unanswered, united
 from dubins_study.conformance.findings import CheckResult, Finding, Status
 from dubins_study.conformance.interview import Interview, Seen
+from dubins_study.conformance.patterns import of_another_question, of_one_side
 from dubins_study.solvers.protocol import Question
 from dubins_study.study.check.verdict import Verdict
 from dubins_study.study.closed_form.shortest import shortest_path
@@ -42,7 +43,11 @@ def _asked(
             answers.append(interview.ask(Question(scenario)))
             wanted = {*kinds, Kind.OUTCOME} if len(interview.seen) > before else kinds
             answer_problems = problems(answers[-1], label, interview.declared["guarantee"])
-            shown += [one for one in answer_problems if one.kind in wanted]
+            explained = (
+                of_another_question(interview.seen, answers[-1], one) for one in answer_problems
+            )
+            shown += [one for one in explained if one.kind in wanted]
+        shown = of_one_side(answers, shown)
         if Kind.CONTROLS in kinds and not shown and all(one.answer.path is None for one in answers):
             return _not_applicable(name, title, "it returned no path")
         return CheckResult(name, title, united(shown), f"{len(scenarios)} questions")

@@ -22,7 +22,7 @@ GENERAL = {
     "heading 1.1 rad": Scenario(heading=1.1, target_x=-4, target_y=3),
     "start at (2, -1)": Scenario(2, -1, target_x=6, target_y=4),
     "speed 3": Scenario(target_x=3, target_y=-2, speed=3),
-    "all at once": Scenario(-3, 4, 2.2, 5, 8.5, 0.4, 0.5),
+    "all at once": Scenario(-3, 4, 2.2, 5, 8.5, 0.4, 0.6),
     "all at once, other side": Scenario(2, -1, -0.5, -9, 6, 2.5, 3),
 }
 # One question in general position that the other checks change.
@@ -125,6 +125,7 @@ SYMMETRIES = {
     "turned by 2 rad": turned(REFERENCE, 2.0),
     "heading a full turn more": replace(REFERENCE, heading=REFERENCE.heading + 2 * math.pi),
     "heading ten turns less": replace(REFERENCE, heading=REFERENCE.heading - 20 * math.pi),
+    "the same target from elsewhere": replace(REFERENCE, x=8.0, y=5.5, heading=0.7),
 }
 SCALES = {
     "a thousand times larger": scaled(REFERENCE, 1e3),

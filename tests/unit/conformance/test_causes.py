@@ -10,8 +10,14 @@ import numpy as np
 import pytest
 
 from dubins_study import Path, Scenario
-from dubins_study.conformance.causes import CAUSES, cause_of, start_cause, tightness_cause
-from dubins_study.conformance.questions import GENERAL, REFERENCE
+from dubins_study.conformance.causes import CAUSES, cause_of
+from dubins_study.conformance.faults import (
+    claimed_length_cause,
+    length_cause,
+    start_cause,
+    tightness_cause,
+)
+from dubins_study.conformance.questions import DISCS, GENERAL, REFERENCE
 from dubins_study.study.closed_form.shortest import shortest_path
 from dubins_study.study.scenario import Pose
 
@@ -43,6 +49,9 @@ MIXED_UP = {
     "summed up from the start": (K, np.cumsum(S)),
     "curvature and length swapped": (S, K),
     "from the target to the start": (K[::-1], S[::-1]),
+    "multiplied by the speed": (K, S * V),
+    "turns chords": (K, np.where(TURNS, 2 * R * np.sin(S / (2 * R)), S)),
+    "turns left out. They have the length 0": (K, np.where(TURNS, 0.0, S)),
 }
 # words of the advice -> what the solver takes the question for
 MISREAD = {
@@ -52,6 +61,14 @@ MISREAD = {
     "compass course": {"heading": math.pi / 2 - REFERENCE.heading},
     "heading is clockwise": {"heading": -REFERENCE.heading},
     "start is .0, 0.": {"x": 0.0, "y": 0.0},
+    "starts at .0, 0. with heading 0": {"x": 0.0, "y": 0.0, "heading": 0.0},
+    "y points down": {"y": -REFERENCE.y, "target_y": -REFERENCE.target_y},
+    "start and target are exchanged": {
+        "x": REFERENCE.target_x,
+        "y": REFERENCE.target_y,
+        "target_x": REFERENCE.x,
+        "target_y": REFERENCE.y,
+    },
     "x and y are swapped": {
         "x": REFERENCE.y,
         "y": REFERENCE.x,
@@ -77,6 +94,19 @@ def test_a_question_that_is_misread(words):
     assert re.search(words, cause)
 
 
+@pytest.mark.parametrize("flipped", [0, 1])
+def test_a_turn_to_the_wrong_side(flipped):
+    """Of two turns, the first or the last; of one turn, left and right are swapped."""
+    scenario = DISCS["in the left disc"]
+    right = shortest_path(scenario)
+    assert len(right.curvature) == 2
+    assert (right.curvature != 0).all()
+    curvature = np.where(np.arange(2) == flipped, -right.curvature, right.curvature)
+
+    cause = cause_of(scenario, Path(scenario.start, curvature, right.length))
+    assert cause.startswith("one of its turns is to the wrong side")
+
+
 def test_positions_are_no_controls():
     """What planners of waypoints return."""
     positions = RIGHT.sample(30)
@@ -87,10 +117,11 @@ def test_positions_are_no_controls():
 
 def test_every_cause_has_a_test():
     """But for the start, which is told before any cause is guessed."""
-    words = [*MIXED_UP, *MISREAD, "start at question.scenario.start"]
+    words = [*MIXED_UP, *MISREAD, "start at question.scenario.start", "to the wrong side"]
 
     for cause in CAUSES:
         assert any(re.search(one, cause.advice) for one in words), cause.advice
+    # turns that are left out are told apart, and the first and the last turn are two causes
     assert len(CAUSES) == len(words)
 
 
@@ -138,4 +169,52 @@ def test_a_path_that_arrives_and_is_too_tight(radius, ratio, words):
     ],
 )
 def test_a_path_that_starts_elsewhere(start, words):
-    assert words in start_cause(REFERENCE, start)
+    path = Path(start, K * 0.9, S)
+    assert words in start_cause(REFERENCE, path)
+
+
+def test_a_path_from_elsewhere_that_arrives():
+    """From the origin, and from the target back to the start."""
+    origin = replace(REFERENCE, x=0, y=0, heading=0)
+    assert "question.scenario.start used" in start_cause(REFERENCE, shortest_path(origin))
+    back = replace(REFERENCE, x=REFERENCE.target_x, y=REFERENCE.target_y, target_x=-3, target_y=4)
+    assert "from the target to the start" in start_cause(REFERENCE, shortest_path(back))
+
+
+@pytest.mark.parametrize(
+    ("controls", "words"),
+    [
+        ((K, np.where(TURNS, S + 2 * math.pi * R, S)), "more than a full turn"),
+        ((of_other(radius=2 * R).curvature, of_other(radius=2 * R).length), "for a diameter"),
+        ((of_other(radius=5 * R).curvature, of_other(radius=5 * R).length), "5 times as wide"),
+        ((K, S), ""),
+    ],
+)
+def test_a_path_that_arrives_and_is_longer(controls, words):
+    cause = length_cause(REFERENCE, Path(REFERENCE.start, *controls))
+
+    assert words in cause
+    assert bool(words) == bool(cause)
+
+
+def test_a_radius_times_the_speed():
+    fast = replace(REFERENCE, speed=3.0)
+    path = shortest_path(replace(fast, radius=3 * R))
+
+    assert re.search("3 times as wide.*multiplied by the speed", length_cause(fast, path))
+
+
+@pytest.mark.parametrize(
+    ("factor", "words"),
+    [
+        (1 / V, "not a travel time"),
+        (V, "length times the speed"),
+        (1 / R, "not in radii"),
+        (S[~TURNS].sum() / S.sum(), "the straight alone"),
+        (1.3, "the length that the solver reports"),
+    ],
+)
+def test_a_claimed_length_of_something_else(factor, words):
+    slow = replace(REFERENCE, speed=V)
+
+    assert words in claimed_length_cause(slow, RIGHT, factor * RIGHT.total_length)

@@ -364,7 +364,7 @@ def test_a_command_holds_every_number_to_the_last_bit():
     assert float(words[2]) == scenario.target_x
     assert float(words[7].removesuffix("rad")) == scenario.heading
     assert words[8:] == [
-        *("--radius", "0.4", "--speed", "0.5", "--branch", "RL"),
+        *("--radius", "0.4", "--speed", "0.6", "--branch", "RL"),
         *("--solver", "'my", "solver.py:Mine[n=2]'"),
     ]
 

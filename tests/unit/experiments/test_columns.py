@@ -153,10 +153,6 @@ def test_a_latin_hypercube_too_large_to_draw_is_refused(monkeypatch):
         ({"radius": [1, 1, 1e200]}, "scenario 2: radius is 1e+200; expected a number from"),
         ({"target_x": [1, 1e200]}, "scenario 1: target_x is 1e+200; expected a number of size"),
         ({"target_x": [0, 1e16]}, r"scenario 1: radius is 1.0; expected at least 1e+03 beside"),
-        (
-            {"target_x": None, "target_y": None, "arc": 1, "margin": [0, -3]},
-            "scenario 1: margin is -3.0; expected at least -1",
-        ),
     ],
 )
 def test_a_wrong_scenario_is_named_by_block_and_row(fields, message):
@@ -168,6 +164,15 @@ def test_a_wrong_scenario_is_named_by_block_and_row(fields, message):
             list(windows(found, "b", wanted))
     with pytest.raises(ExperimentError, match=f"^b, {message}".replace("+", r"\+")):
         list(scenarios(found, "b"))
+
+
+def test_a_margin_ends_at_the_centre_of_its_circle():
+    """Refused before any scenario is computed, as a value and as an end of a range."""
+    Block.model_validate({"arc": 1, "margin": [0, -1]})
+    with pytest.raises(ValueError, match=r"margin\s.*expected a number of at least -1.*got -3.0"):
+        Block.model_validate({"arc": 1, "margin": [0, -3]})
+    with pytest.raises(ValueError, match=r"margin\s.*expected a number of at least -1.*got -1.01"):
+        Block.model_validate({"arc": 1, "margin": {"linear": [-1.01, 0, 3]}})
 
 
 def test_marks_differ_where_scenarios_do():

@@ -71,23 +71,27 @@ def test_all_mistakes_at_once(tmp_path):
 
 
 def test_solvers_are_checked_together(tmp_path):
-    """Braces and plug-ins are checked once the file is valid; plug-ins only if they are trusted."""
+    """Plug-ins with the others; those that are not trusted are refused and not loaded."""
     text = (
         'title = "t"\nquestion = "q"\nsolvers = ["{ipopt,slsqp}[modl=joint]", "no.py:A"]\n'
         '[[scenarios]]\ntarget_x = 1\ntarget_y = 2\nsolvers = ["nlp["]\n'
     )
 
-    assert refusal_of(text, tmp_path).startswith("line 3: solvers: no.py:A runs a program or file")
-    head, *mistakes = refusal_of(text, tmp_path, trust_plugins=True).splitlines()
-    assert head == "3 mistakes"
-    assert mistakes[0].startswith(
-        "  line 3: solvers: solver 'ipopt' has no setting 'modl'; did you"
-    )
-    assert (
-        mistakes[1]
-        == "  line 3: solvers: solver 'no.py:A': no file 'no.py'; expected file.py:Class"
-    )
-    assert mistakes[2].startswith("  line 7: scenarios.0.solvers: solver 'nlp[': '[' is not closed")
+    plugins = {
+        False: "  line 3: solvers: no.py:A runs a program or file that is not this package's; exp",
+        True: "  line 3: solvers: solver 'no.py:A': no file 'no.py'; expected file.py:Class",
+    }
+    for trusted, plugin in plugins.items():
+        head, *mistakes = refusal_of(text, tmp_path, trust_plugins=trusted).splitlines()
+        assert head == "4 mistakes"
+        for solver, mistake in zip(("ipopt", "slsqp"), mistakes, strict=False):
+            assert mistake.startswith(
+                f"  line 3: solvers: solver '{solver}' has no setting 'modl'; did you"
+            )
+        assert mistakes[2].startswith(plugin)
+        assert mistakes[3].startswith(
+            "  line 7: scenarios.0.solvers: solver 'nlp[': '[' is not closed"
+        )
 
 
 def test_the_line_of_a_scenario_that_no_vehicle_has(tmp_path):
@@ -141,6 +145,7 @@ WAYS = "expected target_x and target_y, or distance and bearing, or arc and marg
 TOGETHER = [
     "line 3: solvers: solver 'slsqp[model=jont]': model is 'jont'; did you mean 'joint'? expe",
     "line 3: solvers: solver 'turn-rate-qp[n=-5]': n is -5; expected a whole number from 2",
+    "line 3: solvers: no.py:A[n=1] runs a program or file that is not this package's; expected",
     "line 3: solvers: solver 'a{b': '{' is not closed",
     "line 4: repeats is 0: expected a number of at least 1",
     f"line 5: scenarios.0: {WAYS}",
@@ -152,7 +157,8 @@ TOGETHER = [
     "line 18: scenarios.2.target_z: unknown key; did you mean 'target_y'?",
     "line 21: scenarios.3.sample.method is 'sobol2': expected 'sobol' or 'latin hypercube'",
     "line 26: scenarios.3.sample.ranges.bearings: no such field; did you mean 'bearing'? expect",
-    "line 32: scenarios.4.sample.ranges: distance: expected a number of at least 0 (a target be",
+    "line 33: scenarios.4.sample.ranges.distance: expected a number of at least 0 (a target beh",
+    "line 35: scenarios.4.sample.ranges.radius: expected a number above 0; got 0.0",
 ]
 
 
@@ -163,7 +169,7 @@ def test_targets_solvers_and_signs_are_told_with_the_rest(tmp_path):
     assert head == f"{len(TOGETHER)} mistakes"
     for line, expected in zip(mistakes, TOGETHER, strict=True):
         assert line.startswith(f"  {expected}")
-    assert mistakes[-1].endswith("got -1.0; radius: expected a number above 0; got 0.0")
+    assert mistakes[-2].endswith("got -1.0")
 
 
 def test_an_invalid_file_has_no_power_over_the_time(tmp_path):

@@ -56,5 +56,5 @@ def test_without_a_sample_it_is_refused():
     text = 'title = "t"\nquestion = "?"\nsolvers = ["slsqp"]\n'
     text += 'first = { scenarios = 1, solvers = ["ipopt"] }\n'
 
-    with pytest.raises(ExperimentError, match="first needs a block with a sample"):
+    with pytest.raises(ExperimentError, match="first: expected a block with a sample"):
         cells_of(text + "[[scenarios]]\ntarget_x = [3, 5]\ntarget_y = 1\n")

@@ -298,14 +298,14 @@ def test_scenario_ids_depend_on_every_bit():
 @pytest.mark.parametrize(
     ("block", "message"),
     [
-        ("arc = 1\nmargin = -1.5", "margin is -1.5; expected at least -1"),
+        ("arc = 1\nmargin = -1.5", "margin is -1.5: expected a number of at least -1"),
         (
             "target_x = 1\ntarget_y = 2\nguess_lengths = {z1 = 0, z2 = 0, z3 = -1}",
-            "guess_lengths is .*expected",
+            "guess_lengths.z3 is .*expected a number from 0",
         ),
         (
             "target_x = 1\ntarget_y = 2\nguess_lengths = {z1 = 0, z2 = 0, z3 = 1e300}",
-            "guess_lengths is .*expected",
+            "guess_lengths.z3 is .*expected a number from 0",
         ),
     ],
 )

@@ -23,16 +23,12 @@ def results(tmp_path: FilePath) -> Callable[..., FilePath]:
     return make
 
 
-# of these the PDF files of figures are looked at
-_WITH_PDF = ("test_page", "test_tex")
-
-
 @pytest.fixture(autouse=True, scope="module")
-def svg_alone(request: pytest.FixtureRequest) -> Iterator[None]:
-    """Figures as SVG alone: fonts are cut for every PDF anew, a third of what a page costs."""
-    if request.module.__name__.rpartition(".")[2] in _WITH_PDF:
-        yield
-        return
+def svg_alone() -> Iterator[None]:
+    """Figures as SVG alone: fonts are cut for every PDF anew, a third of what a page costs.
+
+    A test that looks at PDF files draws them inside `with_pdf_files()`.
+    """
 
     def drawn(figure: Figure, kind: str) -> bytes:
         return b"%PDF" if kind == "pdf" else figure_bytes(figure, kind)

@@ -9,7 +9,6 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from dubins_study import render
 from dubins_study.report.data.results import load
 from dubins_study.report.topics.basins.numbers import (
     FALSE_MINIMUM,
@@ -29,6 +28,7 @@ from dubins_study.study.claim import Claim
 from dubins_study.study.closed_form.shortest import shortest, shortest_path
 from dubins_study.study.path import Path
 from tests.unit.report.results_folder import attempt, paper_scenarios
+from tests.unit.report.topic_page import topic_page
 
 THREE, FOUR = paper_scenarios()[2:4]
 SPEC = "slsqp[model=joint,order=LRS,initial_guess=given,capped=false]"
@@ -149,18 +149,19 @@ def test_cold_starts_are_not_of_the_study(results):
     assert ends(load([results("basins", [attempt(THREE)])]).rows).empty
 
 
+TOPIC = "where initial guesses lead"
+
+
 def test_the_section_tells_what_the_rows_hold(results, tmp_path):
     """Its numbers are of these rows; without refuted claims it does not speak of any."""
-    page = render([results("basins", every_end())], tmp_path / "a").read_text(encoding="utf-8")
+    page = topic_page(results("basins", every_end()), tmp_path / "a", TOPIC)
     honest = [given(FOUR, z1, z2, claim=Claim.LOCAL) for z1 in (0.0, 1.0) for z2 in (0.0, 1.0)]
-    plain = render(
-        [results("honest", honest, experiment=BASINS)],
-        tmp_path / "b",
-    )
+    plain = topic_page(results("honest", honest, experiment=BASINS), tmp_path / "b", TOPIC)
 
-    assert '<section id="basins"' in page
-    assert "3 statements are refuted" in page
-    assert "22.2 % of all attempts end in a minimum with full turns in it, with up to 2" in page
+    text = page.read_text(encoding="utf-8")
+    assert '<section id="basins"' in text
+    assert "3 statements are refuted" in text
+    assert "22.2 % of all attempts end in a minimum with full turns in it, with up to 2" in text
     text = plain.read_text(encoding="utf-8")
     assert "refuted" not in text.split('<section id="basins"')[1].split("<figure")[0]
     assert "from 100 % at best" in text
@@ -172,8 +173,8 @@ def test_lost_rows_are_drawn_as_given_up(results, tmp_path):
     lost = dict.fromkeys(("region", "reference_word", "reference", "iterations"))
     rows = [given(THREE, 0.0, 0.0, path=None, claim=Claim.NONE, outcome="crashed", **lost)]
 
-    page = render([results("basins", rows)], tmp_path / "out").read_text(encoding="utf-8")
+    page = topic_page(results("basins", rows), tmp_path / "out", TOPIC)
 
     (row,) = pd.read_csv(tmp_path / "out" / "tables" / "basins.csv").to_dict("records")
     assert row["gives up"] == row["guesses"] == 1
-    assert ">gives up<" in page  # the map's legend
+    assert ">gives up<" in page.read_text(encoding="utf-8")  # the map's legend

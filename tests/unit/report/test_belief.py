@@ -21,7 +21,7 @@ from dubins_study.study.claim import Claim
 from dubins_study.study.closed_form.shortest import shortest_path
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
-from tests.unit.report.results_folder import attempt
+from tests.unit.report.results_folder import attempt, write_folder
 
 PLAIN = Scenario(0, 0, 0, 5, 2, 1, label="plain")
 FAR = Scenario(0, 0, 0.123456, 50, 20, 1, label="far")
@@ -42,28 +42,37 @@ def frame(results, rows, name="benchmark"):
     return claims(compared(load([results(name, rows)])))
 
 
-@pytest.mark.parametrize(
-    ("claim", "path", "worth"),
-    [
-        (Claim.OPTIMAL, "exact", "true"),
-        (Claim.OPTIMAL, "longer", "false"),
-        (Claim.LOCAL, "longer", "true"),
-        (Claim.LOCAL, "misses", "false"),
-        (Claim.FEASIBLE, "exact", "less than known"),
-        (Claim.FEASIBLE, "longer", "true"),
-        (Claim.FAILED, "exact", "less than known"),
-        (Claim.LIMIT, "longer", "less than known"),
-        (Claim.FAILED, "misses", "says nothing"),
-        (Claim.NONE, None, "says nothing"),
-        (Claim.INFEASIBLE, None, "false"),
-    ],
-)
-def test_the_worth_of_each_claim(results, claim, path, worth):
-    """Of a question that has a path."""
-    paths = {"longer": longer(PLAIN), "misses": Path(PLAIN.start, [0.0], [1.0])}
-    rows = [honest(PLAIN, "scip", claim, paths.get(path, path))]
+# claim, path, and what the claim is worth of a question that has a path
+WORTHS = [
+    (Claim.OPTIMAL, "exact", "true"),
+    (Claim.OPTIMAL, "longer", "false"),
+    (Claim.LOCAL, "longer", "true"),
+    (Claim.LOCAL, "misses", "false"),
+    (Claim.FEASIBLE, "exact", "less than known"),
+    (Claim.FEASIBLE, "longer", "true"),
+    (Claim.FAILED, "exact", "less than known"),
+    (Claim.LIMIT, "longer", "less than known"),
+    (Claim.FAILED, "misses", "says nothing"),
+    (Claim.NONE, None, "says nothing"),
+    (Claim.INFEASIBLE, None, "false"),
+]
 
-    assert frame(results, rows)["truth"].tolist() == [worth]
+
+@pytest.fixture(scope="module")
+def worths(tmp_path_factory):
+    """The worth of each claim, each by a solver of its own."""
+    paths = {"longer": longer(PLAIN), "misses": Path(PLAIN.start, [0.0], [1.0])}
+    rows = [
+        honest(PLAIN, f"{claim} {path}", claim, paths.get(path, path)) for claim, path, _ in WORTHS
+    ]
+    folder = write_folder(tmp_path_factory.mktemp("worths") / "benchmark", "benchmark", rows)
+    return claims(compared(load([folder]))).groupby("solver")["truth"].agg(list)
+
+
+@pytest.mark.parametrize(("claim", "path", "worth"), WORTHS)
+def test_the_worth_of_each_claim(worths, claim, path, worth):
+    """Of a question that has a path."""
+    assert worths[f"{claim} {path}"] == [worth]
 
 
 def test_without_a_path_infeasible_is_true(results):
@@ -176,9 +185,13 @@ def test_the_section(results):
     assert [block.name for block in section.blocks] == [
         "belief-claims",
         "belief",
+        "belief-kinds",
         "belief-false",
         "belief-cures",
     ]
+    kinds = section.blocks[2]
+    assert kinds.texts() == [["one NLP a word", "scip", "bearing", "1"]]
+    assert "infeasible, but has a path" in [column.title for column in kinds.columns]
     assert "others, scip (bearing) on one NLP a word: at 100 %" in section.text
     assert "of its 1 question." in section.text
     assert "No method makes a false claim" in belief_section(good).text

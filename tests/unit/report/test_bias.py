@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
+from functools import partial
 
 import numpy as np
 import pytest
 
-from dubins_study import render
 from dubins_study.report.data.results import load
 from dubins_study.report.topics.bias.numbers import (
     barrier,
@@ -22,6 +22,7 @@ from dubins_study.study.closed_form.shortest import shortest_path
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
 from tests.unit.report.results_folder import attempt
+from tests.unit.report.topic_page import section_text, topic_page
 
 TOLD = "ipopt[model=joint,order=LRS,units=scenario,mu_target={}]"
 DEFAULT = "ipopt[model=joint,order=LRS,units=scenario]"
@@ -107,9 +108,8 @@ def test_numbers_by_hand(results):
     assert others["most"].tolist() == pytest.approx([1e-3, 0])
 
 
-def text_of(folder, out):
-    page = render([folder], out).read_text(encoding="utf-8")
-    return page.split('<section id="bias"')[1].split("<figure")[0]
+TOPIC = "the interior-point bias"
+text_of = partial(section_text, TOPIC, "bias")
 
 
 def test_the_section_says_what_the_rows_say(results, tmp_path):
@@ -138,4 +138,5 @@ def test_a_part_of_the_rows_is_enough(results, tmp_path):
     none = results("none", [lost], experiment={"name": "bias", "section": "bias", "text": ""})
 
     assert "Over 3 attempts" in text_of(told, tmp_path / "a")
-    assert '<section id="bias"' not in render([none], tmp_path / "b").read_text(encoding="utf-8")
+    page = topic_page(none, tmp_path / "b", TOPIC).read_text(encoding="utf-8")
+    assert '<section id="bias"' not in page

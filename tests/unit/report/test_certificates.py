@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
+from functools import partial
 
 import pytest
 
-from dubins_study import render
 from dubins_study.report.data.results import load
 from dubins_study.study.claim import Claim
 from tests.unit.report.results_folder import attempt, paper_scenarios
+from tests.unit.report.topic_page import section_text, topic_page
 
 PROVED = {
     "proof": "proved",
@@ -97,9 +98,8 @@ def test_width_of_enclosures(results):
     assert alone["width"].tolist() == pytest.approx([4e-16])
 
 
-def text_of(folder, out):
-    page = render([folder], out).read_text(encoding="utf-8")
-    return page.split('<section id="certificates"')[1].split("<figure")[0]
+TOPIC = "certificates"
+text_of = partial(section_text, TOPIC, "certificates")
 
 
 def test_the_section_says_what_the_rows_say(results, tmp_path):
@@ -121,6 +121,7 @@ def test_the_section_says_what_the_rows_say(results, tmp_path):
 @pytest.mark.slow
 def test_rows_without_certificates_have_no_section(results, tmp_path):
     """Of rows in which nothing is certified there is nothing to tell."""
-    page = render([results("tiny", [attempt(s) for s in paper_scenarios()])], tmp_path / "out")
+    folder = results("tiny", [attempt(s) for s in paper_scenarios()])
+    page = topic_page(folder, tmp_path / "out", TOPIC)
 
     assert '<section id="certificates"' not in page.read_text(encoding="utf-8")

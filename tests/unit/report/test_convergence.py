@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import math
+from functools import partial
 
 import pytest
 
-from dubins_study import render
 from dubins_study.report.data.results import load
 from dubins_study.report.topics.convergence.numbers import medians, orders, refined, series
 from dubins_study.study.claim import Claim
 from dubins_study.study.scenario import Scenario
 from tests.unit.report.results_folder import attempt
+from tests.unit.report.topic_page import section_text
 
 FAR = [Scenario(0, 0, 0, x, 3, 1) for x in (4.0, 5.0, 6.0)]
 NEAR = [Scenario(0, 0, 0, x, 1, 1) for x in (0.1, 0.2, 0.3)]
@@ -87,9 +88,7 @@ def test_a_wrong_basin_measures_no_order(results):
     assert line["least"] == pytest.approx(2)
 
 
-def text_of(folder, out):
-    page = render([folder], out).read_text(encoding="utf-8")
-    return page.split('<section id="convergence"')[1].split("<figure")[0]
+text_of = partial(section_text, "the order of convergence", "convergence")
 
 
 def test_the_section_says_what_the_rows_say(results, tmp_path):

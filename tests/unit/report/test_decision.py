@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Iterable
 from typing import Any
 
@@ -10,6 +11,8 @@ import pytest
 
 from dubins_study import render
 from dubins_study.report.data.results import load
+from dubins_study.report.elements.content import Section
+from dubins_study.report.page.environment import linked
 from dubins_study.report.page.sections import TOPICS, sections_of
 from dubins_study.report.statistics.compared import Compared
 from dubins_study.report.statistics.methods import methods_of
@@ -21,6 +24,7 @@ from dubins_study.report.topics.decision.numbers import (
     closed_form,
     false_provers,
 )
+from dubins_study.report.topics.decision.section import decision_section
 from dubins_study.study.claim import Claim
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
@@ -257,3 +261,33 @@ def test_names_of_solvers_are_text_in_the_table(results, tmp_path):
 
     assert "<strong>&lt;script&gt;" in page
     assert "<script>alert" not in page
+
+
+def test_every_reader_finds_the_command_of_their_case(results):
+    """The run asks this page's questions; a name from outside is one word of the command."""
+    name = "a b; rm c"
+    rows = [attempt(scenario, "slsqp") for scenario in paper_scenarios()]
+    section = decision_section(load([results("e", rows, experiment={"name": name, "text": ""})]))
+    cases = section.blocks[1]
+
+    assert cases.name == "cases"
+    run = cases.frame["command"].str.split("\n").explode().str.extract("^(dubins-study run .*)")
+    (line,) = run[0].dropna()
+    assert shlex.split(line)[2:4] == [name, "--solver"]
+
+
+def test_titles_of_sections_become_links():
+    """To the section of that title; plain where there are several, a note where there is none."""
+    sections = [
+        Section("matrix", "Formulation by engine", "", ()),
+        Section("cost-a", "Cost where it arises: a", "", ()),
+        Section("cost-b", "Cost where it arises: b", "", ()),
+    ]
+
+    assert linked("Formulation by engine: <strata>", sections) == (
+        '<a href="#matrix">Formulation by engine: &lt;strata&gt;</a>'
+    )
+    assert linked("Cost where it arises: the presolve", sections) == (
+        "Cost where it arises: the presolve"
+    )
+    assert linked("The audit", sections) == "The audit (not on this page)"

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
+from functools import partial
 
 import pytest
 
-from dubins_study import render
 from dubins_study.report.data.results import load
 from dubins_study.report.topics.ladder.numbers import SIDES, down_to, ladder, rungs
 from dubins_study.study.claim import Claim
@@ -14,6 +14,7 @@ from dubins_study.study.closed_form.shortest import shortest, shortest_path
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
 from tests.unit.report.results_folder import attempt
+from tests.unit.report.topic_page import section_text
 
 FRONT, REAR = 0.5, 4.0
 MARGINS = (1e-2, 1e-4, 1e-8)
@@ -88,9 +89,7 @@ def test_findings_and_the_worst_of_a_rung(results):
     assert down_to(table)["front, inside"].isna().all()
 
 
-def text_of(folder, out):
-    page = render([folder], out).read_text(encoding="utf-8")
-    return page.split('<section id="ladder"')[1].split("<figure")[0]
+text_of = partial(section_text, "the ladder toward a circle", "ladder")
 
 
 def test_the_section_says_what_the_rows_say(results, tmp_path):

@@ -20,6 +20,7 @@ from dubins_study.study.claim import Claim
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
 from tests.unit.report.results_folder import attempt, paper_scenarios
+from tests.unit.report.topic_page import topic_page, with_pdf_files
 
 HOSTILE = "<script>alert('x')</script> & |a_b| $x^2$ \\input{y} `c` [l](u) #%~{}"
 
@@ -78,7 +79,8 @@ def whole(tmp_path_factory):
         "discretisation": discretisation_rows(),
     }
     folders = [write_folder(base / name, name, rows) for name, rows in made.items()]
-    return render(folders, out=base / "report")
+    with with_pdf_files():
+        return render(folders, out=base / "report")
 
 
 def test_every_section_is_there(whole):
@@ -167,7 +169,8 @@ def test_the_paper_section_says_26_of_33(whole):
 def test_the_same_rows_give_the_same_bytes(results, tmp_path):
     """No dates and no random ids: a report can be compared with the committed one."""
     folder = results("paper", paper_rows())
-    pages = [render([folder], out=tmp_path / name).parent for name in ("one", "two")]
+    with with_pdf_files():
+        pages = [render([folder], out=tmp_path / name).parent for name in ("one", "two")]
     files = sorted(file.relative_to(pages[0]) for file in pages[0].rglob("*") if file.is_file())
 
     assert len(files) > 20
@@ -347,7 +350,7 @@ def test_a_place_that_cannot_be_written_is_refused(results, tmp_path):
 
     for out in ("file", "file/below", "full"):
         with pytest.raises(ReportError, match=out.split("/")[0]):
-            render([folder], tmp_path / out)
+            topic_page(folder, tmp_path / out, "summary")
     assert (tmp_path / "file").read_text() == "mine"
     assert [p.name for p in (tmp_path / "full").iterdir()] == ["thesis.txt"]
 
@@ -355,7 +358,7 @@ def test_a_place_that_cannot_be_written_is_refused(results, tmp_path):
 def test_nothing_half_written_is_left(results, tmp_path, monkeypatch):
     """A report that fails while it is written leaves the old one as it was."""
     folder = results("tiny", [attempt(paper_scenarios()[0])])
-    page = render([folder], tmp_path / "out")
+    page = topic_page(folder, tmp_path / "out", "summary")
     before = page.read_bytes()
 
     def full(*_: object) -> str:
@@ -363,7 +366,7 @@ def test_nothing_half_written_is_left(results, tmp_path, monkeypatch):
 
     monkeypatch.setattr("dubins_study.report.page.render.to_tex", full)
     with pytest.raises(ReportError, match="No space left"):
-        render([folder], tmp_path / "out")
+        topic_page(folder, tmp_path / "out", "summary")
 
     assert page.read_bytes() == before
     assert {p.name for p in tmp_path.iterdir()} == {"tiny", "out"}

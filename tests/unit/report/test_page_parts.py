@@ -27,6 +27,7 @@ from dubins_study.study.path import Path
 from dubins_study.study.rows.files import ResultsError
 from dubins_study.study.rows.schema import ROW
 from tests.unit.report.results_folder import attempt, paper_scenarios
+from tests.unit.report.topic_page import topic_page
 
 SVG = """<?xml version="1.0"?><svg xmlns="http://www.w3.org/2000/svg"
  xmlns:xlink="http://www.w3.org/1999/xlink" viewBox="0 0 10 10"><metadata>made by</metadata>
@@ -161,7 +162,7 @@ def test_an_empty_run_makes_a_page_that_says_so(results, tmp_path):
     (bare / "parts" / "1.parquet").unlink()
 
     page = render([bare, none], tmp_path / "a")
-    both = render([bare, full], tmp_path / "b")
+    both = topic_page([bare, full], tmp_path / "b", "summary")
 
     assert "There is nothing to report yet." in _text(page)
     assert "There is nothing to report yet." in (page.parent / "report.md").read_text()

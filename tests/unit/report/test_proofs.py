@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
+from functools import partial
 
 import pytest
 
-from dubins_study import render
 from dubins_study.report.data.results import load
 from dubins_study.report.topics.proofs.numbers import (
     PAPER,
@@ -20,6 +20,7 @@ from dubins_study.study.claim import Claim
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
 from tests.unit.report.results_folder import attempt, paper_scenarios
+from tests.unit.report.topic_page import section_text
 
 DISC = [Scenario(0, 0, 0, x, 1, 1, label="in a disc") for x in (0.1, 0.2, 0.3)]
 
@@ -99,9 +100,7 @@ def test_a_false_bound_proves_nothing(results):
     )
 
 
-def text_of(folder, out):
-    page = render([folder], out).read_text(encoding="utf-8")
-    return page.split('<section id="proofs"')[1].split("<figure")[0]
+text_of = partial(section_text, "what a proof costs", "proofs")
 
 
 def test_the_section_says_what_the_rows_say(results, tmp_path):

@@ -8,10 +8,10 @@ import re
 import numpy as np
 import pytest
 
-from dubins_study import render
 from dubins_study.report.data.results import load
 from dubins_study.report.topics.runs.numbers import runs
 from tests.unit.report.results_folder import attempt, paper_scenarios
+from tests.unit.report.topic_page import topic_page
 
 HOSTILE = "<script>alert('x')</script> & |a_b| $x^2$ \\input{y} `c` [l](u) #%~{}"
 
@@ -41,7 +41,7 @@ NOISY = [1e-3 * (1 + 0.3 * (i % 2)) for i in range(40)]
 def page(results, tmp_path):
     def rendered(*entries):
         folder = results("paper", [attempt(s) for s in paper_scenarios()[:2]], runs=list(entries))
-        render([folder], out=tmp_path / "page")
+        topic_page(folder, tmp_path / "page", "the runs and their machines")
         return tmp_path / "page"
 
     return rendered

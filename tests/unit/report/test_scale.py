@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
+from functools import partial
 
 import pytest
 
-from dubins_study import render
 from dubins_study.report.data.results import load
 from dubins_study.report.topics.scale.numbers import ROUNDING, by_solver, spreads
 from dubins_study.study.claim import Claim
@@ -14,6 +14,7 @@ from dubins_study.study.closed_form.shortest import shortest_path
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
 from tests.unit.report.results_folder import attempt
+from tests.unit.report.topic_page import section_text
 
 RADII = (1e-3, 1.0, 1e3)
 UNITS = "slsqp[units=scenario]"
@@ -74,9 +75,7 @@ def test_another_word_is_not_invariant(results):
     assert line["invariant"] == 0
 
 
-def text_of(folder, out):
-    page = render([folder], out).read_text(encoding="utf-8")
-    return page.split('<section id="scale"')[1].split("<figure")[0]
+text_of = partial(section_text, "scale invariance", "scale")
 
 
 def test_the_section_says_what_the_rows_say(results, tmp_path):

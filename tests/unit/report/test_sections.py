@@ -6,13 +6,16 @@ import re
 
 import pytest
 
-from dubins_study import render
 from dubins_study.experiments.definition.experiment import ExperimentError, packaged, parse, read
 from dubins_study.report.data.results import load
 from dubins_study.report.page.sections import KEYS, TOPICS, sections_of
 from tests.unit.report.results_folder import attempt, paper_scenarios
+from tests.unit.report.topic_page import topic_page
 
 SPEC = "slsqp[model=joint,order=LRS,initial_guess=given,capped=false]"
+
+# one that an experiment asks for, and two that it need not
+SECTIONS = ("where initial guesses lead", "summary", "success and gaps")
 
 
 def guesses():
@@ -35,8 +38,10 @@ def test_a_copy_under_another_name_keeps_its_section(results, tmp_path):
     copy = parse("copy", "copy.toml", read("basins").text).experiment
     bare = parse("bare", "bare.toml", re.sub("(?m)^section = .*$", "", read("basins").text))
 
-    kept = render([folder(results, "copy", copy.section)], tmp_path / "kept")
-    none = render([folder(results, "bare", bare.experiment.section)], tmp_path / "none")
+    kept = topic_page(folder(results, "copy", copy.section), tmp_path / "kept", *SECTIONS)
+    none = topic_page(
+        folder(results, "bare", bare.experiment.section), tmp_path / "none", *SECTIONS
+    )
 
     assert copy.section == "basins"
     assert bare.experiment.section is None
@@ -54,7 +59,7 @@ def test_every_packaged_key_has_a_section_and_every_section_an_experiment():
 
 def test_an_unknown_section_is_a_line_on_the_page(results, tmp_path):
     """The set of sections is the report's: a plug-in's experiment is reported without one."""
-    page = render([folder(results, "mine", "guesses")], tmp_path / "out")
+    page = topic_page(folder(results, "mine", "guesses"), tmp_path / "out", *SECTIONS)
     line = "No section of the report is called"
 
     assert line in page.read_text(encoding="utf-8")
@@ -66,7 +71,7 @@ def test_an_unknown_section_is_a_line_on_the_page(results, tmp_path):
 def test_two_experiments_of_one_topic_have_a_section_each(results, tmp_path):
     """Their anchors and files differ, and each shows its own attempts."""
     first, second = (folder(results, name, "basins") for name in ("one", "two"))
-    page = render([first, second], tmp_path / "out")
+    page = topic_page([first, second], tmp_path / "out", *SECTIONS)
 
     assert [key for key in section_ids(page) if "basins" in key] == ["basins-one", "basins-two"]
     for name in ("one", "two"):

@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-import os
 import re
-import shutil
-import subprocess
 
 import pandas as pd
 import pytest
 
-from dubins_study import render
 from dubins_study.report.elements.columns import Column
 from dubins_study.report.elements.content import Table
 from dubins_study.report.elements.figure_file import figure_bytes, fix_layout
@@ -19,10 +15,7 @@ from dubins_study.report.elements.style import HALF, WIDE, drawing, new_figure
 from dubins_study.report.page.tex_layout import layout_of
 from dubins_study.report.page.tex_table import to_tex
 from dubins_study.report.page.tex_text import tex
-from dubins_study.study.claim import Claim
-from dubins_study.study.scenario import Scenario
 from tests.fuzz.page import check_tex
-from tests.unit.report.results_folder import attempt
 
 # What TeX obeys, what has no letter, a mark that turns the direction of writing, and long words.
 HOSTILE = (
@@ -137,110 +130,3 @@ def test_figures_fit_the_columns_of_journals(inches, millimetres, tmp_path):
     assert float(box[1]) / 72 * 25.4 == pytest.approx(millimetres, abs=0.01)  # printed precision
     assert b"/Type3" not in content
     assert b"/CIDFontType2" in content  # TrueType with all of Unicode
-
-
-def needed(program: str) -> str:
-    """The program; without it the test is skipped, except in CI."""
-    found = shutil.which(program)
-    if found is None and "CI" not in os.environ:
-        pytest.skip(f"{program} is not installed")
-    assert found is not None, f"{program} is not installed; expected it in CI"
-    return found
-
-
-@pytest.fixture(scope="module")
-def hostile_report(tmp_path_factory):
-    """A report with hostile labels, solvers, messages and titles, and figures."""
-    from tests.unit.report.results_folder import write_folder
-
-    base = tmp_path_factory.mktemp("tex")
-    spec = f"{HOSTILE}[{HOSTILE}]"
-    rows = [
-        attempt(Scenario(0, 0, 0, 5, 5, r, label=HOSTILE), name, message=HOSTILE)
-        for r in (1.0, 2.0, 3.0, 9.0)
-        for name in ("analytic", spec, "[1]")
-    ]
-    rows.append(
-        attempt(
-            Scenario(0, 0, 0, 5, 6, 1, label=HOSTILE),
-            spec,
-            path=None,
-            claim=Claim.FAILED,
-            message=HOSTILE,
-        )
-    )
-    experiment = {"name": "x", "title": HOSTILE, "question": HOSTILE, "text": HOSTILE}
-    extra = {"command": HOSTILE, "machine": {HOSTILE: HOSTILE}, "git": {"branch": HOSTILE}}
-    folder = write_folder(base / "hostile", "x", rows, experiment=experiment, **extra)
-    return render([folder], out=base / "report").parent
-
-
-@pytest.mark.slow
-def test_pdflatex_compiles_the_report(hostile_report):
-    """Twice, as the file says: no error, no missing letter, no line that sticks out."""
-    pdflatex = needed("pdflatex")
-    for _ in range(2):
-        run = subprocess.run(
-            [pdflatex, "-interaction=nonstopmode", "-halt-on-error", "report.tex"],
-            cwd=hostile_report,
-            capture_output=True,
-            check=False,
-        )
-        assert run.returncode == 0, run.stdout[-3000:].decode("latin-1")
-    log = (hostile_report / "report.log").read_text(encoding="latin-1")
-    # pt; a hyphen or a comma in the margin is no harm, a column would be
-    sticking_out = [float(pt) for pt in re.findall(r"Overfull \\hbox \(([\d.]+)pt", log)]
-
-    assert "Missing character" not in log
-    assert "Undefined control sequence" not in log
-    assert "undefined references" not in log
-    assert max(sticking_out, default=0.0) < 5.0
-    assert "Overfull \\vbox" not in log
-
-
-@pytest.mark.slow
-def test_a_table_needs_only_the_packages_that_it_names(hostile_report, tmp_path):
-    """Each stands in a document of its own settings, with the packages of its first line."""
-    pdflatex = needed("pdflatex")
-    tables = sorted((hostile_report / "tables").glob("*.tex"))
-    lines = [table.read_text(encoding="utf-8").partition("\n")[0] for table in tables]
-    packages = {line.removeprefix("% Needs the packages ").rstrip(".") for line in lines}
-    for place, chosen in enumerate(sorted(packages)):
-        own = [t for t, line in zip(tables, lines, strict=True) if line.endswith(f" {chosen}.")]
-        inputs = "\n\n".join(rf"\input{{{table}}}" for table in own)
-        text = rf"\documentclass{{article}}\usepackage{{{chosen}}}\begin{{document}}" + "\n"
-        file = tmp_path / f"alone-{place}.tex"
-        file.write_text(f"{text}{inputs}\n\\end{{document}}\n", encoding="utf-8")
-        command = [pdflatex, "-interaction=nonstopmode", "-halt-on-error", file.name]
-        run = subprocess.run(command, cwd=tmp_path, capture_output=True, check=False)
-        assert run.returncode == 0, run.stdout[-2000:].decode("latin-1")
-        assert "Missing character" not in file.with_suffix(".log").read_text(encoding="latin-1")
-
-
-@pytest.mark.slow
-def test_no_font_of_a_figure_or_the_report_is_type_3(hostile_report):
-    """Journals refuse bitmap and drawn letters; pdffonts sees what they see."""
-    pdffonts = needed("pdffonts")
-    figures = sorted((hostile_report / "figures").glob("*.pdf"))
-    listed = [
-        subprocess.run([pdffonts, str(file)], capture_output=True, check=True, text=True).stdout
-        for file in figures
-    ]
-
-    assert listed
-    assert not any("Type 3" in fonts for fonts in listed)
-    assert any("TrueType" in fonts for fonts in listed)
-
-
-@pytest.mark.slow
-def test_a_compiled_report_is_replaced(hostile_report, tmp_path):
-    """What pdflatex leaves beside report.tex does not keep the next report from its place."""
-    from tests.unit.report.results_folder import write_folder
-
-    folder = write_folder(tmp_path / "run", "x", [attempt(Scenario(0, 0, 0, 5, 5, 1))])
-    for name in ("report.aux", "report.log", "report.pdf"):
-        (hostile_report / name).write_text("")
-
-    render([folder], out=hostile_report)
-
-    assert not (hostile_report / "report.pdf").exists()

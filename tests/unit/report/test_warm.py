@@ -6,13 +6,13 @@ import math
 
 import pytest
 
-from dubins_study import render
 from dubins_study.report.data.results import load
 from dubins_study.report.topics.warm.numbers import warm_starts
 from dubins_study.report.topics.warm.section import warm_sentences
 from dubins_study.study.claim import Claim
 from dubins_study.study.scenario import Scenario
 from tests.unit.report.results_folder import attempt
+from tests.unit.report.topic_page import topic_page
 
 RADII = (1.0, 1.1, 1.2, 1.3, 1.4)
 
@@ -75,9 +75,10 @@ def test_sentences_say_what_the_rows_say(results):
 
 def test_the_section_has_the_figure(results, tmp_path):
     """Figure and table beside the sweeps; and neither where nothing was warm."""
-    page = render([results("radius-sweep", rows())], tmp_path / "a")
+    topic = "length, time and word against radius"
+    page = topic_page(results("radius-sweep", rows()), tmp_path / "a", topic)
     cold = [row for row in rows() if row["initial_guess"] == "cold"]
-    plain = render([results("cold", cold)], tmp_path / "b")
+    plain = topic_page(results("cold", cold), tmp_path / "b", topic)
 
     assert (page.parent / "figures" / "warm-starts.svg").is_file()
     assert "In iterations it costs" in page.read_text(encoding="utf-8")

@@ -3,10 +3,7 @@
 from __future__ import annotations
 
 import math
-import platform
 import re
-import subprocess
-import sys
 
 import casadi
 import numpy as np
@@ -234,27 +231,6 @@ def test_the_closed_form_solves_the_disjunctive_model(name, tmp_path):
         )
         assert difference <= 1e-12
         assert relation == "=l=" or difference >= -1e-12
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(("model", "format", "order"), KINDS)
-def test_files_tell_nothing_of_the_machine(model, format, order, tmp_path):
-    """The same text from another process in another folder, with no path of either in it."""
-    text = export(CASES["problem 1"], model, format, order)
-    call = (
-        "from dubins_study.solvers.export import export;"
-        "from dubins_study.study.scenario import Scenario; import math;"
-        "problem = Scenario(0, 0, 2 * math.pi / 3, 10, 5, 1);"
-        f"print(export(problem, {model!r}, {format!r}, {order!r}), end='')"
-    )
-    done = subprocess.run(
-        [sys.executable, "-c", call], cwd=tmp_path, capture_output=True, text=True
-    )
-
-    assert done.stdout == text
-    assert text.endswith("\n")
-    assert not re.search(r"/\w+/\w|\\", text)  # `/all/` is GAMS's own
-    assert platform.node() not in text.split()
 
 
 def test_a_label_stays_out_of_the_file():

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import math
-import subprocess
-import sys
 
 import numpy as np
 import pytest
@@ -107,20 +105,3 @@ def test_a_licence_that_is_missing_is_a_message(monkeypatch):
 
     assert result.claim is Claim.FAILED
     assert "no licence" in result.message
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", INSTALLED)
-def test_a_process_that_asks_an_engine_prints_nothing(name):
-    """Warnings too: pytest catches those of its own process."""
-    question = "Question(Scenario(0, 0, 0, 3, 2, 1))"
-    code = f"""
-from dubins_study.solvers.attempt import attempt
-from dubins_study.solvers.protocol import Question
-from dubins_study.solvers.registry import load
-from dubins_study.study.scenario import Scenario
-assert attempt(load("disjunctive[engine={name}]"), {question}).outcome == "returned"
-"""
-    process = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
-
-    assert (process.returncode, process.stdout, process.stderr) == (0, "", "")

@@ -4,10 +4,7 @@ from __future__ import annotations
 
 import importlib.util
 import math
-import subprocess
-import sys
 import time
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -15,7 +12,6 @@ from cases import PAPER
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dubins_study.experiments.solve import solve as ask
 from dubins_study.solvers.nlp_engines import casadi_nlpsol, scipy_minimize, table
 from dubins_study.solvers.nlp_engines.program import Program
 from dubins_study.solvers.nlp_engines.table import ENGINES
@@ -24,14 +20,12 @@ from dubins_study.solvers.paper_nlp.local_nlp import Case
 from dubins_study.solvers.paper_nlp.model import FULL_TURN, SUBPROBLEMS, target
 from dubins_study.solvers.paper_nlp.nlp import Nlp
 from dubins_study.solvers.paper_nlp.program import expressions, program, solve
-from dubins_study.solvers.protocol import Outcome
 from dubins_study.solvers.registry import entries, load
-from dubins_study.study.check.verdict import Verdict
 from dubins_study.study.claim import Claim
 from dubins_study.study.closed_form.shortest import shortest
 from dubins_study.study.scenario import Scenario
 
-# Its library breaks others in the same process: tests below ask it in one of its own.
+# Its library breaks others in the same process: tests/processes asks it in one of its own.
 ALONE = ("sleqp",)
 AVAILABLE = [name for name in ENGINES if name not in ALONE and table.unavailable(name) is None]
 CASADI = ("ipopt", "uno", "fatrop", "alpaqa", "bonmin", "sleqp", "sqpmethod", "qrsqp")
@@ -158,11 +152,11 @@ def test_without_time_a_run_ends(name):
     """At most a second late, on a program that would take some engines longer than that."""
     engine, guess = table.engine(name, 1e-14, 10**6), np.array((3.0, 3.0, 1.0))
     solve(case("RS", PAPER["problem 1"]), np.array(WORD), 1e-3, engine)  # loads the library
-    began = time.perf_counter()
+    began = time.process_time()  # a busy machine takes the wall clock, not the processor
 
     solve(case("LRS", Scenario(0, 0, 0, 0.2, 1.0, 1)), guess, 1e-3, engine)
 
-    assert time.perf_counter() - began < 1e-3 + 1.0
+    assert time.process_time() - began < 1e-3 + 1.0
 
 
 # What each says of the joint model from zero, where the two gradients are parallel; measured with
@@ -187,17 +181,6 @@ def test_what_an_engine_says_from_zero(name):
     point = run(name, "LRS", PAPER["problem 1"], (0.0, 0.0, 0.0))
 
     assert point.claim is FROM_ZERO[name]
-
-
-@pytest.mark.parametrize("name", ALONE)
-def test_an_engine_in_a_process_of_its_own(name):
-    """It solves a word, by (4.12) and by multiple shooting; its library enters no other process."""
-    for spec in (f"nlp[engine={name}]", f"multiple-shooting[engine={name},n=3]"):
-        answer = ask(PAPER["problem 1"], spec, "RS", isolated=True)
-
-        assert answer.outcome is Outcome.RETURNED, answer.message
-        assert (answer.claim, answer.verdict) == (Claim.LOCAL, Verdict.OPTIMAL)
-    assert f"libcasadi_nlpsol_{name}" not in Path("/proc/self/maps").read_text()
 
 
 def test_a_dead_point_of_sleqp_is_no_solution():
@@ -297,23 +280,3 @@ def test_a_missing_package_is_a_reason(name, monkeypatch):
     monkeypatch.setattr(importlib.util, "find_spec", lambda package: None)
 
     assert table.unavailable(name) == f"the package {ENGINES[name].packages[0]} is not installed"
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", ["slsqp", "ipopt", "nlopt-slsqp"])
-def test_an_engine_loads_no_other_engines_package(name):
-    """Of the packages of all engines, a question loads those of the engine that answers it."""
-    packages = {package for entry in ENGINES.values() for package in entry.packages}
-    code = (
-        "import sys;"
-        "from dubins_study.solvers.registry import load;"
-        "from dubins_study.solvers.protocol import Question;"
-        "from dubins_study.study.scenario import Scenario;"
-        f"solver = load('nlp[engine={name}]');"
-        "solver.solve(solver.build(Question(Scenario(0, 0, 0.3, 3, 2, 1), 'LS')), 5.0);"
-        "print(*sys.modules)"
-    )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-
-    loaded = {module.partition(".")[0] for module in done.stdout.split()}
-    assert loaded & packages == set(ENGINES[name].packages)

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import importlib.util
 import math
-import subprocess
-import sys
 from itertools import count
 
 import numpy as np
@@ -294,13 +292,3 @@ def test_every_engine_is_listed_with_its_guess():
     assert listed == {entry.label for entry in ENGINES.values()}
     assert load("penalty").method.guess == "none"
     assert load("penalty[engine=powell,initial_guess=zero]").method.guess == "zero"
-
-
-def test_importing_the_solver_imports_no_engine():
-    code = (
-        "import sys, dubins_study.solvers.stochastic.penalty as p; p.Penalty().unavailable();"
-        "print([m for m in ('cma', 'scipy.optimize') if m in sys.modules])"
-    )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-
-    assert done.stdout.strip() == "[]"

@@ -3,9 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
-import subprocess
-import sys
 
 import mpmath as mp
 import numpy as np
@@ -84,26 +81,6 @@ def test_bad_rows_yield_nan_and_no_word():
 
     np.testing.assert_array_equal(rows.word == NO_PATH, [False, True, True])
     np.testing.assert_array_equal(np.isnan(rows.length), [False, True, True])
-
-
-FORK = """
-import os, numpy as np
-from dubins_study.study.closed_form.kernel import shortest_rows
-from dubins_study.study.closed_form.kernel_compile import SMALL
-data = np.ones((6, SMALL))
-before = shortest_rows(*data).length
-child = os.fork()
-if child == 0:
-    os._exit(0 if (shortest_rows(*data).length == before).all() else 1)
-raise SystemExit(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))
-"""
-
-
-@pytest.mark.slow
-@pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork here")
-def test_a_forked_child_can_go_on():
-    """GNU OpenMP ends a child that starts threads after its parent did; ours does not start any."""
-    assert subprocess.run([sys.executable, "-W", "ignore", "-c", FORK], check=False).returncode == 0
 
 
 def test_outputs_can_be_given_and_shapes_are_checked():

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import math
-import subprocess
-import sys
 
 import numpy as np
 import pytest
@@ -78,12 +76,3 @@ def test_costates_in_closed_form_are_the_null_vector(turns, first, second, off, 
 def test_other_rates_name_no_word(u):
     assert not word_of(u, 1.0, 0.0, 1.0).named
     assert not word_of(1.0, 1.0, u, 1.0).named
-
-
-def test_a_single_solve_compiles_nothing():
-    """Numba takes longer to load than a solve, its judgement and its certificate."""
-    code = (
-        "import sys; from dubins_study import Scenario, solve; "
-        "solve(Scenario(0, 0, 0, 10, 5, 1)); sys.exit('numba' in sys.modules)"
-    )
-    assert subprocess.run([sys.executable, "-c", code]).returncode == 0

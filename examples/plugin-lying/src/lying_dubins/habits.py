@@ -118,6 +118,21 @@ class Remembers(Habit):
         return answer if len(self._asked) == 1 else replace(answer, claim=Claim.FEASIBLE)
 
 
+class Keeps(Habit):
+    """Keeps its answers by the target alone."""
+
+    name = "keeps"
+    _answers: ClassVar[dict[tuple[float, float], Solution]] = {}
+
+    def solve(self, question: Question, limit: float) -> Solution:
+        s = question.scenario
+        target = s.target_x, s.target_y
+        answer = self._answers.setdefault(target, honest(s))
+        if answer.path is None:
+            return answer
+        return replace(answer, path=replace(answer.path, start=s.start))
+
+
 class Gambles(Habit):
     """Cuts its first arc in two where chance says."""
 

@@ -68,6 +68,15 @@ def _answer(change: Callable[[Question, Solution], Solution]) -> Callable[[Quest
     return tell
 
 
+def _optimal(tell: Callable[[Question], Solution]) -> Callable[[Question], Solution]:
+    """A lie that claims to be the best."""
+
+    def claim(question: Question) -> Solution:
+        return replace(tell(question), claim=Claim.OPTIMAL)
+
+    return claim
+
+
 def _with_radius(path: Path) -> np.ndarray:
     turning = path.curvature != 0
     return np.where(turning, 1 / np.where(turning, path.curvature, 1.0), 0.0)
@@ -75,6 +84,20 @@ def _with_radius(path: Path) -> np.ndarray:
 
 def _turns(path: Path, factor: float) -> np.ndarray:
     return np.where(path.curvature != 0, path.length * factor, path.length)
+
+
+def _chords(scenario: Scenario, path: Path) -> np.ndarray:
+    """The lengths, those of turns as the crow flies."""
+    chords = 2 * scenario.radius * np.abs(np.sin(path.length / (2 * scenario.radius)))
+    return np.where(path.curvature != 0, chords, path.length)
+
+
+def _flip_last(path: Path) -> np.ndarray:
+    """The curvatures, the last of two turns to the other side."""
+    flipped = path.curvature.copy()
+    if flipped.size == 2 and flipped.all():
+        flipped[-1] = -flipped[-1]
+    return flipped
 
 
 def _two_words(question: Question, _: Solution) -> Solution:
@@ -107,6 +130,12 @@ PATHS = {
     "degrees of curvature": _controls(lambda s, p: np.degrees(p.curvature)),
     "positions": _path(lambda s, p: Path(p.start, p.sample(20)[:, 0], p.sample(20)[:, 1])),
     "left is right": _controls(lambda s, p: -p.curvature),
+    "right is left": _controls(lambda s, p: np.abs(p.curvature)),
+    "one turn to the wrong side": _controls(lambda s, p: _flip_last(p)),
+    "turns left out": _controls(length=lambda s, p: _turns(p, 0.0)),
+    "chords": _controls(length=lambda s, p: _chords(s, p)),
+    "lengths times speed": _controls(length=lambda s, p: p.length * s.speed),
+    "from the target": _path(lambda s, p: Path(p.end, p.curvature[::-1], p.length[::-1])),
     "summed lengths": _controls(length=lambda s, p: np.cumsum(p.length)),
     "swapped arrays": _controls(lambda s, p: p.length, lambda s, p: p.curvature),
     "negative length": _controls(length=lambda s, p: -p.length),
@@ -132,12 +161,26 @@ QUESTIONS = {
     ),
     "radius 1": _asked(lambda s: replace(s, radius=1.0)),
     "diameter": _asked(lambda s: replace(s, radius=s.radius / 2)),
+    "wide turns": _optimal(_asked(lambda s: replace(s, radius=2 * s.radius))),
+    "radius times speed": _optimal(_asked(lambda s: replace(s, radius=s.radius * s.speed))),
+    "no start": _asked(lambda s: replace(s, x=0.0, y=0.0, heading=0.0)),
+    "backwards": _asked(
+        lambda s: replace(s, x=s.target_x, y=s.target_y, target_x=s.x, target_y=s.y)
+    ),
+    "y down": _asked(lambda s: replace(s, y=-s.y, target_y=-s.target_y)),
     "radius inverted": _asked(lambda s: replace(s, radius=1 / s.radius)),
     "any word": lambda question: honest(question.scenario),
 }
 # lies about the answer
 CLAIMS = {
     "always optimal": _answer(_two_words),
+    "needless turns": _optimal(
+        _controls(
+            length=lambda s, p: np.where(
+                p.curvature != 0, p.length + 2 * math.pi * s.radius, p.length
+            )
+        )
+    ),
     "infeasible": _answer(_only_two_words),
     "no path": _answer(lambda q, right: Solution(Claim.LOCAL)),
     "high bound": _answer(

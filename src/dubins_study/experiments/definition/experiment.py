@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import tomllib
-from importlib.resources import files
-from pathlib import Path as FilePath
 from typing import Any, Literal, NamedTuple, Self
 
 from pydantic import Field, ValidationError, field_validator, model_validator
+from pydantic_core import PydanticCustomError
 
-from dubins_study.errors import DubinsStudyError
 from dubins_study.experiments.definition.axes import (
     Count,
     Gibibytes,
@@ -18,23 +15,28 @@ from dubins_study.experiments.definition.axes import (
     Seed,
     StrictModel,
 )
-from dubins_study.experiments.definition.messages import problems_of, refusal
+from dubins_study.experiments.definition.experiment_text import (
+    ExperimentError as ExperimentError,
+)
+from dubins_study.experiments.definition.experiment_text import ExperimentText, text_of
+from dubins_study.experiments.definition.experiment_text import packaged as packaged
+from dubins_study.experiments.definition.key_conflicts import FIRST, key_conflicts
+from dubins_study.experiments.definition.messages import (
+    NAMED_BY_KEY,
+    Problem,
+    problems_of,
+    refusal,
+)
 from dubins_study.experiments.definition.scenario_block import (
     FIELDS,
     Block,
     GuessLengths,
     Sample,
     known_branches,
-    target_problems,
 )
-from dubins_study.experiments.definition.solver_problems import solver_problems
 from dubins_study.experiments.definition.toml_lines import KeyPath
 from dubins_study.solvers.profiles import PROFILES
 from dubins_study.study.nearest import did_you_mean
-
-
-class ExperimentError(DubinsStudyError, ValueError):
-    """The experiment does not exist or is not valid; the message names file, key and value."""
 
 
 class First(StrictModel):
@@ -94,7 +96,7 @@ class Experiment(StrictModel):
     @model_validator(mode="after")
     def _check_first(self) -> Self:
         if self.first is not None and len(self.blocks) == len(self.scenarios):
-            raise ValueError("first needs a block with a sample and without solvers of its own")
+            raise PydanticCustomError(NAMED_BY_KEY, FIRST)
         return self
 
     @property
@@ -165,46 +167,15 @@ class ExperimentFile(NamedTuple):
     experiment: Experiment
 
 
-def packaged() -> list[str]:
-    """The names of the experiments that come with the package, sorted."""
-    return sorted(_packaged_files())
-
-
-def _packaged_files() -> dict[str, Any]:
-    """The TOML files of the package by the experiment's name."""
-    folder = files("dubins_study.experiments")
-    return {
-        file.name.removesuffix(".toml"): file
-        for file in folder.iterdir()
-        if file.name.endswith(".toml")
-    }
-
-
 def read(name: str) -> ExperimentFile:
     """Read a packaged experiment by its name, or any experiment by the path of its TOML file.
+
+    Solvers are not looked at, nor whether scenarios go together: `plan.file_checks.read_checked`.
 
     Raises:
         ExperimentError: naming the file, the key, the value and what was expected.
     """
-    packaged_file = _packaged_files().get(name)
-    if packaged_file is not None:
-        return parse(name, packaged_file.name, packaged_file.read_text(encoding="utf-8"))
-    path = FilePath(name)
-    # The results folder is named after the stem; "." and ".." cannot name a new folder.
-    if path.suffix != ".toml" or path.stem in (".", ".."):
-        raise ExperimentError(
-            f"no experiment named {name!r}; {did_you_mean(name, packaged())}choose one of: "
-            f"{', '.join(packaged())}, or give the path of a .toml file"
-        )
-    try:
-        text = path.read_text(encoding="utf-8")
-    except UnicodeError:
-        raise ExperimentError(f"experiment {name}: cannot be read: it is not UTF-8 text") from None
-    except OSError as error:
-        raise ExperimentError(f"experiment {name}: cannot be read: {error.strerror}") from None
-    except ValueError as error:  # a path that no file system takes, such as one with a NUL
-        raise ExperimentError(f"experiment {name}: cannot be read: {error}") from None
-    return parse(path.stem, name, text)
+    return parse(*text_of(name))
 
 
 def parse(name: str, file: str, text: str) -> ExperimentFile:
@@ -213,10 +184,7 @@ def parse(name: str, file: str, text: str) -> ExperimentFile:
     Raises:
         ExperimentError: as `read`.
     """
-    try:
-        fields = tomllib.loads(text)
-    except (ValueError, RecursionError) as error:  # a number too long, or brackets nested too deep
-        raise ExperimentError(f"{file}: not TOML: {error}") from None
+    fields = ExperimentText(name, file, text).fields()
     return ExperimentFile(name, file, text, validated(file, fields, text))
 
 
@@ -234,6 +202,9 @@ def validated(file: str, fields: dict[str, Any], text: str = "") -> Experiment:
     try:
         return Experiment.model_validate(fields)
     except ValidationError as error:
-        problems = problems_of(error, TABLE_KEYS)
-        problems += target_problems(fields) + solver_problems(fields)
-        raise ExperimentError(refusal(file, problems, text)) from None
+        raise ExperimentError(refusal(file, file_problems(error, fields), text)) from None
+
+
+def file_problems(error: ValidationError, fields: dict[str, Any]) -> list[Problem]:
+    """Every mistake of invalid fields: of keys by themselves, and of keys beside each other."""
+    return problems_of(error, TABLE_KEYS) + key_conflicts(fields)

@@ -37,6 +37,8 @@ _EXPECTED = {
     "less_than_equal": "expected a number of at most {le}",
     "literal_error": "expected {expected}",
 }
+# pydantic's type of an error that `key_conflicts` names with its key and line.
+NAMED_BY_KEY = "named_by_key"
 _BARE_KEY = re.compile(r"[A-Za-z0-9_-]{1,80}")
 _MAX_QUOTED_CHARS = 80
 _MAX_MESSAGE_CHARS = 320
@@ -66,11 +68,11 @@ def refusal(file: str, problems: list[Problem], text: str = "") -> str:
         text: the text of the file, for the lines' numbers; empty where there is none.
     """
     lines = KeyLines(text)
-    placed = [(lines.line(problem.path), problem.sentence) for problem in problems]
+    placed = [(lines.line(path) or 0, lines.order(path), sentence) for path, sentence in problems]
     sentences = list(
         dict.fromkeys(
-            sentence if line is None else f"line {line}: {sentence}"
-            for line, sentence in sorted(placed, key=lambda p: p[0] or 0)
+            f"line {line}: {sentence}" if line else sentence
+            for line, _, sentence in sorted(placed, key=lambda place: place[:2])
         )
     )
     if len(sentences) == 1:
@@ -81,7 +83,7 @@ def refusal(file: str, problems: list[Problem], text: str = "") -> str:
 
 
 def problems_of(error: ValidationError, known: TableKeys) -> list[Problem]:
-    """Every mistake that pydantic found, once."""
+    """Every mistake that pydantic found, once, but for those that `key_conflicts` names."""
     # A value that fits no variant of a union causes one error per variant. The user most likely
     # meant the variant whose value was checked, or else the deepest one.
     groups: dict[KeyPath, list[Any]] = {}
@@ -96,7 +98,8 @@ def problems_of(error: ValidationError, known: TableKeys) -> list[Problem]:
         Problem(_path(each["loc"]), _sentence(each, known))
         for each in worst
         # a key that is missing because it is misspelt is one mistake
-        if not (each["type"] == "missing" and each["loc"] in misspelt)
+        if each["type"] != NAMED_BY_KEY
+        and not (each["type"] == "missing" and each["loc"] in misspelt)
     ]
 
 

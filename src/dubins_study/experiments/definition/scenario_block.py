@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import AfterValidator, Field, ValidationInfo, field_validator, model_validator
+from pydantic_core import PydanticCustomError
 
 from dubins_study.experiments.definition.axes import (
     Axis,
@@ -18,7 +19,7 @@ from dubins_study.experiments.definition.axes import (
     Seed,
     StrictModel,
 )
-from dubins_study.experiments.definition.messages import Problem
+from dubins_study.experiments.definition.messages import NAMED_BY_KEY
 from dubins_study.study.nearest import did_you_mean
 from dubins_study.study.words import BRANCHES
 
@@ -27,20 +28,27 @@ CARTESIAN = ("target_x", "target_y")
 POLAR = ("distance", "bearing")
 CIRCULAR = ("arc", "margin")
 _WAYS = (CARTESIAN, POLAR, CIRCULAR)
-_TARGETS = f"expected {', or '.join(' and '.join(way) for way in _WAYS)}"
+TARGETS = f"expected {', or '.join(' and '.join(way) for way in _WAYS)}"
 FIELDS = ("x", "y", "heading", *CARTESIAN, "radius", "speed", *POLAR, *CIRCULAR)
 
 
+MAX_GUESS_LENGTH = 1e6  # radii; longer than any useful path
 # Field -> the rule of its values; a rule about a number by itself, so that a file's lines tell it.
 _RULES: dict[str, tuple[Callable[[float], bool], str]] = {
     "radius": (lambda value: value > 0, "above 0"),
     "speed": (lambda value: value > 0, "above 0"),
     "distance": (lambda value: value >= 0, "of at least 0 (a target behind has bearing 180deg)"),
+    "margin": (lambda value: value >= -1, "of at least -1, the circle's centre"),
+    **dict.fromkeys(
+        ("z1", "z2", "z3"),
+        (lambda value: 0 <= value <= MAX_GUESS_LENGTH, f"from 0 to {MAX_GUESS_LENGTH:g} radii"),
+    ),
 }
+_SIGNED = [field for field in _RULES if field in FIELDS]
 _MOST_VALUES = 5  # that a sentence lists
 
 
-def _values(axis: Axis | Range | None) -> list[float]:
+def values_of(axis: Axis | Range | None) -> list[float]:
     """The values of an axis or a range; of an evenly spaced one, those at its ends."""
     if isinstance(axis, Log | LogRange):
         return list(axis.log[:2])
@@ -63,6 +71,12 @@ def refused(field: str, values: list[float]) -> str | None:
     more = len(wrong) - _MOST_VALUES
     listed = ", ".join(wrong[:_MOST_VALUES]) + (f" and {more} more" if more > 0 else "")
     return f"expected a number {rule}; got {listed}"
+
+
+def _checked_values(axis: Axis, info: ValidationInfo) -> Axis:
+    if sentence := refused(str(info.field_name), values_of(axis)):
+        raise ValueError(sentence)
+    return axis
 
 
 def _field_name(name: str) -> str:
@@ -89,9 +103,8 @@ class Sample(StrictModel):
     @field_validator("ranges")
     @classmethod
     def _check_ranges(cls, ranges: dict[str, Range]) -> dict[str, Range]:
-        refusals = ((name, refused(name, _values(over))) for name, over in ranges.items())
-        if told := [f"{name}: {sentence}" for name, sentence in refusals if sentence]:
-            raise ValueError("; ".join(told))
+        if any(refused(name, values_of(over)) for name, over in ranges.items()):
+            raise PydanticCustomError(NAMED_BY_KEY, "a range whose values cannot be")
         return ranges
 
 
@@ -108,6 +121,11 @@ class GuessLengths(StrictModel):
     """Length of the right turn."""
     z3: Axis
     """Length of the straight."""
+
+    @field_validator("z1", "z2", "z3")
+    @classmethod
+    def _check_values(cls, axis: Axis, info: ValidationInfo) -> Axis:
+        return _checked_values(axis, info)
 
     @property
     def axes(self) -> tuple[Axis, Axis, Axis]:
@@ -174,16 +192,14 @@ class Block(StrictModel):
         given = {field for field in FIELDS if self.axis(field) is not None}
         if self.sample is not None:
             given |= set(self.sample.ranges)
-        if not _one_target(given):
-            raise ValueError(_TARGETS)
+        if not one_target(given):
+            raise PydanticCustomError(NAMED_BY_KEY, TARGETS)
         return self
 
-    @field_validator(*_RULES)
+    @field_validator(*_SIGNED)
     @classmethod
     def _check_values(cls, axis: Axis | None, info: ValidationInfo) -> Axis | None:
-        if sentence := refused(str(info.field_name), _values(axis)):
-            raise ValueError(sentence)
-        return axis
+        return None if axis is None else _checked_values(axis, info)
 
     @field_validator("branches")
     @classmethod
@@ -201,27 +217,9 @@ class ListedBlock(Block):
     listed: Any = Field(exclude=True)
 
 
-def _one_target(given: set[str]) -> bool:
+def one_target(given: set[str]) -> bool:
     """Whether fields write a target in one of the ways, and in one only."""
     return given & {field for way in _WAYS for field in way} in map(set, _WAYS)
-
-
-def target_problems(fields: dict[str, Any]) -> list[Problem]:
-    """Blocks of an invalid file that write no target, whatever else is wrong with them.
-
-    A block with an unknown key is left out: it may be a misspelt part of the target.
-    """
-    blocks = fields.get("scenarios")
-    problems = []
-    for number, block in enumerate(blocks if isinstance(blocks, list) else ()):
-        if not isinstance(block, dict) or block.keys() - Block.model_fields.keys():
-            continue
-        sample = block.get("sample")
-        ranges = sample.get("ranges") if isinstance(sample, dict) else None
-        sampled = set(ranges) if isinstance(ranges, dict) else set()
-        if sampled <= set(FIELDS) and not _one_target(sampled | block.keys()):
-            problems.append(Problem(("scenarios", number), f"scenarios.{number}: {_TARGETS}"))
-    return problems
 
 
 def known_branches(branches: list[str]) -> list[str]:

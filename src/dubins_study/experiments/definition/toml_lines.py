@@ -45,6 +45,11 @@ class KeyLines:
                 return self._lines[path[:end]]
         return None
 
+    def order(self, path: KeyPath) -> int:
+        """How many keys and tables of the file stand before a value or the table around it."""
+        paths = {known: place for place, known in enumerate(self._lines)}
+        return next((paths[path[:n]] for n in range(len(path), 0, -1) if path[:n] in paths), 0)
+
     def _note(self, path: KeyPath, line: int) -> None:
         """Keep the first line of a path, and of the tables that a dotted key names on its way."""
         for end in range(len(path), 0, -1):

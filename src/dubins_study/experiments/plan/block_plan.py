@@ -16,7 +16,6 @@ from dubins_study.experiments.plan.solver_description import SolverDescription, 
 from dubins_study.experiments.plan.solver_specs import expand_solvers
 from dubins_study.solvers.registry import SolverError
 
-_MAX_GUESS_LENGTH = 1e6  # radii; longer than any useful path
 # A cell takes about 700 bytes of memory until its row is written.
 MOST_CELLS = 2_000_000
 # Streamed rows are not kept in memory, but they must fit on a disk.
@@ -64,9 +63,6 @@ class BlockPlan(NamedTuple):
         """The initial guesses as the column `initial_guess` holds them.
 
         Each is `cold`, `warm`, or the lengths z1, z2 and z3 in radii, exact to the last bit.
-
-        Raises:
-            ExperimentError: if a length is negative or above a million radii.
         """
         lengths = self.block.guess_lengths
         if lengths is None:
@@ -76,11 +72,6 @@ class BlockPlan(NamedTuple):
             return
         values = (axis_values(axis, np.arange(axis_size(axis))).tolist() for axis in lengths.axes)
         for point in itertools.product(*values):
-            if not all(0 <= length <= _MAX_GUESS_LENGTH for length in point):
-                raise ExperimentError(
-                    f"guess_lengths is {point}; expected lengths from 0 to "
-                    f"{_MAX_GUESS_LENGTH:g} radii: z1, z2, z3"
-                )
             yield " ".join(repr(length) for length in point)
 
 

@@ -1,68 +1,164 @@
-"""Whether the solvers that an experiment's file names may be asked, and where the file is wrong."""
+"""All mistakes of an experiment's file at once: its keys, its solvers, and what goes together."""
 
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
+from typing import Any
 
-from dubins_study.experiments.definition.experiment import ExperimentError, ExperimentFile
+from pydantic import ValidationError
+
+from dubins_study.experiments.definition.experiment import (
+    Experiment,
+    ExperimentError,
+    ExperimentFile,
+    file_problems,
+)
+from dubins_study.experiments.definition.experiment_text import text_of
 from dubins_study.experiments.definition.messages import Problem, refusal
+from dubins_study.experiments.definition.scenario_block import Block
 from dubins_study.experiments.definition.toml_lines import KeyPath
-from dubins_study.experiments.plan.solver_specs import expand_solvers, untrusted_spec
+from dubins_study.experiments.plan.cells import chains
+from dubins_study.experiments.plan.listed_solvers import solver_problems
+from dubins_study.experiments.plan.scenario_columns import block_size
+from dubins_study.experiments.plan.streams import streams
 from dubins_study.solvers.registry import SolverError
 
 # the key that a message about an experiment begins with
 _KEY = re.compile(r"(?:scenarios\.\d+|first)?(?:\.?(?:solvers|guess_lengths))?")
+_MOST_SEARCHED_AGAIN = 100_000  # scenarios, which take about a second
+_MOST_CONFLICTS = 20  # as many as one refusal lists
+# Keys that stand in for wrong ones, so that the others can be looked at.
+_STAND_INS: dict[str, Any] = {"title": "t", "question": "q", "solvers": ["analytic"]}
 
 
-def check_solvers(file: ExperimentFile, trust_plugins: bool) -> None:
-    """Refuse solvers that do not exist or have no such setting, all of a file at once.
+def read_checked(name: str, trust_plugins: bool, own_solvers: bool = True) -> ExperimentFile:
+    """Read an experiment as `definition.experiment.read`, and check all that a run needs of it.
 
-    Plug-in files and programs on PATH are refused before, unless they are trusted: the file may
-    come from anyone.
+    Of a valid file the scenarios are left to the plan of the run, which looks at all of them.
+
+    Args:
+        name: a packaged experiment, or the path of a TOML file.
+        trust_plugins: whether the file may name plug-in files and programs on PATH.
+        own_solvers: whether its own solvers will be asked.
 
     Raises:
-        ExperimentError, SolverError: naming key, line and spec, and what was expected.
+        ExperimentError, SolverError: naming every wrong key, its line, its value and what was
+            expected. SolverError if all of them are solvers that cannot be made.
     """
-    lists = file.experiment.solver_lists()
-    problems = [] if trust_plugins else _untrusted(file, lists)
-    if problems:
-        raise ExperimentError(refusal(file.path, problems, file.text))
-    for path, specs in lists.items():
-        for number, spec in enumerate(specs):
-            try:
-                expand_solvers([spec], file.experiment.profile)
-            except SolverError as error:
-                problems.append(_problem((*path, number), str(error)))
-    if problems:
-        raise SolverError(refusal(file.path, problems, file.text))
+    source = text_of(name)
+    fields = source.fields()
+    problems: list[Problem] = []
+    try:
+        experiment = Experiment.model_validate(fields)
+    except ValidationError as error:
+        problems = file_problems(error, fields)
+    wrong = solver_problems(fields, trust_plugins) if own_solvers else []
+    if not problems and not wrong:
+        return ExperimentFile(*source, experiment)
+    solvers_alone = not problems and not any("--trust-plugins" in p.sentence for p in wrong)
+    usable = _usable(fields, {problem.path for problem in wrong})
+    together = conflicts(usable) if usable is not None else []
+    kind = SolverError if solvers_alone and not together else ExperimentError
+    raise kind(refusal(source.path, problems + wrong + together, source.text))
 
 
-def _untrusted(file: ExperimentFile, lists: dict[KeyPath, list[str]]) -> list[Problem]:
-    problems = []
-    for path, specs in lists.items():
-        for number, spec in enumerate(specs):
-            try:
-                untrusted = untrusted_spec([spec], file.experiment.profile)
-            except SolverError:  # one of this package's, and wrong: told with the others
-                continue
-            if untrusted is not None:
-                sentence = (
-                    f"{untrusted} runs a program or file that is not this package's; expected "
-                    "--trust-plugins, if you know what it is, or your own choice of --solver"
-                )
-                problems.append(_problem((*path, number), sentence))
+def conflicts(experiment: Experiment) -> list[Problem]:
+    """What does not go together in a valid experiment: the first mistake of each block.
+
+    That is: scenarios that no vehicle has, scenarios that are asked for twice, too many cells. A
+    block in which one is found is replaced by another, so that the next one is found; in a large
+    experiment, where that takes long, the first one alone is found.
+    """
+    problems: list[Problem] = []
+    while len(problems) < _MOST_CONFLICTS:
+        if problems and sum(map(block_size, experiment.blocks)) > _MOST_SEARCHED_AGAIN:
+            return problems
+        try:
+            chains(experiment)
+            streams(experiment)
+            return problems
+        except (ExperimentError, SolverError) as error:
+            problem = _placed(str(error))
+            problems.append(problem)
+        number = problem.path[1] if problem.path[:1] == ("scenarios",) else None
+        if not isinstance(number, int):
+            return problems
+        if number < len(experiment.scenarios):
+            blocks = list(experiment.scenarios)
+            blocks[number] = _stand_in(number)
+            experiment = experiment.model_copy(update={"scenarios": blocks})
+        else:  # one that `first` adds
+            problems[-1] = Problem(("first",), f"first: {problem.sentence}")
+            experiment = experiment.model_copy(update={"first": None})
     return problems
 
 
-def _problem(path: KeyPath, sentence: str) -> Problem:
-    return Problem(path, f"{'.'.join(map(str, path[:-1]))}: {sentence}")
+def refused(file: ExperimentFile) -> ExperimentError:
+    """The error that names all conflicts of an experiment that has some."""
+    return ExperimentError(refusal(file.path, conflicts(file.experiment), file.text))
 
 
-def placed(
-    error: ExperimentError | SolverError, file: ExperimentFile
-) -> ExperimentError | SolverError:
-    """The error with the file and, where its message begins with a key, the key's line."""
-    match = _KEY.match(str(error))
-    steps = match[0].split(".") if match else []
-    path = tuple(int(step) if step.isdigit() else step for step in steps)
-    return type(error)(refusal(file.path, [Problem(path, str(error))], file.text))
+def _placed(message: str) -> Problem:
+    """The problem that a message tells, at the key with which it begins."""
+    match = _KEY.match(message)
+    steps = match[0].split(".") if match and match[0] else []
+    return Problem(tuple(int(step) if step.isdigit() else step for step in steps), message)
+
+
+def _usable(fields: dict[str, Any], wrong_specs: set[KeyPath]) -> Experiment | None:
+    """The experiment without its invalid keys, blocks and specs; blocks keep their numbers.
+
+    None if no block is left.
+    """
+    fields = _without_specs(fields, wrong_specs)
+    for _ in range(2):  # what is valid by itself may not be beside a stand-in
+        try:
+            return Experiment.model_validate(fields)
+        except ValidationError as error:
+            places = {each["loc"][:2] for each in error.errors()}
+        blocks = fields.get("scenarios")
+        if not isinstance(blocks, list) or not blocks:
+            return None
+        wrong = {place[1] for place in places if place[:1] == ("scenarios",) and len(place) > 1}
+        if len(wrong) == len(blocks):
+            return None
+        keys = {place[0] for place in places if place and place[0] != "scenarios"}
+        kept = {key: value for key, value in fields.items() if key not in keys}
+        stand_ins = {key: value for key, value in _STAND_INS.items() if key not in kept}
+        mended = [_stand_in(n) if n in wrong else block for n, block in enumerate(blocks)]
+        fields = {**kept, **stand_ins, "scenarios": mended}
+        if () in places:  # the rule about the whole file is about `first`
+            fields.pop("first", None)
+    return None
+
+
+def _without_specs(fields: dict[str, Any], wrong: set[KeyPath]) -> dict[str, Any]:
+    """The fields without wrong specs; a list that would be empty holds one that is right."""
+
+    def rest(table: dict[str, Any], path: KeyPath) -> dict[str, Any]:
+        specs = table.get("solvers")
+        if not isinstance(specs, list) or not any(
+            place[:-1] == (*path, "solvers") for place in wrong
+        ):
+            return table
+        kept = [s for n, s in enumerate(specs) if (*path, "solvers", n) not in wrong]
+        other = "slsqp" if "guess_lengths" in table else "analytic"
+        return {**table, "solvers": kept or [other]}
+
+    fields = rest(fields, ())
+    blocks = fields.get("scenarios")
+    if isinstance(blocks, list):
+        numbered: Iterator[tuple[int, Any]] = enumerate(blocks)
+        fields["scenarios"] = [
+            rest(block, ("scenarios", number)) if isinstance(block, dict) else block
+            for number, block in numbered
+        ]
+    if isinstance(fields.get("first"), dict):
+        fields["first"] = rest(fields["first"], ("first",))
+    return fields
+
+
+def _stand_in(number: int) -> Block:
+    """A block that shares no scenario with any other."""
+    return Block(label=f"in place of block {number}", target_x=10.0, target_y=0.0)

@@ -10,12 +10,11 @@ from typing import Any, NamedTuple
 from dubins_study.experiments.definition.experiment import (
     ExperimentError,
     ExperimentFile,
-    read,
     validated,
 )
 from dubins_study.experiments.definition.listed_experiment import listed_experiment
 from dubins_study.experiments.plan.cells import Chain, chains
-from dubins_study.experiments.plan.file_checks import check_solvers, placed
+from dubins_study.experiments.plan.file_checks import read_checked, refused
 from dubins_study.experiments.plan.solver_specs import expand_solvers
 from dubins_study.experiments.plan.streams import Stream, streams
 from dubins_study.experiments.run_settings import ENGINE_NAMES
@@ -176,12 +175,10 @@ def plan_run(request: Request) -> RunPlan:
     if request.solvers is not None:
         # Checked here so that an error message does not name the experiment's file.
         expand_solvers(request.solvers, experiment.profile)
-    else:
-        check_solvers(experiment_file, request.trust_plugins)
     try:
         cell_chains, block_streams = chains(experiment), streams(experiment)
-    except (ExperimentError, SolverError) as error:
-        raise placed(error, experiment_file) from None
+    except (ExperimentError, SolverError):
+        raise refused(experiment_file) from None
     folder = (
         FilePath("results") / experiment_file.name if request.out is None else FilePath(request.out)
     )
@@ -190,7 +187,9 @@ def plan_run(request: Request) -> RunPlan:
 
 def _read(request: Request) -> ExperimentFile:
     """The experiment of a request, about the scenarios of a file if the request names one."""
-    file = None if request.experiment is None else read(str(request.experiment))
+    name = None if request.experiment is None else str(request.experiment)
+    own_solvers = request.solvers is None
+    file = None if name is None else read_checked(name, request.trust_plugins, own_solvers)
     if request.scenarios is None:
         assert file is not None  # as `Request.check` has seen to
         return file

@@ -142,22 +142,16 @@ def _checked(fields: Columns, key: str, first: int) -> Columns:
     """The columns of `NUMBERS` with computed targets; an error if a row is not valid."""
     columns = _target_columns(fields)
     try:
-        if "arc" in fields and fields["margin"].size and fields["margin"].min() < -1:
-            raise ScenarioError
         check_frame(pd.DataFrame(columns, copy=False))
     except ScenarioError:
-        _refuse(fields, columns, key, first)
+        _refuse(columns, key, first)
     return columns
 
 
-def _refuse(fields: Columns, columns: Columns, key: str, first: int) -> None:
+def _refuse(columns: Columns, key: str, first: int) -> None:
     """Raise an error about the first row that is not valid, with the message of `Scenario`."""
     for i in range(len(columns["x"])):
         try:
-            if "arc" in fields and fields["margin"][i] < -1:
-                raise ScenarioError(
-                    f"margin is {fields['margin'][i]}; expected at least -1, the circle's centre"
-                )
             Scenario(**{name: float(columns[name][i]) for name in NUMBERS}, label="")
         except ScenarioError as error:
             raise ExperimentError(f"{key}, scenario {first + i}: {error}") from None

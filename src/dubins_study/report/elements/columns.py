@@ -20,8 +20,9 @@ class Column:
         show: converts a value to text; a missing value is shown as a dash instead.
         kind: `number` (aligned right), `text`, `prose` (long text), `code` (such as a spec),
             `command` (a long line for a shell, which the page shows when asked),
-            `cell` (a number with its interval, over several lines), `pick` (a name, and numbers
-            below it), or `solver` (a spec, of which the page shows the short name).
+            `section` (the title of a section, perhaps with a colon and a part of it; the page
+            links it), `cell` (a number with its interval, over several lines), `pick` (a name, and
+            numbers below it), or `solver` (a spec, of which the page shows the short name).
     """
 
     key: str

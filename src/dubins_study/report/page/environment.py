@@ -45,6 +45,20 @@ def choice(text: str) -> Markup:
     return Markup("<strong>{}</strong><br>{}").format(first, rest) if rest else Markup.escape(text)
 
 
+def linked(text: str, sections: Sequence[Section]) -> Markup:
+    """The title of a section, and what may follow a colon, as a link to that section.
+
+    Without a link if the page has the section for each of several experiments, or not at all; the
+    text says the latter.
+    """
+    title = text.partition(":")[0]
+    for section in sections:
+        if section.title == title:
+            return Markup('<a href="#{}">{}</a>').format(section.key, text)
+    named = any(section.title.startswith(f"{title}:") for section in sections)
+    return Markup.escape(text if named else f"{text} (not on this page)")
+
+
 def as_json(value: Any) -> Markup:
     """A value as JSON that no text in it can end the script element of."""
     text = json.dumps(value, ensure_ascii=True, allow_nan=False, separators=(",", ":"))
@@ -143,7 +157,7 @@ def environment() -> Environment:
     )
     made.filters |= {"breakable": breakable, "markdown": markdown, "pipe_table": to_markdown}
     made.filters |= {"grouped": grouped, "height_of": height_of}
-    made.filters |= {"as_json": as_json, "choice": choice, "packed": packed}
+    made.filters |= {"as_json": as_json, "choice": choice, "linked": linked, "packed": packed}
     made.tests |= {
         "picture": lambda block: isinstance(block, Picture),
         "table": lambda block: isinstance(block, Table),

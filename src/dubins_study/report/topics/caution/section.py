@@ -37,7 +37,8 @@ def caution_section(results: Results) -> Section | None:
 def _table(every: list[Caution]) -> Table:
     shown = (
         *columns(kind="prose", sentence="what not to conclude"),
-        *columns(kind="prose", of="number of", shown_in="shown in"),
+        *columns(kind="prose", of="number of"),
+        *columns(kind="section", shown_in="shown in"),
     )
     caption = "Each number is computed from the rows and the runs' manifests."
     frame = pd.DataFrame(every)

@@ -13,6 +13,7 @@ from dubins_study.report.elements.formats import count, seconds, sentences, shar
 from dubins_study.report.elements.identity import with_interval
 from dubins_study.report.elements.names import labels_of
 from dubins_study.report.statistics.compared import Compared, compared
+from dubins_study.report.topics.decision.cases import cases_table
 from dubins_study.report.topics.decision.numbers import (
     ANYWHERE,
     NEEDS,
@@ -39,7 +40,13 @@ def decision_section(results: Results) -> Section | None:
     if not found:
         return Section("decision", TITLE, text, (), f"{_baseline(exact)}; no engine was asked.")
     table = _table(found, labels_of(results))
-    return Section("decision", TITLE, text, (table,), f"{_baseline(exact)}; {_advice(found)}")
+    return Section(
+        "decision",
+        TITLE,
+        text,
+        (table, cases_table(results)),
+        f"{_baseline(exact)}; {_advice(found)}",
+    )
 
 
 def _nothing() -> str:
@@ -111,15 +118,18 @@ def _table(found: Sequence[Choice], labels: dict[str, str]) -> Table:
     numbers = ("region", "questions", *(f"{n.key}_{name}" for n in NEEDS for name in _NUMBERS))
     sure = f"{100 * SURE:g} %"
     caption = (
-        f"Of the methods that meet a need on at least {sure} of the questions the one with the "
-        "least median time, of times within a tenth the surest; if there is none, the most surely "
-        "right one (largest lower end of its interval), in grey. In brackets after a target the "
-        "number of questions (of those for the shortest path of all, if any were asked; none for "
-        "one word), after a share the 95 % interval (Wilson, a trial a question), then "
-        "the median time of an attempt, failures included. Circles: the two of radius R that the "
-        "vehicle can turn along at the start. Where a name says nothing else, the search starts "
-        "at the bearing of the target. Chosen after the fact, the best of many methods flatters "
-        "a little."
+        "Each cell names one method: engine, formulation, and the settings that are not the usual "
+        "ones (the section on solvers and their settings has its spec for the command line). Below "
+        "the name: the share of the questions at which it meets the need, with the 95 % interval "
+        "(Wilson, a trial a question), and the median time of an attempt, failures included. The "
+        f"method is the fastest of those that meet the need on at least {sure} of the questions; "
+        "of several that are within a tenth of the least time it is the surest. In grey: no method "
+        f"reaches {sure}, and the one is named that is most surely right (the largest lower end of "
+        "its interval). In brackets after a target: the number of questions. They ask for the "
+        "shortest path of all; those for one word count only if there are no others. The circles "
+        "are the two of radius R along which the vehicle can turn at the start. Where a name says "
+        "nothing of an initial guess, the search starts along the bearing of the target. Each "
+        "method was chosen by these same rows, which flatters it a little."
     )
     return Table("decision", caption, pd.DataFrame(lines), shown, marks, numbers, stacked=True)
 

@@ -23,7 +23,7 @@ _COLUMNS = (
     *columns(questions, presolved="by presolve"),
     *columns(kind="cell", right_text="right", silent_text="silent", wrong_text="wrong"),
     *columns(kind="cell", time_text="median time"),
-    *columns(kind="cell", denied_text="denies a path that exists"),
+    *columns(kind="cell", denied_text="denies a path"),
 )
 _NUMBERS = (
     *("solver", "unasked", "reached", "wall_s", "wall_low_s", "wall_high_s", "presolve_s"),
@@ -95,9 +95,9 @@ def _table(frame: pd.DataFrame) -> Table:
         "them, and no engine was asked. Of those that reached the engine, right: it claims that "
         "none exists; silent: it failed, reached a limit or claims nothing; wrong: it claims a "
         "path. Median time of the attempts that reached the engine, whatever they say, with its "
-        "95 % bootstrap interval over scenarios. The last column is of questions that have a path. "
-        "Shares with their 95 % interval (Wilson), for as many trials as there are questions; a "
-        "repeat is a part of a question."
+        "95 % bootstrap interval over scenarios. Denies a path: of the questions that have "
+        "one, the share that it calls infeasible. Shares with their 95 % interval (Wilson), for as "
+        "many trials as there are questions; a repeat is a part of a question."
     )
     return Table(
         "existence",
@@ -109,4 +109,5 @@ def _table(frame: pd.DataFrame) -> Table:
             **marks(frame.assign(denied_text=frame["denied"] > 0), "denied_text"),
         },
         _NUMBERS,
+        dense=True,
     )

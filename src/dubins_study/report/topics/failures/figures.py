@@ -52,5 +52,5 @@ def plot_failure_map(shares: Mapping[str, NDArray[np.float64]]) -> Figure:
     bar = figure.colorbar(image, ax=panels[: len(shares)].tolist(), shrink=0.8, pad=0.02)
     bar.outline.set_visible(False)
     percent_axis(bar.ax.yaxis)
-    bar.set_label("share of the attempts in a cell", color=MUTED)
+    bar.set_label("share of attempts", color=MUTED)
     return figure

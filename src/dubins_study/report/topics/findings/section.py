@@ -60,7 +60,8 @@ def _table(name: str, chosen: Sequence[Finding], first: int, title: str) -> Tabl
     shown = (
         *columns(count, place="no."),
         *columns(kind="prose", sentence="finding"),
-        *columns(kind="prose", question="asked of", shown_in="shown in"),
+        *columns(kind="prose", question="asked of"),
+        *columns(kind="section", shown_in="shown in"),
     )
     caption = (
         f"{title} Intervals: Wilson's for shares, for as many trials as there are questions, and "

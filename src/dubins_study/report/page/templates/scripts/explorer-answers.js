@@ -3,15 +3,23 @@
 window.explorerNumbers = (() => {
   // Six significant digits, with a minus sign that is one; tiny and huge numbers with a power of ten.
   function number(value, digits = 6) {
-    const size = Math.abs(value);
-    if (size !== 0 && (size < 1e-4 || size >= 1e6)) {
-      const [mantissa, power] = value.toExponential(digits - 1).split("e");
-      return `${Number(mantissa)}e${Number(power)}`.replaceAll("-", "−");
-    }
-    return String(Number(value.toPrecision(digits))).replace("-", "−");
+    const rounded = Number(value.toPrecision(digits)), size = Math.abs(rounded);
+    if (size !== 0 && (size < 1e-4 || size >= 1e6)) return powered(value, digits);
+    return String(rounded).replace("-", "−");
   }
 
-  return {number};
+  function powered(value, digits) {
+    const [mantissa, power] = value.toExponential(digits - 1).split("e");
+    return `${Number(mantissa)}e${Number(power)}`.replaceAll("-", "−");
+  }
+
+  // Four digits, in a few characters: for ticks.
+  function brief(value) {
+    const plain = number(value, 4);
+    return plain.length > 5 ? powered(value, 4) : plain;
+  }
+
+  return {number, brief};
 })();
 
 // window.explorerAnswers(root): the explorer's table and sentences. Everything is set as text.
@@ -102,11 +110,12 @@ window.explorerAnswers = (root) => {
       for (const [name, text] of Object.entries(texts)) write(cells[name], text);
       set(cells.length, {"data-value": entry.exists ? entry.length : ""});
     }
-    write(place, placeOf(scenario));
+    write(place, placeOf(scenario, best));
     return summaryOf(scenario, best, tied);
   }
 
-  function placeOf(scenario) {
+  function placeOf(scenario, best) {
+    if (!best.word) return "The target is the start, where both turning circles meet.";
     const region = window.dubins.region(scenario), margin = number(window.dubins.margin(scenario), 4);
     const where = {
       outside: `outside both turning circles, ${margin} R from the nearer one`,
@@ -118,7 +127,8 @@ window.explorerAnswers = (root) => {
   }
 
   function summaryOf(scenario, best, tied) {
-    const words = tied ? "LS and RS, which tie" : best.word || "nothing to drive";
+    if (!best.word) return "Shortest: nothing to drive, length 0.";
+    const words = tied ? "LS and RS, which tie" : best.word;
     return `Shortest: ${words}, length ${number(best.length)} (${number(best.length / scenario.radius)} R).`;
   }
 

@@ -10,7 +10,7 @@
 window.explorerSweep = (host, choose) => {
   const {element, set, write} = window.svgElements;
   const SAMPLES = 160, HEIGHT = 190;
-  const BRANCHES = ["RL", "LR", "RS", "LS"], MARGIN = {left: 52, right: 34, top: 12, bottom: 34};
+  const BRANCHES = ["RL", "LR", "RS", "LS"], MARGIN = {left: 60, right: 34, top: 12, bottom: 34};
   const BOTTOM = HEIGHT - MARGIN.bottom; // px, where lengths are zero
   const NAME = {width: 24, height: 18, ascent: 14}; // px, of a word's name with room around it
   // of two neighbouring lengths, as a share of the largest radius: no word grows faster without a jump
@@ -105,7 +105,7 @@ window.explorerSweep = (host, choose) => {
   }
 
   function drawRules() {
-    const {number} = window.explorerNumbers, scales = `${width} ${limit} ${top}`;
+    const {brief} = window.explorerNumbers, scales = `${width} ${limit} ${top}`;
     if (rules.dataset.scales === scales) return;
     rules.dataset.scales = scales;
     rules.replaceChildren();
@@ -113,16 +113,16 @@ window.explorerSweep = (host, choose) => {
     for (let i = 0; i * stepR <= limit * 1.0001; i += 1) {
       const x = sx(i * stepR);
       element("line", {x1: x, x2: x, y1: BOTTOM, y2: BOTTOM + 4}, rules);
-      write(element("text", {x, y: BOTTOM + 16, class: "tick middle"}, rules), number(i * stepR, 4));
+      write(element("text", {x, y: BOTTOM + 16, class: "tick middle"}, rules), brief(i * stepR));
     }
     for (let i = 0; i * stepL <= top * 1.0001; i += 1) {
       const y = sy(i * stepL);
       element("line", {x1: MARGIN.left, x2: width - MARGIN.right, y1: y, y2: y}, rules);
-      write(element("text", {x: MARGIN.left - 6, y: y + 4, class: "tick end"}, rules), number(i * stepL, 4));
+      write(element("text", {x: MARGIN.left - 6, y: y + 4, class: "tick end"}, rules), brief(i * stepL));
     }
     const middle = {x: (MARGIN.left + width - MARGIN.right) / 2, y: HEIGHT - 3, class: "tick middle"};
     write(element("text", middle, rules), "turning radius R");
-    const turn = `rotate(-90) translate(${-(BOTTOM + MARGIN.top) / 2} 12)`;
+    const turn = `rotate(-90) translate(${-(BOTTOM + MARGIN.top) / 2} 11)`;
     write(element("text", {transform: turn, class: "tick middle"}, rules), "length");
   }
 

@@ -7,10 +7,11 @@
   if (!root) return;
   const HASH = "#explore=", DEGREE = Math.PI / 180;
   const SETTLED_MS = 250; // after the last change: address, spoken summary
+  const LARGEST = 1e100; // beyond it, squares of pixels and scales of axes overflow
   const NUMBERS = ["x", "y", "target_x", "target_y", "radius"];
   const scene = window.explorerScene(root.querySelector(".explorer-stage")), {svg} = scene;
   const handles = window.explorerHandles(scene, {
-    state: () => state, side: () => side, change: (values) => changed(values, "keep"), rest: () => set({}),
+    state: () => state, side: () => side, change: changed, rest: () => set({}),
   });
   const answers = window.explorerAnswers(root), copies = window.explorerCopies(root);
   const sweep = window.explorerSweep(root.querySelector(".explorer-sweep"),
@@ -30,22 +31,34 @@
     return ["deg", "°"].includes(match[2]) ? Number(match[1]) * DEGREE : Number(match[1]);
   }
 
-  // "x,y,heading,target x,target y,radius" -> a scenario; null if it is none.
+  // The scenario of "x,y,heading,target x,target y,radius"; an error says why there is none.
   function parsed(text) {
     const parts = text.split(",");
-    if (parts.length !== 6 || parts.some((part) => !part.trim())) return null;
+    if (parts.length !== 6 || parts.some((part) => !part.trim())) throw new RangeError(`${text} has not six parts`);
     const [x, y, written, target_x, target_y, radius] = parts;
     const scenario = {x: Number(x), y: Number(y), heading: angle(written),
       target_x: Number(target_x), target_y: Number(target_y), radius: Number(radius), written: written.trim()};
-    return window.dubins.refusal(scenario) ? null : scenario;
+    const message = refusal(scenario);
+    if (message) throw new RangeError(message);
+    return scenario;
+  }
+
+  // Why a scenario cannot be shown; "" if it can be.
+  function refusal(scenario) {
+    const message = window.dubins.refusal(scenario);
+    if (message) return message;
+    const name = NUMBERS.find((each) => Math.abs(scenario[each]) > LARGEST);
+    if (name) return `${name} is ${scenario[name]}; expected at most ${LARGEST}, which can be drawn`;
+    return scenario.radius < 1 / LARGEST
+      ? `radius is ${scenario.radius}; expected at least ${1 / LARGEST}, which can be drawn` : "";
   }
 
   const listed = ({x, y, written, target_x, target_y, radius}) => [x, y, written, target_x, target_y, radius].join(",");
 
   // The only place where the scenario changes. `view`: "fit", "keep", or undefined: fit if need be.
   function set(change, view) {
-    const next = {...state, ...change}, message = window.dubins.refusal(next);
-    problem.textContent = message;
+    const next = {...state, ...change}, message = refusal(next);
+    if (message || Object.keys(change).length) problem.textContent = message;
     if (message) return false;
     state = next;
     entries = window.dubins.words(state);
@@ -96,7 +109,10 @@
       const value = Number(input.value);
       changed(name === "heading" ? {heading: value * DEGREE, written: `${value}deg`} : {[name]: value}, "fit");
     });
-    input.addEventListener("blur", () => set({}));
+    input.addEventListener("blur", () => { // a number that was refused gives way to the last good one
+      problem.textContent = "";
+      set({});
+    });
   }
   for (const button of root.querySelectorAll("button[data-scenario]")) {
     button.addEventListener("click", () => changed(parsed(button.dataset.scenario), "fit"));
@@ -105,11 +121,12 @@
 
   function fromAddress() {
     if (!location.hash.startsWith(HASH)) return;
-    let scenario = null;
     try {
-      scenario = parsed(decodeURIComponent(location.hash.slice(HASH.length)));
-    } catch { /* no text in percent-encoding: no scenario */ }
-    if (scenario) set(scenario, "fit");
+      set(parsed(decodeURIComponent(location.hash.slice(HASH.length))), "fit");
+    } catch (error) { // no scenario, or no text in percent-encoding
+      problem.textContent = `The address holds no scenario: ${error.message}. `
+        + "Expected: x, y, heading, target x, target y, radius.";
+    }
     root.scrollIntoView({behavior: "instant"});
   }
 
@@ -129,5 +146,5 @@
   addEventListener("hashchange", fromAddress);
   resize();
   fromAddress();
-  window.explorer = {set, parsed, state: () => state, entries: () => entries, sweep};
+  window.explorer = {set, state: () => state, entries: () => entries, sweep};
 })();

@@ -1,0 +1,69 @@
+"""The explorer as a reader sees it: what its page shows, and what a hand does there."""
+
+from __future__ import annotations
+
+import pytest
+from playwright.sync_api import Page
+
+from dubins_study import Scenario
+from dubins_study.study.closed_form.shortest import shortest
+
+
+def scenario_in(page: Page) -> Scenario:
+    """The scenario that the page shows."""
+    state = page.evaluate("window.explorer.state()")
+    state.pop("written")
+    return Scenario(**state)
+
+
+def shown(page: Page) -> dict[str, dict[str, str]]:
+    """The table: branch -> cell -> text, and whether the row is marked as optimal."""
+    rows = page.locator("tr[data-branch]").evaluate_all(
+        """rows => rows.map(row => [row.dataset.branch, {
+             optimal: String(row.classList.contains("optimal")),
+             ...Object.fromEntries([...row.querySelectorAll("[data-cell]")]
+                 .map(cell => [cell.dataset.cell, cell.textContent]))}])"""
+    )
+    return dict(rows)
+
+
+def number(text: str) -> float:
+    return float(text.replace("−", "-"))
+
+
+def centre(page: Page, name: str) -> tuple[float, float]:
+    """Where a handle is on the screen."""
+    page.locator(".explorer-stage").scroll_into_view_if_needed()
+    box = page.locator(f".handle.{name} .knob").bounding_box()
+    return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+
+
+def drag(page: Page, name: str, dx: float, dy: float) -> None:
+    x, y = centre(page, name)
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.move(x + dx / 2, y + dy / 2, steps=3)
+    page.mouse.move(x + dx, y + dy, steps=3)
+    page.mouse.up()
+
+
+def agrees(page: Page) -> None:
+    """What the table says is what the package says of the scenario that is shown."""
+    scenario = scenario_in(page)
+    best = shortest(scenario)
+    assert best is not None
+    for branch, cells in shown(page).items():
+        optimum = shortest(scenario, branch)
+        if optimum is None:
+            assert cells["length"] == "–"
+            assert cells["certificate"].startswith("no path")
+            continue
+        # six digits are shown
+        assert number(cells["length"]) == pytest.approx(optimum.total * scenario.radius, rel=6e-6)
+        assert number(cells["radii"]) == pytest.approx(optimum.total, rel=6e-6)
+        assert cells["optimal"] == str(optimum.word in best.words).lower()
+        assert (cells["over"] == "shortest") == (optimum.word in best.words)
+
+
+def shown_best(page: Page) -> str:
+    return next(branch for branch, cells in shown(page).items() if cells["optimal"] == "true")

@@ -1,0 +1,130 @@
+"""What one interpreter does alone: what it loads, what it prints, what a forked child of it can."""
+
+from __future__ import annotations
+
+import os
+import platform
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from cases import PAPER
+
+from dubins_study.experiments.solve import solve
+from dubins_study.solvers.export import export
+from dubins_study.solvers.nlp_engines.table import ENGINES as NLP_ENGINES
+from dubins_study.solvers.protocol import Outcome
+from dubins_study.study.check.verdict import Verdict
+from dubins_study.study.claim import Claim
+from tests.unit.solvers.test_export import CASES, KINDS
+from tests.unit.solvers.test_minlp_engines import INSTALLED
+from tests.unit.solvers.test_nlp_engines import ALONE
+
+FORK = """
+import os, numpy as np
+from dubins_study.study.closed_form.kernel import shortest_rows
+from dubins_study.study.closed_form.kernel_compile import SMALL
+data = np.ones((6, SMALL))
+before = shortest_rows(*data).length
+child = os.fork()
+if child == 0:
+    os._exit(0 if (shortest_rows(*data).length == before).all() else 1)
+raise SystemExit(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))
+"""
+
+
+def test_importing_the_solver_imports_no_engine():
+    code = (
+        "import sys, dubins_study.solvers.stochastic.penalty as p; p.Penalty().unavailable();"
+        "print([m for m in ('cma', 'scipy.optimize') if m in sys.modules])"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+
+    assert done.stdout.strip() == "[]"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["slsqp", "ipopt", "nlopt-slsqp"])
+def test_an_engine_loads_no_other_engines_package(name):
+    """Of the packages of all engines, a question loads those of the engine that answers it."""
+    packages = {package for entry in NLP_ENGINES.values() for package in entry.packages}
+    code = (
+        "import sys;"
+        "from dubins_study.solvers.registry import load;"
+        "from dubins_study.solvers.protocol import Question;"
+        "from dubins_study.study.scenario import Scenario;"
+        f"solver = load('nlp[engine={name}]');"
+        "solver.solve(solver.build(Question(Scenario(0, 0, 0.3, 3, 2, 1), 'LS')), 5.0);"
+        "print(*sys.modules)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+
+    loaded = {module.partition(".")[0] for module in done.stdout.split()}
+    assert loaded & packages == set(NLP_ENGINES[name].packages)
+
+
+@pytest.mark.parametrize("name", ALONE)
+def test_an_engine_in_a_process_of_its_own(name):
+    """It solves a word, by (4.12) and by multiple shooting; its library enters no other process."""
+    for spec in (f"nlp[engine={name}]", f"multiple-shooting[engine={name},n=3]"):
+        answer = solve(PAPER["problem 1"], spec, "RS", isolated=True)
+
+        assert answer.outcome is Outcome.RETURNED, answer.message
+        assert (answer.claim, answer.verdict) == (Claim.LOCAL, Verdict.OPTIMAL)
+    assert f"libcasadi_nlpsol_{name}" not in Path("/proc/self/maps").read_text()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", INSTALLED)
+def test_a_process_that_asks_an_engine_prints_nothing(name):
+    """Warnings too: pytest catches those of its own process."""
+    question = "Question(Scenario(0, 0, 0, 3, 2, 1))"
+    code = f"""
+from dubins_study.solvers.attempt import attempt
+from dubins_study.solvers.protocol import Question
+from dubins_study.solvers.registry import load
+from dubins_study.study.scenario import Scenario
+assert attempt(load("disjunctive[engine={name}]"), {question}).outcome == "returned"
+"""
+    process = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+
+    assert (process.returncode, process.stdout, process.stderr) == (0, "", "")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("model", "format", "order"), KINDS)
+def test_files_tell_nothing_of_the_machine(model, format, order, tmp_path):
+    """The same text from another process in another folder, with no path of either in it."""
+    text = export(CASES["problem 1"], model, format, order)
+    call = (
+        "from dubins_study.solvers.export import export;"
+        "from dubins_study.study.scenario import Scenario; import math;"
+        "problem = Scenario(0, 0, 2 * math.pi / 3, 10, 5, 1);"
+        f"print(export(problem, {model!r}, {format!r}, {order!r}), end='')"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", call], cwd=tmp_path, capture_output=True, text=True
+    )
+
+    assert done.stdout == text
+    assert text.endswith("\n")
+    assert not re.search(r"/\w+/\w|\\", text)  # `/all/` is GAMS's own
+    assert platform.node() not in text.split()
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork here")
+def test_a_forked_child_can_go_on():
+    """GNU OpenMP ends a child that starts threads after its parent did; ours does not start any."""
+    assert subprocess.run([sys.executable, "-W", "ignore", "-c", FORK], check=False).returncode == 0
+
+
+def test_a_single_solve_compiles_nothing():
+    """Numba takes longer to load than a solve, its judgement and its certificate."""
+    code = (
+        "import sys; from dubins_study import Scenario, solve; "
+        "solve(Scenario(0, 0, 0, 10, 5, 1)); sys.exit('numba' in sys.modules)"
+    )
+    assert subprocess.run([sys.executable, "-c", code]).returncode == 0

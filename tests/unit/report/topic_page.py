@@ -1,0 +1,45 @@
+"""Pages of a few topics, for the tests of one of them; pages with PDF files."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path as FilePath
+
+import pytest
+
+from dubins_study import render
+from dubins_study.report.elements.figure_file import figure_bytes
+from dubins_study.report.page.sections import TOPICS
+
+
+def topic_page(folders: FilePath | list[FilePath], out: FilePath, *titles: str) -> FilePath:
+    """`index.html` of a report with these topics alone.
+
+    It is written like any other. Whole pages of many kinds of rows are drawn in `test_page.py` and
+    `test_page_parts.py`; a whole page for each topic would cost its thirty neighbours each time.
+    """
+    topics = tuple(topic for topic in TOPICS if topic.title in titles)
+    assert len(topics) == len(titles), f"no topic is called one of {titles}"
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("dubins_study.report.page.render.TOPICS", topics)
+        return render(folders, out)
+
+
+def section_text(title: str, key: str, folders: FilePath | list[FilePath], out: FilePath) -> str:
+    """The words of a topic's section before its first figure or table.
+
+    Without markup: a word of the glossary is linked where it first stands on the page.
+    """
+    page = topic_page(folders, out, title).read_text(encoding="utf-8")
+    section = page.split(f'<section id="{key}"')[1]
+    return re.sub(r"<[^>]*>", "", section.split("<figure")[0])
+
+
+@contextmanager
+def with_pdf_files() -> Iterator[None]:
+    """Draw the PDF files of figures too, which the fixture `svg_alone` leaves out."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("dubins_study.report.page.render.figure_bytes", figure_bytes)
+        yield
