@@ -109,6 +109,33 @@ def test_a_finger_drags_the_target(explorer):
     agrees(page)
 
 
+def test_a_second_finger_does_not_move_what_the_first_drags(explorer):
+    """It lies on another handle and slides, as for a zoom of the page."""
+    page = explorer("0,0,0deg,2,1.5,1", viewport=PHONE, has_touch=True, is_mobile=True)
+    x, y = centre(page, "target")
+    other_x, other_y = centre(page, "radius")
+    first, second = {"x": x, "y": y, "id": 1}, {"x": other_x, "y": other_y, "id": 2}
+    session = page.context.new_cdp_session(page)
+    moves = (
+        ("touchStart", [first]),
+        ("touchStart", [first, second]),
+        ("touchMove", [first, second | {"x": other_x + 40}]),
+    )
+    for kind, points in moves:
+        session.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
+    assert scenario_in(page) == Scenario(0, 0, 0, 2, 1.5, 1)
+    session.send("Input.dispatchTouchEvent", {"type": "touchEnd", "touchPoints": []})
+    for kind, points in (
+        ("touchStart", [first]),
+        ("touchMove", [first | {"x": x - 30}]),
+        ("touchEnd", []),
+    ):  # the next drag is one of its own
+        session.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
+    assert scenario_in(page).target_x < 2
+    assert scenario_in(page).radius == 1
+    agrees(page)
+
+
 @pytest.mark.slow
 def test_by_keyboard(explorer):
     """Arrows move a handle, shift makes them ten times as strong, + and - change the radius."""
@@ -228,14 +255,16 @@ def test_by_keyboard_a_full_turn_comes_back(explorer):
 FUZZ = """() => {
   let seed = 11;
   const random = () => { seed = seed * 48271 % 2147483647; return seed / 2147483647; };
-  const number = () => (random() < 0.5 ? -1 : 1) * 10 ** (2 * (random() - 0.5) * 103);
+  const power = () => (random() < 0.6 ? 100 : 308) * 2 * (random() - 0.5);
+  const number = () => (random() < 0.5 ? -1 : 1) * 10 ** power();
   const shown = [], broken = [], refusals = [];
   for (let i = 0; i < 400; i += 1) {
     const radius = Math.abs(number()), size = random() < 0.5 ? radius : number();
     const heading = random() < 0.8 ? 6 * random() : number(), x = random() < 0.5 ? 0 : size;
     const target_x = 3 * (random() - 0.5) * size;
     const target_y = random() < 0.2 ? 0 : (random() - 0.5) * size;
-    const scenario = {x, y: 0, heading, target_x, target_y, radius};
+    const scenario = i % 10 ? {x, y: 0, heading, target_x, target_y, radius}
+      : {x: 0, y: 0, heading, target_x: 0, target_y: number(), radius: 8e307};
     if (!window.explorer.set(scenario, "fit")) {
       refusals.push(document.querySelector("[data-answer=problem]").textContent);
       continue;
@@ -255,10 +284,10 @@ FUZZ = """() => {
 
 @pytest.mark.slow
 def test_whatever_the_numbers_a_picture_or_a_reason(explorer):
-    """400 scenarios of 1e-103 to 1e103: no NaN anywhere, and refusals say what is expected."""
+    """400 scenarios of 1e-308 to 1e308: no NaN anywhere, and refusals say what is expected."""
     shown_scenarios, broken, refusals = explorer().evaluate(FUZZ)
 
     assert broken == []
     assert shown_scenarios > 150
     assert len(refusals) > 10
-    assert all("; expected at " in text for text in refusals)
+    assert all("; expected " in text for text in refusals)

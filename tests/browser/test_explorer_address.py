@@ -40,11 +40,24 @@ def test_the_address_restores_a_scenario(explorer, text):
 
 
 def test_a_broken_address_is_left_alone(explorer):
-    """Hostile or incomplete text is no scenario and no markup."""
-    for text in ("1,2", "%3Cimg src=x onerror=alert(1)%3E,0,0,1,1,1", "%E0%A4%A", "0,0,0,1,1,0"):
+    """Hostile or incomplete text is no scenario and no markup; the page says what is wrong."""
+    reasons = {
+        "1,2": "1,2 has not six parts",
+        "%3Cimg src=x onerror=alert(1)%3E,0,0,1,1,1": "x is NaN; expected a finite number",
+        "%E0%A4%A": "URI malformed",
+        "0,0,0,1,1,0": "radius is 0; expected a number above 0",
+    }
+    for text, reason in reasons.items():
         page = explorer(text)
         assert page.evaluate("window.explorer.state().written") == "120deg"  # the first example
         assert page.locator("img[src=x]").count() == 0
+        problem = page.locator("[data-answer=problem]")
+        assert reason in problem.text_content()
+        page.set_viewport_size({"width": 700, "height": 600})  # drawn anew, still said
+        page.wait_for_function("document.querySelector('.explorer-plane').clientWidth < 700")
+        assert reason in problem.text_content()
+        page.get_by_role("button", name="Problem 1", exact=True).click()
+        assert problem.text_content() == ""
 
 
 @pytest.mark.slow

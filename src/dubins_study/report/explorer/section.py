@@ -13,7 +13,8 @@ def explorer_section(results: Results) -> Section:
         "The map shows the shortest word of every target: LS and RS on both sides of the vehicle's "
         "axis, RL and LR (hatched) inside its turning circles, whose front halves (heavy) the "
         "length jumps across. Bold: the shortest path; thin: the other words'. Below it: every "
-        "word's length against the turning radius. A click in either sets the target or the radius."
+        "word's length against the turning radius. A click in either sets the target or the "
+        "radius. Tab reaches the handles, which arrow keys move, and + and − change the radius."
     )
     lead = "Drag the target across a turning circle to see the shortest path jump to another word."
     text = (

@@ -24,7 +24,8 @@ _TEMPLATES = files("dubins_study.report.page") / "templates"
 _TITLE = "Explore the shortest bounded-curvature path to a point"
 _LEAD = (
     "A vehicle that turns no tighter than a radius R drives from a place and heading to a target. "
-    "Drag target, heading or radius: every word's path, its length and its certificate follow."
+    "Drag target, heading or radius: every word's path, its length and its certificate follow. "
+    "Tab reaches the handles too: arrow keys move them, + and − change the radius."
 )
 
 

@@ -19,7 +19,7 @@ window.explorerHandles = (scene, model) => {
   const PAGES = {PageUp: [0, 1], PageDown: [0, -1]};
   const RADIUS_KEYS = {"+": [1, 0], "=": [1, 0], "-": [-1, 0], "_": [-1, 0]};
   const handles = {};
-  let dragged = null, offset = {x: 0, y: 0}, centres = {};
+  let dragged = null, pointer = null, offset = {x: 0, y: 0}, centres = {};
 
   const short = (value) => Number(value.toPrecision(12)); // 0.1 + 0.2 is 0.3 here
 
@@ -73,8 +73,11 @@ window.explorerHandles = (scene, model) => {
     for (const [kind, r] of [["touch", 22], ["focus", 15], ["knob", 9]]) element("circle", {class: kind, r}, made);
     write(element("text", {}, made), letter);
     made.addEventListener("pointerdown", begin);
-    made.addEventListener("pointermove", (event) => dragged && drag(event));
-    for (const type of ["pointerup", "pointercancel"]) made.addEventListener(type, () => dragged && end());
+    // a second finger is not the one that drags
+    made.addEventListener("pointermove", (event) => event.pointerId === pointer && drag(event));
+    for (const type of ["pointerup", "pointercancel"]) {
+      made.addEventListener(type, (event) => event.pointerId === pointer && end());
+    }
     made.addEventListener("keydown", (event) => press(event, name));
     return made;
   }
@@ -87,10 +90,11 @@ window.explorerHandles = (scene, model) => {
 
   // The pointer keeps its distance from the middle, so that a press alone moves nothing.
   function begin(event) {
-    if (event.button !== 0 || dragged) return;
     event.preventDefault();
+    if (event.button !== 0 || dragged) return;
     const at = pixelsOf(event);
     dragged = nearest(at);
+    pointer = event.pointerId;
     offset = {x: centres[dragged].x - at.x, y: centres[dragged].y - at.y};
     handles[dragged].setPointerCapture(event.pointerId);
     handles[dragged].focus({preventScroll: true, focusVisible: false});
@@ -102,7 +106,7 @@ window.explorerHandles = (scene, model) => {
   }
 
   function end() {
-    dragged = null;
+    dragged = pointer = null;
     model.rest();
   }
 

@@ -31,14 +31,16 @@
     return ["deg", "°"].includes(match[2]) ? Number(match[1]) * DEGREE : Number(match[1]);
   }
 
-  // "x,y,heading,target x,target y,radius" -> a scenario; null if it is none.
+  // The scenario of "x,y,heading,target x,target y,radius"; an error says why there is none.
   function parsed(text) {
     const parts = text.split(",");
-    if (parts.length !== 6 || parts.some((part) => !part.trim())) return null;
+    if (parts.length !== 6 || parts.some((part) => !part.trim())) throw new RangeError(`${text} has not six parts`);
     const [x, y, written, target_x, target_y, radius] = parts;
     const scenario = {x: Number(x), y: Number(y), heading: angle(written),
       target_x: Number(target_x), target_y: Number(target_y), radius: Number(radius), written: written.trim()};
-    return refusal(scenario) ? null : scenario;
+    const message = refusal(scenario);
+    if (message) throw new RangeError(message);
+    return scenario;
   }
 
   // Why a scenario cannot be shown; "" if it can be.
@@ -56,7 +58,7 @@
   // The only place where the scenario changes. `view`: "fit", "keep", or undefined: fit if need be.
   function set(change, view) {
     const next = {...state, ...change}, message = refusal(next);
-    problem.textContent = message;
+    if (message || Object.keys(change).length) problem.textContent = message;
     if (message) return false;
     state = next;
     entries = window.dubins.words(state);
@@ -107,7 +109,10 @@
       const value = Number(input.value);
       changed(name === "heading" ? {heading: value * DEGREE, written: `${value}deg`} : {[name]: value}, "fit");
     });
-    input.addEventListener("blur", () => set({}));
+    input.addEventListener("blur", () => { // a number that was refused gives way to the last good one
+      problem.textContent = "";
+      set({});
+    });
   }
   for (const button of root.querySelectorAll("button[data-scenario]")) {
     button.addEventListener("click", () => changed(parsed(button.dataset.scenario), "fit"));
@@ -116,11 +121,12 @@
 
   function fromAddress() {
     if (!location.hash.startsWith(HASH)) return;
-    let scenario = null;
     try {
-      scenario = parsed(decodeURIComponent(location.hash.slice(HASH.length)));
-    } catch { /* no text in percent-encoding: no scenario */ }
-    if (scenario) set(scenario, "fit");
+      set(parsed(decodeURIComponent(location.hash.slice(HASH.length))), "fit");
+    } catch (error) { // no scenario, or no text in percent-encoding
+      problem.textContent = `The address holds no scenario: ${error.message}. `
+        + "Expected: x, y, heading, target x, target y, radius.";
+    }
     root.scrollIntoView({behavior: "instant"});
   }
 
@@ -140,5 +146,5 @@
   addEventListener("hashchange", fromAddress);
   resize();
   fromAddress();
-  window.explorer = {set, parsed, state: () => state, entries: () => entries, sweep};
+  window.explorer = {set, state: () => state, entries: () => entries, sweep};
 })();
