@@ -37,7 +37,9 @@ def test_the_new_solver_passes_as_it_is(tmp_path, monkeypatch):
     assert checked.exit_code == 0, checked.stdout
     assert report["passed"]
     assert [check["name"] for check in report["checks"]] == list(CHECKS)
-    assert report["counts"]["note"] == 2
+    # on a busy machine a limit is not kept to the millisecond, which is a note as well
+    notes = {check["name"] for check in report["checks"] if check["status"] == "note"}
+    assert notes - {"limits"} == {"discs", "circles"}
 
 
 @pytest.mark.parametrize(

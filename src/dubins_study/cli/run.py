@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shlex
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -15,6 +16,7 @@ from dubins_study.cli.terminal.request import CommandError
 
 if TYPE_CHECKING:
     from dubins_study.experiments.interruption import Interruption
+    from dubins_study.experiments.store.status import Status
 
 
 def run(
@@ -38,7 +40,6 @@ def run(
     """
     counts: list[int] = []  # number of cells done, and of all cells, as last reported
     with _interruptible(restart, counts) as stop:
-        from dubins_study.cli.status import status_text
         from dubins_study.cli.terminal import streams
         from dubins_study.experiments.plan.run_plan import Request
         from dubins_study.experiments.run import run_request
@@ -65,8 +66,20 @@ def run(
             streams.progress(experiment or str(scenarios), counts) as progress,
         ):
             folder = run_request(request, progress)
-        state = status_of(folder)
-        print(json.dumps(state.as_json(), indent=2) if as_json else status_text(state))
+        _print_status(status_of(folder), as_json)
+
+
+def _print_status(state: Status, as_json: bool) -> None:
+    """What the folder of a run holds and, once it is finished, how to see it."""
+    from dubins_study.cli.status import status_text
+    from dubins_study.study.printable import plain
+
+    if as_json:
+        print(json.dumps(state.as_json(), indent=2))
+        return
+    print(status_text(state))
+    if state.finished:
+        print(f"\nits page: {plain(shlex.join(['dubins-study', 'report', state.folder]))}")
 
 
 @contextmanager

@@ -137,20 +137,7 @@ def _solve(
     )
     done_keys = done(folder)
     left = unfinished(folder, plan.chains, done_keys, settings)
-    _LOG.info(
-        "run %s of %s into %s: %d cells, %d of them to solve, %d job(s) of engine %s, seed %d; "
-        "at most %g s and %g GiB a solve",
-        settings.run_id,
-        plan.experiment_file.name,
-        folder,
-        sum(map(len, plan.chains)),
-        left.cells,
-        settings.jobs,
-        settings.engine,
-        settings.seed,
-        settings.time_limit_s,
-        settings.memory_limit_gib,
-    )
+    _log_beginning(plan, settings, left.cells)
     totals = cell_counts(plan.keys | done_keys) + streamed_totals(folder, plan.streams)
     manifest, completes = count_cells(manifest, set(plan.solver_specs), totals)
     writer = PartWriter(folder, settings.run_id, plan.rows, progress)
@@ -174,6 +161,23 @@ def _solve(
             writer.flush()
         compact(folder, settings.run_id)
         _LOG.info("run %s is done: its rows are one part of %s", settings.run_id, folder)
+
+
+def _log_beginning(plan: RunPlan, settings: RunSettings, cells_left: int) -> None:
+    _LOG.info(
+        "run %s of %s into %s: %d cells, %d of them to solve, %d job(s) of engine %s, seed %d; "
+        "at most %g s and %g GiB a solve",
+        settings.run_id,
+        plan.experiment_file.name,
+        plan.folder,
+        sum(map(len, plan.chains)),
+        cells_left,
+        settings.jobs,
+        settings.engine,
+        settings.seed,
+        settings.time_limit_s,
+        settings.memory_limit_gib,
+    )
 
 
 def _run_entry(settings: RunSettings, command: str, engine: Engine) -> RunEntry:

@@ -10,7 +10,7 @@ import pandas as pd
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from scipy.stats import false_discovery_control, rankdata, wilcoxon
+from scipy.stats import binomtest, false_discovery_control, rankdata, wilcoxon
 
 from dubins_study.report.statistics.paired import (
     holm,
@@ -67,6 +67,24 @@ def test_wilcoxon_as_in_scipy(pairs):
     logs = np.random.default_rng(pairs).normal(0.1, 1.0, pairs)
 
     assert wilcoxon_test(np.exp(logs), np.ones(pairs)).p == pytest.approx(wilcoxon(logs).pvalue)
+
+
+def test_many_pairs_with_ties_as_in_scipy():
+    """Normal above 50 pairs, with scipy's correction of the variance for ties of ranks."""
+    differences = np.random.default_rng(1).integers(-4, 6, 300)
+    expected = wilcoxon(differences[differences != 0], method="asymptotic").pvalue
+
+    assert wilcoxon_test(*costs_of(differences)).p == pytest.approx(expected)
+
+
+@given(st.integers(0, 400), st.integers(0, 400))
+def test_the_sign_test_as_in_scipy(wins, losses):
+    """The exact binomial test of any number of wins and losses."""
+    costs = [1.0] * wins + [2.0] * losses
+    rivals = [2.0] * wins + [1.0] * losses
+    expected = binomtest(wins, wins + losses).pvalue if wins + losses else 1.0
+
+    assert sign_test(costs, rivals).p == pytest.approx(expected)
 
 
 def test_a_failure_loses_by_the_largest_rank():

@@ -30,6 +30,10 @@ def fix_layout(figure: Figure) -> None:
         engine.execute(figure)
         figure.set_layout_engine("none")
         figure.set_dpi(dpi)
+    for axis in (axis for ax in figure.axes for axis in (ax.xaxis, ax.yaxis)):
+        if not axis.get_label_text():
+            # For the place of a label, empty or not, matplotlib measures all tick labels again.
+            axis.set_label_coords(0, 0)
 
 
 def figure_bytes(figure: Figure, kind: str) -> bytes:

@@ -110,7 +110,8 @@ def _set_title(ax: Axes, title: str, before: float, width: float, after: float) 
     """
     room = before + width + after + _COLUMN_GAP
     size = _TITLE * min(1.0, room / (_BOLD * text_width(title, _TITLE)))
-    ax.set_title(title, fontsize=size, pad=3, x=-before / max(_LEAST, width))
+    # With no y, matplotlib looks for room among all labels of the axes, each time that it draws.
+    ax.set_title(title, fontsize=size, pad=3, x=-before / max(_LEAST, width), y=1.0)
 
 
 def common_part(names: Sequence[str]) -> tuple[str, list[str]]:

@@ -168,8 +168,9 @@ def cures(rows: pd.DataFrame, methods: pd.DataFrame) -> pd.DataFrame:
         questions = sorted(bad[solver])
         same = [s for s in honest if methods["engine"][s] == methods["engine"][solver]]
         near = [s for s in same if methods["formulation"][s] == methods["formulation"][solver]]
-        tables = [(s, right.loc[questions, s].dropna()) for s in near or same]
-        tried = [(s, len(each), int(each.sum())) for s, each in tables if len(each)]
+        asked = right.loc[questions, near or same]
+        counts = zip(asked.columns, asked.notna().sum(), asked.sum(), strict=True)
+        tried = [(s, int(number), int(rights)) for s, number, rights in counts if number]
         # Those that answer the most of the questions come first.
         tried = sorted(tried, key=lambda cure: (-cure[2], -cure[1]))[:_MOST_CURES]
         lines += [(solver, cure, len(questions), *n) for cure, *n in tried or [("", 0, 0)]]

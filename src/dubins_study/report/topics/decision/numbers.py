@@ -33,6 +33,12 @@ REGIONS = {
     "near": f"within {NEAR:g} R of a circle",
 }
 
+# The columns that choices are made from: every selection of rows copies them.
+_READ = [
+    *("question", "branch", "solver", "region", "margin", "radius", "wall_s", "right"),
+    *("gap", "miss", "length", "reference", "lower_bound", "false_bound", "false_claim"),
+]
+
 
 class Need(NamedTuple):
     """What a reader wants of an answer.
@@ -130,7 +136,7 @@ def closed_form(compared: Compared) -> Choice | None:
 
 def asked_rows(compared: Compared) -> pd.DataFrame:
     """Attempts at questions with a path: those of the branch `best`, or of all if it has none."""
-    rows = compared.answerable
+    rows = compared.answerable[_READ]
     best = rows["branch"] == "best"
     rows = rows[best] if best.any() else rows
     return rows.assign(place=rows["question"].map(_places(rows)))
@@ -138,9 +144,10 @@ def asked_rows(compared: Compared) -> pd.DataFrame:
 
 def false_provers(compared: Compared) -> list[str]:
     """Methods with a bound or a claim of optimality of which at least one is false."""
-    rows = compared.rows[compared.rows["solver"] != EXACT]
+    rows = compared.rows
     wrong_claim = (rows["claim"] == "optimal") & _true(rows["false_claim"])
-    return sorted(rows.loc[wrong_claim | _true(rows["false_bound"]), "solver"].unique())
+    solvers = rows.loc[wrong_claim | _true(rows["false_bound"]), "solver"].unique()
+    return sorted(set(solvers) - {EXACT})
 
 
 def met(rows: pd.DataFrame, need: Need) -> pd.Series[bool]:
