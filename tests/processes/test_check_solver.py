@@ -16,7 +16,7 @@ from typer.testing import CliRunner
 from dubins_study import DubinsStudyError
 from dubins_study.cli.app import app
 from dubins_study.cli.new import checked_target
-from dubins_study.cli.terminal.request import CommandError
+from dubins_study.cli.terminal.refusals import CommandError
 from dubins_study.conformance import CHECKS
 from dubins_study.solvers.registry import load
 

@@ -97,7 +97,7 @@ def main() -> Any:
         print(f"dubins-study: the output cannot be written: {error.strerror}", file=sys.stderr)
         sys.exit(2)
     except DubinsStudyError as error:  # any other exception is a bug and shows its traceback
-        from dubins_study.cli.terminal.request import refusal_text
+        from dubins_study.cli.terminal.refusals import refusal_text
 
         print(refusal_text(str(error)), file=sys.stderr)
         sys.exit(2)

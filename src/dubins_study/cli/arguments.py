@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from dubins_study.cli.terminal import completion
-from dubins_study.cli.terminal.request import CommandError, is_number
+from dubins_study.cli.terminal.refusals import CommandError, is_number
 
 if TYPE_CHECKING:
     from dubins_study.study.scenario import Scenario
 
-# A target such as -6 3 must not be read as options. `terminal.request` refuses unknown options.
+# A target such as -6 3 must not be read as options. `terminal.refusals` refuses unknown options.
 NEGATIVE_NUMBERS: dict[str, Any] = {"ignore_unknown_options": True}
 
 

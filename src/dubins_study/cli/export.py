@@ -14,7 +14,7 @@ from dubins_study.cli.arguments import (
     TargetY,
     scenario_of,
 )
-from dubins_study.cli.terminal.request import CommandError
+from dubins_study.cli.terminal.refusals import CommandError
 
 
 def export(

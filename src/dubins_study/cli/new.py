@@ -14,7 +14,7 @@ from typing import Annotated
 import typer
 
 from dubins_study.cli.terminal.command_line import CommandLine
-from dubins_study.cli.terminal.request import CommandError
+from dubins_study.cli.terminal.refusals import CommandError
 from dubins_study.study.printable import plain
 
 app = CommandLine("new", "Write a file to begin with.")

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import typer
 
 from dubins_study.cli import arguments
-from dubins_study.cli.terminal.request import CommandError
+from dubins_study.cli.terminal.refusals import CommandError
 
 if TYPE_CHECKING:
     from dubins_study.experiments.interruption import Interruption

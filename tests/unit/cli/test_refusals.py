@@ -25,7 +25,7 @@ REFUSALS = {
     "--vresion": "no such option: --vresion; did you mean '--version'? see dubins-study --help",
     "--quite solve 1 2": "no such option: --quite; did you mean '--quiet'? see dubins-study --help",
     "run paper --job 2": "no such option: --job; did you mean '--jobs'? see dubins-study run",
-    "run -jobs 2": "no such option: -jobs; did you mean '--jobs'? see dubins-study run --help",
+    "run -jobs 2": "no such option: -j; expected one of: --scenarios, --out, ",
     "run -3": "no such option: -3; expected one of: --scenarios, --out, ",
     "new solver --fil a": "no such option: --fil; expected one of: --quiet, --verbose, --help; see "
     "dubins-study new solver --help",
@@ -37,14 +37,15 @@ REFUSALS = {
     "solve 1 2 3": f"unexpected argument '3'; {SOLVE}",
     "solve -1 -2 -3": f"unexpected argument '-3'; {SOLVE}",
     "solve x 5": "target_x is 'x'; expected a number",
-    "solve 1 2 --from 0 0": "--from has 2 of 3 values; expected --from X Y HEADING (start pose",
-    "solve 1 2 --from 0 0 --json": "--from has 2 of 3 values; expected --from X Y HEADING (start ",
-    "solve 1 2 --radius": "--radius has no value; expected --radius NUMBER (minimum turning r",
-    "solve 1 2 --radius 1 --radius=2": "--radius is given twice: '1' and '2'; expected it once",
-    "solve 1 2 --json=yes": "--json is given 'yes'; expected no value: --json alone",
-    "run paper --jobs": "--jobs has no value; expected --jobs N (processes; 1 where times are quo",
+    "solve -x 2": "no such option: -x; expected one of: --from, --radius, ",
+    "solve 1 2 --from 0 0": "option '--from' requires 3 arguments; expected --from X Y HEADING (st",
+    "solve 1 2 --from 0 0 --json": "--from is '0 0 --json'; expected --from X Y HEADING (start ",
+    "solve 1 2 --radius": "option '--radius' requires an argument; expected --radius NUMBER (mini",
+    "solve 1 2 --json=yes": "option '--json' does not take a value; expected --json alone",
+    "run paper --jobs": "option '--jobs' requires an argument; expected --jobs N (processes; 1 ",
     "run paper --jobs 1.5": "--jobs is '1.5'; expected a whole number",
-    "run paper --out --json": "--out has no value; expected --out DIR (default: results/<exp",
+    "run paper --out --json": "--out is '--json'; expected --out DIR (default: results/<exp",
+    "run paper --solver slsqp --solver --json": "--solver is 'slsqp --json'; expected --solver",
     "run paper slsqp": "unexpected argument 'slsqp'; expected dubins-study run [EXPERIMENT], such",
     "report": "DIR is missing: results folders; expected dubins-study report DIR..., such as: ",
     "compare a": f"NEW is missing: results folder; {COMPARE}",
@@ -106,8 +107,8 @@ def test_what_no_space_parts_stays_whole(refusal, monkeypatch):
     assert f"{path} is no" in " ".join(refusal(f"status {path}")[1].split())
 
 
-@pytest.mark.parametrize("words", ["run --job 2 --help", "solve -h", "new solver a b --help"])
-def test_help_is_given_whatever_else_is_wrong(words, monkeypatch, capsys):
+@pytest.mark.parametrize("words", ["run -h --jobs x", "solve -h", "new solver a b --help"])
+def test_help_is_given_though_values_are_wrong_or_missing(words, monkeypatch, capsys):
     monkeypatch.setattr(sys, "argv", ["dubins-study", *words.split()])
     with pytest.raises(SystemExit, match="0"):
         app.main()

@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 
 from dubins_study import Scenario, plot_path, solve
 from dubins_study.cli.app import app
-from dubins_study.cli.terminal.request import CommandError
+from dubins_study.cli.terminal.refusals import CommandError
 from dubins_study.experiments.definition.experiment import ExperimentError
 from dubins_study.report.path_plot import PlotError
 from dubins_study.study.rows.files import ResultsError

@@ -13,9 +13,10 @@ from typing import Annotated, Any
 
 import typer
 from typer.core import TyperCommand, TyperGroup
+from typer.exceptions import TyperException
 
 from dubins_study.cli.terminal.examples import EXAMPLES
-from dubins_study.cli.terminal.request import CommandError, checked_words, unknown_command
+from dubins_study.cli.terminal.refusals import check_values, no_such_command, refusal
 from dubins_study.cli.terminal.verbosity import Verbosity, set_verbosity
 
 _CONTEXT: dict[str, Any] = {"help_option_names": ["-h", "--help"]}
@@ -29,8 +30,13 @@ Verbose = Annotated[bool, typer.Option("--verbose", "-v", help="every step on st
 class _Command(TyperCommand):
     """A command whose refusals are ours."""
 
+    allow_extra_args = True  # `check_values` refuses them
+
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
-        return _parsed(super().parse_args, ctx, args)
+        rest = _parsed(super().parse_args, ctx, args)
+        if not ctx.resilient_parsing:  # no shell is completing a word
+            check_values(ctx, rest)
+        return rest
 
 
 class _Group(TyperGroup):
@@ -42,24 +48,20 @@ class _Group(TyperGroup):
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
         if not ctx.resilient_parsing and args[0] not in self.commands:
-            raise unknown_command(ctx, args[0])
+            raise no_such_command(args[0], ctx)
         return super().resolve_command(ctx, args)
 
 
 def _parsed(parse: Callable[[Any, list[str]], list[str]], ctx: Any, args: list[str]) -> list[str]:
-    """What Typer makes of the words after a command's name.
+    """The words that Typer has no place for.
 
     Raises:
         CommandError: naming the option or argument, its value and what was expected.
     """
-    if ctx.resilient_parsing:  # a shell completes a word
-        return parse(ctx, args)
     try:
-        return parse(ctx, checked_words(ctx, args))
-    except typer.BadParameter as error:
-        option: Any = error.param
-        name = option.opts[0] if option is not None else "the command line"
-        raise CommandError(f"{name} is {error.message}") from None
+        return parse(ctx, args)
+    except TyperException as error:
+        raise refusal(error, ctx) from None
 
 
 class CommandLine(typer.Typer):
