@@ -41,31 +41,30 @@ def run(
     counts: list[int] = []  # number of cells done, and of all cells, as last reported
     with _interruptible(restart, counts) as stop:
         from dubins_study.cli.terminal import streams
-        from dubins_study.experiments.plan.run_plan import Request
-        from dubins_study.experiments.run import run_request
+        from dubins_study.experiments.run import run as run_experiment
         from dubins_study.experiments.store.status import status as status_of
 
         stop.check()
         _check_names(experiment, None if scenarios is None else str(scenarios))
-        request = Request(
-            experiment=experiment,
-            out=out,
-            solvers=solver,
-            jobs=jobs,
-            time_limit_s=time_limit,
-            memory_limit_gib=memory_limit,
-            repeats=repeats,
-            restart=restart,
-            trust_plugins=trust_plugins,
-            engine=engine,
-            scheduler=scheduler,
-            scenarios=scenarios,
-        )
         with (
             streams.solvers_to_stderr(),
             streams.progress(experiment or str(scenarios), counts) as progress,
         ):
-            folder = run_request(request, progress)
+            folder = run_experiment(
+                experiment,
+                out,
+                solvers=solver,
+                jobs=jobs,
+                time_limit=time_limit,
+                memory_limit=memory_limit,
+                repeats=repeats,
+                restart=restart,
+                trust_plugins=trust_plugins,
+                engine=engine,
+                scheduler=scheduler,
+                scenarios=scenarios,
+                progress=progress,
+            )
         _print_status(status_of(folder), as_json)
 
 

@@ -91,18 +91,13 @@ def run(
         scheduler=scheduler,
         scenarios=scenarios,
     )
-    return run_request(request, progress)
-
-
-def run_request(request: Request, progress: Progress | None) -> FilePath:
-    """The order of events of `run`, whose arguments a request holds."""
     with Interruption() as stop:
         plan = plan_run(request)
         stop.check()
-        with _engine(request) as engine:
+        with _engine(request) as executor:
             prepare_folder(plan.folder)
             with locked(plan.folder):
-                _solve(plan, request, engine, progress, stop)
+                _solve(plan, request, executor, progress, stop)
     return plan.folder
 
 
