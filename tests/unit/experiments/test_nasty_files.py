@@ -26,8 +26,8 @@ def expected_mistakes(text):
             yield f"line {number}: {sentence}" if code else sentence
 
 
-def test_there_are_twenty():
-    assert len(FILES) == 20
+def test_every_file_is_there():
+    assert len(FILES) == 21
 
 
 @pytest.mark.parametrize("file", FILES, ids=lambda file: file.stem)
@@ -41,3 +41,12 @@ def test_every_mistake_is_named_once_on_its_line(file, monkeypatch):
     assert head == f"{file.name}: {len(expected)} mistakes", "\n".join(mistakes)
     for mistake, beginning in zip(mistakes, expected, strict=True):
         assert mistake.startswith(beginning)
+
+
+def test_a_byte_order_mark_is_no_mistake(tmp_path):
+    """Editors of Windows write one."""
+    file = tmp_path / "marked.toml"
+    text = 'title = "t"\nquestion = "q"\nsolvers = ["analytic"]\n[[scenarios]]\ntarget_x = 3\n'
+    file.write_text(text + "target_y = 2\n", encoding="utf-8-sig")
+
+    assert len(plan_run(Request(str(file))).keys) == 1

@@ -16,16 +16,23 @@ from pydantic import (
 from dubins_study.study.angle import parse_angle
 
 
-def _refuse_boolean(value: object) -> object:
-    """Refuse `true` and `false`, which Python would take for 1 and 0."""
-    if isinstance(value, bool):
+def _number(value: object) -> object:
+    """Refuse `true` and `false`, which Python would take for 1 and 0, and texts such as "2"."""
+    if isinstance(value, bool | str):
         raise ValueError("expected a number")
+    return value
+
+
+def _whole_number(value: object) -> object:
+    """The same of a whole number."""
+    if isinstance(value, bool | str):
+        raise ValueError("expected a whole number")
     return value
 
 
 def _number_or_angle(value: object) -> object:
     """Read a text such as "120deg" as an angle in radians; refuse booleans."""
-    return parse_angle(value) if isinstance(value, str) else _refuse_boolean(value)
+    return parse_angle(value) if isinstance(value, str) else _number(value)
 
 
 Number = Annotated[
@@ -34,12 +41,12 @@ Number = Annotated[
     Field(allow_inf_nan=False),
     WithJsonSchema({"type": ["number", "string"]}),  # a text is an angle, such as "120deg"
 ]
-Count = Annotated[int, BeforeValidator(_refuse_boolean), Field(ge=1, le=10**9)]
-Seed = Annotated[int, BeforeValidator(_refuse_boolean), Field(ge=0, lt=2**63)]
-Gibibytes = Annotated[float, BeforeValidator(_refuse_boolean), Field(ge=0.25, le=2**20)]
+Count = Annotated[int, BeforeValidator(_whole_number), Field(ge=1, le=10**9)]
+Seed = Annotated[int, BeforeValidator(_whole_number), Field(ge=0, lt=2**63)]
+Gibibytes = Annotated[float, BeforeValidator(_number), Field(ge=0.25, le=2**20)]
 # Name of a section of the report. Only the report knows which sections exist.
 SectionName = Annotated[str, Field(pattern=r"^[a-z][a-z0-9-]*$", max_length=40)]
-Seconds = Annotated[float, BeforeValidator(_refuse_boolean), Field(gt=0, allow_inf_nan=False)]
+Seconds = Annotated[float, BeforeValidator(_number), Field(gt=0, allow_inf_nan=False)]
 
 
 def _above_zero(what: str) -> AfterValidator:

@@ -68,7 +68,7 @@ def text_of(name: str) -> ExperimentText:
             f"{', '.join(packaged())}, or give the path of a .toml file"
         )
     try:
-        return ExperimentText(path.stem, name, path.read_text(encoding="utf-8"))
+        return ExperimentText(path.stem, name, path.read_text(encoding="utf-8-sig"))
     except UnicodeError:
         raise ExperimentError(f"experiment {name}: cannot be read: it is not UTF-8 text") from None
     except OSError as error:

@@ -30,6 +30,7 @@ CIRCULAR = ("arc", "margin")
 _WAYS = (CARTESIAN, POLAR, CIRCULAR)
 TARGETS = f"expected {', or '.join(' and '.join(way) for way in _WAYS)}"
 FIELDS = ("x", "y", "heading", *CARTESIAN, "radius", "speed", *POLAR, *CIRCULAR)
+ANGLES = ("heading", "bearing", "arc")  # the fields that may be written as texts: "120deg"
 
 
 MAX_GUESS_LENGTH = 1e6  # radii; longer than any useful path
@@ -73,6 +74,16 @@ def refused(field: str, values: list[float]) -> str | None:
     return f"expected a number {rule}; got {listed}"
 
 
+def _without_texts(axis: object) -> object:
+    """An axis or a range as the file has it, if no value of it is a text."""
+    values = next(iter(axis.values()), None) if isinstance(axis, dict) else axis
+    texts = [v for v in (values if isinstance(values, list) else [values]) if isinstance(v, str)]
+    if texts:
+        angles = ", ".join(ANGLES)
+        raise ValueError(f"expected a number; texts such as '120deg' are for angles: {angles}")
+    return axis
+
+
 def _checked_values(axis: Axis, info: ValidationInfo) -> Axis:
     if sentence := refused(str(info.field_name), values_of(axis)):
         raise ValueError(sentence)
@@ -99,6 +110,17 @@ class Sample(StrictModel):
     """The same seed draws the same points."""
     ranges: dict[FieldName, Range] = Field(min_length=1)
     """Field -> its range; a field of the block that is not named here has the block's value."""
+
+    @field_validator("ranges", mode="before")
+    @classmethod
+    def _check_texts(cls, ranges: object) -> object:
+        for name, over in ranges.items() if isinstance(ranges, dict) else ():
+            if name not in ANGLES:
+                try:
+                    _without_texts(over)
+                except ValueError as error:
+                    raise ValueError(f"{name}: {error}") from None
+        return ranges
 
     @field_validator("ranges")
     @classmethod
@@ -195,6 +217,8 @@ class Block(StrictModel):
         if not one_target(given):
             raise PydanticCustomError(NAMED_BY_KEY, TARGETS)
         return self
+
+    _check_texts = field_validator(*sorted({*FIELDS} - {*ANGLES}), mode="before")(_without_texts)
 
     @field_validator(*_SIGNED)
     @classmethod
