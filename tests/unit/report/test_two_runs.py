@@ -13,6 +13,7 @@ from typer.testing import CliRunner
 
 from dubins_study import Claim, DubinsStudyError, Scenario, compare
 from dubins_study.cli.app import app
+from dubins_study.report.two_runs.verdicts import with_verdicts
 from tests.unit.report.results_folder import attempt
 
 SCENARIOS = [Scenario(0, 0, 0.1, 4 + k, 3 - k, 1, label=f"scenario {k}") for k in range(12)]
@@ -172,6 +173,24 @@ def test_repeats_are_one_question(results):
 
     assert (of(comparison)["questions"], of(comparison)["lost"]) == (12, 0)
     assert of(comparison)["right_new"] == pytest.approx(23 / 24, rel=1e-12)
+
+
+def test_a_solver_that_is_right_in_fewer_repeats_is_worse(results):
+    """No question is lost altogether, yet each is right in one of three repeats: 12 of 12 fell."""
+    every, fewer = [], rows(digest=NEW, repeat=0)
+    for repeat in range(3):
+        every += rows(repeat=repeat)
+        fewer += rows(digest=NEW, repeat=repeat, wrong=range(12)) if repeat else []
+    base, new = results("a", every), results("b", fewer)
+    there, back = compare(base, new), compare(new, base)
+
+    assert of(there)["lost"] == 0
+    assert of(there)["right_p"] == pytest.approx(stats.binomtest(0, 12).pvalue, rel=1e-12)
+    assert there.regressions["kind"].tolist() == ["right less often"]
+    assert there.regressions["new"][0] == "right in 33.3 %"
+    assert with_verdicts(there)["verdict"].tolist() == ["worse: right less often"]
+    assert not back.regressed
+    assert with_verdicts(back)["verdict"].tolist() == ["better: right more often"]
 
 
 def test_what_only_one_run_was_asked_is_counted_apart(results):

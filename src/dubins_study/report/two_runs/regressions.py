@@ -29,12 +29,12 @@ def regressions(
             finds a difference.
     Returns:
         Columns kind (`no longer right`, `no longer denied`, `false claim`, `less accurate`,
-        `slower`, `not answered`), solver, scenario (its label, or its target), branch, base and new
-        (as text), and the command that asks the question again. The last two kinds are of all
-        questions of a solver: without scenario.
+        `right less often`, `slower`, `not answered`), solver, scenario (its label, or its target),
+        branch, base and new (as text), and the command that asks the question again. The last three
+        kinds are of all questions of a solver: without scenario.
     """
     tables = [_questions(pairs, kind) for kind in _KINDS]
-    tables += [_slower(changes, slower), _not_answered(unanswered)]
+    tables += [_less_often(changes), _slower(changes, slower), _not_answered(unanswered)]
     frame = pd.concat(tables, ignore_index=True)
     return frame[list(COLUMNS)]
 
@@ -45,6 +45,14 @@ def slower_solvers(changes: pd.DataFrame, slower: float) -> pd.Series[bool]:
     Where the machine's speed is not known, `time_p` is NaN and no solver is called slower.
     """
     return changes["time_ratio_low"].gt(slower) & changes["time_p"].lt(ALPHA)
+
+
+def right_less_often(changes: pd.DataFrame) -> pd.Series[bool]:
+    """Whether a solver's share of right answers fell, by its interval and by the paired test.
+
+    That is seen in repeats too: a question that is right in one of three was right in all.
+    """
+    return changes["right_change_high"].lt(0) & changes["right_p"].lt(ALPHA)
 
 
 def _gap(value: float) -> str:
@@ -85,6 +93,25 @@ def _questions(pairs: pd.DataFrame, kind: str) -> pd.DataFrame:
 def _scenario(row: pd.Series) -> str:
     place = f"target {row['target_x']:.6g}, {row['target_y']:.6g}"
     return f"{row['label']}: {place}" if row["label"] else place
+
+
+def _less_often(changes: pd.DataFrame) -> pd.DataFrame:
+    rows = changes[right_less_often(changes)] if len(changes) else changes
+    return pd.DataFrame(
+        [
+            {
+                "kind": "right less often",
+                "solver": row["solver"],
+                "scenario": f"all {row['questions']} questions with a path",
+                "branch": "",
+                "base": f"right in {share(row['right_base'])}",
+                "new": f"right in {share(row['right_new'])}",
+                "command": "",
+            }
+            for _, row in rows.iterrows()
+        ],
+        columns=list(COLUMNS),
+    )
 
 
 def _slower(changes: pd.DataFrame, slower: float) -> pd.DataFrame:

@@ -26,9 +26,10 @@ def with_verdicts(comparison: Comparison) -> pd.DataFrame:
 
 
 def _better(row: pd.Series, slower: float) -> str:
-    """A solver is faster by the mirror image of what makes it slower."""
+    """A solver is faster, and right more often, by the mirror images of what makes it worse."""
     better = {
         f"{row['gained']} more right": row["gained"] > 0,
+        "right more often": row["right_change_low"] > 0 and row["right_p"] < ALPHA,
         "faster": row["time_ratio_high"] < 1 / slower and row["time_p"] < ALPHA,
     }
     texts = [text for text, applies in better.items() if applies]
