@@ -56,10 +56,10 @@ def _regressions(comparison: Comparison) -> Section:
     caption = (
         "No longer right: right in every repeat of the base, in none of the new run. No longer "
         "denied: the same of questions that have no path. Less accurate: a gap that is "
-        f"{WORSE_GAP:g} times as large, and above {GAP_FLOOR:g}. Right less often: the interval of the "
-        "change of the share of right answers, repeats included, lies below 0, and the test finds a "
-        "difference. Slower: the interval of the time "
-        f"ratio lies above {comparison.slower:g}, and the test finds a difference. Not answered: "
+        f"{WORSE_GAP:g} times as large, and above {GAP_FLOOR:g}. Right less often: the interval of "
+        "the change of the share of right answers, repeats included, lies below 0, and the test "
+        "finds a difference. Slower: the interval of the time ratio lies above "
+        f"{comparison.slower:g}, and the test finds a difference. Not answered: "
         "the new run was asked these cells and has no row of them."
     )
     blocks = (Table("regressions", caption, frame, _REGRESSIONS),) if len(frame) else ()
