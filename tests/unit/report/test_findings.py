@@ -5,6 +5,7 @@ A finding that no effect can remove, or that no effect can make, would be a type
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterable
 from functools import partial
 from typing import Any, NamedTuple
@@ -201,7 +202,7 @@ CASES = [
     Case(
         engine.slowest_engine,
         of_two(IPOPT, SLSQP, partial(slower, 4.0)),
-        ("2 engines", "SLSQP takes 4.00 (4.00 to 4.00) times as long as Ipopt"),
+        ("2 engines", "SLSQP takes 4.00 (4.00 to 4.00) times the median time of Ipopt"),
         4.0,
     ),
     Case(
@@ -331,6 +332,53 @@ def test_an_engine_is_not_slow_for_want_of_the_presolve():
     assert engine.slowest_engine(evidence(rows)) is None
 
 
+def test_an_engine_that_met_few_questions_answers_them_too():
+    """What it answers with one order alone is not answered "by no engine"."""
+    left = {"region": "left disc"}
+    alone = {"formulation": "joint NLP, LRS"} | left
+    rows = [row(q, **BOTH_ORDERS, **left) for q in range(MANY)]
+    rows += [row(q, "b", **alone, right=False) for q in range(MANY)]
+    few = [row(q, "c", engine="alpaqa", **alone, right=q % 2 == 0) for q in range(FEW)]
+
+    def share(lines: list[Row]) -> float:
+        finding = formulation.single_order(evidence(lines))
+        assert finding is not None
+        assert "all attempts of all engines" in finding.question
+        return finding.estimate.value
+
+    assert share(rows) == 100
+    assert share(rows + few) == pytest.approx(100 * (1 - sum(r["right"] for r in few) / MANY))
+
+
+RATIOS = (
+    formulation.fastest_formulation,
+    engine.slowest_engine,
+    engine.derivative_free_search,
+    proof.price_of_proof,
+    guess.random_restarts,
+)
+
+
+@pytest.mark.parametrize("find", RATIOS, ids=lambda find: find.__name__)
+def test_a_ratio_of_times_stands_beside_its_two_medians(find):
+    """Their quotient is the ratio, of the questions that both methods answer, within rounding."""
+    case = next(case for case in CASES if case.find is find)
+    finding = find(evidence(case.made(MANY, True)))
+
+    assert finding is not None
+    stated = re.search(
+        r"([\d.]+) \([\d.]+ to [\d.]+\) times (the|its) median time", finding.sentence
+    )
+    medians = re.search(
+        r"that both answer, medians ([\d.]+) (ms|µs) and ([\d.]+) ms", finding.question
+    )
+    assert stated
+    assert medians
+    ratio = float(medians[1]) / float(medians[3]) / (1 if medians[2] == "ms" else 1e3)
+    digits_shown = 0.05 if find is guess.random_restarts else 0.01  # two digits, or three
+    assert float(stated[1]) == pytest.approx(ratio, rel=digits_shown)
+
+
 def test_the_section_has_ten_sentences_first(results):
     """Of real rows; and none where no row carries a finding."""
     rows = []
@@ -352,4 +400,6 @@ def test_the_section_has_ten_sentences_first(results):
     named = {case.find(evidence(case.made(MANY, True))).shown_in for case in CASES}
     assert {name.split(":")[0] for name in named} <= shown
     assert "SLSQP takes 3.00" in " ".join(section.blocks[0].frame["sentence"])
+    assert "medians 3.00 ms and 1.00 ms" in " ".join(section.blocks[0].frame["question"])
+    assert "of each question the median repeat" in section.blocks[0].caption
     assert findings_section(load([results("few", rows[:6])])) is None

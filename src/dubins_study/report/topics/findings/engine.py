@@ -35,11 +35,11 @@ def slowest_engine(evidence: Evidence) -> Finding | None:
     return Finding(
         f"Choose the engine for its speed once the formulation is good: of {len(group)} engines "
         f"that are right on at least 99 % of the questions with {name}, "
-        f"{group['engine'][slowest]} takes {ratio.text()} times as long as "
+        f"{group['engine'][slowest]} takes {ratio.text()} times the median time of "
         f"{group['engine'][fastest]}.",
         ratio,
         TIMES,
-        f"{some(ratio.questions, 'question')} with a path; {name}, one guess, the same settings",
+        f"{evidence.medians_of(slowest, fastest)}; {name}, one guess, the same settings",
         RANKS,
     )
 
@@ -62,13 +62,13 @@ def presolve(evidence: Evidence) -> Finding | None:
     if factor.value > 1:
         sentence = (
             "Drop the words that geometry excludes before any engine is called: that divides the "
-            f"function evaluations by {factor.text()} in the median."
+            f"function evaluations of a question by {factor.text()} in the median."
         )
     else:
         factor = factor.inverse()
         sentence = (
-            "Do not drop words by geometry: that multiplies the function evaluations by "
-            f"{factor.text()} in the median."
+            "Do not drop words by geometry: that multiplies the function evaluations of "
+            f"a question by {factor.text()} in the median."
         )
     return Finding(sentence, factor, TIMES, question, "Cost where it arises: the presolve")
 
@@ -88,12 +88,12 @@ def derivative_free_search(evidence: Evidence) -> Finding | None:
         advice = "Try search without derivatives first"
     return Finding(
         f"{advice}: the most reliable of it, {evidence.name(solver)}, is right on "
-        f"{right.percent_text()} of the questions, and takes {ratio.text()} times as long as "
-        f"{evidence.name(rival)} where both are right.",
+        f"{right.percent_text()} of the questions, and takes {ratio.text()} times the median time "
+        f"of {evidence.name(rival)} where both are right.",
         ratio,
         TIMES,
-        f"{some(right.questions, 'question')} with a path, {some(ratio.questions, 'question')} "
-        f"answered by both; {some(int(on_penalty.sum()), 'method')} on the penalty",
+        f"{some(right.questions, 'question')} with a path; {evidence.medians_of(solver, rival)}; "
+        f"{some(int(on_penalty.sum()), 'method')} on the penalty",
         RANKS,
     )
 

@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 import pandas as pd
 
+from dubins_study.report.elements.formats import seconds, some
 from dubins_study.report.statistics.bootstrap import (
     average_intervals,
     median_intervals,
@@ -160,12 +161,24 @@ class Evidence:
         return percent(Estimate(float(known.mean()), low, high, len(known)))
 
     def time_ratio(self, solver: str, base: str) -> Estimate | None:
-        """Median time of a solver over that of another, where both are right."""
+        """Median time of a solver over that of another, where both are right.
+
+        Of each question the median over its repeats counts.
+        """
         if not {solver, base} <= set(self.times.columns):
             return None
-        both = self.times[[solver, base]].replace(np.inf, np.nan).dropna()
+        both = self._both_right(solver, base)
         if len(both) < ENOUGH:
             return None
         found = median_ratio_intervals(self.compared.by_scenario(both), base)
         line = found.loc[[solver]].to_dict("records")[0]
         return Estimate(line["estimate"], line["low"], line["high"], len(both))
+
+    def medians_of(self, solver: str, base: str) -> str:
+        """The two medians that `time_ratio` divides: `12 questions that both answer, ...`."""
+        both = self._both_right(solver, base)
+        above, below = (seconds(value) for value in both.median())
+        return f"{some(len(both), 'question')} that both answer, medians {above} and {below}"
+
+    def _both_right(self, solver: str, base: str) -> pd.DataFrame:
+        return self.times[[solver, base]].replace(np.inf, np.nan).dropna()

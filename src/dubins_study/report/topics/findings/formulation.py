@@ -39,11 +39,11 @@ def fastest_formulation(evidence: Evidence) -> Finding | None:
     return Finding(
         f"Where no closed form serves, take {evidence.name(first)}: it is right on {share} of the "
         f"questions, and the best method of another formulation, {evidence.name(second)}, takes "
-        f"{ratio.text()} times as long.",
+        f"{ratio.text()} times its median time.",
         ratio,
         TIMES,
-        f"{some(ratio.questions, 'question')} with a path; the best method of each of "
-        f"{len(best)} formulations that are right on at least 99 %",
+        f"{evidence.medians_of(second, first)}; the best method of each of {len(best)} "
+        "formulations that are right on at least 99 %",
         RANKS,
     )
 
@@ -70,7 +70,8 @@ def words_against_joint(evidence: Evidence) -> Finding | None:
 def single_order(evidence: Evidence) -> Finding | None:
     """What one order of the joint model loses against both, in the region where it loses most.
 
-    Engines and guesses together: a question is answered if any method of the formulation is right.
+    Engines and guesses together, those that met few questions too: a question is answered if any
+    attempt of any method of the formulation is right.
     """
     answered = _by_formulation(evidence, evidence.rates, "max")
     if JOINT not in answered:
@@ -98,7 +99,7 @@ def single_order(evidence: Evidence) -> Finding | None:
         f"{order[-3:]} alone{more}.{_longer(evidence, order, regions == region)}",
         share,
         PERCENT,
-        f"{some(share.questions, 'question')} {_where(region)}; all engines and guesses together",
+        f"{some(share.questions, 'question')} {_where(region)}; all attempts of all engines",
         STRATA,
     )
 
@@ -122,8 +123,8 @@ def _longer(evidence: Evidence, order: str, here: pd.Series[bool]) -> str:
 
 def _by_formulation(evidence: Evidence, table: pd.DataFrame, best: str) -> pd.DataFrame:
     """The best value of any method: questions by formulations."""
-    values = table[[solver for solver in table if solver in evidence.usual.index]]
-    formulation = evidence.usual["formulation"].reindex(values.columns)
+    values = table[[solver for solver in table if solver in evidence.methods.index]]
+    formulation = evidence.methods["formulation"].reindex(values.columns)
     return values.T.groupby(formulation).agg(best).T
 
 

@@ -43,21 +43,23 @@ def random_restarts(evidence: Evidence) -> Finding | None:
     points = evidence.rate_difference(pairs)
     if points is None or not points.excludes(0):
         return None
-    ratios = [ratio for pair in pairs if (ratio := evidence.time_ratio(*pair)) is not None]
-    cost = ""
+    ratios = [(ratio, pair) for pair in pairs if (ratio := evidence.time_ratio(*pair)) is not None]
+    cost = medians = ""
     if ratios:
-        dearest = max(ratios)
+        dearest, pair = max(ratios)
         cost = f", for up to {dearest.text(digits(2))} times the median time"
+        medians = f"; time of {evidence.medians_of(*pair)}"
     if points.value > 0:
         advice, what = "Try several random guesses where the model is joint", "more"
     else:
         points, advice, what = points.negated(), "Do not rely on random guesses", "fewer"
+    methods = some(len(pairs), "method")
     return Finding(
         f"{advice}: with the same engine and formulation they are right on {points.text()} "
         f"percentage points {what} of the questions than the guess along the bearing{cost}.",
         points,
         POINTS,
-        f"{some(points.questions, 'question')} with a path, {some(len(pairs), 'method')}, in pairs",
+        f"{some(points.questions, 'question')} with a path, {methods}, in pairs{medians}",
         MATRIX,
     )
 

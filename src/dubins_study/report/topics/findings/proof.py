@@ -34,13 +34,12 @@ def price_of_proof(evidence: Evidence) -> Finding | None:
     else:
         advice = "Take the proof: it costs nothing here"
     return Finding(
-        f"{advice}: {evidence.name(prover)} takes {ratio.text()} times as long as "
+        f"{advice}: {evidence.name(prover)} takes {ratio.text()} times the median time of "
         f"{evidence.name(local)}, which proves nothing and is right on {right.percent_text()} of "
         "the questions that the other answers.",
         ratio,
         TIMES,
-        f"{some(ratio.questions, 'question')} that both answer; the fastest with and without a "
-        "proof",
+        f"{evidence.medians_of(prover, local)}; the fastest with and without a proof",
         "Comparison of methods: means and ranks",
     )
 

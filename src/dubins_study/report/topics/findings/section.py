@@ -41,6 +41,14 @@ def findings_section(results: Results) -> Section | None:
     return Section("findings", "What the study found", text, tuple(tables), lead)
 
 
+# The sections that findings point to show other means of the same times.
+_RATIOS = (
+    "A ratio of times is that of two medians over the questions that both methods answer, of each "
+    "question the median repeat; both medians stand beside it. Tables that count failures, weigh "
+    "every attempt, or show shifted means have other quotients. "
+)
+
+
 def _table(name: str, chosen: Sequence[Finding], first: int, title: str) -> Table:
     frame = pd.DataFrame(
         [
@@ -65,7 +73,7 @@ def _table(name: str, chosen: Sequence[Finding], first: int, title: str) -> Tabl
     )
     caption = (
         f"{title} Intervals: Wilson's for shares, for as many trials as there are questions, and "
-        "bootstrap over scenarios for all others. The CSV file holds the numbers apart."
+        f"bootstrap over scenarios for all others. {_RATIOS}The CSV file holds the numbers apart."
     )
     return Table(
         name, caption, frame, shown, numbers=(*interval_keys("value"), "unit"), stacked=True
