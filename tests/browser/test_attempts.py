@@ -373,6 +373,35 @@ def test_an_address_opens_its_attempt(plot):
     assert "0000003" in link
 
 
+@pytest.mark.parametrize(
+    ("name", "reason"),
+    [("nobody/0/knows/this", "holds none"), ("%E0%A4%A", "malformed"), ("", "holds none")],
+)
+def test_an_address_of_no_attempt_says_so(new_tab, address: str, name: str, reason: str):
+    """In a sentence of the section, which goes when a link that holds is followed."""
+    page = new_tab(reduced_motion="reduce")
+    page.goto(f"{address}#attempt={name}")
+    problem = page.locator("#attempt-problem")
+    page.wait_for_function("document.getElementById('attempt-problem').textContent")
+
+    assert problem.get_attribute("role") == "status"
+    assert reason in problem.text_content()
+    assert "Expected: an address that “link to this attempt” gives" in problem.text_content()
+    assert page.locator("#attempt-drawer").count() == 0
+    assert page.evaluate(
+        "() => document.getElementById('attempt-problem').closest('section').id === 'attempts'"
+    )
+    good = page.evaluate("async () => (await attempts.open()).id(0)")
+    page.evaluate("id => { location.hash = `#attempt=${id}`; }", good)
+    page.get_by_role("dialog").wait_for()
+    assert problem.text_content() == ""
+
+    page.evaluate("name => { location.hash = `#attempt=${name}`; }", name)
+    page.wait_for_function("document.getElementById('attempt-problem').textContent")
+    assert not page.get_by_role("dialog").is_visible()
+    assert reason in problem.text_content()
+
+
 @pytest.mark.slow
 def test_everything_is_reached_by_keyboard(plot):
     """The list of points in the frame opens an attempt; closing it leads back to the list."""

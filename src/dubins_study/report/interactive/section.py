@@ -46,6 +46,10 @@ _MARKERS = {
 }
 
 
+# What is wrong with the page's address, said when a script writes it there.
+_PROBLEM = '<p class="bad" id="attempt-problem" role="status"></p>'
+
+
 def attempts_section(results: Results) -> Section | None:
     """Single attempts: every embedded one as a point, with its path and the command for it."""
     rows, packed = _fitting(results)
@@ -57,7 +61,7 @@ def attempts_section(results: Results) -> Section | None:
             "attempts",
             "Each point is one attempt. At most ten solvers are coloured, in the colour and with "
             "the marker of their engine; solvers of one engine differ in what fills the marker.",
-            Markup(scripts + '<div id="attempts-plot"></div>'),
+            Markup(scripts + _PROBLEM + '<div id="attempts-plot"></div>'),
             packed=libraries | content,
         ),
         Widget(

@@ -1,11 +1,12 @@
 "use strict";
 // The drawer of one attempt: its path beside the reference, its numbers, and the command that
-// repeats it. `#attempt=ID` in the page's address opens it.
+// repeats it. `#attempt=ID` in the page's address opens it, or a sentence says why it cannot.
 (() => {
   if (!document.getElementById("attempts-plot")) return;
   const {element} = window.studyTables;
   const {picture, number, seconds, command, open} = window.attempts;
   const HASH = "#attempt=";
+  const problem = document.getElementById("attempt-problem");
   const state = {drawer: null, hits: [], place: 0, before: null};
 
   // A number of a scenario with at most six digits; the command has them all.
@@ -125,6 +126,7 @@
   // Open the drawer at the first of some rows, which lie at one place of the plot.
   function show(data, hits) {
     if (!hits.length) return;
+    problem.textContent = "";
     state.drawer ??= build();
     if (state.drawer.hidden) state.before = document.activeElement;
     Object.assign(state, {hits, place: 0});
@@ -134,17 +136,34 @@
   }
 
   function hide() {
-    state.drawer.hidden = true;
     history.replaceState(null, "", location.pathname + location.search);
+    close();
+  }
+
+  function close() {
+    state.drawer.hidden = true;
     if (state.before && state.before.isConnected) state.before.focus({preventScroll: true});
     document.dispatchEvent(new CustomEvent("attempt", {detail: -1}));
   }
 
   async function openAddress() {
+    problem.textContent = "";
     if (!location.hash.startsWith(HASH)) return;
-    const data = await open();
-    const i = data.find(location.hash.slice(HASH.length));
-    if (i >= 0) show(data, [i]);
+    const data = await open(), id = location.hash.slice(HASH.length);
+    let i = -1, reason = "this page holds none of that name";
+    try {
+      i = data.find(id);
+    } catch (error) { // no text in percent-encoding
+      reason = error.message;
+    }
+    if (i >= 0) {
+      show(data, [i]);
+      return;
+    }
+    if (state.drawer && !state.drawer.hidden) close();
+    problem.textContent = `The address opens no attempt: ${reason}. Expected: an address that “link `
+      + "to this attempt” gives, of a page of the same rows.";
+    problem.scrollIntoView({behavior: "instant", block: "center"});
   }
 
   Object.assign(window.attempts, {show});
