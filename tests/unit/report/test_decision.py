@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+import re
 import shlex
 from collections.abc import Iterable
 from typing import Any
 
 import pandas as pd
 import pytest
+from typer.testing import CliRunner
 
 from dubins_study import render
+from dubins_study.cli.app import app
+from dubins_study.experiments.run import run
+from dubins_study.report.data.command import run_command
 from dubins_study.report.data.results import load
 from dubins_study.report.elements.content import Section
 from dubins_study.report.page.environment import linked
@@ -267,13 +272,59 @@ def test_every_reader_finds_the_command_of_their_case(results):
     """The run asks this page's questions; a name from outside is one word of the command."""
     name = "a b; rm c"
     rows = [attempt(scenario, "slsqp") for scenario in paper_scenarios()]
-    section = decision_section(load([results("e", rows, experiment={"name": name, "text": ""})]))
+    folder = results("e", rows, experiment={"name": name, "text": ""}, command="")
+    section = decision_section(load([folder]))
     cases = section.blocks[1]
 
     assert cases.name == "cases"
     run = cases.frame["command"].str.split("\n").explode().str.extract("^(dubins-study run .*)")
     (line,) = run[0].dropna()
     assert shlex.split(line)[2:4] == [name, "--solver"]
+
+
+@pytest.mark.parametrize(
+    ("command", "asked"),
+    [
+        ("dubins-study run paper --jobs 2", "paper"),
+        ("dubins-study run my.toml --solver ipopt --time-limit 3", "my.toml --time-limit 3"),
+        (
+            "dubins-study run --scenarios 'my s.csv' --solver a --solver b --repeats 2",
+            "--scenarios 'my s.csv' --repeats 2",
+        ),
+        (
+            "dubins-study run --scenarios s.csv --solver 'nlp[a=1]' --jobs 4 --engine dask",
+            "--scenarios s.csv",
+        ),
+        ("dubins-study run --scenarios 'a; rm b.csv'", "--scenarios 'a; rm b.csv'"),
+        ("dubins-study run --scenarios 'no end", "s"),
+        ("rm s.csv", "s"),
+        ("", "s"),
+    ],
+)
+def test_the_command_asks_what_the_run_was_asked(results, command, asked):
+    """The folder's own arguments, for a name alone names no file; other solvers answer."""
+    folder = results("s", [attempt(s) for s in paper_scenarios()], command=command)
+    manifest = load([folder]).folders[0].manifest
+
+    assert run_command(manifest, "--solver X --out Y") == (
+        f"dubins-study run {asked} --solver X --out Y"
+    )
+
+
+def test_the_command_on_the_page_of_a_file_of_scenarios_runs(tmp_path):
+    """The page's line, with a solver and a folder filled in, asks the file's questions again."""
+    file = tmp_path / "my s.csv"
+    file.write_text("x,y,heading,target_x,target_y,radius\n0,0,0,4,1,1\n0,0,0,-2,3,1\n")
+    folder = run(scenarios=file, solvers=["slsqp"], out=tmp_path / "first", time_limit=20)
+    text = " ".join(decision_section(load([folder])).blocks[1].frame["command"])
+    (line,) = re.findall("dubins-study (run .* --out MINE)", text)
+    words = ["shooting" if word == "FILE.py:CLASS" else word for word in shlex.split(line)]
+    done = CliRunner().invoke(app, [*words[:-1], str(tmp_path / "second")])
+
+    assert done.exit_code == 0, done.output
+    first, second = (load([tmp_path / name]).rows for name in ("first", "second"))
+    assert set(second["solver"]) == {"shooting"}
+    assert set(second["scenario_id"]) == set(first["scenario_id"])
 
 
 def test_titles_of_sections_become_links():

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import shlex
-
 import pandas as pd
 
+from dubins_study.report.data.command import run_command
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import columns
 from dubins_study.report.elements.content import Table
@@ -13,7 +12,7 @@ from dubins_study.report.elements.content import Table
 
 def cases_table(results: Results) -> Table:
     """One line for each kind of reader: the command of their own case, and the next section."""
-    asked = shlex.quote(results.folders[0].name)
+    run = run_command(results.folders[0].manifest, "--solver FILE.py:CLASS --out MINE")
     lines = [
         (
             "You plan paths for a vehicle.",
@@ -32,9 +31,7 @@ def cases_table(results: Results) -> Table:
             "You write a solver.",
             "Have it checked, then asked the questions of this page; the report of both folders "
             "has it beside the others.",
-            "dubins-study check-solver FILE.py:CLASS\n"
-            f"dubins-study run {asked} --solver FILE.py:CLASS --out MINE\n"
-            "dubins-study report FOLDER MINE",
+            f"dubins-study check-solver FILE.py:CLASS\n{run}\ndubins-study report FOLDER MINE",
             "Single attempts",
         ),
         (
