@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import math
+from fractions import Fraction
 
 import pytest
 
 from dubins_study.report.elements.figure_file import fix_layout
 from dubins_study.report.elements.style import drawing
 from dubins_study.report.paper.audit_file import misprints
-from dubins_study.report.paper.printed import PROBLEMS, compare, segments
-from dubins_study.report.topics.paper.numbers import printed_times, time_ends
+from dubins_study.report.paper.printed import PROBLEMS, QUANTITIES, compare, segments
+from dubins_study.report.topics.paper.numbers import printed_times, side_by_side, time_ends
 from dubins_study.report.topics.paper.pictures import feasible_picture
 from dubins_study.report.topics.paper.section import figures_section
 from dubins_study.study.closed_form.shortest import shortest_path
@@ -47,6 +48,25 @@ def test_the_papers_scenarios_are_those_of_the_experiment():
         assert scenario.radius == problem.radius
         assert scenario.heading == pytest.approx(float(problem.heading) * math.pi, rel=1e-15)
     assert len(PROBLEMS) == len(paper_scenarios())
+
+
+def test_a_crossed_number_shows_why(cells):
+    """The exact text below it rounds to another number by itself; the others have six decimals."""
+    lines = side_by_side(cells).fillna("").to_dict("records")
+    pairs = [
+        (printed[quantity], exact[quantity])
+        for printed, exact in zip(lines[::2], lines[1::2], strict=True)
+        for quantity in QUANTITIES
+        if printed[quantity]
+    ]
+    crossed = {printed: exact for printed, exact in pairs if "✗" in printed}
+
+    assert crossed["1.74 ✗"] == "1.7349999"
+    assert len(crossed) == 7
+    for printed, exact in pairs:
+        wrong = abs(Fraction(printed.removesuffix(" ✗")) - Fraction(exact)) > Fraction("0.005")
+        assert wrong == ("✗" in printed), (printed, exact)
+        assert len(exact.partition(".")[2]) == (7 if printed == "1.74 ✗" else 6)
 
 
 def test_a_path_off_by_a_hundredth_differs(cells):

@@ -64,7 +64,7 @@ _CELL_COLUMNS = (
     *columns(kind="text", quantity="cell"),
     *columns(printed="printed"),
     *columns(_decimals(9), exact="exact"),
-    *columns(_decimals(6, "+"), difference="printed − exact"),
+    *columns(_decimals(9, "+"), difference="printed − exact"),
     *columns(kind="text", verdict="verdict"),
     *columns(kind="prose", reason="the exact value …"),
 )

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Hashable, Mapping
+from decimal import Decimal
+from typing import Any
+
 import pandas as pd
 
 from dubins_study.report.data.attempts import EXACT
@@ -12,6 +16,9 @@ from dubins_study.study.path import Path
 
 TICK_S = 1 / 64  # of the clock that the paper's solve times were read from
 _MISPRINTED = ("misprint", "differs")
+# Decimals of exact lengths; a double below 100 has no more than the latter.
+_PLACES, _MOST_PLACES = 6, 17
+_HALF = Decimal("0.005")  # of the last decimal that the paper prints
 
 
 def word_paths(results: Results, solver: str) -> dict[tuple[str, str], Path]:
@@ -43,10 +50,21 @@ def side_by_side(cells: pd.DataFrame) -> pd.DataFrame:
         for cell in group.to_dict("records"):
             quantity, mark = str(cell["quantity"]), " ✗" if cell["verdict"] in _MISPRINTED else ""
             printed[quantity] = f"{cell['printed']:.2f}{mark}"
-            exact[quantity] = None if pd.isna(cell["ours"]) else f"{cell['ours']:.6f}"
+            exact[quantity] = None if pd.isna(cell["ours"]) else _exact_text(cell, bool(mark))
         records += [printed, exact]
     columns = ["label", "path", "source", *QUANTITIES]
     return pd.DataFrame.from_records(records, columns=columns).astype(object)
+
+
+def _exact_text(cell: Mapping[Hashable, Any], wrong: bool) -> str:
+    """The exact length with six decimals; with more if these would round to what is printed wrong.
+
+    Of 1.73499986, six decimals are 1.735000, which looks as if 1.74 were right.
+    """
+    printed = Decimal(f"{cell['printed']:.2f}")
+    texts = (f"{cell['ours']:.{places}f}" for places in range(_PLACES, _MOST_PLACES))
+    far = (text for text in texts if abs(Decimal(text) - printed) > _HALF)
+    return next(far) if wrong else f"{cell['ours']:.{_PLACES}f}"
 
 
 def scores(results: Results) -> pd.DataFrame:
