@@ -109,6 +109,35 @@ def test_numbers_are_sorted_by_their_values_by_keyboard(page_of):
     assert header(page, "gap").get_attribute("aria-sort") == "none"
 
 
+def test_a_cell_that_begins_with_no_number_is_below_those_that_do(page_of):
+    """Reasons in brackets, `none` and dashes, whichever way the numbers go."""
+    page = page_of(8)
+    texts = [
+        "[2]",
+        "90.4 %\n87.0–92.9",
+        "none\n(3 to 4)",
+        "100 %\n99.0–100",
+        "[11]",
+        "–",
+        "8.5 %",
+        "",
+    ]
+    page.evaluate(
+        """texts => [...document.querySelectorAll("tbody tr")].forEach((line, n) => {
+            line.cells[0].className = "cell";
+            line.cells[0].textContent = texts[n];
+        })""",
+        texts,
+    )
+    ascending = [texts[6], texts[1], texts[3]]
+    rest = [text for text in texts if text not in ascending]
+
+    page.get_by_role("button", name="variant").click()
+    assert column(page, 1) == ascending + rest
+    page.get_by_role("button", name="variant").click()
+    assert column(page, 1) == ascending[::-1] + rest
+
+
 def test_a_heading_without_text_is_no_button(page_of):
     """A button without a name says nothing to those who only hear it."""
     page = page_of(3)

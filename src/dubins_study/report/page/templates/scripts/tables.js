@@ -7,6 +7,7 @@ window.studyTables = (() => {
   const FILTER_FROM = 13; // lines from which a table gets a filter
   const FOLD_FROM = 41, FOLDED = 12; // lines from which a table is folded, and lines left then
   const NUMBER = /\d+(?:\.\d+)?(?:e[+-]?\d+)?/gi;
+  const FIRST_NUMBER = /^[+\u2212-]?[\d.]/; // two minus signs: the page's and the keyboard's
   const ABSENT = new Set(["", "–", "-"]);
   const NEXT = {none: "ascending", ascending: "descending", descending: "none"};
 
@@ -35,10 +36,12 @@ window.studyTables = (() => {
     return comparePieces(pieces(a), pieces(b));
   }
 
-  // What a cell is sorted by: a number, pieces of text, or null of a cell that holds nothing.
+  // What a cell is sorted by: a number, pieces of text, or null of a cell that holds nothing. A
+  // cell of numbers in a text that begins with none, as `[2]` or `none`, holds nothing to compare.
   function key(cell, numeric) {
     if (cell.dataset.value !== undefined) return Number(cell.dataset.value);
     const text = cell.textContent.trim();
+    if (cell.classList.contains("cell") && !FIRST_NUMBER.test(text)) return null;
     return numeric || ABSENT.has(text) ? null : pieces(text);
   }
 
