@@ -115,7 +115,7 @@ def answer_text(answer: Answer) -> str:
         _line("verdict", _verdict(answer)),
         _line("claim", f"{answer.claim}  ({answer.solver})"),
     ]
-    if answer.presolved:
+    if answer.presolved and answer.verdict == "none exists":
         lines.append(_line("presolve", "answered, and the engine was not asked"))
     lines.append(_line("proof", answer.proof))
     if answer.length is not None:

@@ -113,6 +113,15 @@ def test_the_presolves_answers_are_no_claims(results):
     assert len(frame(results, rows)) == 1
 
 
+def test_a_false_claim_counts_whatever_it_says_of_the_presolve(results):
+    """A plug-in may call every answer presolved; only a path rightly denied is taken for one."""
+    wrong = {"path": longer(PLAIN), "presolved": True}
+    rows = [honest(PLAIN, "scip", Claim.OPTIMAL, **wrong), honest(FAR, "scip", Claim.OPTIMAL)]
+    line = beliefs(frame(results, rows), ["solver"]).loc["scip"]
+
+    assert (line["questions"], line["false"]) == (2, pytest.approx(1 / 2))
+
+
 def test_a_question_counts_once_however_often_it_is_asked(results):
     """False in one of three repeats counts a third; the interval is that of two trials."""
     rows = [

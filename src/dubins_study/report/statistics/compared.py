@@ -15,6 +15,7 @@ import pandas as pd
 from dubins_study.report.data.attempts import EXACT, SUCCESSES, TRIAL
 from dubins_study.report.data.results import Results
 from dubins_study.report.statistics.methods import methods_of
+from dubins_study.report.statistics.metrics import presolved
 
 _NEVER_SOLVED = ("unavailable", "unsupported")
 
@@ -108,14 +109,14 @@ def _compared(results: Results) -> Compared | None:
     kept = rows[(rows["initial_guess"] == "cold") & ~rows["outcome"].isin(_NEVER_SOLVED)]
     if kept.empty:
         return None
-    presolved = kept["presolved"].eq(True).fillna(False).astype(bool)
+    by_presolve = presolved(kept)
     methods = methods_of(kept)
     stated = methods[["formulation", "engine", "guess"]]
     kept = kept.assign(
         question=kept.groupby(list(TRIAL), observed=True, sort=False).ngroup(),
         scenario=pd.factorize(kept["scenario_id"])[0],
-        right=kept["verdict"].isin(SUCCESSES).fillna(False).astype(bool) & ~presolved,
-        presolved=presolved,
+        right=kept["verdict"].isin(SUCCESSES).fillna(False).astype(bool) & ~by_presolve,
+        presolved=by_presolve,
         stratum=kept["label"].fillna(""),
         **{str(name): kept["solver"].map(values) for name, values in stated.items()},
     )

@@ -52,10 +52,19 @@ def solver_order(solvers: Sequence[str]) -> list[str]:
     return sorted(set(solvers), key=rank)
 
 
+def presolved(rows: pd.DataFrame) -> pd.Series[bool]:
+    """Whether the presolve alone answered each attempt, rightly: no path exists.
+
+    A row may say so of any answer. Of another one it is not believed: what a solver has wrong
+    counts, whichever part of it was wrong.
+    """
+    stated = rows["presolved"].eq(True).fillna(False).astype(bool)
+    return stated & rows["verdict"].eq("none exists").fillna(False).astype(bool)
+
+
 def success(rows: pd.DataFrame) -> pd.Series[bool]:
     """Whether the check accepted each attempt's answer as right, and an engine gave it."""
-    presolved = rows["presolved"].fillna(False).astype(bool)
-    return rows["verdict"].isin(SUCCESSES) & ~presolved
+    return rows["verdict"].isin(SUCCESSES) & ~presolved(rows)
 
 
 def proof(rows: pd.DataFrame) -> pd.Series:

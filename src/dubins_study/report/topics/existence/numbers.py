@@ -8,6 +8,7 @@ import pandas as pd
 from dubins_study.report.elements.shares import with_share
 from dubins_study.report.statistics.bootstrap import median_intervals
 from dubins_study.report.statistics.methods import methods_of
+from dubins_study.report.statistics.metrics import presolved
 
 # Scenarios that a bootstrap interval is of, at most: more would take memory and change nothing.
 MOST_SCENARIOS = 2000
@@ -44,7 +45,7 @@ def engine_times(rows: pd.DataFrame) -> pd.DataFrame:
     Returns:
         One row per solver: solver, estimate, low, high (s), of the medians over repeats.
     """
-    reached = ~rows["answerable"] & ~rows["presolved"].fillna(False).astype(bool)
+    reached = ~rows["answerable"] & ~presolved(rows)
     reached &= ~rows["outcome"].isin(["unsupported", "unavailable"])
     chosen = rows[reached]
     scenarios = np.sort(chosen["scenario_id"].unique())[:MOST_SCENARIOS]
