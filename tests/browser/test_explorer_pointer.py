@@ -161,14 +161,18 @@ def test_a_press_beside_a_handle_s_middle_moves_nothing(explorer):
 _FRAMES = """() => {
   const text = (name) => document.querySelector(`[data-answer=${name}]`).textContent;
   window.frames_seen = [];
-  const look = () => {  // before each painting of the page
+  const look = () => {
     const fields = {};
     for (const input of document.querySelectorAll("input[name]")) fields[input.name] = input.value;
     window.frames_seen.push({fields, summary: text("summary"), place: text("place"),
       spoken: text("spoken"), link: document.querySelector("[data-copy=link]").textContent});
-    requestAnimationFrame(look);
   };
-  look();
+  const paint = () => {  // before each painting of the page
+    look();
+    requestAnimationFrame(paint);
+  };
+  paint();
+  addEventListener("pointermove", look);  // behind the handle's own, painted or not
 }"""
 
 
