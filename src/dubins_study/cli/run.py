@@ -78,7 +78,8 @@ def _print_status(state: Status, as_json: bool) -> None:
         return
     print(status_text(state))
     if state.finished:
-        print(f"\nits page: {plain(shlex.join(['dubins-study', 'report', state.folder]))}")
+        # on a line of its own, to be copied
+        print(f"\nits page:\n{plain(shlex.join(['dubins-study', 'report', state.folder]))}")
 
 
 @contextmanager

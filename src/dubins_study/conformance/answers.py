@@ -179,7 +179,9 @@ def _missing(answer: Answer, path: Path) -> tuple[str, str]:
     miss = math.hypot(end.x - scenario.target_x, end.y - scenario.target_y) / scenario.radius
     if path.start != scenario.start:
         advice = start_cause(scenario, path)
-        return f"its path starts at {_pose(path.start)}, not at {_pose(scenario.start)}", advice
+        digits = 6 if _pose(path.start) != _pose(scenario.start) else 17
+        given, expected = _pose(path.start, digits), _pose(scenario.start, digits)
+        return f"its path starts at {given}, not at {expected}", advice
     if excess > 1e-9:
         observed = (
             f"its curvature is {1 + excess:.3g} times the allowed one, "
@@ -222,8 +224,8 @@ def _in_disc(scenario: Scenario, branch: str) -> str:
     )
 
 
-def _pose(pose: Iterable[float]) -> str:
-    return "({})".format(", ".join(f"{value:.6g}" for value in pose))
+def _pose(pose: Iterable[float], digits: int = 6) -> str:
+    return "({})".format(", ".join(f"{value:.{digits}g}" for value in pose))
 
 
 def _of_length(answer: Answer, guarantee: str) -> list[_Observed]:

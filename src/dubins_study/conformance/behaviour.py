@@ -62,6 +62,9 @@ def limits(interview: Interview, name: str, title: str) -> CheckResult:
     return CheckResult(name, title, (*silent, late))
 
 
+# Solves of at least so many seconds, each of them so many times sooner when it is asked again, are
+# no solves: libraries are loaded before, and a busy machine does not spare the same four questions.
+_LEAST_TIMED_S, _FAR_SOONER = 1e-3, 20.0
 # A solver that tosses a coin for each answer passes once in 4^4 times.
 _ASKED_AGAIN = (
     *("target ahead to the left", "target behind to the right"),
@@ -82,7 +85,7 @@ def determinism(interview: Interview, name: str, title: str) -> CheckResult:
             found += _changed(one, again, when, place, check_command(interview.spec, name))
     silent = unanswered([*first, *second, *third], "")
     worst = sorted(found, key=lambda one: one.status is not Status.FAIL)[:1]
-    listed = (*silent, *worst, *_repeat(interview, first[0]))
+    listed = (*silent, *worst, *_kept_answers(first, second), *_repeat(interview, first[0]))
     if not listed and all(seen.answer.path is None for seen in first):
         return CheckResult(name, title, (), "it returned no path", Status.NOT_APPLICABLE)
     return CheckResult(name, title, listed, f"{len(known)} questions, three times the same")
@@ -102,6 +105,23 @@ def _changed(first: Seen, again: Seen, when: str, place: str, shown: str) -> lis
     )
     status = Status.NOTE if difference <= _ROUNDING else Status.FAIL
     return [Finding(status, observed, advice, place, shown)]
+
+
+def _kept_answers(first: list[Seen], second: list[Seen]) -> list[Finding]:
+    """A note if questions are answered far sooner when they are asked again.
+
+    A solver that keeps its answers is timed once in a run; its repeats take no time.
+    """
+    times = [
+        (one.answer.solve_s or 0.0, again.answer.solve_s or 0.0)
+        for one, again in zip(first, second, strict=True)
+    ]
+    if not all(one > _LEAST_TIMED_S and again < one / _FAR_SOONER for one, again in times):
+        return []
+    one, again = times[-1]
+    observed = f"asked again, it answers in {again:.3g} s; the first time it took {one:.3g} s"
+    advice = "keep no answers: in a run, repeats would be timed without any solving"
+    return [Finding(Status.NOTE, observed, advice, _ASKED_AGAIN[-1])]
 
 
 def _repeat(interview: Interview, first: Seen) -> list[Finding]:

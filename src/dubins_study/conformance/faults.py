@@ -27,6 +27,12 @@ def start_cause(scenario: Scenario, path: Path) -> str:
     same_place = (start.x, start.y) == (right.x, right.y)
     if same_place and math.isclose(start.heading, math.degrees(right.heading)):
         return "its heading is in degrees; a Pose has rad"
+    turns = (start.heading - right.heading) / math.tau
+    if same_place and math.isclose(turns, round(turns), abs_tol=FIT):
+        return (
+            "its heading differs by full turns or by rounding: give question.scenario.start "
+            "itself, with its heading as it is"
+        )
     if same_place:
         return "its heading is another one; the vehicle cannot turn on the spot"
     return "give question.scenario.start as it is"

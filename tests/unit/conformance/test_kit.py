@@ -7,6 +7,7 @@ import math
 import re
 import signal
 import time
+from typing import ClassVar
 
 import pytest
 
@@ -77,6 +78,28 @@ class Raising(Right):
 
     def solve(self, question, limit):
         raise NotImplementedError("later")
+
+
+class Keeping(Right):
+    """Keeps its answers, so that they are found at once when they are asked for again."""
+
+    kept: ClassVar[dict[Question, Solution]] = {}
+
+    def solve(self, question, limit):
+        if question not in self.kept:
+            time.sleep(0.05)
+            self.kept[question] = super().solve(question, limit)
+        return self.kept[question]
+
+
+class Turned(Right):
+    """Begins its paths a full turn further."""
+
+    def solve(self, question, limit):
+        answer = super().solve(question, limit)
+        path = answer.path
+        start = path.start._replace(heading=path.start.heading + math.tau)
+        return Solution(answer.claim, Path(start, path.curvature, path.length))
 
 
 class OneWord(Right):
@@ -189,6 +212,29 @@ def failed(report: ConformanceReport) -> set[str]:
 
 def text(report: ConformanceReport, check: str) -> str:
     return " ".join(f"{one.observed} {one.advice}" for one in report[check].findings)
+
+
+def test_answers_that_are_kept_are_noted():
+    """In a run its repeats would take no time. A busy machine may hold up a quick answer."""
+    for _ in range(3):
+        Keeping.kept.clear()
+        report = checked(Keeping, ["determinism"])
+        assert report.passed
+        if report["determinism"].status is Status.NOTE:
+            break
+
+    assert "keep no answers" in text(report, "determinism")
+
+
+def test_a_heading_a_full_turn_further_is_called_so():
+    """The two numbers differ, and what to do is said."""
+    report = checked(Turned, ["controls"])
+    first = report["controls"].findings[0]
+    given, expected = re.findall(r"\([^)]*\)", first.observed)
+
+    assert report["controls"].status is Status.FAIL
+    assert given != expected
+    assert "differs by full turns" in first.advice
 
 
 def test_a_right_solver_passes_without_a_note():

@@ -39,6 +39,14 @@ def refusal_of(file):
     return str(error.value).removeprefix(f"{file}: ")
 
 
+def test_rows_that_repeat_are_counted(tmp_path, caplog):
+    """They are asked once, and that is said."""
+    file = written(tmp_path, f"{HEAD}1,2,0,0,0,1,,1\n1,2,0,0,0,1,,1\n1,3,0,0,0,1,,1\n")
+
+    assert len(read_scenarios(file)) == 3
+    assert "of 3 rows 1 repeat an earlier one; each scenario is asked once" in caplog.text
+
+
 @pytest.mark.parametrize("mark", ["", "\ufeff"])
 @pytest.mark.parametrize("end", ["\n", "\r\n"])
 def test_a_csv_file(tmp_path, mark, end):

@@ -143,13 +143,14 @@ def attempts_of(
 
     Args:
         place: where to write; a folder that stands until the last question has been asked.
-        rows: any columns of the schema, and `experiment`; what is missing is filled in.
+        rows: any columns of the schema, and `experiment`; what is missing is filled in. The index
+            numbers the rows, and so their repeats, in whatever order they stand.
         parts: the number of the part that each row goes to; all into one if None.
         texts: the Arrow type of texts in the parts.
     """
     whole = rows.drop(columns=["repeat", "answerable"], errors="ignore").reset_index(drop=True)
     whole = whole.assign(**{name: v for name, v in _CELL.items() if name not in whole})
-    whole = whole.astype(object).where(whole.notna(), None).assign(repeat=range(len(whole)))
+    whole = whole.astype(object).where(whole.notna(), None).assign(repeat=rows.index)
     number = pd.Series(0 if parts is None else parts, index=whole.index)
     kinds = [f.with_type(texts) if texts and f.type == pa.string() else f for f in SCHEMA]
     folders = []

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import logging
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any
@@ -10,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from dubins_study.experiments.definition.messages import Problem, refusal
 from dubins_study.study.angle import AngleError, parse_angle
 from dubins_study.study.nearest import did_you_mean, nearest
-from dubins_study.study.printable import short
+from dubins_study.study.printable import plain, short
 from dubins_study.study.scenario import (
     COLUMNS,
     NUMBERS,
@@ -23,6 +24,7 @@ from dubins_study.study.scenario import (
 if TYPE_CHECKING:
     import pandas as pd
 
+_LOG = logging.getLogger(__name__)
 MOST_SCENARIOS = 1_000_000
 _MOST_BYTES = 2**30
 _DEFAULTS: dict[str, Any] = {"speed": 1.0, "label": ""}
@@ -75,7 +77,13 @@ def read_scenarios(file: str | FilePath) -> pd.DataFrame:
         raise ScenarioFileError(f"{file}: cannot be read: {error}") from None
     if not rows:
         raise ScenarioFileError(f"{file}: no scenarios; expected a row each")
-    return _checked(str(file), rows)
+    frame = _checked(str(file), rows)
+    if copies := int(frame.duplicated().sum()):
+        _LOG.warning(
+            "dubins-study: %s: of %d rows %d repeat an earlier one; each scenario is asked once",
+            *(plain(str(file)), len(frame), copies),
+        )
+    return frame
 
 
 def _checked(file: str, rows: list[_Row]) -> pd.DataFrame:

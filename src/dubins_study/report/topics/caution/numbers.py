@@ -13,6 +13,8 @@ from dubins_study.study.words import FORMULATIONS
 
 # The share that the precision of shares is said of: most methods that matter lie near it.
 _TYPICAL_SHARE = 0.9
+# Relative; along one word a miss of 1e-6 R shortens a path by far less.
+_OTHER_PATH = 1e-4
 _STOPPED_OUTCOMES = ("timeout", "out_of_memory")
 
 
@@ -91,6 +93,29 @@ def stopped_attempts(attempts: Compared) -> Caution | None:
     )
 
 
+def shorter_paths(attempts: Compared) -> Caution | None:
+    """Right answers that are shorter than any path to the target itself.
+
+    Arriving allows a miss. A path that stops on a turning circle beside its target is then right,
+    and much shorter where the length jumps.
+    """
+    rows = attempts.answerable[attempts.answerable["right"]]
+    shorter = rows[rows["length"] < (1 - _OTHER_PATH) * rows["reference_low"]]
+    if shorter.empty:
+        return None
+    most = float((shorter["reference_low"] / shorter["length"]).max())
+    scenarios = some(shorter["scenario_id"].nunique(), "scenario")
+    return Caution(
+        f"Do not take every right answer for the shortest path to the target itself: "
+        f"{some(len(shorter), 'right answer')} at {scenarios} next to a turning circle use the "
+        f"miss that arriving allows, and are up to {digits(2)(most)} times shorter.",
+        float(len(shorter)),
+        "attempts",
+        some(len(rows), "right answer"),
+        "Formulation by engine: strata",
+    )
+
+
 def missing_pairs(results: Results, attempts: Compared) -> Caution | None:
     """Pairs of a formulation and an engine that nobody asked, or could ask."""
     # the closed form is a formulation without an engine, and no pair
@@ -121,6 +146,7 @@ def cautions(results: Results, attempts: Compared) -> list[Caution]:
         overlapping_shares(attempts),
         unsteady_machine(results),
         stopped_attempts(attempts),
+        shorter_paths(attempts),
         missing_pairs(results, attempts),
     )
     return [caution for caution in every if caution is not None]

@@ -73,7 +73,7 @@ def false_proof(evidence: Evidence) -> Finding | None:
         f"{some(false['attempts'], 'attempt')} {false['proof']}.{more}",
         share,
         PERCENT,
-        f"{some(share.questions, 'question')}, those without a path included; "
+        f"{some(share.questions, 'question')}, with a path or without; "
         f"{some(len(evidence.provers), 'method')} with proofs",
         "Whom one can believe: false claims by name",
     )
