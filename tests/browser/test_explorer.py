@@ -92,6 +92,25 @@ def test_fields_and_their_refusals(explorer):
     assert page.locator("[data-answer=problem]").text_content() == ""
 
 
+@pytest.mark.parametrize("radius", ["1", "25", "1.234", "0.0099", "3e-9", "1e+40"])
+def test_arrow_keys_in_the_radius_field_keep_it_above_zero(explorer, radius):
+    """A step is a hundredth to a tenth of the radius, down and up; no step is refused."""
+    page = explorer(f"0,0,0deg,{radius},{radius},{radius}")
+    field = page.get_by_label("radius R")
+    field.focus()
+    for key, sign in (("ArrowDown", -1), ("ArrowUp", 1)):
+        for _ in range(30):
+            before = scenario_in(page).radius
+            page.keyboard.press(key)
+            after = scenario_in(page).radius
+            # the difference of two doubles next to each other: 1e-16 of a hundredth
+            assert 0.01 < sign * (after - before) / before < 0.1 + 1e-13
+            assert float(field.input_value()) == after
+            assert page.locator("[data-answer=problem]").text_content() == ""
+            assert field.evaluate("input => input.validity.valid")
+    agrees(page)
+
+
 @pytest.mark.slow
 def test_by_keyboard_a_full_turn_comes_back(explorer):
     """36 turns of 10 degrees, by page up and by shift with an arrow; the address follows."""

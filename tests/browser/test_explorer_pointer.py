@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+import re
+from typing import Any
 
 import pytest
 from browser_tab import PHONE
 from explorer_page import agrees, centre, drag, scenario_in, shown
 
-from dubins_study import Scenario
+from dubins_study import Scenario, solve
 
 
 def test_dragging_the_target_moves_it_and_everything_follows(explorer):
@@ -154,3 +156,66 @@ def test_a_press_beside_a_handle_s_middle_moves_nothing(explorer):
     assert centre(page, "target") == pytest.approx((x + 20, y), abs=1)  # a pixel of rounding
     page.mouse.up()
     agrees(page)
+
+
+_FRAMES = """() => {
+  const text = (name) => document.querySelector(`[data-answer=${name}]`).textContent;
+  window.frames_seen = [];
+  const look = () => {
+    const fields = {};
+    for (const input of document.querySelectorAll("input[name]")) fields[input.name] = input.value;
+    window.frames_seen.push({fields, summary: text("summary"), place: text("place"),
+      spoken: text("spoken"), link: document.querySelector("[data-copy=link]").textContent});
+  };
+  const paint = () => {  // before each painting of the page
+    look();
+    requestAnimationFrame(paint);
+  };
+  paint();
+  addEventListener("pointermove", look);  // behind the handle's own, painted or not
+}"""
+
+
+def test_in_every_frame_of_a_drag_the_line_is_that_of_its_scenario(explorer):
+    """Word and length, while nothing rests: only what screen readers hear waits for that."""
+    page = explorer("0,0,0deg,1.3,1,1")
+    page.wait_for_function("document.querySelector('[data-answer=spoken]').textContent")
+    before = page.locator("[data-answer=spoken]").text_content()
+    assert before == page.locator("[data-answer=summary]").inner_text()  # as it is seen
+    x, y = centre(page, "target")
+    discs = [page.locator(f"circle[data-word={word}]").bounding_box() for word in ("RL", "LR")]
+    page.evaluate(_FRAMES)
+    page.mouse.move(x, y)
+    page.mouse.down()
+    for disc in discs:  # into both turning circles, and between them across both half-planes
+        page.mouse.move(disc["x"] + disc["width"] * 0.7, disc["y"] + disc["height"] / 2, steps=5)
+    page.mouse.move(x + 30, y + 150, steps=3)
+    during = page.evaluate("[...frames_seen]")
+    summary = page.locator("[data-answer=summary]").inner_text()
+    page.mouse.up()
+
+    words = {_word_of_frame(frame) for frame in during}
+    assert words == {"LS", "RL", "LR", "RS"}
+    first = next(frame for frame in during if frame["summary"] != before)
+    assert first["spoken"] == before
+    page.wait_for_function(
+        "text => document.querySelector('[role=status]').textContent === text", arg=summary
+    )
+
+
+def _word_of_frame(frame: dict[str, Any]) -> str:
+    """The word that a frame of the page shows, which is the package's for its fields, like all."""
+    values = {name: float(text) for name, text in frame["fields"].items()}
+    scenario = Scenario(**values | {"heading": math.radians(values["heading"])})
+    answer = solve(scenario)
+    match = re.fullmatch(r"Shortest: (\w+), length (\S+) \((\S+) R\)\.", frame["summary"])
+    assert match, frame
+    assert match[1] == answer.word, frame
+    # six digits are shown
+    assert float(match[2]) == pytest.approx(answer.length, rel=6e-6), frame
+    assert float(match[3]) == pytest.approx(answer.length / scenario.radius, rel=6e-6), frame
+    place = {"RL": "inside the left", "LR": "inside the right"}.get(answer.word, "outside both")
+    assert frame["place"].startswith(f"The target lies {place}"), frame
+    target = f"{frame['fields']['target_x']},{frame['fields']['target_y']},"
+    assert target in frame["link"], frame
+    return match[1]

@@ -33,7 +33,10 @@ window.explorerAnswers = (root) => {
     rows.set(row.dataset.branch, {row, cells});
   }
   const place = root.querySelector("[data-answer=place]");
+  // Seen at once, in every frame of a drag, and heard once it rests: that element alone is for screen
+  // readers, as the other one is for eyes.
   const summary = root.querySelector("[data-answer=summary]");
+  const spoken = root.querySelector("[data-answer=spoken]");
 
   const {number} = window.explorerNumbers;
   const degrees = (angle, digits = 4) => `${number(angle * DEGREES, digits)}°`;
@@ -89,6 +92,7 @@ window.explorerAnswers = (root) => {
     return best.length > 0 ? `+${number(100 * excess / best.length, 3)} %` : `+${number(excess, 4)}`;
   }
 
+  // Returns the summary.
   function fill(scenario, entries) {
     const best = entries.find((entry) => entry.optimal), local = window.dubins.local(scenario);
     const tied = new Set(entries.filter((entry) => entry.optimal).map((entry) => entry.word)).size > 1;
@@ -110,8 +114,10 @@ window.explorerAnswers = (root) => {
       for (const [name, text] of Object.entries(texts)) write(cells[name], text);
       set(cells.length, {"data-value": entry.exists ? entry.length : ""});
     }
+    const text = summaryOf(scenario, best, tied);
+    write(summary, text);
     write(place, placeOf(scenario, best));
-    return summaryOf(scenario, best, tied);
+    return text;
   }
 
   function placeOf(scenario, best) {
@@ -132,9 +138,8 @@ window.explorerAnswers = (root) => {
     return `Shortest: ${words}, length ${number(best.length)} (${number(best.length / scenario.radius)} R).`;
   }
 
-  // Spoken by screen readers, so only once a drag rests.
   function announce(text) {
-    write(summary, text);
+    write(spoken, text);
   }
 
   return {fill, announce};

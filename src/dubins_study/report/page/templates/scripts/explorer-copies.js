@@ -36,10 +36,10 @@ window.explorerCopies = (root) => {
   }
 
   return {
-    fill(scenario) {
+    fill(scenario, address) {
       write(codes.command, command(scenario));
       write(codes.python, python(scenario));
+      write(codes.link, address);
     },
-    link: (address) => write(codes.link, address),
   };
 };

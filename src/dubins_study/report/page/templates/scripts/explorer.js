@@ -5,6 +5,7 @@
 (() => {
   const root = document.querySelector("[data-explorer]");
   if (!root) return;
+  const {set: setAttributes} = window.svgElements;
   const HASH = "#explore=", DEGREE = Math.PI / 180;
   const SETTLED_MS = 250; // after the last change: address, spoken summary
   const LARGEST = 1e100; // beyond it, squares of pixels and scales of axes overflow
@@ -80,8 +81,9 @@
     summary = answers.fill(state, entries);
     handles.speak(state, summary);
     for (const name of NUMBERS) show(fields[name], state[name]);
+    stepRadius(state.radius);
     show(fields.heading, Number((state.heading / DEGREE).toPrecision(12)));
-    copies.fill(state);
+    copies.fill(state, `${location.href.split("#")[0]}${HASH}${listed(state)}`);
     cancelAnimationFrame(frame); // once a frame is enough for what is drawn beside the plane
     frame = requestAnimationFrame(() => sweep.draw(state, entries.find((entry) => entry.optimal).length));
     clearTimeout(settle);
@@ -94,9 +96,16 @@
     if (input !== document.activeElement && input.value !== text) input.value = text;
   }
 
+  // Arrow keys change the radius by a power of ten that is at most a tenth of it, so that it never
+  // becomes 0. Browsers count steps from `min` on: it is what the radius has beyond whole steps, or
+  // one step. For 1.234 the step is 0.1 and `min` 0.034; for 1.2 both are 0.1.
+  function stepRadius(radius) {
+    const [digits, power] = radius.toExponential().split("e"), step = Number(`0.1e${power}`);
+    setAttributes(fields.radius, {step, min: Number(`0.0${digits.slice(3)}e${power}`) || step});
+  }
+
   function settled() {
     answers.announce(summary);
-    copies.link(`${location.href.split("#")[0]}${HASH}${listed(state)}`);
     if (touched && !handles.dragged()) history.replaceState(null, "", `${HASH}${listed(state)}`);
   }
 
