@@ -16,8 +16,9 @@ def cases_table(results: Results) -> Table:
     lines = [
         (
             "You plan paths for a vehicle.",
-            "Take the closed form; from Python it is dubins_study.solve. X and Y are the target.",
-            "dubins-study solve --from X0 Y0 HEADING --radius R -- X Y",
+            "Take the closed form; from Python it is dubins_study.solve. X and Y are the target, "
+            "and --radius sets R.",
+            "dubins-study solve X Y --from X0 Y0 HEADING",
             "Explore the problem",
         ),
         (
