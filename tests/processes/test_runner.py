@@ -249,7 +249,7 @@ def test_rows_in_two_parts_are_read_once(small, tmp_path):
         ({"jobs": True}, "jobs is True; expected a whole number"),
         ({"experiment": None}, "experiment is None; expected a name or the path"),
         ({"out": 3}, "out is 3; expected the path of a folder"),
-        ({"repeats": True}, "repeats is True: expected a number"),
+        ({"repeats": True}, "repeats is True: expected a whole number"),
         ({"repeats": 1.5}, "repeats is 1.5: expected a whole number"),
         ({"time_limit": "long"}, "time_limit_s is 'long': expected a number"),
         ({"solvers": "slsqp"}, "solvers is 'slsqp': expected a list"),
