@@ -18,7 +18,7 @@ import pyarrow.parquet as pq
 
 from benchmarks.harness import Measurement, side_by_side
 from dubins_study.experiments.definition.experiment import parse
-from dubins_study.experiments.engines.stream import solve_streams
+from dubins_study.experiments.executors.stream import solve_streams
 from dubins_study.experiments.interruption import Interruption
 from dubins_study.experiments.plan.streams import Stream, streams
 from dubins_study.experiments.run_settings import RunSettings

@@ -18,9 +18,9 @@ import dask_here as here
 
 from dubins_study import run
 from dubins_study.experiments.definition.experiment import ExperimentError
-from dubins_study.experiments.engines import dask_worker
-from dubins_study.experiments.engines.dask_cluster import local_cluster, mismatch
-from dubins_study.experiments.engines.engine import WorkUnit
+from dubins_study.experiments.executors import dask_worker
+from dubins_study.experiments.executors.dask_cluster import local_cluster, mismatch
+from dubins_study.experiments.executors.executor import WorkUnit
 from dubins_study.experiments.isolation.pool import RunError
 from dubins_study.experiments.run_settings import RunSettings
 from dubins_study.experiments.store.folder import read_rows

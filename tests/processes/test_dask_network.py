@@ -20,7 +20,7 @@ from live_run import TELLS_AND_NAPS
 from marked import wait_until_handled
 
 from dubins_study import run
-from dubins_study.experiments.engines.dask_cluster import local_cluster
+from dubins_study.experiments.executors.dask_cluster import local_cluster
 from dubins_study.experiments.isolation.pool import RunError
 from dubins_study.experiments.store.folder import done, read_rows
 

@@ -12,9 +12,9 @@ import pytest
 
 from dubins_study import run
 from dubins_study.experiments.definition.experiment import ExperimentError, read
-from dubins_study.experiments.engines import local
-from dubins_study.experiments.engines.engine import WorkUnit
-from dubins_study.experiments.engines.local import solve_chains
+from dubins_study.experiments.executors import local
+from dubins_study.experiments.executors.executor import WorkUnit
+from dubins_study.experiments.executors.local import solve_chains
 from dubins_study.experiments.interruption import Interruption
 from dubins_study.experiments.isolation.monitor import Limits
 from dubins_study.experiments.isolation.pool import WorkerPool

@@ -20,8 +20,8 @@ import pytest
 
 from dubins_study import run
 from dubins_study.experiments.definition.experiment import ExperimentError, parse
-from dubins_study.experiments.engines import stream
-from dubins_study.experiments.engines.stream import streamed_totals
+from dubins_study.experiments.executors import stream
+from dubins_study.experiments.executors.stream import streamed_totals
 from dubins_study.experiments.plan import streams as stream_plan
 from dubins_study.experiments.plan.cells import chains
 from dubins_study.experiments.plan.scenario_ids import scenario_id

@@ -67,7 +67,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
         *("experiments.definition", "experiments.isolation"),
     ),
     "experiments.store": ("study", "study.rows", *_LEAVES),
-    "experiments.engines": (
+    "experiments.executors": (
         *("study.*", "solvers", *_LEAVES),
         *("experiments.definition", "experiments.isolation", "experiments.plan"),
         "experiments.store",  # the streamed frames write their own parts

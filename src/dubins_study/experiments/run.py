@@ -7,9 +7,9 @@ from contextlib import AbstractContextManager, closing
 from pathlib import Path as FilePath
 from uuid import uuid4
 
-from dubins_study.experiments.engines.engine import Engine, unfinished
-from dubins_study.experiments.engines.local import local_engine
-from dubins_study.experiments.engines.stream import solve_streams, streamed_totals, streams_done
+from dubins_study.experiments.executors.executor import Executor, unfinished
+from dubins_study.experiments.executors.local import local_executor
+from dubins_study.experiments.executors.stream import solve_streams, streamed_totals, streams_done
 from dubins_study.experiments.interruption import Interruption
 from dubins_study.experiments.isolation.sandbox import THREADS, pinned_threads
 from dubins_study.experiments.plan.matrix import matrix
@@ -94,26 +94,26 @@ def run(
     with Interruption() as stop:
         plan = plan_run(request)
         stop.check()
-        with _engine(request) as executor:
+        with _executor(request) as executor:
             prepare_folder(plan.folder)
             with locked(plan.folder):
                 _solve(plan, request, executor, progress, stop)
     return plan.folder
 
 
-def _engine(request: Request) -> AbstractContextManager[Engine]:
+def _executor(request: Request) -> AbstractContextManager[Executor]:
     if request.engine == "local":
-        return local_engine(request.jobs)
+        return local_executor(request.jobs)
     # Imported only if needed: `distributed` is an extra and takes half a second to import.
-    from dubins_study.experiments.engines.dask_engine import dask_engine
+    from dubins_study.experiments.executors.dask_executor import dask_executor
 
-    return dask_engine(request.jobs, request.scheduler)
+    return dask_executor(request.jobs, request.scheduler)
 
 
 def _solve(
     plan: RunPlan,
     request: Request,
-    engine: Engine,
+    executor: Executor,
     progress: Progress | None,
     stop: Interruption,
 ) -> None:
@@ -126,8 +126,8 @@ def _solve(
         run_id=uuid4().hex[:12],
         time_limit_s=experiment.time_limit_s,
         memory_limit_bytes=round(experiment.memory_limit_gib * BYTES_PER_GIB),
-        jobs=engine.jobs,
-        engine=request.engine,
+        jobs=executor.jobs,
+        executor=request.engine,
         seed=experiment.seed,
     )
     done_keys = done(folder)
@@ -140,7 +140,7 @@ def _solve(
     if recorded_as_finished and not left.chains and streams_done(folder, plan.streams):
         writer.skip(plan.rows)
         return
-    entry = _run_entry(settings, request.command(), engine)
+    entry = _run_entry(settings, request.command(), executor)
     with recorded(folder, manifest, entry, completes) as record:
         writer.after_step = record.write_now_and_then
         try:
@@ -148,7 +148,7 @@ def _solve(
                 solve_streams(folder, plan.streams, settings, writer, stop)
                 writer.skip(sum(map(len, plan.chains)) - left.cells)
                 if left.chains:
-                    with closing(engine.solve(left, stop, record.probe)) as row_blocks:
+                    with closing(executor.solve(left, stop, record.probe)) as row_blocks:
                         for rows in row_blocks:
                             writer.add(rows)
             stop.check()
@@ -160,7 +160,7 @@ def _solve(
 
 def _log_beginning(plan: RunPlan, settings: RunSettings, cells_left: int) -> None:
     _LOG.info(
-        "run %s of %s into %s: %d cells, %d of them to solve, %d job(s) of engine %s, seed %d; "
+        "run %s of %s into %s: %d cells, %d of them to solve, %d job(s) of executor %s, seed %d; "
         "at most %g s and %g GiB a solve",
         settings.run_id,
         plan.experiment_file.name,
@@ -168,24 +168,24 @@ def _log_beginning(plan: RunPlan, settings: RunSettings, cells_left: int) -> Non
         sum(map(len, plan.chains)),
         cells_left,
         settings.jobs,
-        settings.engine,
+        settings.executor,
         settings.seed,
         settings.time_limit_s,
         settings.memory_limit_gib,
     )
 
 
-def _run_entry(settings: RunSettings, command: str, engine: Engine) -> RunEntry:
+def _run_entry(settings: RunSettings, command: str, executor: Executor) -> RunEntry:
     """The manifest's entry for the run, with the fields that describe the request."""
     return RunEntry(
         run_id=settings.run_id,
         command=command,
-        engine=settings.engine,
+        engine=settings.executor,
         jobs=settings.jobs,
         time_limit_s=settings.time_limit_s,
         memory_limit_gib=settings.memory_limit_gib,
         threads=THREADS,
-        **engine.run_entry,
+        **executor.run_entry,
     )
 
 

@@ -1,12 +1,12 @@
-"""The settings of one run: its id, its limits, and the engine that solves the cells."""
+"""The settings of one run: its id, its limits, and the executor that solves the cells."""
 
 from __future__ import annotations
 
 from typing import NamedTuple
 
 BYTES_PER_GIB = 2**30
-# The engines that can solve cells: worker processes of this machine, or a Dask cluster.
-ENGINE_NAMES = ("local", "dask")
+# The executors that can solve cells: worker processes of this machine, or a Dask cluster.
+EXECUTOR_NAMES = ("local", "dask")
 
 
 class RunSettings(NamedTuple):
@@ -17,7 +17,7 @@ class RunSettings(NamedTuple):
         time_limit_s: seconds that one solve may take.
         memory_limit_bytes: bytes that a worker process and its children may hold.
         jobs: how many cells are solved at the same time.
-        engine: one of `ENGINE_NAMES`.
+        executor: one of `EXECUTOR_NAMES`.
         seed: seed of the random order of the cells.
     """
 
@@ -25,7 +25,7 @@ class RunSettings(NamedTuple):
     time_limit_s: float
     memory_limit_bytes: int = 4 * BYTES_PER_GIB
     jobs: int = 1
-    engine: str = "local"
+    executor: str = "local"
     seed: int = 0
 
     @property

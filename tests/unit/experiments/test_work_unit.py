@@ -8,9 +8,9 @@ import pickle
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dubins_study.experiments.engines.dask_worker import UnitReply
-from dubins_study.experiments.engines.engine import WorkUnit
-from dubins_study.experiments.engines.judging import row_of
+from dubins_study.experiments.executors.dask_worker import UnitReply
+from dubins_study.experiments.executors.executor import WorkUnit
+from dubins_study.experiments.executors.judging import row_of
 from dubins_study.experiments.isolation.messages import WorkerReply
 from dubins_study.experiments.plan.cells import Cell
 from dubins_study.experiments.run_settings import RunSettings
@@ -22,7 +22,7 @@ from dubins_study.study.path import Path
 from dubins_study.study.rows.row_table import row_key, row_path, rows_table
 from dubins_study.study.scenario import Scenario
 
-RUN = RunSettings("run", 60.0, 2**31, jobs=2, engine="dask")
+RUN = RunSettings("run", 60.0, 2**31, jobs=2, executor="dask")
 numbers = st.floats(-1e6, 1e6)
 scenarios = st.builds(
     Scenario, numbers, numbers, numbers, numbers, numbers, st.floats(1e-3, 1e3), label=st.text()

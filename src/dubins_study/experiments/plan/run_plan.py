@@ -17,7 +17,7 @@ from dubins_study.experiments.plan.cells import Chain, chains
 from dubins_study.experiments.plan.file_checks import read_checked, refused
 from dubins_study.experiments.plan.solver_specs import expand_solvers
 from dubins_study.experiments.plan.streams import Stream, streams
-from dubins_study.experiments.run_settings import ENGINE_NAMES
+from dubins_study.experiments.run_settings import EXECUTOR_NAMES
 from dubins_study.solvers.registry import SolverError
 from dubins_study.study.nearest import did_you_mean
 from dubins_study.study.rows.schema import Key
@@ -100,9 +100,9 @@ class Request(NamedTuple):
                 f"jobs is {jobs!r}; expected a whole number of processes above 0",
             ),
             (
-                engine in ENGINE_NAMES,
-                f"engine is {engine!r}; {did_you_mean(engine, ENGINE_NAMES)}expected one of: "
-                f"{', '.join(ENGINE_NAMES)}",
+                engine in EXECUTOR_NAMES,
+                f"engine is {engine!r}; {did_you_mean(engine, EXECUTOR_NAMES)}expected one of: "
+                f"{', '.join(EXECUTOR_NAMES)}",
             ),
             (
                 no_scheduler or is_address,

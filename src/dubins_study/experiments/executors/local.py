@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Generator, Iterator
 from contextlib import contextmanager
 
-from dubins_study.experiments.engines.engine import ChainState, Engine, Probe, WorkUnit
-from dubins_study.experiments.engines.judging import row_of
+from dubins_study.experiments.executors.executor import ChainState, Executor, Probe, WorkUnit
+from dubins_study.experiments.executors.judging import row_of
 from dubins_study.experiments.interruption import Interruption
 from dubins_study.experiments.isolation.job_queue import Job, worker_group
 from dubins_study.experiments.isolation.messages import WorkerReply
@@ -19,8 +19,8 @@ from dubins_study.study.rows.row_table import Row
 
 
 @contextmanager
-def local_engine(jobs: int) -> Iterator[Engine]:
-    """An engine with `jobs` worker processes on this machine, which run while cells are solved."""
+def local_executor(jobs: int) -> Iterator[Executor]:
+    """An executor with `jobs` worker processes here, which run while cells are solved."""
 
     def solve(
         unit: WorkUnit, stop: Interruption, probed: Probe | None
@@ -32,7 +32,7 @@ def local_engine(jobs: int) -> Iterator[Engine]:
             except RunError as error:
                 raise RunError(f"{error}; the rows written so far are kept") from None
 
-    yield Engine(jobs, {}, solve)
+    yield Executor(jobs, {}, solve)
 
 
 def limits(settings: RunSettings) -> Limits:
@@ -63,7 +63,7 @@ def solve_chains(
         rows = []
         for job, answer in results:
             state: ChainState = job.tag
-            check_code(state.cell, answer, unit.settings.engine)
+            check_code(state.cell, answer, unit.settings.executor)
             row, path = row_of(state.cell, job.question.initial_guess, unit.settings, answer)
             rows.append(row)
             following = state.after(path)
@@ -78,14 +78,14 @@ def _job(state: ChainState) -> Job:
     return Job(cell.solver, cell.profile, question, state)
 
 
-def check_code(cell: Cell, answer: WorkerReply, engine: str) -> None:
+def check_code(cell: Cell, answer: WorkerReply, executor: str) -> None:
     """Refuse a reply whose code has another digest than its cell.
 
     Raises:
         RunError: naming the solver and both digests.
     """
     # A solver that loads on the asking machine but not on the Dask worker is different code too.
-    known = answer.code_digest or engine != "local"
+    known = answer.code_digest or executor != "local"
     if not answer.started or answer.code_digest == cell.code_digest:
         return
     if not (cell.code_digest and known):

@@ -17,8 +17,8 @@ from typing import NamedTuple
 
 import pyarrow as pa
 
-from dubins_study.experiments.engines.engine import WorkUnit
-from dubins_study.experiments.engines.local import limits, solve_chains
+from dubins_study.experiments.executors.executor import WorkUnit
+from dubins_study.experiments.executors.local import limits, solve_chains
 from dubins_study.experiments.interruption import Interruption
 from dubins_study.experiments.isolation.pool import RunError, WorkerPool
 from dubins_study.experiments.run_settings import RunSettings

@@ -30,7 +30,7 @@ _LOOPBACK = "127.0.0.1"
 # The program of the cluster's process. It gets the caller's search path; -P adds no other folder.
 _PROGRAM = (
     "import sys, json; sys.path[:] = json.loads(sys.stdin.readline()); "
-    "from dubins_study.experiments.engines.dask_cluster import main; main()"
+    "from dubins_study.experiments.executors.dask_cluster import main; main()"
 )
 
 
@@ -167,7 +167,7 @@ def in_worker(name: str) -> Callable[[Any], Any]:
     def call(argument: Any) -> Any:
         from importlib import import_module
 
-        module = import_module("dubins_study.experiments.engines.dask_worker")
+        module = import_module("dubins_study.experiments.executors.dask_worker")
         return getattr(module, name)(argument)
 
     return call

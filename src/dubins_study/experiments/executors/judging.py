@@ -43,7 +43,7 @@ def run_columns(settings: RunSettings, started: str, versions: str) -> Row:
         "machine": host(),
         "threads": THREADS,
         "jobs": settings.jobs,
-        "executor": settings.engine,
+        "executor": settings.executor,
         "run_id": settings.run_id,
         "started": started,
     }

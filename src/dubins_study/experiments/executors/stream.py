@@ -14,7 +14,7 @@ from pathlib import Path as FilePath
 
 import pyarrow as pa
 
-from dubins_study.experiments.engines.stream_table import chunk_table, warm_up
+from dubins_study.experiments.executors.stream_table import chunk_table, warm_up
 from dubins_study.experiments.interruption import Interruption
 from dubins_study.experiments.isolation.sandbox import THREADS
 from dubins_study.experiments.plan.scenario_columns import Window, windows

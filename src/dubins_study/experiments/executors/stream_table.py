@@ -10,7 +10,7 @@ import pandas as pd
 import pyarrow as pa
 import pyarrow.compute as pc
 
-from dubins_study.experiments.engines.judging import run_columns
+from dubins_study.experiments.executors.judging import run_columns
 from dubins_study.experiments.plan.scenario_columns import Columns
 from dubins_study.experiments.plan.scenario_ids import scenario_ids
 from dubins_study.experiments.plan.streams import Stream

@@ -1,4 +1,4 @@
-"""What an engine is, and what it solves: work units, which hold chains of cells."""
+"""What an executor is, and what it solves: work units, which hold chains of cells."""
 
 from __future__ import annotations
 
@@ -85,12 +85,12 @@ class ChainState(NamedTuple):
 Probe = Callable[[float, int], None]
 
 
-class Engine(NamedTuple):
+class Executor(NamedTuple):
     """What solves a run's cells; usable until the `with` block that provides it ends.
 
     Args:
         jobs: how many cells are solved at the same time.
-        run_entry: fields about the engine for the run's entry in the manifest.
+        run_entry: fields about the executor for the run's entry in the manifest.
         solve: yields the rows of a unit's cells as they come; see `local.solve_chains`. It calls
             the probe every few seconds, if there is one.
     """

@@ -12,9 +12,9 @@ from queue import Empty, SimpleQueue
 from time import monotonic
 from typing import Any
 
-from dubins_study.experiments.engines.dask_cluster import connected, in_worker, local_cluster
-from dubins_study.experiments.engines.dask_worker import UnitReply
-from dubins_study.experiments.engines.engine import Engine, Probe, WorkUnit
+from dubins_study.experiments.executors.dask_cluster import connected, in_worker, local_cluster
+from dubins_study.experiments.executors.dask_worker import UnitReply
+from dubins_study.experiments.executors.executor import Executor, Probe, WorkUnit
 from dubins_study.experiments.interruption import Interruption
 from dubins_study.experiments.isolation.pool import RunError
 from dubins_study.experiments.plan.cells import Chain
@@ -47,7 +47,7 @@ _LOST = "the connection to the Dask scheduler is lost; the rows written so far a
 
 
 @contextmanager
-def dask_engine(jobs: int, scheduler: str | None) -> Iterator[Engine]:
+def dask_executor(jobs: int, scheduler: str | None) -> Iterator[Executor]:
     """A Dask cluster at an address, or one on this machine that starts with the first solve.
 
     Args:
@@ -86,7 +86,7 @@ def dask_engine(jobs: int, scheduler: str | None) -> Iterator[Engine]:
                 yield from submission.solve(stop)
 
         run_entry = {"workers": workers, "distributed": str(distributed.__version__)}
-        yield Engine(jobs, run_entry, solve)
+        yield Executor(jobs, run_entry, solve)
 
 
 class _Submission:

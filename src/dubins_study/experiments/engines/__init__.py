@@ -1,1 +1,0 @@
-"""Engines turn a plan into judged rows: local workers, Dask, and streamed frames."""
