@@ -1,7 +1,7 @@
 """Run the benchmarks named on the command line, or all, and print one table.
 
 `python -m benchmarks kernel frame` runs `bench_kernel.py` and `bench_frame.py`. Exit code 1 if a
-target is missed, 2 if there is no benchmark of a name.
+target is missed or a benchmark fails, 2 if there is no benchmark of a name.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from pathlib import Path
 from rich.console import Console
 from rich.table import Table
 
-from benchmarks.harness import Measurement, absent
+from benchmarks.harness import Measurement
 
 HERE = Path(__file__).parent
 
@@ -29,7 +29,7 @@ def run(name: str) -> Iterator[Measurement]:
     try:
         yield from import_module(f"benchmarks.bench_{name}").measure()
     except Exception as error:  # the other benchmarks are still worth running
-        yield absent(name, f"failed: {type(error).__name__}: {error}")
+        yield Measurement(name, note=f"failed: {type(error).__name__}: {error}", failed=True)
 
 
 def table(rows: list[Measurement]) -> Table:

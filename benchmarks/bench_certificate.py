@@ -7,7 +7,7 @@ from time import perf_counter
 
 import pandas as pd
 
-from benchmarks.harness import Measurement, Timing, side_by_side
+from benchmarks.harness import Measurement, Timing, side_by_side, sized
 from benchmarks.peers import random_frame
 from dubins_study.solvers.analytic import Analytic
 from dubins_study.study.check.certificate import Proof, certify
@@ -21,8 +21,8 @@ from dubins_study.study.closed_form.shortest import shortest_path
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario, check_frame, scenarios
 
-N = 1_000_000
-SOME = 200  # scenarios that are certified one by one
+N = sized(1_000_000, 1_000)
+SOME = sized(200, 5)  # scenarios that are certified one by one
 
 
 def measure() -> Iterable[Measurement]:

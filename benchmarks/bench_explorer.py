@@ -26,15 +26,15 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.harness import Measurement, absent
+from benchmarks.harness import Measurement, absent, sized
 from dubins_study.report.explorer.standalone import write_standalone
 
 FloatArray = NDArray[np.float64]
 
 FRAME_MS = 16
 HANDLES = ("target", "heading", "radius")
-MOVES = 125  # of each handle from each start
-REPEATS = 3
+MOVES = sized(125, 6)  # of each handle from each start
+REPEATS = sized(3, 1)
 _EDGE_PX = 16  # how far the pointer stays from the picture's edge
 # A target in the middle, on a circle, far away, and next to the start.
 STARTS = ("0,0,30deg,2,1.5,1", "0,0,30deg,1,1,1", "0,0,120deg,-100,20,1", "0,0,10deg,0.02,0.01,1")

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from benchmarks.harness import Measurement, absent, side_by_side
+from benchmarks.harness import Measurement, absent, side_by_side, sized
 from benchmarks.peers import CALLS, NO_OMPL, ompl_distances, random_frame
 from dubins_study.solvers.frame import solve_frame
 
-N = 1_000_000
+N = sized(1_000_000, 1_000)
 
 
 def measure() -> Iterable[Measurement]:

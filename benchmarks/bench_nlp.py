@@ -10,7 +10,7 @@ import casadi
 import numpy as np
 from scipy.optimize import minimize
 
-from benchmarks.harness import Measurement, side_by_side
+from benchmarks.harness import Measurement, side_by_side, sized
 from dubins_study.solvers.paper_nlp.initial_guesses import initial_guesses
 from dubins_study.solvers.paper_nlp.ipopt import Ipopt
 from dubins_study.solvers.paper_nlp.model import (
@@ -25,7 +25,7 @@ from dubins_study.solvers.protocol import Question, Solver
 from dubins_study.study.path import FloatArray
 from dubins_study.study.scenario import Scenario
 
-N = 1_000
+N = sized(1_000, 3)
 TARGET = 1.3
 
 

@@ -22,11 +22,14 @@ from importlib.util import find_spec
 from itertools import product
 from tempfile import TemporaryDirectory
 
-from benchmarks.harness import Measurement, absent
+from benchmarks.harness import Measurement, absent, sized
 from benchmarks.overhead.harnesses import HARNESSES, Spent
 
-FEW, MANY, ROUNDS = 200, 1200, 3
-LONG = 2000, 8000  # cells that ours alone is run over too: peers would take minutes
+FEW, MANY, ROUNDS = sized(200, 2), sized(1200, 5), sized(3, 1)
+LONG = (
+    sized(2000, 2),
+    sized(8000, 5),
+)  # cells that ours alone is run over too: peers would take minutes
 TARGET = 300.0  # microseconds
 _EXTRA = "is not installed: pip install 'dubins-study[harnesses]'"
 PEERS = ("benchopt", "qpbenchmark")

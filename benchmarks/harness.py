@@ -9,6 +9,8 @@ times taken in the same run, their repeats interleaved, so that both meet the sa
 least of the repeats is compared where the machine may be shared: what else runs only ever adds,
 and adds more to what runs in two threads; the note gives the ratio of medians. A peer that
 is not installed is a row as well: `absent("kernel against OMPL", "ompl is not installed")`.
+
+A size is `N = sized(1_000_000, 1_000)`: the usual one, and the least that runs all of the code.
 """
 
 from __future__ import annotations
@@ -18,6 +20,13 @@ from dataclasses import dataclass
 from statistics import median
 from time import perf_counter
 from typing import NamedTuple
+
+smallest = False  # whether the benchmarks imported from now on have their smallest size
+
+
+def sized(usual: int, least: int) -> int:
+    """A size of a benchmark: the usual one, or the least where only the code is tried."""
+    return least if smallest else usual
 
 
 @dataclass(frozen=True)
@@ -32,6 +41,7 @@ class Measurement:
         target: the bound on `ratio`; None if there is none.
         at_most: whether the ratio should be at most the target, or at least.
         note: anything that a reader needs, e.g. which ratio, or the minima.
+        failed: whether the benchmark itself raised; the note says what.
     """
 
     what: str
@@ -42,10 +52,13 @@ class Measurement:
     target: float | None = None
     at_most: bool = True
     note: str = ""
+    failed: bool = False
 
     @property
     def ok(self) -> bool | None:
         """Whether the target is met; None where nothing was measured or no target is set."""
+        if self.failed:
+            return False
         if self.ratio is None or self.target is None:
             return None
         return self.ratio <= self.target if self.at_most else self.ratio >= self.target
@@ -70,7 +83,7 @@ def side_by_side(
     seconds: dict[str, list[float]] = {name: [] for name in functions}
     for function in functions.values():
         function()
-    for _ in range(repeats):
+    for _ in range(sized(repeats, 1)):
         for name, function in functions.items():
             began = perf_counter()
             function()

@@ -8,8 +8,10 @@ from importlib.util import find_spec
 import numpy as np
 import pandas as pd
 
+from benchmarks.harness import sized
+
 NAMES = ("x", "y", "heading", "target_x", "target_y", "radius")
-PAIRS, ROUNDS = 1_000, 20  # few enough that OMPL finds its states in the cache
+PAIRS, ROUNDS = 1_000, sized(20, 1)  # few enough that OMPL finds its states in the cache
 CALLS = PAIRS * ROUNDS  # of OMPL, in one timing
 NO_OMPL = "ompl is not installed: pip install 'dubins-study[peers]'"
 

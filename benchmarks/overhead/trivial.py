@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dubins_study.solvers.protocol import Guarantee, Question, Solution, Solver
+from dubins_study.solvers.protocol import Guarantee, Method, Question, Solution, Solver
 from dubins_study.study.claim import Claim
 from dubins_study.study.closed_form.shortest import shortest_path
 from dubins_study.study.path import Path
@@ -33,7 +33,7 @@ class Trivial(Solver):
     """The closed form as a plug-in."""
 
     name = "trivial"
-    method = "closed form"
+    method = Method("closed form", "closed form")
     guarantee = Guarantee.EXACT
     branches = BRANCHES[:1]
     summary = "the closed form, for measuring what a harness costs"
