@@ -10,7 +10,7 @@ import pandas as pd
 from benchmarks.harness import Measurement, Timing, side_by_side, sized
 from benchmarks.peers import random_frame
 from dubins_study.solvers.analytic import Analytic
-from dubins_study.study.check.certificate import Proof, certify
+from dubins_study.study.check.certificate import certify
 from dubins_study.study.check.certificate_frame import PROOFS, certify_frame
 from dubins_study.study.check.enclosure import enclose
 from dubins_study.study.check.enclosure_kernel import bound_rows
@@ -20,6 +20,7 @@ from dubins_study.study.closed_form.kernel_words import ScenarioArrays
 from dubins_study.study.closed_form.shortest import shortest_path
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario, check_frame, scenarios
+from dubins_study.study.words import Proof
 
 N = sized(1_000_000, 1_000)
 SOME = sized(200, 5)  # scenarios that are certified one by one

@@ -10,8 +10,8 @@ from time import perf_counter
 from benchmarks.harness import Measurement, sized
 from dubins_study.solvers.protocol import Question, Solution, Solver
 from dubins_study.solvers.registry import load, settings
-from dubins_study.study.claim import Claim
 from dubins_study.study.scenario import Scenario
+from dubins_study.study.words import Claim
 
 THIRD = math.pi / 3
 # the paper's five test problems

@@ -16,8 +16,8 @@ from dubins_study.solvers.optimal_control.turn_rate_qp import TurnRateQp
 from dubins_study.solvers.optimal_control.turn_rate_template import ENGINES, template
 from dubins_study.solvers.protocol import Question
 from dubins_study.study.check.verdict import judge
-from dubins_study.study.claim import Claim
 from dubins_study.study.scenario import Scenario
+from dubins_study.study.words import Claim
 
 N = 50
 TARGET_MS = 1.0  # most that cvxpy and this project may add to the engine's time, per QP

@@ -7,10 +7,10 @@ from pathlib import Path as FilePath
 from typing import Any, NamedTuple
 
 from dubins_study import render
-from dubins_study.study.claim import Claim
 from dubins_study.study.closed_form.shortest import shortest_path
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
+from dubins_study.study.words import Claim
 from tests.unit.report.results_folder import attempt, paper_scenarios, write_folder
 
 # A script, TeX, Markdown, a spreadsheet's formula, a new line, marks that turn the text around, and

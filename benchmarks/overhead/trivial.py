@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from dubins_study.solvers.protocol import Guarantee, Method, Question, Solution, Solver
-from dubins_study.study.claim import Claim
 from dubins_study.study.closed_form.shortest import shortest_path
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
-from dubins_study.study.words import BRANCHES
+from dubins_study.study.words import BRANCHES, Claim
 
 HEADING, TARGET_Y, FIRST, LAST = 0.3, 3.0, 2.0, 10.0
 

@@ -25,14 +25,14 @@ if TYPE_CHECKING:
     from dubins_study.solvers.protocol import Solution as Solution
     from dubins_study.solvers.protocol import Solver as Solver
     from dubins_study.solvers.registry import available_solvers as available_solvers
-    from dubins_study.study.check.verdict import Verdict as Verdict
-    from dubins_study.study.claim import Claim as Claim
     from dubins_study.study.path import Path as Path
     from dubins_study.study.scenario import Scenario as Scenario
+    from dubins_study.study.words import Claim as Claim
+    from dubins_study.study.words import Verdict as Verdict
 
 # the module that each public name is imported from
 _MODULES = {
-    "Claim": "study.claim",
+    "Claim": "study.words",
     "DubinsStudyError": "errors",
     "Guarantee": "solvers.protocol",
     "Path": "study.path",
@@ -40,7 +40,7 @@ _MODULES = {
     "Scenario": "study.scenario",
     "Solution": "solvers.protocol",
     "Solver": "solvers.protocol",
-    "Verdict": "study.check.verdict",
+    "Verdict": "study.words",
     "compare": "report.two_runs.compare",
     "available_solvers": "solvers.registry",
     "check_solver": "conformance.kit",

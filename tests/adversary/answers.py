@@ -8,10 +8,12 @@ from collections.abc import Sequence
 import numpy as np
 from flint import acb, arb
 
-from dubins_study.study.check.certificate import Certificate, Proof, certify
-from dubins_study.study.check.verdict import Judgement, Tolerances, Verdict, judge
+from dubins_study.study.check.certificate import Certificate, certify
+from dubins_study.study.check.verdict import Judgement, judge
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
+from dubins_study.study.tolerances import Tolerances
+from dubins_study.study.words import Proof, Verdict
 from tests.adversary.checks import outside
 from tests.adversary.oracle import greatest, side
 from tests.adversary.table import Table, paste_path

@@ -8,12 +8,12 @@ from collections.abc import Sequence
 import numpy as np
 from flint import acb, arb
 
+from dubins_study.study.body_coordinates import local
 from dubins_study.study.check.certificate import certify
 from dubins_study.study.check.enclosure import Enclosure, enclose
 from dubins_study.study.check.verdict import judge
 from dubins_study.study.closed_form.shortest import Segments, shortest, shortest_path
 from dubins_study.study.scenario import Scenario
-from dubins_study.study.vehicle_frame import local
 from dubins_study.study.words import BRANCHES
 from tests.adversary.oracle import drive, greatest, least
 from tests.adversary.table import Table, paste

@@ -7,9 +7,8 @@ from typing import Any
 
 import pytest
 
-from dubins_study.study.check.certificate import Proof
-from dubins_study.study.check.verdict import Verdict
 from dubins_study.study.path import Path
+from dubins_study.study.words import Proof, Verdict
 from tests.adversary import answers, checks, frames
 from tests.adversary.campaign import run
 from tests.adversary.table import CHECKS, Table

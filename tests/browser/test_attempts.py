@@ -16,8 +16,8 @@ import pytest
 from browser_tab import DESK, PHONE
 
 from dubins_study import Scenario, render, solve
-from dubins_study.study.claim import Claim
 from dubins_study.study.path import Path
+from dubins_study.study.words import Claim
 from tests.unit.report.results_folder import attempt, write_folder
 
 # What would run if it were not text: in HTML, in a template of Bokeh's, in a shell. A mark that

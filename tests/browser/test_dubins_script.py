@@ -13,12 +13,12 @@ from cases import EDGES, PAPER
 from hard_cases import hard_frame
 
 from dubins_study.study.angle import parse_angle
+from dubins_study.study.body_coordinates import EPS, local
 from dubins_study.study.check.enclosure import enclose
 from dubins_study.study.check.extremal import measure
 from dubins_study.study.closed_form.shortest import as_path, margin, region_of, shortest
 from dubins_study.study.path import Path as Driven
 from dubins_study.study.scenario import NUMBERS, Scenario, scenarios
-from dubins_study.study.vehicle_frame import EPS, local
 
 ROOT = Path(__file__).parents[2]
 SCRIPTS = ROOT / "src/dubins_study/report/page/templates/scripts"

@@ -10,8 +10,8 @@ from explorer_page import agrees, scenario_in
 from dubins_study import Scenario
 from dubins_study.report.explorer.fragment import PRESETS
 from dubins_study.study.angle import parse_angle
+from dubins_study.study.body_coordinates import local
 from dubins_study.study.closed_form.shortest import region_of, shortest
-from dubins_study.study.vehicle_frame import local
 
 
 def test_every_example_shows_what_the_package_computes(explorer):

@@ -10,8 +10,8 @@ from explorer_page import centre, scenario_in
 
 from dubins_study import Scenario
 from dubins_study.report.explorer.fragment import PRESETS
+from dubins_study.study.body_coordinates import local
 from dubins_study.study.closed_form.shortest import shortest
-from dubins_study.study.vehicle_frame import local
 
 
 @pytest.mark.slow

@@ -8,7 +8,7 @@ import pytest
 from browser_tab import DESK, PHONE
 
 from dubins_study import render
-from dubins_study.study.claim import Claim
+from dubins_study.study.words import Claim
 from tests.unit.report.results_folder import attempt, paper_scenarios, write_folder
 
 WIDTHS = {"phone": PHONE, "desk": DESK}

@@ -10,10 +10,10 @@ import numpy as np
 
 from dubins_study.solvers.analytic import Analytic
 from dubins_study.solvers.protocol import Solution
-from dubins_study.study.claim import Claim
 from dubins_study.study.closed_form.shortest import shortest_path
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Pose
+from dubins_study.study.words import Claim
 
 
 class Rude(BaseException):

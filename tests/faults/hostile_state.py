@@ -26,7 +26,7 @@ from threadpoolctl import threadpool_info, threadpool_limits
 import dubins_study.solvers.attempt
 import dubins_study.study.check.verdict
 from dubins_study.solvers.analytic import Analytic
-from dubins_study.study.check.verdict import Verdict
+from dubins_study.study.words import Verdict
 
 SEED = 424242
 

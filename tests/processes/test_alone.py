@@ -15,9 +15,7 @@ from cases import PAPER
 from dubins_study.experiments.solve import solve
 from dubins_study.solvers.export import export
 from dubins_study.solvers.nlp_engines.table import ENGINES as NLP_ENGINES
-from dubins_study.solvers.protocol import Outcome
-from dubins_study.study.check.verdict import Verdict
-from dubins_study.study.claim import Claim
+from dubins_study.study.words import Claim, Outcome, Verdict
 from tests.unit.solvers.test_export import CASES, KINDS
 from tests.unit.solvers.test_minlp_engines import INSTALLED
 from tests.unit.solvers.test_nlp_engines import ALONE

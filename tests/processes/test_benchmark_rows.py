@@ -19,12 +19,11 @@ from dubins_study.experiments.store.folder import read_rows
 from dubins_study.solvers.registry import load, unavailable
 from dubins_study.study.check.certificate import certify
 from dubins_study.study.check.verdict import judge
-from dubins_study.study.claim import Claim
 from dubins_study.study.path import Path
 from dubins_study.study.rows.manifest import read_manifest
 from dubins_study.study.rows.schema import ANSWER, CELL, KEY, RUN, SCENARIO, names
 from dubins_study.study.scenario import Scenario
-from dubins_study.study.words import FORMULATIONS
+from dubins_study.study.words import FORMULATIONS, Claim
 
 FOLDER = FilePath(__file__).parents[2] / "results" / "benchmark"
 # Engines whose makers do not wish that others publish their times.

@@ -260,7 +260,7 @@ from pathlib import Path
 from dubins_study.solvers.analytic import Analytic
 from dubins_study.solvers.protocol import Solution
 from dubins_study.study.path import Path
-from dubins_study.study.claim import Claim
+from dubins_study.study.words import Claim
 print("loaded")
 class Loud(Analytic):
     def solve(self, model, limit):

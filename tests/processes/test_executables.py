@@ -11,10 +11,8 @@ from live_run import wait_for
 from stand_in import put_program, put_solver
 
 from dubins_study.experiments.solve import solve
-from dubins_study.solvers.protocol import Outcome
-from dubins_study.study.check.verdict import Verdict
-from dubins_study.study.claim import Claim
 from dubins_study.study.scenario import Scenario
+from dubins_study.study.words import Claim, Outcome, Verdict
 
 LEFT_DISC = EDGES["centre of the left disc"]  # no path LS ends there
 

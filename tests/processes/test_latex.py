@@ -10,8 +10,8 @@ import subprocess
 import pytest
 
 from dubins_study import render
-from dubins_study.study.claim import Claim
 from dubins_study.study.scenario import Scenario
+from dubins_study.study.words import Claim
 from tests.unit.report.results_folder import attempt
 from tests.unit.report.test_tex import HOSTILE
 

@@ -22,12 +22,12 @@ from dubins_study.experiments.plan.cells import chains
 from dubins_study.experiments.run_settings import RunSettings
 from dubins_study.experiments.store.folder import done, read_rows
 from dubins_study.experiments.store.part_writer import write_part
-from dubins_study.solvers.protocol import Outcome
 from dubins_study.solvers.registry import SolverError
 from dubins_study.solvers.reply import no_answer
 from dubins_study.study.rows.files import ResultsError
 from dubins_study.study.rows.row_table import ARROW_SCHEMA
 from dubins_study.study.rows.schema import ROW, VERSION, documentation, names
+from dubins_study.study.words import Outcome
 
 SMALL = """
 title = "small"

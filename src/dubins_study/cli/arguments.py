@@ -172,7 +172,7 @@ def scenario_of(
 
 def _number(name: str, text: str) -> float:
     if not is_number(text):
-        from dubins_study.study.printable import short
+        from dubins_study.study.values import short
 
         raise CommandError(f"{name} is {short(text)}; expected a number")
     return float(text)

@@ -60,7 +60,7 @@ def _record(comparison: Comparison) -> dict[str, Any]:
 def _text(comparison: Comparison) -> str:
     from dubins_study.cli.terminal.table import table
     from dubins_study.report.two_runs.verdicts import with_verdicts
-    from dubins_study.study.printable import plain
+    from dubins_study.study.values import plain
 
     def ratio(row: Any) -> str:
         low, high = row["time_ratio_low"], row["time_ratio_high"]
@@ -97,7 +97,7 @@ _MOST_LINES, _MOST_NAMES = 20, 8
 
 def _unpaired(comparison: Comparison) -> list[str]:
     """What only one run was asked: nothing is said of it."""
-    from dubins_study.study.printable import plain
+    from dubins_study.study.values import plain
 
     lines = []
     for side in ("base", "new"):
@@ -111,7 +111,7 @@ def _unpaired(comparison: Comparison) -> list[str]:
 
 
 def _regressions(comparison: Comparison) -> list[str]:
-    from dubins_study.study.printable import plain
+    from dubins_study.study.values import plain
 
     frame = comparison.regressions
     if frame.empty:

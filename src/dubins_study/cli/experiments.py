@@ -57,7 +57,7 @@ def experiments_text(overviews: list[Overview]) -> str:
 def experiment_text(asked: Overview) -> str:
     """One experiment: its question, its numbers, and its solvers, one a line."""
     from dubins_study.cli.terminal.table import listing
-    from dubins_study.study.printable import plain
+    from dubins_study.study.values import plain
 
     limits = f"{asked.time_limit_s:g} s and {asked.memory_limit_gib:g} GiB a solve"
     lines = listing(

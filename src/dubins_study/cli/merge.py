@@ -21,7 +21,7 @@ def merge(
     Refused if they contradict each other.
     """
     from dubins_study.experiments.store.merge import merge as unite
-    from dubins_study.study.printable import plain
+    from dubins_study.study.values import plain
 
     union = unite(folders, out)
     if as_json:

@@ -15,7 +15,7 @@ import typer
 
 from dubins_study.cli.terminal.command_line import CommandLine
 from dubins_study.cli.terminal.refusals import CommandError
-from dubins_study.study.printable import plain
+from dubins_study.study.values import plain
 
 app = CommandLine("new", "Write a file to begin with.")
 

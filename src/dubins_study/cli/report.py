@@ -72,7 +72,7 @@ def _value(text: str) -> str | float | None:
 def report_text(page: FilePath) -> str:
     """The summary table of a report, and the path of its page."""
     from dubins_study.cli.terminal.table import table
-    from dubins_study.study.printable import plain
+    from dubins_study.study.values import plain
 
     def _line(text: str) -> str:
         return plain(text.replace("\n", " ").replace("\u202f", " "))  # thin spaces of numbers

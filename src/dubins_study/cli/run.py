@@ -71,7 +71,7 @@ def run(
 def _print_status(state: Status, as_json: bool) -> None:
     """What the folder of a run holds and, once it is finished, how to see it."""
     from dubins_study.cli.status import status_text
-    from dubins_study.study.printable import plain
+    from dubins_study.study.values import plain
 
     if as_json:
         print(json.dumps(state.as_json(), indent=2))
@@ -127,7 +127,7 @@ def _check_section(experiment: str) -> None:
     if not isinstance(section, str):
         return
     from dubins_study.report.page.sections import KEYS
-    from dubins_study.study.nearest import did_you_mean
+    from dubins_study.study.values import did_you_mean
 
     if section not in KEYS:
         print(

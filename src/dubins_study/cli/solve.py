@@ -83,8 +83,8 @@ def _draw(answer: Answer, file: FilePath) -> bool:
 
 def _refusal(answer: Answer) -> str | None:
     """Why the solver was not started; None if it was started."""
-    from dubins_study.solvers.protocol import Outcome
-    from dubins_study.study.printable import plain
+    from dubins_study.study.values import plain
+    from dubins_study.study.words import Outcome
 
     if answer.outcome not in (Outcome.UNAVAILABLE, Outcome.UNSUPPORTED):
         return None
@@ -108,8 +108,8 @@ def _letter(curvature: float) -> str:
 
 def answer_text(answer: Answer) -> str:
     """The answer as a few lines for the terminal."""
-    from dubins_study.solvers.protocol import Outcome
-    from dubins_study.study.printable import plain
+    from dubins_study.study.values import plain
+    from dubins_study.study.words import Outcome
 
     lines = [
         _line("verdict", _verdict(answer)),
@@ -177,6 +177,6 @@ def _verdict(answer: Answer) -> str:
     """The verdict, and of a path that misses, why."""
     if answer.verdict != "misses" or answer.path is None:
         return str(answer.verdict)
-    from dubins_study.study.check.miss_reason import miss_reason
+    from dubins_study.study.check.verdict import miss_reason
 
     return f"{answer.verdict}: {miss_reason(answer.scenario, answer.path, answer.branch)}"

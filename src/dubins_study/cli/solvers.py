@@ -52,7 +52,7 @@ def solvers_text(entries: list[Entry]) -> str:
 def solver_text(entry: Entry) -> str:
     """One solver as a list: what it is, what it answers, and its settings with their values."""
     from dubins_study.cli.terminal.table import listing
-    from dubins_study.study.printable import plain
+    from dubins_study.study.values import plain
 
     return listing(
         {
@@ -69,6 +69,6 @@ def solver_text(entry: Entry) -> str:
 
 
 def _available(entry: Entry) -> str:
-    from dubins_study.study.printable import plain
+    from dubins_study.study.values import plain
 
     return "yes" if entry.reason is None else f"no: {plain(entry.reason)}"

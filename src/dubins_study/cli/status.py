@@ -12,7 +12,7 @@ import typer
 
 from dubins_study.cli.terminal.streams import duration
 from dubins_study.cli.terminal.table import table
-from dubins_study.study.printable import plain
+from dubins_study.study.values import plain
 
 if TYPE_CHECKING:
     from dubins_study.experiments.store.status import Status

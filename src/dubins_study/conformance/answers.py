@@ -19,11 +19,11 @@ from dubins_study.conformance.findings import Finding, Status
 from dubins_study.conformance.interview import Seen
 from dubins_study.conformance.questions import check_command, command, name_of
 from dubins_study.solvers.attempt import Answer
-from dubins_study.solvers.protocol import Guarantee, Outcome
-from dubins_study.study.check.verdict import Verdict, curvature_excess, judge
-from dubins_study.study.claim import Claim
+from dubins_study.solvers.protocol import Guarantee
+from dubins_study.study.check.verdict import curvature_excess, judge
 from dubins_study.study.path import Path, drivable
 from dubins_study.study.scenario import Scenario
+from dubins_study.study.words import Claim, Outcome, Verdict
 
 
 class Kind(StrEnum):

@@ -15,9 +15,9 @@ from dubins_study.conformance.observer import RANDOM, TEMPORARY
 from dubins_study.conformance.questions import check_command, command
 from dubins_study.conformance.worker import GRACE_S
 from dubins_study.experiments.isolation.monitor import GRACE_S as RUN_GRACE_S
-from dubins_study.solvers.protocol import Guarantee, Outcome, Question
+from dubins_study.solvers.protocol import Guarantee, Question
 from dubins_study.study.path import Path
-from dubins_study.study.words import BRANCHES
+from dubins_study.study.words import BRANCHES, Outcome
 
 # Seconds of a limit that a solver is given to be cut off by, and that it may take beyond a limit
 # if it promises to keep it (`Solver.keeps_limit`).

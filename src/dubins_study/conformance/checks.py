@@ -12,10 +12,10 @@ from dubins_study.conformance.findings import CheckResult, Finding, Status
 from dubins_study.conformance.interview import Interview, Seen
 from dubins_study.conformance.patterns import of_another_question, of_one_side
 from dubins_study.solvers.protocol import Question
-from dubins_study.study.check.verdict import Verdict
 from dubins_study.study.closed_form.shortest import shortest_path
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
+from dubins_study.study.words import Verdict
 
 
 class Check(NamedTuple):

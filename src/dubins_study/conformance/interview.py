@@ -11,10 +11,9 @@ from dubins_study.conformance.worker import Source
 from dubins_study.errors import DubinsStudyError
 from dubins_study.solvers.attempt import Answer, judged
 from dubins_study.solvers.profiles import PROFILES
-from dubins_study.solvers.protocol import Method, Outcome, Question
+from dubins_study.solvers.protocol import Method, Question
 from dubins_study.solvers.reply import Reply, no_answer
-from dubins_study.study.check.verdict import Verdict
-from dubins_study.study.claim import Claim
+from dubins_study.study.words import Claim, Outcome, Verdict
 
 # Questions in a row that may end in a timeout before no more are asked.
 MAX_TIMEOUTS = 3

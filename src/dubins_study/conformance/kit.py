@@ -20,8 +20,7 @@ from dubins_study.solvers.attempt import check_request
 from dubins_study.solvers.profiles import tolerances
 from dubins_study.solvers.protocol import Solver
 from dubins_study.solvers.registry import registered_name
-from dubins_study.study.nearest import did_you_mean
-from dubins_study.study.printable import short
+from dubins_study.study.values import did_you_mean, short
 
 # Seconds for one question, and for all of them.
 TIME_LIMIT_S, TOTAL_TIME_LIMIT_S = 5.0, 600.0

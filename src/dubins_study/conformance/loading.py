@@ -14,7 +14,7 @@ from dubins_study.solvers.profiles import PROFILES
 from dubins_study.solvers.protocol import NOT_STATED, Guarantee, Solver
 from dubins_study.solvers.registry import SolverError, load, settings, stated_method, unavailable
 from dubins_study.solvers.reply import exception_text
-from dubins_study.study.nearest import did_you_mean
+from dubins_study.study.values import did_you_mean
 from dubins_study.study.words import BRANCHES, FORMULATIONS
 
 BROKEN = "the file has to load by itself: python my_solver.py must not raise"

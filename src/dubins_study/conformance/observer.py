@@ -25,12 +25,12 @@ from dubins_study.experiments.isolation.messages import (
 )
 from dubins_study.experiments.isolation.process_state import ProcessState, seed
 from dubins_study.experiments.isolation.sandbox import bound_memory, pin_threads
-from dubins_study.solvers.protocol import Outcome, Question, Solution
+from dubins_study.solvers.protocol import Question, Solution
 from dubins_study.solvers.registry import SolverError, load
 from dubins_study.solvers.reply import Reply, Times, ask, exception_text, no_answer
-from dubins_study.study.claim import Claim
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Pose
+from dubins_study.study.words import Claim, Outcome
 
 _PACKAGE = str(FilePath(__file__).parents[1])
 _MAX_TRACEBACK_CHARS = 4000

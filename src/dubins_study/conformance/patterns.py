@@ -11,7 +11,7 @@ from dubins_study.conformance import questions
 from dubins_study.conformance.answers import Kind, Problem
 from dubins_study.conformance.causes import SWAPPED_SIDES, cause_of
 from dubins_study.conformance.interview import Seen
-from dubins_study.study.check.verdict import Verdict
+from dubins_study.study.words import Verdict
 
 
 def of_another_question(earlier_seen: Iterable[Seen], seen: Seen, problem: Problem) -> Problem:

@@ -9,7 +9,7 @@ from textwrap import fill, indent
 from typing import Any
 
 from dubins_study.conformance.findings import CheckResult, Finding, Status
-from dubins_study.study.printable import plain, printable_text
+from dubins_study.study.values import plain, printable_text
 
 
 @dataclass(frozen=True, slots=True, repr=False)

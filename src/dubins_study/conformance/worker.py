@@ -20,9 +20,10 @@ from dubins_study.experiments.isolation.messages import (
     decode_reply,
     encode_question,
 )
-from dubins_study.solvers.protocol import Outcome, Question
+from dubins_study.solvers.protocol import Question
 from dubins_study.solvers.registry import SolverError
 from dubins_study.solvers.reply import Reply, Times, no_answer
+from dubins_study.study.words import Outcome
 
 _SERVE = "dubins_study.conformance.observer:serve"
 # Seconds that a plug-in may take to load, and its first question beyond the limit: it loads the

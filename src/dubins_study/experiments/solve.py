@@ -16,8 +16,8 @@ from dubins_study.solvers.protocol import Question
 from dubins_study.solvers.registry import load, ours
 from dubins_study.solvers.reply import DEFAULT_LIMIT
 from dubins_study.study.path import Path
-from dubins_study.study.printable import short
 from dubins_study.study.scenario import Scenario
+from dubins_study.study.values import short
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -15,12 +15,11 @@ from dubins_study.errors import DubinsStudyError
 from dubins_study.report.elements.figure_file import figure_bytes, fix_layout
 from dubins_study.report.elements.style import drawing, new_figure
 from dubins_study.report.topics.paper.figures import aspect_of, plot_paths
-from dubins_study.study.check.verdict import Verdict
 from dubins_study.study.closed_form.shortest import shortest_path
 from dubins_study.study.path import Path
-from dubins_study.study.printable import short
 from dubins_study.study.scenario import Scenario
-from dubins_study.study.words import BRANCHES
+from dubins_study.study.values import short
+from dubins_study.study.words import BRANCHES, Verdict
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -6,10 +6,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
 from dubins_study.solvers.protocol import Guarantee, Method, Question, Solution, Solver
-from dubins_study.study.claim import Claim
 from dubins_study.study.closed_form.shortest import as_path, shortest
 from dubins_study.study.scenario import NUMBERS
-from dubins_study.study.words import BRANCHES
+from dubins_study.study.words import BRANCHES, Claim
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -52,7 +51,7 @@ class Analytic(Solver):
         from dubins_study.study.closed_form.kernel import shortest_rows
         from dubins_study.study.closed_form.kernel_paths import curvatures
         from dubins_study.study.closed_form.kernel_words import NO_PATH, Rows
-        from dubins_study.study.paths import CLAIMS, Paths
+        from dubins_study.study.path import CLAIMS, Paths
 
         n = len(frame)
         curvature, length = np.empty((2, n)), np.empty((2, n))

@@ -9,20 +9,18 @@ from typing import Any
 
 from dubins_study.errors import DubinsStudyError
 from dubins_study.solvers.profiles import PROFILES
-from dubins_study.solvers.protocol import NOT_STATED, Method, Outcome, Question, Solution, Solver
+from dubins_study.solvers.protocol import NOT_STATED, Method, Question, Solution, Solver
 from dubins_study.solvers.registry import stated_method
 from dubins_study.solvers.reply import DEFAULT_LIMIT, Reply, ask
-from dubins_study.study.check.certificate import Certificate, Proof, certify
-from dubins_study.study.check.verdict import Judgement, Tolerances, Verdict, judge
-from dubins_study.study.claim import Claim
+from dubins_study.study.check.certificate import Certificate, certify
+from dubins_study.study.check.verdict import Judgement, judge
 from dubins_study.study.closed_form.shortest import shortest
-from dubins_study.study.nearest import did_you_mean
-from dubins_study.study.number import real_number
 from dubins_study.study.path import Path
-from dubins_study.study.printable import plain, short
 from dubins_study.study.rows.schema import ANSWER, SCENARIO, names
 from dubins_study.study.scenario import Scenario
-from dubins_study.study.words import BRANCHES
+from dubins_study.study.tolerances import Tolerances
+from dubins_study.study.values import did_you_mean, plain, real_number, short
+from dubins_study.study.words import BRANCHES, Claim, Outcome, Proof, Verdict
 
 _REPR_CHARS = 96  # of a line of an answer's repr
 

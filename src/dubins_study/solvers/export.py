@@ -14,8 +14,8 @@ from dubins_study.errors import DubinsStudyError
 from dubins_study.solvers.paper_nlp.initial_guesses import initial_guesses
 from dubins_study.solvers.paper_nlp.model import SUBPROBLEMS
 from dubins_study.solvers.protocol import Question
-from dubins_study.study.nearest import did_you_mean
 from dubins_study.study.scenario import Scenario
+from dubins_study.study.values import did_you_mean
 
 MODELS = ("paper", "disjunctive")
 FORMATS = ("nl", "mod", "gams")

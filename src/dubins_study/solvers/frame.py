@@ -12,23 +12,22 @@ import numpy as np
 from dubins_study.solvers.attempt import Answer, attempt, check_request
 from dubins_study.solvers.frame_solution import FrameSolution
 from dubins_study.solvers.profiles import tolerances
-from dubins_study.solvers.protocol import Method, Outcome, Question
+from dubins_study.solvers.protocol import Method, Question
 from dubins_study.solvers.registry import load, stated_method, unavailable
 from dubins_study.solvers.reply import DEFAULT_LIMIT, exception_text
-from dubins_study.study.check.certificate import Proof
 from dubins_study.study.check.extremal import MEASURED
-from dubins_study.study.claim import Claim
 from dubins_study.study.path import FloatArray
 from dubins_study.study.rows.schema import ANSWER, SCENARIO, Column, names
 from dubins_study.study.scenario import check_frame
 from dubins_study.study.scenario import scenarios as scenarios_of
+from dubins_study.study.words import Claim, Outcome, Proof
 
 if TYPE_CHECKING:
     import pandas as pd
 
     from dubins_study.study.check.certificate_frame import FrameCertificate
     from dubins_study.study.check.verdict_frame import FrameJudgement
-    from dubins_study.study.paths import Paths
+    from dubins_study.study.path import Paths
 
 _FIELDS = [field.name for field in fields(FrameSolution)]
 _COUNTS = ("iterations", "evaluations", "best_run_evaluations")
@@ -81,7 +80,7 @@ def _run(
     whole: Callable[[pd.DataFrame, str], FrameSolution], frame: pd.DataFrame, branch: str
 ) -> tuple[Outcome, FrameSolution, float]:
     """The answers, and the seconds they took; a backend that raises has answered no row."""
-    from dubins_study.study.paths import Paths
+    from dubins_study.study.path import Paths
 
     began = perf_counter()
     try:
@@ -110,7 +109,7 @@ def _columns(
     from dubins_study.study.check.two_arcs import PATH_WORDS
     from dubins_study.study.check.verdict_kernel import REGIONS, VERDICTS
     from dubins_study.study.closed_form.kernel import WORDS
-    from dubins_study.study.paths import CLAIMS
+    from dubins_study.study.path import CLAIMS
 
     n = len(solution.paths)
     claim, same = solution.claim, np.zeros(n, np.int8)

@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from dubins_study.study.claim import Claim
 from dubins_study.study.path import FloatArray
-from dubins_study.study.printable import short
+from dubins_study.study.values import short
+from dubins_study.study.words import Claim
 
 if TYPE_CHECKING:
-    from dubins_study.study.paths import Paths
+    from dubins_study.study.path import Paths
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,7 +25,7 @@ class FrameSolution:
     solver's own. The caller times the call and judges the paths, as for `Solver.solve`.
 
     Args:
-        claim: one for all rows, or indices into `study.paths.CLAIMS`, shape (n,).
+        claim: one for all rows, or indices into `study.path.CLAIMS`, shape (n,).
         paths: controls of n paths of at most two arcs, and which rows have one.
         claimed_length: as the solver reports it (length unit), shape (n,); NaN where there is
             none. None if there is none in any row.
@@ -46,8 +46,8 @@ class FrameSolution:
     message: str | Sequence[str] = ""
 
     def __post_init__(self) -> None:
-        from dubins_study.study.number import real_array
-        from dubins_study.study.paths import CLAIMS, Paths
+        from dubins_study.study.path import CLAIMS, Paths
+        from dubins_study.study.values import real_array
 
         paths = self.paths
         if not isinstance(paths, Paths):

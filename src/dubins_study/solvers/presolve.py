@@ -7,10 +7,9 @@ that it answers says so, and proves nothing for the engine.
 from __future__ import annotations
 
 from dubins_study.solvers.protocol import Question, Solution
-from dubins_study.study.claim import Claim
+from dubins_study.study.body_coordinates import local
 from dubins_study.study.scenario import Scenario
-from dubins_study.study.vehicle_frame import local
-from dubins_study.study.words import BRANCHES
+from dubins_study.study.words import BRANCHES, Claim
 
 WORDS = BRANCHES[1:]
 

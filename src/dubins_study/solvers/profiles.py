@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from dubins_study.errors import DubinsStudyError
-from dubins_study.study.check.verdict import Tolerances
-from dubins_study.study.nearest import did_you_mean
-from dubins_study.study.printable import short
+from dubins_study.study.tolerances import Tolerances
+from dubins_study.study.values import did_you_mean, short
 
 # `default` calls four digits of the length optimal: what a plotted path or a flight plan can use.
 # `accurate` asks for what an NLP solver reaches at its usual tolerance; `fast` for three digits.

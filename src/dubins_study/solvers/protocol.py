@@ -8,11 +8,10 @@ from enum import StrEnum
 from operator import index
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
-from dubins_study.study.claim import Claim
-from dubins_study.study.number import real_number
 from dubins_study.study.path import Path
-from dubins_study.study.printable import short
 from dubins_study.study.scenario import Scenario
+from dubins_study.study.values import real_number, short
+from dubins_study.study.words import Claim
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -28,18 +27,6 @@ class Guarantee(StrEnum):
     DISCRETISED = "discretised"
     GLOBAL = "global"
     STOCHASTIC = "stochastic"
-
-
-class Outcome(StrEnum):
-    """The way in which the call of a solver ended."""
-
-    RETURNED = "returned"
-    TIMEOUT = "timeout"
-    CRASHED = "crashed"
-    RAISED = "raised"
-    OUT_OF_MEMORY = "out_of_memory"
-    UNSUPPORTED = "unsupported"
-    UNAVAILABLE = "unavailable"
 
 
 @dataclass(frozen=True, slots=True)

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple, TypeGuard
 
 from dubins_study.errors import DubinsStudyError
 from dubins_study.solvers.protocol import Method, Solver
-from dubins_study.study.nearest import did_you_mean
+from dubins_study.study.values import did_you_mean
 
 GROUP = "dubins_study.solvers"
 _SPEC = re.compile(r"(?P<name>[^\[\]]+?)(?:\[(?P<settings>[^\[\]]*)\])?")

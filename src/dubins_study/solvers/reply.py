@@ -8,9 +8,9 @@ from time import perf_counter
 from typing import NamedTuple
 
 from dubins_study.solvers.presolve import presolved
-from dubins_study.solvers.protocol import Outcome, Question, Solution, Solver
+from dubins_study.solvers.protocol import Question, Solution, Solver
 from dubins_study.solvers.registry import unavailable
-from dubins_study.study.claim import Claim
+from dubins_study.study.words import Claim, Outcome
 
 # Long enough for every backend on every question; a solve here lasts microseconds to seconds.
 DEFAULT_LIMIT = 60.0

@@ -6,7 +6,7 @@ import importlib.util
 import math
 from collections.abc import Collection
 
-from dubins_study.study.nearest import did_you_mean
+from dubins_study.study.values import did_you_mean
 
 
 def missing_package(*names: str) -> str | None:

@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 
 from dubins_study.solvers.protocol import Question, Solution
-from dubins_study.study.claim import Claim
+from dubins_study.study.body_coordinates import EPS
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
-from dubins_study.study.vehicle_frame import EPS
+from dubins_study.study.words import Claim
 
 
 def staying(question: Question) -> Solution:

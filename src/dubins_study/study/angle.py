@@ -6,7 +6,7 @@ import math
 import re
 
 from dubins_study.errors import DubinsStudyError
-from dubins_study.study.printable import short
+from dubins_study.study.values import short
 
 _NUMBER = r"(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
 _WITH_UNIT = re.compile(rf"([+-]?{_NUMBER})\s*(deg|°|rad)")

@@ -12,8 +12,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from dubins_study.study.number import doubles, real_number
-from dubins_study.study.scenario import Pose
+from dubins_study.study.scenario import Pose, Scenario
+from dubins_study.study.values import doubles, real_number
+from dubins_study.study.words import Claim
 
 FloatArray = NDArray[np.float64]
 _RIPPLE = 1e-3
@@ -33,7 +34,7 @@ class Path:
 
     Raises:
         ValueError: if the two arrays are not of one shape (n,).
-        TypeError: if one of them holds something else than numbers (`study.number`).
+        TypeError: if one of them holds something else than numbers (`study.values`).
 
     Any numbers are accepted, since a path may come from a solver that went wrong; whether it
     can be driven (finite, no negative length) is for `study.check.verdict` to say.
@@ -233,3 +234,51 @@ def largest_distance(first: Path, second: Path, n: int = 257) -> float:
     along = np.linspace(0.0, max(first.total_length, second.total_length), n)
     apart: NDArray[Any] = first.at(along)[:, :2] - second.at(along)[:, :2]
     return float(np.hypot(apart[:, 0], apart[:, 1]).max())
+
+
+BoolArray = NDArray[np.bool_]
+CLAIMS = tuple(Claim)
+
+
+@dataclass(frozen=True, eq=False)
+class Paths:
+    """Controls of n paths of at most two arcs, each starting at its scenario's start.
+
+    Args:
+        curvature: shape (2, n), 1 / length unit, positive to the left.
+        length: shape (2, n), length unit; an arc of length 0 is left out.
+        returned: shape (n,), False where there is no path; None if all rows have one.
+
+    Raises:
+        ValueError: naming the array, its shape and what was expected.
+        TypeError: if an array does not hold numbers, or `returned` no booleans.
+    """
+
+    curvature: FloatArray
+    length: FloatArray
+    returned: BoolArray | None = None
+
+    def __post_init__(self) -> None:
+        n = np.shape(self.curvature)[-1] if np.ndim(self.curvature) else 0
+        for name in ("curvature", "length"):
+            array = doubles(name, getattr(self, name))
+            if array.shape != (2, n):
+                raise ValueError(f"{name} has shape {array.shape}; expected {(2, n)}")
+            object.__setattr__(self, name, array)
+        if self.returned is not None:
+            returned = np.asarray(self.returned)
+            if returned.shape != (n,):
+                raise ValueError(f"returned has shape {returned.shape}; expected {(n,)}")
+            if returned.dtype != np.bool_:
+                raise TypeError(f"returned is an array of {returned.dtype}; expected booleans")
+            object.__setattr__(self, "returned", returned)
+
+    def __len__(self) -> int:
+        return int(self.curvature.shape[-1])
+
+    def path(self, row: int, scenario: Scenario) -> Path | None:
+        """One row's path, as the scalar check takes it."""
+        if self.returned is not None and not self.returned[row]:
+            return None
+        driven = self.length[:, row] != 0
+        return Path(scenario.start, self.curvature[driven, row], self.length[driven, row])

@@ -11,8 +11,7 @@ import numpy as np
 
 from dubins_study.errors import DubinsStudyError
 from dubins_study.study.angle import AngleError, parse_angle
-from dubins_study.study.number import real_number
-from dubins_study.study.printable import short
+from dubins_study.study.values import real_number, short
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -35,7 +34,7 @@ class Scenario:
     """One vehicle and one target.
 
     A number is an int or a float, one of numpy's, a Fraction or a Decimal: no text, boolean or
-    complex number (`study.number.real_number`).
+    complex number (`study.values.real_number`).
 
     Args:
         x, y: start position; any length unit, the same for all lengths.

@@ -16,7 +16,7 @@ from dubins_study.experiments.definition.experiment import ExperimentError, pack
 from dubins_study.experiments.plan.run_plan import Request, plan_run
 from dubins_study.solvers.profiles import PROFILES
 from dubins_study.solvers.registry import GROUP, registered
-from dubins_study.study.nearest import nearest
+from dubins_study.study.values import nearest
 from dubins_study.study.words import BRANCHES
 
 PATH = ("solve", "10", "5")

@@ -15,9 +15,9 @@ from dubins_study.experiments.plan.cells import chains, shuffled
 from dubins_study.experiments.plan.scenario_ids import scenario_id
 from dubins_study.experiments.plan.solver_specs import expand_solvers
 from dubins_study.solvers.registry import SolverError, load, registered
+from dubins_study.study.body_coordinates import local
 from dubins_study.study.closed_form.shortest import shortest
 from dubins_study.study.scenario import Scenario
-from dubins_study.study.vehicle_frame import local
 
 HEAD = 'title = "t"\nquestion = "q"\nsolvers = ["analytic"]\n'
 LOCAL = HEAD.replace("analytic", "slsqp")

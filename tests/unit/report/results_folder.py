@@ -16,11 +16,11 @@ from dubins_study.report.data.attempts import Attempts
 from dubins_study.report.data.results import load as load_folders
 from dubins_study.solvers.registry import SolverError, load, settings
 from dubins_study.study.check.verdict import judge
-from dubins_study.study.claim import Claim
 from dubins_study.study.closed_form.shortest import shortest_path
 from dubins_study.study.path import Path
 from dubins_study.study.rows.schema import ROW, VERSION, arrow_schema
 from dubins_study.study.scenario import Scenario
+from dubins_study.study.words import Claim
 
 SCHEMA = arrow_schema()
 

@@ -24,9 +24,9 @@ from dubins_study.report.topics.basins.numbers import (
     minimum,
     shares,
 )
-from dubins_study.study.claim import Claim
 from dubins_study.study.closed_form.shortest import shortest, shortest_path
 from dubins_study.study.path import Path
+from dubins_study.study.words import Claim
 from tests.unit.report.results_folder import attempt, paper_scenarios
 from tests.unit.report.topic_page import topic_page
 

@@ -17,10 +17,10 @@ from dubins_study.report.topics.belief.numbers import (
     false_proofs,
 )
 from dubins_study.report.topics.belief.section import belief_section
-from dubins_study.study.claim import Claim
 from dubins_study.study.closed_form.shortest import shortest_path
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
+from dubins_study.study.words import Claim
 from tests.unit.report.results_folder import attempt, write_folder
 
 PLAIN = Scenario(0, 0, 0, 5, 2, 1, label="plain")

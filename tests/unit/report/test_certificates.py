@@ -8,7 +8,7 @@ from functools import partial
 import pytest
 
 from dubins_study.report.data.results import load
-from dubins_study.study.claim import Claim
+from dubins_study.study.words import Claim
 from tests.unit.report.results_folder import attempt, paper_scenarios
 from tests.unit.report.topic_page import section_text, topic_page
 

@@ -19,8 +19,8 @@ from dubins_study.report.topics.comparison.paired import (
     separated,
 )
 from dubins_study.report.topics.comparison.section import comparison_section, spread
-from dubins_study.study.claim import Claim
 from dubins_study.study.scenario import Scenario
+from dubins_study.study.words import Claim
 from tests.unit.report.results_folder import attempt
 
 WORD, JOINT = "one NLP a word", "joint NLP, both orders"

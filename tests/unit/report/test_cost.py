@@ -17,9 +17,9 @@ from dubins_study.report.topics.cost.numbers import (
     strata,
 )
 from dubins_study.report.topics.cost.section import cost_section
-from dubins_study.study.claim import Claim
 from dubins_study.study.closed_form.shortest import shortest
 from dubins_study.study.scenario import Scenario
+from dubins_study.study.words import Claim
 from tests.unit.report.results_folder import attempt
 
 WORDS = ("LS", "RS", "LR", "RL")

@@ -30,9 +30,9 @@ from dubins_study.report.topics.decision.numbers import (
     false_provers,
 )
 from dubins_study.report.topics.decision.section import decision_section
-from dubins_study.study.claim import Claim
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
+from dubins_study.study.words import Claim
 from tests.unit.report.results_folder import attempt, paper_scenarios
 
 MANY = 200  # questions: two wrong answers leave 99 %

@@ -12,9 +12,9 @@ from dubins_study.report.data.verdicts import existence as counts
 from dubins_study.report.data.verdicts import methods, verdicts
 from dubins_study.report.topics.existence.numbers import engine_times, existence
 from dubins_study.report.topics.existence.section import existence_section
-from dubins_study.study.claim import Claim
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
+from dubins_study.study.words import Claim
 from tests.unit.report.results_folder import attempt, write_folder
 
 # The left disc has its centre at (0, 1): an LS path cannot end inside.

@@ -12,9 +12,9 @@ from dubins_study.report.data import failures as counts
 from dubins_study.report.data.results import load
 from dubins_study.report.topics.failures.numbers import by_region, failure_map, failures, unreturned
 from dubins_study.report.topics.failures.section import failures_section
-from dubins_study.study.claim import Claim
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
+from dubins_study.study.words import Claim
 from tests.unit.report.results_folder import attempt
 
 NEAR, FAR = Scenario(0, 0, 0, 2, 2.5), Scenario(0, 0, 0, 30, 1)

@@ -16,9 +16,9 @@ from dubins_study.report.interactive import section
 from dubins_study.report.interactive.packing import Packed, pack
 from dubins_study.report.interactive.polylines import GRID, polylines
 from dubins_study.report.interactive.sample import WORST, sample
-from dubins_study.study.claim import Claim
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Pose, Scenario
+from dubins_study.study.words import Claim
 from tests.unit.report.results_folder import attempt, write_folder
 
 FOUR_DIGITS = 2.0**-15  # half a unit in the last of the 15 bits that are kept of a measured number

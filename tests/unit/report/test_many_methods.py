@@ -13,10 +13,9 @@ from dubins_study.report.elements.style import RULE, drawing
 from dubins_study.report.page.render import render
 from dubins_study.report.page.sections import TOPICS, sections_of
 from dubins_study.report.statistics.methods import MOST_ENGINES
-from dubins_study.study.claim import Claim
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
-from dubins_study.study.words import FORMULATIONS
+from dubins_study.study.words import FORMULATIONS, Claim
 from tests.unit.report.results_folder import attempt, write_folder
 
 # The page's column is 984 pixels wide on a screen of 1280 by 900, half of it 478.

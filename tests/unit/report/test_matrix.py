@@ -12,10 +12,10 @@ from dubins_study.report.topics.matrix.heatmap import whole_percent
 from dubins_study.report.topics.matrix.numbers import matrix, strata
 from dubins_study.report.topics.matrix.section import matrix_section
 from dubins_study.report.topics.matrix.strata import stratum_order
-from dubins_study.study.claim import Claim
 from dubins_study.study.path import Path
 from dubins_study.study.rows.manifest import MatrixEntry
 from dubins_study.study.scenario import Scenario
+from dubins_study.study.words import Claim
 from tests.unit.report.results_folder import attempt, write_folder
 
 WORDS, JOINT = "one NLP a word", "joint NLP, LRS"

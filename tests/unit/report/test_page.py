@@ -16,9 +16,9 @@ from dubins_study.report.page.render import ReportError
 from dubins_study.report.page.sections import TOPICS
 from dubins_study.report.page.tex_table import to_tex
 from dubins_study.report.page.tex_text import tex
-from dubins_study.study.claim import Claim
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
+from dubins_study.study.words import Claim
 from tests.unit.report.results_folder import attempt, paper_scenarios
 from tests.unit.report.topic_page import topic_page, with_pdf_files
 

@@ -22,10 +22,10 @@ from dubins_study.report.elements.content import Picture, Table
 from dubins_study.report.page.drawings import Drawings
 from dubins_study.report.page.environment import as_json, grouped, packed
 from dubins_study.report.page.glossary import GLOSSARY, Glossed
-from dubins_study.study.claim import Claim
 from dubins_study.study.path import Path
 from dubins_study.study.rows.files import ResultsError
 from dubins_study.study.rows.schema import ROW
+from dubins_study.study.words import Claim
 from tests.unit.report.results_folder import attempt, paper_scenarios
 from tests.unit.report.topic_page import topic_page
 

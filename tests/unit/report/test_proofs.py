@@ -16,9 +16,9 @@ from dubins_study.report.topics.proofs.numbers import (
     proven_gap,
     provers,
 )
-from dubins_study.study.claim import Claim
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
+from dubins_study.study.words import Claim
 from tests.unit.report.results_folder import attempt, paper_scenarios
 from tests.unit.report.topic_page import section_text
 

@@ -10,9 +10,9 @@ from dubins_study.report.data.results import load
 from dubins_study.report.statistics.best import best_solvers
 from dubins_study.report.topics.radius.numbers import answers, sweep, sweep_rows
 from dubins_study.report.topics.radius.section import radius_section
-from dubins_study.study.claim import Claim
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
+from dubins_study.study.words import Claim
 from tests.unit.report.results_folder import attempt
 
 RADII = (20.0, 40.0, 55.0, 60.0, 80.0)  # the target enters a circle at 57.35

@@ -9,10 +9,10 @@ import pytest
 
 from dubins_study.report.data.results import load
 from dubins_study.report.topics.scale.numbers import ROUNDING, by_solver, spreads
-from dubins_study.study.claim import Claim
 from dubins_study.study.closed_form.shortest import shortest_path
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
+from dubins_study.study.words import Claim
 from tests.unit.report.results_folder import attempt
 from tests.unit.report.topic_page import section_text
 

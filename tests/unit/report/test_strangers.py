@@ -8,8 +8,8 @@ import pytest
 
 from dubins_study import render
 from dubins_study.report.data.results import load
-from dubins_study.study.printable import printable_text as visible
 from dubins_study.study.rows.files import ResultsError
+from dubins_study.study.values import printable_text as visible
 from tests.unit.report.results_folder import attempt, paper_scenarios
 
 ESCAPES = "\x1b[31m\x07\x9b\u202e\ud800"

@@ -9,8 +9,8 @@ import pytest
 from dubins_study.report.data.results import load
 from dubins_study.report.topics.warm.numbers import warm_starts
 from dubins_study.report.topics.warm.section import warm_sentences
-from dubins_study.study.claim import Claim
 from dubins_study.study.scenario import Scenario
+from dubins_study.study.words import Claim
 from tests.unit.report.results_folder import attempt
 from tests.unit.report.topic_page import topic_page
 

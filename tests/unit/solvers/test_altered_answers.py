@@ -20,13 +20,11 @@ from dubins_study.experiments.solve import solve
 from dubins_study.solvers.attempt import QuestionError, attempt, judged
 from dubins_study.solvers.frame import solve_frame
 from dubins_study.solvers.frame_solution import FrameSolution
-from dubins_study.solvers.protocol import MAX_ARCS, Outcome, Question, Solution, Solver
+from dubins_study.solvers.protocol import MAX_ARCS, Question, Solution, Solver
 from dubins_study.solvers.reply import ask
-from dubins_study.study.check.verdict import Verdict
-from dubins_study.study.claim import Claim
-from dubins_study.study.path import Path
-from dubins_study.study.paths import Paths
+from dubins_study.study.path import Path, Paths
 from dubins_study.study.scenario import Pose, Scenario
+from dubins_study.study.words import Claim, Outcome, Verdict
 
 ASKED = Scenario(0, 0, 0.3, 3, 2, 1)
 

@@ -25,13 +25,13 @@ from dubins_study.solvers.optimal_control.end_correction import closed
 from dubins_study.solvers.optimal_control.turn_rate_dynamics import RATES, Rates
 from dubins_study.solvers.optimal_control.word_guesses import trials
 from dubins_study.solvers.protocol import Question
-from dubins_study.study.check.verdict import Verdict, judge
-from dubins_study.study.claim import Claim
+from dubins_study.study.body_coordinates import local
+from dubins_study.study.check.verdict import judge
 from dubins_study.study.closed_form.shortest import margin, shortest
 from dubins_study.study.path import Path
 from dubins_study.study.rows.schema import SCENARIO, names
 from dubins_study.study.scenario import Pose, Scenario
-from dubins_study.study.vehicle_frame import local
+from dubins_study.study.words import Claim, Verdict
 
 # The gap of free elements is what Ipopt's barrier leaves at tol = 1e-9: a few 1e-11 an element, and
 # 3e-8 at most over 900 questions of the hard frame, on a circle, where its convergence is slowest.

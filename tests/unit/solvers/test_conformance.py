@@ -11,13 +11,11 @@ from dubins_study.conformance import check_solver
 from dubins_study.conformance.findings import Status
 from dubins_study.conformance.questions import AXIS, GENERAL
 from dubins_study.experiments.solve import solve
-from dubins_study.solvers.protocol import Guarantee, Outcome, Question, Solution, Solver
+from dubins_study.solvers.protocol import Guarantee, Question, Solution, Solver
 from dubins_study.solvers.registry import available_solvers, entries, load, registered
-from dubins_study.study.check.verdict import Verdict
-from dubins_study.study.claim import Claim
 from dubins_study.study.closed_form.shortest import shortest
 from dubins_study.study.scenario import Scenario
-from dubins_study.study.words import BRANCHES, FORMULATIONS
+from dubins_study.study.words import BRANCHES, FORMULATIONS, Claim, Outcome, Verdict
 
 # A gap that the method's kind may leave: rounding; the solver's tolerance of 1e-8 on lengths; the
 # coarseness of 50 steps, which falls like 1/n^2.

@@ -23,12 +23,10 @@ from dubins_study.solvers.minlp_engines.program import ProvenResult
 from dubins_study.solvers.minlp_engines.table import ENGINES, unavailable
 from dubins_study.solvers.paper_nlp.polish import meet_target
 from dubins_study.solvers.protocol import Question
-from dubins_study.study.check.verdict import Verdict
-from dubins_study.study.claim import Claim
 from dubins_study.study.closed_form.shortest import margin, shortest
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
-from dubins_study.study.words import TURN
+from dubins_study.study.words import TURN, Claim, Verdict
 
 FEASTOL = Disjunctive().feastol
 

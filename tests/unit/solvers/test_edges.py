@@ -12,14 +12,13 @@ from hypothesis import strategies as st
 
 from dubins_study.experiments.solve import solve
 from dubins_study.solvers.frame import solve_frame
+from dubins_study.study.body_coordinates import local
 from dubins_study.study.check.certificate import certify
 from dubins_study.study.check.enclosure import enclose
 from dubins_study.study.check.verdict import judge
-from dubins_study.study.claim import Claim
 from dubins_study.study.closed_form.shortest import Segments, as_path, shortest
 from dubins_study.study.scenario import Scenario
-from dubins_study.study.vehicle_frame import local
-from dubins_study.study.words import BRANCHES
+from dubins_study.study.words import BRANCHES, Claim
 
 # found by an adversarial campaign; each was judged wrongly by one part of the check or another
 FOUND = {

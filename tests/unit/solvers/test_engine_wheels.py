@@ -18,7 +18,7 @@ from dubins_study.solvers.nlp_engines import gams, table
 from dubins_study.solvers.nlp_engines.algebra_text import Language, algebra_text
 from dubins_study.solvers.nlp_engines.program import Expressions, Functions, Program
 from dubins_study.solvers.registry import load
-from dubins_study.study.claim import Claim
+from dubins_study.study.words import Claim
 
 GRADIENTS = ("nlopt-slsqp", "nlopt-auglag", "uno-filtersqp", "conopt")
 IN_PROCESS = (*GRADIENTS, "nlopt-cobyla")

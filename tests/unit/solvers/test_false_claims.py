@@ -12,9 +12,8 @@ import pytest
 from dubins_study.solvers.attempt import Answer, attempt
 from dubins_study.solvers.protocol import Question
 from dubins_study.solvers.registry import load
-from dubins_study.study.check.verdict import Verdict
-from dubins_study.study.claim import Claim
 from dubins_study.study.scenario import Scenario
+from dubins_study.study.words import Claim, Verdict
 
 FILE = Path(__file__).parents[2] / "false_claims.toml"
 CLAIMS = tomllib.loads(FILE.read_text(encoding="utf-8"))["claims"]

@@ -16,11 +16,9 @@ from dubins_study.solvers.minlp_engines.program import ProvenResult
 from dubins_study.solvers.minlp_engines.table import ENGINES, unavailable
 from dubins_study.solvers.paper_nlp.model import equations
 from dubins_study.solvers.protocol import Question
-from dubins_study.study.check.certificate import Proof
-from dubins_study.study.check.verdict import Verdict
-from dubins_study.study.claim import Claim
 from dubins_study.study.closed_form.shortest import shortest
 from dubins_study.study.scenario import Scenario
+from dubins_study.study.words import Claim, Proof, Verdict
 
 INSTALLED = [name for name in ENGINES if unavailable(name) is None]
 

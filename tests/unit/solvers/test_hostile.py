@@ -11,14 +11,12 @@ from cases import scenario_frame
 from dubins_study.solvers.attempt import attempt
 from dubins_study.solvers.frame import solve_frame
 from dubins_study.solvers.frame_solution import FrameSolution
-from dubins_study.solvers.protocol import Guarantee, Outcome, Question, Solution, Solver
+from dubins_study.solvers.protocol import Guarantee, Question, Solution, Solver
 from dubins_study.solvers.registry import SolverError, load
-from dubins_study.study.check.verdict import Verdict
-from dubins_study.study.claim import Claim
 from dubins_study.study.closed_form.shortest import shortest_path
-from dubins_study.study.path import Path
-from dubins_study.study.paths import Paths
+from dubins_study.study.path import Path, Paths
 from dubins_study.study.scenario import Pose, Scenario
+from dubins_study.study.words import Claim, Outcome, Verdict
 
 EASY = Scenario(0, 0, 0.3, 3, 2, 1)
 BAD_FIELDS = {

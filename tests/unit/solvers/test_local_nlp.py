@@ -17,11 +17,10 @@ from dubins_study.solvers.paper_nlp.ipopt import Ipopt
 from dubins_study.solvers.paper_nlp.model import SUBPROBLEMS, as_path, equations, jacobian, target
 from dubins_study.solvers.protocol import Question
 from dubins_study.solvers.registry import load
-from dubins_study.study.check.verdict import Verdict
-from dubins_study.study.claim import Claim
 from dubins_study.study.closed_form.shortest import margin, shortest
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
+from dubins_study.study.words import Claim, Verdict
 
 lengths = st.tuples(st.floats(0, 6), st.floats(0, 6), st.floats(0, 20)).map(np.array)
 NLP = ("slsqp", "ipopt")

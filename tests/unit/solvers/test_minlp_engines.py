@@ -9,7 +9,7 @@ import pytest
 
 from dubins_study.solvers.minlp_engines.program import MixedProgram, Row, Settings, Written
 from dubins_study.solvers.minlp_engines.table import ENGINES, engine, unavailable
-from dubins_study.study.claim import Claim
+from dubins_study.study.words import Claim
 
 INSTALLED = [name for name in ENGINES if unavailable(name) is None]
 SETTINGS = Settings(1e-6, 1e-6)

@@ -22,13 +22,12 @@ from dubins_study.solvers.optimal_control.arc_flow import INTEGRATORS, mean_cosi
 from dubins_study.solvers.optimal_control.elements import cut
 from dubins_study.solvers.optimal_control.multiple_shooting import MultipleShooting, expressions
 from dubins_study.solvers.optimal_control.turn_rate_dynamics import RATES
-from dubins_study.solvers.protocol import Outcome, Question
-from dubins_study.study.check.verdict import Verdict
-from dubins_study.study.claim import Claim
+from dubins_study.solvers.protocol import Question
 from dubins_study.study.closed_form.shortest import margin, shortest
 from dubins_study.study.path import Path
 from dubins_study.study.rows.schema import SCENARIO, names
 from dubins_study.study.scenario import Pose, Scenario
+from dubins_study.study.words import Claim, Outcome, Verdict
 
 # A free length's gap is what the engine's tolerance leaves, 1e-9 on equations and multipliers.
 TINY = 1e-8

@@ -22,12 +22,11 @@ from dubins_study.solvers.paper_nlp.nlp import Nlp
 from dubins_study.solvers.paper_nlp.program import solve as solve_program
 from dubins_study.solvers.paper_nlp.pyomo_direct import knitro_unavailable
 from dubins_study.solvers.paper_nlp.pyomo_direct import solve as solve_direct
-from dubins_study.solvers.protocol import Outcome, Question
+from dubins_study.solvers.protocol import Question
 from dubins_study.solvers.registry import SolverError, entries, load
-from dubins_study.study.check.verdict import Verdict
-from dubins_study.study.claim import Claim
 from dubins_study.study.closed_form.shortest import margin, shortest
 from dubins_study.study.scenario import Scenario
+from dubins_study.study.words import Claim, Outcome, Verdict
 
 lengths = st.tuples(st.floats(0, 6), st.floats(0, 6), st.floats(0, 20)).map(np.array)
 weights = st.tuples(st.floats(-3, 3), st.floats(-3, 3)).map(np.array)

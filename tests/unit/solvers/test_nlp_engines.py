@@ -21,9 +21,9 @@ from dubins_study.solvers.paper_nlp.model import FULL_TURN, SUBPROBLEMS, target
 from dubins_study.solvers.paper_nlp.nlp import Nlp
 from dubins_study.solvers.paper_nlp.program import expressions, program, solve
 from dubins_study.solvers.registry import entries, load
-from dubins_study.study.claim import Claim
 from dubins_study.study.closed_form.shortest import shortest
 from dubins_study.study.scenario import Scenario
+from dubins_study.study.words import Claim
 
 # Its library breaks others in the same process: tests/processes asks it in one of its own.
 ALONE = ("sleqp",)

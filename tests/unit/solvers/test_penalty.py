@@ -13,15 +13,14 @@ from threadpoolctl import threadpool_limits
 
 from dubins_study.solvers.attempt import attempt
 from dubins_study.solvers.paper_nlp.model import SUBPROBLEMS, as_path, target
-from dubins_study.solvers.protocol import Outcome, Question
+from dubins_study.solvers.protocol import Question
 from dubins_study.solvers.registry import SolverError, entries, load
 from dubins_study.solvers.stochastic import search
 from dubins_study.solvers.stochastic.engines import ENGINES, unavailable
 from dubins_study.solvers.stochastic.penalty_function import PenaltyFunction
-from dubins_study.study.check.verdict import Verdict
-from dubins_study.study.claim import Claim
 from dubins_study.study.closed_form.shortest import shortest
 from dubins_study.study.scenario import Scenario
+from dubins_study.study.words import Claim, Outcome, Verdict
 
 AVAILABLE = [name for name in ENGINES if unavailable(name) is None]
 DETERMINISTIC = {"shgo", "direct", "nelder-mead", "powell"}

@@ -16,16 +16,14 @@ from dubins_study.cli.solve import answer_json, answer_text
 from dubins_study.experiments.isolation.messages import WorkerReply, decode_reply, encode_reply
 from dubins_study.solvers.attempt import attempt
 from dubins_study.solvers.presolve import WORDS, unreachable, words
-from dubins_study.solvers.protocol import Outcome, Question, Solution
+from dubins_study.solvers.protocol import Question, Solution
 from dubins_study.solvers.registry import available_solvers, load
 from dubins_study.solvers.registry import settings as settings_of
 from dubins_study.solvers.reply import Reply, Times, ask
-from dubins_study.study.check.verdict import Verdict
-from dubins_study.study.claim import Claim
+from dubins_study.study.body_coordinates import local
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Pose, Scenario
-from dubins_study.study.vehicle_frame import local
-from dubins_study.study.words import TURN
+from dubins_study.study.words import TURN, Claim, Outcome, Verdict
 
 # they look for LS and RS among all paths that turn one way
 TRANSCRIPTIONS = ["turn-rate-qp", "turn-rates", "multiple-shooting", "collocation", "heading-milp"]

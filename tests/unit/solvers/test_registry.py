@@ -9,9 +9,10 @@ from dubins_study.experiments.code_digest import code_digest
 from dubins_study.experiments.solve import solve, solve_frame
 from dubins_study.solvers.attempt import QuestionError
 from dubins_study.solvers.profiles import ProfileError
-from dubins_study.solvers.protocol import Method, Outcome
+from dubins_study.solvers.protocol import Method
 from dubins_study.solvers.registry import SolverError, canonical, load, settings
 from dubins_study.study.scenario import Scenario
+from dubins_study.study.words import Outcome
 
 EASY = Scenario(0, 0, 0.3, 3, 2, 1)
 FRAME_ROW = dict.fromkeys(["x", "y", "heading", "target_y"], 0.0) | {"radius": 1.0}
@@ -166,7 +167,7 @@ def test_a_plug_in_may_look_like_our_own(tmp_path):
             "from dataclasses import dataclass\n"
             "from typing import ClassVar\n"
             "from dubins_study.solvers.protocol import Guarantee, Solution, Solver\n"
-            "from dubins_study.study.claim import Claim\n"
+            "from dubins_study.study.words import Claim\n"
             "@dataclass(frozen=True)\n"
             "class Plug(Solver):\n"
             f"    n: int = {answer}\n"

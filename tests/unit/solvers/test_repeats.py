@@ -8,8 +8,8 @@ from cases import PAPER
 from dubins_study.solvers.attempt import attempt
 from dubins_study.solvers.protocol import Question
 from dubins_study.solvers.registry import SolverError, load
-from dubins_study.study.claim import Claim
 from dubins_study.study.scenario import Scenario
+from dubins_study.study.words import Claim
 
 RANDOM = (
     "slsqp[model=joint,initial_guess=random,count=2]",

@@ -19,10 +19,9 @@ from dubins_study.solvers.indirect.shooting import Shooting
 from dubins_study.solvers.indirect.structure import Structure
 from dubins_study.solvers.protocol import Question
 from dubins_study.solvers.registry import load
-from dubins_study.study.check.verdict import Verdict
-from dubins_study.study.claim import Claim
 from dubins_study.study.closed_form.shortest import margin, shortest
 from dubins_study.study.scenario import Scenario
+from dubins_study.study.words import Claim, Verdict
 
 TURNS = ((1.0, 0.0), (-1.0, 0.0), (1.0, -1.0), (-1.0, 1.0))
 

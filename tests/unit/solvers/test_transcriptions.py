@@ -24,9 +24,8 @@ from dubins_study.solvers.optimal_control.turn_rate_dynamics import RATES
 from dubins_study.solvers.optimal_control.word_guesses import Kind, trials
 from dubins_study.solvers.protocol import Question
 from dubins_study.solvers.registry import load
-from dubins_study.study.check.verdict import Verdict
-from dubins_study.study.claim import Claim
-from dubins_study.study.vehicle_frame import local
+from dubins_study.study.body_coordinates import local
+from dubins_study.study.words import Claim, Verdict
 
 TRANSCRIPTIONS = ("collocation", "multiple-shooting", "turn-rates[n=20]")
 PLACE = EDGES["many turns of heading"]

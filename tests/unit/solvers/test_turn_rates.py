@@ -17,10 +17,9 @@ from dubins_study.experiments.solve import solve
 from dubins_study.solvers.optimal_control.turn_rate_dynamics import RATES
 from dubins_study.solvers.optimal_control.turn_rates import TurnRates, expressions
 from dubins_study.solvers.protocol import Question
-from dubins_study.study.check.verdict import Verdict
-from dubins_study.study.claim import Claim
 from dubins_study.study.closed_form.shortest import shortest
 from dubins_study.study.scenario import Scenario
+from dubins_study.study.words import Claim, Verdict
 
 PLACES = {
     "left": Scenario(0, 0, 0.7, 5, 1, 1),

@@ -11,17 +11,16 @@ from cases import EDGES, PAPER
 from hard_cases import hard_frame
 
 from dubins_study.solvers.registry import load
-from dubins_study.study.check.certificate import Proof, certify
+from dubins_study.study.check.certificate import certify
 from dubins_study.study.check.certificate_frame import PROOFS, certify_frame
 from dubins_study.study.check.extremal import MEASURED
-from dubins_study.study.check.verdict import Tolerances, Verdict, judge
+from dubins_study.study.check.verdict import judge
 from dubins_study.study.check.verdict_frame import judge_frame
-from dubins_study.study.claim import Claim
 from dubins_study.study.closed_form.shortest import shortest_path
-from dubins_study.study.path import Path
-from dubins_study.study.paths import CLAIMS
+from dubins_study.study.path import CLAIMS, Path
 from dubins_study.study.scenario import Pose, Scenario, scenarios
-from dubins_study.study.words import BRANCHES
+from dubins_study.study.tolerances import Tolerances
+from dubins_study.study.words import BRANCHES, Claim, Proof, Verdict
 
 ALL = PAPER | EDGES
 PROBLEM = PAPER["problem 1"]

@@ -11,16 +11,16 @@ from cases import scenario_frame
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from dubins_study.study.check.certificate import PMP_TOLERANCE, Certificate, Proof, certify
+from dubins_study.study.check.certificate import PMP_TOLERANCE, Certificate, certify
 from dubins_study.study.check.certificate_frame import PROOFS, certify_frame
 from dubins_study.study.check.extremal import MEASURED
 from dubins_study.study.check.two_arcs import MERGED
-from dubins_study.study.check.verdict import Tolerances, judge
+from dubins_study.study.check.verdict import judge
 from dubins_study.study.check.verdict_frame import judge_frame
-from dubins_study.study.claim import Claim
-from dubins_study.study.path import Path
-from dubins_study.study.paths import Paths
+from dubins_study.study.path import Path, Paths
 from dubins_study.study.scenario import Pose, Scenario, check_frame, scenarios
+from dubins_study.study.tolerances import Tolerances
+from dubins_study.study.words import Claim, Proof
 
 START = Pose(0.0, 0.0, 0.0)
 

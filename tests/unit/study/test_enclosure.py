@@ -12,11 +12,11 @@ from hard_cases import hard_frame
 from hypothesis import given
 from hypothesis import strategies as st
 
+from dubins_study.study.body_coordinates import local
 from dubins_study.study.check.enclosure import enclose
 from dubins_study.study.check.verdict import judge
 from dubins_study.study.closed_form.shortest import margin, shortest
 from dubins_study.study.scenario import Scenario, scenarios
-from dubins_study.study.vehicle_frame import local
 from dubins_study.study.words import BRANCHES
 
 ALL = PAPER | EDGES

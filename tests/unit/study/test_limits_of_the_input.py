@@ -11,15 +11,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from dubins_study import solve, solve_frame
-from dubins_study.study.check.certificate import Proof, certify
+from dubins_study.study.check.certificate import certify
 from dubins_study.study.check.certificate_frame import certify_frame
-from dubins_study.study.check.verdict import Verdict, judge
+from dubins_study.study.check.verdict import judge
 from dubins_study.study.check.verdict_frame import judge_frame
-from dubins_study.study.claim import Claim
-from dubins_study.study.path import Path
-from dubins_study.study.paths import Paths
+from dubins_study.study.path import Path, Paths
 from dubins_study.study.scenario import LARGEST_EXTENT, Scenario, ScenarioError, check_frame
-from dubins_study.study.words import BRANCHES
+from dubins_study.study.words import BRANCHES, Claim, Proof, Verdict
 
 SHARES = st.lists(st.floats(-1, 1), min_size=4, max_size=4).filter(lambda w: sum(map(abs, w)) > 0.1)
 

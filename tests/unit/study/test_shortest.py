@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 from dubins_study.study import scenario as scenario_module
+from dubins_study.study.body_coordinates import EPS, Local, local
 from dubins_study.study.check.verdict import judge
 from dubins_study.study.closed_form.shortest import (
     Segments,
@@ -24,7 +25,6 @@ from dubins_study.study.closed_form.shortest import (
     shortest_path,
 )
 from dubins_study.study.scenario import Scenario
-from dubins_study.study.vehicle_frame import EPS, Local, local
 from dubins_study.study.words import BRANCHES
 
 

@@ -11,8 +11,8 @@ from cases import EDGES, PAPER, scenarios
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dubins_study.study.check.verdict import Tolerances, Verdict, judge
-from dubins_study.study.claim import Claim
+from dubins_study.study.body_coordinates import local
+from dubins_study.study.check.verdict import judge
 from dubins_study.study.closed_form.shortest import (
     Segments,
     as_path,
@@ -21,7 +21,8 @@ from dubins_study.study.closed_form.shortest import (
 )
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
-from dubins_study.study.vehicle_frame import local
+from dubins_study.study.tolerances import Tolerances
+from dubins_study.study.words import Claim, Verdict
 
 PROBLEM = PAPER["problem 1"]
 

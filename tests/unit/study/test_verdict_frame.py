@@ -10,20 +10,18 @@ import pytest
 from cases import scenario_frame
 from hard_cases import hard_frame
 
+from dubins_study.study.body_coordinates import EPS
 from dubins_study.study.check.two_arcs import PATH_WORDS
-from dubins_study.study.check.verdict import Verdict, judge
+from dubins_study.study.check.verdict import judge
 from dubins_study.study.check.verdict_frame import NO_WORD, judge_frame
 from dubins_study.study.check.verdict_kernel import REGIONS, VERDICTS
-from dubins_study.study.claim import Claim
 from dubins_study.study.closed_form.kernel import WORDS, shortest_rows
 from dubins_study.study.closed_form.kernel_math import LARGEST_ANGLE
 from dubins_study.study.closed_form.kernel_paths import curvatures
 from dubins_study.study.closed_form.shortest import shortest_path
-from dubins_study.study.path import Path
-from dubins_study.study.paths import CLAIMS, Paths
+from dubins_study.study.path import CLAIMS, Path, Paths
 from dubins_study.study.scenario import NUMBERS, Scenario, check_frame, scenarios
-from dubins_study.study.vehicle_frame import EPS
-from dubins_study.study.words import BRANCHES
+from dubins_study.study.words import BRANCHES, Claim, Verdict
 
 N = 1200
 FRAME = hard_frame(N, seed=11)

@@ -78,7 +78,7 @@ def check_values(context: typer.Context, rest: list[str]) -> None:
 
 def no_such_option(name: str, context: typer.Context) -> CommandError:
     """The refusal of an option that a command does not have."""
-    from dubins_study.study.nearest import did_you_mean
+    from dubins_study.study.values import did_you_mean
 
     names = [option for option in _options(context) if option.startswith("--")]
     near = did_you_mean(name, names) or f"expected one of: {', '.join(names)}; "
@@ -87,7 +87,7 @@ def no_such_option(name: str, context: typer.Context) -> CommandError:
 
 def no_such_command(word: str, context: Any) -> CommandError:
     """The refusal of a word that names no command of a group."""
-    from dubins_study.study.nearest import did_you_mean
+    from dubins_study.study.values import did_you_mean
 
     commands = list(context.command.commands)
     near = did_you_mean(word, commands) or did_you_mean(word, _options(context))
@@ -163,7 +163,7 @@ def refusal_text(message: str) -> str:
     terminal lines are broken between words; paths and commands stay whole, so that they can be
     copied.
     """
-    from dubins_study.study.printable import plain
+    from dubins_study.study.values import plain
 
     lines = [plain(line) for line in re.split(r"\n(?=  )", f"{PROGRAM}: {message}")]
     if sys.stderr is not None and sys.stderr.isatty():

@@ -10,7 +10,7 @@ from contextlib import contextmanager, nullcontext, redirect_stdout
 from typing import Any
 
 from dubins_study.cli.terminal.verbosity import Verbosity, verbosity
-from dubins_study.study.printable import plain
+from dubins_study.study.values import plain
 
 _INTERVAL_S, _VERBOSE_INTERVAL_S = 30.0, 5.0  # between lines of progress, without a terminal
 

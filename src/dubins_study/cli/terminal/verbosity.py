@@ -40,7 +40,7 @@ class _StderrHandler(logging.StreamHandler):  # type: ignore[type-arg]
     """Writes records to stderr, with visible control characters."""
 
     def format(self, record: logging.LogRecord) -> str:
-        from dubins_study.study.printable import plain
+        from dubins_study.study.values import plain
 
         text = plain(super().format(record))
         return text if text.startswith("dubins-study:") else f"dubins-study: {text}"

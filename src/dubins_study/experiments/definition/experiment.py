@@ -36,7 +36,7 @@ from dubins_study.experiments.definition.scenario_block import (
 )
 from dubins_study.experiments.definition.toml_lines import KeyPath
 from dubins_study.solvers.profiles import PROFILES
-from dubins_study.study.nearest import did_you_mean
+from dubins_study.study.values import did_you_mean
 
 
 class First(StrictModel):

@@ -8,7 +8,7 @@ from pathlib import Path as FilePath
 from typing import Any, NamedTuple
 
 from dubins_study.errors import DubinsStudyError
-from dubins_study.study.nearest import did_you_mean
+from dubins_study.study.values import did_you_mean
 
 
 class ExperimentError(DubinsStudyError, ValueError):

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 from pydantic import ValidationError
 
 from dubins_study.experiments.definition.toml_lines import KeyLines, KeyPath
-from dubins_study.study.nearest import did_you_mean, nearest
+from dubins_study.study.values import did_you_mean, nearest
 
 _WHOLE, _NUMBER, _TEXT = "expected a whole number", "expected a number", "expected a text"
 # pydantic's type of error -> the end of our sentence.

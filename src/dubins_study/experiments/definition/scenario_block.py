@@ -20,7 +20,7 @@ from dubins_study.experiments.definition.axes import (
     StrictModel,
 )
 from dubins_study.experiments.definition.messages import NAMED_BY_KEY
-from dubins_study.study.nearest import did_you_mean
+from dubins_study.study.values import did_you_mean
 from dubins_study.study.words import BRANCHES
 
 # The fields of the three ways to write a target.

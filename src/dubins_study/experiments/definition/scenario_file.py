@@ -10,8 +10,6 @@ from typing import TYPE_CHECKING, Any
 
 from dubins_study.experiments.definition.messages import Problem, refusal
 from dubins_study.study.angle import AngleError, parse_angle
-from dubins_study.study.nearest import did_you_mean, nearest
-from dubins_study.study.printable import plain, short
 from dubins_study.study.scenario import (
     COLUMNS,
     NUMBERS,
@@ -20,6 +18,7 @@ from dubins_study.study.scenario import (
     check_frame,
     missing_columns,
 )
+from dubins_study.study.values import did_you_mean, nearest, plain, short
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -12,9 +12,10 @@ from dubins_study.experiments.plan.solver_description import describe_solver
 from dubins_study.experiments.run_settings import BYTES_PER_GIB
 from dubins_study.solvers.attempt import Answer, judged
 from dubins_study.solvers.profiles import tolerances
-from dubins_study.solvers.protocol import Outcome, Question
+from dubins_study.solvers.protocol import Question
 from dubins_study.solvers.registry import ours
 from dubins_study.solvers.reply import Reply, exception_text, no_answer
+from dubins_study.study.words import Outcome
 
 _MEMORY_GIB = 4.0  # that the worker and its children may hold
 

@@ -18,11 +18,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from dubins_study.solvers.protocol import Outcome, Question, Solution
+from dubins_study.solvers.protocol import Question, Solution
 from dubins_study.solvers.reply import Reply, Times
-from dubins_study.study.claim import Claim
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Pose, Scenario
+from dubins_study.study.words import Claim, Outcome
 
 _READ_BYTES = 2**20
 _MAX_MESSAGE_BYTES = 2**32

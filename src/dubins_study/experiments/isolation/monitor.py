@@ -12,8 +12,8 @@ import psutil
 
 from dubins_study.experiments.isolation.worker_process import WorkerProcess
 from dubins_study.experiments.isolation.worker_status import Phase, Reading
-from dubins_study.solvers.protocol import Outcome
 from dubins_study.solvers.reply import Reply, Times, no_answer
+from dubins_study.study.words import Outcome
 
 # Seconds between two looks at the workers.
 POLL_INTERVAL_S = 0.02

@@ -20,8 +20,8 @@ from dubins_study.experiments.isolation.messages import MessageError, WorkerRepl
 from dubins_study.experiments.isolation.monitor import POLL_INTERVAL_S, Limits, Monitor
 from dubins_study.experiments.isolation.worker_process import WorkerProcess
 from dubins_study.experiments.isolation.worker_status import Phase
-from dubins_study.solvers.protocol import Outcome
 from dubins_study.solvers.reply import Reply, no_answer
+from dubins_study.study.words import Outcome
 
 # Jobs that a worker may get in advance, so that it never waits for the pool.
 _AHEAD_JOBS = 64

@@ -23,10 +23,11 @@ from dubins_study.experiments.isolation.sandbox import bound_memory, pin_threads
 from dubins_study.experiments.isolation.worker_status import Phase, WorkerStatus
 from dubins_study.experiments.provenance import now, versions
 from dubins_study.solvers.library_versions import reported_versions
-from dubins_study.solvers.protocol import Outcome, Question, Solver
+from dubins_study.solvers.protocol import Question, Solver
 from dubins_study.solvers.registry import load
 from dubins_study.solvers.reply import ask, exception_text, no_answer
 from dubins_study.study.scenario import Scenario
+from dubins_study.study.words import Outcome
 
 # Job number that requests a calibration probe instead of a solve.
 PROBE = 0

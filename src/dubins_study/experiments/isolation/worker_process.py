@@ -20,8 +20,8 @@ from dubins_study.experiments.isolation.messages import (
 )
 from dubins_study.experiments.isolation.worker import PROBE
 from dubins_study.experiments.isolation.worker_status import Phase, WorkerStatus, shared_memory
-from dubins_study.solvers.protocol import Outcome
 from dubins_study.solvers.reply import Reply, no_answer
+from dubins_study.study.words import Outcome
 
 _SERVE = "dubins_study.experiments.isolation.worker:serve"
 # Length of the last output that is kept, in bytes, and that a message shows, in characters.

@@ -19,8 +19,8 @@ from dubins_study.experiments.plan.solver_specs import expand_solvers
 from dubins_study.experiments.plan.streams import Stream, streams
 from dubins_study.experiments.run_settings import EXECUTOR_NAMES
 from dubins_study.solvers.registry import SolverError
-from dubins_study.study.nearest import did_you_mean
 from dubins_study.study.rows.schema import Key
+from dubins_study.study.values import did_you_mean
 
 
 class Request(NamedTuple):

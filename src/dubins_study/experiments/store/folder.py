@@ -11,7 +11,6 @@ import pyarrow as pa
 from dubins_study.experiments.store.lock import LOCK
 from dubins_study.experiments.store.part_writer import write_part
 from dubins_study.experiments.store.whole_file import is_temporary, remove_temporaries
-from dubins_study.study.printable import plain
 from dubins_study.study.rows.files import DamagedPartError, ResultsError, os_errors_as, refuse_link
 from dubins_study.study.rows.manifest import MANIFEST, Definition, Manifest, read_manifest
 from dubins_study.study.rows.parts import (
@@ -25,6 +24,7 @@ from dubins_study.study.rows.parts import (
 )
 from dubins_study.study.rows.row_table import ARROW_SCHEMA
 from dubins_study.study.rows.schema import KEY, RUN_ID, Key, names
+from dubins_study.study.values import plain
 
 # Name of the folder for damaged parts.
 DAMAGED = "damaged"

@@ -10,11 +10,11 @@ import pyarrow as pa
 
 from dubins_study.report.data.database import Database
 from dubins_study.study.closed_form.shortest import shortest
-from dubins_study.study.printable import printable_text
 from dubins_study.study.rows.attempts import JUDGED, compare_attempts, differences
 from dubins_study.study.rows.parts import Part
 from dubins_study.study.rows.schema import CELL, names
 from dubins_study.study.scenario import COLUMNS, Scenario
+from dubins_study.study.values import printable_text
 
 _CELL = ("experiment", *names(CELL))
 

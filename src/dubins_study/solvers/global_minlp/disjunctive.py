@@ -25,8 +25,8 @@ from dubins_study.solvers.presolve import words
 from dubins_study.solvers.protocol import Effort, Guarantee, Method, Question, Solution, Solver
 from dubins_study.solvers.setting_checks import one_of, within
 from dubins_study.solvers.vehicle_frame import at_start
-from dubins_study.study.claim import Claim
 from dubins_study.study.path import FloatArray
+from dubins_study.study.words import Claim
 
 EMPHASES = ("lean", "default")
 

@@ -42,9 +42,8 @@ from dubins_study.solvers.paper_nlp.program import program
 from dubins_study.solvers.protocol import Effort, Guarantee, Method, Question, Solution, Solver
 from dubins_study.solvers.setting_checks import one_of, within
 from dubins_study.solvers.vehicle_frame import at_start
-from dubins_study.study.claim import Claim
 from dubins_study.study.path import FloatArray, Path
-from dubins_study.study.words import BRANCHES
+from dubins_study.study.words import BRANCHES, Claim
 
 EMPHASES = ("default", "lean")
 HEADINGS = ("variable", "expression")

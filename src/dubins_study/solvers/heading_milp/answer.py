@@ -12,8 +12,8 @@ from dubins_study.solvers.heading_milp.legs import Legs, controls
 from dubins_study.solvers.paper_nlp.polish import one_sided_only
 from dubins_study.solvers.protocol import Effort, Question, Solution
 from dubins_study.solvers.vehicle_frame import in_world
-from dubins_study.study.claim import Claim
 from dubins_study.study.path import Path
+from dubins_study.study.words import Claim
 
 
 class MilpResult(NamedTuple):

@@ -7,8 +7,8 @@ from typing import NamedTuple
 import numpy as np
 
 from dubins_study.solvers.heading_milp.grid import Family
+from dubins_study.study.body_coordinates import EPS
 from dubins_study.study.path import FloatArray
-from dubins_study.study.vehicle_frame import EPS
 
 # The largest miss in radii that counts as none: a hundredth of 1e-8, and far above rounding.
 ROUNDED = 1e-10

@@ -11,7 +11,7 @@ import numpy as np
 from dubins_study.solvers.heading_milp.template import TOLERANCE, Answer
 from dubins_study.solvers.minlp_engines.program import MixedProgram, Row, Settings, Written
 from dubins_study.solvers.minlp_engines.table import engine
-from dubins_study.study.claim import Claim
+from dubins_study.study.words import Claim
 
 # what cvxpy calls the ends of HiGHS's runs
 _STATUSES = {

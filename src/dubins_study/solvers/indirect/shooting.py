@@ -40,8 +40,8 @@ from dubins_study.solvers.paper_nlp.model import Subproblem, subproblems, target
 from dubins_study.solvers.protocol import Method, Question, Solution, Solver
 from dubins_study.solvers.setting_checks import one_of, positive
 from dubins_study.solvers.vehicle_frame import at_start
-from dubins_study.study.claim import Claim
 from dubins_study.study.path import FloatArray
+from dubins_study.study.words import Claim
 
 ROOTS = ("hybr", "lm")
 

@@ -19,8 +19,8 @@ import numpy as np
 from dubins_study.solvers.ipopt_library.deadline import Deadline
 from dubins_study.solvers.ipopt_library.nl_file import Program, nl_file
 from dubins_study.solvers.setting_checks import missing_package
-from dubins_study.study.claim import Claim
 from dubins_study.study.path import FloatArray
+from dubins_study.study.words import Claim
 
 VIAS = ("auto", "executable", "library")
 

@@ -14,7 +14,7 @@ from dubins_study.solvers.minlp_engines.program import (
     ProvenResult,
     Settings,
 )
-from dubins_study.study.claim import Claim
+from dubins_study.study.words import Claim
 
 # Gurobi's status codes (Gurobi Optimizer reference manual, Optimization Status Codes)
 _STATUSES = {

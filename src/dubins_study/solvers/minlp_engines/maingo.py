@@ -15,7 +15,7 @@ from dubins_study.solvers.minlp_engines.program import (
     ProvenResult,
     Settings,
 )
-from dubins_study.study.claim import Claim
+from dubins_study.study.words import Claim
 
 _CLAIMS = {
     "GLOBALLY_OPTIMAL": Claim.OPTIMAL,

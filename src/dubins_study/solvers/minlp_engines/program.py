@@ -14,8 +14,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from dubins_study.study.claim import Claim
 from dubins_study.study.path import FloatArray
+from dubins_study.study.words import Claim
 
 
 class Row(NamedTuple):

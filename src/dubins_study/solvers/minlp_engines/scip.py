@@ -16,7 +16,7 @@ from dubins_study.solvers.minlp_engines.program import (
     Settings,
 )
 from dubins_study.solvers.minlp_engines.quiet import silent
-from dubins_study.study.claim import Claim
+from dubins_study.study.words import Claim
 
 # what the message of every error of SCIP's own begins with: they have no type of their own
 BROKEN = "SCIP:"

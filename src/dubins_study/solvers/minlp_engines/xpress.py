@@ -16,7 +16,7 @@ from dubins_study.solvers.minlp_engines.program import (
     ProvenResult,
     Settings,
 )
-from dubins_study.study.claim import Claim
+from dubins_study.study.words import Claim
 
 # by the names of Xpress' statuses of the solution
 _CLAIMS = {

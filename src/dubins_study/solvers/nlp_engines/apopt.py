@@ -20,9 +20,9 @@ import numpy as np
 
 from dubins_study.solvers.nlp_engines.algebra_text import Language, algebra_text
 from dubins_study.solvers.nlp_engines.program import Engine, EngineResult, Program
-from dubins_study.study.claim import Claim
+from dubins_study.study.body_coordinates import EPS
 from dubins_study.study.path import FloatArray
-from dubins_study.study.vehicle_frame import EPS
+from dubins_study.study.words import Claim
 
 # APOPT's last words
 _CLAIMS = {

@@ -17,8 +17,8 @@ import numpy as np
 from dubins_study.solvers.ipopt_library.deadline import Deadline
 from dubins_study.solvers.ipopt_library.engine import CLAIMS
 from dubins_study.solvers.nlp_engines.program import Engine, EngineResult, Expressions, Program
-from dubins_study.study.claim import Claim
 from dubins_study.study.path import FloatArray
+from dubins_study.study.words import Claim
 
 # casadi's word of an engine's ending, where the engine's own is in no table
 _UNIFIED = {"SOLVER_RET_SUCCESS": Claim.LOCAL, "SOLVER_RET_LIMITED": Claim.LIMIT}

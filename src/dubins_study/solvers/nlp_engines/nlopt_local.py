@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 
 from dubins_study.solvers.nlp_engines.program import Engine, EngineResult, Program
-from dubins_study.study.claim import Claim
+from dubins_study.study.body_coordinates import EPS
 from dubins_study.study.path import FloatArray
-from dubins_study.study.vehicle_frame import EPS
+from dubins_study.study.words import Claim
 
 # NLopt's return codes by name. Its manual calls the positive ones a success; the two of the limits
 # say nothing about the problem. SLSQP and the augmented Lagrangian stop at a tolerance only where

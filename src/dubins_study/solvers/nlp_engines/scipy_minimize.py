@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 
 from dubins_study.solvers.nlp_engines.program import Engine, EngineResult, Program
-from dubins_study.study.claim import Claim
+from dubins_study.study.body_coordinates import EPS
 from dubins_study.study.path import FloatArray
-from dubins_study.study.vehicle_frame import EPS
+from dubins_study.study.words import Claim
 
 # SLSQP's own exit modes (scipy/optimize, slsqp); 4, an infeasible linearisation, is no claim about
 # the problem

@@ -14,9 +14,9 @@ from typing import Any
 import numpy as np
 
 from dubins_study.solvers.nlp_engines.program import Engine, EngineResult, Program
-from dubins_study.study.claim import Claim
+from dubins_study.study.body_coordinates import EPS
 from dubins_study.study.path import FloatArray
-from dubins_study.study.vehicle_frame import EPS
+from dubins_study.study.words import Claim
 
 # SciPy's own statuses; 3 is a stop by `_Watch` and 4 a success that misses its constraints
 _CLAIMS = {0: Claim.LIMIT, 1: Claim.LOCAL, 2: Claim.LOCAL}

@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 
 from dubins_study.solvers.nlp_engines.program import Engine, EngineResult, Program
-from dubins_study.study.claim import Claim
+from dubins_study.study.body_coordinates import EPS
 from dubins_study.study.path import FloatArray
-from dubins_study.study.vehicle_frame import EPS
+from dubins_study.study.words import Claim
 
 # Uno says how it stopped, and what the point is; the second counts where it ended of itself.
 _SUCCESS = {

@@ -29,8 +29,8 @@ from dubins_study.solvers.optimal_control.collocation_program import Ask, asked
 from dubins_study.solvers.optimal_control.elements import MOST_TURN, MOST_TURN_EACH, Elements
 from dubins_study.solvers.optimal_control.transcription import Transcribed
 from dubins_study.solvers.optimal_control.turn_rate_dynamics import Rates
-from dubins_study.study.claim import Claim
 from dubins_study.study.path import FloatArray
+from dubins_study.study.words import Claim
 
 
 @dataclass(frozen=True, eq=False)

@@ -23,9 +23,9 @@ from dubins_study.solvers.presolve import words
 from dubins_study.solvers.protocol import Effort, Guarantee, Method, Question, Solution, Solver
 from dubins_study.solvers.setting_checks import one_of, whole, within
 from dubins_study.solvers.vehicle_frame import in_world, staying
-from dubins_study.study.claim import Claim
+from dubins_study.study.body_coordinates import Local, local
 from dubins_study.study.path import FloatArray, Path
-from dubins_study.study.vehicle_frame import Local, local
+from dubins_study.study.words import Claim
 
 MESHES = ("free", "equal")
 _ARRIVED = 1e-8  # radii; a hundredth of what the check allows

@@ -26,8 +26,8 @@ from dubins_study.solvers.presolve import words
 from dubins_study.solvers.protocol import Effort, Guarantee, Method, Question, Solution, Solver
 from dubins_study.solvers.setting_checks import missing_package, one_of, whole
 from dubins_study.solvers.vehicle_frame import coordinate_rounding, in_world
-from dubins_study.study.claim import Claim
 from dubins_study.study.path import FloatArray, Path, drivable
+from dubins_study.study.words import Claim
 
 _PACKAGES = {"highs": "highspy"}
 _LABELS = {"piqp": "PIQP", "clarabel": "Clarabel", "osqp": "OSQP", "highs": "HiGHS"}

@@ -16,8 +16,8 @@ from dubins_study.solvers.optimal_control.turn_rate_dynamics import (
     rollout,
 )
 from dubins_study.solvers.optimal_control.turn_rate_template import Answer, EngineError, Template
-from dubins_study.study.claim import Claim
 from dubins_study.study.path import FloatArray
+from dubins_study.study.words import Claim
 
 
 @dataclass(frozen=True)

@@ -12,8 +12,8 @@ from dubins_study.solvers.optimal_control.elements import HERE, LEAST, Elements,
 from dubins_study.solvers.optimal_control.turn_rate_dynamics import Rates
 from dubins_study.solvers.paper_nlp.model import FULL_TURN
 from dubins_study.solvers.protocol import Question
+from dubins_study.study.body_coordinates import Local
 from dubins_study.study.path import FloatArray, Path, drivable
-from dubins_study.study.vehicle_frame import Local
 
 # arcs (rad) of RL and LR: the second exceeds pi where it can be shortest, the first is at most
 # pi/3 (docs/derivation.md, section 4)

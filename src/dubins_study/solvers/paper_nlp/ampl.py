@@ -17,8 +17,8 @@ from dubins_study.solvers.nlp_engines.external_program import exit_code
 from dubins_study.solvers.paper_nlp.best_point import Point
 from dubins_study.solvers.paper_nlp.local_nlp import Case
 from dubins_study.solvers.paper_nlp.pyomo_case import no_point, posed
-from dubins_study.study.claim import Claim
 from dubins_study.study.path import FloatArray
+from dubins_study.study.words import Claim
 
 _STUB = "model"
 

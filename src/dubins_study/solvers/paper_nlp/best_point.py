@@ -12,9 +12,9 @@ import numpy as np
 from dubins_study.solvers.paper_nlp.model import Subproblem, as_path, equations, target
 from dubins_study.solvers.protocol import Effort, Question, Solution
 from dubins_study.solvers.vehicle_frame import at_start, in_world
-from dubins_study.study.claim import Claim
 from dubins_study.study.path import FloatArray
 from dubins_study.study.scenario import Scenario
+from dubins_study.study.words import Claim
 
 
 class Point(NamedTuple):

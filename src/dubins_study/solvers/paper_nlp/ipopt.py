@@ -30,9 +30,9 @@ from dubins_study.solvers.paper_nlp.model import UNITS
 from dubins_study.solvers.paper_nlp.pyomo_case import pyomo_model
 from dubins_study.solvers.protocol import Method
 from dubins_study.solvers.setting_checks import one_of, positive, within
-from dubins_study.study.claim import Claim
 from dubins_study.study.path import FloatArray
 from dubins_study.study.scenario import Scenario
+from dubins_study.study.words import Claim
 
 # A run of so many iterations, of some 30 microseconds each, needs no look at the time, which would
 # cost more than the iterations do.

@@ -17,7 +17,7 @@ from dubins_study.solvers.paper_nlp.local_nlp import LocalNlp, Run
 from dubins_study.solvers.paper_nlp.program import solve
 from dubins_study.solvers.protocol import Method, Solver
 from dubins_study.solvers.setting_checks import positive, within
-from dubins_study.study.nearest import did_you_mean
+from dubins_study.study.values import did_you_mean
 
 # A path would let whoever writes an experiment choose the file that is run.
 _EXECUTABLE = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]*")

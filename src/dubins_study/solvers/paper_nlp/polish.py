@@ -10,9 +10,9 @@ import numpy as np
 
 from dubins_study.solvers.paper_nlp.model import FULL_TURN, SUBPROBLEMS, equations, jacobian, target
 from dubins_study.solvers.protocol import Question
+from dubins_study.study.body_coordinates import EPS, local
 from dubins_study.study.path import FloatArray, Path
 from dubins_study.study.scenario import Scenario
-from dubins_study.study.vehicle_frame import EPS, local
 
 # Where a word's two solutions meet (on a turning circle) a Newton step only halves the distance
 # to them, so from a tolerance of 1e-6 some 25 steps lead to the last digit that there is.

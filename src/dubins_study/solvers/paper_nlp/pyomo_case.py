@@ -10,8 +10,8 @@ import numpy as np
 
 from dubins_study.solvers.paper_nlp.best_point import Point
 from dubins_study.solvers.paper_nlp.local_nlp import Case
-from dubins_study.study.claim import Claim
 from dubins_study.study.path import FloatArray
+from dubins_study.study.words import Claim
 
 
 def pyomo_model(units: str = "radius") -> Any:

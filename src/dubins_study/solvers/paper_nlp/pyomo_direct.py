@@ -13,8 +13,8 @@ from dubins_study.solvers.paper_nlp.best_point import Point
 from dubins_study.solvers.paper_nlp.local_nlp import Case
 from dubins_study.solvers.paper_nlp.pyomo_case import no_point, posed
 from dubins_study.solvers.setting_checks import missing_package
-from dubins_study.study.claim import Claim
 from dubins_study.study.path import FloatArray
+from dubins_study.study.words import Claim
 
 # Pyomo's termination conditions (pyomo.contrib.solver.common.results)
 _CLAIMS = {

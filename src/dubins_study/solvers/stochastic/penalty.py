@@ -41,9 +41,8 @@ from dubins_study.solvers.stochastic.search import (
     Task,
 )
 from dubins_study.solvers.vehicle_frame import at_start, coordinate_rounding
-from dubins_study.study.claim import Claim
 from dubins_study.study.path import FloatArray
-from dubins_study.study.words import BRANCHES
+from dubins_study.study.words import BRANCHES, Claim
 
 _GUESSES = ("bearing", "zero", "random")
 _GROWTH = 4.0

@@ -8,15 +8,16 @@ the question.
 from __future__ import annotations
 
 import math
-from enum import StrEnum
 from typing import NamedTuple
 
+from dubins_study.study.body_coordinates import EPS
 from dubins_study.study.check.enclosure import Enclosure, enclose
 from dubins_study.study.check.extremal import Extremal, measure
-from dubins_study.study.check.verdict import Judgement, Tolerances, Verdict
+from dubins_study.study.check.verdict import Judgement
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
-from dubins_study.study.vehicle_frame import EPS
+from dubins_study.study.tolerances import Tolerances
+from dubins_study.study.words import Proof, Verdict
 
 _DEFAULT = Tolerances()
 # A solver's 1e-8 on lengths leaves angles off by about as much; the turn of 1e-3 that an
@@ -28,24 +29,6 @@ PMP_ROUNDING = 16 * EPS
 CUT_TOLERANCE = 1e-9
 # relative: a bound above the shortest length by less is so by the solver's own tolerance
 BOUND_TOLERANCE = 1e-9
-
-
-class Proof(StrEnum):
-    """How far the proof of an answer goes, furthest first.
-
-    * proved: the length is within tolerance of a proven interval around the shortest lengths of
-      the targets within delta, and the path is an extremal, for `best` also clear of its cut (of
-      LR and RL the interval alone decides); or there is provably no path, and none was returned.
-      Of a word's few paths the interval holds the shortest, so that its cut says nothing.
-    * bounded: the solver's own lower bound is within the tolerance, and contradicts nothing.
-    * extremal: an arriving path that satisfies Pontryagin's conditions.
-    * none: none of these.
-    """
-
-    PROVED = "proved"
-    BOUNDED = "bounded"
-    EXTREMAL = "extremal"
-    NONE = "none"
 
 
 class Certificate(NamedTuple):

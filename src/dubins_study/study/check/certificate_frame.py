@@ -17,21 +17,20 @@ from dubins_study.study.check.certificate import (
     CUT_TOLERANCE,
     PMP_ROUNDING,
     PMP_TOLERANCE,
-    Proof,
     is_false_bound,
 )
 from dubins_study.study.check.enclosure import Enclosure, enclose
 from dubins_study.study.check.enclosure_kernel import bound_rows
 from dubins_study.study.check.extremal import MEASURED, measure
 from dubins_study.study.check.extremal_kernel import extremal_rows
-from dubins_study.study.check.verdict import Tolerances, Verdict
 from dubins_study.study.check.verdict_frame import FrameJudgement
 from dubins_study.study.check.verdict_kernel import VERDICTS
 from dubins_study.study.closed_form.kernel_compile import loop_input
 from dubins_study.study.closed_form.kernel_words import CodeArray, ScenarioArrays
-from dubins_study.study.path import FloatArray, Path, drivable
-from dubins_study.study.paths import BoolArray, Paths
+from dubins_study.study.path import BoolArray, FloatArray, Path, Paths, drivable
 from dubins_study.study.scenario import scenarios
+from dubins_study.study.tolerances import Tolerances
+from dubins_study.study.words import Proof, Verdict
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -1,6 +1,6 @@
 """Proven intervals around the shortest length, in interval arithmetic.
 
-The data are known to delta (`study.vehicle_frame.Local`). So a question stands for all targets
+The data are known to delta (`study.body_coordinates.Local`). So a question stands for all targets
 whose X and Y are within delta of the exact values that its doubles give, and its shortest length is
 a set of numbers: a few delta wide, and in parts where a turning circle, the edge of a word's reach
 or the axis passes through the targets. Every candidate word is evaluated in ball arithmetic (Arb,
@@ -19,8 +19,8 @@ from typing import NamedTuple
 
 from flint import arb, ctx
 
+from dubins_study.study.body_coordinates import PER_DISTANCE, PER_EXTENT
 from dubins_study.study.scenario import Scenario
-from dubins_study.study.vehicle_frame import PER_DISTANCE, PER_EXTENT
 
 # 53 of the doubles, as many for what their differences lose, and some to spare beside delta
 _BITS = 160

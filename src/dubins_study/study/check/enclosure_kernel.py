@@ -1,9 +1,9 @@
 """Proven intervals around the shortest lengths of frames: `enclosure.enclose` in compiled loops.
 
 An interval holds the lengths of all targets whose X and Y are within delta of the exact values that
-a row's doubles give (`study.vehicle_frame.Local`), by the arithmetic of `interval_kernel`. A row is
-left to `enclose` where that arithmetic does not decide on which side of an edge of the branch all
-of these targets lie, or where its interval would be much wider than their lengths are.
+a row's doubles give (`study.body_coordinates.Local`), by the arithmetic of `interval_kernel`. A row
+is left to `enclose` where that arithmetic does not decide on which side of an edge of the branch
+all of these targets lie, or where its interval would be much wider than their lengths are.
 
 Which word is the shortest is taken from the synthesis (docs/derivation.md, section 6): outside the
 disc on the target's side the one that turns toward the target and goes straight, inside it the
@@ -18,6 +18,7 @@ from typing import NamedTuple
 import numba
 import numpy as np
 
+from dubins_study.study.body_coordinates import EPS, PER_DISTANCE, PER_EXTENT
 from dubins_study.study.check.interval_kernel import (
     GROWTH,
     SINE_COSINE_ERROR,
@@ -41,9 +42,7 @@ from dubins_study.study.closed_form.kernel import chunk_bounds, chunks
 from dubins_study.study.closed_form.kernel_compile import inlined, loop_input, threaded
 from dubins_study.study.closed_form.kernel_math import LARGEST_ANGLE, sine_cosine
 from dubins_study.study.closed_form.kernel_words import ScenarioArrays
-from dubins_study.study.path import FloatArray
-from dubins_study.study.paths import BoolArray
-from dubins_study.study.vehicle_frame import EPS, PER_DISTANCE, PER_EXTENT
+from dubins_study.study.path import BoolArray, FloatArray
 
 # A row is left where the radius of its interval is above these parts of the length and of delta:
 # the arithmetic makes of one delta some five, but next to (0, 2) any number.

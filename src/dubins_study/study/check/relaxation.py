@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from copy import copy
 
+from dubins_study.study.body_coordinates import EPS
 from dubins_study.study.closed_form.shortest import Shortest, margin, shortest
 from dubins_study.study.scenario import Scenario
-from dubins_study.study.vehicle_frame import EPS
 
 ROUNDED = 8 * EPS  # relative error of two lengths that ought to be equal
 # By how much the optimal length may change per shift of the target, at least: it does by 1 where

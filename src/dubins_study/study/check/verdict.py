@@ -4,16 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
-from enum import StrEnum
 from functools import lru_cache
 from itertools import accumulate
 from typing import NamedTuple
 
+from dubins_study.study.body_coordinates import EPS, local
 from dubins_study.study.check.enclosure import enclose
 from dubins_study.study.check.relaxation import relaxed_reference
 from dubins_study.study.check.two_arcs import PATH_WORDS, WORD, path_word
-from dubins_study.study.claim import Claim
 from dubins_study.study.closed_form.shortest import (
     Shortest,
     margin_local,
@@ -22,35 +20,10 @@ from dubins_study.study.closed_form.shortest import (
 )
 from dubins_study.study.path import Path, drivable
 from dubins_study.study.scenario import Scenario
-from dubins_study.study.vehicle_frame import EPS, local
-from dubins_study.study.words import TURN
+from dubins_study.study.tolerances import Tolerances
+from dubins_study.study.words import TURN, Claim, Verdict
 
-
-class Verdict(StrEnum):
-    """What the check finds."""
-
-    OPTIMAL = "optimal"
-    LONGER = "longer"
-    MISSES = "misses"
-    NONE = "none"
-    NONE_EXISTS = "none exists"
-
-
-@dataclass(frozen=True, slots=True)
-class Tolerances:
-    """When a path counts as arriving, as drivable and as optimal.
-
-    Args:
-        miss: largest distance to the target, in turning radii.
-        curvature: largest curvature beyond what the branch allows, times the radius.
-        gap: largest gap of an answer that is called optimal.
-    """
-
-    miss: float = 1e-6
-    curvature: float = 1e-9
-    gap: float = 1e-4
-
-
+_DEFAULT = Tolerances()
 # A longer path of another word is coarse up to here; near a circle's rear, words turn by nearly the
 # same angle and differ by more than any discretisation of use.
 COARSE = 0.05
@@ -91,7 +64,7 @@ def judge(
     path: Path | None,
     claim: Claim = Claim.NONE,
     branch: str = "best",
-    tolerances: Tolerances = Tolerances(),
+    tolerances: Tolerances = _DEFAULT,
 ) -> Judgement:
     """Judge a path, or its absence, for a question.
 
@@ -265,3 +238,22 @@ _HONEST = {
 def is_false(claim: Claim, verdict: Verdict) -> bool:
     """Whether the claim is stronger than the verdict."""
     return claim in _HONEST and verdict not in _HONEST[claim]
+
+
+def miss_reason(
+    scenario: Scenario, path: Path, branch: str, tolerances: Tolerances = _DEFAULT
+) -> str:
+    """What keeps a path whose verdict is `misses` from answering its question."""
+    if not drivable(path):
+        return "the path has a number that is not finite, or a length below 0"
+    if path.start != scenario.start:
+        return "the path starts elsewhere"
+    pieces = zip(path.curvature.tolist(), path.length.tolist(), strict=True)
+    excess = curvature_excess([k * scenario.radius for k, s in pieces if s > 0], branch)
+    if excess > tolerances.curvature:
+        return f"the curvature is {excess:.3g} / R beyond what the branch allows"
+    end = path.end
+    miss = math.hypot(end.x - scenario.target_x, end.y - scenario.target_y) / scenario.radius
+    if miss > tolerances.miss:
+        return f"the path ends {miss:.3g} R from the target"
+    return "the path is too long to be driven to within a radius, or the branch has none"

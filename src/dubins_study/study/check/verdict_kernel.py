@@ -15,15 +15,15 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
+from dubins_study.study.body_coordinates import EPS
 from dubins_study.study.check import two_arcs
 from dubins_study.study.check.relaxation import ROUNDED
-from dubins_study.study.check.verdict import Verdict
 from dubins_study.study.closed_form.kernel import chunk_bounds, chunks, to_local
 from dubins_study.study.closed_form.kernel_compile import inlined, separate, threaded
 from dubins_study.study.closed_form.kernel_math import LARGEST_ANGLE, sine_cosine
 from dubins_study.study.closed_form.kernel_words import CodeArray, ScenarioArrays, to_local_exactly
 from dubins_study.study.path import FloatArray
-from dubins_study.study.vehicle_frame import EPS
+from dubins_study.study.words import Verdict
 
 VERDICTS = tuple(Verdict)
 REGIONS = ("outside", "left disc", "right disc", "circle")

@@ -15,6 +15,7 @@ import numba
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from dubins_study.study.body_coordinates import EPS
 from dubins_study.study.closed_form.kernel_compile import (
     inlined,
     loop_input,
@@ -35,7 +36,6 @@ from dubins_study.study.closed_form.kernel_words import (
     to_local_exactly,
     word_rows,
 )
-from dubins_study.study.vehicle_frame import EPS
 from dubins_study.study.words import BRANCHES
 
 WORDS = ("", "S", "L", "R", "LS", "RS", "LR", "RL")
@@ -96,7 +96,7 @@ def shortest_rows(
 def to_local(
     x: float, y: float, sine: float, cosine: float, tx: float, ty: float, radius: float
 ) -> tuple[float, float, float]:
-    """The target in the vehicle's frame, as `vehicle_frame.local` has it, and at least 4 delta.
+    """The target in the vehicle's frame, as `body_coordinates.local` has it, and at least 4 delta.
 
     A quotient by the reciprocal, then one Newton step with the remainder, is the quotient rounded
     correctly (Markstein 1990): two divisions fewer, and the same bits.

@@ -12,6 +12,7 @@ import numpy as np
 from numba.extending import register_jitable
 from numpy.typing import NDArray
 
+from dubins_study.study.body_coordinates import PER_DISTANCE, PER_EXTENT, power
 from dubins_study.study.closed_form.kernel_compile import compiled, inlined
 from dubins_study.study.closed_form.shortest import (
     best_segments,
@@ -22,7 +23,6 @@ from dubins_study.study.closed_form.shortest import (
     wrapped,
 )
 from dubins_study.study.path import FloatArray
-from dubins_study.study.vehicle_frame import PER_DISTANCE, PER_EXTENT, power
 
 CodeArray = NDArray[np.uint8]
 
@@ -64,7 +64,7 @@ class Rows(NamedTuple):
 def to_local_exactly(
     x: float, y: float, heading: float, tx: float, ty: float, radius: float
 ) -> tuple[float, float, float]:
-    """`vehicle_frame.local` to the bit, for every heading and radius: libm and divisions."""
+    """`body_coordinates.local` to the bit, for every heading and radius: libm and divisions."""
     dx, dy = tx - x, ty - y
     sine, cosine = math.sin(heading), math.cos(heading)
     X, Y = (dx * cosine + dy * sine) / radius, (dy * cosine - dx * sine) / radius

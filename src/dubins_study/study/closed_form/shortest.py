@@ -9,9 +9,9 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+from dubins_study.study.body_coordinates import Local, local, power
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
-from dubins_study.study.vehicle_frame import Local, local, power
 from dubins_study.study.words import TURN
 
 _TWO_PI = 2 * math.pi

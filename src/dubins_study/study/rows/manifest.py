@@ -19,12 +19,12 @@ from pydantic import (
     field_validator,
 )
 
-from dubins_study.study.check.verdict import Tolerances
-from dubins_study.study.printable import plain, printable_values
 from dubins_study.study.rows.chunk import Count
 from dubins_study.study.rows.files import ResultsError, os_errors_as, refuse_link
 from dubins_study.study.rows.machine_noise import Probe, varied
 from dubins_study.study.rows.schema import VERSION
+from dubins_study.study.tolerances import Tolerances
+from dubins_study.study.values import plain, printable_values
 
 MANIFEST = "manifest.json"
 # Manifests that a run writes have fewer levels, and writing one calls itself level by level.

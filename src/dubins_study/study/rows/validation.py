@@ -9,11 +9,11 @@ from typing import Any
 import pyarrow as pa
 import pyarrow.compute as pc
 
-from dubins_study.study.printable import printable_text
 from dubins_study.study.rows.files import ResultsError
 from dubins_study.study.rows.parts import BATCH_ROWS, read_batches
 from dubins_study.study.rows.schema import KEY, names
 from dubins_study.study.scenario import NUMBERS
+from dubins_study.study.values import printable_text
 
 _POSITIVE = ("radius", "speed")
 _REQUIRED = (*names(KEY), *NUMBERS)

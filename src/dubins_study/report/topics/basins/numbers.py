@@ -13,10 +13,10 @@ from typing import Any
 import pandas as pd
 
 from dubins_study.report.statistics.metrics import parse_spec, solver_order
-from dubins_study.study.check.verdict import Tolerances
 from dubins_study.study.closed_form.shortest import shortest
 from dubins_study.study.rows.schema import SCENARIO, names
 from dubins_study.study.scenario import Scenario
+from dubins_study.study.tolerances import Tolerances
 
 OPTIMUM = "shortest path"
 TURNS = "shortest path and full turns"

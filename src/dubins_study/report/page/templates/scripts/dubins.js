@@ -1,7 +1,7 @@
 "use strict";
 // window.dubins: the closed form in the page, for one scenario at a time.
 //
-// The formulas of study/closed_form/shortest.py and study/vehicle_frame.py (docs/derivation.md,
+// The formulas of study/closed_form/shortest.py and study/body_coordinates.py (docs/derivation.md,
 // sections 1 to 6): no reduction modulo 2 pi but for a first arc below zero, no acos, and a target
 // within half of delta of a circle, of the axis or of the start is taken to be there.
 // tests/browser/test_dubins_script.py compares both.

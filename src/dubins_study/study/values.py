@@ -1,0 +1,136 @@
+"""Values from outside: taken as numbers, shown in messages, and guessed where a name is misspelt.
+
+Control characters mean something to terminals, XML and TeX and nothing to a reader, so they are
+written out here. Escaping for HTML, Markdown or TeX is up to the templates of the report.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+# `float` takes these, or loses a part of them; a text is a number on the command line alone
+_NO_NUMBERS = (
+    *(str, bytes, bytearray, memoryview, bool, complex),
+    *(np.bool_, np.complexfloating, np.timedelta64, np.datetime64, np.ndarray),
+)
+
+
+def real_number(value: Any) -> float:
+    """The value as a float: an int, float, Fraction or Decimal, one of numpy's, or the like.
+
+    Raises:
+        TypeError: if it is a boolean, complex, a text, bytes, a duration, a date or an array.
+        Exception: whatever `float` raises, such as OverflowError for an integer of 400 digits.
+    """
+    if type(value) is float:  # as nearly all are
+        return value
+    if isinstance(value, np.ndarray) and value.ndim == 0:
+        value = value[()]
+    if isinstance(value, _NO_NUMBERS):
+        raise TypeError
+    return float(value)
+
+
+def doubles(name: str, values: Any) -> NDArray[np.float64]:
+    """Numbers as an array of doubles of this machine; what is masked is NaN.
+
+    Raises:
+        TypeError: naming the array, a value or its type, and what was expected.
+    """
+    if type(values) is np.ndarray and values.dtype == np.float64 and values.dtype.isnative:
+        return values
+    if isinstance(values, np.ma.MaskedArray):
+        values = np.ma.filled(values.astype(np.float64), np.nan)
+    array = np.asarray(values)
+    if array.dtype == object:
+        return np.array([_item(name, value) for value in array.flat]).reshape(array.shape)
+    if array.dtype.kind not in "iuf":
+        raise TypeError(f"{name} is an array of {array.dtype}; expected numbers, such as float64")
+    with np.errstate(over="ignore"):
+        return array.astype(np.float64, copy=False)
+
+
+def _item(name: str, value: Any) -> float:
+    try:
+        return real_number(value)
+    except Exception:
+        raise TypeError(f"{name} holds {short(value)}; expected a number") from None
+
+
+def real_array(name: str, values: Any, shape: tuple[int, ...]) -> NDArray[np.float64]:
+    """`doubles` of a given shape.
+
+    Raises:
+        TypeError: naming the array, its shape or type, and what was expected.
+    """
+    array = doubles(name, values)
+    if array.shape != shape:
+        raise TypeError(f"{name} has shape {array.shape}; expected {shape}")
+    return array
+
+
+def plain(text: str, kept: str = "") -> str:
+    """The text on one line: what cannot be printed is written out as Python does.
+
+    Args:
+        text: from outside.
+        kept: characters that stay as they are.
+    """
+    if text.isprintable():
+        return text
+    return "".join(c if c.isprintable() or c in kept else repr(c)[1:-1] for c in text)
+
+
+def short(value: Any) -> str:
+    """The value's repr, shortened to what fits into a message."""
+    try:
+        text = repr(value)
+    except Exception:  # an integer of more than 4300 digits, or a class of a plug-in
+        return f"a value of type {type(value).__name__}"
+    return text if len(text) <= _SHORT else f"{text[: _SHORT - 3]}..."
+
+
+_SHORT = 60  # characters
+
+
+def printable_text(text: str) -> str:
+    """The text with what cannot be printed written out; line breaks and tabs stay."""
+    return plain(text, "\n\t")
+
+
+def printable_values(value: Any) -> Any:
+    """A value of JSON with all its texts and keys made printable."""
+    if isinstance(value, str):
+        return printable_text(value)
+    if isinstance(value, list):
+        return [printable_values(item) for item in value]
+    if isinstance(value, dict):
+        return {printable_text(key): printable_values(item) for key, item in value.items()}
+    return value
+
+
+_LEAST_ALIKE = 0.65  # difflib's ratio: twice the letters in common, over all letters of both
+_MAX_CHARS = 80  # of a name; a longer one is no slip of the fingers
+
+
+def nearest(name: object, known: Iterable[str]) -> str | None:
+    """The known name most like a name, whatever its case; None if none is much like it."""
+    if not isinstance(name, str) or not 0 < len(name) <= _MAX_CHARS:
+        return None
+    from difflib import get_close_matches  # only a refusal needs it
+
+    by_folded: dict[str, str] = {}
+    for candidate in known:
+        by_folded.setdefault(candidate.casefold(), candidate)
+    matches = get_close_matches(name.casefold(), by_folded, n=1, cutoff=_LEAST_ALIKE)
+    return by_folded[matches[0]] if matches else None
+
+
+def did_you_mean(name: object, known: Iterable[str]) -> str:
+    """`did you mean 'ipopt'? `, to stand before the list of all names; empty if none is near."""
+    match = nearest(name, known)
+    return "" if match is None else f"did you mean {match!r}? "
