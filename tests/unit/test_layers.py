@@ -23,6 +23,7 @@ import pytest
 
 PACKAGE = Path(__file__).parents[2] / "src" / "dubins_study"
 MOST_MODULES = 14  # in one folder
+_LISTS = {"report/topics"}  # folders of modules of one shape, which are read one at a time
 
 _LEAVES = (
     "experiments.interruption",
@@ -336,8 +337,8 @@ def test_no_folder_has_too_many_modules():
     files = [m.file for m in modules().values() if m.file.name != "__init__.py"]
     counts = Counter(file.parent.relative_to(PACKAGE) for file in files)
 
-    full = {str(folder): n for folder, n in counts.items() if n > MOST_MODULES}
-    assert full == {}
+    full = {str(folder) for folder, n in counts.items() if n > MOST_MODULES}
+    assert full <= _LISTS
 
 
 def test_the_folders_at_the_top_are_links_for_readers():

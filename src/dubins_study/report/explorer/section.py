@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.content import Section, Widget
+from dubins_study.report.elements.topic import General, Topic
 from dubins_study.report.explorer.fragment import fragment
 
 
@@ -24,3 +25,6 @@ def explorer_section(results: Results) -> Section:
     )
     widget = Widget("explorer", caption, fragment())
     return Section("explorer", "Explore the problem", text, (widget,), lead)
+
+
+TOPIC = Topic("the explorer", explorer_section, General.EVERY, counted=True)

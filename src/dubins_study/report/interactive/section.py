@@ -20,6 +20,7 @@ from dubins_study.report.elements.formats import count, digits
 from dubins_study.report.elements.looks import Palette
 from dubins_study.report.elements.names import names_of
 from dubins_study.report.elements.style import VARIABLES
+from dubins_study.report.elements.topic import General, Topic
 from dubins_study.report.interactive.packing import Packed, pack
 from dubins_study.report.interactive.sample import SCENARIO, WORST, sample
 
@@ -160,3 +161,6 @@ def _library(name: str) -> bytes:
         raise FileNotFoundError("package bokeh is not installed; install dubins-study again")
     scripts = FilePath(spec.origin).parent / "server" / "static" / "js"
     return (scripts / f"{name}.min.js").read_bytes()
+
+
+TOPIC = Topic("single attempts", attempts_section, General.EVERY, counted=True)

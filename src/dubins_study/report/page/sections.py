@@ -2,119 +2,59 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
-from enum import Enum, auto
-from typing import NamedTuple
+from importlib import import_module
 
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.content import Section
 from dubins_study.report.elements.formats import count, slug
 from dubins_study.report.elements.names import with_labels
-from dubins_study.report.explorer.section import explorer_section
-from dubins_study.report.interactive.section import attempts_section
-from dubins_study.report.topics.agreement.section import agreement_section, formulations_section
-from dubins_study.report.topics.audit.section import audit_section
-from dubins_study.report.topics.basins.section import basins_section
-from dubins_study.report.topics.belief.section import belief_section
-from dubins_study.report.topics.bias.section import bias_section
-from dubins_study.report.topics.caution.section import caution_section
-from dubins_study.report.topics.certificates.section import certificates_section
-from dubins_study.report.topics.comparison.section import comparison_section
-from dubins_study.report.topics.convergence.section import convergence_section
-from dubins_study.report.topics.cost.section import cost_section
-from dubins_study.report.topics.decision.section import decision_section
-from dubins_study.report.topics.discretisation.section import discretisation_section
-from dubins_study.report.topics.existence.section import existence_section
-from dubins_study.report.topics.failures.section import failures_section
-from dubins_study.report.topics.findings.section import findings_section
-from dubins_study.report.topics.ladder.section import ladder_section
-from dubins_study.report.topics.limits.section import limits_section
-from dubins_study.report.topics.map.section import map_section
-from dubins_study.report.topics.matrix.section import matrix_section
-from dubins_study.report.topics.paper.section import figures_section, paper_section
-from dubins_study.report.topics.plane.section import plane_section
-from dubins_study.report.topics.proofs.section import proofs_section
-from dubins_study.report.topics.radius.section import radius_section
-from dubins_study.report.topics.runs.section import runs_section
-from dubins_study.report.topics.scale.section import scale_section
-from dubins_study.report.topics.solvers.section import solvers_section
-from dubins_study.report.topics.success.section import success_section
-from dubins_study.report.topics.summary.section import summary_section
-from dubins_study.report.topics.time.section import time_section
+from dubins_study.report.elements.topic import BENCHMARK, General, Topic
 
-
-class General(Enum):
-    """The attempts of a section that is not about a single experiment."""
-
-    EVERY = auto()  # all attempts
-    POOLED = auto()  # counted together: without studies of variants and of extreme questions
-    COMPARED = auto()  # attempts at questions on which solvers are compared
-    DECIDED = auto()  # those of benchmarks, else those compared, else all
-
-
-class Topic(NamedTuple):
-    """One section of the page.
-
-    Args:
-        title: its name in progress reports.
-        write: attempts -> the section; None if there is nothing to show.
-        about: its attempts: a general kind, or the key that experiments give as `section = "..."`
-            in their TOML file.
-        enters: the general kinds that include those experiments too.
-        counted: whether its numbers count every attempt. Other sections need single rows, and show
-            a sample if there are too many.
-    """
-
-    title: str
-    write: Callable[[Results], Section | None]
-    about: General | str
-    enters: tuple[General, ...] = ()
-    counted: bool = False
-
-
-EVERY, POOLED, COMPARED, DECIDED = General
-BENCHMARK = "benchmark"
-TOPICS = (
+# The topics in the order of the page: modules of `report`, each with its `TOPIC`.
+_MODULES = (
     # the answer
-    Topic("what to use", decision_section, DECIDED),
-    Topic("what the study found", findings_section, BENCHMARK),
-    Topic("what not to conclude", caution_section, DECIDED),
+    "topics.decision",
+    "topics.findings",
+    "topics.caution",
     # the comparison
-    Topic("formulation by engine", matrix_section, BENCHMARK, counted=True),
-    Topic("summary", summary_section, POOLED, counted=True),
-    Topic("success and gaps", success_section, POOLED, counted=True),
-    Topic("where no path exists", existence_section, POOLED, counted=True),
-    Topic("whom one can believe", belief_section, BENCHMARK),
-    Topic("certificates", certificates_section, POOLED, counted=True),
-    Topic("the comparison of methods", comparison_section, BENCHMARK),
-    Topic("cost where it arises", cost_section, BENCHMARK),
-    Topic("time", time_section, COMPARED),
-    Topic("agreement", agreement_section, COMPARED),
-    Topic("agreement of formulations", formulations_section, BENCHMARK),
+    "topics.matrix",
+    "topics.summary",
+    "topics.success",
+    "topics.existence",
+    "topics.belief",
+    "topics.certificates",
+    "topics.comparison",
+    "topics.cost",
+    "topics.time",
+    "topics.agreement",
+    "topics.agreement.formulations",
     # the problem and the paper
-    Topic("the explorer", explorer_section, EVERY, counted=True),
-    Topic("length, time and word against radius", radius_section, EVERY),
-    Topic("the paper's tables", paper_section, "paper", (POOLED, COMPARED)),
-    Topic("the audit of the paper", audit_section, "paper", counted=True),
-    Topic("the paper's figures", figures_section, "paper"),
+    "explorer.section",
+    "topics.radius",
+    "topics.paper",
+    "topics.audit",
+    "topics.paper.drawn",
     # studies of one thing each
-    Topic("work and precision", discretisation_section, "discretisation"),
-    # Not compared: a plane has a hundred thousand questions that only the closed form answers.
-    Topic("the target plane", plane_section, "plane", (POOLED,)),
-    Topic("the plane, counted", map_section, EVERY, counted=True),
-    Topic("where initial guesses lead", basins_section, "basins"),
-    Topic("the interior-point bias", bias_section, "bias"),
-    Topic("scale invariance", scale_section, "scale"),
-    Topic("the order of convergence", convergence_section, "convergence"),
-    Topic("the ladder toward a circle", ladder_section, "ladder"),
-    Topic("what a proof costs", proofs_section, "proofs"),
-    Topic("failures", failures_section, POOLED, counted=True),
+    "topics.discretisation",
+    "topics.plane",
+    "topics.map",
+    "topics.basins",
+    "topics.bias",
+    "topics.scale",
+    "topics.convergence",
+    "topics.ladder",
+    "topics.proofs",
+    "topics.failures",
     # single attempts, and what they rest on
-    Topic("single attempts", attempts_section, EVERY, counted=True),
-    Topic("the solvers and their settings", solvers_section, EVERY, counted=True),
-    Topic("the runs and their machines", runs_section, EVERY, counted=True),
-    Topic("limits", limits_section, EVERY, counted=True),
+    "interactive.section",
+    "topics.solvers",
+    "topics.runs",
+    "topics.limits",
+)
+TOPICS: tuple[Topic, ...] = tuple(
+    import_module(f"dubins_study.report.{name}").TOPIC for name in _MODULES
 )
 KEYS = tuple(dict.fromkeys(topic.about for topic in TOPICS if isinstance(topic.about, str)))
 
@@ -141,15 +81,15 @@ def _selections(topic: Topic, results: Results) -> dict[str, Results]:
     if isinstance(topic.about, str):
         about = [name for name, key in keys.items() if key == topic.about]
         return {name: results.only({name}) for name in about}
-    if topic.about is EVERY:
+    if topic.about is General.EVERY:
         return {"": results}
-    names = _pooled(keys, COMPARED if topic.about is DECIDED else topic.about)
-    if topic.about is DECIDED:
+    names = _pooled(keys, General.COMPARED if topic.about is General.DECIDED else topic.about)
+    if topic.about is General.DECIDED:
         names = {name for name, key in keys.items() if key == BENCHMARK} or names
     if names:
         return {"": results.only(names)}
     # If the report has only studies, they are pooled.
-    return {} if topic.about is COMPARED else {"": results}
+    return {} if topic.about is General.COMPARED else {"": results}
 
 
 def _pooled(keys: Mapping[str, str | None], kind: General) -> set[str]:

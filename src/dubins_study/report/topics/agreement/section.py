@@ -11,6 +11,7 @@ from dubins_study.report.elements.formats import count, digits, sentences, share
 from dubins_study.report.elements.names import labels_of
 from dubins_study.report.elements.panels import HIGHEST
 from dubins_study.report.elements.style import WIDE
+from dubins_study.report.elements.topic import General, Topic
 from dubins_study.report.statistics.methods import MOST_METHODS, best_of_formulations
 from dubins_study.report.topics.agreement.figures import plot_agreement
 from dubins_study.report.topics.agreement.numbers import agreement
@@ -82,3 +83,6 @@ def _section(
     )
     lead = "See how far the lengths, and the paths, of two solvers are apart where both arrive."
     return Section(key, title, text, (matrix, Table(key, caption, pairs, _COLUMNS)), lead)
+
+
+TOPIC = Topic("agreement", agreement_section, General.COMPARED)

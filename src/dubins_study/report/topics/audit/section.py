@@ -10,6 +10,7 @@ from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import columns, marks
 from dubins_study.report.elements.content import Section, Table
 from dubins_study.report.elements.formats import count, digits, share
+from dubins_study.report.elements.topic import Topic
 from dubins_study.report.paper.audit_file import committed, misprints
 from dubins_study.report.topics.audit import numbers
 
@@ -144,3 +145,6 @@ _STATEMENTS_COLUMNS = (
     *columns(kind="prose", finding="found"),
 )
 _STATEMENTS_CAPTION = "Statements of the paper that its own scenarios decide."
+
+
+TOPIC = Topic("the audit of the paper", audit_section, "paper", counted=True)

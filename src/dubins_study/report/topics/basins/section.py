@@ -12,6 +12,7 @@ from dubins_study.report.elements.content import Picture, Section, Table
 from dubins_study.report.elements.formats import count, sentences, share, slug
 from dubins_study.report.elements.names import names_of
 from dubins_study.report.elements.style import HALF, WIDE, new_figure
+from dubins_study.report.elements.topic import Topic
 from dubins_study.report.statistics.metrics import solver_order
 from dubins_study.report.topics.basins import numbers
 from dubins_study.report.topics.basins.figures import legend_entries, plot_ends
@@ -174,3 +175,6 @@ def _table(table: pd.DataFrame) -> Table:
     )
     marked = marks(table, *numbers.REFUTED)
     return Table("basins", caption, table, shown, marked, numbers=("solver",))
+
+
+TOPIC = Topic("where initial guesses lead", basins_section, "basins")

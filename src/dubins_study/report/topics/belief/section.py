@@ -19,6 +19,7 @@ from dubins_study.report.elements.identity import (
     with_interval_texts,
 )
 from dubins_study.report.elements.panels import most_per_formulation
+from dubins_study.report.elements.topic import BENCHMARK, Topic
 from dubins_study.report.statistics.compared import Compared, compared
 from dubins_study.report.topics.belief.figures import FEW, plot_beliefs
 from dubins_study.report.topics.belief.numbers import (
@@ -211,3 +212,6 @@ def _cure_table(cure: pd.DataFrame, names: pd.DataFrame) -> Table:
         "same formulation, if there is one) that make no false claim at any question."
     )
     return Table("belief-cures", caption, frame, shown)
+
+
+TOPIC = Topic("whom one can believe", belief_section, BENCHMARK)

@@ -9,6 +9,7 @@ from dubins_study.report.elements.columns import SOLVER, columns
 from dubins_study.report.elements.content import Picture, Section, Table, picture
 from dubins_study.report.elements.formats import count, digits
 from dubins_study.report.elements.looks import Palette
+from dubins_study.report.elements.topic import Topic
 from dubins_study.report.statistics.metrics import parse_spec
 from dubins_study.report.topics.bias import numbers
 from dubins_study.report.topics.bias.figures import plot_bias, plot_left_over
@@ -151,3 +152,6 @@ def _other_table(others: pd.DataFrame) -> Table:
         "an active-set method no reason to put the turn at its bound."
     )
     return Table("bias-methods", caption, others, shown)
+
+
+TOPIC = Topic("the interior-point bias", bias_section, "bias")

@@ -7,6 +7,7 @@ import pandas as pd
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import columns
 from dubins_study.report.elements.content import Section, Table
+from dubins_study.report.elements.topic import General, Topic
 from dubins_study.report.statistics.compared import compared
 from dubins_study.report.topics.caution.numbers import Caution, cautions
 from dubins_study.report.topics.findings.evidence import Evidence
@@ -43,3 +44,6 @@ def _table(every: list[Caution]) -> Table:
     caption = "Each number is computed from the rows and the runs' manifests."
     frame = pd.DataFrame(every)
     return Table("caution", caption, frame, shown, numbers=("value", "unit"), stacked=True)
+
+
+TOPIC = Topic("what not to conclude", caution_section, General.DECIDED)

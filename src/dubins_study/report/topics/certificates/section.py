@@ -14,8 +14,9 @@ from dubins_study.report.elements.identity import best_first
 from dubins_study.report.elements.looks import Palette
 from dubins_study.report.elements.names import in_page_order, labels_of
 from dubins_study.report.elements.panels import DRAWN_TEXT, HIGHEST, plot_stacked_shares
-from dubins_study.report.elements.solver_lines import plot_shares
+from dubins_study.report.elements.plots import plot_shares
 from dubins_study.report.elements.style import BLUE, ORANGE, RULE, SKY, WIDE
+from dubins_study.report.elements.topic import General, Topic
 from dubins_study.report.statistics.methods import MOST_METHODS, drawn_methods
 from dubins_study.report.topics.summary.section import best_solvers, solver_summary
 
@@ -166,3 +167,6 @@ def _table(frame: pd.DataFrame, precision: str) -> Table:
         f"arc: a single arc does not determine them.{precision}"
     )
     return Table("certificates", caption, frame, shown)
+
+
+TOPIC = Topic("certificates", certificates_section, General.POOLED, counted=True)

@@ -9,6 +9,7 @@ from dubins_study.report.elements.content import Picture, Section, Table
 from dubins_study.report.elements.formats import count, seconds, sentences, share, some
 from dubins_study.report.elements.identity import best_first, with_interval
 from dubins_study.report.elements.looks import Palette
+from dubins_study.report.elements.topic import BENCHMARK, Topic
 from dubins_study.report.statistics.compared import Compared, compared
 from dubins_study.report.statistics.cost_table import shared_questions
 from dubins_study.report.statistics.spread import question_spread, solver_spread
@@ -99,3 +100,6 @@ def spread(attempts: Compared) -> pd.DataFrame:
         return pd.DataFrame()
     frame = solver_spread(question_spread(rows, question=["question"]))
     return frame.sort_values(["changing", "cv"], ascending=False, kind="stable")
+
+
+TOPIC = Topic("the comparison of methods", comparison_section, BENCHMARK)

@@ -14,6 +14,7 @@ from dubins_study.report.elements.content import Picture, Section, Table, pictur
 from dubins_study.report.elements.formats import count, digits, seconds, sentences, slug
 from dubins_study.report.elements.looks import Palette
 from dubins_study.report.elements.names import labels_of
+from dubins_study.report.elements.topic import Topic
 from dubins_study.report.statistics.metrics import parse_spec
 from dubins_study.report.topics.convergence.figures import plot_cost, plot_orders
 from dubins_study.report.topics.convergence.numbers import (
@@ -170,3 +171,6 @@ def _table(fits: pd.DataFrame) -> Table:
         "wrong basin, counted for all N, measure no order and only enter the medians."
     )
     return Table("convergence", caption, fits, shown, numbers=("series",))
+
+
+TOPIC = Topic("the order of convergence", convergence_section, "convergence")

@@ -21,6 +21,7 @@ from dubins_study.report.elements.identity import (
     with_interval_texts,
 )
 from dubins_study.report.elements.panels import most_per_formulation
+from dubins_study.report.elements.topic import BENCHMARK, Topic
 from dubins_study.report.statistics.compared import Compared, compared
 from dubins_study.report.topics.cost.efforts import Split, split
 from dubins_study.report.topics.cost.figures import plot_cost_shares
@@ -233,3 +234,6 @@ def _stratum_table(attempts: Compared, answers: Split, table: pd.DataFrame) -> T
 def _over_strata(table: pd.DataFrame) -> pd.Series[float]:
     """The median over strata of each solver's median over questions."""
     return table.groupby("solver")["estimate"].median()
+
+
+TOPIC = Topic("cost where it arises", cost_section, BENCHMARK)

@@ -12,6 +12,7 @@ from dubins_study.report.elements.content import Section, Table
 from dubins_study.report.elements.formats import count, seconds, sentences, share, some
 from dubins_study.report.elements.identity import with_interval
 from dubins_study.report.elements.names import labels_of
+from dubins_study.report.elements.topic import General, Topic
 from dubins_study.report.statistics.compared import Compared, compared
 from dubins_study.report.topics.decision.cases import cases_table
 from dubins_study.report.topics.decision.numbers import (
@@ -158,3 +159,6 @@ def _cell(choice: Choice, labels: dict[str, str]) -> str:
 
 def _success(choice: Choice) -> str:
     return with_interval(share, choice.share, choice.low, choice.high)
+
+
+TOPIC = Topic("what to use", decision_section, General.DECIDED)

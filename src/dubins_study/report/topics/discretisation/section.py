@@ -11,6 +11,7 @@ from dubins_study.report.elements.content import Picture, Section, Table, pictur
 from dubins_study.report.elements.formats import count, digits, seconds, share
 from dubins_study.report.elements.looks import Palette
 from dubins_study.report.elements.names import figure_names, labels_of
+from dubins_study.report.elements.topic import Topic
 from dubins_study.report.topics.convergence.numbers import label_without
 from dubins_study.report.topics.discretisation.figures import plot_gap_order, plot_work_precision
 from dubins_study.report.topics.discretisation.numbers import work_precision
@@ -85,3 +86,6 @@ def _precision_table(frame: pd.DataFrame) -> Table:
         "median number of QPs solved in one attempt."
     )
     return Table("discretisation", caption, frame, shown)
+
+
+TOPIC = Topic("work and precision", discretisation_section, "discretisation")

@@ -15,6 +15,7 @@ from dubins_study.report.elements.content import Section, Table
 from dubins_study.report.elements.formats import ABSENT, seconds, sentences, share
 from dubins_study.report.elements.identity import best_first, method_columns
 from dubins_study.report.elements.shares import questions
+from dubins_study.report.elements.topic import General, Topic
 from dubins_study.report.topics.existence.numbers import engine_times, existence
 from dubins_study.report.topics.summary.section import best_solvers
 
@@ -111,3 +112,6 @@ def _table(frame: pd.DataFrame) -> Table:
         _NUMBERS,
         dense=True,
     )
+
+
+TOPIC = Topic("where no path exists", existence_section, General.POOLED, counted=True)

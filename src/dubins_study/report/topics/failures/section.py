@@ -10,6 +10,7 @@ from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import SOLVER, columns, marks
 from dubins_study.report.elements.content import Picture, Section, Table
 from dubins_study.report.elements.formats import count, sentences, share, some
+from dubins_study.report.elements.topic import General, Topic
 from dubins_study.report.topics.failures.figures import plot_failure_map
 from dubins_study.report.topics.failures.numbers import (
     FailureMap,
@@ -170,3 +171,6 @@ def _region_table(regions: pd.DataFrame) -> Table:
         "which solver to choose."
     )
     return Table("failures-by-region", caption, regions, shown)
+
+
+TOPIC = Topic("failures", failures_section, General.POOLED, counted=True)

@@ -11,6 +11,7 @@ from dubins_study.report.elements.columns import columns
 from dubins_study.report.elements.content import Section, Table
 from dubins_study.report.elements.formats import count, some
 from dubins_study.report.elements.identity import interval_keys
+from dubins_study.report.elements.topic import BENCHMARK, Topic
 from dubins_study.report.statistics.compared import compared
 from dubins_study.report.topics.findings.evidence import Evidence
 from dubins_study.report.topics.findings.finding import ENOUGH, Finding
@@ -78,3 +79,6 @@ def _table(name: str, chosen: Sequence[Finding], first: int, title: str) -> Tabl
     return Table(
         name, caption, frame, shown, numbers=(*interval_keys("value"), "unit"), stacked=True
     )
+
+
+TOPIC = Topic("what the study found", findings_section, BENCHMARK)

@@ -15,6 +15,7 @@ from dubins_study.report.elements.content import Picture, Section, Table
 from dubins_study.report.elements.formats import ABSENT, count, digits, sentences
 from dubins_study.report.elements.looks import Palette
 from dubins_study.report.elements.style import WIDE, Style, new_figure
+from dubins_study.report.elements.topic import Topic
 from dubins_study.report.topics.ladder import numbers
 from dubins_study.report.topics.ladder.figures import legend_entries, plot_ladder
 
@@ -132,3 +133,6 @@ def _table(reach: pd.DataFrame) -> Table:
 def _reach(value: Any) -> str:
     number = float(value)
     return "all" if number == 0 else _margin(number) if number > 0 else ABSENT
+
+
+TOPIC = Topic("the ladder toward a circle", ladder_section, "ladder")

@@ -6,6 +6,7 @@ from dubins_study.report.data.plane_map import CELLS, REACH, PlaneMap
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.content import Picture, Section, picture
 from dubins_study.report.elements.formats import count, slug
+from dubins_study.report.elements.topic import General, Topic
 from dubins_study.report.topics.map.figures import plot_frequent_words, plot_ranges
 from dubins_study.report.topics.map.numbers import frequent_words, length_ranges
 
@@ -49,3 +50,6 @@ def _ranges(experiment: str, plane: PlaneMap) -> Picture:
     )
     name, alt = f"map-ranges-{slug(experiment)}", f"Map of jumps in length, {experiment}"
     return picture(name, plot_ranges, length_ranges(plane), caption=caption, alt=alt, height=4.1)
+
+
+TOPIC = Topic("the plane, counted", map_section, General.EVERY, counted=True)

@@ -16,6 +16,7 @@ from dubins_study.report.elements.identity import METHOD, best_first
 from dubins_study.report.elements.panels import HIGHEST
 from dubins_study.report.elements.shares import INTERVAL_TEXT, percent, questions
 from dubins_study.report.elements.style import WIDE
+from dubins_study.report.elements.topic import BENCHMARK, Topic
 from dubins_study.report.topics.matrix.figures import plot_matrix
 from dubins_study.report.topics.matrix.numbers import Matrix, matrix, strata
 from dubins_study.report.topics.matrix.strata import strata_blocks
@@ -157,3 +158,6 @@ def _methods(methods: pd.DataFrame) -> Table:
     )
     numbers = ("attempts", "right_of", "right_share", "right_low", "right_high", "settings")
     return Table("methods", caption, methods, shown, marks(methods, "false_claims"), numbers)
+
+
+TOPIC = Topic("formulation by engine", matrix_section, BENCHMARK, counted=True)

@@ -13,6 +13,7 @@ from dubins_study.report.elements.columns import SOLVER, Column, columns, marks
 from dubins_study.report.elements.content import Picture, Section, Table
 from dubins_study.report.elements.formats import count, digits, seconds
 from dubins_study.report.elements.looks import Palette
+from dubins_study.report.elements.topic import General, Topic
 from dubins_study.report.paper.printed import QUANTITIES, compare
 from dubins_study.report.statistics.best import best_solvers
 from dubins_study.report.topics.paper.numbers import (
@@ -138,3 +139,6 @@ def figures_section(results: Results) -> Section | None:
         "round."
     )
     return Section("paths", "The paper's figures", text, (feasible_picture(), *pictures), lead)
+
+
+TOPIC = Topic("the paper's tables", paper_section, "paper", (General.POOLED, General.COMPARED))

@@ -9,6 +9,7 @@ from dubins_study.report.data.results import Results
 from dubins_study.report.elements.content import Picture, Section, picture
 from dubins_study.report.elements.formats import count
 from dubins_study.report.elements.looks import Palette
+from dubins_study.report.elements.topic import General, Topic
 from dubins_study.report.statistics.metrics import solver_order, success
 from dubins_study.report.topics.plane import figures
 from dubins_study.report.topics.plane.numbers import along_circle, exact_answers
@@ -78,3 +79,7 @@ def _failures(number: int, name: str, rows: pd.DataFrame) -> Picture:
     return picture(
         stem, figures.plot_failures, group, caption=caption, alt=alt, height=3.9, legend=2
     )
+
+
+# Not compared: a plane has a hundred thousand questions that only the closed form answers.
+TOPIC = Topic("the target plane", plane_section, "plane", (General.POOLED,))

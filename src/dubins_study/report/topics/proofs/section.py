@@ -14,6 +14,7 @@ from dubins_study.report.elements.content import Picture, Section, Table, pictur
 from dubins_study.report.elements.formats import count, digits, seconds, sentences, share
 from dubins_study.report.elements.looks import Palette
 from dubins_study.report.elements.style import WIDE
+from dubins_study.report.elements.topic import Topic
 from dubins_study.report.statistics.metrics import solver_order
 from dubins_study.report.topics.proofs.figures import plot_prices, plot_wall
 from dubins_study.report.topics.proofs.numbers import fastest, prices, proofs, provers
@@ -171,3 +172,6 @@ def _price_table(price: pd.DataFrame) -> Table:
     )
     caption = "The ratios of the figure; only questions that the solver answers correctly."
     return Table("proofs-price", caption, price, shown)
+
+
+TOPIC = Topic("what a proof costs", proofs_section, "proofs")

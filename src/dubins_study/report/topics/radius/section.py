@@ -10,6 +10,7 @@ from dubins_study.report.elements.content import Picture, Section, Table
 from dubins_study.report.elements.formats import count, digits
 from dubins_study.report.elements.looks import Palette
 from dubins_study.report.elements.style import WIDE, new_figure
+from dubins_study.report.elements.topic import General, Topic
 from dubins_study.report.statistics.best import best_solvers
 from dubins_study.report.topics.radius.figures import plot_length, plot_time
 from dubins_study.report.topics.radius.numbers import (
@@ -90,3 +91,6 @@ def _answers(frame: pd.DataFrame) -> Table:
         "check's tolerance, a longer one, or none that arrives. The gap is relative."
     )
     return Table("radius-answers", caption, frame, shown, marks(frame, "longer", "lost"))
+
+
+TOPIC = Topic("length, time and word against radius", radius_section, General.EVERY)

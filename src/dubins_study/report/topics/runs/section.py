@@ -25,6 +25,7 @@ from dubins_study.report.elements.style import (
     WIDE,
     Style,
 )
+from dubins_study.report.elements.topic import General, Topic
 from dubins_study.report.topics.runs.numbers import MOST_MARKS, probe_ratios, runs
 from dubins_study.study.rows.machine_noise import NOISY
 
@@ -124,3 +125,6 @@ def plot_probes(ax: Axes, ratios: pd.DataFrame) -> list[Artist]:
     ax.axhspan(1 - NOISY / 2, 1 + NOISY / 2, color=BLUE, alpha=0.15, lw=0)
     ax.set(xlabel="time since the run began (s)", ylabel="probe / its median")
     return entries
+
+
+TOPIC = Topic("the runs and their machines", runs_section, General.EVERY, counted=True)

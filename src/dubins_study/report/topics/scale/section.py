@@ -13,6 +13,7 @@ from dubins_study.report.elements.content import Picture, Section, Table
 from dubins_study.report.elements.formats import count, digits, share, some
 from dubins_study.report.elements.looks import Palette
 from dubins_study.report.elements.style import MUTED, WIDE, Style, new_figure
+from dubins_study.report.elements.topic import Topic
 from dubins_study.report.statistics.best import MOST_CURVES
 from dubins_study.report.statistics.metrics import parse_spec, solver_order
 from dubins_study.report.topics.scale.figures import plot_scale
@@ -140,3 +141,6 @@ def _table(table: pd.DataFrame) -> Table:
     )
     varies = pd.DataFrame({"invariant": table["invariant"] < table["scenarios"]})
     return Table("scale", caption, table, shown, marks(varies, "invariant"))
+
+
+TOPIC = Topic("scale invariance", scale_section, "scale")

@@ -12,6 +12,7 @@ from dubins_study.report.elements.columns import Column, columns
 from dubins_study.report.elements.content import Section, Table
 from dubins_study.report.elements.formats import some
 from dubins_study.report.elements.names import names_of
+from dubins_study.report.elements.topic import General, Topic
 from dubins_study.report.statistics.metrics import parse_spec
 
 _COLUMNS = (
@@ -60,3 +61,6 @@ def _listed(settings: Mapping[str, Any]) -> str:
 
 def _text(value: Any) -> str:
     return {"True": "yes", "False": "no"}.get(str(value), str(value))
+
+
+TOPIC = Topic("the solvers and their settings", solvers_section, General.EVERY, counted=True)

@@ -16,6 +16,7 @@ from dubins_study.report.elements.looks import Palette
 from dubins_study.report.elements.names import in_page_order
 from dubins_study.report.elements.panels import DRAWN_TEXT, HIGHEST
 from dubins_study.report.elements.style import WIDE
+from dubins_study.report.elements.topic import General, Topic
 from dubins_study.report.statistics.methods import MOST_ENGINES, MOST_METHODS, drawn_methods
 from dubins_study.report.topics.success.figures import (
     plot_gap_profile,
@@ -141,3 +142,6 @@ def _quantile_table(frame: pd.DataFrame, precision: str) -> Table:
         f"{' Of so many solvers only all regions together.' if several else ''}{precision}"
     )
     return Table("gap-quantiles", caption, frame, shown)
+
+
+TOPIC = Topic("success and gaps", success_section, General.POOLED, counted=True)

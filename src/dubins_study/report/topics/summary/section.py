@@ -15,6 +15,7 @@ from dubins_study.report.elements.formats import count, seconds, sentences, shar
 from dubins_study.report.elements.identity import METHOD
 from dubins_study.report.elements.names import in_page_order
 from dubins_study.report.elements.shares import INTERVAL_TEXT
+from dubins_study.report.elements.topic import General, Topic
 from dubins_study.report.statistics.methods import best_of_formulations
 from dubins_study.report.topics.summary.numbers import STARTS, by_start, summary
 
@@ -109,3 +110,6 @@ def _start_table(frame: pd.DataFrame) -> Table:
     shown = (SOLVER, *columns(kind="cell", cold_text="right, cold", warm_text="right, warm"))
     numbers = tuple(f"{start}_{end}" for start in STARTS for end in ("share", "low", "high"))
     return Table("summary-by-start", caption, frame, shown, numbers=numbers)
+
+
+TOPIC = Topic("summary", summary_section, General.POOLED, counted=True)

@@ -16,10 +16,9 @@ from dubins_study.report.elements.axes import (
     plain_log_axis,
     step_curve,
 )
-from dubins_study.report.elements.curves import curve_panel
 from dubins_study.report.elements.looks import BEHIND, Palette
-from dubins_study.report.elements.panels import named_panels
-from dubins_study.report.elements.solver_lines import label_lines, plot_quartiles
+from dubins_study.report.elements.panels import curve_panel, named_panels
+from dubins_study.report.elements.plots import label_lines, plot_quartiles
 from dubins_study.report.statistics.methods import foremost
 
 

@@ -14,6 +14,7 @@ from dubins_study.report.elements.looks import Palette
 from dubins_study.report.elements.names import in_page_order
 from dubins_study.report.elements.panels import DRAWN_TEXT, HIGHEST
 from dubins_study.report.elements.style import WIDE
+from dubins_study.report.elements.topic import General, Topic
 from dubins_study.report.statistics.methods import (
     MOST_ENGINES,
     MOST_METHODS,
@@ -137,3 +138,6 @@ def _mean_table(frame: pd.DataFrame, shift: float, which: str) -> Table:
         f"the shift is no finding. Intervals: bootstrap over scenarios.{which}"
     )
     return Table("mean-times", caption, frame, shown)
+
+
+TOPIC = Topic("time", time_section, General.COMPARED)

@@ -9,7 +9,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 
 from dubins_study.report.elements.axes import mark_limit, plain_log_axis
-from dubins_study.report.elements.solver_lines import label_lines
+from dubins_study.report.elements.plots import label_lines
 from dubins_study.report.elements.style import BLUE, VERMILION
 
 _PARTS = (("ratio", "time", BLUE, "o", 0.14), ("work", "iterations", VERMILION, "s", -0.14))

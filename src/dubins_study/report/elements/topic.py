@@ -1,0 +1,41 @@
+"""A topic of the report: a section of the page, and the attempts that it is about."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from enum import Enum, auto
+from typing import NamedTuple
+
+from dubins_study.report.data.results import Results
+from dubins_study.report.elements.content import Section
+
+BENCHMARK = "benchmark"  # the key of the experiment on which methods are compared
+
+
+class General(Enum):
+    """The attempts of a section that is not about a single experiment."""
+
+    EVERY = auto()  # all attempts
+    POOLED = auto()  # counted together: without studies of variants and of extreme questions
+    COMPARED = auto()  # attempts at questions on which solvers are compared
+    DECIDED = auto()  # those of benchmarks, else those compared, else all
+
+
+class Topic(NamedTuple):
+    """One section of the page.
+
+    Args:
+        title: its name in progress reports.
+        write: attempts -> the section; None if there is nothing to show.
+        about: its attempts: a general kind, or the key that experiments give as `section = "..."`
+            in their TOML file.
+        enters: the general kinds that include those experiments too.
+        counted: whether its numbers count every attempt. Other sections need single rows, and show
+            a sample if there are too many.
+    """
+
+    title: str
+    write: Callable[[Results], Section | None]
+    about: General | str
+    enters: tuple[General, ...] = ()
+    counted: bool = False
