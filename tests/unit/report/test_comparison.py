@@ -152,13 +152,11 @@ def test_the_section_and_what_has_none(results):
 
     assert [block.name for block in section.blocks] == [
         "comparison-profiles",
-        "comparison-pair",
         "comparison-evaluations",
         "comparison-targets",
         "comparison-ranks",
         "comparison-tests-formulation",
         "comparison-tests-engine",
-        "comparison-virtual-best",
     ]
     assert "12 questions with a path, put to 3 methods" in section.text
     assert comparison_section(single) is None

@@ -7,7 +7,7 @@ import math
 import pytest
 
 from dubins_study.report.data.results import load
-from dubins_study.report.statistics.best import best_solvers
+from dubins_study.report.statistics.methods import best_solvers
 from dubins_study.report.topics.radius.numbers import answers, sweep, sweep_rows
 from dubins_study.report.topics.radius.section import radius_section
 from dubins_study.study.path import Path

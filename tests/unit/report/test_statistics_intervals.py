@@ -1,4 +1,4 @@
-"""Intervals of shares against published values, scipy and the equation that defines them."""
+"""Intervals against published values, exact distributions, scipy and brute force."""
 
 from __future__ import annotations
 
@@ -7,16 +7,33 @@ import math
 import numpy as np
 import pandas as pd
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy.stats import binomtest
+from scipy import stats
 
+from dubins_study.report.statistics import intervals
+from dubins_study.report.statistics.costs import shifted_geometric_mean
 from dubins_study.report.statistics.intervals import (
-    scenario_share,
-    scenario_shares,
+    averages,
+    bootstrap,
+    geometric_means,
+    medians,
     wilson_interval,
     wilson_intervals,
 )
+
+INF, NAN = float("inf"), float("nan")
+# Survival of the treated mice, days: Efron and Tibshirani 1993, An Introduction to the Bootstrap,
+# table 2.1.
+MICE = (94, 197, 16, 38, 99, 141, 23)
+# Name -> the statistic, and the column to divide by.
+STATISTICS = {
+    "median": (medians,),
+    "mean": (geometric_means(1.0),),
+    "average": (averages,),
+    "median ratio": (medians, "a"),
+    "mean ratio": (geometric_means(1.0), "a"),
+}
 
 
 @pytest.mark.parametrize(
@@ -38,7 +55,7 @@ def test_the_examples_of_newcombe(successes, trials, expected):
 def test_whole_numbers_as_in_scipy(trials, fraction, level):
     """scipy solves the same quadratic; its own rounding is some units in the last place."""
     successes = round(fraction * trials)
-    expected = binomtest(successes, trials).proportion_ci(level, method="wilson")
+    expected = stats.binomtest(successes, trials).proportion_ci(level, method="wilson")
 
     assert wilson_interval(successes, trials, level) == pytest.approx(tuple(expected), abs=1e-12)
 
@@ -65,13 +82,6 @@ def test_all_none_and_nothing():
     assert wilson_intervals([[1], [2]], [4, 5, 6]).shape == (2, 3, 2)
 
 
-@given(st.integers(1, 10**6), st.floats(0.01, 0.999))
-def test_the_outer_ends_are_free_of_rounding(trials, level):
-    """None of n: exactly 0; n of n: exactly 1."""
-    assert wilson_interval(0, trials, level)[0] == 0.0
-    assert wilson_interval(trials, trials, level)[1] == 1.0
-
-
 @pytest.mark.parametrize(
     ("successes", "trials", "level", "message"),
     [
@@ -89,47 +99,22 @@ def test_what_is_no_share_is_refused(successes, trials, level, message):
         wilson_interval(successes, trials, level)
 
 
+def shares(rows, **names):
+    """`scenario_shares` of successes `ok` at scenarios `scenario_id`, in groups of solvers."""
+    named = {"by": ["solver"], "success": "ok", "scenario": ["scenario_id"]} | names
+    return intervals.scenario_shares(rows, **named)
+
+
 def test_repeats_of_one_scenario_are_one_trial():
-    """Scenario a: 3 of 3, b: 1 of 2, c: 0 of 1: rates 1, 1/2, 0 of three scenarios, not 4 of 6."""
-    success = pd.Series([True, True, True, True, False, False])
-    share = scenario_share(success, pd.Series(list("aaabbc")))
+    """Scenario a: 3 of 3, b: 1 of 2, c: 0 of 1: rates 1, 1/2, 0 of three scenarios, not 4 of 6. A
+    missing name is a solver, and a scenario."""
+    right = [True, True, True, True, False, False]
+    rows = pd.DataFrame({"solver": "x", "scenario_id": [*"aaabb", None], "ok": right})
 
-    assert share[:3] == (1.5, 3, 0.5)
-    assert share[3:] == wilson_interval(1.5, 3)
-
-
-def test_every_group_has_the_share_of_its_attempts():
-    """Each line is `scenario_share` of the rows of one solver in one region; c never succeeds."""
-    rng = np.random.default_rng(2)
-    rows = pd.DataFrame(
-        {
-            "solver": rng.choice(["a", "b", "c"], 200),
-            "region": rng.choice(["outside", "left disc"], 200),
-            "experiment": rng.choice(["x", "y"], 200),
-            "scenario_id": rng.choice(["1", "2", "3"], 200),
-        }
-    )
-    rows["ok"] = (rows["solver"] != "c") & (rng.random(200) < 0.8)
-    table = scenario_shares(
-        rows, by=["solver", "region"], success="ok", scenario=["experiment", "scenario_id"]
-    )
-
-    assert len(table) == 6
-    for key, part in rows.groupby(["solver", "region"]):
-        expected = scenario_share(part["ok"], part["experiment"] + part["scenario_id"])
-        assert table.loc[key].tolist() == pytest.approx(list(expected))
-    assert (table.loc["c", "low"] == 0).all()
-    empty = scenario_shares(rows.iloc[:0], by=["solver"], success="ok", scenario=["scenario_id"])
-    assert empty.empty
-
-
-def test_a_missing_key_takes_no_attempt_away():
-    """A crash may leave no region behind; it stays a group and a trial."""
-    rows = pd.DataFrame({"region": [None, "outside"], "scenario_id": ["1", None], "ok": False})
-    table = scenario_shares(rows, by=["region"], success="ok", scenario=["scenario_id"])
-
-    assert table["trials"].tolist() == [1, 1]
-    assert scenario_share(rows["ok"], rows["scenario_id"]).trials == 2
+    line = shares(rows).loc["x"].tolist()
+    assert line == [1.5, 3, 0.5, *wilson_interval(1.5, 3)]
+    assert shares(rows.assign(solver=None))["trials"].tolist() == [3]
+    assert shares(rows.iloc[:0]).empty
 
 
 def test_the_interval_of_scenarios_covers_as_often_as_it_claims():
@@ -138,18 +123,263 @@ def test_the_interval_of_scenarios_covers_as_often_as_it_claims():
     Counting 300 attempts as trials would cover 0.9 in about three cases of four, counting scenarios
     covers it in 95 of 100; 0.03 is three standard errors of 0.95 in 500 simulations.
     """
-    rng = np.random.default_rng(1)
-    scenario, covered = pd.Series(np.repeat(np.arange(100), 3)), 0
-    for _ in range(500):
-        share = scenario_share(pd.Series(np.repeat(rng.random(100) < 0.9, 3)), scenario)
-        covered += share.low <= 0.9 <= share.high
+    right = np.random.default_rng(1).random((500, 100)) < 0.9
+    rows = pd.DataFrame(
+        {
+            "solver": np.repeat(np.arange(500), 300),
+            "scenario_id": np.tile(np.repeat(np.arange(100), 3), 500),
+            "ok": np.repeat(right.ravel(), 3),
+        }
+    )
+    table = shares(rows)
 
-    assert covered / 500 == pytest.approx(0.95, abs=0.03)
+    covered = ((table["low"] <= 0.9) & (table["high"] >= 0.9)).mean()
+    assert covered == pytest.approx(0.95, abs=0.03)
 
 
-def test_a_share_of_nothing():
-    """No attempts: no share, and any share is possible."""
-    share = scenario_share(pd.Series([], dtype=bool), pd.Series([], dtype=object))
+def resampled(table, scenarios, seed, resamples):
+    """Each resample written out, row by row, from the counts of scenarios."""
+    labels = list(dict.fromkeys(scenarios))
+    for counts in intervals.scenario_counts(len(labels), resamples, seed):
+        times = dict(zip(labels, counts.astype(int), strict=True))
+        yield np.repeat(table, [times[scenario] for scenario in scenarios], axis=0)
 
-    assert (share.successes, share.trials, share.low, share.high) == (0.0, 0, 0.0, 1.0)
-    assert math.isnan(share.share)
+
+def test_the_median_of_the_mice_has_its_exact_distribution():
+    """Each of the seven survivals is the median of a resample with a known probability.
+
+    The median is above the k-th value if at most three of seven draws are among the first k: a
+    binomial probability (Efron 1982, The Jackknife, the Bootstrap and Other Resampling Plans, sec.
+    10.3). The standard error of that distribution is printed as 37.83 in Efron and Tibshirani 1993,
+    table 2.2; the ends of the interval are its quantiles. 20000 resamples leave a share uncertain
+    by 0.0035 (one standard error at 1/2), and no quantile lies within 0.01 of a step.
+    """
+    ordered = np.sort(MICE)
+    above = [stats.binom.cdf(3, 7, k / 7) for k in range(8)]
+    probability = -np.diff(above)
+    centre = probability @ ordered
+    assert math.sqrt(probability @ (ordered - centre) ** 2) == pytest.approx(37.83, abs=0.005)
+
+    table = pd.DataFrame({"treated": MICE})
+    for level in (0.95, 0.7, 0.5):
+        quantiles = [(1 - level) / 2, (1 + level) / 2]
+        below = np.cumsum(probability)
+        assert np.abs(below[:, np.newaxis] - quantiles).min() > 0.01
+        expected = ordered[np.searchsorted(below, quantiles)]
+        line = bootstrap(table, medians, level=level, resamples=20_000).loc["treated"]
+        assert line.tolist() == [94, *expected]
+
+
+@settings(max_examples=40, deadline=None)
+@given(
+    st.lists(
+        st.tuples(
+            st.integers(0, 4),
+            *[st.one_of(st.floats(0.1, 100), st.just(INF), st.just(NAN))] * 2,
+        ),
+        min_size=1,
+        max_size=12,
+    ),
+    st.integers(0, 1000),
+)
+def test_medians_and_means_as_of_every_resample_written_out(rows, seed):
+    """numpy's median of each written-out resample, repeats of a scenario (first entry) together."""
+    scenarios, values = [row[0] for row in rows], np.array([row[1:] for row in rows])
+    table = pd.DataFrame(values, scenarios, ["a", "b"])
+    middle = bootstrap(table, medians, level=0.5, resamples=8, seed=seed)
+    means = bootstrap(table, geometric_means(2.0), level=0.5, resamples=8, seed=seed)
+
+    for place, solver in enumerate(table.columns):
+        for line, statistic in (
+            (middle.loc[solver], np.median),
+            (means.loc[solver], lambda known: shifted_geometric_mean(known, 2.0)),
+        ):
+            samples = [
+                values[:, place],
+                *(s[:, place] for s in resampled(values, scenarios, seed, 8)),
+            ]
+            known = [sample[~np.isnan(sample)] for sample in samples]
+            with np.errstate(invalid="ignore"):  # numpy's mean of two infinite values
+                each = [statistic(sample) if sample.size else NAN for sample in known]
+                each = [
+                    INF if np.isinf(s).sum() * 2 >= s.size > 0 and np.isnan(e) else e
+                    for e, s in zip(each, known, strict=True)
+                ]
+            low, high = ends(each[1:], 0.5)
+            assert line.tolist() == pytest.approx([each[0], low, high], rel=1e-9, nan_ok=True)
+
+
+def ends(statistics, level):
+    """The outermost of the sorted statistics that the two quantiles lie between."""
+    known = sorted(value for value in statistics if not math.isnan(value))
+    if not known:
+        return NAN, NAN
+    last = len(known) - 1
+    return (
+        known[math.floor((1 - level) / 2 * last)],
+        known[math.ceil((1 + level) / 2 * last)],
+    )
+
+
+@pytest.mark.parametrize("name", ["median", "average"])
+def test_intervals_as_those_of_scipy(name):
+    """scipy's percentile bootstrap of 60 lognormal costs, with its own resamples.
+
+    Both ends are quantiles of 9999 resamples: their standard error is about a tenth of the
+    statistic's own, sqrt(0.025 * 0.975 / 9999) / density(1.96) = 0.027 standard errors; six times
+    that of two independent ends leaves 0.25.
+    """
+    values = np.random.default_rng(3).lognormal(size=60)
+    statistic = {"median": np.median, "average": np.mean}[name]
+    other = stats.bootstrap(
+        (values,), statistic, method="percentile", n_resamples=9999, rng=np.random.default_rng(4)
+    )
+    line = bootstrap(pd.DataFrame({"a": values}), *STATISTICS[name], resamples=9999).loc["a"]
+
+    tolerance = 0.25 * other.standard_error
+    assert line["low"] == pytest.approx(other.confidence_interval.low, abs=tolerance)
+    assert line["high"] == pytest.approx(other.confidence_interval.high, abs=tolerance)
+    assert line["estimate"] == pytest.approx(statistic(values))
+
+
+def test_the_interval_of_a_mean_covers_as_often_as_it_claims():
+    """400 samples of 50 normal values: the mean 0 is inside in 95 of 100, which is uncertain by
+    0.011; quantiles of the normal instead of the t distribution take about 0.01 away."""
+    values = np.random.default_rng(5).normal(size=(50, 400))
+    frame = bootstrap(pd.DataFrame(values), averages)
+
+    inside = ((frame["low"] <= 0) & (frame["high"] >= 0)).mean()
+    assert inside == pytest.approx(0.94, abs=0.03)
+
+
+def width(frame):
+    """The length of the one interval of a frame."""
+    return (frame["high"] - frame["low"]).item()
+
+
+def test_repeats_of_one_scenario_stay_together():
+    """Ten scenarios whose three repeats agree are no thirty: the intervals of one repeat remain,
+    and repeats as scenarios of their own give shorter ones."""
+    values = np.random.default_rng(6).lognormal(size=(10, 1))
+    once = pd.DataFrame(values, columns=["a"])
+    thrice = pd.DataFrame(np.repeat(values, 3, axis=0), np.repeat(np.arange(10), 3), ["a"])
+
+    for name in ("median", "mean", "average"):
+        single, together = bootstrap(once, *STATISTICS[name]), bootstrap(thrice, *STATISTICS[name])
+        apart = bootstrap(thrice.reset_index(drop=True), *STATISTICS[name])
+        assert together.to_numpy() == pytest.approx(single.to_numpy())
+        assert width(apart) < 0.8 * width(together)
+
+
+def test_ratios_pair_the_resamples():
+    """A column that is always twice another has the ratio 2 in every resample, and each column
+    has the ratio 1 to itself; independent resamples would give an interval around them."""
+    values = np.random.default_rng(7).lognormal(size=30)
+    table = pd.DataFrame({"a": values, "twice": 2 * values})
+
+    for frame in (
+        bootstrap(table, medians, "a"),
+        bootstrap(table, geometric_means(0.0), "a"),
+    ):
+        assert frame.loc["twice"].tolist() == pytest.approx([2.0] * 3)
+        assert frame.loc["a"].tolist() == pytest.approx([1.0] * 3)
+
+
+def test_a_ratio_is_of_the_rows_that_both_have():
+    """b was not asked the third question, so that a's cost of it does not count either."""
+    table = pd.DataFrame({"a": [1.0, 1.0, 100.0], "b": [3.0, 3.0, NAN]})
+
+    for frame in (
+        bootstrap(table, medians, "a"),
+        bootstrap(table, geometric_means(1.0), "a"),
+    ):
+        assert frame.loc["b", "estimate"] == pytest.approx(3.0)
+
+
+def test_failures_in_ratios():
+    """All of b fails: infinite against a, a is 0 of b, and b against itself is not determined."""
+    table = pd.DataFrame({"a": [1.0, 2.0, 3.0], "b": [INF] * 3})
+
+    assert bootstrap(table, medians, "a").loc["b"].tolist() == [INF] * 3
+    against = bootstrap(table, medians, "b")
+    assert against.loc["a"].tolist() == [0.0] * 3
+    assert math.isnan(against.loc["b", "estimate"])
+    assert against.loc["b", ["low", "high"]].tolist() == [0.0, INF]
+
+
+def test_a_share_of_failures_near_a_half_makes_the_upper_end_infinite():
+    """Two of five fail: the median is a number, its upper end is not."""
+    line = bootstrap(pd.DataFrame({"a": [1.0, 2.0, 3.0, INF, INF]}), medians).loc["a"]
+
+    assert line.tolist() == [3.0, 1.0, INF]
+
+
+def test_differences_of_successes():
+    """Of ten questions a wins three and loses one: the difference of the shares is 0.2."""
+    table = pd.DataFrame({"a - b": [1.0] * 3 + [-1.0] + [0.0] * 6})
+    line = bootstrap(table, averages).loc["a - b"]
+
+    assert line["estimate"] == pytest.approx(0.2)
+    assert -1 <= line["low"] < 0.2 < line["high"] <= 1
+
+
+@pytest.mark.parametrize("name", list(STATISTICS))
+def test_one_seed_one_result(name):
+    """Another seed gives other ends, and the same estimate."""
+    table = pd.DataFrame(np.random.default_rng(8).lognormal(size=(500, 2)), columns=["a", "b"])
+    first, again, other = (
+        bootstrap(table, *STATISTICS[name], seed=seed).loc["b"] for seed in (1, 1, 2)
+    )
+
+    assert first.equals(again)
+    assert first["estimate"] == other["estimate"]
+    assert first["low"] != other["low"]
+
+
+@pytest.mark.parametrize("name", list(STATISTICS))
+def test_edges(name):
+    """No rows: NaN. One scenario: no spread. A column without values: NaN."""
+    nothing = bootstrap(pd.DataFrame({"a": [], "b": []}), *STATISTICS[name])
+    single = bootstrap(pd.DataFrame({"a": [2.0], "b": [4.0]}), *STATISTICS[name])
+    missing = bootstrap(pd.DataFrame({"a": [2.0, 3.0], "b": [NAN, NAN]}), *STATISTICS[name])
+
+    assert nothing.isna().all(axis=None)
+    assert single.loc["b", "low"] == single.loc["b", "high"] == single.loc["b", "estimate"]
+    assert missing.loc["b"].isna().all()
+    assert missing.loc["a"].notna().all()
+
+
+def test_what_cannot_be_resampled_is_refused():
+    """Each message names the value."""
+    table = pd.DataFrame({"a": [1.0]})
+    with pytest.raises(ValueError, match="0 resamples"):
+        bootstrap(table, medians, resamples=0)
+    with pytest.raises(ValueError, match="level 95"):
+        bootstrap(table, medians, level=95)
+    with pytest.raises(ValueError, match="no solver named 'z' to divide by; choose one of: a"):
+        bootstrap(table, medians, "z")
+    with pytest.raises(ValueError, match="shift of -1"):
+        bootstrap(table, geometric_means(-1.0))
+
+
+@given(st.integers(1, 50), st.integers(1, 20), st.integers(0, 10**6))
+def test_a_resample_has_the_size_of_the_sample(scenarios, resamples, seed):
+    """Whole numbers that add up."""
+    counts = intervals.scenario_counts(scenarios, resamples, seed)
+
+    assert counts.shape == (resamples, scenarios)
+    assert (counts == np.floor(counts)).all()
+    assert counts.min() >= 0
+    assert counts.sum(axis=1).tolist() == [scenarios] * resamples
+
+
+@pytest.mark.slow
+def test_very_many_scenarios_draw_fewer_resamples():
+    """Their counts would take gigabytes; the interval covers the mean and is narrow."""
+    many = pd.DataFrame({"a": np.random.default_rng(4).normal(3.0, 1.0, 50_000)})
+
+    (row,) = bootstrap(many, averages).itertuples()
+
+    assert row.low < 3.0 < row.high
+    # four standard errors wide: 95 % is 3.92 of them, give or take the resamples' own spread
+    assert row.high - row.low == pytest.approx(3.92 / np.sqrt(50_000), rel=0.25)

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from scipy.stats import iqr, variation
 
 from dubins_study.report.statistics.intervals import wilson_interval
-from dubins_study.report.statistics.spread import question_spread, seed_success, solver_spread
+from dubins_study.report.statistics.metrics import question_spread, solver_spread
 
 NAN = float("nan")
 # Solver a: question p changes its verdict, q does not; solver b was asked p once.
@@ -65,14 +65,6 @@ def test_one_unsteady_question_does_not_make_a_solver_unsteady():
     assert (line["iqr_relative"], line["cv"], line["changing"]) == (0.0, 0.0, 0.0)
 
 
-def test_success_had_one_seed_been_run():
-    """Repeat 0 and 2 answer one of two questions, repeat 1 none; b has one repeat."""
-    table = seed_success(ROWS)
-
-    assert table.loc["a"].tolist() == pytest.approx([3, 0.0, 1 / 3, 0.5])
-    assert table.loc["b"].tolist() == [1, 1.0, 1.0, 1.0]
-
-
 @given(
     st.lists(
         st.tuples(st.sampled_from("pq"), st.floats(0.1, 100), st.sampled_from(["x", "y", None])),
@@ -113,7 +105,6 @@ def test_a_missing_key_takes_no_attempt_away():
     rows = ROWS.assign(scenario_id=[None] * 3 + list("qqqp"), repeat=[None, 1, 1, 1, 1, 1, 0])
 
     assert question_spread(rows, question=["scenario_id"])["repeats"].sum() == len(ROWS)
-    assert seed_success(rows).loc["a", "repeats"] == 2
 
 
 def test_no_rows():
@@ -122,4 +113,3 @@ def test_no_rows():
 
     assert spread.empty
     assert solver_spread(spread).empty
-    assert seed_success(ROWS.iloc[:0]).empty

@@ -12,11 +12,10 @@ from itertools import pairwise, zip_longest
 
 import numpy as np
 import pandas as pd
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from dubins_study.report.data.attempts import EXACT, PROOFS, SUCCESSES
-
-FloatArray = NDArray[np.float64]
+from dubins_study.report.statistics.intervals import wilson_intervals
 
 # A number in a spec; digits behind a letter, as in `nlp2`, count too, a sign does not.
 _NUMBER = re.compile(r"(\d+(?:\.\d+)?(?:[eE][+-]?\d+)?)")
@@ -133,3 +132,77 @@ def runs_of(words: Sequence[str]) -> list[tuple[int, int, str]]:
     changes = [i for i in range(1, len(words)) if words[i] != words[i - 1]]
     bounds = [0, *changes, len(words)] if words else []
     return [(a, b, words[a]) for a, b in pairwise(bounds)]
+
+
+def question_spread(
+    rows: pd.DataFrame,
+    *,
+    question: Sequence[str],
+    verdict: str = "verdict",
+    right: str = "right",
+    cost: str = "wall_s",
+    solver: str = "solver",
+) -> pd.DataFrame:
+    """The spread of each solver at each question over its repeats, which differ in their seed.
+
+    Stochastic engines draw random numbers, and MIP engines permute rows and break ties by a seed;
+    one run of either is a sample (Lodi and Tramontani 2013, "Performance variability in
+    mixed-integer programming", INFORMS TutORials in Operations Research).
+
+    Args:
+        rows: one row per attempt; a missing verdict counts as a verdict, a cost that is not finite
+            is left out.
+        question: names of the columns that tell questions apart.
+        verdict, right, cost, solver: names of columns; the cost is of right and wrong answers.
+    Returns:
+        Indexed by solver and question. repeats; success: share of right answers; verdicts: number
+        of different ones; changes: whether there are several; median and iqr (upper minus lower
+        quartile, interpolated linearly as `scipy.stats.iqr` does) of the cost, in its unit; cv:
+        coefficient of variation, the standard deviation (n - 1 in the denominator) over the mean.
+        NaN if there are no costs, for cv if there are fewer than two or their mean is 0.
+    """
+    costs = rows[cost].astype(np.float64)
+    kept = rows[[solver, *question]].assign(
+        verdict=rows[verdict].astype(object).fillna("missing"),
+        right=rows[right].astype(np.float64),
+        cost=costs.where(np.isfinite(costs)),
+    )
+    groups = kept.groupby([solver, *question], observed=True, dropna=False)
+    paid = groups["cost"]
+    frame = pd.DataFrame({"repeats": groups.size(), "success": groups["right"].mean()})
+    frame["verdicts"] = groups["verdict"].nunique()
+    frame["changes"] = frame["verdicts"] > 1
+    frame["median"] = paid.median()
+    frame["iqr"] = paid.quantile(0.75) - paid.quantile(0.25)
+    mean = paid.mean()
+    frame["cv"] = paid.std(ddof=1) / mean.where(mean > 0)
+    return frame
+
+
+def solver_spread(spread: pd.DataFrame) -> pd.DataFrame:
+    """The spread of each solver over the questions that it was asked at least twice.
+
+    Args:
+        spread: the result of `question_spread`; its first index level is the solver.
+    Returns:
+        Indexed by solver. questions; repeats: the least number; success: mean success rate of the
+        questions; changing: share of questions whose verdict changes with the seed, with Wilson's
+        95 % interval changing_low and changing_high; sometimes: share of questions that it answers
+        correctly with some seeds and not with others; iqr_relative: median over questions of
+        iqr / median; cv: median over questions.
+    """
+    repeated = spread[spread["repeats"] > 1].assign(
+        sometimes=lambda frame: (frame["success"] > 0) & (frame["success"] < 1),
+        relative=lambda frame: frame["iqr"] / frame["median"].where(frame["median"] > 0),
+    )
+    groups = repeated.groupby(level=0, observed=True, dropna=False)
+    frame = pd.DataFrame({"questions": groups.size(), "repeats": groups["repeats"].min()})
+    frame["success"] = groups["success"].mean()
+    changing = groups["changes"].sum()
+    frame["changing"] = changing / frame["questions"]
+    ends = wilson_intervals(changing, frame["questions"])
+    frame["changing_low"], frame["changing_high"] = ends[:, 0], ends[:, 1]
+    frame["sometimes"] = groups["sometimes"].mean()
+    frame["iqr_relative"] = groups["relative"].median()
+    frame["cv"] = groups["cv"].median()
+    return frame

@@ -1,8 +1,8 @@
 """Paired tests of two solvers on the same questions, and Holm's correction for many of them.
 
-A cost table is described in `cost_table`: infinity is a failure, NaN a question not asked. A
-failure loses to every right answer, two failures tie, and a pair with NaN is left out. Every
-question gives one value per solver: the median over its repeats, which are not independent.
+A cost table is described in `costs`: infinity is a failure, NaN a question not asked. A failure
+loses to every right answer, two failures tie, and a pair with NaN is left out. Every question
+gives one value per solver: the median over its repeats, which are not independent.
 """
 
 from __future__ import annotations
@@ -16,14 +16,15 @@ import pandas as pd
 from numpy.typing import ArrayLike
 from scipy.special import bdtr, ndtr
 
-from dubins_study.report.statistics.cost_table import one_row_per_question
+from dubins_study.report.statistics.costs import checked_costs
 from dubins_study.study.path import FloatArray
 
-# Two ratios of costs are tied if their logarithms agree to so many decimals: far finer than any
+# Two ratios of costs are tied if their logarithms agree to this many decimals: far finer than any
 # timer, and coarser than the rounding of logarithms.
 _TIE_DECIMALS = 12
-# Up to so many pairs the signed rank test is exact, as in scipy, but with ties as well: there scipy
-# writes out all sign patterns, a tenth of a second for 13 pairs. 2^50 patterns are counted exactly.
+# Up to this many pairs the signed rank test is exact, as in scipy, but with ties as well: there
+# scipy writes out all sign patterns, a tenth of a second for 13 pairs. 2^50 patterns are counted
+# exactly.
 _EXACT_PAIRS = 50
 
 
@@ -86,42 +87,36 @@ def wilcoxon_test(costs: ArrayLike, rival_costs: ArrayLike) -> PairedTest:
     largest = (finite.max() if finite.size else 0.0) + 1.0
     logs = np.clip(logs, -largest, largest)
     logs = logs[logs != 0]
-    p = _exact_p(logs) if logs.size <= _EXACT_PAIRS else _normal_p(logs)
+    ranks = np.asarray(pd.Series(np.abs(logs)).rank(), dtype=np.float64)  # ties share their mean
+    p = _exact_p(ranks, logs > 0) if logs.size <= _EXACT_PAIRS else _normal_p(ranks, logs > 0)
     return PairedTest(wins + losses + ties, wins, losses, ties, p)
 
 
-def _exact_p(differences: FloatArray) -> float:
+def _exact_p(ranks: FloatArray, positive: np.ndarray) -> float:
     """The share of sign patterns whose rank sum is as far from its mean, on either side.
 
     Patterns are counted by their sum of doubled ranks, which are whole numbers with ties too:
     adding a rank to the patterns so far shifts their counts by it.
     """
-    ranks = np.rint(2 * _ranks(differences)).astype(np.intp)
-    total = int(ranks.sum())
+    doubled = np.rint(2 * ranks).astype(np.intp)
+    total, reached = int(doubled.sum()), int(doubled[positive].sum())
     patterns = np.zeros(total + 1)
     patterns[0] = 1.0
-    for rank in ranks:
+    for rank in doubled:
         patterns[rank:] = patterns[rank:] + patterns[:-rank]
-    positive = int(ranks[differences > 0].sum())
-    tail = patterns[: min(positive, total - positive) + 1].sum() / 2.0**ranks.size
+    tail = patterns[: min(reached, total - reached) + 1].sum() / 2.0**ranks.size
     return min(1.0, 2 * float(tail))
 
 
-def _normal_p(differences: FloatArray) -> float:
+def _normal_p(ranks: FloatArray, positive: np.ndarray) -> float:
     """The same share for many pairs, whose rank sum is nearly normal.
 
     With random signs the sum of the positive ranks has the mean sum(r) / 2 and the variance
     sum(r^2) / 4; ties are in the ranks already. It is `scipy.stats.wilcoxon` in two lines: to
     import scipy.stats takes longer than all tests of a report.
     """
-    ranks = _ranks(differences)
-    off = ranks[differences > 0].sum() - ranks.sum() / 2
+    off = ranks[positive].sum() - ranks.sum() / 2
     return 2 * float(ndtr(-abs(off) / np.sqrt((ranks**2).sum() / 4)))
-
-
-def _ranks(differences: FloatArray) -> FloatArray:
-    """The rank of each size, from 1; sizes that tie share their mean rank."""
-    return np.asarray(pd.Series(np.abs(differences)).rank(), dtype=np.float64)
 
 
 def holm(p_values: ArrayLike) -> FloatArray:
@@ -163,9 +158,16 @@ def pairwise_tests(
         One row per pair; columns solver, rival, pairs, wins, losses, ties (of `solver`), p, p_holm
         (over all rows). Two solvers without a common question have p and p_holm NaN.
     Raises:
-        ValueError: if a question has several rows, or `base` is no solver of the table.
+        ValueError: if a question has several rows, or `base` is no solver of the table. A test that
+            counts repeats as independent questions finds differences that are not there.
     """
-    costs = one_row_per_question(table)
+    if not table.index.is_unique:
+        first = table.index[table.index.duplicated()][0]
+        raise ValueError(
+            f"question {first!r} has several rows; a test takes one value per question: take the "
+            "median over its repeats"
+        )
+    costs = checked_costs(table)
     if base is not None and base not in costs.columns:
         known = ", ".join(map(str, costs.columns))
         raise ValueError(f"no solver named {base!r} to compare with; choose one of: {known}")

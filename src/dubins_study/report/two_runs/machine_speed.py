@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 
 from dubins_study.report.data.results import Results
-from dubins_study.report.statistics.bootstrap import median_intervals
+from dubins_study.report.statistics.intervals import bootstrap, medians
 
 
 class MachineSpeed(NamedTuple):
@@ -65,7 +65,7 @@ def _from_probes(base: Results, new: Results) -> MachineSpeed | None:
     took = [_probe_seconds(results) for results in (base, new)]
     if min(map(len, took)) < _FEWEST:
         return None
-    before, after = (median_intervals(pd.DataFrame({"probe": each})).iloc[0] for each in took)
+    before, after = (bootstrap(pd.DataFrame({"probe": each}), medians).iloc[0] for each in took)
     return MachineSpeed(
         float(after["estimate"] / before["estimate"]),
         float(after["low"] / before["high"]),

@@ -7,7 +7,7 @@ from collections.abc import Collection
 import numpy as np
 import pandas as pd
 
-from dubins_study.report.statistics.bootstrap import average_intervals, mean_ratio_intervals
+from dubins_study.report.statistics.intervals import averages, bootstrap, geometric_means
 from dubins_study.report.statistics.metrics import solver_order
 from dubins_study.report.statistics.paired import PairedTest, holm, sign_test, wilcoxon_test
 from dubins_study.report.two_runs.machine_speed import MachineSpeed
@@ -101,7 +101,7 @@ def _success(pairs: pd.DataFrame) -> dict[str, object]:
     without = pairs[~pairs["answerable"]]
     wrong = [1 - asked[f"right_{side}"].to_numpy() for side in SIDES]
     change = pd.DataFrame({"change": wrong[0] - wrong[1]}, index=asked["scenario_id"])
-    interval = average_intervals(change).iloc[0]
+    interval = bootstrap(change, averages).iloc[0]
     shares = {f"right_{side}": asked[f"right_{side}"].mean() for side in SIDES}
     ends = dict(zip(_ENDS, interval[["estimate", "low", "high"]], strict=True))
     return (
@@ -136,7 +136,7 @@ def _timed(pairs: pd.DataFrame) -> pd.DataFrame:
 
 
 def _ratio(times: pd.DataFrame) -> pd.Series[float]:
-    ratios = mean_ratio_intervals(times, "base", 0.0)
+    ratios = bootstrap(times, geometric_means(0.0), "base")
     return pd.Series(ratios.loc["new"], dtype=np.float64)[["estimate", "low", "high"]]
 
 

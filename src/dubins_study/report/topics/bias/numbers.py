@@ -16,7 +16,8 @@ import numpy as np
 import pandas as pd
 
 from dubins_study.report.data.results import Results
-from dubins_study.report.statistics.metrics import FloatArray, fitted_order, parse_spec
+from dubins_study.report.statistics.metrics import fitted_order, parse_spec
+from dubins_study.study.path import FloatArray
 
 # Ipopt's constants (Waechter and Biegler 2006, sec. 2 and 3): the first barrier mu; the factor and
 # the power of its update, min(0.2 mu, mu^1.5); and its smallest value as a share of the tolerance.

@@ -5,18 +5,23 @@ from __future__ import annotations
 import pandas as pd
 
 from dubins_study.report.data.attempts import EXACT
-from dubins_study.report.statistics.bootstrap import average_intervals, mean_intervals
 from dubins_study.report.statistics.compared import Compared, once
-from dubins_study.report.statistics.cost_table import cost_table, shared_questions
-from dubins_study.report.statistics.intervals import scenario_shares
-from dubins_study.report.statistics.means import (
+from dubins_study.report.statistics.costs import (
     SHIFT_FACTORS,
     chosen_shift,
+    cost_table,
     penalised,
     ranking,
     ranks_of,
+    shared_questions,
     shifted_geometric_mean,
     solved_by_all,
+)
+from dubins_study.report.statistics.intervals import (
+    averages,
+    bootstrap,
+    geometric_means,
+    scenario_shares,
 )
 
 # A method that was put to fewer of the questions would shrink what all have in common.
@@ -73,8 +78,9 @@ def mean_ranks(compared: Compared) -> tuple[pd.DataFrame, float, int]:
     shares = scenario_shares(rows, by=["solver"], success="right", scenario=["question"])
     right = shares[["trials", "share", "low", "high"]]
     right = right.set_axis(["questions", "right", "right_low", "right_high"], axis=1)
-    means = mean_intervals(compared.by_scenario(at_limit), shift)
-    par2 = average_intervals(compared.by_scenario(penalised(shared, compared.limit_s, 2.0)))
+    means = bootstrap(compared.by_scenario(at_limit), geometric_means(shift))
+    twice = penalised(shared, compared.limit_s, 2.0)
+    par2 = bootstrap(compared.by_scenario(twice), averages)
     usual = right.index[right["right"] >= _ENOUGH_RIGHT].intersection(shared.columns)
     common = solved_by_all(shared[usual])
     frame = compared.methods.join(right, how="inner").reindex(shared.columns)

@@ -11,15 +11,14 @@ from dubins_study.report.elements.content import Picture
 from dubins_study.report.elements.formats import sentences, some
 from dubins_study.report.elements.looks import Palette
 from dubins_study.report.statistics.compared import Compared
-from dubins_study.report.statistics.cost_table import shared_questions
-from dubins_study.report.statistics.methods import MOST_ENGINES, foremost
-from dubins_study.report.statistics.profiles import (
-    data_profile,
-    pairwise_profile,
+from dubins_study.report.statistics.costs import (
     performance_profile,
     performance_ratios,
+    shared_questions,
+    shares_within,
     target_ecdf,
 )
+from dubins_study.report.statistics.methods import MOST_ENGINES, foremost
 from dubins_study.report.topics.comparison.figures import (
     factors_up_to,
     plot_profiles,
@@ -35,10 +34,9 @@ _MOST = 8
 def pictures(
     attempts: Compared, table: pd.DataFrame, ranked: pd.DataFrame, palette: Palette
 ) -> Iterator[Picture]:
-    """Profiles by formulation, of the best two, in evaluations, and gap targets over time."""
+    """Profiles by formulation, in evaluations, and gap targets over time."""
     if (ranked["formulation"].value_counts() > 1).any():
         yield _profiles(table, ranked, palette)
-    yield _pair(table, ranked, palette)
     counted = ranked[ranked.index.isin(evaluations(attempts).columns)]
     if len(counted):
         yield _evaluations(attempts, best_of_formulations(counted)[:MOST_ENGINES], palette)
@@ -75,22 +73,9 @@ def _profiles(table: pd.DataFrame, ranked: pd.DataFrame, palette: Palette) -> Pi
     return Picture("comparison-profiles", caption, figure, alt)
 
 
-def _pair(table: pd.DataFrame, ranked: pd.DataFrame, palette: Palette) -> Picture:
-    first, second = (str(solver) for solver in ranked.index[:2])
-    ratios = performance_ratios(table[[first, second]]).to_numpy()
-    largest = float(np.max(ratios[np.isfinite(ratios)], initial=1.0))
-    profile = pairwise_profile(table, first, second, factors_up_to(largest))
-    caption = (
-        "The two methods with the least mean times, alone: a third method cannot change this "
-        "profile, and the higher curve at a factor is the better one there."
-    )
-    figure = plot_wide(profile, palette, "time / time of the faster right answer")
-    return Picture("comparison-pair", caption, figure, "Pairwise performance profile")
-
-
 def _evaluations(attempts: Compared, best: pd.DataFrame, palette: Palette) -> Picture:
     table = evaluations(attempts)[list(best.index)]
-    shares = data_profile(table, 0.0, _points(table))
+    shares = shares_within(table, _points(table))
     caption = (
         "Data profile: the share of questions that a method answers correctly within a number of "
         "function evaluations, restarts and all subproblems included; the best method of each "

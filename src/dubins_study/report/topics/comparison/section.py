@@ -1,4 +1,4 @@
-"""The section that compares methods: profiles, means and ranks, tests, virtual best, spread."""
+"""The section that compares methods: profiles, means and ranks, tests, spread."""
 
 from __future__ import annotations
 
@@ -11,9 +11,8 @@ from dubins_study.report.elements.identity import best_first, with_interval
 from dubins_study.report.elements.looks import Palette
 from dubins_study.report.elements.topic import BENCHMARK, Topic
 from dubins_study.report.statistics.compared import Compared, compared
-from dubins_study.report.statistics.cost_table import shared_questions
-from dubins_study.report.statistics.spread import question_spread, solver_spread
-from dubins_study.report.statistics.virtual_best import contributions
+from dubins_study.report.statistics.costs import shared_questions
+from dubins_study.report.statistics.metrics import question_spread, solver_spread
 from dubins_study.report.topics.comparison.numbers import best_of_formulations, mean_ranks, times
 from dubins_study.report.topics.comparison.paired import engine_tests, formulation_tests
 from dubins_study.report.topics.comparison.pictures import pictures
@@ -21,12 +20,11 @@ from dubins_study.report.topics.comparison.tables import (
     rank_table,
     spread_table,
     test_table,
-    virtual_table,
 )
 
 
 def comparison_section(results: Results) -> Section | None:
-    """Profiles, means and ranks, paired tests, the virtual best solver, and spread over repeats."""
+    """Profiles, means and ranks, paired tests, and spread over repeats."""
     attempts = compared(results)
     if attempts is None:
         return None
@@ -46,8 +44,6 @@ def comparison_section(results: Results) -> Section | None:
         blocks.append(test_table(engines, ranked, "formulation"))
     if len(formulations):
         blocks.append(test_table(formulations, ranked, "engine"))
-    added = contributions(table, attempts.limit_s).rename(columns={"best": "best_share"})
-    blocks.append(virtual_table(added, ranked))
     repeats = spread(attempts)
     if len(repeats):
         blocks.append(spread_table(repeats, attempts.methods))

@@ -17,7 +17,6 @@ from dubins_study.report.topics.comparison.paired import LEVEL, separated
 
 # Rivals of a formulation's or an engine's best method that a table of tests shows.
 _MOST_RIVALS = 6
-_ADDS = 0.005
 
 
 def rank_table(ranked: pd.DataFrame, shift: float, common: int, limit_s: float) -> Table:
@@ -81,25 +80,6 @@ def test_table(tests: pd.DataFrame, ranked: pd.DataFrame, shared: str) -> Table:
         f"faster.{rest}"
     )
     return Table(f"comparison-tests-{shared}", caption, frame, shown, dense=True)
-
-
-def virtual_table(added: pd.DataFrame, ranked: pd.DataFrame) -> Table:
-    """What each method adds to the virtual best solver."""
-    frame = ranked.join(added, how="inner")
-    frame = frame[(frame["best_share"] > _ADDS) | (frame["alone"] > 0)]
-    frame = frame.sort_values(["best_share", "cost_added"], ascending=False, kind="stable")
-    shown = (
-        *method_columns(frame),
-        *columns(share, best_share="fastest", alone="only one right"),
-        *columns(seconds, cost_added="mean time added without it"),
-    )
-    caption = (
-        "The virtual best solver takes for every question the fastest right answer of any method. "
-        "Fastest: how often that is this method's. Only one right: how often nobody else answers. "
-        "Added: by how much the virtual best solver's mean (PAR-2) rises without this method. "
-        "Methods that are the fastest on less than 0.5 % of the questions are left out."
-    )
-    return Table("comparison-virtual-best", caption, frame, shown, dense=True)
 
 
 def spread_table(spread: pd.DataFrame, methods: pd.DataFrame) -> Table:

@@ -12,6 +12,7 @@ import pandas as pd
 
 from dubins_study.report.elements.names import figure_names
 from dubins_study.report.statistics import metrics
+from dubins_study.study.path import FloatArray
 
 # Method -> the setting that controls its fineness.
 SIZES = {"turn-rate-qp": "n", "heading-milp": "headings", "collocation": "n"}
@@ -142,7 +143,7 @@ def _order(line: pd.DataFrame, attempts: pd.DataFrame) -> dict[str, object]:
     }
 
 
-def _goal(value: metrics.FloatArray, seconds: metrics.FloatArray) -> float:
+def _goal(value: FloatArray, seconds: metrics.FloatArray) -> float:
     """Time (s) at the smallest size from which on all values are within the goal."""
     above = np.flatnonzero(~(value <= GOAL))
     first = int(above[-1]) + 1 if above.size else 0

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 
-from dubins_study.report.statistics.bootstrap import median_intervals
 from dubins_study.report.statistics.compared import Compared
+from dubins_study.report.statistics.intervals import bootstrap, medians
 from dubins_study.report.statistics.methods import without_setting
 from dubins_study.report.topics.cost.efforts import KINDS, Split
 from dubins_study.study.scenario import Scenario
@@ -34,7 +34,7 @@ def factors(compared: Compared, split: Split) -> pd.DataFrame:
     questions = split.answers.groupby("solver")["question"].nunique().rename("questions")
     frame = compared.methods.join(questions, how="inner")
     for amount in AMOUNTS:
-        found = median_intervals(compared.by_scenario(ratios(split, amount)))
+        found = bootstrap(compared.by_scenario(ratios(split, amount)), medians)
         means = split.amount(amount)[["total", "winning run"]].groupby(solver).mean()
         means.columns = pd.Index([f"{amount}_total", f"{amount}_floor"])
         frame = frame.join(_named(found, amount)).join(means)
@@ -68,7 +68,7 @@ def strata(compared: Compared, split: Split, amount: str) -> pd.DataFrame:
     stratum_of = compared.rows.drop_duplicates("question").set_index("question")["stratum"]
     parts = []
     for stratum, group in table.groupby(stratum_of.reindex(table.index), sort=False):
-        found = median_intervals(compared.by_scenario(group)).rename_axis("solver")
+        found = bootstrap(compared.by_scenario(group), medians).rename_axis("solver")
         counted = group.notna().sum().rename_axis("solver")
         parts.append(found.assign(stratum=str(stratum), questions=counted).reset_index())
     if not parts:
@@ -106,7 +106,8 @@ def presolve_savings(compared: Compared, split: Split) -> pd.DataFrame:
         saved = totals[off].to_numpy() / totals[on].to_numpy()
         savings = pd.DataFrame(saved, totals.index)
         frame["questions"] = savings.notna().sum()
-        frame = frame.join(_named(median_intervals(compared.by_scenario(savings)), amount))
+        found = bootstrap(compared.by_scenario(savings), medians)
+        frame = frame.join(_named(found, amount))
         both = savings.notna().to_numpy()
         for suffix, solvers in (("_off", off), ("_on", on)):
             table = pd.DataFrame(np.where(both, floors[solvers].to_numpy(), np.nan))

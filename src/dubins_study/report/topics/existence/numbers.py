@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 
 from dubins_study.report.elements.shares import with_share
-from dubins_study.report.statistics.bootstrap import median_intervals
+from dubins_study.report.statistics.intervals import bootstrap, medians
 from dubins_study.report.statistics.methods import methods_of
 from dubins_study.report.statistics.metrics import presolved
 
@@ -55,4 +55,4 @@ def engine_times(rows: pd.DataFrame) -> pd.DataFrame:
     question = ["scenario_id", "experiment", "branch", "initial_guess"]
     table = chosen.groupby([*question, "solver"])["wall_s"].median().unstack("solver")
     table.index = table.index.get_level_values("scenario_id")
-    return median_intervals(table).reset_index()
+    return bootstrap(table, medians).reset_index()

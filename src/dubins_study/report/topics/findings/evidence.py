@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import cached_property
 
 import numpy as np
 import pandas as pd
 
 from dubins_study.report.elements.formats import seconds, some
-from dubins_study.report.statistics.bootstrap import (
-    average_intervals,
-    median_intervals,
-    median_ratio_intervals,
-)
 from dubins_study.report.statistics.compared import Compared
-from dubins_study.report.statistics.intervals import wilson_interval
+from dubins_study.report.statistics.intervals import (
+    Statistic,
+    averages,
+    bootstrap,
+    medians,
+    wilson_interval,
+)
 from dubins_study.report.topics.belief.numbers import claims
 from dubins_study.report.topics.comparison.numbers import (
     ENOUGH_ASKED,
@@ -133,23 +133,21 @@ class Evidence:
         first, second = [a for a, _ in known], [b for _, b in known]
         values = self.rates[first].to_numpy() - self.rates[second].to_numpy()
         points = pd.DataFrame(100 * values, self.rates.index).mean(axis=1)
-        return self._estimate(points, average_intervals)
+        return self._estimate(points, averages)
 
     def median_of(self, values: pd.Series[float]) -> Estimate | None:
         """The median over questions."""
-        return self._estimate(values, median_intervals)
+        return self._estimate(values, medians)
 
     def mean_of(self, values: pd.Series[float]) -> Estimate | None:
         """The mean over questions."""
-        return self._estimate(values, average_intervals)
+        return self._estimate(values, averages)
 
-    def _estimate(
-        self, values: pd.Series[float], intervals: Callable[[pd.DataFrame], pd.DataFrame]
-    ) -> Estimate | None:
+    def _estimate(self, values: pd.Series[float], statistic: Statistic) -> Estimate | None:
         known = values.dropna().to_frame("value")
         if len(known) < ENOUGH:
             return None
-        (line,) = intervals(self.compared.by_scenario(known)).to_dict("records")
+        (line,) = bootstrap(self.compared.by_scenario(known), statistic).to_dict("records")
         return Estimate(line["estimate"], line["low"], line["high"], len(known))
 
     def share_of(self, rates: pd.Series[float]) -> Estimate | None:
@@ -170,7 +168,7 @@ class Evidence:
         both = self._both_right(solver, base)
         if len(both) < ENOUGH:
             return None
-        found = median_ratio_intervals(self.compared.by_scenario(both), base)
+        found = bootstrap(self.compared.by_scenario(both), medians, base)
         line = found.loc[[solver]].to_dict("records")[0]
         return Estimate(line["estimate"], line["low"], line["high"], len(both))
 

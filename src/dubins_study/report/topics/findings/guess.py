@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dubins_study.report.elements.formats import digits, some
-from dubins_study.report.statistics.spread import question_spread, solver_spread
+from dubins_study.report.statistics.metrics import question_spread, solver_spread
 from dubins_study.report.topics.findings.evidence import Evidence
 from dubins_study.report.topics.findings.finding import (
     ENOUGH,

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 
-from dubins_study.report.statistics.metrics import FloatArray, solver_order
+from dubins_study.report.statistics.metrics import solver_order
+from dubins_study.study.path import FloatArray
 
 SIDES = ("front, inside", "front, outside", "rear, inside", "rear, outside")
 JUMP = "front, inside"  # here the length is up to 2 pi R above that on the circle's other side

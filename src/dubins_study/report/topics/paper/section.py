@@ -15,7 +15,7 @@ from dubins_study.report.elements.formats import count, digits, seconds
 from dubins_study.report.elements.looks import Palette
 from dubins_study.report.elements.topic import General, Topic
 from dubins_study.report.paper.printed import QUANTITIES, compare
-from dubins_study.report.statistics.best import best_solvers
+from dubins_study.report.statistics.methods import best_solvers
 from dubins_study.report.topics.paper.numbers import (
     printed_times,
     problem_paths,

@@ -11,7 +11,7 @@ from dubins_study.report.elements.formats import count, digits
 from dubins_study.report.elements.looks import Palette
 from dubins_study.report.elements.style import WIDE, new_figure
 from dubins_study.report.elements.topic import General, Topic
-from dubins_study.report.statistics.best import best_solvers
+from dubins_study.report.statistics.methods import best_solvers
 from dubins_study.report.topics.radius.figures import plot_length, plot_time
 from dubins_study.report.topics.radius.numbers import (
     VISIBLE,

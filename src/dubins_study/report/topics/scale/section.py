@@ -14,7 +14,7 @@ from dubins_study.report.elements.formats import count, digits, share, some
 from dubins_study.report.elements.looks import Palette
 from dubins_study.report.elements.style import MUTED, WIDE, Style, new_figure
 from dubins_study.report.elements.topic import Topic
-from dubins_study.report.statistics.best import MOST_CURVES
+from dubins_study.report.statistics.methods import MOST_CURVES
 from dubins_study.report.statistics.metrics import parse_spec, solver_order
 from dubins_study.report.topics.scale.figures import plot_scale
 from dubins_study.report.topics.scale.numbers import ROUNDING, by_solver, spreads

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import pandas as pd
 
-from dubins_study.report.statistics.bootstrap import mean_intervals
-from dubins_study.report.statistics.cost_table import cost_table
-from dubins_study.report.statistics.means import (
+from dubins_study.report.statistics.costs import (
     SHIFT_FACTORS,
     chosen_shift,
+    cost_table,
+    performance_ratios,
     ranks_of,
     shifted_geometric_mean,
     solved_by_all,
 )
+from dubins_study.report.statistics.intervals import bootstrap, geometric_means
 from dubins_study.report.statistics.metrics import QUESTION, solver_order, success
-from dubins_study.report.statistics.profiles import performance_ratios
 
 
 def mean_times(rows: pd.DataFrame, shift: float | None = None) -> tuple[pd.DataFrame, float]:
@@ -33,7 +33,8 @@ def mean_times(rows: pd.DataFrame, shift: float | None = None) -> tuple[pd.DataF
     chosen = chosen_shift(table) if shift is None else shift
     means = table.apply(lambda times: shifted_geometric_mean(times, chosen))
     frame = pd.DataFrame({"questions": len(table), "mean_s": means})
-    ends = mean_intervals(table.set_axis(table.index.get_level_values("scenario_id")), chosen)
+    by_scenario = table.set_axis(table.index.get_level_values("scenario_id"))
+    ends = bootstrap(by_scenario, geometric_means(chosen))
     frame["mean_low_s"], frame["mean_high_s"] = ends["low"], ends["high"]
     for name, factor in zip(("rank_tenth", "rank", "rank_tenfold"), SHIFT_FACTORS, strict=True):
         shifted = table.apply(lambda t, s=chosen * factor: shifted_geometric_mean(t, s))

@@ -1,0 +1,276 @@
+"""Means, ranks and profiles against scipy, their definitions, and tables worked by hand."""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+
+import numpy as np
+import pandas as pd
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.stats import ecdf, gmean
+
+from dubins_study.report.statistics import costs
+from dubins_study.report.statistics.costs import cost_table, shared_questions
+
+INF, NAN = float("inf"), float("nan")
+# Three questions; b fails the second and was not asked the fourth; nobody answers the last.
+TABLE = pd.DataFrame({"a": [1.0, 4.0, 2.0, 3.0, INF], "b": [2.0, INF, 1.0, NAN, INF]})
+paid = st.lists(st.floats(1e-6, 1e6), min_size=1, max_size=30)
+FACTORS = [1.0, 2.0, 4.0, 100.0, INF]
+# whole numbers, so that ties and equal ratios occur
+cost = st.one_of(st.integers(1, 8).map(float), st.just(INF))
+tables = st.lists(st.tuples(cost, cost, cost), min_size=1, max_size=8).map(
+    lambda rows: pd.DataFrame(rows, columns=["a", "b", "c"])
+)
+
+
+def test_shifted_geometric_mean_by_hand():
+    """Costs 1 and 7 with shift 1: sqrt(2 * 8) - 1 = 3."""
+    assert costs.shifted_geometric_mean([1.0, 7.0], 1.0) == pytest.approx(3.0)
+
+
+@given(paid, st.floats(0, 1e3))
+def test_shifted_geometric_mean_as_in_scipy(values, shift):
+    """scipy's geometric mean of the shifted costs; the difference cancels digits of the shift."""
+    expected = gmean(np.array(values) + shift) - shift
+
+    assert costs.shifted_geometric_mean(values, shift) == pytest.approx(
+        expected, rel=1e-9, abs=1e-12 * shift
+    )
+
+
+@given(paid)
+def test_a_shift_leads_from_the_geometric_to_the_arithmetic_mean(values):
+    """It rises with the shift, between the two means; 1e-9 is the rounding of logarithms."""
+    means_at = [costs.shifted_geometric_mean(values, shift) for shift in (0.0, 1.0, 1e3)]
+    rising = [gmean(values), *means_at, np.mean(values)]
+
+    assert all(b >= a - 1e-9 * (a + 1e3) for a, b in pairwise(rising))
+
+
+def test_special_values_of_the_shifted_geometric_mean():
+    """A failure is infinite, NaN is left out, a cost of 0 has the geometric mean 0."""
+    assert costs.shifted_geometric_mean([1.0, INF], 1.0) == INF
+    assert costs.shifted_geometric_mean([1.0, 7.0, NAN], 1.0) == pytest.approx(3.0)
+    assert costs.shifted_geometric_mean([0.0, 5.0], 0.0) == 0.0
+    assert math.isnan(costs.shifted_geometric_mean([], 1.0))
+    assert math.isnan(costs.shifted_geometric_mean([NAN], 1.0))
+
+
+@pytest.mark.parametrize(
+    ("values", "shift", "message"),
+    [([1.0], -1.0, "shift of -1"), ([1.0], INF, "shift of inf"), ([-2.0], 3.0, "cost of -2")],
+)
+def test_negative_costs_and_shifts_are_refused(values, shift, message):
+    """A logarithm would be NaN, or a mean meaningless."""
+    with pytest.raises(ValueError, match=message):
+        costs.shifted_geometric_mean(values, shift)
+
+
+def test_the_shift_is_the_lower_quartile():
+    """Of what is finite."""
+    assert costs.chosen_shift([4.0, 1.0, 2.0, 3.0, 5.0, INF, NAN]) == 2.0
+    assert costs.chosen_shift([INF]) == 0.0
+
+
+@pytest.mark.parametrize(
+    ("limit", "factor", "message"),
+    [(0.0, 1.0, "limit of 0"), (INF, 1.0, "limit of inf"), (1.0, 0.5, "penalty of 0.5")],
+)
+def test_penalties_without_meaning_are_refused(limit, factor, message):
+    """A failure costs at least the limit, and the limit is a number."""
+    with pytest.raises(ValueError, match=message):
+        costs.penalised(TABLE, limit, factor)
+
+
+def test_a_rank_that_depends_on_a_choice_is_none():
+    """a is fast but fails one of four; b is slow and right; c is worst by any measure.
+
+    With failures at the limit 10 a's geometric mean is near 0.01^(3/4) 10^(1/4), far below b's 2; a
+    shift of 10 times 2 nears the arithmetic mean: (0.03 + 10 k) / 4 above 2 for every penalty k.
+    """
+    table = pd.DataFrame({"a": [0.01] * 3 + [INF], "b": [2.0] * 4, "c": [9.0] * 3 + [INF]})
+    ranking = costs.ranking(table, 10.0, 2.0)
+
+    assert ranking["rank"].isna().tolist() == [True, True, False]
+    assert ranking.loc["c", "rank"] == 3
+    assert ranking[["best", "worst"]].to_numpy().tolist() == [[1, 2], [1, 2], [3, 3]]
+    assert costs.ranking(table[["b", "c"]], 10.0)["rank"].tolist() == [1, 2]
+    by_shift = costs.ranking(table, 10.0, 2.0, penalties=[1.0])
+    assert by_shift["rank"].isna().tolist() == [True, True, False]
+    chosen = costs.ranking(table, 10.0, 2.0, penalties=[1.0], shift_factors=[1.0])
+    assert chosen["rank"].tolist() == [1, 2, 3]
+
+
+def test_a_penalty_alone_may_take_a_rank_away():
+    """Geometric means 0.1^(1/2) 10^(1/2) = 1 against 2 at the limit; at ten times it, 3.2."""
+    table = pd.DataFrame({"a": [0.1, INF], "b": [2.0, 2.0]})
+
+    at_limit = costs.ranking(table, 10.0, 0.0, penalties=[1.0])
+    assert at_limit["rank"].tolist() == [1, 2]
+    assert at_limit["mean"].tolist() == pytest.approx([1.0, 2.0])
+    assert costs.ranking(table, 10.0, 0.0)["rank"].isna().all()
+
+
+def test_equal_means_share_a_rank():
+    """And one solver alone is first; a table without common questions ranks nobody."""
+    same = pd.DataFrame({"a": [1.0, 2.0], "b": [1.0, 2.0], "c": [3.0, 3.0]})
+
+    assert costs.ranking(same, 10.0)["rank"].tolist() == [1, 1, 3]
+    assert costs.ranking(same[["b"]], 10.0)["rank"].tolist() == [1]
+    assert costs.ranking(same[["a", "b"]].mask(same > 0), 10.0)["rank"].isna().all()
+    assert costs.ranking(same.iloc[:0], 10.0)["rank"].isna().all()
+
+
+def test_cost_table_takes_the_median_over_repeats_and_no_half_right_answer():
+    """Question p: a is right thrice, b wrong once; question q was put to a alone, uncounted."""
+    rows = pd.DataFrame(
+        {
+            "scenario": ["p"] * 6 + ["q"],
+            "solver": ["a"] * 3 + ["b"] * 3 + ["a"],
+            "wall_s": [1.0, 9.0, 2.0, 1.0, 1.0, 1.0, NAN],
+            "right": [True] * 5 + [False, True],
+        }
+    )
+    table = cost_table(rows, cost="wall_s", right="right", question=["scenario"])
+
+    assert table.loc["p"].to_dict() == {"a": 2.0, "b": INF}
+    assert table.loc["q"].isna().all()
+    assert shared_questions(table).index.tolist() == ["p"]
+
+
+def test_cost_tables_with_a_mistake_are_refused():
+    """A negative cost, and two columns of one name."""
+    with pytest.raises(ValueError, match="cost of -1"):
+        shared_questions(pd.DataFrame({"a": [-1.0]}))
+    with pytest.raises(ValueError, match="named twice: a"):
+        shared_questions(pd.DataFrame([[1.0, 2.0]], columns=["a", "a"]))
+
+
+def test_an_answer_after_the_limit_is_a_failure():
+    """Limit 5: a pays 1 + 4 + 2 + 3 + 10 over five, b 2 + 10 + 1 + 10 over the four it was asked;
+    with the limit 3 the answer after 4 is late."""
+    par2 = costs.penalised(TABLE, 5.0, 2.0).mean()
+    assert par2.to_dict() == {"a": 4.0, "b": 23 / 4}
+    assert costs.penalised(TABLE, 3.0, 2.0)["a"].tolist() == [1, 6, 2, 3, 6]
+    assert costs.penalised(TABLE, 5.0)["b"].tolist()[:3] == [2.0, 5.0, 1.0]
+    assert math.isnan(costs.penalised(TABLE, 5.0).loc[3, "b"])
+
+
+@given(tables)
+def test_shares_within_a_cost_as_in_scipy(table):
+    """scipy's empirical distribution function of each column; no failure within any cost."""
+    at = [0.5, *range(1, 10)]
+    shares = costs.shares_within(table, [*at, INF])
+
+    for solver in table:
+        assert shares[solver].tolist()[:-1] == pytest.approx(
+            ecdf(table[solver].clip(upper=99)).cdf.evaluate(at)
+        )
+        assert shares[solver].iloc[-1] == pytest.approx(np.isfinite(table[solver]).mean())
+
+
+def test_performance_profile_by_hand():
+    """a: ratios 1, 2, inf, inf; b: 1, 1, 1, inf. Nobody answers the last question."""
+    table = pd.DataFrame({"a": [3.0, 4.0, INF, INF], "b": [3.0, 2.0, 5.0, INF]})
+
+    ratios = costs.performance_ratios(table)
+    assert ratios["a"].tolist() == [1.0, 2.0, INF, INF]
+    assert ratios["b"].tolist() == [1.0, 1.0, 1.0, INF]
+    profile = costs.performance_profile(table, FACTORS)
+    assert profile["a"].tolist() == [0.25, 0.5, 0.5, 0.5, 0.5]
+    assert profile["b"].tolist() == [0.75] * 5
+    assert profile.index.tolist() == FACTORS
+
+
+@given(tables)
+def test_performance_profile_as_dolan_and_more_define_it(table):
+    """rho_s(tau) = size{p: t_ps <= tau min_s t_ps} / n_p, counted (Dolan and More 2002, sec. 2)."""
+    profile = costs.performance_profile(table, FACTORS)
+
+    for solver in table:
+        for factor in FACTORS:
+            within = [
+                row[solver] < INF and row[solver] <= factor * min(row)
+                for _, row in table.iterrows()
+            ]
+            assert profile.loc[factor, solver] == pytest.approx(sum(within) / len(table))
+
+
+@given(tables, st.floats(1e-3, 1e3))
+def test_a_profile_has_no_unit_and_rises(table, unit):
+    """Costs in another unit give the same curves; the cheapest are all questions that anyone
+    answers; powers of two, so that scaling is exact."""
+    scale = 2.0 ** math.floor(math.log2(unit))
+    profile = costs.performance_profile(table, FACTORS)
+
+    pd.testing.assert_frame_equal(costs.performance_profile(scale * table, FACTORS), profile)
+    assert (profile.diff().dropna() >= 0).all(axis=None)
+    answered = np.isfinite(table.min(axis=1)).mean()
+    assert profile.loc[1.0].sum() >= answered - 1e-12
+
+
+def test_a_cost_of_nothing():
+    """0 by 0 is a tie; beside a cost of 0 any other is infinite."""
+    table = pd.DataFrame({"a": [0.0, 0.0], "b": [0.0, 3.0]})
+
+    assert costs.performance_ratios(table).to_numpy().tolist() == [[1.0, 1.0], [1.0, INF]]
+
+
+def test_edges_of_performance_profiles():
+    """One solver is always the cheapest; all failures are no success; no questions, no share."""
+    alone = costs.performance_profile(pd.DataFrame({"a": [1.0, INF]}), FACTORS)
+    none = costs.performance_profile(pd.DataFrame({"a": [INF], "b": [INF]}), FACTORS)
+    empty = costs.performance_profile(pd.DataFrame({"a": [], "b": []}), FACTORS)
+
+    assert alone["a"].tolist() == [0.5] * 5
+    assert (none == 0).all(axis=None)
+    assert empty.isna().all(axis=None)
+    assert empty.shape == (5, 2)
+
+
+@given(
+    st.lists(st.tuples(st.sampled_from([0.0, 1e-3, 0.1, 1.0, INF, NAN]), cost), max_size=8),
+    st.lists(st.sampled_from([1e-9, 1e-3, 0.05, 0.1, 1.0]), min_size=1, max_size=4),
+)
+def test_target_ecdf_counts_pairs(runs, targets):
+    """Every pair of a run and a target, counted (Hansen et al. 2021)."""
+    gaps = pd.DataFrame({"a": [gap for gap, _ in runs]}, dtype=float)
+    paid = pd.DataFrame({"a": [cost for _, cost in runs]}, dtype=float)
+    at = [0.5, 3.0, 8.0, INF]
+    curve = costs.target_ecdf(gaps, paid, at, targets)["a"]
+
+    for point in at:
+        pairs = [
+            gap <= target and cost <= point and cost < INF
+            for gap, cost in runs
+            for target in targets
+        ]
+        expected = sum(pairs) / len(pairs) if pairs else NAN
+        assert curve[point] == pytest.approx(expected, nan_ok=True)
+
+
+def test_target_ecdf_by_hand():
+    """Gaps 0.05 at cost 1 and 0 at cost 10 (none arrived for b), targets 0.1 and 0.01: half of the
+    pairs of the first run, all of the second."""
+    gaps = pd.DataFrame({"a": [0.05, 0.0], "b": [NAN, NAN]})
+    paid = pd.DataFrame({"a": [1.0, 10.0], "b": [1.0, 10.0]})
+    curves = costs.target_ecdf(gaps, paid, [0.9, 1.0, 10.0], [0.1, 0.01])
+
+    assert curves["a"].tolist() == [0.0, 0.25, 0.75]
+    assert curves["b"].tolist() == [0.0] * 3
+    paid.loc[1, "b"] = NAN  # not asked: the question counts for neither
+    assert costs.target_ecdf(gaps, paid, [10.0], [0.1, 0.01])["a"].tolist() == [0.5]
+
+
+def test_target_ecdf_refuses_what_does_not_fit():
+    """No targets, a NaN among them, or tables of different questions."""
+    table = pd.DataFrame({"a": [1.0]})
+    for targets in ([], [NAN]):
+        with pytest.raises(ValueError, match="gap targets"):
+            costs.target_ecdf(table, table, [1.0], targets)
+    with pytest.raises(ValueError, match="same questions and solvers"):
+        costs.target_ecdf(table, table.rename(columns={"a": "b"}), [1.0])
