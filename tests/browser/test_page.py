@@ -50,8 +50,11 @@ def test_every_file_that_the_page_links_is_there(new_tab, report_page: Path):
     """Tables as CSV, Markdown and LaTeX, figures as SVG and PDF, below the page's folder."""
     page = new_tab()
     page.goto(report_page.as_uri())
-    links = page.evaluate("[...document.querySelectorAll('a')].map((a) => a.getAttribute('href'))")
-    files = {link for link in links if not link.startswith("#")}
+    find = "[...document.querySelectorAll('a')].map((a) => a.getAttribute('href'))"
+    links = page.evaluate(find)
+    page.goto(report_page.with_name("paper.html").as_uri())
+    links += page.evaluate(find)
+    files = {link for link in links if not link.startswith("#") and ".html" not in link}
     written = {
         str(file.relative_to(report_page.parent))
         for folder in ("tables", "figures")
@@ -131,11 +134,12 @@ def test_print_shows_all_rows_and_no_contents(new_tab, report_page: Path):
 
 
 def test_the_page_is_complete_without_scripts(new_tab, report_page: Path):
-    """All text, tables and figures are in the file; the contents are open."""
+    """All text, tables and figures are in the file; the contents are open, and folds unfold."""
     page = new_tab(java_script_enabled=False, viewport=DESK)
     page.goto(report_page.as_uri())
 
     assert page.locator("#contents a[href='#glossary']").is_visible()
+    page.locator("#matrix .more > summary").click()
     assert page.locator("#matrix table").first.is_visible()
     assert page.locator("#matrix svg").first.is_visible()
 
@@ -205,7 +209,7 @@ def test_print_keeps_the_headings_of_tables(new_tab, report_page: Path):
     page = new_tab()
     page.goto(report_page.as_uri())
     page.emulate_media(media="print")
-    headings = page.locator("#decision th .sort")
+    headings = page.locator("#decision .blocks >> nth=0 >> th .sort")
 
     assert headings.count() > 2
     assert all(headings.nth(place).is_visible() for place in range(headings.count()))

@@ -16,7 +16,7 @@ from dubins_study.cli.app import app
 from dubins_study.experiments.run import run
 from dubins_study.report.data.command import run_command
 from dubins_study.report.data.results import load
-from dubins_study.report.elements.content import Section
+from dubins_study.report.elements.content import Place, Section
 from dubins_study.report.page.environment import linked
 from dubins_study.report.page.sections import TOPICS, sections_of
 from dubins_study.report.statistics.compared import Compared
@@ -215,7 +215,8 @@ def test_the_rule_by_hand():
 
 def _section(folders):
     results = load(folders)
-    return next(sections_of(TOPICS[0], results))
+    topic = next(topic for topic in TOPICS if topic.title == "what to use")
+    return next(sections_of(topic, results))
 
 
 @pytest.mark.parametrize("name", ["paper", "mine"])
@@ -328,17 +329,23 @@ def test_the_command_on_the_page_of_a_file_of_scenarios_runs(tmp_path):
 
 
 def test_titles_of_sections_become_links():
-    """To the section of that title; plain where there are several, a note where there is none."""
+    """To the section of that title, on its page; plain where there are several, a note where there
+    is none."""
+    page = "index.html"
     sections = [
+        Section("paths", "The paper's figures", "", (), place=Place.PAPER),
         Section("matrix", "Formulation by engine", "", ()),
         Section("cost-a", "Cost where it arises: a", "", ()),
         Section("cost-b", "Cost where it arises: b", "", ()),
     ]
 
-    assert linked("Formulation by engine: <strata>", sections) == (
+    assert linked("Formulation by engine: <strata>", sections, page) == (
         '<a href="#matrix">Formulation by engine: &lt;strata&gt;</a>'
     )
-    assert linked("Cost where it arises: the presolve", sections) == (
+    assert linked("Cost where it arises: the presolve", sections, page) == (
         "Cost where it arises: the presolve"
     )
-    assert linked("The audit", sections) == "The audit (not on this page)"
+    assert linked("The paper's figures", sections, page) == (
+        '<a href="paper.html#paths">The paper&#39;s figures</a>'
+    )
+    assert linked("The audit", sections, page) == "The audit (not on this page)"

@@ -83,25 +83,36 @@ def whole(tmp_path_factory):
         return render(folders, out=base / "report")
 
 
-def test_every_section_is_there(whole):
-    """Rows for all of them, so all of them; and the contents link to each."""
-    page = whole.read_text(encoding="utf-8")
-    keys = re.findall(r'<section id="([^"]+)"', page)
+FRONT = ["decision", "explorer", "discretisation", "plane"]
+DETAILS = [
+    *("caution", "summary", "success", "time", "agreement", "radius"),
+    *("failures", "attempts", "solvers", "limits"),
+]
 
-    assert keys == [
-        *("decision", "caution", "summary", "success", "time", "agreement"),
-        *("explorer", "radius", "paper", "audit", "paths", "discretisation", "plane"),
-        *("failures", "attempts", "solvers", "limits", "provenance", "glossary"),
-    ]
+
+def test_every_section_is_in_its_place(whole):
+    """Rows for all of them, so all of them; open or folded, and the contents link to each."""
+    page, paper = (whole.with_name(name).read_text() for name in ("index.html", "paper.html"))
+    keys = re.findall(r'<section id="([^"]+)"', page)
+    folded = re.findall(r'<section id="([^"]+)">\s*<details class="part">', page)
+
+    assert keys == [*FRONT, *DETAILS, "provenance", "glossary"]
+    assert folded == [*DETAILS, "provenance", "glossary"]
     for key in keys:
         assert f'href="#{key}"' in page
+    assert re.findall(r'<section id="([^"]+)"', paper) == [
+        *("paper", "audit", "paths", "provenance", "glossary"),
+    ]
+    assert 'href="paper.html"' in page
+    assert 'href="index.html"' in paper
 
 
 def test_every_section_says_first_what_to_see(whole):
     """One sentence below every heading."""
     page = whole.read_text(encoding="utf-8")
     sections = re.findall(r'<section id="([^"]+)".*?</section>', page, re.DOTALL)
-    leads = re.findall(r'<section id="([^"]+)"[^>]*>\s*<h2>.*?</h2>\s*<p class="see">[A-Z]', page)
+    opened = re.sub("</?(details|summary)[^>]*>", "", page)
+    leads = re.findall(r'<section id="([^"]+)"[^>]*>\s*<h2>.*?</h2>\s*<p class="see">[A-Z]', opened)
 
     assert leads == sections
 
@@ -162,7 +173,8 @@ def test_every_figure_has_words_for_those_who_cannot_see_it(whole):
 
 def test_the_paper_section_says_26_of_33(whole):
     """The number that the tables below it add up to."""
-    assert "26 of the 33 printed lengths" in whole.read_text(encoding="utf-8")
+    paper = whole.with_name("paper.html").read_text(encoding="utf-8")
+    assert "26 of the 33 printed lengths" in paper
 
 
 @pytest.mark.slow

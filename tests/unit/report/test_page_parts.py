@@ -7,6 +7,7 @@ import json
 import math
 import re
 from base64 import b64decode
+from dataclasses import replace
 from io import StringIO
 from pathlib import Path as FilePath
 from xml.etree import ElementTree
@@ -14,13 +15,14 @@ from xml.etree import ElementTree
 import numpy as np
 import pandas as pd
 import pytest
+from markupsafe import Markup
 from matplotlib.figure import Figure
 
 from dubins_study import render
 from dubins_study.report.elements.columns import Column
-from dubins_study.report.elements.content import Picture, Table
+from dubins_study.report.elements.content import Picture, Place, Section, Show, Table, Widget
 from dubins_study.report.page.drawings import Drawings
-from dubins_study.report.page.environment import as_json, grouped, packed
+from dubins_study.report.page.environment import as_json, folded, packed, summary
 from dubins_study.report.page.glossary import GLOSSARY, Glossed
 from dubins_study.study.path import Path
 from dubins_study.study.rows.files import ResultsError
@@ -83,30 +85,21 @@ def test_the_first_use_of_a_word_is_a_link():
     assert len({word.anchor for word in GLOSSARY}) == len(GLOSSARY)
 
 
-def test_of_many_figures_in_a_row_the_first_are_shown():
-    """Up to five stay; of six the last two are folded; a table between starts anew."""
-    table = Table("t", "", pd.DataFrame({"a": [1]}), (Column("a", "a"),))
-    pictures = [Picture(f"p{n}", "", Figure(), "") for n in range(6)]
+def test_a_section_shows_its_first_block():
+    """Or two half figures side by side, and what scripts bring to life; a copy is files alone."""
+    table = Table("t", "All of it: more.", pd.DataFrame({"a": [1]}), (Column("a", "a"),))
+    copy, widget = replace(table, show=Show.FILE), Widget("w", "", Markup())
+    half, wide = (Picture("p", "", Figure(), "", half=half) for half in (True, False))
 
-    def shape(blocks):
-        return [(len(group.blocks), bool(group.summary)) for group in grouped(blocks)]
+    def shape(*blocks, place=Place.FRONT):
+        parts = folded(Section("s", "S", "", blocks, place=place))
+        return parts.shown, parts.more, parts.files
 
-    assert shape(pictures[:5]) == [(5, False)]
-    assert shape(pictures) == [(4, False), (2, True)]
-    assert shape([*pictures[:4], table, *pictures[4:]]) == [(4, False), (1, False), (2, False)]
-
-
-def test_a_long_table_is_folded_behind_a_shorter_one():
-    """It is shown where it is all there is; the line that stands for it says what it holds."""
-
-    def table(lines):
-        return Table(
-            "t", "All of it. More.", pd.DataFrame({"a": range(lines)}), (Column("a", "a"),)
-        )
-
-    assert [g.summary for g in grouped([table(50)])] == [""]
-    assert [g.summary for g in grouped([table(3), table(50)])] == ["", "All 50 lines: all of it"]
-    assert [g.summary for g in grouped([table(3), table(40)])] == ["", ""]
+    assert shape(table, wide) == ((table,), (wide,), ())
+    assert shape(half, half, table, copy) == ((half, half), (table,), (copy,))
+    assert shape(half, wide, widget) == ((half, widget), (wide,), ())
+    assert shape(table, wide, copy, place=Place.PAPER) == ((table, wide), (), (copy,))
+    assert summary(table) == "All of it"
 
 
 def test_the_number_behind_a_cell_is_the_raw_one():

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from enum import StrEnum
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -15,6 +16,21 @@ from pandas.api.types import is_numeric_dtype
 
 from dubins_study.report.elements.columns import Column
 from dubins_study.report.elements.style import HALF, Style, new_figure
+
+
+class Place(StrEnum):
+    """Where a section stands: open at the top, folded below, or on the page about the paper."""
+
+    FRONT = "front"
+    DETAILS = "details"
+    PAPER = "paper"
+
+
+class Show(StrEnum):
+    """Where a table or picture is seen: on the page, or only in its own files."""
+
+    PAGE = "page"
+    FILE = "file"
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,6 +50,7 @@ class Table:
         stacked: whether a narrow screen shows every line as a list of its cells.
         labels: spec -> the solver's short name on the page; in columns of the kind `solver` the
             page shows it, with the spec as its hover text.
+        show: `Show.FILE` for a table that repeats a figure.
     """
 
     name: str
@@ -45,6 +62,7 @@ class Table:
     dense: bool = False
     stacked: bool = False
     labels: Mapping[str, str] = field(default_factory=dict)
+    show: Show = Show.PAGE
 
     def texts(self) -> list[list[str]]:
         """Every cell as text, row by row."""
@@ -86,6 +104,7 @@ class Picture:
         figure: the drawn figure, not yet saved.
         alt: what the figure shows, in a few words.
         half: whether the figure takes half of the page's width.
+        show: `Show.FILE` for a figure of which the page needs only a link.
     """
 
     name: str
@@ -93,6 +112,7 @@ class Picture:
     figure: Figure
     alt: str
     half: bool = False
+    show: Show = Show.PAGE
 
 
 def picture(
@@ -153,8 +173,10 @@ class Section:
         key: its anchor.
         title: its heading.
         text: how the numbers come about, and what follows from them.
-        blocks: tables, pictures and widgets, in order.
+        blocks: tables, pictures and widgets, the one that carries the section first: the page
+            folds those after it.
         lead: the one sentence at its top that says what to see.
+        place: where it stands.
     """
 
     key: str
@@ -162,6 +184,7 @@ class Section:
     text: str
     blocks: tuple[Block, ...]
     lead: str = ""
+    place: Place = Place.FRONT
 
     @property
     def printed(self) -> bool:

@@ -7,7 +7,7 @@ from enum import Enum, auto
 from typing import NamedTuple
 
 from dubins_study.report.data.results import Results
-from dubins_study.report.elements.content import Section
+from dubins_study.report.elements.content import Place, Section
 
 BENCHMARK = "benchmark"  # the key of the experiment on which methods are compared
 
@@ -32,6 +32,8 @@ class Topic(NamedTuple):
         enters: the general kinds that include those experiments too.
         counted: whether its numbers count every attempt. Other sections need single rows, and show
             a sample if there are too many.
+        place: where its section stands. That of a study stands in the details where there is a
+            benchmark, which the page is about then, and else on the front.
     """
 
     title: str
@@ -39,3 +41,4 @@ class Topic(NamedTuple):
     about: General | str
     enters: tuple[General, ...] = ()
     counted: bool = False
+    place: Place = Place.DETAILS

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dubins_study.report.data.results import Results
-from dubins_study.report.elements.content import Section, Widget
+from dubins_study.report.elements.content import Place, Section, Widget
 from dubins_study.report.elements.topic import General, Topic
 from dubins_study.report.explorer.fragment import fragment
 
@@ -27,4 +27,4 @@ def explorer_section(results: Results) -> Section:
     return Section("explorer", "Explore the problem", text, (widget,), lead)
 
 
-TOPIC = Topic("the explorer", explorer_section, General.EVERY, counted=True)
+TOPIC = Topic("the explorer", explorer_section, General.EVERY, counted=True, place=Place.FRONT)

@@ -5,18 +5,28 @@ from __future__ import annotations
 import base64
 import gzip
 import json
+import re
 from collections.abc import Sequence
 from importlib.resources import files
-from itertools import groupby
 from typing import Any, NamedTuple
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
 from dubins_study.report.elements import style
-from dubins_study.report.elements.content import Block, Picture, Section, Table, Widget
+from dubins_study.report.elements.content import (
+    Block,
+    Picture,
+    Place,
+    Section,
+    Show,
+    Table,
+    Widget,
+)
+from dubins_study.report.page.glossary import Glossed
 from dubins_study.report.page.markup import markdown, to_markdown
 
+FRONT_PAGE, PAPER_PAGE = "index.html", "paper.html"
 _PACKAGE = "dubins_study.report.page"
 # `base` is the explorer's own page's too; what is printed has the last word.
 STYLES = (
@@ -45,8 +55,16 @@ def choice(text: str) -> Markup:
     return Markup("<strong>{}</strong><br>{}").format(first, rest) if rest else Markup.escape(text)
 
 
-def linked(text: str, sections: Sequence[Section]) -> Markup:
+def page_of(section: Section) -> str:
+    """The file that shows a section."""
+    return PAPER_PAGE if section.place is Place.PAPER else FRONT_PAGE
+
+
+def linked(text: str, sections: Sequence[Section], page: str) -> Markup:
     """The title of a section, and what may follow a colon, as a link to that section.
+
+    Args:
+        page: the file that the link is on.
 
     Without a link if the page has the section for each of several experiments, or not at all; the
     text says the latter.
@@ -54,7 +72,9 @@ def linked(text: str, sections: Sequence[Section]) -> Markup:
     title = text.partition(":")[0]
     for section in sections:
         if section.title == title:
-            return Markup('<a href="#{}">{}</a>').format(section.key, text)
+            file = page_of(section)
+            place = "" if file == page else file
+            return Markup('<a href="{}#{}">{}</a>').format(place, section.key, text)
     named = any(section.title.startswith(f"{title}:") for section in sections)
     return Markup.escape(text if named else f"{text} (not on this page)")
 
@@ -95,55 +115,33 @@ def _texts(folder: str, names: Sequence[str]) -> list[Markup]:
     return [Markup(file.read_text(encoding="utf-8")) for file in present]
 
 
-# As many pictures in a row are shown; the rest is folded away behind a line that names them.
-_SHOWN_PICTURES = 4
-# A table of more lines is folded away if another table of its section comes before it.
-_SHOWN_LINES = 40
+class Folded(NamedTuple):
+    """A section's blocks: at first sight, behind a line that names them, and as files only."""
+
+    shown: tuple[Block, ...]
+    more: tuple[Block, ...]
+    files: tuple[Table | Picture, ...]
 
 
-class Blocks(NamedTuple):
-    """Blocks of a section that stand together; `summary` stands for them while they are folded."""
+def folded(section: Section) -> Folded:
+    """The first block is shown, or two half figures side by side, and all widgets; the rest folds.
 
-    blocks: tuple[Block, ...]
-    summary: str = ""
-
-
-def grouped(blocks: Sequence[Block]) -> list[Blocks]:
-    """The blocks in order; all but the first of many pictures, and long tables, are folded."""
-    groups: list[Blocks] = []
-    tables = 0
-    for is_picture, run in groupby(blocks, lambda block: isinstance(block, Picture)):
-        each = tuple(run)
-        if is_picture:
-            shown = _SHOWN_PICTURES if len(each) > _SHOWN_PICTURES + 1 else len(each)
-            groups.append(Blocks(each[:shown]))
-            if each[shown:]:
-                names = "; ".join(block.alt for block in each[shown:] if isinstance(block, Picture))
-                groups.append(Blocks(each[shown:], f"{len(each) - shown} more figures: {names}"))
-            continue
-        for block in each:
-            long = isinstance(block, Table) and len(block.frame) > _SHOWN_LINES and tables > 0
-            groups.append(Blocks((block,), _summary(block) if long else ""))
-            tables += isinstance(block, Table)
-    return groups
+    On the page about the paper, a document to be read from top to bottom, nothing is folded.
+    """
+    files = tuple(b for b in section.blocks if not isinstance(b, Widget) and b.show is Show.FILE)
+    blocks = [block for block in section.blocks if block not in files]
+    if section.place is Place.PAPER:
+        return Folded(tuple(blocks), (), files)
+    halves = [isinstance(block, Picture) and block.half for block in blocks[:2]]
+    first = 2 if halves == [True, True] else 1
+    shown = [b for n, b in enumerate(blocks) if n < first or isinstance(b, Widget)]
+    return Folded(tuple(shown), tuple(b for b in blocks if b not in shown), files)
 
 
-def _summary(block: Block) -> str:
-    """A long table in a line: its lines and the beginning of its caption."""
-    lines = len(block.frame) if isinstance(block, Table) else 0
-    caption = " ".join(block.caption.removeprefix(f"All {lines} lines. ").split())
-    first = caption.partition(". ")[0].rstrip(".")
-    return f"All {lines} lines: {first[:1].lower()}{first[1:]}"
-
-
-def height_of(section: Section) -> int:
-    """About how tall a section is (CSS px): what a browser assumes until it comes into view."""
-    heights = [
-        150 + 45 * min(len(block.frame), 12) if isinstance(block, Table) else 500
-        for group in grouped(section.blocks)
-        for block in (() if group.summary else group.blocks)
-    ]
-    return 200 + sum(heights)
+def summary(block: Table | Picture) -> str:
+    """What a block shows, in a few words: a figure's alternative text, or a caption's beginning."""
+    text = block.alt if isinstance(block, Picture) else block.caption
+    return " ".join(re.split(r"[.:;] ", text)[0].split()).rstrip(".")
 
 
 def environment() -> Environment:
@@ -156,7 +154,7 @@ def environment() -> Environment:
         lstrip_blocks=True,
     )
     made.filters |= {"breakable": breakable, "markdown": markdown, "pipe_table": to_markdown}
-    made.filters |= {"grouped": grouped, "height_of": height_of}
+    made.filters |= {"folded": folded, "summary": summary, "glossed": Glossed()}
     made.filters |= {"as_json": as_json, "choice": choice, "linked": linked, "packed": packed}
     made.tests |= {
         "picture": lambda block: isinstance(block, Picture),

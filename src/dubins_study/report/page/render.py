@@ -5,21 +5,29 @@ from __future__ import annotations
 import gc
 import shutil
 import tempfile
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path as FilePath
 from typing import NamedTuple
 
+from jinja2 import Environment
+
 from dubins_study.errors import DubinsStudyError
 from dubins_study.report.data.results import Folder, Results, load_with_rows
 from dubins_study.report.elements import style
-from dubins_study.report.elements.content import Picture, Section, Table
+from dubins_study.report.elements.content import Picture, Place, Section, Table
 from dubins_study.report.elements.figure_file import figure_bytes, fix_layout
 from dubins_study.report.elements.formats import some
 from dubins_study.report.page.dictionary import dictionary
 from dubins_study.report.page.drawings import Drawings
-from dubins_study.report.page.environment import environment, scripts, styles
-from dubins_study.report.page.glossary import GLOSSARY, Glossed
+from dubins_study.report.page.environment import (
+    FRONT_PAGE,
+    PAPER_PAGE,
+    environment,
+    scripts,
+    styles,
+)
+from dubins_study.report.page.glossary import GLOSSARY
 from dubins_study.report.page.latex import document
 from dubins_study.report.page.markup import to_csv, to_markdown
 from dubins_study.report.page.sections import KEYS, TOPICS, sections_of
@@ -133,7 +141,7 @@ def _unwritable(target: FilePath, error: OSError) -> ReportError:
 
 
 # Names of all files and folders of a report. A folder that holds anything else is never replaced.
-_WRITTEN = {"index.html", "report.md", "report.tex", "figures", "tables"}
+_WRITTEN = {FRONT_PAGE, PAPER_PAGE, "report.md", "report.tex", "figures", "tables"}
 _BY_LATEX = {"report.aux", "report.log", "report.pdf"}  # what pdflatex makes of report.tex
 
 
@@ -207,16 +215,40 @@ def _write(
         (folder / "figures" / f"{picture.name}.svg").write_bytes(svg)
         (folder / "figures" / f"{picture.name}.pdf").write_bytes(pdf)
         drawn[picture.name] = drawings.inline(svg.decode("utf-8"), picture.alt)
-    templates = environment()
-    templates.filters |= {"left_out": left_out, "warnings": warnings, "glossed": Glossed()}
     content = {"sections": sections, "runs": runs, "drawn": drawn, "paper": PAPER}
     content |= {"glossary": GLOSSARY, **head._asdict()}
-    parts = {"style": styles() + drawings.css(), "scripts": scripts()}
-    for file_name in ("index.html", "report.md"):
-        page = templates.get_template(f"{file_name}.j2").render(**content, **parts)
-        (folder / file_name).write_text(page, encoding="utf-8", newline="\n")
-    whole = document(templates, sections, runs)
-    (folder / "report.tex").write_text(whole, encoding="utf-8", newline="\n")
+    content |= {"style": styles() + drawings.css(), "scripts": scripts()}
+    for name, text in _documents(sections, runs, content):
+        (folder / name).write_text(text, encoding="utf-8", newline="\n")
+
+
+def _documents(
+    sections: Sequence[Section], runs: Sequence[Folder], content: Mapping[str, object]
+) -> Iterator[tuple[str, str]]:
+    """The report's documents: name and text; the page about the paper only if it has a section."""
+
+    def places(*wanted: Place) -> list[Section]:
+        return [section for section in sections if section.place in wanted]
+
+    paper = places(Place.PAPER)
+    front = {"open": places(Place.FRONT), "details": places(Place.DETAILS)}
+    pages = {
+        FRONT_PAGE: front | {"others": [(PAPER_PAGE, "The paper, recomputed")] if paper else []}
+    }
+    if paper:
+        pages[PAPER_PAGE] = {"open": paper, "details": [], "others": [(FRONT_PAGE, "The study")]}
+    for name, parts in pages.items():
+        template = _templates().get_template("index.html.j2")
+        yield name, template.render(page=name, **content, **parts)
+    yield "report.md", _templates().get_template("report.md.j2").render(**content)
+    yield "report.tex", document(_templates(), sections, runs)
+
+
+def _templates() -> Environment:
+    """The environment of one document: in each the first use of a word is a link."""
+    templates = environment()
+    templates.filters |= {"left_out": left_out, "warnings": warnings}
+    return templates
 
 
 def warnings(run: Folder) -> list[str]:

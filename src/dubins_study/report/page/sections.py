@@ -7,36 +7,36 @@ from dataclasses import replace
 from importlib import import_module
 
 from dubins_study.report.data.results import Results
-from dubins_study.report.elements.content import Section
+from dubins_study.report.elements.content import Place, Section
 from dubins_study.report.elements.formats import count, slug
 from dubins_study.report.elements.names import with_labels
 from dubins_study.report.elements.topic import BENCHMARK, General, Topic
 
 # The topics in the order of the page: modules of `report`, each with its `TOPIC`.
 _MODULES = (
-    # the answer
-    "topics.decision",
+    # the front
+    "topics.belief",
     "topics.findings",
-    "topics.caution",
-    # the comparison
+    "topics.decision",
     "topics.matrix",
+    "explorer.section",
+    # the comparison in detail
+    "topics.caution",
     "topics.summary",
     "topics.success",
     "topics.existence",
-    "topics.belief",
     "topics.certificates",
     "topics.comparison",
     "topics.cost",
     "topics.time",
     "topics.agreement",
     "topics.agreement.formulations",
-    # the problem and the paper
-    "explorer.section",
-    "topics.radius",
+    # the paper
     "topics.paper",
     "topics.audit",
     "topics.paper.drawn",
     # studies of one thing each
+    "topics.radius",
     "topics.discretisation",
     "topics.plane",
     "topics.map",
@@ -69,7 +69,14 @@ def sections_of(topic: Topic, results: Results) -> Iterator[Section]:
         if len(selections) > 1:
             section = _named_after(section, name)
         shown = section if topic.counted else _with_sample(section, results)
-        yield with_labels(shown, results)
+        yield with_labels(replace(shown, place=_place(topic, results)), results)
+
+
+def _place(topic: Topic, results: Results) -> Place:
+    """The topic's place; a study's is the front of a page that has no benchmark to be about."""
+    study = isinstance(topic.about, str) and topic.place is Place.DETAILS
+    alone = all(run.section != BENCHMARK for run in results.folders)
+    return Place.FRONT if study and alone else topic.place
 
 
 def _selections(topic: Topic, results: Results) -> dict[str, Results]:

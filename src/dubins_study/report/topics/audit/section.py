@@ -8,7 +8,7 @@ import pandas as pd
 
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import columns, marks
-from dubins_study.report.elements.content import Section, Table
+from dubins_study.report.elements.content import Place, Section, Table
 from dubins_study.report.elements.formats import count, digits, share
 from dubins_study.report.elements.topic import Topic
 from dubins_study.report.paper.audit_file import committed, misprints
@@ -147,4 +147,4 @@ _STATEMENTS_COLUMNS = (
 _STATEMENTS_CAPTION = "Statements of the paper that its own scenarios decide."
 
 
-TOPIC = Topic("the audit of the paper", audit_section, "paper", counted=True)
+TOPIC = Topic("the audit of the paper", audit_section, "paper", counted=True, place=Place.PAPER)

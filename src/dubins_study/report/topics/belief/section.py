@@ -7,7 +7,7 @@ import pandas as pd
 from dubins_study.report.data.attempts import EXACT
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import Column, columns, marks
-from dubins_study.report.elements.content import Picture, Section, Table
+from dubins_study.report.elements.content import Picture, Place, Section, Table
 from dubins_study.report.elements.formats import count, digits, sentences, share, some
 from dubins_study.report.elements.identity import (
     best_first,
@@ -214,4 +214,4 @@ def _cure_table(cure: pd.DataFrame, names: pd.DataFrame) -> Table:
     return Table("belief-cures", caption, frame, shown)
 
 
-TOPIC = Topic("whom one can believe", belief_section, BENCHMARK)
+TOPIC = Topic("whom one can believe", belief_section, BENCHMARK, place=Place.FRONT)

@@ -8,7 +8,7 @@ import pandas as pd
 
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import Column, columns
-from dubins_study.report.elements.content import Section, Table
+from dubins_study.report.elements.content import Place, Section, Table
 from dubins_study.report.elements.formats import count, seconds, sentences, share, some
 from dubins_study.report.elements.identity import with_interval
 from dubins_study.report.elements.names import labels_of
@@ -161,4 +161,4 @@ def _success(choice: Choice) -> str:
     return with_interval(share, choice.share, choice.low, choice.high)
 
 
-TOPIC = Topic("what to use", decision_section, General.DECIDED)
+TOPIC = Topic("what to use", decision_section, General.DECIDED, place=Place.FRONT)

@@ -8,7 +8,7 @@ import pandas as pd
 
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import columns
-from dubins_study.report.elements.content import Section, Table
+from dubins_study.report.elements.content import Place, Section, Table
 from dubins_study.report.elements.formats import count, some
 from dubins_study.report.elements.identity import interval_keys
 from dubins_study.report.elements.topic import BENCHMARK, Topic
@@ -81,4 +81,4 @@ def _table(name: str, chosen: Sequence[Finding], first: int, title: str) -> Tabl
     )
 
 
-TOPIC = Topic("what the study found", findings_section, BENCHMARK)
+TOPIC = Topic("what the study found", findings_section, BENCHMARK, place=Place.FRONT)

@@ -10,7 +10,7 @@ import pandas as pd
 from dubins_study.report.data.results import Results
 from dubins_study.report.data.verdicts import evaluations
 from dubins_study.report.elements.columns import SOLVER, Column, columns, marks
-from dubins_study.report.elements.content import Picture, Section, Table, picture
+from dubins_study.report.elements.content import Picture, Place, Section, Table, picture
 from dubins_study.report.elements.formats import count, digits, seconds, sentences, some
 from dubins_study.report.elements.identity import METHOD, best_first
 from dubins_study.report.elements.panels import HIGHEST
@@ -160,4 +160,4 @@ def _methods(methods: pd.DataFrame) -> Table:
     return Table("methods", caption, methods, shown, marks(methods, "false_claims"), numbers)
 
 
-TOPIC = Topic("formulation by engine", matrix_section, BENCHMARK, counted=True)
+TOPIC = Topic("formulation by engine", matrix_section, BENCHMARK, counted=True, place=Place.FRONT)

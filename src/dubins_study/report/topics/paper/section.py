@@ -10,7 +10,7 @@ import pandas as pd
 from dubins_study.report.data.attempts import EXACT
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import SOLVER, Column, columns, marks
-from dubins_study.report.elements.content import Picture, Section, Table
+from dubins_study.report.elements.content import Picture, Place, Section, Table
 from dubins_study.report.elements.formats import count, digits, seconds
 from dubins_study.report.elements.looks import Palette
 from dubins_study.report.elements.topic import General, Topic
@@ -141,4 +141,10 @@ def figures_section(results: Results) -> Section | None:
     return Section("paths", "The paper's figures", text, (feasible_picture(), *pictures), lead)
 
 
-TOPIC = Topic("the paper's tables", paper_section, "paper", (General.POOLED, General.COMPARED))
+TOPIC = Topic(
+    "the paper's tables",
+    paper_section,
+    "paper",
+    (General.POOLED, General.COMPARED),
+    place=Place.PAPER,
+)

@@ -6,7 +6,7 @@
   const list = document.querySelector("#contents details");
   const links = new Map();
   for (const link of document.querySelectorAll("#contents a")) {
-    links.set(link.getAttribute("href").slice(1), link);
+    if (link.hash && link.getAttribute("href").startsWith("#")) links.set(link.hash.slice(1), link);
   }
   const parts = [...links.keys()].map((id) => document.getElementById(id)).filter(Boolean);
   const here = document.getElementById("here");
@@ -68,41 +68,30 @@
   });
   narrow.addEventListener("change", fold);
 
-  // A link to a folded figure or table unfolds it; browsers do so of themselves only sometimes.
-  function unfold() {
-    const target = document.getElementById(window.location.hash.slice(1));
-    const box = target && target.closest("details.more:not([open])");
-    if (!box) return;
-    box.open = true;
-    target.scrollIntoView();
-  }
-  window.addEventListener("hashchange", unfold);
-  unfold();
-
-  // The browser jumps to a link's place before the sections above it have their real heights, and
-  // before scripts have filled them: arrive again, unless the reader has begun to move.
+  // A link into the details opens all that hides its place, and lands there; scripts that fill the
+  // page above it say so, and the link lands again unless the reader has begun to move.
   let moved = false;
   for (const kind of ["wheel", "touchmove", "keydown", "pointerdown"]) {
     window.addEventListener(kind, () => { moved = true; }, {once: true, passive: true});
   }
-  function arrive() {
-    const target = !moved && document.getElementById(window.location.hash.slice(1));
-    if (target) target.scrollIntoView();
+  function land() {
+    const target = document.getElementById(window.location.hash.slice(1));
+    if (!target) return;
+    const inside = target.querySelector(":scope > details.part");
+    if (inside) inside.open = true;
+    for (let box = target.closest("details"); box; box = box.parentElement.closest("details")) {
+      box.open = true;
+    }
+    target.scrollIntoView();
   }
-  window.addEventListener("load", () => {
-    for (const ms of [50, 250]) window.setTimeout(arrive, ms); // one frame is too early
-  });
-  document.addEventListener("laidout", arrive);
+  function landAgain() {
+    if (!moved) land();
+  }
+  window.addEventListener("hashchange", land);
+  window.addEventListener("load", landAgain);
+  document.addEventListener("laidout", landAgain);
+  land();
 
-  // What is folded away on the screen is printed: figures and commands here, lines of tables by their style.
-  let unfolded = [];
-  window.addEventListener("beforeprint", () => {
-    unfolded = [...document.querySelectorAll("details:is(.more, .command):not([open])")];
-    for (const part of unfolded) part.open = true;
-  });
-  window.addEventListener("afterprint", () => {
-    for (const part of unfolded) part.open = false;
-  });
   document.addEventListener("scroll", onScroll, {passive: true});
   window.addEventListener("resize", onScroll);
   fold();
