@@ -16,8 +16,7 @@ from dubins_study.experiments.executors import local
 from dubins_study.experiments.executors.executor import WorkUnit
 from dubins_study.experiments.executors.local import solve_chains
 from dubins_study.experiments.interruption import Interruption
-from dubins_study.experiments.isolation.monitor import Limits
-from dubins_study.experiments.isolation.pool import WorkerPool
+from dubins_study.experiments.isolation.pool import Limits, WorkerPool
 from dubins_study.experiments.plan.cells import chains
 from dubins_study.experiments.run_settings import RunSettings
 from dubins_study.experiments.store.folder import done, read_rows

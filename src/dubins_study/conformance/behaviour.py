@@ -14,7 +14,7 @@ from dubins_study.conformance.interview import Interview, Seen
 from dubins_study.conformance.observer import RANDOM, TEMPORARY
 from dubins_study.conformance.questions import check_command, command
 from dubins_study.conformance.worker import GRACE_S
-from dubins_study.experiments.isolation.monitor import GRACE_S as RUN_GRACE_S
+from dubins_study.experiments.isolation.pool import GRACE_S as RUN_GRACE_S
 from dubins_study.solvers.protocol import Guarantee, Question
 from dubins_study.study.path import Path
 from dubins_study.study.words import BRANCHES, Outcome

@@ -29,7 +29,7 @@ from dubins_study.conformance.questions import (
     name_of,
 )
 from dubins_study.conformance.report import ConformanceReport, report_text
-from dubins_study.experiments.isolation.monitor import GRACE_S as RUN_GRACE_S
+from dubins_study.experiments.isolation.pool import GRACE_S as RUN_GRACE_S
 from dubins_study.solvers.analytic import Analytic
 from dubins_study.solvers.profiles import ProfileError
 from dubins_study.solvers.protocol import Question

@@ -5,9 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 
 from dubins_study.experiments.interruption import Interruption
-from dubins_study.experiments.isolation.job_queue import Job
-from dubins_study.experiments.isolation.monitor import Limits
-from dubins_study.experiments.isolation.pool import WorkerPool
+from dubins_study.experiments.isolation.pool import Job, Limits, WorkerPool
 from dubins_study.experiments.plan.solver_description import describe_solver
 from dubins_study.experiments.run_settings import BYTES_PER_GIB
 from dubins_study.solvers.attempt import Answer, judged

@@ -8,10 +8,8 @@ from contextlib import contextmanager
 from dubins_study.experiments.executors.executor import ChainState, Executor, Probe, WorkUnit
 from dubins_study.experiments.executors.judging import row_of
 from dubins_study.experiments.interruption import Interruption
-from dubins_study.experiments.isolation.job_queue import Job, worker_group
 from dubins_study.experiments.isolation.messages import WorkerReply
-from dubins_study.experiments.isolation.monitor import Limits
-from dubins_study.experiments.isolation.pool import RunError, WorkerPool
+from dubins_study.experiments.isolation.pool import Job, Limits, RunError, WorkerPool, worker_group
 from dubins_study.experiments.plan.cells import Cell
 from dubins_study.experiments.run_settings import RunSettings
 from dubins_study.solvers.protocol import Question

@@ -59,7 +59,7 @@ class Channel:
         Raises:
             EOFError: if the other end is closed.
         """
-        while (message := self._next()) is None:
+        while (message := self.next_received()) is None:
             self._read()
         return message
 
@@ -72,7 +72,7 @@ class Channel:
         """
         with suppress(BlockingIOError):
             self._read()
-        while (message := self._next()) is not None:
+        while (message := self.next_received()) is not None:
             yield message
 
     def _read(self) -> None:
@@ -81,7 +81,8 @@ class Channel:
             raise EOFError
         self._received += data
 
-    def _next(self) -> Any:
+    def next_received(self) -> Any:
+        """The next message that `receive` has read already; None if there is none."""
         invalid = self._received and not self._received.startswith(b"[")
         if invalid or len(self._received) > _MAX_MESSAGE_BYTES:
             raise MessageError("rubbish, which is no message")

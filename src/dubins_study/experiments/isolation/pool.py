@@ -1,33 +1,48 @@
 """A pool of worker processes with hard limits: takes jobs, yields (job, reply) pairs.
 
-One loop waits for the replies, output and exits of all workers, and checks their run times and
-memory every 20 ms. If a solver crashes or blocks its worker, the job gets a reply too. The pool
-judges no answer.
+If a solver crashes or blocks its worker, the job gets a reply too. The pool judges no answer.
 """
 
 from __future__ import annotations
 
-import select
+from collections import deque
 from collections.abc import Callable, Iterable, Iterator
+from functools import cache
 from time import monotonic
-from typing import Self
+from typing import Any, NamedTuple, Self
 
 from dubins_study.errors import DubinsStudyError
 from dubins_study.experiments.interruption import Interruption
 from dubins_study.experiments.isolation.fork_server import ForkServerError
-from dubins_study.experiments.isolation.job_queue import Job, JobQueue, SolverKey, worker_group
-from dubins_study.experiments.isolation.messages import MessageError, WorkerReply
-from dubins_study.experiments.isolation.monitor import POLL_INTERVAL_S, Limits, Monitor
-from dubins_study.experiments.isolation.worker_process import WorkerProcess
-from dubins_study.experiments.isolation.worker_status import Phase
+from dubins_study.experiments.isolation.messages import WorkerReply, decode_reply, encode_question
+from dubins_study.experiments.isolation.worker_process import (
+    POLL_INTERVAL_S,
+    Allowance,
+    Answer,
+    Ended,
+    Task,
+    Watch,
+    WorkerProcess,
+)
+from dubins_study.solvers.protocol import Question
+from dubins_study.solvers.registry import load, ours
 from dubins_study.solvers.reply import Reply, no_answer
-from dubins_study.study.words import Outcome
 
-# Jobs that a worker may get in advance, so that it never waits for the pool.
-_AHEAD_JOBS = 64
-# A worker gets jobs in advance only after a solve shorter than `_QUICK_S`. If a solve takes longer
-# than `_SLOW_S`, its waiting jobs go to other workers.
-_QUICK_S, _SLOW_S = 0.005, 0.1
+_SERVE = "dubins_study.experiments.isolation.worker:serve"
+# Seconds beyond the time limit: a solver that respects the limit needs a moment to send its answer.
+# With the poll interval and the kill itself, a solve ends within 0.3 s of its limit.
+GRACE_S = 0.1
+# Seconds that a solver may take to load, and that a warm-up may take beyond the time limit: it
+# loads what later solves find loaded.
+_LOADING = Allowance(60.0, activity="loading the solver")
+_WARM_UP_S = 10.0
+_PROBING = Allowance(60.0, activity="measuring its speed")
+# A worker that never waits for its pool has jobs in advance: as long as those that it has are
+# expected to take less than `_AHEAD_S`, and at most `_AHEAD_JOBS`.
+_AHEAD_S, _AHEAD_JOBS = 0.05, 64
+# How long a solve takes is expected from those before it: their mean, in which each new one has
+# this weight, and counts at most that many seconds. One slow solve is forgotten soon.
+_NEW_WEIGHT, _MAX_COUNTED_S = 0.2, 0.1
 # After this many seconds without a reply, yield an empty list, so that the caller can write rows.
 _YIELD_INTERVAL_S = 0.2
 # Seconds between two calibration probes.
@@ -42,8 +57,75 @@ class RunError(DubinsStudyError, RuntimeError):
     """No more questions can be asked; in a run the rows written so far are kept."""
 
 
+class Limits(NamedTuple):
+    """Seconds that a solve may take, and bytes that a worker and its children may use."""
+
+    time_s: float
+    memory_bytes: int
+
+
+# A solver's spec and profile.
+SolverKey = tuple[str, str]
+
+
+class Job(NamedTuple):
+    """One question to one solver; the caller may attach any object as `tag`."""
+
+    solver: str
+    profile: str
+    question: Question
+    tag: Any = None
+
+    @property
+    def solver_key(self) -> SolverKey:
+        """Spec and profile: a worker loads a solver once for all jobs with the same key."""
+        return self.solver, self.profile
+
+
 # Jobs and the replies to them.
 Results = list[tuple[Job, WorkerReply]]
+
+
+@cache
+def worker_group(solver: str) -> str:
+    """The group of a solver: only jobs of the same group share workers.
+
+    Our own solvers that keep their limits are one group. One that does not is a group by itself: a
+    worker that is killed takes its loaded solvers with it, and loading a hundred takes half a
+    minute. So is each plug-in, since it may have changed any module of its process.
+    """
+    if not ours(solver):
+        return solver
+    return "" if load(solver).keeps_limit else solver
+
+
+class _Worker(WorkerProcess):
+    """A worker process, the group whose jobs it solves, and the solvers that it has loaded."""
+
+    def __init__(self, group: str, memory_bytes: int):
+        super().__init__(_SERVE, [memory_bytes], memory_bytes)
+        self.group = group
+        self.loaded: set[SolverKey] = set()
+        # Whether tasks were dropped that it still has: it ends with its last pending task.
+        self.final = False
+
+    def may_take_more(self) -> bool:
+        """Whether it may get a job in advance."""
+        soon = self.expected_s < _AHEAD_S and len(self.pending) < _AHEAD_JOBS
+        return soon and not self.final
+
+    def jobs(self) -> Iterator[Job]:
+        """Its unanswered jobs."""
+        return (task.tag for task in self.pending if _is_solve(task))
+
+    def keep_first_job(self) -> None:
+        """Drop all jobs but the first, which it is solving or makes ready for."""
+        for place, task in enumerate(self.pending, 1):
+            if _is_solve(task):
+                self.final |= len(self.pending) > place
+                while len(self.pending) > place:
+                    self.pending.pop()
+                return
 
 
 class WorkerPool:
@@ -64,17 +146,20 @@ class WorkerPool:
         warm_up: bool = True,
         probed: Callable[[float], None] | None = None,
     ):
-        self.limits = limits
-        self._probed = probed
-        self._workers: list[WorkerProcess | None] = [None] * workers
-        self._monitor = Monitor(limits)
+        self._limits, self._probed = limits, probed
+        self._solving = Allowance(limits.time_s, GRACE_S)
+        self._warming_up = Allowance(limits.time_s + _WARM_UP_S, activity="warming up")
+        self._workers: list[_Worker | None] = [None] * workers
+        self._watch = Watch()
         self._warm_up = warm_up
         # Solvers whose warm-up ended a worker: they are loaded without it.
         self._without_warm_up: set[SolverKey] = set()
-        self._answered: set[SolverKey] = set()
+        # Solver -> seconds that its next solve is expected to take; a solver that has answered.
+        self._expected_s: dict[SolverKey, float] = {}
         # Solver that ended its worker while it was loaded -> the reply to its other jobs.
         self._unloadable: dict[SolverKey, Reply] = {}
-        self._queue = JobQueue()
+        self._first: deque[Job] = deque()
+        self._later: Iterator[Job] = iter(())
         self._false_starts = 0
         self._next_probe_s = monotonic()
 
@@ -89,11 +174,16 @@ class WorkerPool:
     def kill_workers(self) -> None:
         """Kill all workers; may be called from any thread."""
         for worker in self._live_workers():
-            worker.process.kill()
+            worker.kill()
 
     def put_first(self, jobs: Iterable[Job]) -> None:
-        """Put jobs at the front of the queue; allowed while `solve` runs."""
-        self._queue.put_first(jobs)
+        """Put jobs at the front of the queue, in their order; allowed while `solve` runs."""
+        self._first.extendleft(reversed(list(jobs)))
+
+    def drop_waiting(self) -> None:
+        """Forget the jobs that no worker has; allowed while `solve` runs."""
+        self._first.clear()
+        self._later = iter(())
 
     def solve(self, jobs: Iterable[Job], stop: Interruption) -> Iterator[Results]:
         """Yield the replies to all jobs as they come, and an empty list if none come for a while.
@@ -107,162 +197,156 @@ class WorkerPool:
         Raises:
             RunError: if worker processes end before they begin a job.
         """
-        self._queue = JobQueue(jobs)
-        self._monitor.begin()
+        self.drop_waiting()
+        self._later = iter(jobs)
+        self._watch.begin()
         yielded_s = monotonic()
         while True:
             if stop.requested:
-                self._queue = JobQueue()
+                self.drop_waiting()
                 for worker in self._live_workers():
-                    worker.withdraw()
+                    worker.keep_first_job()
             results = self._feed()
             busy = any(worker.pending for worker in self._live_workers())
-            if not (results or busy or self._queue.waiting(1)):
+            if not (results or busy or self._next_job()):
                 return
-            results += self._wait(0.0 if results else POLL_INTERVAL_S)
+            timeout_s = 0.0 if results else POLL_INTERVAL_S
+            for worker, event in self._watch.wait(self._live_workers(), timeout_s):
+                if isinstance(event, Answer):
+                    results += self._answered(worker, event)
+                else:
+                    results += self._ended(worker, event)
             if results or monotonic() - yielded_s > _YIELD_INTERVAL_S:
                 yield results
                 yielded_s = monotonic()
 
-    def _live_workers(self) -> list[WorkerProcess]:
+    def _live_workers(self) -> list[_Worker]:
         return [worker for worker in self._workers if worker is not None]
+
+    def _next_job(self) -> Job | None:
+        """The first waiting job, which stays in the queue; None if there is none."""
+        if not self._first:
+            job = next(self._later, None)
+            if job is None:
+                return None
+            self._first.append(job)
+        return self._first[0]
 
     def _feed(self) -> Results:
         """Give jobs to workers; return a few replies to jobs of unloadable solvers."""
         results: Results = []
-        places = len(self._workers)
-        share = min(_AHEAD_JOBS, -(-self._queue.waiting(_AHEAD_JOBS * places) // places))
-        for place, worker in enumerate(self._workers):
-            if worker is not None and len(worker.pending) > share // 2:
+        while len(results) < _MAX_RESULTS and (job := self._next_job()) is not None:
+            reply = self._unloadable.get(job.solver_key)
+            if reply is not None:
+                results.append((self._first.popleft(), WorkerReply(reply)))
                 continue
-            while (job := self._queue.next()) and len(results) < _MAX_RESULTS:
-                reply = self._unloadable.get(job.solver_key)
-                if reply is not None:
-                    results.append((self._queue.take(), WorkerReply(reply)))
-                    continue
-                free = self._worker_for(job, place, share)
-                if free is None:
-                    break
-                warm_up = self._warm_up and job.solver_key not in self._without_warm_up
-                free.put(self._queue.take(), self.limits.time_s, warm_up)
+            worker = self._free_worker(worker_group(job.solver))
+            if worker is None:
+                break
+            self._give(worker, self._first.popleft())
         first = self._workers[0]
-        if self._probed is not None and first is not None and monotonic() > self._next_probe_s:
+        due = self._probed is not None and monotonic() > self._next_probe_s
+        if due and first is not None and not first.final:
             self._next_probe_s = monotonic() + _PROBE_INTERVAL_S
-            first.put_probe()
+            first.put(["probe"], _PROBING, float)
         return results
 
-    def _worker_for(self, job: Job, place: int, share: int) -> WorkerProcess | None:
-        """The worker at `place`, or None if it cannot take the job; may start or replace it."""
-        worker, group = self._workers[place], worker_group(job.solver)
+    def _free_worker(self, group: str) -> _Worker | None:
+        """A worker that can take a job of the group, perhaps a new one; None if there is none.
+
+        Best is an idle worker of the group, then a new process, then one in the place of an idle
+        worker of another group, then the worker of the group that is expected to be free first.
+        """
+        ranks = []
+        for place, worker in enumerate(self._workers):
+            if worker is None:
+                ranks.append((1, 0.0, place))
+            elif not worker.pending:
+                ranks.append((0 if worker.group == group else 2, 0.0, place))
+            elif worker.group == group and worker.may_take_more():
+                ranks.append((3, worker.expected_s, place))
+        if not ranks:
+            return None
+        place = min(ranks)[-1]
+        worker = self._workers[place]
         if worker is not None and worker.group != group:
-            if worker.pending:
-                return None
             self._remove(worker)
             worker = None
         if worker is None:
             try:
-                worker = WorkerProcess(self.limits.memory_bytes, group)
+                worker = self._workers[place] = _Worker(group, self._limits.memory_bytes)
             except (OSError, ForkServerError) as error:
                 raise RunError(f"no worker process starts ({error})") from None
-            self._workers[place] = worker
-        return worker if len(worker.pending) < (share if worker.quick else 1) else None
+        return worker
 
-    def _wait(self, timeout_s: float) -> Results:
-        """Wait for events, check the limits if it is time, and return the replies."""
-        results: Results = []
-        poll, workers = select.poll(), self._live_workers()
-        for worker in workers:
-            worker.register(poll)
-        ready = {descriptor for descriptor, _ in poll.poll(1000 * timeout_s)}
-        for worker in workers:
-            results += self._receive(worker, ready)
-            if worker.process.exit_pipe in ready and worker in self._workers:
-                results += self._end_worker(worker, None)
-        if self._monitor.due():
-            results += self._enforce_limits()
-        return results
+    def _give(self, worker: _Worker, job: Job) -> None:
+        """Give a worker a job, and before it the tasks that make the job's solver ready."""
+        key = job.solver_key
+        expected_s = self._expected_s.get(key, _AHEAD_S)
+        if key not in worker.loaded:
+            worker.loaded.add(key)
+            expected_s = _AHEAD_S
+            worker.put(["load", *key], _LOADING, _ignored, job)
+            if self._warm_up and key not in self._without_warm_up:
+                message = ["warm up", *key, self._limits.time_s]
+                worker.put(message, self._warming_up, _ignored, job)
+        message = ["solve", *key, encode_question(job.question), self._limits.time_s]
+        worker.put(message, self._solving, decode_reply, job, expected_s)
 
-    def _enforce_limits(self) -> Results:
-        """End workers that break a limit; take back the jobs that wait for a slow worker."""
-        results: Results = []
-        for worker, reply in self._monitor.look(self._live_workers()).items():
-            results += self._end_worker(worker, reply)
-        for worker in self._live_workers():
-            if len(worker.pending) > 1 and monotonic() - worker.status.read().since_s > _SLOW_S:
-                worker.quick = False
-                self._queue.put_first(worker.withdraw())
-        return results
-
-    def _receive(self, worker: WorkerProcess, ready: set[int]) -> Results:
-        """Receive a worker's answers, and return its replies to jobs."""
-        results: Results = []
-        try:
-            for number, value, changed in worker.answers(ready):
-                if not isinstance(value, float):
-                    results += self._job_answered(worker, number, value)
-                elif self._probed is not None:
-                    self._probed(value)
-                if changed:
-                    self._remove(worker)
-                    break
-        except MessageError as error:
-            reply = no_answer(Outcome.CRASHED, f"stopped: its worker sent {error}")
-            results += self._end_worker(worker, reply)
-        return results
-
-    def _job_answered(self, worker: WorkerProcess, number: int, reply: WorkerReply) -> Results:
+    def _answered(self, worker: _Worker, answer: Answer) -> Results:
         self._false_starts = 0
-        worker.quick = (reply.reply.times.solve or 0) < _QUICK_S
-        answered = worker.pending.pop(number, None)
-        if not worker.quick:
-            self._queue.put_first(worker.withdraw())
-        if answered is None:  # the job was withdrawn, and is solved by another worker
+        if answer.changed or (worker.final and not worker.pending):
+            self._remove(worker)
+        if isinstance(answer.value, float) and self._probed is not None:
+            self._probed(answer.value)
+        if not isinstance(answer.value, WorkerReply):
             return []
-        self._answered.add(answered.job.solver_key)
-        return [(answered.job, reply)]
+        job: Job = answer.task.tag
+        seconds = min(answer.seconds, _MAX_COUNTED_S)
+        mean_s = self._expected_s.get(job.solver_key, seconds)
+        self._expected_s[job.solver_key] = mean_s + _NEW_WEIGHT * (seconds - mean_s)
+        return [(job, answer.value)]
 
-    def _end_worker(self, worker: WorkerProcess, reply: Reply | None) -> Results:
-        """Remove a worker and return the reply to its current job.
-
-        Args:
-            worker: a worker that has ended, or that is to be killed.
-            reply: the reply to its job if it is to be killed; None if it has ended.
-        """
-        number, phase = worker.current_number(), worker.status.read().phase
-        if reply is not None:
-            worker.process.kill()
-        crash_reply = worker.crash_reply()
-        current = None if number is None else worker.pending.pop(number)
+    def _ended(self, worker: _Worker, ended: Ended) -> Results:
+        """Replace a worker that has ended; return the reply to the job that it was at, if any."""
+        reply, task = ended
+        job: Job | None = None if task is None else task.tag
         self._remove(worker)
-        if current is None:
+        if task is None or job is None:
             self._false_starts += 1
             if self._false_starts >= _MAX_FALSE_STARTS:
                 raise RunError(
-                    "worker processes end before they solve anything "
-                    f"({crash_reply.solution.message})"
+                    f"worker processes end before they solve anything ({reply.solution.message})"
                 )
             return []
         self._false_starts = 0
-        job, reply = current.job, reply or crash_reply
-        if phase in (Phase.LOADING, Phase.WARMING_UP):
-            if current.warm_up:  # perhaps the warm-up failed: load the solver again without it
-                self._without_warm_up.add(job.solver_key)
-                self._queue.put_first([job])
-                return []
+        if task.allowance is self._warming_up:  # load the solver again, without a warm-up
+            self._without_warm_up.add(job.solver_key)
+            return []
+        if task.allowance is _LOADING:
             reply = self._load_failed(job.solver_key, reply)
+        self._first.popleft()  # the job, which comes first among those that were put back
         return [(job, WorkerReply(reply))]
 
     def _load_failed(self, solver: SolverKey, reply: Reply) -> Reply:
         """The reply to a job whose solver ended its worker while it was loaded."""
         (outcome, solution, _), status = reply, reply.solution.native_status
         message = f"{solution.message}, while it was loaded"
-        if solver not in self._answered:
+        if solver not in self._expected_s:
             later_message = f"{message} for another cell; not tried again"
             self._unloadable[solver] = no_answer(outcome, later_message, status=status)
         return no_answer(outcome, message, status=status)
 
-    def _remove(self, worker: WorkerProcess) -> None:
-        """End a worker and free its place; put its pending jobs back in the queue."""
+    def _remove(self, worker: _Worker) -> None:
+        """End a worker and free its place; put its unanswered jobs back in the queue."""
         self._workers[self._workers.index(worker)] = None
-        worker.process.close()
-        self._queue.put_first(pending.job for pending in worker.pending.values())
+        worker.close()
+        self.put_first(worker.jobs())
+
+
+def _is_solve(task: Task) -> bool:
+    return task.tag is not None and task.decode is decode_reply
+
+
+def _ignored(value: Any) -> None:
+    """Decode the answer to a task that only makes a solver ready."""

@@ -6,7 +6,8 @@ import json
 import math
 import os
 import signal
-from time import perf_counter
+from collections.abc import Callable
+from time import monotonic, perf_counter
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -20,7 +21,6 @@ from dubins_study.experiments.isolation.messages import (
 )
 from dubins_study.experiments.isolation.process_state import ProcessState, seed
 from dubins_study.experiments.isolation.sandbox import bound_memory, pin_threads
-from dubins_study.experiments.isolation.worker_status import Phase, WorkerStatus
 from dubins_study.experiments.provenance import now, versions
 from dubins_study.solvers.library_versions import reported_versions
 from dubins_study.solvers.protocol import Question, Solver
@@ -29,23 +29,42 @@ from dubins_study.solvers.reply import ask, exception_text, no_answer
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import Outcome
 
-# Job number that requests a calibration probe instead of a solve.
-PROBE = 0
 # Size of the calibration probe: loops of plain Python, operations on small arrays, repeats.
 _LOOPS, _ARRAYS, _REPEATS = 9000, 300, 3
 # Easy question that every solver is asked once before its first recorded answer.
 _WARM_UP = Scenario(x=0, y=0, heading=0.3, target_x=3, target_y=2, radius=1, label="warm-up")
 
 
-class _Job(NamedTuple):
-    """One question as the pool sends it; `warm_up` says whether a new solver is warmed up."""
+def answer_tasks(channel: Channel, handle: Callable[[list[Any]], tuple[Any, bool]]) -> None:
+    """Say that this process is ready, and answer tasks until the channel is closed.
 
-    number: int
-    solver: str
-    profile: str
-    question: list[Any]
-    time_limit: float
-    warm_up: bool
+    An answer holds the task's number, the time at which it was sent, and what `handle` returns: a
+    value that JSON can hold, and whether the process must be replaced. A worker that had to wait
+    says when it begins its next task.
+    """
+    process, number, value, changed = os.getpid(), 0, None, False
+    while True:
+        channel.put([number, monotonic(), value, changed])
+        channel.line.setblocking(True)  # a solver may have made the socket non-blocking
+        channel.flush()
+        while changed:  # this process answers no further task; its owner will replace it
+            signal.pause()
+        message = channel.next_received()
+        if message is None:
+            message = channel.receive()
+            channel.put(["begun", monotonic()])
+            channel.flush()
+        number, *task = message
+        value, changed = handle(task)
+        if os.getpid() != process:  # a child that a solver has forked must not answer
+            os._exit(1)
+
+
+def serve(channel: Channel, memory_limit: int) -> None:
+    """Answer the tasks of a pool (`pool.WorkerPool`)."""
+    bound_memory(memory_limit)
+    pin_threads()
+    answer_tasks(channel, _Worker(memory_limit).handle)
 
 
 class _LoadedSolver(NamedTuple):
@@ -54,81 +73,69 @@ class _LoadedSolver(NamedTuple):
     code_digest: str
 
 
-def serve(channel: Channel, memory_limit: int, status_memory: int) -> None:
-    """Answer jobs until the channel is closed."""
-    status = WorkerStatus(status_memory)
-    bound_memory(memory_limit)
-    pin_threads()
-    worker = _Worker(status, memory_limit)
-    while True:
-        message, changed = channel.receive(), False
-        if message[0] == PROBE:
-            answer: Any = probe()
-        elif message[0] < status.withdrawn:
-            continue
-        else:
-            answer = worker.answer(_Job(*message))
-            changed = worker.state.changed()
-        channel.put([message[0], answer, changed])
-        channel.line.setblocking(True)  # a solver may have made the socket non-blocking
-        channel.flush()
-        while changed:  # this process answers no further job; the pool will replace it
-            signal.pause()
-
-
 class _Worker:
     """The loaded solvers, and the state of the process that they share."""
 
-    def __init__(self, status: WorkerStatus, memory_limit: float):
-        self._status, self._pid = status, os.getpid()
-        self._solvers: dict[tuple[str, str], _LoadedSolver] = {}
-        # Code digests of all solvers that were loaded, even if their warm-up failed.
-        self._digests: dict[tuple[str, str], str] = {}
-        self.state = ProcessState(memory_limit)
-        status.write(0, Phase.IDLE)
+    def __init__(self, memory_limit: float):
+        # The encoded reply to all questions stands for a solver that cannot be loaded.
+        self._solvers: dict[tuple[str, str], _LoadedSolver | list[Any]] = {}
+        self._state = ProcessState(memory_limit)
 
-    def answer(self, job: _Job) -> list[Any]:
-        """The encoded reply to one job; an exception of the solver becomes a reply too."""
-        started, key = now(), (job.solver, job.profile)
+    def handle(self, task: list[Any]) -> tuple[Any, bool]:
+        """The answer to a task, and whether the process was changed by it."""
+        kind, *arguments = task
+        if kind == "solve":
+            return self._solve(*arguments), self._state.changed()
+        if kind == "probe":
+            return probe(), False
+        if kind == "load":
+            self._load(*arguments)
+        else:
+            self._warm_up(*arguments)
+        self._state.accept()
+        return None, False
+
+    def _load(self, spec: str, profile: str) -> None:
+        started, digest = now(), ""
         try:
-            question = decode_question(job.question)
-            loaded = self._solvers.get(key) or self._load(job)
+            solver = load(spec, profile)
+            digest = code_digest(spec, profile)
+            packages = versions(tuple(solver.packages)) | reported_versions(solver)
+            self._solvers[spec, profile] = _LoadedSolver(solver, json.dumps(packages), digest)
+        except BaseException as error:  # a plug-in may raise anything, anywhere: recorded as rows
+            self._solvers[spec, profile] = _error_reply(error, started, digest)
+
+    def _warm_up(self, spec: str, profile: str, time_limit: float) -> None:
+        """Ask an easy question, so that a solver's imports, templates and caches are ready."""
+        loaded = self._solvers[spec, profile]
+        if isinstance(loaded, list):
+            return
+        started = now()
+        try:
+            seed()
+            ask(loaded.solver, Question(_WARM_UP, loaded.solver.branches[0]), time_limit)
+        except BaseException as error:
+            self._solvers[spec, profile] = _error_reply(error, started, loaded.code_digest)
+
+    def _solve(self, spec: str, profile: str, question: list[Any], time_limit: float) -> list[Any]:
+        """The encoded reply to a question."""
+        loaded = self._solvers[spec, profile]
+        if isinstance(loaded, list):
+            return loaded
+        started = now()
+        try:
+            decoded = decode_question(question)
             seed()
             started = now()
-            self._status.write(job.number, Phase.SOLVING)
-            reply = ask(loaded.solver, question, job.time_limit)
-            self._exit_if_forked()
+            reply = ask(loaded.solver, decoded, time_limit)
             return encode_reply(WorkerReply(reply, started, loaded.versions, loaded.code_digest))
-        except BaseException as error:  # a plug-in may raise anything, anywhere: recorded as a row
-            self._exit_if_forked()
-            outcome = Outcome.OUT_OF_MEMORY if isinstance(error, MemoryError) else Outcome.RAISED
-            digest = self._digests.get(key, "")
-            return encode_reply(
-                WorkerReply(no_answer(outcome, exception_text(error)), started, "", digest)
-            )
-        finally:
-            self._status.write(job.number, Phase.IDLE)
+        except BaseException as error:
+            return _error_reply(error, started, loaded.code_digest)
 
-    def _load(self, job: _Job) -> _LoadedSolver:
-        """Load a solver and warm it up, so that its imports, templates and caches are ready."""
-        key = job.solver, job.profile
-        self._status.write(job.number, Phase.LOADING)
-        solver = load(*key)
-        digest = self._digests[key] = code_digest(*key)
-        row_versions = json.dumps(versions(tuple(solver.packages)) | reported_versions(solver))
-        if job.warm_up:
-            self._status.write(job.number, Phase.WARMING_UP)
-            seed()
-            ask(solver, Question(_WARM_UP, solver.branches[0]), job.time_limit)
-            self._exit_if_forked()
-        loaded = self._solvers[key] = _LoadedSolver(solver, row_versions, digest)
-        self.state.accept()
-        return loaded
 
-    def _exit_if_forked(self) -> None:
-        """Exit if this is a child that a solver has forked: only the worker itself may answer."""
-        if os.getpid() != self._pid:
-            os._exit(1)
+def _error_reply(error: BaseException, started: str, digest: str) -> list[Any]:
+    outcome = Outcome.OUT_OF_MEMORY if isinstance(error, MemoryError) else Outcome.RAISED
+    return encode_reply(WorkerReply(no_answer(outcome, exception_text(error)), started, "", digest))
 
 
 def probe() -> float:

@@ -1,142 +1,269 @@
-"""A worker process from the pool's side: send jobs to it, receive its answers."""
+"""A worker process from its owner's side: tasks go in, answers come back, limits end it.
+
+A worker answers its tasks in order. Its current task is therefore the first one that it has not
+answered. The task began when the worker sent the answer before, or when it woke up for the task.
+"""
 
 from __future__ import annotations
 
 import os
 import select
 import signal
-from collections.abc import Iterator
+from collections import deque
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
-from itertools import count
-from typing import Any, NamedTuple
+from time import monotonic, process_time
+from typing import Any, NamedTuple, Self, TypeVar
+
+import psutil
 
 from dubins_study.experiments.isolation.fork_server import exit_status, fork
-from dubins_study.experiments.isolation.job_queue import Job
-from dubins_study.experiments.isolation.messages import (
-    MessageError,
-    WorkerReply,
-    decode_reply,
-    encode_question,
-)
-from dubins_study.experiments.isolation.worker import PROBE
-from dubins_study.experiments.isolation.worker_status import Phase, WorkerStatus, shared_memory
-from dubins_study.solvers.reply import Reply, no_answer
+from dubins_study.experiments.isolation.messages import MessageError
+from dubins_study.solvers.reply import Reply, Times, no_answer
 from dubins_study.study.words import Outcome
 
-_SERVE = "dubins_study.experiments.isolation.worker:serve"
+# Seconds between two checks of the limits. The memory of a worker's children is read at every tenth
+# check only: listing them takes milliseconds if many processes run.
+POLL_INTERVAL_S, _CHECKS_PER_CHILDREN_CHECK = 0.02, 10
+# Seconds within which an idle worker must begin its next task.
+_STALL_S = 10.0
+# A pause between two checks longer than this means that the whole process was suspended.
+_SUSPENDED_S = 1.0
 # Length of the last output that is kept, in bytes, and that a message shows, in characters.
 _OUTPUT_BYTES, _OUTPUT_CHARS = 400, 200
 _READ_BYTES = 2**20
 # Reads that empty the output pipe of a process that has ended.
 _MAX_READS = 4
-# Job numbers are never used twice, so that a late reply cannot be taken for another job's reply.
-_job_numbers = count(PROBE + 1)
+_GIB = 2**30
 
 
-class PendingJob(NamedTuple):
-    """A job that a worker has received, and whether the worker warms up a new solver before it."""
+class Allowance(NamedTuple):
+    """The seconds that a task may take.
 
-    job: Job
-    warm_up: bool
+    Args:
+        limit_s: the limit, which the message of a task that breaks it names.
+        margin_s: seconds beyond the limit, for what is no part of it.
+        activity: what the worker does, where the limit is ours; empty where it is the caller's.
+    """
+
+    limit_s: float
+    margin_s: float = 0.0
+    activity: str = ""
+
+
+STARTING = Allowance(60.0, activity="starting a worker")
+
+
+class Task(NamedTuple):
+    """A task that a worker has received.
+
+    Args:
+        number: tasks of a worker are numbered from 0, which is the start of the process.
+        decode: makes a value of what the worker answers; may raise anything.
+        tag: any object of the caller's.
+        expected_s: how long the caller expects it to take.
+    """
+
+    number: int
+    allowance: Allowance
+    decode: Callable[[Any], Any]
+    tag: Any = None
+    expected_s: float = 0.0
 
 
 class Answer(NamedTuple):
-    """A worker's answer to the job with a number."""
+    """A worker's answer to a task, the seconds that it took, and whether it changed the process.
 
-    number: int
-    value: WorkerReply | float  # a duration (s) if the job was a calibration probe
-    changed: bool  # whether the solve changed the process; the worker then answers no more
+    A worker whose process was changed answers no more.
+    """
+
+    task: Task
+    value: Any
+    seconds: float
+    changed: bool
+
+
+class Ended(NamedTuple):
+    """The end of a worker: the reply to the task that it was at, if it had begun one."""
+
+    reply: Reply
+    task: Task | None
 
 
 class WorkerProcess:
-    """Starts a worker process and exchanges messages with it.
+    """A process that answers tasks (see `worker.answer_tasks`) until the `with` block ends.
 
     Attributes:
-        group: the group whose jobs it solves, see `worker_group`.
-        pending: number -> job, for the jobs that it has received but not answered, in order.
-        quick: whether its last job was so short that the worker gets several jobs in advance.
+        pending: the tasks that it has received but not answered, in order.
+        expected_s: how long its pending tasks are expected to take.
+        closed: whether the process is gone.
     """
 
-    def __init__(self, memory_limit: int, group: str):
-        self.group = group
-        memory = shared_memory()
-        try:
-            self.process = fork(_SERVE, [memory_limit], (memory,))
-        finally:
-            self.status = WorkerStatus(memory)
-        self.pending: dict[int, PendingJob] = {}
-        self.quick = False
+    def __init__(self, function: str, arguments: list[Any], memory_bytes: int):
+        self._process = fork(function, arguments)
+        self._memory_bytes = memory_bytes
+        self.pending = deque([Task(0, STARTING, _nothing)])
+        self.expected_s, self.closed = 0.0, False
+        self._tasks = 1
+        # Whether the current task has begun, and since when it runs, or waits for the worker.
+        self._begun, self._since_s = True, monotonic()
+        # The last moment at which no answer was waiting to be read.
+        self._silent_s = self._since_s
         self._output = b""
-        self._open = {self.process.channel.line.fileno(), self.process.output}
+        self._open = {self._process.channel.line.fileno(), self._process.output}
 
-    def put(self, job: Job, time_limit: float, warm_up: bool) -> None:
-        """Add a job for the worker; `register` sends it."""
-        number = next(_job_numbers)
-        self.pending[number] = PendingJob(job, warm_up)
-        question = encode_question(job.question)
-        self.process.channel.put([number, *job.solver_key, question, time_limit, warm_up])
+    def __enter__(self) -> Self:
+        return self
 
-    def put_probe(self) -> None:
-        """Request a calibration probe after the worker's pending jobs."""
-        self.process.channel.put([PROBE])
+    def __exit__(self, *_: object) -> None:
+        self.close()
 
-    def withdraw(self) -> list[Job]:
-        """Take back the jobs that the worker has not begun.
+    def put(
+        self,
+        message: list[Any],
+        allowance: Allowance,
+        decode: Callable[[Any], Any],
+        tag: Any = None,
+        expected_s: float = 0.0,
+    ) -> None:
+        """Add a task; `register` sends it."""
+        if not self.pending:
+            self._begun, self._since_s, self.expected_s = False, monotonic(), 0.0
+        self.pending.append(Task(self._tasks, allowance, decode, tag, expected_s))
+        self._process.channel.put([self._tasks, *message])
+        self.expected_s += expected_s
+        self._tasks += 1
 
-        A job that the worker begins at this moment is solved twice; the second reply counts.
-        """
-        current = self.current_number()
-        unbegun = [number for number in self.pending if number != current]
-        if unbegun:
-            self.status.withdrawn = unbegun[-1] + 1
-        return [self.pending.pop(number).job for number in unbegun]
+    def request(
+        self, message: list[Any], allowance: Allowance, decode: Callable[[Any], Any]
+    ) -> Answer | Ended:
+        """Put one task and wait for its answer, or for the end of the worker."""
+        self._read_output()
+        self._output = b""
+        self.put(message, allowance, decode)
+        task, watch = self.pending[-1], Watch()
+        while True:
+            for _, event in watch.wait([self], POLL_INTERVAL_S):
+                if isinstance(event, Ended) or event.task is task:
+                    return event
 
     def register(self, poll: select.poll) -> None:
         """Send as much as the socket takes, and add the worker's descriptors to a poll."""
         sent = True
         with suppress(OSError):  # the worker has ended; its exit pipe shows this
-            sent = self.process.channel.flush()
-        poll.register(self.process.exit_pipe, select.POLLIN)
+            sent = self._process.channel.flush()
+        poll.register(self._process.exit_pipe, select.POLLIN)
         for source in self._open:
             poll.register(source, select.POLLIN)
         if not sent:  # the rest of a long message is sent once the worker has read more
-            poll.register(self.process.channel.line, select.POLLIN | select.POLLOUT)
+            poll.register(self._process.channel.line, select.POLLIN | select.POLLOUT)
 
-    def answers(self, ready: set[int]) -> Iterator[Answer]:
-        """The answers that have arrived; also reads the worker's output.
+    def events(self, ready: set[int], now_s: float) -> Iterator[Answer | Ended]:
+        """What the worker has sent, and its end; also reads its output.
 
         Args:
             ready: the descriptors that a poll has found readable.
+            now_s: when the poll returned.
+        """
+        if self._process.output in ready:
+            self._read_output()
+        try:
+            if self._process.channel.line.fileno() in ready:
+                yield from self._answers()
+            else:
+                self._silent_s = now_s
+        except MessageError as error:
+            yield from self.end(no_answer(Outcome.CRASHED, f"stopped: its worker sent {error}"))
+        if not self.closed and self._process.exit_pipe in ready:
+            yield from self.end()
+
+    def _answers(self) -> Iterator[Answer]:
+        """The answers that have arrived.
 
         Raises:
             MessageError: if the worker sent something that is not an answer.
         """
-        channel, line = self.process.channel, self.process.channel.line.fileno()
-        if self.process.output in ready:
-            self._read_output()
-        if line not in ready:
-            return
         try:
-            for message in channel.received():
-                yield _answer(message)
-        except (EOFError, OSError):  # the worker closed its end: it has ended, or the monitor acts
-            self._open.discard(line)
+            for message in self._process.channel.received():
+                if message[0] == "begun":
+                    self._begun, self._since_s = True, self._moment(message[1])
+                    continue
+                yield self._answer(message)
+                if self.closed:
+                    return
+        except (EOFError, OSError):  # the worker closed its end: it has ended, or its limit will
+            self._open.discard(self._process.channel.line.fileno())
 
-    def _read_output(self) -> None:
-        """Read what the worker printed, and keep the last bytes."""
-        with suppress(BlockingIOError):
-            data = os.read(self.process.output, _READ_BYTES)
-            self._output = (self._output + data)[-_OUTPUT_BYTES:]
-            if not data:
-                self._open.discard(self.process.output)
+    def _answer(self, message: list[Any]) -> Answer:
+        try:
+            number, sent_s, value, changed = message
+            task = self.pending[0]
+            if number != task.number:
+                raise ValueError(f"task {number} was not to be answered")
+            ended_s, decoded = self._moment(sent_s), task.decode(value)
+        except Exception as error:  # a worker may send anything
+            raise MessageError(f"an answer that cannot be read: {error}") from None
+        began_s, self._since_s = self._since_s, ended_s
+        self.pending.popleft()
+        self.expected_s -= task.expected_s
+        self._begun = bool(self.pending)
+        return Answer(task, decoded, ended_s - began_s, bool(changed))
 
-    def crash_reply(self) -> Reply:
-        """The reply to the job of a worker that has ended: its exit status and its last output."""
-        code = self.process.exit_code()
+    def _moment(self, stamp_s: float) -> float:
+        """A time stamp of the worker's clock, within what its owner has seen itself."""
+        return min(max(self._since_s, self._silent_s, stamp_s), monotonic())
+
+    def restart_clock(self) -> None:
+        """Give the current task its whole time again."""
+        self._since_s = self._silent_s = monotonic()
+
+    def check_limits(self, *, with_children: bool) -> Iterator[Answer | Ended]:
+        """End the worker if it breaks the limit of time or of memory."""
+        seconds = monotonic() - self._since_s
+        if self.pending:
+            limit_s, margin_s, activity = self.pending[0].allowance
+            if not self._begun:
+                limit_s, margin_s, activity = _STALL_S, 0.0, "waiting for it to begin"
+            if seconds > limit_s + margin_s:
+                message = f"stopped after {seconds:.2f} s; the limit is {limit_s:g} s"
+                if activity:
+                    message = f"stopped after {seconds:.0f} s of {activity}"
+                yield from self.end(no_answer(Outcome.TIMEOUT, message, Times(wall=seconds)))
+                return
+        limit = self._memory_bytes
+        used = _used_bytes(self._process.pid, limit, with_children=with_children)
+        if used > limit:
+            message = f"stopped holding {used / _GIB:.2f} GiB; the limit is {limit / _GIB:g} GiB"
+            yield from self.end(no_answer(Outcome.OUT_OF_MEMORY, message, Times(wall=seconds)))
+
+    def end(self, reply: Reply | None = None) -> Iterator[Answer | Ended]:
+        """Kill the worker; yield the answers that it still gave, and its end.
+
+        Args:
+            reply: the reply to its current task; None if the worker has ended by itself.
+        """
+        condemned = self._current()
+        self._process.kill()
+        crash_reply = self._crash_reply()
+        with suppress(MessageError):
+            yield from self._answers()
+        task = self._current()
+        if reply is not None and task is not condemned:
+            task = None  # it answered in the last moment: the next task has broken no limit
+        self.close()
+        yield Ended(reply or crash_reply, task)
+
+    def _current(self) -> Task | None:
+        """The task that the worker is at, or was at when it ended."""
+        return self.pending[0] if self.pending and self._begun else None
+
+    def _crash_reply(self) -> Reply:
+        """The reply to the task of a worker that has ended: its exit status and last output."""
+        code = self._process.exit_code()
         status, message = exit_status(-signal.SIGKILL if code is None else code)
         for _ in range(_MAX_READS):
             self._read_output()
-        output = " ".join(self._output.decode("utf-8", "replace").split())[-_OUTPUT_CHARS:]
+        output = self.last_output()
         if output:
             message = f"{message}; its last output: {output}"
         # C++ ends a process in this way if it cannot allocate memory.
@@ -144,20 +271,97 @@ class WorkerProcess:
         outcome = Outcome.OUT_OF_MEMORY if starved else Outcome.CRASHED
         return no_answer(outcome, message, status=status)
 
-    def current_number(self) -> int | None:
-        """The number of the job that the worker is solving, or was solving when it ended."""
-        reading = self.status.read()
-        if reading.phase is Phase.LOST:  # a worker solves its jobs in order
-            return next(iter(self.pending), None)
-        # An idle worker has a current job if its reply has not arrived yet.
-        return reading.job if reading.job in self.pending else None
+    def last_output(self) -> str:
+        """The end of what the worker has printed."""
+        if not self.closed:
+            self._read_output()
+        return " ".join(self._output.decode("utf-8", "replace").split())[-_OUTPUT_CHARS:]
+
+    def _read_output(self) -> None:
+        with suppress(BlockingIOError):
+            data = os.read(self._process.output, _READ_BYTES)
+            self._output = (self._output + data)[-_OUTPUT_BYTES:]
+            if not data:
+                self._open.discard(self._process.output)
+
+    def kill(self) -> None:
+        """Kill the process; may be called from any thread."""
+        self._process.kill()
+
+    def close(self) -> None:
+        """Kill the process and close its pipes."""
+        if not self.closed:
+            self.closed = True
+            self._process.close()
 
 
-def _answer(message: Any) -> Answer:
+_AnyWorker = TypeVar("_AnyWorker", bound=WorkerProcess)
+
+
+class Watch:
+    """Waits for the answers and ends of workers, and checks their limits every 20 ms."""
+
+    def __init__(self) -> None:
+        self._checks = 0
+        self.begin()
+
+    def begin(self) -> None:
+        """Restart the measurement of pauses: time before this call does not count as suspended."""
+        self._last_check_s, self._cpu_s = monotonic(), process_time()
+
+    def wait(
+        self, workers: Sequence[_AnyWorker], timeout_s: float
+    ) -> Iterator[tuple[_AnyWorker, Answer | Ended]]:
+        """Wait until something arrives or `timeout_s` is over; yield all that has happened."""
+        poll = select.poll()
+        for worker in workers:
+            worker.register(poll)
+        ready = {descriptor for descriptor, _ in poll.poll(1000 * timeout_s)}
+        now_s = monotonic()
+        due = now_s - self._last_check_s >= POLL_INTERVAL_S
+        if due:
+            self._checks += 1
+            cpu_s, pause_s = process_time() - self._cpu_s, now_s - self._last_check_s
+            self.begin()
+            # A long pause with little CPU time: the whole run was suspended, no worker could solve.
+            # With much CPU time, this process judged or wrote rows while the workers were solving.
+            if pause_s > _SUSPENDED_S and cpu_s < pause_s / 2:
+                for worker in workers:
+                    worker.restart_clock()
+        with_children = self._checks % _CHECKS_PER_CHILDREN_CHECK == 0
+        for worker in workers:
+            for event in worker.events(ready, now_s):
+                yield worker, event
+            if due and not worker.closed:
+                for event in worker.check_limits(with_children=with_children):
+                    yield worker, event
+
+
+def _nothing(value: Any) -> None:
+    """Decode an answer that says nothing."""
+
+
+def _used_bytes(pid: int, limit: float, *, with_children: bool) -> int:
+    """Bytes of memory that a process uses, optionally with its descendants; 0 if it has ended.
+
+    If the sum is above the limit, memory that several processes share is counted only once (Linux).
+    This count is slower.
+    """
     try:
-        number, value, changed = message
-        if number == PROBE:
-            return Answer(PROBE, float(value), False)
-        return Answer(int(number), decode_reply(value), bool(changed))
-    except Exception as error:  # a worker may send anything
-        raise MessageError(f"an answer that cannot be read: {error}") from None
+        process = psutil.Process(pid)
+        family = [process, *process.children(recursive=True)] if with_children else [process]
+    except psutil.Error:
+        return 0
+    used = _sum_bytes(family, "memory_info", "rss")
+    if with_children and used > limit:
+        used = _sum_bytes(family, "memory_full_info", "pss")
+    return used
+
+
+def _sum_bytes(family: list[psutil.Process], method: str, column: str) -> int:
+    total = 0
+    for process in family:
+        with suppress(psutil.Error):
+            memory = getattr(process, method)()
+            total += getattr(memory, column, memory.rss)
+    return total
