@@ -12,12 +12,13 @@ from dataclasses import dataclass
 from statistics import fmean, median
 
 from benchmarks.harness import Measurement, sized
+from dubins_study.solvers.engines import names
 from dubins_study.solvers.optimal_control.turn_rate_qp import TurnRateQp
-from dubins_study.solvers.optimal_control.turn_rate_template import ENGINES, template
+from dubins_study.solvers.optimal_control.turn_rate_template import template
 from dubins_study.solvers.protocol import Question
 from dubins_study.study.check.verdict import judge
 from dubins_study.study.scenario import Scenario
-from dubins_study.study.words import Claim
+from dubins_study.study.words import QP, Claim
 
 N = 50
 TARGET_MS = 1.0  # most that cvxpy and this project may add to the engine's time, per QP
@@ -109,7 +110,7 @@ def measure_engine(engine: str, repeats: int = 5) -> EngineFigures:
 
 def measure() -> Iterable[Measurement]:
     """Every engine; OSQP and HiGHS, which take tens of times longer, in one pass."""
-    for engine in ENGINES:
+    for engine in names(QP):
         quick = engine in ("piqp", "clarabel")
         found = measure_engine(engine, sized(5, 1) if quick else 1)
         gaps = f"gap {found.outside_gap:.1e} outside, {found.disc_gap:.1e} in discs"

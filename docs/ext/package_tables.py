@@ -11,13 +11,12 @@ from markdown_text import code, prose, table
 from dubins_study.conformance import CHECKS
 from dubins_study.conformance.checks import title_of
 from dubins_study.experiments.definition.experiment import packaged, read
-from dubins_study.solvers.minlp_engines import table as minlp_table
-from dubins_study.solvers.nlp_engines import table as nlp_table
+from dubins_study.solvers.engines import ENGINES, MINLP_ENGINES, NLP_ENGINES, names
 from dubins_study.solvers.profiles import PROFILES
 from dubins_study.solvers.protocol import Solver
 from dubins_study.solvers.registry import load, ours, registered, settings, stated_method
-from dubins_study.solvers.stochastic import engines as search_engines
 from dubins_study.study.rows import schema
+from dubins_study.study.words import DERIVATIVE_FREE, SAMPLING
 
 # An item of `Args:` in a docstring: names, a colon, and what they mean.
 _ITEM = re.compile(r"^ {4}([a-z_0-9]+(?:, [a-z_0-9]+)*): (.*(?:\n {8}.*)*)", re.M)
@@ -108,13 +107,13 @@ def experiments_table() -> str:
 
 def engine_names(kind: str) -> str:
     """The names that the setting `engine` takes, each with the engine's own name."""
-    tables = {
-        "nlp": nlp_table.ENGINES,
-        "global": minlp_table.ENGINES,
-        "search": search_engines.ENGINES,
+    kinds = {
+        "nlp": NLP_ENGINES,
+        "global": MINLP_ENGINES,
+        "search": names(SAMPLING, DERIVATIVE_FREE),
     }
-    names = [f"{code(name)} ({prose(entry.label)})" for name, entry in tables[kind].items()]
-    return f"Names of engines: {', '.join(names)}."
+    engines = [f"{code(name)} ({prose(ENGINES[name].label)})" for name in kinds[kind]]
+    return f"Names of engines: {', '.join(engines)}."
 
 
 def checks_table() -> str:

@@ -13,8 +13,8 @@ import pytest
 from cases import PAPER
 
 from dubins_study.experiments.solve import solve
+from dubins_study.solvers.engines import ENGINES, NLP_ENGINES
 from dubins_study.solvers.export import export
-from dubins_study.solvers.nlp_engines.table import ENGINES as NLP_ENGINES
 from dubins_study.study.words import Claim, Outcome, Verdict
 from tests.unit.solvers.test_export import CASES, KINDS
 from tests.unit.solvers.test_minlp_engines import INSTALLED
@@ -47,7 +47,7 @@ def test_importing_the_solver_imports_no_engine():
 @pytest.mark.parametrize("name", ["slsqp", "ipopt", "nlopt-slsqp"])
 def test_an_engine_loads_no_other_engines_package(name):
     """Of the packages of all engines, a question loads those of the engine that answers it."""
-    packages = {package for entry in NLP_ENGINES.values() for package in entry.packages}
+    packages = {package for entry in NLP_ENGINES for package in ENGINES[entry].packages}
     code = (
         "import sys;"
         "from dubins_study.solvers.registry import load;"
@@ -60,7 +60,7 @@ def test_an_engine_loads_no_other_engines_package(name):
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
 
     loaded = {module.partition(".")[0] for module in done.stdout.split()}
-    assert loaded & packages == set(NLP_ENGINES[name].packages)
+    assert loaded & packages == set(ENGINES[name].packages)
 
 
 @pytest.mark.parametrize("name", ALONE)

@@ -18,9 +18,8 @@ from dubins_study.experiments.isolation.worker import probe
 from dubins_study.experiments.provenance import governor, load_average, machine
 from dubins_study.experiments.store.folder import read_rows
 from dubins_study.experiments.store.manifest_changes import recorded
-from dubins_study.solvers import library_versions
-from dubins_study.solvers.library_versions import reported_versions
-from dubins_study.solvers.registry import load
+from dubins_study.solvers.engines import ipopt_in_casadi, scip_in_pyscipopt
+from dubins_study.solvers.registry import load, reported_versions
 from dubins_study.study.rows.machine_noise import Probe, by_machine, spread, varied
 from dubins_study.study.rows.manifest import Definition, Manifest, RunEntry
 
@@ -59,13 +58,13 @@ def test_ipopt_inside_casadi_is_asked_itself():
     names = [file.name for file in Path(casadi.__file__).parent.glob("libipopt.so.3.*")]
     if not names:
         pytest.skip("this wheel names its library without its version")
-    assert library_versions.ipopt_in_casadi() == {"ipopt": names[0].removeprefix("libipopt.so.")}
+    assert ipopt_in_casadi() == {"ipopt": names[0].removeprefix("libipopt.so.")}
 
 
 def test_scip_inside_pyscipopt_is_asked_itself():
     from pyscipopt import Model
 
-    found = library_versions.scip()["scip"]
+    found = scip_in_pyscipopt()["scip"]
     assert float(".".join(found.split(".")[:2])) == Model().version()
 
 
@@ -75,7 +74,7 @@ def test_rows_hold_the_libraries_versions(tmp_path):
     rows = read_rows(folder, ["versions"]).to_pylist()
     by_solver = {row["solver"]: json.loads(row["versions"]) for row in rows}
 
-    assert by_solver["ipopt"] | library_versions.ipopt(False) == by_solver["ipopt"]
+    assert by_solver["ipopt"] | ipopt_in_casadi() == by_solver["ipopt"]
     assert {"casadi", "pyomo", "dubins-study", "python", "numpy"} <= by_solver["ipopt"].keys()
     assert "ipopt" not in by_solver["analytic"]
 

@@ -64,7 +64,6 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     "experiments.isolation": ("study.*", "solvers", *_LEAVES),
     "experiments.plan": (
         *("study.*", "solvers", *_LEAVES),
-        "solvers.*",  # the names of their engines, for the table of formulations and engines
         *("experiments.definition", "experiments.isolation"),
     ),
     "experiments.store": ("study", "study.rows", *_LEAVES),

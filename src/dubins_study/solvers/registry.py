@@ -120,6 +120,17 @@ def unavailable(solver: Solver) -> str | None:
         return f"asking whether it is available raised {type(error).__name__}: {error}"
 
 
+def reported_versions(solver: Solver) -> dict[str, str]:
+    """Versions of the libraries inside a solver's packages, as the solver reports them.
+
+    Asked in the process that solves, since loading a library may take long or fail.
+    """
+    try:
+        return {str(name): str(text) for name, text in dict(solver.library_versions()).items()}
+    except Exception as error:  # a plug-in may fail in any way
+        return {"library_versions": f"raised {type(error).__name__}"}
+
+
 def stated_method(solver: Solver) -> Method:
     """A solver's formulation, engine and initial guess, as far as it states them.
 

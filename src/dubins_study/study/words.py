@@ -2,28 +2,95 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from enum import StrEnum
+from types import MappingProxyType
+from typing import NamedTuple
 
 # the rate of each letter: curvature times radius
 TURN = {"L": 1.0, "S": 0.0, "R": -1.0}
 BRANCHES = ("best", "LS", "RS", "LR", "RL")
 
-# The mathematical problems that are handed to engines, in the order of tables. The joint NLP is the
-# paper's model (4.12) with its turns in one order, in the other, or the better of both.
-FORMULATIONS = (
-    "closed form",
-    "one NLP a word",
-    "joint NLP, LRS",
-    "joint NLP, RLS",
-    "joint NLP, both orders",
-    "turn rates",
-    "Radau collocation",
-    "multiple shooting",
-    "Pontryagin's system",
-    "grid of headings",
-    "disjunction",
-    "penalty",
+# Kinds of engines: each reads formulations of its own; they head the table of both.
+EXACT = "exact"
+NLP = "local NLP"
+PROVEN = "global, with proof"
+SAMPLING = "stochastic or direct search"
+DERIVATIVE_FREE = "derivative-free, local"
+ROOTS = "roots"
+QP = "QP and MILP"
+
+
+class Formulation(NamedTuple):
+    """A mathematical problem that is handed to engines.
+
+    Args:
+        name: the column `formulation` of rows.
+        short: its name beside an engine's in figures.
+        specs: kind of engine -> the spec that asks for it, where `{}` is the engine's name.
+        reasons: kind of engine -> why no engine of the kind can read it, where that is another
+            reason than for other formulations.
+    """
+
+    name: str
+    short: str
+    specs: Mapping[str, str]
+    reasons: Mapping[str, str] = MappingProxyType({})
+
+
+_FORMULA = "a formula, which needs no engine"
+_SQUARE = "a square system of equations: there is nothing to minimise"
+_INTEGERS = "has integer variables"
+_KINK = "has a kink wherever a path arrives: made for engines without derivatives"
+_EQUATIONS = "the same as the joint NLP, with equations that these engines take as they are"
+
+# In the order of tables. The joint NLP is the paper's model (4.12) with its turns in one order, in
+# the other, or the better of both.
+FORMULATION_LIST = (
+    Formulation(
+        *("closed form", "closed form", {EXACT: "analytic"}),
+        dict.fromkeys((NLP, PROVEN, SAMPLING, DERIVATIVE_FREE, ROOTS, QP), _FORMULA),
+    ),
+    Formulation(
+        *("one NLP a word", "word NLPs"),
+        {NLP: "nlp[engine={}]", PROVEN: "global-nlp[engine={},model=words]"},
+    ),
+    Formulation(
+        *("joint NLP, LRS", "joint LRS"),
+        {NLP: "nlp[engine={},model=joint,order=LRS]", PROVEN: "global-nlp[engine={},order=LRS]"},
+    ),
+    Formulation(
+        *("joint NLP, RLS", "joint RLS"),
+        {NLP: "nlp[engine={},model=joint,order=RLS]", PROVEN: "global-nlp[engine={},order=RLS]"},
+    ),
+    Formulation(
+        *("joint NLP, both orders", "joint, both orders"),
+        {NLP: "nlp[engine={},model=joint]", PROVEN: "global-nlp[engine={}]"},
+    ),
+    Formulation(
+        *("turn rates", "turn rates"), {NLP: "turn-rates[engine={}]", QP: "turn-rate-qp[engine={}]"}
+    ),
+    Formulation("Radau collocation", "collocation", {NLP: "collocation[engine={}]"}),
+    Formulation("multiple shooting", "multiple shooting", {NLP: "multiple-shooting[engine={}]"}),
+    Formulation(
+        *("Pontryagin's system", "Pontryagin", {ROOTS: "shooting[root={}]"}),
+        {NLP: _SQUARE, PROVEN: _SQUARE},
+    ),
+    Formulation(
+        *("grid of headings", "heading grid"),
+        {PROVEN: "heading-milp[engine={}]", QP: "heading-milp[engine={}]"},
+        {NLP: _INTEGERS, QP: _INTEGERS},
+    ),
+    Formulation(
+        *("disjunction", "disjunction", {PROVEN: "disjunctive[engine={}]"}), {NLP: _INTEGERS}
+    ),
+    Formulation(
+        *("penalty", "penalty"),
+        dict.fromkeys((SAMPLING, DERIVATIVE_FREE), "penalty[engine={}]"),
+        {NLP: _KINK, PROVEN: _EQUATIONS},
+    ),
 )
+FORMULATIONS = tuple(formulation.name for formulation in FORMULATION_LIST)
 
 
 class Outcome(StrEnum):

@@ -15,12 +15,12 @@ from hypothesis import strategies as st
 
 from dubins_study.experiments.solve import solve
 from dubins_study.solvers.attempt import attempt
+from dubins_study.solvers.engines import ENGINES, MINLP_ENGINES
 from dubins_study.solvers.global_minlp import disjunctive
 from dubins_study.solvers.global_minlp.disjunctive import Disjunctive
 from dubins_study.solvers.global_minlp.model import WORDS, gdp_model, transformed
 from dubins_study.solvers.minlp_engines import scip
 from dubins_study.solvers.minlp_engines.program import ProvenResult
-from dubins_study.solvers.minlp_engines.table import ENGINES, unavailable
 from dubins_study.solvers.paper_nlp.polish import meet_target
 from dubins_study.solvers.protocol import Question
 from dubins_study.study.closed_form.shortest import margin, shortest
@@ -28,6 +28,7 @@ from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import TURN, Claim, Verdict
 
+INSTALLED = [name for name in MINLP_ENGINES if ENGINES[name].unavailable() is None]
 FEASTOL = Disjunctive().feastol
 
 # Targets where SCIP cut off the optimum or every path before angles were split into quadrants and
@@ -223,7 +224,7 @@ def test_settings_agree(problem):
         assert 0 <= answer.reference - answer.lower_bound <= gap * answer.reference
 
 
-@pytest.mark.parametrize("engine", [name for name in ENGINES if unavailable(name) is None])
+@pytest.mark.parametrize("engine", INSTALLED)
 @pytest.mark.parametrize("transformation", ["bigm", "hull"])
 @pytest.mark.parametrize("target", [(3.0, 2.0), (0.3, 1.2)])
 def test_every_engine_proves_the_disjunction(engine, transformation, target, capfd):
@@ -243,7 +244,7 @@ def test_every_engine_proves_the_disjunction(engine, transformation, target, cap
     assert capfd.readouterr() == ("", "")
 
 
-@pytest.mark.parametrize("engine", [name for name in ENGINES if unavailable(name) is None])
+@pytest.mark.parametrize("engine", INSTALLED)
 def test_every_engine_sees_that_a_word_is_not_there(engine):
     answer = ask(0.3, 1.2, "LS", engine=engine, feastol=1e-6)
 

@@ -14,7 +14,8 @@ import casadi
 import numpy as np
 import pytest
 
-from dubins_study.solvers.nlp_engines import gams, table
+from dubins_study.solvers.engines import ENGINES
+from dubins_study.solvers.nlp_engines import gams
 from dubins_study.solvers.nlp_engines.algebra_text import Language, algebra_text
 from dubins_study.solvers.nlp_engines.program import Expressions, Functions, Program
 from dubins_study.solvers.registry import load
@@ -58,7 +59,7 @@ _SOLUTION = {6: np.array([1.0, 1.0]), 7: np.array([0.0, math.sqrt(3)])}
 
 
 def _run(name: str, number: int, max_iter: int = 200, seconds: float = 10.0) -> Any:
-    return table.engine(name, 1e-8, max_iter)(_program(number), _START[number], seconds)
+    return ENGINES[name].load()(1e-8, max_iter)(_program(number), _START[number], seconds)
 
 
 @pytest.mark.parametrize("number", [6, 7])
@@ -110,7 +111,7 @@ def test_time_limit_of_engines_that_call_functions(name):
 
     slow = _program(7, compiled._replace(equations=equations))
 
-    result = table.engine(name, 1e-8, 200)(slow, _START[7], 0.04)
+    result = ENGINES[name].load()(1e-8, 200)(slow, _START[7], 0.04)
 
     assert result.claim is Claim.LIMIT
 
@@ -118,8 +119,8 @@ def test_time_limit_of_engines_that_call_functions(name):
 @pytest.mark.parametrize("name", EXECUTABLES)
 def test_executables_are_stopped_and_their_folders_removed(name, tmp_path, monkeypatch):
     monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
-    if table.ENGINES[name].reason:
-        table.unavailable(name)  # GAMS is asked once, and in time
+    if ENGINES[name].check:
+        ENGINES[name].unavailable()  # GAMS is asked once, and in time
 
     stopped = _run(name, 7, seconds=1e-3)
     solved = _run(name, 7)
@@ -139,7 +140,7 @@ def test_silent_and_repeatable(name, capfd):
 
 @pytest.mark.parametrize("name", WHEELS)
 def test_missing_package_is_a_reason(name, monkeypatch):
-    absent = table.ENGINES[name].packages[-1]
+    absent = ENGINES[name].packages[-1]
     find_spec = importlib.util.find_spec
     monkeypatch.setattr(
         importlib.util,
@@ -147,18 +148,18 @@ def test_missing_package_is_a_reason(name, monkeypatch):
         lambda package: find_spec(package) if package != absent else None,
     )
 
-    assert table.unavailable(name) == f"the package {absent} is not installed"
+    assert ENGINES[name].unavailable() == f"the package {absent} is not installed"
 
 
 @pytest.mark.parametrize("name", WHEELS)
 def test_installed_engines_have_no_reason(name):
-    assert table.unavailable(name) is None
+    assert ENGINES[name].unavailable() is None
 
 
 def test_gams_without_licence_is_a_reason(monkeypatch):
     monkeypatch.setattr(gams, "_exit_code", lambda: 7)
 
-    assert "licence" in str(table.unavailable("gams-snopt"))
+    assert "licence" in str(ENGINES["gams-snopt"].unavailable())
 
 
 def test_apopt_as_gekko_runs_it():
@@ -203,7 +204,7 @@ def test_conopt_says_when_its_demo_mode_is_too_small():
     bound = np.full(1001, 10.0)
     program = Program(large, np.zeros(1), -bound, bound)
 
-    result = table.engine("conopt", 1e-8, 200)(program, np.zeros(1001), 10.0)
+    result = ENGINES["conopt"].load()(1e-8, 200)(program, np.zeros(1001), 10.0)
 
     assert result.claim is Claim.FAILED
     assert result.message == "Limits for Demo Version Exceeded."

@@ -10,17 +10,17 @@ import pytest
 from cases import PAPER
 
 from dubins_study.solvers.attempt import attempt
+from dubins_study.solvers.engines import ENGINES, MINLP_ENGINES
 from dubins_study.solvers.global_minlp import global_nlp
 from dubins_study.solvers.global_minlp.global_nlp import GlobalNlp
 from dubins_study.solvers.minlp_engines.program import ProvenResult
-from dubins_study.solvers.minlp_engines.table import ENGINES, unavailable
 from dubins_study.solvers.paper_nlp.model import equations
 from dubins_study.solvers.protocol import Question
 from dubins_study.study.closed_form.shortest import shortest
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import Claim, Proof, Verdict
 
-INSTALLED = [name for name in ENGINES if unavailable(name) is None]
+INSTALLED = [name for name in MINLP_ENGINES if ENGINES[name].unavailable() is None]
 
 
 def ask(X, Y, branch="best", limit=20.0, **settings):

@@ -7,11 +7,11 @@ import math
 import numpy as np
 import pytest
 
+from dubins_study.solvers.engines import ENGINES, MINLP_ENGINES
 from dubins_study.solvers.minlp_engines.program import MixedProgram, Row, Settings, Written
-from dubins_study.solvers.minlp_engines.table import ENGINES, engine, unavailable
 from dubins_study.study.words import Claim
 
-INSTALLED = [name for name in ENGINES if unavailable(name) is None]
+INSTALLED = [name for name in MINLP_ENGINES if ENGINES[name].unavailable() is None]
 SETTINGS = Settings(1e-6, 1e-6)
 
 
@@ -39,7 +39,7 @@ def test_a_program_with_binaries_and_curves(name, lean):
         return Written(x[0] - x[1], rows)
 
     program = MixedProgram(np.zeros(2), np.array((3.0, 1.0)), np.array((False, True)), write)
-    result = engine(name, Settings(1e-6, 1e-6, lean))(program, 20.0)
+    result = ENGINES[name].load()(Settings(1e-6, 1e-6, lean))(program, 20.0)
 
     assert result.claim is Claim.OPTIMAL
     assert result.x == pytest.approx([math.sin(2), 1], abs=1e-5)
@@ -55,7 +55,7 @@ def test_what_has_no_point_is_infeasible(name):
         return Written(x[0], [Row(x[0] - x[1]), Row(x[0] - x[1] - 2 + functions.sin(x[0]) / 10)])
 
     program = MixedProgram(np.zeros(2), np.full(2, 3.0), np.zeros(2, bool), write)
-    result = engine(name, SETTINGS)(program, 20.0)
+    result = ENGINES[name].load()(SETTINGS)(program, 20.0)
 
     assert result.claim is Claim.INFEASIBLE
     assert result.x is None
@@ -65,7 +65,7 @@ def test_what_has_no_point_is_infeasible(name):
 @pytest.mark.parametrize("name", [name for name in ("gurobi", "xpress") if name in INSTALLED])
 def test_a_program_too_large_for_the_licence_is_a_message(name):
     """The wheels' licences end at 2 000 (Gurobi) and 5 000 (Xpress) variables and constraints."""
-    result = engine(name, SETTINGS)(linear(6000), 20.0)
+    result = ENGINES[name].load()(SETTINGS)(linear(6000), 20.0)
 
     if result.claim is Claim.OPTIMAL:  # here is a licence without limits
         assert result.bound == pytest.approx(6000)
@@ -85,7 +85,7 @@ def test_a_licence_that_has_expired_is_a_message(monkeypatch):
         raise gurobipy.GurobiError(10009, "License expired 2020-01-01")
 
     monkeypatch.setattr(gurobi, "_environment", expired)
-    result = engine("gurobi", SETTINGS)(linear(2), 20.0)
+    result = ENGINES["gurobi"].load()(SETTINGS)(linear(2), 20.0)
 
     assert result.claim is Claim.FAILED
     assert "License expired" in result.message
@@ -101,7 +101,7 @@ def test_a_licence_that_is_missing_is_a_message(monkeypatch):
         raise library.InterfaceError("Failed to initialise: no licence")
 
     monkeypatch.setattr(xpress, "_start", missing)
-    result = engine("xpress", SETTINGS)(linear(2), 20.0)
+    result = ENGINES["xpress"].load()(SETTINGS)(linear(2), 20.0)
 
     assert result.claim is Claim.FAILED
     assert "no licence" in result.message

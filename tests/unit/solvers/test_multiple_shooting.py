@@ -16,7 +16,7 @@ from scipy.integrate import solve_ivp
 
 from dubins_study.experiments.solve import solve
 from dubins_study.solvers.attempt import attempt
-from dubins_study.solvers.nlp_engines import table
+from dubins_study.solvers.engines import ENGINES, NLP_ENGINES
 from dubins_study.solvers.nlp_engines.program import EngineResult
 from dubins_study.solvers.optimal_control.arc_flow import INTEGRATORS, mean_cosine
 from dubins_study.solvers.optimal_control.elements import cut
@@ -237,7 +237,7 @@ ENGINE_LIMIT_S = 3.0  # the others take a few hundredths
     "engine",
     [
         pytest.param(name, marks=pytest.mark.slow if name in MAY_FAIL else ())
-        for name in table.ENGINES
+        for name in NLP_ENGINES
         if name != "sleqp"
     ],
 )
@@ -251,7 +251,7 @@ def test_every_engine_of_the_table(engine):
     answer = attempt(solver, Question(PAPER["problem 1"], "RS"), ENGINE_LIMIT_S)
 
     assert answer.outcome is Outcome.RETURNED, answer.message
-    assert answer.engine == table.ENGINES[engine].label
+    assert answer.engine == ENGINES[engine].label
     assert not answer.false_claim
     if answer.claim is Claim.LOCAL:
         assert answer.verdict is Verdict.OPTIMAL

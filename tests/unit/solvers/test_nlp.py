@@ -14,13 +14,13 @@ from hypothesis import strategies as st
 
 from dubins_study.experiments.solve import solve
 from dubins_study.solvers.attempt import attempt
+from dubins_study.solvers.engines import ENGINES
 from dubins_study.solvers.nlp_engines.trust_constr import trust_constr
 from dubins_study.solvers.paper_nlp.ampl import read_sol
 from dubins_study.solvers.paper_nlp.local_nlp import Case
 from dubins_study.solvers.paper_nlp.model import FULL_TURN, SUBPROBLEMS, hessian, jacobian, target
 from dubins_study.solvers.paper_nlp.nlp import Nlp
 from dubins_study.solvers.paper_nlp.program import solve as solve_program
-from dubins_study.solvers.paper_nlp.pyomo_direct import knitro_unavailable
 from dubins_study.solvers.paper_nlp.pyomo_direct import solve as solve_direct
 from dubins_study.solvers.protocol import Question
 from dubins_study.solvers.registry import SolverError, entries, load
@@ -172,7 +172,7 @@ def test_absence_has_its_reason(monkeypatch):
 @pytest.mark.skipif(find_spec("knitro") is None, reason="the package knitro is not installed")
 def test_knitro_without_a_licence_says_exactly_that(capfd):
     """Its wheel installs without one; its own pages of text about it stay out of the output."""
-    reason = knitro_unavailable()
+    reason = ENGINES["knitro"].unavailable()
     if reason is None:
         pytest.skip("there is a licence")
 
@@ -210,7 +210,7 @@ def test_knitros_route_with_a_solver_that_needs_no_licence():
 @pytest.mark.skipif(find_spec("knitro") is None, reason="the package knitro is not installed")
 def test_knitro_losing_its_licence_in_a_run_is_a_failure():
     """A seat that is gone between the question whether there is one and the solve."""
-    if knitro_unavailable() is None:
+    if ENGINES["knitro"].unavailable() is None:
         pytest.skip("there is a licence")
 
     point = solve_direct(_ls(PAPER["problem 1"]), np.ones(3), 5.0, "knitro_direct")

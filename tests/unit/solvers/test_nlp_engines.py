@@ -12,9 +12,9 @@ from cases import PAPER
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dubins_study.solvers.nlp_engines import casadi_nlpsol, scipy_minimize, table
+from dubins_study.solvers.engines import ENGINES, NLP_ENGINES
+from dubins_study.solvers.nlp_engines import casadi_nlpsol, scipy_minimize
 from dubins_study.solvers.nlp_engines.program import Program
-from dubins_study.solvers.nlp_engines.table import ENGINES
 from dubins_study.solvers.paper_nlp.best_point import Point
 from dubins_study.solvers.paper_nlp.local_nlp import Case
 from dubins_study.solvers.paper_nlp.model import FULL_TURN, SUBPROBLEMS, target
@@ -27,7 +27,9 @@ from dubins_study.study.words import Claim
 
 # Its library breaks others in the same process: tests/processes asks it in one of its own.
 ALONE = ("sleqp",)
-AVAILABLE = [name for name in ENGINES if name not in ALONE and table.unavailable(name) is None]
+AVAILABLE = [
+    name for name in NLP_ENGINES if name not in ALONE and ENGINES[name].unavailable() is None
+]
 CASADI = ("ipopt", "uno", "fatrop", "alpaqa", "bonmin", "sleqp", "sqpmethod", "qrsqp")
 TOLERANCE = 1e-9  # the default of `nlp`
 
@@ -48,7 +50,7 @@ def case(name: str, scenario: Scenario, unit: float = 1.0) -> Case:
 
 
 def run(name: str, word: str, scenario: Scenario, guess: tuple[float, ...]) -> Point:
-    engine = table.engine(name, TOLERANCE, 200)
+    engine = ENGINES[name].load()(TOLERANCE, 200)
     return solve(case(word, scenario), np.array(guess), 20.0, engine)
 
 
@@ -150,7 +152,7 @@ def test_silent_and_repeatable(name, capfd):
 @pytest.mark.parametrize("name", [n for n in AVAILABLE if ENGINES[n].keeps_limit])
 def test_without_time_a_run_ends(name):
     """At most a second late, on a program that would take some engines longer than that."""
-    engine, guess = table.engine(name, 1e-14, 10**6), np.array((3.0, 3.0, 1.0))
+    engine, guess = ENGINES[name].load()(1e-14, 10**6), np.array((3.0, 3.0, 1.0))
     solve(case("RS", PAPER["problem 1"]), np.array(WORD), 1e-3, engine)  # loads the library
     began = time.process_time()  # a busy machine takes the wall clock, not the processor
 
@@ -253,30 +255,32 @@ def test_slsqps_tolerance_grows_with_the_magnitude():
     assert point.claim is Claim.LOCAL
 
 
-@pytest.mark.parametrize("name", ENGINES)
+@pytest.mark.parametrize("name", NLP_ENGINES)
 def test_every_engine_is_a_setting_of_nlp(name):
     solver = load(f"nlp[engine={name}]")
 
     assert solver.method[:2] == ("one NLP a word", ENGINES[name].label)
     assert solver.runs is None
-    assert solver.unavailable() == table.unavailable(name)
+    assert solver.unavailable() == ENGINES[name].unavailable()
     assert set(ENGINES[name].packages) <= set(Nlp.packages)
 
 
 def test_the_list_has_a_line_for_every_engine():
     engines = {(entry.formulation, entry.engine) for entry in entries()}
 
-    assert {("one NLP a word", entry.label) for entry in ENGINES.values()} <= engines
+    assert {("one NLP a word", ENGINES[name].label) for name in NLP_ENGINES} <= engines
     assert ("one NLP a word", "KNITRO") in engines
 
 
 def test_engines_that_answer_no_question_have_their_reason():
-    assert "MA27" in str(table.unavailable("blocksqp"))
-    assert "satisfies all equations" in str(table.unavailable("feasiblesqpmethod"))
+    assert "MA27" in str(ENGINES["blocksqp"].unavailable())
+    assert "satisfies all equations" in str(ENGINES["feasiblesqpmethod"].unavailable())
 
 
 @pytest.mark.parametrize("name", ["slsqp", *CASADI])
 def test_a_missing_package_is_a_reason(name, monkeypatch):
     monkeypatch.setattr(importlib.util, "find_spec", lambda package: None)
 
-    assert table.unavailable(name) == f"the package {ENGINES[name].packages[0]} is not installed"
+    assert (
+        ENGINES[name].unavailable() == f"the package {ENGINES[name].packages[0]} is not installed"
+    )

@@ -12,17 +12,18 @@ from cases import EDGES, PAPER
 from threadpoolctl import threadpool_limits
 
 from dubins_study.solvers.attempt import attempt
+from dubins_study.solvers.engines import ENGINES, names
 from dubins_study.solvers.paper_nlp.model import SUBPROBLEMS, as_path, target
 from dubins_study.solvers.protocol import Question
 from dubins_study.solvers.registry import SolverError, entries, load
 from dubins_study.solvers.stochastic import search
-from dubins_study.solvers.stochastic.engines import ENGINES, unavailable
 from dubins_study.solvers.stochastic.penalty_function import PenaltyFunction
 from dubins_study.study.closed_form.shortest import shortest
 from dubins_study.study.scenario import Scenario
-from dubins_study.study.words import Claim, Outcome, Verdict
+from dubins_study.study.words import DERIVATIVE_FREE, SAMPLING, Claim, Outcome, Verdict
 
-AVAILABLE = [name for name in ENGINES if unavailable(name) is None]
+SEARCHES = names(SAMPLING, DERIVATIVE_FREE)
+AVAILABLE = [name for name in SEARCHES if ENGINES[name].unavailable() is None]
 DETERMINISTIC = {"shgo", "direct", "nelder-mead", "powell"}
 LEFT_DISC = EDGES["centre of the left disc"]
 SCENARIOS = {
@@ -196,11 +197,9 @@ def test_the_time_limit_ends_the_search(name, monkeypatch):
     monkeypatch.setattr(search, "perf_counter", lambda: next(clock) * 0.1)
     function = search.CountedFunction(function_of(LEFT_DISC, "LRS", 2.0), 100_000, 1.0)
 
-    from dubins_study.solvers.stochastic.engines import engine
-
-    guess = np.ones(3) if ENGINES[name].guided else None
+    guess = np.ones(3) if ENGINES[name].kind == DERIVATIVE_FREE else None
     with pytest.raises(search.OutOfTimeError):
-        engine(name)(search.Task(function, guess, np.random.default_rng(0)))
+        ENGINES[name].load()(search.Task(function, guess, np.random.default_rng(0)))
 
     evaluated_at_once = 45  # differential evolution's generation
     assert function.evaluations <= 11 * evaluated_at_once
@@ -288,6 +287,6 @@ def test_every_engine_is_listed_with_its_guess():
     """One line each; engines that search the whole box take no initial guess."""
     listed = {entry.engine for entry in entries() if entry.formulation == "penalty"}
 
-    assert listed == {entry.label for entry in ENGINES.values()}
+    assert listed == {ENGINES[name].label for name in SEARCHES}
     assert load("penalty").method.guess == "none"
     assert load("penalty[engine=powell,initial_guess=zero]").method.guess == "zero"

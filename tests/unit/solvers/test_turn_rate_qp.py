@@ -13,6 +13,7 @@ from cases import PAPER
 from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
+from dubins_study.solvers.engines import names
 from dubins_study.solvers.optimal_control import turn_rate_dynamics
 from dubins_study.solvers.optimal_control.turn_rate_dynamics import (
     Controls,
@@ -21,15 +22,16 @@ from dubins_study.solvers.optimal_control.turn_rate_dynamics import (
     rollout,
 )
 from dubins_study.solvers.optimal_control.turn_rate_qp import RATES, TurnRateQp
-from dubins_study.solvers.optimal_control.turn_rate_template import ENGINES, EngineError, template
+from dubins_study.solvers.optimal_control.turn_rate_template import EngineError, template
 from dubins_study.solvers.protocol import Question, Solution
 from dubins_study.study.check.verdict import Judgement, judge
 from dubins_study.study.closed_form.shortest import margin, shortest
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
-from dubins_study.study.words import Claim, Verdict
+from dubins_study.study.words import QP, Claim, Verdict
 
 DEFAULT = TurnRateQp()
+ENGINES = names(QP)
 # in radii, from the origin facing +x
 PLACES = {
     "left": (4.0, 3.0),

@@ -22,9 +22,8 @@ from dubins_study.experiments.isolation.messages import (
 from dubins_study.experiments.isolation.process_state import ProcessState, seed
 from dubins_study.experiments.isolation.sandbox import bound_memory, pin_threads
 from dubins_study.experiments.provenance import now, versions
-from dubins_study.solvers.library_versions import reported_versions
 from dubins_study.solvers.protocol import Question, Solver
-from dubins_study.solvers.registry import load
+from dubins_study.solvers.registry import load, reported_versions
 from dubins_study.solvers.reply import ask, exception_text, no_answer
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import Outcome

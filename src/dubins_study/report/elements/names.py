@@ -13,16 +13,9 @@ import pandas as pd
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.content import Section, Table
 from dubins_study.report.statistics.methods import UNSTATED, methods_of
+from dubins_study.study.words import FORMULATION_LIST
 
-_FORMULATIONS = {
-    "one NLP a word": "word NLPs",
-    "joint NLP, LRS": "joint LRS",
-    "joint NLP, RLS": "joint RLS",
-    "joint NLP, both orders": "joint, both orders",
-    "Radau collocation": "collocation",
-    "Pontryagin's system": "Pontryagin",
-    "grid of headings": "heading grid",
-}
+_FORMULATIONS = {formulation.name: formulation.short for formulation in FORMULATION_LIST}
 _MOST_CHARACTERS = 70
 
 _KNOWN: WeakKeyDictionary[Results, pd.DataFrame] = WeakKeyDictionary()

@@ -14,15 +14,14 @@ from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
-from dubins_study.solvers import library_versions
+from dubins_study.solvers.engines import ENGINES, MINLP_ENGINES, EngineSolver, packages
 from dubins_study.solvers.global_minlp.model import TRANSFORMATIONS, WORDS, gdp_model, transformed
 from dubins_study.solvers.global_minlp.pyomo_program import Translated, translated
 from dubins_study.solvers.minlp_engines.program import ProvenResult, Settings
-from dubins_study.solvers.minlp_engines.table import ENGINES, engine, unavailable
 from dubins_study.solvers.paper_nlp.model import SUBPROBLEMS, as_path
 from dubins_study.solvers.paper_nlp.polish import Polished, meet_target
 from dubins_study.solvers.presolve import words
-from dubins_study.solvers.protocol import Effort, Guarantee, Method, Question, Solution, Solver
+from dubins_study.solvers.protocol import Effort, Guarantee, Method, Question, Solution
 from dubins_study.solvers.setting_checks import one_of, within
 from dubins_study.solvers.vehicle_frame import at_start
 from dubins_study.study.path import FloatArray
@@ -68,7 +67,7 @@ class Run(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Disjunctive(Solver):
+class Disjunctive(EngineSolver):
     """One disjunct for each word, proven by an engine's branch and bound.
 
     Args:
@@ -103,10 +102,10 @@ class Disjunctive(Solver):
     name: ClassVar[str] = "disjunctive"
     guarantee: ClassVar[Guarantee] = Guarantee.GLOBAL
     branches: ClassVar[tuple[str, ...]] = ("best", *WORDS)
-    packages: ClassVar[tuple[str, ...]] = ("pyomo", "pyscipopt", "gurobipy", "xpress", "maingopy")
+    packages: ClassVar[tuple[str, ...]] = ("pyomo", *packages(MINLP_ENGINES))
     summary: ClassVar[str] = "one disjunct per word in Pyomo.GDP, proven by SCIP or another engine"
     variants: ClassVar[tuple[str, ...]] = tuple(
-        f"disjunctive[engine={name}]" for name in ENGINES if name != "scip"
+        f"disjunctive[engine={name}]" for name in MINLP_ENGINES if name != "scip"
     )
     profiles: ClassVar[dict[str, dict[str, Any]]] = {
         "fast": {"gap": 1e-4, "feastol": 1e-6},
@@ -115,7 +114,7 @@ class Disjunctive(Solver):
 
     def __post_init__(self) -> None:
         one_of(
-            engine=(self.engine, ENGINES),
+            engine=(self.engine, MINLP_ENGINES),
             transformation=(self.transformation, TRANSFORMATIONS),
             emphasis=(self.emphasis, EMPHASES),
         )
@@ -126,16 +125,6 @@ class Disjunctive(Solver):
     @property
     def method(self) -> Method:
         return Method("disjunction", ENGINES[self.engine].label, "none", self.feastol)
-
-    def unavailable(self) -> str | None:
-        return unavailable(self.engine)
-
-    def library_versions(self) -> dict[str, str]:
-        return library_versions.scip() if self.engine == "scip" else {}
-
-    @property
-    def keeps_limit(self) -> bool:
-        return self.engine != "maingo"  # which counts the processor's seconds
 
     def build(self, question: Question) -> Model:
         disjuncts = words(question, self.presolve)
@@ -159,7 +148,7 @@ class Disjunctive(Solver):
     def _run(self, model: Model, feastol: float, seconds: float) -> Run:
         settings = Settings(self.gap * _SHARE, feastol, self.emphasis == "lean")
         began = perf_counter()
-        result = engine(self.engine, settings)(model.translated.program, seconds)
+        result = ENGINES[self.engine].load()(settings)(model.translated.program, seconds)
         effort = Effort("all words", 1, None, perf_counter() - began)
         word = z = None
         if (x := result.x) is not None:

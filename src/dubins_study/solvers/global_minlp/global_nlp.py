@@ -15,7 +15,7 @@ from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
-from dubins_study.solvers import library_versions
+from dubins_study.solvers.engines import ENGINES, MINLP_ENGINES, EngineSolver, packages
 from dubins_study.solvers.minlp_engines.program import (
     MixedProgram,
     ProvenResult,
@@ -23,7 +23,6 @@ from dubins_study.solvers.minlp_engines.program import (
     Settings,
     Written,
 )
-from dubins_study.solvers.minlp_engines.table import ENGINES, engine, unavailable
 from dubins_study.solvers.nlp_engines.expression_walk import rebuilt
 from dubins_study.solvers.nlp_engines.program import Expressions, Program
 from dubins_study.solvers.paper_nlp.local_nlp import Case
@@ -39,7 +38,7 @@ from dubins_study.solvers.paper_nlp.model import (
 )
 from dubins_study.solvers.paper_nlp.polish import meet_target
 from dubins_study.solvers.paper_nlp.program import program
-from dubins_study.solvers.protocol import Effort, Guarantee, Method, Question, Solution, Solver
+from dubins_study.solvers.protocol import Effort, Guarantee, Method, Question, Solution
 from dubins_study.solvers.setting_checks import one_of, within
 from dubins_study.solvers.vehicle_frame import at_start
 from dubins_study.study.path import FloatArray, Path
@@ -84,7 +83,7 @@ class Run(NamedTuple):
 
 
 @dataclass(frozen=True)
-class GlobalNlp(Solver):
+class GlobalNlp(EngineSolver):
     """Model (4.12) by an engine that proves a bound, one program for each word or each order.
 
         minimise  z1 + z2 + z3  subject to  (4.10), (4.11),  0 <= z1, z2 <= 2 pi,  0 <= z3 <= d + 2
@@ -128,12 +127,10 @@ class GlobalNlp(Solver):
     name: ClassVar[str] = "global-nlp"
     guarantee: ClassVar[Guarantee] = Guarantee.GLOBAL
     branches: ClassVar[tuple[str, ...]] = BRANCHES
-    packages: ClassVar[tuple[str, ...]] = (
-        *("casadi", "pyscipopt", "gurobipy", "xpress", "maingopy"),
-    )
+    packages: ClassVar[tuple[str, ...]] = ("casadi", *packages(MINLP_ENGINES))
     summary: ClassVar[str] = "the paper's model (4.12), proven by SCIP, Gurobi, Xpress or MAiNGO"
     variants: ClassVar[tuple[str, ...]] = tuple(
-        f"global-nlp[engine={name}]" for name in ENGINES if name != "scip"
+        f"global-nlp[engine={name}]" for name in MINLP_ENGINES if name != "scip"
     )
     profiles: ClassVar[dict[str, dict[str, Any]]] = {
         "fast": {"gap": 1e-4, "feastol": 1e-6},
@@ -142,7 +139,7 @@ class GlobalNlp(Solver):
 
     def __post_init__(self) -> None:
         one_of(
-            engine=(self.engine, ENGINES),
+            engine=(self.engine, MINLP_ENGINES),
             model=(self.model, MODELS),
             order=(self.order, ORDERS),
             heading=(self.heading, HEADINGS),
@@ -157,16 +154,6 @@ class GlobalNlp(Solver):
         formulation = f"joint NLP, {orders}" if joint else "one NLP a word"
         return Method(formulation, ENGINES[self.engine].label, "none", self.feastol)
 
-    def unavailable(self) -> str | None:
-        return unavailable(self.engine)
-
-    def library_versions(self) -> dict[str, str]:
-        return library_versions.scip() if self.engine == "scip" else {}
-
-    @property
-    def keeps_limit(self) -> bool:
-        return self.engine != "maingo"  # which counts the processor's seconds
-
     def build(self, question: Question) -> Model:
         chosen = subproblems(question, self.model, self.order, self.presolve)
         lifted = self.heading == "variable"
@@ -177,7 +164,7 @@ class GlobalNlp(Solver):
         covers = self.model == "words" or self.order == "both" or model.question.branch != "best"
         if there := at_start(model.question):
             return replace(there, claim=Claim.OPTIMAL, lower_bound=0.0) if covers else there
-        run = engine(self.engine, Settings(self.gap, self.feastol, self.emphasis == "lean"))
+        run = ENGINES[self.engine].load()(Settings(self.gap, self.feastol, self.emphasis == "lean"))
         runs: list[Run] = []
         for subproblem, posed in model.programs:
             began = perf_counter()

@@ -9,24 +9,21 @@ from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
-from dubins_study.solvers import library_versions
+from dubins_study.solvers.engines import ENGINES, MINLP_ENGINES, EngineSolver, packages
 from dubins_study.solvers.heading_milp.answer import MilpResult, solution
 from dubins_study.solvers.heading_milp.grid import FULL_TURN, Family, one_turn, two_turns
 from dubins_study.solvers.heading_milp.legs import ROUNDED, least_legs, rounding
 from dubins_study.solvers.heading_milp.stated import Stated
 from dubins_study.solvers.heading_milp.template import TOLERANCE, Template, template
-from dubins_study.solvers.minlp_engines import table
 from dubins_study.solvers.presolve import words
-from dubins_study.solvers.protocol import Guarantee, Method, Question, Solution, Solver
-from dubins_study.solvers.setting_checks import missing_package, one_of, whole
+from dubins_study.solvers.protocol import Guarantee, Method, Question, Solution
+from dubins_study.solvers.setting_checks import one_of, whole
 from dubins_study.solvers.vehicle_frame import at_start, coordinate_rounding
 from dubins_study.study.path import FloatArray
 
 BRANCHES = ("best", "LS", "RS")
 # not MAiNGO, which ended in no time limit here even for LS alone
-_LABELS = {"highs": "HiGHS"} | {
-    name: entry.label for name, entry in table.ENGINES.items() if name != "maingo"
-}
+_ENGINES = ("highs", *(name for name in MINLP_ENGINES if name != "maingo"))
 
 
 class Case(NamedTuple):
@@ -45,7 +42,7 @@ class Model(NamedTuple):
 
 
 @dataclass(frozen=True)
-class HeadingMilp(Solver):
+class HeadingMilp(EngineSolver):
     """Full-rate turning steps between headings on a grid, and straight legs; optimal on that grid.
 
     One MILP for each word: LS and RS with a binary for every turning step, and for `best` near the
@@ -77,14 +74,12 @@ class HeadingMilp(Solver):
     name: ClassVar[str] = "heading-milp"
     guarantee: ClassVar[Guarantee] = Guarantee.DISCRETISED
     branches: ClassVar[tuple[str, ...]] = BRANCHES
-    packages: ClassVar[tuple[str, ...]] = (
-        *("cvxpy", "highspy", "pyscipopt", "gurobipy", "xpress", "maingopy"),
-    )
+    packages: ClassVar[tuple[str, ...]] = packages(("highs", *MINLP_ENGINES))
     summary: ClassVar[str] = (
         "turning steps between headings on a grid as binaries, by a MILP engine"
     )
     variants: ClassVar[tuple[str, ...]] = tuple(
-        f"heading-milp[engine={name}]" for name in _LABELS if name != "highs"
+        f"heading-milp[engine={name}]" for name in _ENGINES if name != "highs"
     )
     profiles: ClassVar[dict[str, dict[str, Any]]] = {
         "fast": {"headings": 48},
@@ -92,7 +87,7 @@ class HeadingMilp(Solver):
     }
 
     def __post_init__(self) -> None:
-        one_of(engine=(self.engine, _LABELS))
+        one_of(engine=(self.engine, _ENGINES))
         # With steps above 30 degrees a CC path has hardly a first arc. cvxpy's memory grows with
         # the square of the number of headings, to two gigabytes at the upper ends.
         whole(headings=(self.headings, 12, 1000), legs=(self.legs, 1, 12))
@@ -101,20 +96,12 @@ class HeadingMilp(Solver):
 
     @property
     def method(self) -> Method:
-        return Method("grid of headings", _LABELS[self.engine], "none", TOLERANCE)
-
-    def unavailable(self) -> str | None:
-        if self.engine == "highs":
-            return missing_package("cvxpy", "highspy")
-        return table.unavailable(self.engine)
-
-    def library_versions(self) -> dict[str, str]:
-        return library_versions.scip() if self.engine == "scip" else {}
+        return Method("grid of headings", ENGINES[self.engine].label, "none", TOLERANCE)
 
     @property
     def keeps_limit(self) -> bool:
         # compiling takes 0.3 s at 1800 headings of legs, 2.4 s at 6000 and 8 s at 12 000
-        return self.headings * self.legs <= 1000 and self.engine != "maingo"
+        return self.headings * self.legs <= 1000
 
     def build(self, question: Question) -> Model:
         target = np.array(question.scenario.local())
@@ -153,7 +140,7 @@ class HeadingMilp(Solver):
             results,
             len(results) == len(model.cases),
             f"the grid of {self.headings} headings",
-            _LABELS[self.engine],
+            ENGINES[self.engine].label,
         )
 
     def _longest(self, distance: float) -> float:

@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
+from dubins_study.solvers.engines import ENGINES
 from dubins_study.solvers.heading_milp.template import TOLERANCE, Answer
 from dubins_study.solvers.minlp_engines.program import MixedProgram, Row, Settings, Written
-from dubins_study.solvers.minlp_engines.table import engine
 from dubins_study.study.words import Claim
 
 # what cvxpy calls the ends of HiGHS's runs
@@ -37,7 +37,7 @@ class Stated:
         program = MixedProgram(np.zeros(size), upper, np.arange(size) < n, self._write)
         # as with HiGHS: the relaxation is nearly always integral, so that branching needs no help
         settings = Settings(gap, TOLERANCE, lean=True, cutoff=cutoff)
-        result = engine(self.name, settings)(program, seconds)
+        result = ENGINES[self.name].load()(settings)(program, seconds)
         return Answer(
             _STATUSES.get(result.claim, result.message),
             None if result.x is None else int(np.argmax(result.x[:n])),

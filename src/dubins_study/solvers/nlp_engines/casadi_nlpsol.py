@@ -165,7 +165,9 @@ def _compiled(expressions: Expressions, plugin: str, tol: float, max_iter: int) 
     return _Compiled(again, deadline)
 
 
-def _engine(plugin: str, tol: float, max_iter: int) -> Engine:
+def nlpsol(tol: float, max_iter: int, plugin: str) -> Engine:
+    """A plug-in of `nlpsol` by its name; what `tol` is to it stands in `_PLUGINS`."""
+
     def run(program: Program, guess: FloatArray, seconds: float) -> EngineResult:
         with ExitStack() as streams:
             if plugin != "ipopt":  # whose options silence it
@@ -213,25 +215,3 @@ def _evaluations(stats: dict[str, Any]) -> int:
     """Evaluations of objective or equations, whichever are more; alpaqa's psi evaluates both."""
     of_both = stats.get("n_call_nlp_fg", 0) + stats.get("n_call_nlp_psi", 0)
     return int(of_both + max(stats.get("n_call_nlp_f", 0), stats.get("n_call_nlp_g", 0)))
-
-
-ipopt = partial(_engine, "ipopt")
-uno = partial(_engine, "uno")
-fatrop = partial(_engine, "fatrop")
-alpaqa = partial(_engine, "alpaqa")
-bonmin = partial(_engine, "bonmin")
-sleqp = partial(_engine, "sleqp")
-sqpmethod = partial(_engine, "sqpmethod")
-qrsqp = partial(_engine, "qrsqp")
-blocksqp = partial(_engine, "blocksqp")
-feasiblesqpmethod = partial(_engine, "feasiblesqpmethod")
-
-
-def blocksqp_unavailable() -> str:
-    """Why blockSQP cannot run: its first quadratic program asks for a linear solver of HSL."""
-    return "casadi's wheel lacks the linear solver of blockSQP's quadratic programs (HSL MA27)"
-
-
-def feasiblesqpmethod_unavailable() -> str:
-    """Why feasiblesqpmethod answers no question: it refuses every guess off the equations."""
-    return "feasiblesqpmethod asks for an initial guess that satisfies all equations"

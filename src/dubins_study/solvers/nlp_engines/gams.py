@@ -50,9 +50,16 @@ _LANGUAGE = Language("GAMS", "x{}", "power({}, {})", sys.maxsize)
 # of the equations' rounding: nearer to zero than that they do not come
 _ROUNDINGS = 64 * EPS
 
-# in files of options: feasibility, optimality, limit of iterations
-_SNOPT = ("major feasibility tolerance", "major optimality tolerance", "major iterations limit")
-_MINOS = ("row tolerance", "optimality tolerance", "major iterations")
+# the names of feasibility, optimality and the limit of iterations in files of options
+_OPTIONS = {
+    # Gill, Murray and Saunders's sparse sequential quadratic programming
+    "snopt": (
+        *("major feasibility tolerance", "major optimality tolerance"),
+        "major iterations limit",
+    ),
+    # Murtagh and Saunders's projected Lagrangian method
+    "minos": ("row tolerance", "optimality tolerance", "major iterations"),
+}
 
 _MINOR_ITERATIONS = 10  # in a major one; MINOS heeds no limit of these, and may not end
 
@@ -68,16 +75,6 @@ def status(solver: int, model: int) -> tuple[str, Claim]:
     if solver != 1:
         return _SOLVER_STATUS.get(solver, ("solver failure", Claim.FAILED))
     return _MODEL_STATUS.get(model, ("no solution", Claim.FAILED))
-
-
-def snopt(tol: float, max_iter: int) -> Engine:
-    """SNOPT: Gill, Murray and Saunders's sparse sequential quadratic programming."""
-    return _engine("snopt", _SNOPT, tol, max_iter)
-
-
-def minos(tol: float, max_iter: int) -> Engine:
-    """MINOS: Murtagh and Saunders's projected Lagrangian method."""
-    return _engine("minos", _MINOS, tol, max_iter)
 
 
 def unavailable() -> str | None:
@@ -101,17 +98,17 @@ def _exit_code() -> int | None:
         return _run(folder, _START_S)
 
 
-def _engine(name: str, options: tuple[str, str, str], tol: float, max_iter: int) -> Engine:
-    """A solver of GAMS, with its names of feasibility, optimality and the limit of iterations."""
+def gams(tol: float, max_iter: int, solver: str) -> Engine:
+    """A solver of GAMS, by its name in files of options."""
 
     def run(program: Program, guess: FloatArray, seconds: float) -> EngineResult:
         residual = max(tol, _ROUNDINGS * program.magnitude)
-        values = zip(options, (residual, tol, max_iter), strict=True)
+        values = zip(_OPTIONS[solver], (residual, tol, max_iter), strict=True)
         lines = [f"{option} {value!r}\n" for option, value in values]
-        with _folder(name) as folder:
+        with _folder(solver) as folder:
             minor = _MINOR_ITERATIONS * max_iter
-            (folder / "program.gms").write_text(_model(program, guess, name, minor))
-            (folder / f"{name}.opt").write_text("".join(lines))
+            (folder / "program.gms").write_text(_model(program, guess, solver, minor))
+            (folder / f"{solver}.opt").write_text("".join(lines))
             exit_code = _run(folder, seconds)
             file = folder / "results.txt"
             words = file.read_text().split() if file.is_file() else []
@@ -123,10 +120,10 @@ def _engine(name: str, options: tuple[str, str, str], tol: float, max_iter: int)
                 nothing, Claim.FAILED, None, None, None, f"exit code {exit_code}", "no results"
             )
         numbers = np.array([_NUMBERS.get(word) or float(word) for word in words])
-        solver, model, iterations = (int(number) for number in numbers[:3])
-        message, claim = status(solver, model)
+        ending, model, iterations = (int(number) for number in numbers[:3])
+        message, claim = status(ending, model)
         x, marginals = np.split(numbers[3:], [guess.size])
-        native = f"solver status {solver}, model status {model}"
+        native = f"solver status {ending}, model status {model}"
         return EngineResult(x, claim, -marginals, iterations, None, native, message)
 
     return run

@@ -40,22 +40,7 @@ Objective = Callable[[FloatArray, FloatArray], float]
 Equations = Callable[[FloatArray, FloatArray, FloatArray], None]
 
 
-def slsqp(tol: float, max_iter: int) -> Engine:
-    """SLSQP: sequential quadratic programming after Kraft, in NLopt's translation to C."""
-    return _engine("LD_SLSQP", "", tol, max_iter)
-
-
-def auglag(tol: float, max_iter: int) -> Engine:
-    """The augmented Lagrangian of Birgin and Martinez, minimised within the bounds by L-BFGS."""
-    return _engine("LD_AUGLAG", "LD_LBFGS", tol, max_iter)
-
-
-def cobyla(tol: float, max_iter: int) -> Engine:
-    """COBYLA: Powell's linear models of objective and equations; it takes no derivatives."""
-    return _engine("LN_COBYLA", "", tol, max_iter)
-
-
-def _engine(algorithm: str, inner: str, tol: float, max_iter: int) -> Engine:
+def nlopt(tol: float, max_iter: int, algorithm: str, inner: str = "") -> Engine:
     """An NLopt algorithm, with the algorithm `inner` for its subproblems if it needs one.
 
     `tol` is the violation of each equation, and the relative change of length and variables.

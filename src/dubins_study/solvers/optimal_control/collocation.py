@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from dubins_study.solvers import library_versions
+from dubins_study.solvers.engines import ipopt_executable, ipopt_in_casadi
 from dubins_study.solvers.ipopt_library.engine import VIAS, by_executable, unavailable
 from dubins_study.solvers.optimal_control.collocation_model import Template, template
 from dubins_study.solvers.optimal_control.transcription import Transcription
@@ -55,7 +55,7 @@ class Collocation(Transcription):
     def library_versions(self) -> dict[str, str]:
         if self.engine != "ipopt":
             return super().library_versions()
-        return library_versions.ipopt(by_executable(self.via))
+        return ipopt_executable() if by_executable(self.via) else ipopt_in_casadi()
 
     def template(self, distance: float) -> Template:
         equal, executable = self.mesh == "equal", by_executable(self.via)

@@ -20,10 +20,10 @@ from typing import Any
 
 import numpy as np
 
+from dubins_study.solvers.engines import ENGINES
 from dubins_study.solvers.ipopt_library.deadline import Deadline
 from dubins_study.solvers.ipopt_library.engine import CLAIMS, Options, compiled
 from dubins_study.solvers.ipopt_library.nl_file import Program
-from dubins_study.solvers.nlp_engines import table
 from dubins_study.solvers.nlp_engines.program import EngineResult
 from dubins_study.solvers.optimal_control.collocation_program import Ask, asked
 from dubins_study.solvers.optimal_control.elements import MOST_TURN, MOST_TURN_EACH, Elements
@@ -99,7 +99,7 @@ def template(
     """The transcription into n elements of so many points each, compiled once per setting.
 
     Args:
-        engine, tol, max_iter: as `nlp_engines.table.engine` takes them.
+        engine, tol, max_iter: as `Collocation` has them.
         by_executable: whether Ipopt is the executable on PATH.
     """
     model, deadline = program(n, points, equal), Deadline()
@@ -109,7 +109,7 @@ def template(
     else:
         first = 1 + n if equal else 2 * n  # of X and Y
         data = slice(first, first + 2)
-        ask = asked(model, data, table.engine(engine, tol, max_iter), deadline)
+        ask = asked(model, data, ENGINES[engine].load()(tol, max_iter), deadline)
     element = np.repeat(np.arange(n), points)
     # not from the points' labels in the model, which Pyomo rounds
     fraction = np.tile(model.model.tau.get_discretization_info()["tau_points"][1:], n)

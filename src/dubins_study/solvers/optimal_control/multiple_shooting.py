@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from dubins_study.solvers.nlp_engines import table
+from dubins_study.solvers.engines import ENGINES
 from dubins_study.solvers.nlp_engines.program import Engine, Expressions, Program
 from dubins_study.solvers.optimal_control.arc_flow import INTEGRATORS, chord
 from dubins_study.solvers.optimal_control.elements import MOST_TURN, MOST_TURN_EACH, Elements
@@ -56,10 +56,10 @@ class MultipleShooting(Transcription):
     @property
     def keeps_limit(self) -> bool:
         # a dense engine's iteration takes 0.1 s at 20 segments and 10 s at 50
-        return table.ENGINES[self.engine].keeps_limit and self.n <= 20
+        return super().keeps_limit and self.n <= 20
 
     def template(self, distance: float) -> Segments:
-        engine = table.engine(self.engine, self.tol, self.max_iter)
+        engine = ENGINES[self.engine].load()(self.tol, self.max_iter)
         return Segments(self.n, self.mesh == "equal", self.integrator, engine)
 
 

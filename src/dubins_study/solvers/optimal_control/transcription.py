@@ -10,7 +10,7 @@ from typing import ClassVar, NamedTuple, Protocol
 
 import numpy as np
 
-from dubins_study.solvers.nlp_engines import table
+from dubins_study.solvers.engines import ENGINES, NLP_ENGINES, EngineSolver
 from dubins_study.solvers.nlp_engines.program import EngineResult
 from dubins_study.solvers.optimal_control.elements import Elements
 from dubins_study.solvers.optimal_control.end_correction import closed, miss
@@ -20,7 +20,7 @@ from dubins_study.solvers.paper_nlp.best_point import total
 from dubins_study.solvers.paper_nlp.initial_guesses import INITIAL_GUESSES
 from dubins_study.solvers.paper_nlp.polish import one_sided_only
 from dubins_study.solvers.presolve import words
-from dubins_study.solvers.protocol import Effort, Guarantee, Method, Question, Solution, Solver
+from dubins_study.solvers.protocol import Effort, Guarantee, Method, Question, Solution
 from dubins_study.solvers.setting_checks import one_of, whole, within
 from dubins_study.solvers.vehicle_frame import in_world, staying
 from dubins_study.study.body_coordinates import Local, local
@@ -86,7 +86,7 @@ class Run(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Transcription(Solver):
+class Transcription(EngineSolver):
     """Problem (2.2) of the paper over n elements, each of one turn rate.
 
     The engine's controls are integrated exactly; where the path misses by the transcription's own
@@ -96,7 +96,7 @@ class Transcription(Solver):
 
     Args:
         n: number of elements.
-        engine: one of `nlp_engines.table`.
+        engine: a name in `solvers.engines` of the kind `local NLP`.
         mesh: `free` elements, whose lengths are variables, so that a switch falls between two of
             them and the gap is the engine's tolerance; or `equal` ones, whose gap falls like
             1 / n^2.
@@ -129,7 +129,7 @@ class Transcription(Solver):
         whole(n=(self.n, 3, 1000), max_iter=(self.max_iter, 1, 10**6))
         whole(seed=(self.seed, 0, 2**32), count=(self.count, 1, 10**6))
         one_of(
-            engine=(self.engine, table.ENGINES),
+            engine=(self.engine, NLP_ENGINES),
             mesh=(self.mesh, self.meshes),
             initial_guess=(self.initial_guess, INITIAL_GUESSES),
         )
@@ -137,12 +137,9 @@ class Transcription(Solver):
 
     @property
     def method(self) -> Method:
-        label = table.ENGINES[self.engine].label
-        tol = table.tolerance(self.engine, self.tol)
-        return Method(self.formulation, label, self.initial_guess, tol)
-
-    def unavailable(self) -> str | None:
-        return table.unavailable(self.engine)
+        engine = ENGINES[self.engine]
+        tol = engine.fixed_tol or self.tol
+        return Method(self.formulation, engine.label, self.initial_guess, tol)
 
     def template(self, distance: float) -> Template:
         """The compiled transcription for a target so far away (radii)."""

@@ -10,6 +10,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from dubins_study.solvers.engines import ENGINES, EngineSolver, names
 from dubins_study.solvers.optimal_control.transcription import summed
 from dubins_study.solvers.optimal_control.turn_rate_dynamics import (
     CLOSE,
@@ -20,17 +21,14 @@ from dubins_study.solvers.optimal_control.turn_rate_dynamics import (
     step_shares,
 )
 from dubins_study.solvers.optimal_control.turn_rate_sequence import Limits, Run, Sequence
-from dubins_study.solvers.optimal_control.turn_rate_template import ENGINES, Template, template
+from dubins_study.solvers.optimal_control.turn_rate_template import Template, template
 from dubins_study.solvers.paper_nlp.polish import one_sided_only
 from dubins_study.solvers.presolve import words
-from dubins_study.solvers.protocol import Effort, Guarantee, Method, Question, Solution, Solver
-from dubins_study.solvers.setting_checks import missing_package, one_of, whole
+from dubins_study.solvers.protocol import Effort, Guarantee, Method, Question, Solution
+from dubins_study.solvers.setting_checks import one_of, whole
 from dubins_study.solvers.vehicle_frame import coordinate_rounding, in_world
 from dubins_study.study.path import FloatArray, Path, drivable
-from dubins_study.study.words import Claim
-
-_PACKAGES = {"highs": "highspy"}
-_LABELS = {"piqp": "PIQP", "clarabel": "Clarabel", "osqp": "OSQP", "highs": "HiGHS"}
+from dubins_study.study.words import QP, Claim
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,7 +43,7 @@ class TurnRateModel:
 
 
 @dataclass(frozen=True)
-class TurnRateQp(Solver):
+class TurnRateQp(EngineSolver):
     """Problem (2.2) of the paper with n turn rates, each held for an equal part of a free duration.
 
     Every step is an exact arc, so the path can be driven; it is the best of its n steps, not of
@@ -81,16 +79,13 @@ class TurnRateQp(Solver):
     def __post_init__(self) -> None:
         # the QPs are dense: a larger one takes gigabytes
         whole(n=(self.n, 2, 2000), max_qps=(self.max_qps, 1, 10**6))
-        one_of(engine=(self.engine, ENGINES), mesh=(self.mesh, SHARINGS))
+        one_of(engine=(self.engine, names(QP)), mesh=(self.mesh, SHARINGS))
         if not 0 < self.tolerance < 1:
             raise ValueError(f"tolerance is {self.tolerance!r}; expected a number from 0 to 1")
 
     @property
     def method(self) -> Method:
-        return Method("turn rates", _LABELS[self.engine], "bearing", self.tolerance)
-
-    def unavailable(self) -> str | None:
-        return missing_package("cvxpy", _PACKAGES.get(self.engine, self.engine))
+        return Method("turn rates", ENGINES[self.engine].label, "bearing", self.tolerance)
 
     @property
     def keeps_limit(self) -> bool:

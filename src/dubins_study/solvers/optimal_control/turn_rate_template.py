@@ -11,8 +11,6 @@ from scipy.sparse import diags_array, issparse
 
 from dubins_study.study.path import FloatArray
 
-ENGINES = ("piqp", "clarabel", "osqp", "highs")
-
 
 def _options(engine: str, n: int, seconds: float) -> dict[str, Any]:
     if engine == "piqp":

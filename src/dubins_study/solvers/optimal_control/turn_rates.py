@@ -10,7 +10,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from dubins_study.solvers.nlp_engines import table
+from dubins_study.solvers.engines import ENGINES
 from dubins_study.solvers.nlp_engines.program import Engine, Expressions, Program
 from dubins_study.solvers.optimal_control.arc_flow import chord
 from dubins_study.solvers.optimal_control.elements import MOST_TURN_EACH, Elements
@@ -53,12 +53,12 @@ class TurnRates(Transcription):
     @property
     def keeps_limit(self) -> bool:
         # compiling takes 0.2 s at 50 steps and 5 s at 200, a dense engine's iteration as much
-        return table.ENGINES[self.engine].keeps_limit and self.n <= 50
+        return super().keeps_limit and self.n <= 50
 
     def template(self, distance: float) -> Steps:
         shares = step_shares(self.n, self.mesh, distance)
         most = np.minimum(1.0, MOST_TURN_EACH / (shares * (distance + _DETOUR)))
-        engine = table.engine(self.engine, self.tol, self.max_iter)
+        engine = ENGINES[self.engine].load()(self.tol, self.max_iter)
         return Steps(self.n, shares, most, engine)
 
 

@@ -36,11 +36,6 @@ class SolFile(NamedTuple):
     code: int
 
 
-def unavailable(executable: str) -> str | None:
-    """Why an executable cannot be run, or None. Whether it is a solver is seen when it is run."""
-    return None if shutil.which(executable) else f"no executable {executable!r} on PATH"
-
-
 def solve(case: Case, guess: FloatArray, seconds: float, executable: str) -> Point:
     """The point that an executable on PATH reaches from `guess`, shape (3,)."""
     from pyomo.repn.plugins.nl_writer import NLWriter

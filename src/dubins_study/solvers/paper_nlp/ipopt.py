@@ -13,7 +13,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from dubins_study.solvers import library_versions
+from dubins_study.solvers.engines import ipopt_executable, ipopt_in_casadi
 from dubins_study.solvers.ipopt_library.deadline import Deadline
 from dubins_study.solvers.ipopt_library.engine import (
     CLAIMS,
@@ -84,7 +84,7 @@ class Ipopt(LocalNlp):
         return unavailable(self.via)
 
     def library_versions(self) -> dict[str, str]:
-        return library_versions.ipopt(by_executable(self.via))
+        return ipopt_executable() if by_executable(self.via) else ipopt_in_casadi()
 
     @property
     def keeps_limit(self) -> bool:

@@ -12,7 +12,6 @@ import numpy as np
 from dubins_study.solvers.paper_nlp.best_point import Point
 from dubins_study.solvers.paper_nlp.local_nlp import Case
 from dubins_study.solvers.paper_nlp.pyomo_case import no_point, posed
-from dubins_study.solvers.setting_checks import missing_package
 from dubins_study.study.path import FloatArray
 from dubins_study.study.words import Claim
 
@@ -31,12 +30,11 @@ _LICENCE_VARIABLES = ("ARTELYS_", "ZIENA_")
 _LICENCE_FILES = ("artelys", "ziena")
 
 
-def knitro_unavailable() -> str | None:
-    """Why KNITRO cannot solve here, or None."""
-    missing = missing_package("knitro")
-    if missing is None and not _licensed():
-        return "knitro is installed, but no licence was found (its wheel installs without one)"
-    return missing
+def unlicensed() -> str | None:
+    """Why KNITRO cannot solve here although it is installed, or None."""
+    if _licensed():
+        return None
+    return "knitro is installed, but no licence was found (its wheel installs without one)"
 
 
 @cache

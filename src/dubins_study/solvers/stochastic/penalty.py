@@ -20,6 +20,7 @@ from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
+from dubins_study.solvers.engines import ENGINES, EngineSolver, names, packages
 from dubins_study.solvers.paper_nlp.best_point import Point, TimedRun, efforts, total
 from dubins_study.solvers.paper_nlp.initial_guesses import initial_guesses
 from dubins_study.solvers.paper_nlp.model import (
@@ -31,9 +32,8 @@ from dubins_study.solvers.paper_nlp.model import (
     target,
 )
 from dubins_study.solvers.paper_nlp.polish import polish
-from dubins_study.solvers.protocol import Guarantee, Method, Question, Solution, Solver
+from dubins_study.solvers.protocol import Guarantee, Method, Question, Solution
 from dubins_study.solvers.setting_checks import one_of, whole, within
-from dubins_study.solvers.stochastic.engines import ENGINES, engine, unavailable
 from dubins_study.solvers.stochastic.penalty_function import PenaltyFunction
 from dubins_study.solvers.stochastic.search import (
     CountedFunction,
@@ -42,8 +42,9 @@ from dubins_study.solvers.stochastic.search import (
 )
 from dubins_study.solvers.vehicle_frame import at_start, coordinate_rounding
 from dubins_study.study.path import FloatArray
-from dubins_study.study.words import BRANCHES, Claim
+from dubins_study.study.words import BRANCHES, DERIVATIVE_FREE, SAMPLING, Claim
 
+_ENGINES = names(SAMPLING, DERIVATIVE_FREE)
 _GUESSES = ("bearing", "zero", "random")
 _GROWTH = 4.0
 # radii: a point that misses by more has stopped short of the target, which a larger weight cures;
@@ -71,17 +72,17 @@ class _Candidate(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Penalty(Solver):
+class Penalty(EngineSolver):
     """An exact penalty function of (4.12), minimised by sampling.
 
     Args:
-        engine: a name in `solvers.stochastic.engines`.
+        engine: a name in `solvers.engines` of a kind that searches.
         order: of the turns: `LRS`, `RLS` or `both`. A word as branch has its own.
         weight: of the miss in the first search; 1 is the norm of the multipliers of a path that
             ends straight, and 1.3 at a disc's centre.
         rounds: searches at most, each with four times the weight of the one before.
         evaluations: of the function, at most, for each search; 0 for the engine's default
-            (`solvers.stochastic.engines`), with which a target outside the discs takes some 0.15 s.
+            (`solvers.engines`), with which a target outside the discs takes some 0.15 s.
         polish: whether Newton's method moves the point until it arrives; without it the point is
             the engine's own.
         initial_guess, count: where an engine that needs a guess begins
@@ -104,11 +105,9 @@ class Penalty(Solver):
     name: ClassVar[str] = "penalty"
     guarantee: ClassVar[Guarantee] = Guarantee.STOCHASTIC
     branches: ClassVar[tuple[str, ...]] = BRANCHES
-    packages: ClassVar[tuple[str, ...]] = ("scipy", "cma")
+    packages: ClassVar[tuple[str, ...]] = packages(_ENGINES)
     summary: ClassVar[str] = "length plus weighted miss, searched without derivatives"
-    variants: ClassVar[tuple[str, ...]] = tuple(
-        f"penalty[engine={name}]" for name in list(ENGINES)[1:]
-    )
+    variants: ClassVar[tuple[str, ...]] = tuple(f"penalty[engine={name}]" for name in _ENGINES[1:])
     profiles: ClassVar[dict[str, dict[str, Any]]] = {
         "fast": {"rounds": 2},
         "accurate": {"evaluations": 20000},
@@ -116,7 +115,7 @@ class Penalty(Solver):
 
     def __post_init__(self) -> None:
         one_of(
-            engine=(self.engine, ENGINES),
+            engine=(self.engine, _ENGINES),
             order=(self.order, ORDERS),
             initial_guess=(self.initial_guess, _GUESSES),
         )
@@ -135,7 +134,7 @@ class Penalty(Solver):
 
     @property
     def _guided(self) -> bool:
-        return ENGINES[self.engine].guided
+        return ENGINES[self.engine].kind == DERIVATIVE_FREE
 
     @property
     def _budget(self) -> int:
@@ -145,13 +144,6 @@ class Penalty(Solver):
     def method(self) -> Method:
         guess = self.initial_guess if self._guided else "none"
         return Method("penalty", ENGINES[self.engine].label, guess)
-
-    @property
-    def keeps_limit(self) -> bool:
-        return True  # every evaluation looks at the time
-
-    def unavailable(self) -> str | None:
-        return unavailable(self.engine)
 
     def build(self, question: Question) -> Model:
         return Model(question, subproblems(question, "joint", self.order))
@@ -206,7 +198,7 @@ class Penalty(Solver):
         )
         claim = Claim.FEASIBLE
         try:
-            message = engine(self.engine)(Task(function, begin, random))
+            message = ENGINES[self.engine].load()(Task(function, begin, random))
         except SearchEndError as end:
             claim, message = Claim.LIMIT, str(end)
         if function.evaluations >= self._budget:  # the engine counts as well

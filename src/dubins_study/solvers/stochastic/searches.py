@@ -1,11 +1,19 @@
-"""SciPy's global and derivative-free searches; an option that is not named has its default."""
+"""The engines of the penalty function: SciPy's searches and CMA-ES.
+
+An option that is not named has its default.
+"""
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 from dubins_study.solvers.stochastic.search import Task
+from dubins_study.study.path import FloatArray
 
+# CMA-ES, as its makers advise: a step of about a quarter of the box's width, and at most so many
+# restarts; the budget ends the search before
+_STEP, _RESTARTS = 0.25, 9
 _EXACT = 1e-10  # where a search stops by itself: radii, and values of the function
 
 
@@ -76,3 +84,24 @@ def _minimize(task: Task, method: str, options: dict[str, float]) -> str:
         task.function, task.guess, method=method, bounds=task.bounds, options=options | limits
     )
     return str(result.message)
+
+
+def cma_es(task: Task) -> str:
+    """CMA-ES of the package `cma`, with restarts from uniform points and doubled populations."""
+    import cma
+
+    def begin() -> FloatArray:
+        return task.upper * task.random.uniform(size=task.upper.size)
+
+    options: dict[str, Any] = {
+        "bounds": [0.0, task.upper.tolist()],
+        "CMA_stds": task.upper,
+        "maxfevals": task.function.budget,
+        # numbers from `task.random`; with a seed cma would seed NumPy's own generator
+        "randn": lambda *shape: task.random.standard_normal(shape),
+        "seed": math.nan,
+        "verbose": -9,
+        "verb_log": 0,
+    }
+    _, strategy = cma.fmin2(task.function, begin, _STEP, options, restarts=_RESTARTS)
+    return ", ".join(strategy.stop())

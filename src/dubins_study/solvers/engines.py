@@ -1,0 +1,235 @@
+"""Every optimisation library that a formulation is solved with: one table, by the names of specs.
+
+An engine is a line of the table, or a module and that line. Nothing is imported until it is asked.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import re
+import subprocess
+from collections.abc import Callable, Mapping
+from functools import cache, partial
+from pathlib import Path as FilePath
+from pkgutil import resolve_name
+from types import MappingProxyType
+from typing import Any, NamedTuple
+
+from dubins_study.solvers.protocol import Solver
+from dubins_study.solvers.setting_checks import missing_package
+from dubins_study.study.words import DERIVATIVE_FREE, NLP, PROVEN, QP, ROOTS, SAMPLING
+
+
+class Engine(NamedTuple):
+    """An optimisation library.
+
+    Args:
+        label: its name as its makers write it, which rows hold.
+        kind: of the problems that it reads; heads it in tables.
+        packages: those that must be installed. Whether a licence is too small or expired is seen
+            when a problem is solved, and is then the row's message: to ask for it here would load
+            every licensed library for a mere list of solvers.
+        place: `room.module:function` of its adapter; empty if one solver has it in its own code.
+        options: what the adapter is given beside a question's own numbers.
+        broken: why it answers no question here, though its packages are installed.
+        check: `room.module:function` that says this, or returns None.
+        versions: gives the version of the library that lies inside the package.
+        keeps_limit: whether a run ends at most a second after its seconds are up.
+        fixed_tol: the feasibility, if it is the engine's own whatever it is asked for.
+        evaluations: the budget of one search if none is given. Engines spend from 3 to 100
+            microseconds on one evaluation of their own accord, and so the budgets differ: the two
+            searches that a target outside the discs takes are over in about 0.15 s.
+    """
+
+    label: str
+    kind: str
+    packages: tuple[str, ...]
+    place: str = ""
+    options: Mapping[str, Any] = MappingProxyType({})
+    broken: str | None = None
+    check: str = ""
+    versions: Callable[[], dict[str, str]] | None = None
+    keeps_limit: bool = True
+    fixed_tol: float | None = None
+    evaluations: int = 0
+
+    def unavailable(self) -> str | None:
+        """Why the engine cannot run here, or None."""
+        reason = missing_package(*self.packages) or self.broken
+        if reason or not self.check:
+            return reason
+        checked: str | None = _resolved(self.check)()
+        return checked
+
+    def load(self) -> Any:
+        """The adapter; what it takes and returns depends on the kind of engine."""
+        adapter = _resolved(self.place)
+        return partial(adapter, **self.options) if self.options else adapter
+
+
+def _resolved(place: str) -> Any:
+    return resolve_name(f"{__package__}.{place}")
+
+
+@cache
+def ipopt_in_casadi() -> dict[str, str]:
+    """The version of the Ipopt library that casadi's wheel carries."""
+    import casadi
+
+    # libipopt.so.3, libipopt.3.dylib or libipopt-3.dll
+    libraries = sorted(FilePath(casadi.__file__).parent.glob("libipopt*3*"))
+    numbers = tuple(ctypes.c_int() for _ in range(3))
+    try:
+        library = ctypes.CDLL(str(libraries[0]))
+        library.GetIpoptVersion(*map(ctypes.byref, numbers))
+    except (IndexError, OSError, AttributeError):
+        return {"ipopt": "unknown"}
+    return {"ipopt": ".".join(str(number.value) for number in numbers)}
+
+
+@cache
+def ipopt_executable() -> dict[str, str]:
+    """The version of the executable `ipopt` on PATH, as it prints it."""
+    try:
+        process = subprocess.run(["ipopt", "-v"], capture_output=True, text=True, timeout=10)
+    except (OSError, subprocess.TimeoutExpired, UnicodeDecodeError):
+        return {"ipopt": "unknown"}
+    match = re.search(r"\d+(?:\.\d+)+", process.stdout)
+    return {"ipopt": match.group() if match else "unknown"}
+
+
+@cache
+def scip_in_pyscipopt() -> dict[str, str]:
+    """The version of the SCIP library inside pyscipopt."""
+    from pyscipopt import Model
+
+    model = Model()
+    parts = (model.getMajorVersion(), model.getMinorVersion(), model.getTechVersion())
+    return {"scip": ".".join(map(str, parts))}
+
+
+def _nlpsol(label: str, plugin: str, **more: Any) -> Engine:
+    place = "nlp_engines.casadi_nlpsol:nlpsol"
+    return Engine(label, NLP, ("casadi",), place, {"plugin": plugin}, **more)
+
+
+def _nlopt(label: str, algorithm: str, **inner: str) -> Engine:
+    options = {"algorithm": algorithm} | inner
+    return Engine(label, NLP, ("nlopt",), "nlp_engines.nlopt_local:nlopt", options)
+
+
+def _gams(label: str, solver: str) -> Engine:
+    packages, place = ("gamspy_base", f"gamspy_{solver}"), "nlp_engines.gams:gams"
+    check = "nlp_engines.gams:unavailable"
+    return Engine(label, NLP, packages, place, {"solver": solver}, check=check)
+
+
+def _search(label: str, function: str, evaluations: int, kind: str = SAMPLING) -> Engine:
+    place = f"stochastic.searches:{function}"
+    return Engine(label, kind, ("scipy",), place, evaluations=evaluations)
+
+
+ENGINES = {
+    "slsqp": Engine("SLSQP", NLP, ("scipy",), "nlp_engines.scipy_minimize:slsqp"),
+    "trust-constr": Engine(
+        "trust-constr", NLP, ("scipy",), "nlp_engines.trust_constr:trust_constr"
+    ),
+    "cobyqa": Engine("COBYQA", NLP, ("scipy",), "nlp_engines.scipy_minimize:cobyqa"),
+    "ipopt": _nlpsol("Ipopt", "ipopt"),
+    "uno": _nlpsol("Uno", "uno"),
+    "fatrop": _nlpsol("fatrop", "fatrop", keeps_limit=False),
+    "alpaqa": _nlpsol("alpaqa", "alpaqa", keeps_limit=False),
+    "bonmin": _nlpsol("Bonmin", "bonmin", keeps_limit=False),
+    # loads casadi's HiGHS, whose symbols then stand in for those of the package highspy
+    "sleqp": _nlpsol("SLEQP", "sleqp", keeps_limit=False),
+    "sqpmethod": _nlpsol("casadi sqpmethod", "sqpmethod"),
+    "qrsqp": _nlpsol("casadi qrsqp", "qrsqp"),
+    "blocksqp": _nlpsol(
+        "blockSQP",
+        "blocksqp",
+        broken="casadi's wheel lacks the linear solver of blockSQP's quadratic programs (HSL MA27)",
+    ),
+    "feasiblesqpmethod": _nlpsol(
+        "casadi feasiblesqpmethod",
+        "feasiblesqpmethod",
+        broken="feasiblesqpmethod asks for an initial guess that satisfies all equations",
+    ),
+    "apopt": Engine(
+        *("APOPT", NLP, ("gekko",), "nlp_engines.apopt:apopt"),
+        check="nlp_engines.apopt:unavailable",
+    ),
+    "conopt": Engine("CONOPT", NLP, ("conopt",), "nlp_engines.conopt_grg:conopt", fixed_tol=1e-7),
+    "gams-minos": _gams("MINOS", "minos"),
+    "gams-snopt": _gams("SNOPT", "snopt"),
+    "nlopt-slsqp": _nlopt("NLopt SLSQP", "LD_SLSQP"),
+    # the augmented Lagrangian of Birgin and Martinez, minimised within the bounds by L-BFGS
+    "nlopt-auglag": _nlopt("NLopt AUGLAG", "LD_AUGLAG", inner="LD_LBFGS"),
+    "nlopt-cobyla": _nlopt("NLopt COBYLA", "LN_COBYLA"),
+    "uno-filtersqp": Engine("Uno filterSQP", NLP, ("unopy",), "nlp_engines.uno:filtersqp"),
+    # reads nothing but Pyomo's model of (4.12), with its own tolerances
+    "knitro": Engine(
+        "KNITRO",
+        NLP,
+        ("knitro",),
+        check="paper_nlp.pyomo_direct:unlicensed",
+        keeps_limit=False,
+    ),
+    "scip": Engine(
+        *("SCIP", PROVEN, ("pyscipopt",), "minlp_engines.scip:scip"),
+        versions=scip_in_pyscipopt,
+    ),
+    "gurobi": Engine("Gurobi", PROVEN, ("gurobipy",), "minlp_engines.gurobi:gurobi"),
+    "xpress": Engine("Xpress", PROVEN, ("xpress",), "minlp_engines.xpress:xpress"),
+    # counts the processor's seconds, and whole ones
+    "maingo": Engine(
+        "MAiNGO", PROVEN, ("maingopy",), "minlp_engines.maingo:maingo", keeps_limit=False
+    ),
+    "differential-evolution": _search("differential evolution", "differential_evolution", 8000),
+    "dual-annealing": _search("dual annealing", "dual_annealing", 3000),
+    "shgo": _search("SHGO", "shgo", 3000),
+    "direct": _search("DIRECT", "direct", 8000),
+    "cma-es": Engine("CMA-ES", SAMPLING, ("cma",), "stochastic.searches:cma_es", evaluations=1000),
+    # these end by themselves long before
+    "nelder-mead": _search("Nelder-Mead", "nelder_mead", 3000, DERIVATIVE_FREE),
+    "powell": _search("Powell", "powell", 3000, DERIVATIVE_FREE),
+    "hybr": Engine("MINPACK hybr", ROOTS, ("scipy",)),
+    "lm": Engine("MINPACK lm", ROOTS, ("scipy",)),
+    "piqp": Engine("PIQP", QP, ("cvxpy", "piqp")),
+    "clarabel": Engine("Clarabel", QP, ("cvxpy", "clarabel")),
+    "osqp": Engine("OSQP", QP, ("cvxpy", "osqp")),
+    "highs": Engine("HiGHS", QP, ("cvxpy", "highspy")),
+}
+
+
+def names(*kinds: str) -> tuple[str, ...]:
+    """The engines of some kinds, in the order of the table."""
+    return tuple(name for name, engine in ENGINES.items() if engine.kind in kinds)
+
+
+def packages(engines: tuple[str, ...]) -> tuple[str, ...]:
+    """The packages of some engines, each once."""
+    return tuple(dict.fromkeys(p for name in engines for p in ENGINES[name].packages))
+
+
+# those with solvers of their own for the paper's model
+APART = ("slsqp", "ipopt")
+# the engines that read any program of `nlp_engines.program`
+NLP_ENGINES = tuple(name for name in names(NLP) if ENGINES[name].place)
+MINLP_ENGINES = names(PROVEN)
+
+
+class EngineSolver(Solver):
+    """A solver whose setting `engine` is a name of the table."""
+
+    engine: str
+
+    def unavailable(self) -> str | None:
+        return ENGINES[self.engine].unavailable()
+
+    def library_versions(self) -> dict[str, str]:
+        versions = ENGINES[self.engine].versions
+        return versions() if versions else {}
+
+    @property
+    def keeps_limit(self) -> bool:
+        return ENGINES[self.engine].keeps_limit
