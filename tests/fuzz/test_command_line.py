@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 # loaded here, as scipy.stats is, since a module may write a cache file when first loaded
 import dubins_study.cli.app
-import dubins_study.cli.terminal.streams
+import dubins_study.cli.terminal.output
 import dubins_study.report.page.render  # noqa: F401
 from tests.fuzz.hostile import HOSTILE, cases
 from tests.fuzz.page import check_json

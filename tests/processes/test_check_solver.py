@@ -2,21 +2,15 @@
 
 from __future__ import annotations
 
-import importlib.util
 import json
-import keyword
 import re
-from pathlib import Path as FilePath
 
 import pytest
-from hypothesis import assume, example, given
-from hypothesis import strategies as st
 from typer.testing import CliRunner
 
 from dubins_study import DubinsStudyError
 from dubins_study.cli.app import app
-from dubins_study.cli.new import checked_target
-from dubins_study.cli.terminal.refusals import CommandError
+from dubins_study.cli.terminal.arguments import CommandError
 from dubins_study.conformance import CHECKS
 from dubins_study.solvers.registry import load
 
@@ -45,15 +39,12 @@ def test_the_new_solver_passes_as_it_is(tmp_path, monkeypatch):
 @pytest.mark.parametrize(
     ("name", "message"),
     [
-        ("mine.txt", r"expected a name ending in \.py; did you mean mine\.py"),
-        ("my-solver.py", "letters, digits and underscores, .*did you mean my_solver.py"),
+        ("mine.txt", r"expected a name of letters, .* that ends in \.py, such as my_solver\.py"),
+        ("my-solver.py", "expected a name of letters, digits and underscores"),
+        ("12.py", "expected a name of letters"),
         ("class.py", "did you mean class_solver.py"),
-        ("a b.txt", r"expected a name ending in \.py; did you mean a_b\.py"),
-        ("numpy", r"did you mean numpy_solver\.py"),
-        ("numpy.py", "instead of the installed numpy. Did you mean numpy_solver.py"),
-        ("math.py", "instead of the installed math. Did you mean math_solver.py"),
-        ("dubins_study.py", "Did you mean dubins_study_solver.py"),
-        ("12.py", "did you mean my_solver.py"),
+        ("numpy.py", "instead of numpy; did you mean numpy_solver.py"),
+        ("math.py", "instead of math; did you mean math_solver.py"),
         ("nowhere/mine.py", "cannot write nowhere/mine.py: No such file"),
     ],
 )
@@ -64,25 +55,6 @@ def test_files_that_no_solver_is_written_into(tmp_path, monkeypatch, name, messa
     assert isinstance(ended.exception, CommandError)
     assert re.search(message, str(ended.exception))
     assert list(tmp_path.iterdir()) == []
-
-
-@given(st.text(st.characters(exclude_characters="/\0", exclude_categories=["Cs"]), min_size=1))
-@example("numpy.py")
-@example("a b.txt")
-@example("import.numpy")
-@example(".")
-def test_a_suggested_name_is_not_refused(name):
-    """Python can import it, and finds no other module under it."""
-    try:
-        checked_target(FilePath(name), ".py", "my_solver.py")
-    except CommandError as error:
-        assume("exists" not in str(error))
-        near = re.search(r"[Dd]id you mean (\S+)\?$", str(error))[1]
-        assert checked_target(FilePath(near), ".py", "my_solver.py").name == near
-        name = near
-    assert name.removesuffix(".py").isidentifier()
-    assert not keyword.iskeyword(name.removesuffix(".py"))
-    assert importlib.util.find_spec(name.removesuffix(".py")) is None
 
 
 @pytest.mark.slow

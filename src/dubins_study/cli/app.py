@@ -7,8 +7,12 @@ Results go to stdout, everything else to stderr. Exit code 0: done; 1: done, but
 from __future__ import annotations
 
 import errno
+import functools
+import inspect
 import os
+import re
 import sys
+from collections.abc import Callable
 from typing import Annotated, Any
 
 from dubins_study.errors import DubinsStudyError
@@ -17,6 +21,9 @@ try:
     import typer
 except KeyboardInterrupt:  # this is the first import that takes long enough to be interrupted
     sys.exit(130)
+
+from typer.core import TyperCommand
+from typer.exceptions import TyperException
 
 from dubins_study.cli import (
     audit,
@@ -32,25 +39,138 @@ from dubins_study.cli import (
     solvers,
     status,
 )
-from dubins_study.cli.arguments import NEGATIVE_NUMBERS
-from dubins_study.cli.terminal.command_line import CommandLine, Quiet, Verbose
-from dubins_study.cli.terminal.verbosity import Verbosity, set_verbosity
+from dubins_study.cli.terminal.output import Verbosity, plain, set_verbosity
 
+PROGRAM = "dubins-study"
 _HELP = """Optimisation solvers judged on the shortest Dubins path to a point.
 
 Results go to stdout, progress and refusals to stderr. Exit code 0: done. 1: done, but something is
 wrong: an audit, a comparison, a check, or with --strict an answer that is not optimal. 2: the
 request was bad. 130: interrupted.
 """
-app = CommandLine(text=_HELP)
+# Examples at the end of the help of the commands that they call. A test runs them in this order in
+# one folder that holds drive.csv: later ones read what earlier ones wrote.
+EXAMPLES = """\
+dubins-study solve 10 5 --from 0 0 120deg --radius 1
+dubins-study solve -6 3 --solver 'turn-rate-qp[n=100]' --plot path.svg
+dubins-study solve 0.5 0 --branch LR --json
+dubins-study solvers
+dubins-study solvers ipopt
+dubins-study solvers --json
+dubins-study experiments
+dubins-study experiments paper
+dubins-study experiments --json
+dubins-study new solver my_solver.py
+dubins-study new experiment my.toml
+dubins-study run paper
+dubins-study run paper --solver ipopt --solver nlp --out mine
+dubins-study run my.toml --jobs 2
+dubins-study run --scenarios drive.csv --solver ipopt --solver slsqp
+dubins-study status results/paper
+dubins-study status results/paper --json
+dubins-study merge results/paper mine --out both
+dubins-study report results/paper
+dubins-study compare results/paper both --out changes
+dubins-study compare results/paper both --fail-on-regression
+dubins-study check-solver my_solver.py:MySolver
+dubins-study check-solver slsqp --check limits --check state
+dubins-study audit
+dubins-study export 10 5 --from 0 0 120deg --format mod
+dubins-study export 10 5 --model disjunctive --out model.nl
+""".splitlines()
+Quiet = Annotated[
+    bool, typer.Option("--quiet", "-q", help="no progress on stderr: only warnings and refusals")
+]
+Verbose = Annotated[bool, typer.Option("--verbose", "-v", help="every step on stderr")]
+
+
+class _Command(TyperCommand):
+    """A command that takes none of its options for the value of another one.
+
+    Without it, `run paper --out --restart` writes a folder called `--restart`.
+    """
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        rest = super().parse_args(ctx, args)
+        options = [p for p in self.get_params(ctx) if p.param_type_name == "option"]
+        names = {name for option in options for name in (*option.opts, *option.secondary_opts)}
+        for option in options:
+            value = ctx.params.get(str(option.name))
+            for word in value if isinstance(value, list | tuple) else [value]:
+                if str(word) in names and not ctx.resilient_parsing:
+                    message = f"{str(word)!r} is an option of its own; expected a value"
+                    raise typer.BadParameter(message, ctx=ctx, param_hint=f"'{option.opts[0]}'")
+        return rest
+
+
+class CommandLine(typer.Typer):
+    """A group of commands: each takes --quiet and --verbose, and its help ends with examples.
+
+    Args:
+        words: the words before a command's own name: empty, or `new`.
+        text: the help of the group.
+    """
+
+    def __init__(self, words: str, text: str):
+        self._words = words
+        super().__init__(
+            help=text,
+            no_args_is_help=True,
+            pretty_exceptions_enable=False,
+            rich_markup_mode=None,
+            context_settings={"help_option_names": ["-h", "--help"]},
+            epilog=_epilog(words),
+        )
+
+    def add(self, function: Callable[..., None], **context: Any) -> None:
+        """Add a command, called like its function; `context` are settings of its parser."""
+        name = function.__name__.replace("_", "-")
+        epilog = _epilog(f"{self._words} {name}".strip())
+        add = self.command(name, cls=_Command, epilog=epilog, context_settings=context)
+        add(_with_verbosity(function))
+
+
+def examples(words: str) -> list[str]:
+    """The examples of a command, `new` or `new solver`; of the whole program one of three each."""
+    if not words:
+        return [examples(name)[0] for name in ("solve", "run", "report")]
+    return [line for line in EXAMPLES if f"{line} ".startswith(f"{PROGRAM} {words} ")]
+
+
+def _epilog(words: str) -> str:
+    # \b keeps the lines of a paragraph as they are
+    return "\n".join(["\b", "Examples:", *(f"  {line}" for line in examples(words))])
+
+
+def _with_verbosity(function: Callable[..., None]) -> Callable[..., None]:
+    """The command with the options --quiet and --verbose, which a command itself need not read."""
+
+    @functools.wraps(function)
+    def command(*arguments: Any, quiet: bool, verbose: bool, **options: Any) -> None:
+        if quiet or verbose:  # otherwise what stands before the command's name holds
+            set_verbosity(Verbosity(verbose - quiet))
+        function(*arguments, **options)
+
+    signature = inspect.signature(function, eval_str=True)
+    shared = [
+        inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=False, annotation=kind)
+        for name, kind in (("quiet", Quiet), ("verbose", Verbose))
+    ]
+    parameters = [*signature.parameters.values(), *shared]
+    command.__signature__ = signature.replace(parameters=parameters)  # type: ignore[attr-defined]
+    command.__annotations__ = {p.name: p.annotation for p in parameters}
+    return command
 
 
 def _print_version(asked: bool) -> None:
     if asked:
         from importlib.metadata import version
 
-        print(f"dubins-study {version('dubins-study')}")
+        print(f"{PROGRAM} {version(PROGRAM)}")
         raise typer.Exit
+
+
+app = CommandLine("", _HELP)
 
 
 @app.callback()
@@ -65,25 +185,29 @@ def _options(
     set_verbosity(Verbosity(verbose - quiet))
 
 
-app.command(context_settings=NEGATIVE_NUMBERS)(solve.solve)
-app.command()(solvers.solvers)
-app.command()(experiments.experiments)
-app.command()(run.run)
-app.command()(status.status)
-app.command()(merge.merge)
-app.command()(report.report)
-app.command()(compare.compare)
-app.command()(audit.audit)
-app.command(context_settings=NEGATIVE_NUMBERS)(export.export)
-app.command()(check_solver.check_solver)
-app.add_typer(new.app, name="new")
+# a target such as -6 3 is no option
+app.add(solve.solve, ignore_unknown_options=True)
+app.add(solvers.solvers)
+app.add(experiments.experiments)
+app.add(run.run)
+app.add(status.status)
+app.add(merge.merge)
+app.add(report.report)
+app.add(compare.compare)
+app.add(audit.audit)
+app.add(export.export, ignore_unknown_options=True)
+app.add(check_solver.check_solver)
+_new = CommandLine("new", "Write a file to begin with.")
+_new.add(new.solver)
+_new.add(new.experiment)
+app.add_typer(_new, name="new")
 
 
-def main() -> Any:
+def main() -> None:
     """The command `dubins-study`. Exit code 2 and one message if the request is bad."""
     try:
         try:
-            return app(prog_name="dubins-study")
+            sys.exit(app(prog_name=PROGRAM, standalone_mode=False) or 0)
         finally:
             if sys.stdout is not None:  # it is None where the caller has closed it
                 sys.stdout.flush()
@@ -94,10 +218,19 @@ def main() -> Any:
         sys.stdout = open(os.devnull, "w", encoding="utf-8")  # noqa: PTH123, SIM115
         if error.errno == errno.EPIPE:  # the reader has what it wanted
             sys.exit(0)
-        print(f"dubins-study: the output cannot be written: {error.strerror}", file=sys.stderr)
-        sys.exit(2)
+        _refuse(f"the output cannot be written: {error.strerror}")
+    except TyperException as error:
+        message, context = error.format_message(), getattr(error, "ctx", None)
+        if message.startswith("Usage:"):  # the help of a group of which no command is named
+            print(message, file=sys.stderr)
+            sys.exit(2)
+        _refuse(f"{message.rstrip('.')}; see {context.command_path if context else PROGRAM} --help")
     except DubinsStudyError as error:  # any other exception is a bug and shows its traceback
-        from dubins_study.cli.terminal.refusals import refusal_text
+        _refuse(str(error))
 
-        print(refusal_text(str(error)), file=sys.stderr)
-        sys.exit(2)
+
+def _refuse(message: str) -> None:
+    """End with exit code 2; a line break is kept where the message starts the item of a list."""
+    lines = re.split(r"\n(?=  )", f"{PROGRAM}: {message}")
+    print(*map(plain, lines), sep="\n", file=sys.stderr)
+    sys.exit(2)

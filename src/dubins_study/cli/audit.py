@@ -5,18 +5,17 @@ from __future__ import annotations
 import json
 import sys
 from collections.abc import Sequence
-from typing import Annotated, Any
+from typing import Any
 
 import typer
 
-from dubins_study.cli.terminal.table import table
+from dubins_study.cli.terminal.arguments import Json
+from dubins_study.cli.terminal.output import table
 
 Record = dict[str, Any]
 
 
-def audit(
-    as_json: Annotated[bool, typer.Option("--json", help="print one JSON object")] = False,
-) -> None:
+def audit(as_json: Json = False) -> None:
     """Recompute the paper's printed tables.
 
     Exit code 1 if the code contradicts the committed audit.
@@ -35,112 +34,86 @@ def audit(
     raise typer.Exit(1 if lines else 0)
 
 
+# column titles and the format of a record's values below them
+_CELLS = (
+    *(("table", "{table}"), ("scenario", "{label}"), ("path", "{path}"), ("cell", "{quantity}")),
+    *(("printed", "{printed}"), ("exact", "{exact}")),
+    *(("printed - exact", "{difference:+.6f}"), ("verdict", "{verdict}")),
+)
+_PATHS = (
+    *(("table", "{table}"), ("scenario", "{label}"), ("path", "{path}"), ("word", "{word}")),
+    *(("miss", "{miss:.4f}"), ("allowed", "{rounding_allows:.4f}")),
+    *(("sum of parts", "{sum_of_parts}"), ("total", "{total}"), ("adds up", "{adds_up}")),
+)
+_ALGORITHM = (
+    *(("scenario", "{label}"), ("circle", "{circle}, {half}"), ("R*", "{radius:.6f}")),
+    *(("optimum", "{word_beyond}"), ("length", "{length_beyond:.4f}")),
+    *(("returns", "{algorithm_word}"), ("length", "{algorithm_length:.4f}")),
+    ("too long", "{algorithm_excess:.1%}; {example_excess:.1%} at R = {example_radius}"),
+)
+_OMITTED = (
+    ("scenario", "{label}"),
+    *((key, f"{{{key}}}") for key in ("path", "word", "z1", "z2", "z3", "f")),
+)
+_TIMES = (
+    *(("scenario", "{label}"), ("path", "{path}"), ("seconds", "{printed}")),
+    *(("ticks", "{ticks}"), ("rounded to it", "{is_ticks}")),
+)
+
+
 def audit_text(record: Record) -> str:
     """Every part as a table or a list, below a line with its summary."""
+    from dubins_study.report.paper.audit_file import CORRECT
+
     summary = record["summary"]
-    counts = [f"{n} {verdict}" for verdict, n in summary["verdicts"].items() if n]
+    counts = ", ".join(f"{n} {verdict}" for verdict, n in summary["verdicts"].items() if n)
+    reasons = (
+        f"  {cell['table']} {cell['label']}, {cell['path']}, {cell['quantity']} = "
+        f"{cell['printed']}: {cell['verdict']}; {cell['reason']}"
+        for cell in record["cells"]
+        if cell["verdict"] != CORRECT
+    )
+    crossings = [each | {"radius": float(each["radius"])} for each in record["algorithm"]]
+    statements = (
+        f"  {s['where']}: {s['says']}: {'right' if s['holds'] else 'wrong or incomplete'}; "
+        f"{s['finding']}"
+        for s in record["statements"]
+    )
     parts = (
-        (f"{summary['cells']} printed lengths: {', '.join(counts)}", _cells(record["cells"])),
+        (f"{summary['cells']} printed lengths: {counts}", _table(_CELLS, record["cells"])),
         (
             "The cells that are not correct roundings (the solver bias would print "
             f"{summary['correct_cells_that_the_bias_would_spoil']} of the correct ones otherwise)",
-            _reasons(record["cells"]),
+            "\n".join(reasons),
         ),
         (
             f"The printed paths, driven: {summary['paths_beyond_rounding']} miss by more than "
             f"rounding allows, {summary['totals_that_do_not_add_up']} do not add up",
-            _paths(record["paths"]),
+            _table(_PATHS, record["paths"]),
         ),
         (
             "Algorithm 1 where a turning circle of radius R* has reached the target: just beyond, "
             "and at a round radius",
-            _algorithm(record["algorithm"]),
+            _table(_ALGORITHM, crossings),
         ),
         (
             f"{summary['omitted_paths']} paths that the tables leave out",
-            _omitted(record["omitted"]),
+            _table(_OMITTED, record["omitted"]),
         ),
         (
             f"{summary['times_that_are_ticks']} of {len(record['times'])} printed solve times are "
             "whole ticks of a clock of 64 a second",
-            _times(record["times"]),
+            _table(_TIMES, record["times"]),
         ),
-        ("Statements", _statements(record["statements"])),
+        ("Statements", "\n".join(statements)),
     )
     return "\n\n".join(f"{title}\n{body}" for title, body in parts)
 
 
-def _cells(cells: Sequence[Record]) -> str:
-    head = ("table", "scenario", "path", "cell", "printed", "exact", "printed - exact", "verdict")
-    keys = ("table", "label", "path", "quantity", "printed", "exact")
-    rows = [
-        (*(cell[key] for key in keys), f"{cell['difference']:+.6f}", cell["verdict"])
-        for cell in cells
-    ]
-    return table(head, rows)
-
-
-def _reasons(cells: Sequence[Record]) -> str:
-    from dubins_study.report.paper.audit_file import CORRECT
-
-    return "\n".join(
-        f"  {cell['table']} {cell['label']}, {cell['path']}, {cell['quantity']} = "
-        f"{cell['printed']}: {cell['verdict']}; {cell['reason']}"
-        for cell in cells
-        if cell["verdict"] != CORRECT
-    )
-
-
-def _paths(paths: Sequence[Record]) -> str:
-    head = ("table", "scenario", "path", "word", "miss", "allowed", "sum of parts", "total", "")
-    keys = ("table", "label", "path", "word")
-    rows = [
-        (
-            *(path[key] for key in keys),
-            *(f"{path[key]:.4f}" for key in ("miss", "rounding_allows")),
-            path["sum_of_parts"],
-            path["total"],
-            "" if path["adds_up"] else "does not add up",
-        )
-        for path in paths
-    ]
-    return table(head, rows)
-
-
-def _algorithm(crossings: Sequence[Record]) -> str:
-    head = ("scenario", "circle", "R*", "optimum", "length", "returns", "length", "too long")
-    rows = [
-        (
-            c["label"],
-            f"{c['circle']}, {c['half']}",
-            f"{float(c['radius']):.6f}",
-            c["word_beyond"],
-            f"{c['length_beyond']:.4f}",
-            c["algorithm_word"],
-            f"{c['algorithm_length']:.4f}",
-            f"{c['algorithm_excess']:.1%}; {c['example_excess']:.1%} at R = {c['example_radius']}",
-        )
-        for c in crossings
-    ]
-    return table(head, rows)
-
-
-def _omitted(paths: Sequence[Record]) -> str:
-    keys = ("label", "path", "word", "z1", "z2", "z3", "f")
-    return table(("scenario", *keys[1:]), [[path[key] for key in keys] for path in paths])
-
-
-def _times(times: Sequence[Record]) -> str:
-    rows = [
-        (t["label"], t["path"], t["printed"], str(t["ticks"]), "yes" if t["is_ticks"] else "no")
-        for t in times
-    ]
-    return table(("scenario", "path", "seconds", "ticks", "rounded to it"), rows)
-
-
-def _statements(statements: Sequence[Record]) -> str:
-    return "\n".join(
-        f"  {s['where']}: {s['says']}: {'right' if s['holds'] else 'wrong or incomplete'}; "
-        f"{s['finding']}"
-        for s in statements
-    )
+def _table(columns: Sequence[tuple[str, str]], records: Sequence[Record]) -> str:
+    words = {True: "yes", False: "no"}
+    rows = []
+    for record in records:
+        shown = {k: words[v] if isinstance(v, bool) else v for k, v in record.items()}
+        rows.append([text.format(**shown) for _, text in columns])
+    return table([title for title, _ in columns], rows)

@@ -7,17 +7,15 @@ from typing import Annotated
 
 import typer
 
-from dubins_study.cli.arguments import number
-from dubins_study.cli.terminal import completion
+from dubins_study.cli.terminal import output
+from dubins_study.cli.terminal.arguments import Json, complete_solvers, number
 
 
 def check_solver(
     solver: Annotated[
         str,
         typer.Argument(
-            metavar="SOLVER",
-            help="a name, or file.py:Class",
-            autocompletion=completion.solvers,
+            metavar="SOLVER", help="a name, or file.py:Class", autocompletion=complete_solvers
         ),
     ],
     check: Annotated[
@@ -31,14 +29,12 @@ def check_solver(
         float,
         typer.Option(metavar="SECONDS", parser=number, help="seconds that all questions may take"),
     ] = 600.0,
-    as_json: Annotated[bool, typer.Option("--json", help="print one JSON object")] = False,
+    as_json: Json = False,
 ) -> None:
     """Check a solver of your own.
 
     Asks 40 to 70 questions, by what the solver answers. Exit code 1 if the solver fails a check.
     """
-    from dubins_study.cli.terminal import streams
-    from dubins_study.cli.terminal.table import terminal_width
     from dubins_study.conformance import CHECKS
     from dubins_study.conformance import check_solver as checked
     from dubins_study.conformance.report import report_text
@@ -46,7 +42,7 @@ def check_solver(
 
     check_request("best", time_limit, "--time-limit")
     check_request("best", total_time_limit, "--total-time-limit")
-    with streams.progress(f"checking {solver}", []) as progress:
+    with output.progress(f"checking {solver}", []) as progress:
         report = checked(
             solver,
             checks=check or CHECKS,
@@ -54,6 +50,6 @@ def check_solver(
             total_time_limit=total_time_limit,
             progress=progress,
         )
-    text = report_text(report, terminal_width())
+    text = report_text(report, output.terminal_width())
     print(json.dumps(report.to_dict(), indent=2) if as_json else text)
     raise typer.Exit(0 if report.passed else 1)

@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from dubins_study.cli.arguments import number
+from dubins_study.cli.terminal import output
+from dubins_study.cli.terminal.arguments import Json, number
+from dubins_study.cli.terminal.output import plain
 
 if TYPE_CHECKING:
     from dubins_study.report.two_runs.comparison import Comparison
@@ -27,16 +29,15 @@ def compare(
     fail_on_regression: Annotated[
         bool, typer.Option("--fail-on-regression", help="exit code 1 if anything became worse")
     ] = False,
-    as_json: Annotated[bool, typer.Option("--json", help="print one JSON object")] = False,
+    as_json: Json = False,
 ) -> None:
     """Compare two runs question by question.
 
     Says what became better or worse, and where.
     """
-    from dubins_study.cli.terminal import streams
     from dubins_study.report.two_runs.compare import compare as compare_runs
 
-    with streams.steps("compare"):
+    with output.steps("compare"):
         comparison = compare_runs(base, new, out=out, slower=slower)
     print(json.dumps(_record(comparison), indent=1) if as_json else _text(comparison))
     raise typer.Exit(1 if fail_on_regression and comparison.regressed else 0)
@@ -58,9 +59,7 @@ def _record(comparison: Comparison) -> dict[str, Any]:
 
 
 def _text(comparison: Comparison) -> str:
-    from dubins_study.cli.terminal.table import table
     from dubins_study.report.two_runs.verdicts import with_verdicts
-    from dubins_study.study.values import plain
 
     def ratio(row: Any) -> str:
         low, high = row["time_ratio_low"], row["time_ratio_high"]
@@ -86,7 +85,13 @@ def _text(comparison: Comparison) -> str:
         else f"The same work took {speed.ratio:.3g} times as long ({speed.low:.3g} to "
         f"{speed.high:.3g}), by {speed.evidence}; times of changed solvers are divided by that."
     )
-    lines = [table(head, rows), "", machine, *_unpaired(comparison), *_regressions(comparison)]
+    lines = [
+        output.table(head, rows),
+        "",
+        machine,
+        *_unpaired(comparison),
+        *_regressions(comparison),
+    ]
     if comparison.page is not None:
         lines.append(f"page: {plain(str(comparison.page))}")
     return "\n".join(lines)
@@ -97,8 +102,6 @@ _MOST_LINES, _MOST_NAMES = 20, 8
 
 def _unpaired(comparison: Comparison) -> list[str]:
     """What only one run was asked: nothing is said of it."""
-    from dubins_study.study.values import plain
-
     lines = []
     for side in ("base", "new"):
         counts = comparison.unpaired.set_index("solver")[f"only_{side}"]
@@ -111,8 +114,6 @@ def _unpaired(comparison: Comparison) -> list[str]:
 
 
 def _regressions(comparison: Comparison) -> list[str]:
-    from dubins_study.study.values import plain
-
     frame = comparison.regressions
     if frame.empty:
         return ["Nothing became worse."]

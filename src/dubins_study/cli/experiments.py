@@ -7,11 +7,13 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from dubins_study.cli.terminal import completion
+from dubins_study.cli.terminal.arguments import complete_experiments
+from dubins_study.cli.terminal.output import listing, plain, table
 
 if TYPE_CHECKING:
     from dubins_study.experiments.plan.overview import Overview
 
+_HELP = "one of them, or a .toml file: what it asks; default: a list of all"
 _OF_YOUR_OWN = """\
 one of them:          dubins-study experiments paper
 one of your own:      dubins-study new experiment my.toml
@@ -21,11 +23,7 @@ scenarios of a file:  dubins-study run --scenarios my.csv --solver ipopt"""
 def experiments(
     experiment: Annotated[
         str | None,
-        typer.Argument(
-            metavar="EXPERIMENT",
-            help="one of them, or a .toml file: what it asks; default: a list of all",
-            autocompletion=completion.experiments,
-        ),
+        typer.Argument(metavar="EXPERIMENT", help=_HELP, autocompletion=complete_experiments),
     ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="print a JSON list")] = False,
 ) -> None:
@@ -41,25 +39,17 @@ def experiments(
     if as_json:
         print(json.dumps([each._asdict() for each in overviews], indent=2))
     elif experiment is None:
-        print(f"{experiments_text(overviews)}\n\n{_OF_YOUR_OWN}")
+        head = ("experiment", "cells", "solvers", "title")
+        rows = [
+            (each.name, str(each.cells), str(len(each.solvers)), each.title) for each in overviews
+        ]
+        print(f"{table(head, rows)}\n\n{_OF_YOUR_OWN}")
     else:
         print(experiment_text(overviews[0]))
 
 
-def experiments_text(overviews: list[Overview]) -> str:
-    """A table for the terminal."""
-    from dubins_study.cli.terminal.table import table
-
-    rows = [(each.name, str(each.cells), str(len(each.solvers)), each.title) for each in overviews]
-    return table(("experiment", "cells", "solvers", "title"), rows)
-
-
 def experiment_text(asked: Overview) -> str:
     """One experiment: its question, its numbers, and its solvers, one a line."""
-    from dubins_study.cli.terminal.table import listing
-    from dubins_study.study.values import plain
-
-    limits = f"{asked.time_limit_s:g} s and {asked.memory_limit_gib:g} GiB a solve"
     lines = listing(
         {
             "experiment": plain(asked.name),
@@ -69,7 +59,7 @@ def experiment_text(asked: Overview) -> str:
             "branches": ", ".join(asked.branches),
             "repeats": str(asked.repeats),
             "cells": str(asked.cells),
-            "limits": limits,
+            "limits": f"{asked.time_limit_s:g} s and {asked.memory_limit_gib:g} GiB a solve",
             "profile": asked.profile,
             "solvers": str(len(asked.solvers)),
         }

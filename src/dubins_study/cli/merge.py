@@ -8,31 +8,30 @@ from typing import Annotated
 
 import typer
 
+from dubins_study.cli.terminal.arguments import Json
+from dubins_study.cli.terminal.output import plain
+
 
 def merge(
     folders: Annotated[
         list[FilePath], typer.Argument(metavar="DIR", help="results folders, two or more")
     ],
     out: Annotated[FilePath, typer.Option(metavar="DIR", help="new, or empty")],
-    as_json: Annotated[bool, typer.Option("--json", help="print one JSON object")] = False,
+    as_json: Json = False,
 ) -> None:
     """Unite results folders of one experiment.
 
     Refused if they contradict each other.
     """
     from dubins_study.experiments.store.merge import merge as unite
-    from dubins_study.study.values import plain
 
     union = unite(folders, out)
     if as_json:
         print(json.dumps(union._asdict() | {"folder": str(union.folder)}, indent=2))
         return
-    lines = [f"{plain(str(union.folder))}: {union.rows} rows"]
-    if union.agreeing_repeats:
-        lines.append(
-            f"{union.agreeing_repeats} cells were solved in several folders, alike: "
-            "the earliest kept"
-        )
+    print(f"{plain(str(union.folder))}: {union.rows} rows")
+    repeats = union.agreeing_repeats
+    if repeats:
+        print(f"{repeats} cells were solved in several folders, alike: the earliest kept")
     if union.stale:
-        lines.append(f"{union.stale} rows are of another code than the first folder's, thus stale")
-    print("\n".join(lines))
+        print(f"{union.stale} rows are of another code than the first folder's, thus stale")

@@ -7,32 +7,66 @@ import shlex
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
+from pathlib import Path as FilePath
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from dubins_study.cli import arguments
-from dubins_study.cli.terminal.refusals import CommandError
+from dubins_study.cli.status import status_text
+from dubins_study.cli.terminal import output
+from dubins_study.cli.terminal.arguments import (
+    CommandError,
+    complete_experiments,
+    complete_solvers,
+    number,
+    whole_number,
+)
+from dubins_study.cli.terminal.output import plain
 
 if TYPE_CHECKING:
     from dubins_study.experiments.interruption import Interruption
-    from dubins_study.experiments.store.status import Status
+
+_EXPERIMENT = "a name, or the path of a .toml file; optional with --scenarios"
+_SCENARIOS = "ask about these: .csv or .parquet, a row a scenario"
+_SOLVERS = "instead of the experiment's own; may be given several times"
+_LIMIT = "seconds after which a solve is ended"
+_TRUST = "the experiment may name plug-ins and programs"
+_SCHEDULER = "of Dask's; default: one on this machine"
+_JSON = "print the folder's status as one JSON object"
 
 
 def run(
-    experiment: arguments.Experiment = None,
-    scenarios: arguments.Scenarios = None,
-    out: arguments.ResultsFolder = None,
-    solver: arguments.Specs = None,
-    jobs: arguments.Jobs = 1,
-    time_limit: arguments.CellLimit = None,
-    memory_limit: arguments.MemoryLimit = None,
-    repeats: arguments.Repeats = None,
-    restart: arguments.Restart = False,
-    trust_plugins: arguments.TrustPlugins = False,
-    engine: arguments.Engine = "local",
-    scheduler: arguments.Scheduler = None,
-    as_json: arguments.StatusJson = False,
+    experiment: Annotated[
+        str | None,
+        typer.Argument(metavar="EXPERIMENT", help=_EXPERIMENT, autocompletion=complete_experiments),
+    ] = None,
+    scenarios: Annotated[FilePath | None, typer.Option(metavar="FILE", help=_SCENARIOS)] = None,
+    out: Annotated[
+        FilePath | None, typer.Option(metavar="DIR", help="default: results/<experiment or file>")
+    ] = None,
+    solver: Annotated[
+        list[str] | None,
+        typer.Option(metavar="SPEC", help=_SOLVERS, autocompletion=complete_solvers),
+    ] = None,
+    jobs: Annotated[
+        int,
+        typer.Option(metavar="N", parser=whole_number, help="processes; 1 where times are quoted"),
+    ] = 1,
+    time_limit: Annotated[
+        float | None, typer.Option(metavar="SECONDS", parser=number, help=_LIMIT)
+    ] = None,
+    memory_limit: Annotated[
+        float | None,
+        typer.Option(metavar="GIB", parser=number, help="GiB that a solve may hold"),
+    ] = None,
+    repeats: Annotated[
+        int | None, typer.Option(metavar="N", parser=whole_number, help="attempts per cell")
+    ] = None,
+    restart: Annotated[bool, typer.Option("--restart", help="throw away earlier rows")] = False,
+    trust_plugins: Annotated[bool, typer.Option("--trust-plugins", help=_TRUST)] = False,
+    engine: Annotated[str, typer.Option(metavar="NAME", help="local, or dask")] = "local",
+    scheduler: Annotated[str | None, typer.Option(metavar="ADDRESS", help=_SCHEDULER)] = None,
+    as_json: Annotated[bool, typer.Option("--json", help=_JSON)] = False,
 ) -> None:
     """Run an experiment, or go on with it.
 
@@ -40,15 +74,20 @@ def run(
     """
     counts: list[int] = []  # number of cells done, and of all cells, as last reported
     with _interruptible(restart, counts) as stop:
-        from dubins_study.cli.terminal import streams
         from dubins_study.experiments.run import run as run_experiment
         from dubins_study.experiments.store.status import status as status_of
 
         stop.check()
-        _check_names(experiment, None if scenarios is None else str(scenarios))
+        if experiment is None and scenarios is None:
+            raise CommandError(
+                "run: no experiment; expected a name (dubins-study experiments lists them), a "
+                ".toml file, or --scenarios FILE with --solver SPEC"
+            )
+        if experiment is not None and scenarios is None:
+            _check_section(experiment)
         with (
-            streams.solvers_to_stderr(),
-            streams.progress(experiment or str(scenarios), counts) as progress,
+            output.solvers_to_stderr(),
+            output.progress(experiment or str(scenarios), counts) as progress,
         ):
             folder = run_experiment(
                 experiment,
@@ -65,21 +104,10 @@ def run(
                 scenarios=scenarios,
                 progress=progress,
             )
-        _print_status(status_of(folder), as_json)
-
-
-def _print_status(state: Status, as_json: bool) -> None:
-    """What the folder of a run holds and, once it is finished, how to see it."""
-    from dubins_study.cli.status import status_text
-    from dubins_study.study.values import plain
-
-    if as_json:
-        print(json.dumps(state.as_json(), indent=2))
-        return
-    print(status_text(state))
-    if state.finished:
-        # on a line of its own, to be copied
-        print(f"\nits page:\n{plain(shlex.join(['dubins-study', 'report', state.folder]))}")
+        state = status_of(folder)
+        print(json.dumps(state.as_json(), indent=2) if as_json else status_text(state))
+        if state.finished and not as_json:  # the command on a line of its own, to be copied
+            print(f"\nits page:\n{plain(shlex.join(['dubins-study', 'report', state.folder]))}")
 
 
 @contextmanager
@@ -88,10 +116,6 @@ def _interruptible(restart: bool, counts: list[int]) -> Iterator[Interruption]:
 
     Entered before the imports that take long: a library whose import is interrupted raises strange
     errors.
-
-    Args:
-        restart: whether the command throws away earlier rows.
-        counts: the numbers of cells done and of all cells, once they are known.
     """
     from dubins_study.experiments.interruption import Interruption
 
@@ -103,17 +127,6 @@ def _interruptible(restart: bool, counts: list[int]) -> Iterator[Interruption]:
         cells = " ({} of {} cells done)".format(*counts) if counts else ""
         print(f"interrupted; what was done is kept, {next_step} to go on{cells}", file=sys.stderr)
         raise typer.Exit(130) from None
-
-
-def _check_names(experiment: str | None, scenarios: str | None) -> None:
-    """Refuse a run of nothing; warn of an experiment whose report's section does not exist."""
-    if experiment is None and scenarios is None:
-        raise CommandError(
-            "run: no experiment; expected a name (dubins-study experiments lists them), a "
-            ".toml file, or --scenarios FILE with --solver SPEC"
-        )
-    if experiment is not None and scenarios is None:
-        _check_section(experiment)
 
 
 def _check_section(experiment: str) -> None:
@@ -130,9 +143,9 @@ def _check_section(experiment: str) -> None:
     from dubins_study.study.values import did_you_mean
 
     if section not in KEYS:
+        near = did_you_mean(section, KEYS)
         print(
-            f"dubins-study: no section of the report is called {section!r}; "
-            f"{did_you_mean(section, KEYS)}"
+            f"dubins-study: no section of the report is called {section!r}; {near}"
             f"choose one of: {', '.join(KEYS)}",
             file=sys.stderr,
         )

@@ -7,12 +7,13 @@ import logging
 import math
 import sys
 from pathlib import Path as FilePath
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from dubins_study.cli import arguments
-from dubins_study.cli.terminal.refusals import CommandError
+from dubins_study.cli.terminal import arguments, output
+from dubins_study.cli.terminal.output import plain
+from dubins_study.study.words import Outcome
 
 if TYPE_CHECKING:
     from dubins_study.solvers.attempt import Answer
@@ -35,35 +36,39 @@ def solve(
     x: arguments.TargetX,
     y: arguments.TargetY,
     start: arguments.StartPose = ("0", "0", "0"),
-    radius: arguments.Radius = "1",
-    speed: arguments.Speed = "1",
+    radius: arguments.Radius = 1,
+    speed: arguments.Speed = 1,
     solver: arguments.Spec = "analytic",
     branch: arguments.Branch = "best",
     profile: arguments.Profile = "default",
     time_limit: arguments.SolveLimit = 60.0,
     as_json: arguments.Json = False,
-    plot: arguments.Plot = None,
-    strict: arguments.Strict = False,
+    plot: Annotated[
+        FilePath | None, typer.Option(metavar="FILE", help="draw the path: .svg, .pdf or .png")
+    ] = None,
+    strict: Annotated[
+        bool, typer.Option("--strict", help="exit code 1 unless the verdict is optimal")
+    ] = False,
 ) -> None:
     """Solve one scenario and judge the answer."""
-    from dubins_study.cli.terminal import streams
     from dubins_study.experiments.solve import solve as ask
     from dubins_study.solvers.attempt import check_request
 
-    scenario = arguments.scenario_of((x, y), start, radius, speed)
+    scenario = arguments.scenario_of(x, y, start, radius, speed)
     check_request(branch, time_limit, "--time-limit")
     if plot is not None:
         from dubins_study.report.path_plot import check_format
 
         check_format(plot)
     _LOG.info("asking %s for branch %s, at most %g s", solver, branch, time_limit)
-    with streams.solvers_to_stderr():
+    with output.solvers_to_stderr():
         answer = ask(scenario, solver, branch, profile=profile, limit=time_limit, isolated=True)
-    refusal = _refusal(answer)
-    if as_json or refusal is None:  # before the drawing, which may fail
+    refused = answer.outcome in (Outcome.UNAVAILABLE, Outcome.UNSUPPORTED)
+    if as_json or not refused:  # before the drawing, which may fail
         print(answer_json(answer) if as_json else answer_text(answer), flush=True)
-    if refusal is not None:
-        raise CommandError(refusal)
+    if refused:
+        message = f"solver {answer.solver!r} is {answer.outcome}: {plain(answer.message)}"
+        raise arguments.CommandError(message)
     drawn = plot is None or _draw(answer, plot)
     if not drawn or (strict and answer.verdict != "optimal"):
         raise typer.Exit(1)
@@ -79,16 +84,6 @@ def _draw(answer: Answer, file: FilePath) -> bool:
 
     plot_path(answer, file)
     return True
-
-
-def _refusal(answer: Answer) -> str | None:
-    """Why the solver was not started; None if it was started."""
-    from dubins_study.study.values import plain
-    from dubins_study.study.words import Outcome
-
-    if answer.outcome not in (Outcome.UNAVAILABLE, Outcome.UNSUPPORTED):
-        return None
-    return f"solver {answer.solver!r} is {answer.outcome}: {plain(answer.message)}"
 
 
 def answer_json(answer: Answer) -> str:
@@ -108,9 +103,6 @@ def _letter(curvature: float) -> str:
 
 def answer_text(answer: Answer) -> str:
     """The answer as a few lines for the terminal."""
-    from dubins_study.study.values import plain
-    from dubins_study.study.words import Outcome
-
     lines = [
         _line("verdict", _verdict(answer)),
         _line("claim", f"{answer.claim}  ({answer.solver})"),

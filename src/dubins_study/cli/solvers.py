@@ -7,20 +7,19 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from dubins_study.cli.terminal import completion
+from dubins_study.cli.terminal.arguments import complete_solvers
+from dubins_study.cli.terminal.output import listing, plain, table
 
 if TYPE_CHECKING:
     from dubins_study.solvers.registry import Entry
+
+_HELP = "one solver, with its settings; default: a list of all"
 
 
 def solvers(
     solver: Annotated[
         str | None,
-        typer.Argument(
-            metavar="SPEC",
-            help="one solver, with its settings; default: a list of all",
-            autocompletion=completion.solvers,
-        ),
+        typer.Argument(metavar="SPEC", help=_HELP, autocompletion=complete_solvers),
     ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="print a JSON list")] = False,
 ) -> None:
@@ -32,28 +31,15 @@ def solvers(
         objects = [each._asdict() | {"available": each.reason is None} for each in listed]
         print(json.dumps(objects, indent=2))
     elif solver is None:
-        print(solvers_text(listed))
+        head = ("solver", "formulation", "engine", "guarantee", "available")
+        rows = [(e.name, e.formulation, e.engine, e.guarantee, _available(e)) for e in listed]
+        print(f"{table(head, rows)}\n\nsettings of one: dubins-study solvers ipopt")
     else:
         print(solver_text(listed[0]))
 
 
-def solvers_text(entries: list[Entry]) -> str:
-    """A table for the terminal, and how to see more."""
-    from dubins_study.cli.terminal.table import table
-
-    rows = [
-        (entry.name, entry.formulation, entry.engine, entry.guarantee, _available(entry))
-        for entry in entries
-    ]
-    head = ("solver", "formulation", "engine", "guarantee", "available")
-    return f"{table(head, rows)}\n\nsettings of one: dubins-study solvers ipopt"
-
-
 def solver_text(entry: Entry) -> str:
     """One solver as a list: what it is, what it answers, and its settings with their values."""
-    from dubins_study.cli.terminal.table import listing
-    from dubins_study.study.values import plain
-
     return listing(
         {
             "solver": entry.name,
@@ -69,6 +55,4 @@ def solver_text(entry: Entry) -> str:
 
 
 def _available(entry: Entry) -> str:
-    from dubins_study.study.values import plain
-
     return "yes" if entry.reason is None else f"no: {plain(entry.reason)}"

@@ -4,15 +4,13 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
-from datetime import datetime
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from dubins_study.cli.terminal.streams import duration
-from dubins_study.cli.terminal.table import table
-from dubins_study.study.values import plain
+from dubins_study.cli.terminal.arguments import Json
+from dubins_study.cli.terminal.output import duration, plain, table
 
 if TYPE_CHECKING:
     from dubins_study.experiments.store.status import Status
@@ -24,7 +22,7 @@ _MOST_NAMES = 5  # in one line; `--json` names all
 
 def status(
     folder: Annotated[FilePath, typer.Argument(metavar="DIR", help="a results folder")],
-    as_json: Annotated[bool, typer.Option("--json", help="print one JSON object")] = False,
+    as_json: Json = False,
 ) -> None:
     """Tell what a results folder holds.
 
@@ -32,11 +30,8 @@ def status(
     """
     from dubins_study.experiments.store.status import status as status_of
 
-    folder_status = status_of(folder)
-    as_text = (
-        json.dumps(folder_status.as_json(), indent=2) if as_json else status_text(folder_status)
-    )
-    print(as_text)
+    state = status_of(folder)
+    print(json.dumps(state.as_json(), indent=2) if as_json else status_text(state))
 
 
 def status_text(progress: Status) -> str:
@@ -113,23 +108,15 @@ def _tables(progress: Status) -> list[str]:
         ]
         tables.append(table(("solver", *map(plain, kinds)), rows))
     if progress.runs:
-        head = ("run", "started", "took", "state", "engine", "jobs", "speed varied by")
+        head = ("run", "started, UTC", "took", "state", "engine", "jobs", "speed varied by")
         tables.append(table(head, [_run(run) for run in progress.runs[-_MOST_RUNS:]]))
     return tables
-
-
-def _started(text: str) -> str:
-    """A time of the manifest without fractions of a second; any other text as it is."""
-    try:
-        return datetime.fromisoformat(text).strftime("%Y-%m-%d %H:%M:%S %Z").strip()
-    except ValueError:
-        return plain(text)
 
 
 def _run(run: RunEntry) -> tuple[str, ...]:
     return (
         plain(run.run_id),
-        _started(run.started),
+        plain(run.started[:19].replace("T", " ")),  # without fractions of a second
         "" if run.seconds is None else duration(run.seconds),
         plain(run.state),
         plain(run.engine),

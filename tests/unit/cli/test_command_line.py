@@ -10,12 +10,12 @@ from typer.testing import CliRunner
 
 from dubins_study import DubinsStudyError
 from dubins_study.cli.app import app
-from dubins_study.cli.terminal import completion
-from dubins_study.cli.terminal.verbosity import Verbosity, set_verbosity, verbosity
+from dubins_study.cli.terminal import arguments as declared
+from dubins_study.cli.terminal.output import Verbosity, set_verbosity, verbosity
 from dubins_study.experiments.definition.experiment import ExperimentError, packaged
 from dubins_study.experiments.plan.run_plan import Request, plan_run
 from dubins_study.solvers.profiles import PROFILES
-from dubins_study.solvers.registry import GROUP, registered
+from dubins_study.solvers.registry import registered
 from dubins_study.study.values import nearest
 from dubins_study.study.words import BRANCHES
 
@@ -42,7 +42,6 @@ def line_of(name, text):
         (("--solver", "turn-rate-qp[engine=piq]"), "is 'piq'; did you mean 'piqp'? expected one o"),
         (("--branch", "ls"), "no branch named 'ls'; did you mean 'LS'? choose one of: best, LS"),
         (("--profile", "acurate"), "no profile named 'acurate'; did you mean 'accurate'? choose"),
-        (("--jsn",), "no such option: --jsn; did you mean '--json'? see dubins-study solve"),
     ],
 )
 def test_the_nearest_name(arguments, message):
@@ -108,12 +107,11 @@ def test_the_cells_of_an_experiment_are_those_of_a_run(name):
 
 def test_what_a_shell_completes():
     """The names that the library knows, read without importing it."""
-    assert completion.SOLVER_GROUP == GROUP
-    assert completion.solvers("") == registered()
-    assert completion.solvers("turn") == [n for n in registered() if n.startswith("turn")]
-    assert completion.experiments("") == packaged()
-    assert completion.profiles("") == list(PROFILES)
-    assert completion.branches("") == list(BRANCHES)
+    assert declared.complete_solvers("") == registered()
+    assert declared.complete_solvers("turn") == [n for n in registered() if n.startswith("turn")]
+    assert declared.complete_experiments("") == packaged()
+    assert declared.complete_profiles("") == sorted(PROFILES)
+    assert declared.complete_branches("") == sorted(BRANCHES)
 
 
 @pytest.mark.parametrize(
@@ -157,9 +155,12 @@ def test_a_new_experiment_is_one_that_runs(tmp_path, monkeypatch):
 @pytest.mark.parametrize(
     ("name", "message"),
     [
-        ("my.tml", "my.tml: expected a name of letters, .* did you mean my.toml?"),
-        ("my", "did you mean my.toml?"),
-        ("a b.toml", "did you mean a-b.toml?"),
+        (
+            "my.tml",
+            "my.tml: expected a name of letters, .* that ends in .toml, such as",
+        ),
+        ("my", "my: expected a name of letters"),
+        ("a b.toml", "a b.toml: expected a name of letters"),
         ("there.toml", "there.toml exists; expected the name of a new file"),
         ("no/where.toml", "cannot write no/where.toml: No such file or directory"),
     ],

@@ -12,7 +12,6 @@ from typer.testing import CliRunner
 
 from dubins_study import Scenario, plot_path, solve
 from dubins_study.cli.app import app
-from dubins_study.cli.terminal.refusals import CommandError
 from dubins_study.experiments.definition.experiment import ExperimentError
 from dubins_study.report.path_plot import PlotError
 from dubins_study.study.rows.files import ResultsError
@@ -97,31 +96,6 @@ def test_a_path_that_misses_says_why(path, tmp_path):
 
 def test_the_version():
     assert asked("--version").stdout == f"dubins-study {version('dubins-study')}\n"
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (("run", "paper", "--jobs", "x"), "--jobs is 'x'; expected a whole number"),
-        (("run", "paper", "--repeats", "1_0"), "--repeats is '1_0'; expected a whole number"),
-        (("run", "paper", "--time-limit", "x"), "--time-limit is 'x'; expected a number"),
-        (("run", "paper", "--memory-limit", "4_0"), "--memory-limit is '4_0'; expected a number"),
-        ((*PATH, "--time-limit", "6_0"), "--time-limit is '6_0'; expected a number"),
-    ],
-)
-def test_an_option_that_is_no_number(arguments, message):
-    """In our words, and not in those of a library that reads options."""
-    with pytest.raises(CommandError) as refusal:
-        CliRunner().invoke(app, arguments, catch_exceptions=False)
-
-    assert str(refusal.value) == message
-
-
-@pytest.mark.parametrize("arguments", [("1_0", "5"), ("10", "5", "--radius", "1_0")])
-def test_digits_are_not_grouped(arguments):
-    """As in a heading; Python reads 1_0 as ten."""
-    with pytest.raises(CommandError, match="is '1_0'; expected a number"):
-        CliRunner().invoke(app, ("solve", *arguments), catch_exceptions=False)
 
 
 TOML = """

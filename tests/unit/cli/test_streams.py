@@ -7,8 +7,8 @@ import sys
 
 import pytest
 
-from dubins_study.cli.terminal import streams
-from dubins_study.cli.terminal.verbosity import Verbosity, set_verbosity
+from dubins_study.cli.terminal import output
+from dubins_study.cli.terminal.output import Verbosity, set_verbosity
 
 
 class Terminal(io.StringIO):
@@ -26,14 +26,14 @@ def _normal_again():
 def clock(monkeypatch):
     """A clock that the test sets."""
     now = [0.0]
-    monkeypatch.setattr(streams.time, "monotonic", lambda: now[0])
+    monkeypatch.setattr(output.time, "monotonic", lambda: now[0])
     return now
 
 
 def shown(monkeypatch, clock, stream, seconds=(0, 10, 31, 40, 62)):
     monkeypatch.setattr(sys, "stderr", stream)
     counts = []
-    with streams.progress("paper\x1b[31m", counts) as move:
+    with output.progress("paper\x1b[31m", counts) as move:
         for place, second in enumerate(seconds):
             clock[0] = float(second)
             move(10 * place, 100)
@@ -68,7 +68,7 @@ def test_one_line_in_a_terminal(monkeypatch):
     monkeypatch.setenv("TERM", "xterm")
     monkeypatch.setenv("COLUMNS", "60")
     monkeypatch.setattr(sys, "stderr", Terminal())
-    with streams.progress("paper", []) as move:
+    with output.progress("paper", []) as move:
         move(1, 4)
         move(3, 4)
     assert sys.stderr.getvalue().count("\n") == 1
@@ -80,7 +80,7 @@ def test_no_colours_where_none_are_wanted(monkeypatch):
     monkeypatch.setenv("TERM", "xterm")
     monkeypatch.setenv("NO_COLOR", "1")
     monkeypatch.setattr(sys, "stderr", Terminal())
-    with streams.progress("paper", []) as move:
+    with output.progress("paper", []) as move:
         move(1, 4)
     assert "\x1b[3" not in sys.stderr.getvalue()
 
@@ -89,11 +89,11 @@ def test_a_terminal_that_does_not_move_its_cursor_is_none(monkeypatch):
     monkeypatch.setattr(sys, "stderr", Terminal())
     monkeypatch.setenv("TERM", "dumb")
 
-    assert not streams.is_terminal()
+    assert not output.is_terminal()
 
 
 @pytest.mark.parametrize(
     ("seconds", "text"), [(1.234, "1.2 s"), (90, "90 s"), (150, "2.5 min"), (7300, "2.03 h")]
 )
 def test_durations(seconds, text):
-    assert streams.duration(seconds) == text
+    assert output.duration(seconds) == text

@@ -1,1 +1,1 @@
-"""What commands share: their class, completion, examples, tables, progress and verbosity."""
+"""What commands share: arguments and options, tables, and progress."""

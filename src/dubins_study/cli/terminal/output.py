@@ -1,18 +1,120 @@
-"""Output to stderr: progress, and everything that a solver prints."""
+"""What commands print: tables on stdout; progress, the log and what solvers print on stderr."""
 
 from __future__ import annotations
 
+import logging
 import os
+import re
+import shutil
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, nullcontext, redirect_stdout
-from typing import Any
+from enum import IntEnum
+from io import StringIO
+from typing import TYPE_CHECKING
 
-from dubins_study.cli.terminal.verbosity import Verbosity, verbosity
-from dubins_study.study.values import plain
+if TYPE_CHECKING:
+    from rich.table import Table
 
 _INTERVAL_S, _VERBOSE_INTERVAL_S = 30.0, 5.0  # between lines of progress, without a terminal
+_NO_TERMINAL_WIDTH = 100_000  # a row of a table is one line
+_NUMBER = re.compile(r"[-+]?\d[\d.]*(e[-+]?\d+)?\s?%?")
+
+
+class Verbosity(IntEnum):
+    """Quiet: no progress. Normal: progress. Verbose: progress and the log of every step."""
+
+    QUIET = -1
+    NORMAL = 0
+    VERBOSE = 1
+
+
+_level = Verbosity.NORMAL
+_LOG = logging.getLogger("dubins_study")
+
+
+def verbosity() -> Verbosity:
+    """The verbosity of the command that runs."""
+    return _level
+
+
+def set_verbosity(level: Verbosity) -> None:
+    """Set the verbosity; a verbose command writes this package's log to stderr."""
+    global _level
+    _level = level
+    verbose = level == Verbosity.VERBOSE
+    _LOG.handlers = [handler for handler in _LOG.handlers if not isinstance(handler, _ToStderr)]
+    _LOG.setLevel(logging.INFO if verbose else logging.NOTSET)
+    _LOG.propagate = not verbose
+    if verbose:
+        _LOG.addHandler(_ToStderr())
+
+
+class _ToStderr(logging.StreamHandler):  # type: ignore[type-arg]
+    """Writes records to stderr, with visible control characters."""
+
+    def format(self, record: logging.LogRecord) -> str:
+        text = plain(super().format(record))
+        return text if text.startswith("dubins-study:") else f"dubins-study: {text}"
+
+
+def plain(text: str) -> str:
+    """The text on one line, its control characters written out."""
+    from dubins_study.study.values import plain as written_out  # numpy, which no help waits for
+
+    return written_out(text)
+
+
+def terminal_width() -> int | None:
+    """Characters in a line of the terminal; None without one, where lines may be of any length.
+
+    The variable COLUMNS, where it is set, counts as a terminal.
+    """
+    is_terminal = sys.stdout is not None and sys.stdout.isatty()
+    return shutil.get_terminal_size().columns if is_terminal or os.environ.get("COLUMNS") else None
+
+
+def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    """Rows as aligned text, numbers on the right; texts are broken where the terminal ends."""
+    from rich import box
+    from rich.table import Table
+    from rich.text import Text
+
+    shown = Table(box=box.SIMPLE_HEAD, pad_edge=False, show_edge=False)
+    for place, name in enumerate(head):
+        number = all(_NUMBER.fullmatch(row[place]) for row in rows if row[place])
+        shown.add_column(
+            Text(name),  # a name from a results folder may look like markup
+            justify="right" if number else "left",
+            no_wrap=number,
+            overflow="ellipsis" if number else "fold",
+        )
+    for row in rows:
+        shown.add_row(*map(Text, row))
+    return _printed(shown)
+
+
+def listing(fields: Mapping[str, str]) -> str:
+    """Lines of a name and its value; empty values are left out."""
+    from rich.table import Table
+    from rich.text import Text
+
+    shown = Table.grid(padding=(0, 2, 0, 0))
+    shown.add_column(no_wrap=True)
+    shown.add_column(overflow="fold")
+    for name, value in fields.items():
+        if value:
+            shown.add_row(name, Text(value))
+    return _printed(shown)
+
+
+def _printed(shown: Table) -> str:
+    from rich.console import Console
+
+    written, width = StringIO(), terminal_width() or _NO_TERMINAL_WIDTH
+    Console(file=written, width=width, highlight=False, no_color=True).print(shown)
+    return "\n".join(line.rstrip() for line in written.getvalue().splitlines()).strip("\n")
 
 
 @contextmanager
@@ -46,12 +148,13 @@ def progress(what: str, counts: list[int]) -> Iterator[Callable[[int, int], None
     Yields:
         A function of both numbers.
     """
-    moved = _bar(what) if is_terminal() else _lines(what)
-    with nullcontext(_ignored) if verbosity() == Verbosity.QUIET else moved as move:
+    moved = _bar(what) if is_terminal() else nullcontext(_lines(what))
+    with nullcontext(None) if verbosity() == Verbosity.QUIET else moved as move:
 
         def note(done: int, total: int) -> None:
             counts[:] = done, total
-            move(done, total)
+            if move is not None:
+                move(done, total)
 
         yield note
 
@@ -61,18 +164,16 @@ def is_terminal() -> bool:
     return sys.stderr is not None and sys.stderr.isatty() and os.environ.get("TERM") != "dumb"
 
 
-def _ignored(done: int, total: int) -> None:
-    """Progress of a quiet command."""
-
-
 @contextmanager
 def _bar(what: str) -> Iterator[Callable[[int, int], None]]:
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
     from rich.progress import TimeRemainingColumn as Remaining
+    from rich.table import Column
 
     # No markup: a file's name may hold brackets. It gives way where the terminal is narrow.
-    name = TextColumn("{task.description}", markup=False, table_column=_shrinking())
+    shrinking = Column(no_wrap=True, overflow="ellipsis", ratio=1)
+    name = TextColumn("{task.description}", markup=False, table_column=shrinking)
     columns = (name, BarColumn(bar_width=20), MofNCompleteColumn(), Remaining(compact=True))
     bar = Progress(*columns, TextColumn("left"), console=Console(stderr=True))
     task = bar.add_task(plain(what), total=None)
@@ -88,14 +189,7 @@ def _bar(what: str) -> Iterator[Callable[[int, int], None]]:
             bar.stop()
 
 
-def _shrinking() -> Any:
-    from rich.table import Column
-
-    return Column(no_wrap=True, overflow="ellipsis", ratio=1)
-
-
-@contextmanager
-def _lines(what: str) -> Iterator[Callable[[int, int], None]]:
+def _lines(what: str) -> Callable[[int, int], None]:
     interval_s = _VERBOSE_INTERVAL_S if verbosity() == Verbosity.VERBOSE else _INTERVAL_S
     started = written = time.monotonic()
     first: int | None = None
@@ -112,7 +206,7 @@ def _lines(what: str) -> Iterator[Callable[[int, int], None]]:
         text = "" if left is None else f", about {duration(left)} left"
         print(f"dubins-study: {plain(what)}: {done} of {total} done{text}", file=sys.stderr)
 
-    yield move
+    return move
 
 
 def duration(seconds: float) -> str:

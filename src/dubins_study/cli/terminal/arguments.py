@@ -1,0 +1,120 @@
+"""Arguments and options of the commands, each declared once, and their texts as values."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from dubins_study.errors import DubinsStudyError
+from dubins_study.study.words import BRANCHES
+
+if TYPE_CHECKING:
+    from dubins_study.study.scenario import Scenario
+
+
+class CommandError(DubinsStudyError, ValueError):
+    """The command line cannot be read, or its result cannot be printed or saved."""
+
+
+def number(text: str | float) -> float:
+    """The value of an option that is a number, or its default."""
+    try:
+        return float(text)
+    except ValueError:
+        raise typer.BadParameter(f"{text!r:.60}; expected a number") from None
+
+
+def whole_number(text: str | int) -> int:
+    """The value of an option that is a whole number, or its default."""
+    try:
+        return int(text)
+    except ValueError:
+        raise typer.BadParameter(f"{text!r:.60}; expected a whole number") from None
+
+
+# Names that a shell completes, read without importing what they name.
+def complete_branches(incomplete: str) -> list[str]:
+    """The branches that begin with a text."""
+    return _beginning(incomplete, BRANCHES)
+
+
+def complete_profiles(incomplete: str) -> list[str]:
+    """The profiles that begin with a text."""
+    return _beginning(incomplete, ("default", "fast", "accurate"))
+
+
+def complete_solvers(incomplete: str) -> list[str]:
+    """The registered solvers, plug-ins included, whose names begin with a text."""
+    from importlib.metadata import entry_points
+
+    names = [point.name for point in entry_points(group="dubins_study.solvers")]
+    return _beginning(incomplete, names)
+
+
+def complete_experiments(incomplete: str) -> list[str]:
+    """The packaged experiments whose names begin with a text."""
+    from importlib.resources import files
+
+    names = [file.name for file in files("dubins_study.experiments").iterdir()]
+    return _beginning(incomplete, [n.removesuffix(".toml") for n in names if n.endswith(".toml")])
+
+
+def _beginning(text: str, names: list[str] | tuple[str, ...]) -> list[str]:
+    return sorted(name for name in names if name.startswith(text))
+
+
+# the question of a solve
+TargetX = Annotated[float, typer.Argument(metavar="X", help="target position", parser=number)]
+TargetY = Annotated[float, typer.Argument(metavar="Y", help="target position", parser=number)]
+StartPose = Annotated[
+    tuple[str, str, str],
+    typer.Option("--from", metavar="X Y HEADING", help="start pose, e.g. 0 0 120deg"),
+]
+Radius = Annotated[
+    float, typer.Option(metavar="NUMBER", parser=number, help="minimum turning radius")
+]
+Speed = Annotated[float, typer.Option(metavar="NUMBER", parser=number, help="constant speed")]
+Branch = Annotated[
+    str,
+    typer.Option(metavar="NAME", help="best, LS, RS, LR or RL", autocompletion=complete_branches),
+]
+# who answers, and within which limits
+_SPEC = "name, name[setting=value] or file.py:Class"
+Spec = Annotated[
+    str,
+    typer.Option("--solver", metavar="SPEC", help=_SPEC, autocompletion=complete_solvers),
+]
+Profile = Annotated[
+    str,
+    typer.Option(
+        metavar="NAME", help="default, fast or accurate", autocompletion=complete_profiles
+    ),
+]
+SolveLimit = Annotated[
+    float,
+    typer.Option(
+        "--time-limit", metavar="SECONDS", parser=number, help="seconds that the solve may take"
+    ),
+]
+# what is printed
+Json = Annotated[bool, typer.Option("--json", help="print one JSON object")]
+
+
+def scenario_of(
+    x: float, y: float, start: tuple[str, str, str], radius: float, speed: float = 1.0
+) -> Scenario:
+    """A scenario from the words of the command line; every refusal names the field."""
+    from dubins_study.study.angle import AngleError, parse_angle
+    from dubins_study.study.scenario import Scenario
+
+    try:
+        start_x, start_y = float(start[0]), float(start[1])
+    except ValueError:
+        expected = "expected two numbers and a heading"
+        raise CommandError(f"--from is {' '.join(start)!r:.60}; {expected}") from None
+    try:
+        heading = parse_angle(start[2])
+    except AngleError as error:
+        raise AngleError(f"heading: {error}") from None
+    return Scenario(start_x, start_y, heading, x, y, radius, speed)
