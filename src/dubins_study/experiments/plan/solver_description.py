@@ -6,17 +6,20 @@ loaded in a separate process, because it may hang, crash, or change its process.
 
 from __future__ import annotations
 
+import sys
 from functools import cache
 from typing import Any, NamedTuple
 
 from dubins_study.experiments.code_digest import code_digest, plain_settings
-from dubins_study.experiments.isolation.fork_server import exit_status, fork
-from dubins_study.experiments.isolation.messages import Channel, MessageError
+from dubins_study.experiments.isolation.messages import Channel
+from dubins_study.experiments.isolation.worker import answer_tasks
+from dubins_study.experiments.isolation.worker_process import Allowance, Answer, WorkerProcess
 from dubins_study.experiments.provenance import versions_of
 from dubins_study.solvers.analytic import Analytic
 from dubins_study.solvers.protocol import Method
 from dubins_study.solvers.registry import SolverError, canonical, load, ours, stated_method
 from dubins_study.solvers.reply import exception_text
+from dubins_study.study.words import Outcome
 
 _LOAD_LIMIT_S = 60.0  # Seconds that the import of a plug-in may take.
 
@@ -72,23 +75,18 @@ def describe_solver(spec: str, profile: str = "default") -> SolverDescription:
 
 def _described_in_new_process(spec: str, profile: str) -> dict[str, Any]:
     """The fields of a plug-in's description, determined in a separate process."""
-    process = fork(f"{__name__}:send_description", [spec, profile])
-    try:
-        exit_code = process.wait(_LOAD_LIMIT_S)
-        answer = next(process.channel.received(), None)
-    except (EOFError, OSError, MessageError):
-        answer = None
-    finally:
-        process.close()
-    if exit_code is None:
+    with WorkerProcess(f"{__name__}:serve_description", [], sys.maxsize) as worker:
+        event = worker.request([spec, profile], Allowance(_LOAD_LIMIT_S), tuple)
+    if isinstance(event, Answer):
+        fields, message = event.value
+        if message is not None:
+            raise SolverError(str(message))
+        return dict(fields)
+    outcome, solution, _ = event.reply
+    if outcome is Outcome.TIMEOUT:
         raise SolverError(f"solver {spec!r} takes longer than {_LOAD_LIMIT_S:g} s to load")
-    if answer is None:
-        status = exit_status(exit_code)[0]
-        raise SolverError(f"solver {spec!r} ends the process that loads it: {status}")
-    fields, message = answer
-    if message is not None:
-        raise SolverError(str(message))
-    return dict(fields)
+    status = solution.native_status or solution.message
+    raise SolverError(f"solver {spec!r} ends the process that loads it: {status}")
 
 
 def _describe(spec: str, profile: str) -> SolverDescription:
@@ -108,16 +106,19 @@ def _describe(spec: str, profile: str) -> SolverDescription:
     )
 
 
-def send_description(channel: Channel, spec: str, profile: str) -> None:
-    """Describe a plug-in in the process that loads it.
+def serve_description(channel: Channel) -> None:
+    """Describe plug-ins in the process that loads them.
 
-    The message is [fields, None], or [None, what is wrong with the solver]. It holds plain values,
-    so that no object of the plug-in's classes reaches the run.
+    An answer is [fields, None], or [None, what is wrong with the solver]. It holds plain values, so
+    that no object of the plug-in's classes reaches the run.
     """
+    answer_tasks(channel, lambda task: (_description(*task), False))
+
+
+def _description(spec: str, profile: str) -> list[Any]:
     try:
-        channel.put([_describe(spec, profile)._asdict(), None])
+        return [_describe(spec, profile)._asdict(), None]
     except SolverError as error:
-        channel.put([None, str(error)])
+        return [None, str(error)]
     except BaseException as error:  # a plug-in may raise anything
-        channel.put([None, f"solver {spec!r} cannot be described: {exception_text(error)}"])
-    channel.flush()
+        return [None, f"solver {spec!r} cannot be described: {exception_text(error)}"]
