@@ -176,7 +176,7 @@ def room_imports(room: str) -> set[str]:
 
 def allowed(room: str) -> tuple[str, ...]:
     """Rooms, or patterns of rooms, that a room may import."""
-    if room.startswith("report.topics."):
+    if room.startswith("report.topics"):
         return _TOPIC
     return MAY_IMPORT[room]
 

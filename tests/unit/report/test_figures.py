@@ -18,7 +18,9 @@ from dubins_study.report.data.results import load
 from dubins_study.report.elements.axes import label_curves, spread_labels, step_curve
 from dubins_study.report.elements.content import Picture, Table, picture
 from dubins_study.report.elements.figure_file import figure_bytes, fix_layout
-from dubins_study.report.elements.panels import HIGHEST, common_part, split_columns
+from dubins_study.report.elements.names import common_part
+from dubins_study.report.elements.panels import split_columns
+from dubins_study.report.elements.plots import HIGHEST
 from dubins_study.report.elements.style import RULE, WIDE, drawing, text_width
 from dubins_study.report.page.sections import TOPICS, sections_of
 from dubins_study.report.topics.agreement.figures import plot_agreement

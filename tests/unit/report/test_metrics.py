@@ -12,14 +12,15 @@ from dubins_study.report.data.attempts import VERDICTS
 from dubins_study.report.data.failures import failures as failure_counts
 from dubins_study.report.data.verdicts import starts
 from dubins_study.report.statistics import metrics
+from dubins_study.report.statistics.costs import performance_ratios
 from dubins_study.report.topics.agreement.numbers import agreement
 from dubins_study.report.topics.discretisation.numbers import work_precision
 from dubins_study.report.topics.failures.numbers import failures
 from dubins_study.report.topics.success.numbers import gap_quantiles
 from dubins_study.report.topics.summary.numbers import by_start
 from dubins_study.report.topics.summary.section import solver_summary
-from dubins_study.report.topics.time.numbers import mean_times, time_ratios
-from dubins_study.report.topics.warm.numbers import warm_starts
+from dubins_study.report.topics.time import mean_times, right_times
+from dubins_study.report.topics.warm import warm_starts
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import COLUMNS, Pose
 from tests.unit.report.results_folder import attempts_of
@@ -255,7 +256,7 @@ def test_time_ratios_keep_failures_as_never_solved():
         wall_s=[1.0, 2.0, 3.0, 1.0, 1.0],
         verdict=["optimal", "optimal", "optimal", "longer", "optimal"],
     )
-    ratios = time_ratios(rows)
+    ratios = performance_ratios(right_times(rows))
 
     assert ratios["a"].tolist() == [1.0, 1.0]
     assert ratios["b"].tolist() == [2.0, math.inf]

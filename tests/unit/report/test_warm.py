@@ -7,8 +7,7 @@ import math
 import pytest
 
 from dubins_study.report.data.results import load
-from dubins_study.report.topics.warm.numbers import warm_starts
-from dubins_study.report.topics.warm.section import warm_sentences
+from dubins_study.report.topics.warm import warm_starts, warm_text
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import Claim
 from tests.unit.report.results_folder import attempt
@@ -61,7 +60,7 @@ def test_no_iterations_at_all_are_no_ratio(results):
 def test_sentences_say_what_the_rows_say(results):
     """Who saves and who pays; and whether answers change."""
     table = warm_starts(load([results("radius-sweep", rows())]).rows)
-    text = warm_sentences(table)
+    text = warm_text(table.assign(name=table["solver"]))
 
     assert "less than a cold one for ipopt (0.300); as much for shooting (1.00); more for" in text
     assert "In iterations it costs: less than a cold one for ipopt (0.500); more for slsqp" in text
@@ -69,13 +68,14 @@ def test_sentences_say_what_the_rows_say(results):
 
     worse = rows()
     worse[1] = attempt(scenario(1.0), "ipopt", path=None, claim=Claim.FAILED, initial_guess="warm")
-    text = warm_sentences(warm_starts(load([results("worse", worse)]).rows))
+    table = warm_starts(load([results("worse", worse)]).rows)
+    text = warm_text(table.assign(name=table["solver"]))
     assert "ipopt is right less often (100 % cold, 80.0 % warm)" in text
 
 
 def test_the_section_has_the_figure(results, tmp_path):
-    """Figure and table beside the sweeps; and neither where nothing was warm."""
-    topic = "length, time and word against radius"
+    """Figure and table; and neither where nothing was warm."""
+    topic = "cold against warm starts"
     page = topic_page(results("radius-sweep", rows()), tmp_path / "a", topic)
     cold = [row for row in rows() if row["initial_guess"] == "cold"]
     plain = topic_page(results("cold", cold), tmp_path / "b", topic)

@@ -111,6 +111,26 @@ def figure_names(labels: Mapping[str, str]) -> dict[str, str]:
     return {solver: names[solver] for solver in labels}
 
 
+_MOST_IN_PANEL = 36  # characters of a name beside a small panel
+_USUAL_START = "bearing start"
+
+
+def common_part(names: Sequence[str]) -> tuple[str, list[str]]:
+    """What all names but the engine share, for a title, e.g. ` (presolve)`; the names without it.
+
+    Args:
+        names: engine, guess and settings, with commas between them.
+    """
+    plain = [one_line(name, _MOST_IN_PANEL) for name in names]
+    names = list(distinct([str(place) for place in range(len(plain))], plain).values())
+    tails = {name.partition(", ")[2] for name in names}
+    # An engine of which only the usual guess is known, or that needs none, does not name it.
+    shared = tails - {""} if tails > {_USUAL_START} else tails
+    if len(names) < 2 or len(shared) > 1 or shared == {""}:
+        return "", names
+    return f" ({shared.pop()})", [name.partition(", ")[0] for name in names]
+
+
 def one_line(text: str, most: int = _MOST_CHARACTERS) -> str:
     """A text without line breaks, and with at most so many characters."""
     line = " ".join(text.split())

@@ -5,26 +5,24 @@ Their places are computed from the widths of the names, so that a figure needs n
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+import textwrap
+from collections.abc import Hashable, Iterable, Mapping, Sequence
 from itertools import combinations, pairwise
+from typing import Any
 
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
+from numpy.typing import ArrayLike
 
 from dubins_study.report.elements.axes import only_grid, percent_axis
-from dubins_study.report.elements.names import distinct, one_line
+from dubins_study.report.elements.looks import Look, Palette, name_of
+from dubins_study.report.elements.names import common_part, one_line
+from dubins_study.report.elements.plots import HIGHEST
 from dubins_study.report.elements.style import INK, MUTED, WIDE, Style, add_panel, text_width
-from dubins_study.report.statistics.methods import MOST_ENGINES
 
-# For captions of figures that show `statistics.methods.drawn_methods`.
-DRAWN_TEXT = (
-    "A panel per formulation: of each engine the guess and settings that are most surely right, "
-    f"and at most {MOST_ENGINES} engines."
-)
-HIGHEST = 6.2  # inches: on the page a screen of 900 pixels, the caption not counted
 _ACROSS = 3
 _NAME, _TITLE, _SMALL = 6.0, 7.5, 6.5  # points: names of lines, of panels, of axes
 # Inches: a line with its gap, a panel's title, its tick labels, the legend, the axis' name, a gap.
@@ -32,8 +30,6 @@ _LINE, _HEAD, _TICKS, _LEGEND, _LABEL, _GAP = 0.135, 0.26, 0.17, 0.28, 0.2, 0.1
 _COLUMN_GAP = 2.4 * _GAP  # inches: between the notes of a column and the names of the next one
 _LEAST = 0.4  # inches: a panel beside names that leave no room
 _BOLD = 1.22  # width of a bold text over that of the same text in the usual weight
-_MOST_CHARACTERS = 36  # of a name beside a small panel
-_USUAL_START = "bearing start"
 
 
 def split_columns(heights: Sequence[float], across: int) -> list[range]:
@@ -112,22 +108,6 @@ def _set_title(ax: Axes, title: str, before: float, width: float, after: float) 
     size = _TITLE * min(1.0, room / (_BOLD * text_width(title, _TITLE)))
     # With no y, matplotlib looks for room among all labels of the axes, each time that it draws.
     ax.set_title(title, fontsize=size, pad=3, x=-before / max(_LEAST, width), y=1.0)
-
-
-def common_part(names: Sequence[str]) -> tuple[str, list[str]]:
-    """What all names but the engine share, for a title, e.g. ` (presolve)`; the names without it.
-
-    Args:
-        names: engine, guess and settings, with commas between them.
-    """
-    plain = [one_line(name, _MOST_CHARACTERS) for name in names]
-    names = list(distinct([str(place) for place in range(len(plain))], plain).values())
-    tails = {name.partition(", ")[2] for name in names}
-    # An engine of which only the usual guess is known, or that needs none, does not name it.
-    shared = tails - {""} if tails > {_USUAL_START} else tails
-    if len(names) < 2 or len(shared) > 1 or shared == {""}:
-        return "", names
-    return f" ({shared.pop()})", [name.partition(", ")[0] for name in names]
 
 
 def _name_lines(ax: Axes, names: Sequence[str], notes: Sequence[str]) -> None:
@@ -260,3 +240,72 @@ def curve_panel(
     ax = add_panel(figure, box)
     ax.set(xlabel=xlabel, ylabel=ylabel)
     return figure, ax
+
+
+def label_lines(
+    ax: Axes, solvers: Iterable[str], places: ArrayLike, palette: Palette | None = None
+) -> None:
+    """Write the solvers' names to the left of their lines; draw grid lines for the values only.
+
+    The names are the page's short ones if its palette is given, else the specs.
+    """
+    names = [wrapped(palette.label(solver)) if palette else name_of(solver) for solver in solvers]
+    ax.set_yticks(np.asarray(places), names, color=INK)
+    ax.set_ylim(-0.6, len(names) - 0.4)
+    only_grid(ax, "x")
+    ax.spines["left"].set_visible(False)
+    ax.tick_params(axis="y", length=0)
+
+
+def wrapped(name: str) -> str:
+    """A short name over several lines if it is long."""
+    return "\n".join(textwrap.wrap(name, _WRAPPED, break_long_words=False))
+
+
+_WRAPPED = 32
+
+
+def plot_quartiles(
+    ax: Axes, row: Mapping[Hashable, Any], key: str, place: float, look: Look, fill: str = ""
+) -> None:
+    """Draw a duration's median as a mark and its quartiles as a bar, on the line at `place`.
+
+    `row` holds the median (s) under `key`, and the quartiles under `key` with `_q1` and `_q3`.
+    `fill` is the colour inside the mark; if it is empty, the solver's colour.
+    """
+    ends = [max(row[f"{key}_q1"], 1e-9), row[f"{key}_q3"]]
+    bar: Style = {"color": look.colour, "linewidth": 2.4, "alpha": 0.45, "solid_capstyle": "butt"}
+    ax.plot(ends, [place] * 2, **bar)
+    ax.plot(row[key], place, **(look.dots | {"markerfacecolor": fill or look.colour}))
+
+
+def plot_shares(
+    ax: Axes,
+    table: pd.DataFrame,
+    look: Mapping[str, tuple[str, str]],
+    notes: Sequence[str],
+    palette: Palette | None = None,
+) -> None:
+    """Draw one stacked bar per solver: each column of `look` as a share of `attempts`.
+
+    Args:
+        ax: where to draw.
+        table: columns solver, attempts, and a count for each name in `look`.
+        look: column -> colour and hatch, in the order of the stack.
+        notes: texts to the right of the bars, one per row.
+        palette: of the page, for its short names.
+    """
+    places = np.arange(len(table))[::-1]
+    left = np.zeros(len(table))
+    for name, (colour, hatch) in look.items():
+        width = table[name].to_numpy() / table["attempts"].to_numpy()
+        if not width.any():
+            continue
+        style: Style = {"color": colour, "hatch": hatch, "edgecolor": "white", "linewidth": 0}
+        ax.barh(places, width, left=left, height=0.62, label=name, **style)
+        left += width
+    for place, note in zip(places, notes, strict=True):
+        ax.text(1.015, place, note, va="center", fontsize=7.5, color=MUTED)
+    label_lines(ax, table["solver"], places, palette)
+    ax.set(xlim=(0, 1), xlabel="share of all attempts")
+    percent_axis(ax.xaxis)

@@ -1,85 +1,415 @@
-"""Figures with one line per solver: its name on the left, bars or marks to the right of it."""
+"""The kinds of plot that most topics use; a topic declares its marks and hands a table over.
+
+Quartiles and shares by named lines, rising curves of shares, lines over a parameter, maps of cells.
+Matplotlib's constrained layout finds the places.
+"""
 
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Hashable, Iterable, Mapping, Sequence
-from typing import Any
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from numpy.typing import ArrayLike
+from matplotlib.colors import Colormap, ListedColormap
+from matplotlib.figure import Figure
+from matplotlib.image import AxesImage
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+from matplotlib.ticker import LogLocator
+from matplotlib.transforms import blended_transform_factory as blended
 
-from dubins_study.report.elements.axes import only_grid, percent_axis
-from dubins_study.report.elements.looks import Look, Palette, name_of
-from dubins_study.report.elements.style import INK, MUTED, Style
+from dubins_study.report.elements.axes import (
+    duration,
+    log_axis,
+    mark_limit,
+    only_grid,
+    percent_axis,
+    plain_log_axis,
+)
+from dubins_study.report.elements.looks import BEHIND, Look, Palette
+from dubins_study.report.elements.names import common_part, one_line
+from dubins_study.report.elements.style import HALF, INK, MUTED, WIDE, Style, new_figure
+from dubins_study.report.statistics.methods import MOST_ENGINES
+from dubins_study.study.path import FloatArray
+
+# For captions of figures that show `statistics.methods.drawn_methods`.
+DRAWN_TEXT = (
+    "A panel per formulation: of each engine the guess and settings that are most surely right, "
+    f"and at most {MOST_ENGINES} engines."
+)
+HIGHEST = 6.2  # inches: on the page a screen of 900 pixels, the caption not counted
+_ACROSS = 3  # panels side by side
+_MARKERS = ("D", "s", "^", "v")  # open marks that can be seen inside each other
 
 
-def label_lines(
-    ax: Axes, solvers: Iterable[str], places: ArrayLike, palette: Palette | None = None
-) -> None:
-    """Write the solvers' names to the left of their lines; draw grid lines for the values only.
+@dataclass(frozen=True)
+class Mark:
+    """How one column of a table, or one kind of its rows, is drawn.
 
-    The names are the page's short ones if its palette is given, else the specs.
+    Args:
+        key: the column, or the kind.
+        label: its name in the legend; empty for none.
+        colour: empty for the colour of the row's solver.
+        marker: empty for the marker of the row's solver.
+        filled: whether the marker is filled.
+        hatch: of bars; neighbours differ in it, so that grey print keeps them apart.
     """
-    names = [wrapped(palette.label(solver)) if palette else name_of(solver) for solver in solvers]
-    ax.set_yticks(np.asarray(places), names, color=INK)
+
+    key: str
+    label: str = ""
+    colour: str = ""
+    marker: str = ""
+    filled: bool = True
+    hatch: str = ""
+
+    def dots(self, look: Look | None = None) -> Style:
+        """Keywords for markers without a line; `look` is the solver's."""
+        colour = self.colour or (look.colour if look else INK)
+        marker = self.marker or (look.marker if look else "o")
+        face = colour if self.filled else "none"
+        return {"linestyle": "none", "color": colour, "marker": marker, "markerfacecolor": face}
+
+    def bar(self) -> Style:
+        """Keywords for a bar."""
+        return {"facecolor": self.colour, "hatch": self.hatch, "edgecolor": "white", "linewidth": 0}
+
+
+def quartile_lines(
+    table: pd.DataFrame,
+    marks: Sequence[Mark],
+    palette: Palette,
+    label: str,
+    *,
+    seconds: bool = False,
+    limit: float | None = None,
+    panels: bool = False,
+    width: float = WIDE,
+) -> Figure:
+    """Median and quartiles of positive numbers on a logarithmic axis, a named line per row.
+
+    Args:
+        table: columns of `named_lines`, solver, and for each mark `key`, `key`_q1 and `key`_q3.
+        marks: what each line shows; the first is the highest.
+        palette: of the page.
+        label: of the axis.
+        seconds: whether the numbers are durations (s).
+        limit: where to draw a dotted line.
+        panels: as for `named_lines`.
+        width: of the figure (inches).
+    """
+    figure, axes = named_lines(table, label, panels=panels, width=width)
+    looks = palette.looks(table["solver"])
+    values = table[[f"{mark.key}{end}" for mark in marks for end in ("_q1", "", "_q3")]]
+    shown = values.where(values > 0).stack().to_numpy(dtype=np.float64)
+    ends = [*shown, *([] if limit is None else [limit])] or [1.0]
+    low, high = 0.8 * min(ends), 1.25 * max(ends)
+    widen = max(1.0, (6 / (high / low)) ** 0.5)  # or the axis might have no number
+    for ax, rows in axes:
+        for number, mark in enumerate(marks):
+            lift = 0.28 * ((len(marks) - 1) / 2 - number)
+            for place, row in zip(range(len(rows))[::-1], rows.to_dict("records"), strict=True):
+                if not row[mark.key] > 0:
+                    continue
+                dots = mark.dots(looks[row["solver"]])
+                bar = [max(row[f"{mark.key}_q1"], low), row[f"{mark.key}_q3"]]
+                ax.hlines(place + lift, *bar, color=dots["color"], linewidth=2.4, alpha=0.45)
+                ax.plot(row[mark.key], place + lift, **dots)
+        if limit is not None:
+            mark_limit(ax, limit)
+        _scale(ax, "x", low / widen, high * widen, seconds=seconds)
+    handles = [Line2D([], [], label=mark.label, **mark.dots()) for mark in marks if mark.label]
+    _legend(figure, "upper", handles)
+    return figure
+
+
+def stacked_shares(
+    table: pd.DataFrame,
+    marks: Sequence[Mark],
+    label: str = "share of all attempts",
+    *,
+    panels: bool = False,
+) -> Figure:
+    """One bar per row, stacked of shares; marks that no row has are left out.
+
+    Args:
+        table: columns of `named_lines`, and a share for each mark.
+        marks: with colours and hatches, in the order of the stack, from dark to light.
+        label: of the axis.
+        panels: as for `named_lines`.
+    """
+    figure, axes = named_lines(table, label, panels=panels)
+    present = [mark for mark in marks if table[mark.key].fillna(0).any()]
+    for ax, rows in axes:
+        places, left = np.arange(len(rows))[::-1], np.zeros(len(rows))
+        for mark in present:
+            width = rows[mark.key].fillna(0).to_numpy(dtype=np.float64)
+            shown = width > _THIN
+            ax.barh(places[shown], width[shown], left=left[shown], height=0.68, **mark.bar())
+            left += width
+        ax.set(xlim=(0, 1), xticks=(0, 0.5, 1))
+        percent_axis(ax.xaxis)
+    handles = [Patch(label=mark.label or mark.key, **mark.bar()) for mark in present]
+    _legend(figure, "upper", handles)
+    return figure
+
+
+_THIN = 1e-3  # a bar that is thinner than this share of its axis cannot be seen
+
+
+def named_lines(
+    table: pd.DataFrame, label: str, *, panels: bool = False, width: float = WIDE
+) -> tuple[Figure, list[tuple[Axes, pd.DataFrame]]]:
+    """A figure of named lines; the first row is the highest, and the last is at the height 0.
+
+    Args:
+        table: one row per line; its `name`, and `note`, a text at its right, if there is such a
+            column.
+        label: of the horizontal axes.
+        panels: whether each `formulation` has its panel, with the names in `short`.
+        width: of the figure (inches).
+
+    Returns:
+        The figure; each panel with its rows.
+    """
+    size, inches = (6.0, 0.145) if panels else (8.0, 0.27)
+    groups = _groups(table) if panels else [("", [*map(_wrapped, table["name"])], table)]
+    heights = np.array([inches * len(rows) + (0.3 if panels else 0) for _, _, rows in groups])
+    column = (_ACROSS * (heights.cumsum() - heights / 2) / heights.sum()).astype(int)
+    columns = [np.flatnonzero(column == number) for number in np.unique(column)]
+    tallest = max(heights[places].sum() for places in columns)
+    lines = "\n".join(name for _, names, _ in groups for name in names).count("\n") + 1
+    if not panels:  # names of several lines need more room
+        tallest = max(tallest, 0.13 * lines)
+    figure = new_figure(width, min(HIGHEST, 0.75 + tallest))
+    if panels:
+        figure.supxlabel(label, fontsize=8, color=MUTED)
+    parts = figure.subfigures(1, len(columns), squeeze=False)[0]
+    drawn = []
+    for part, places in zip(parts, columns, strict=True):
+        empty = max(tallest - heights[places].sum(), 1e-3)
+        grid = part.add_gridspec(len(places) + 1, 1, height_ratios=[*heights[places], empty])
+        for line, place in enumerate(places):
+            title, names, rows = groups[place]
+            ax = part.add_subplot(grid[line])
+            _name(ax, names, rows.get("note"), size)
+            ax.tick_params(axis="x", labelsize=size + 0.5, labelbottom=place == places[-1])
+            if not panels:
+                ax.set_xlabel(label)
+            else:  # the title begins at the column's edge, above the names; a blank holds its place
+                ax.set_title(" ", fontsize=7.5, pad=3)
+                across = blended(part.transSubfigure, ax.transAxes)
+                ax.annotate(
+                    *(title, (0.015, 1.0)),
+                    xycoords=across,
+                    xytext=(0, 3),
+                    textcoords="offset points",
+                    fontsize=7.5,
+                    fontweight="bold",
+                    in_layout=False,
+                    annotation_clip=False,
+                )
+            drawn.append((ax, rows))
+    return figure, drawn
+
+
+def _groups(table: pd.DataFrame) -> list[tuple[str, list[str], pd.DataFrame]]:
+    """Title, names and rows of each formulation; what all its names share is in the title."""
+    groups = []
+    for title, rows in table.groupby("formulation", sort=False):
+        shared, names = common_part(rows["short"].tolist())
+        groups.append((one_line(f"{title}{shared}"), names, rows))
+    return groups
+
+
+def _wrapped(name: str) -> str:
+    return "\n".join(textwrap.wrap(name, 32, break_long_words=False))
+
+
+def _name(ax: Axes, names: Sequence[str], notes: pd.Series[str] | None, size: float) -> None:
+    places = range(len(names))[::-1]
+    ax.set_yticks(places, names, color=INK, fontsize=size)
     ax.set_ylim(-0.6, len(names) - 0.4)
     only_grid(ax, "x")
     ax.spines["left"].set_visible(False)
-    ax.tick_params(axis="y", length=0)
+    ax.tick_params(axis="y", length=0, pad=2)
+    style: Style = {"va": "center", "fontsize": min(size, 7.5), "color": MUTED}
+    for place, note in zip(places, [] if notes is None else notes, strict=False):
+        ax.text(1.02, place, note, transform=ax.get_yaxis_transform(), **style)
 
 
-def wrapped(name: str) -> str:
-    """A short name over several lines if it is long."""
-    return "\n".join(textwrap.wrap(name, _MOST_CHARACTERS, break_long_words=False))
+def share_curves(
+    shares: Mapping[str, pd.DataFrame],
+    names: Mapping[str, str],
+    palette: Palette,
+    xlabel: str,
+    ylabel: str = "share of questions",
+    *,
+    seconds: bool = False,
+    limit: float | None = None,
+    same_x: bool = True,
+) -> Figure:
+    """Rising shares over a logarithmic axis, in one wide panel or several small ones.
 
-
-_MOST_CHARACTERS = 32
-
-
-def plot_quartiles(
-    ax: Axes, row: Mapping[Hashable, Any], key: str, place: float, look: Look, fill: str = ""
-) -> None:
-    """Draw a duration's median as a mark and its quartiles as a bar, on the line at `place`.
-
-    `row` holds the median (s) under `key`, and the quartiles under `key` with `_q1` and `_q3`.
-    `fill` is the colour inside the mark; if it is empty, the solver's colour.
+    Args:
+        shares: title of a panel -> shares in [0, 1], indexed by x (ascending), a column per solver.
+        names: solver -> its name; the curves of the others are grey and have none.
+        palette: of the page.
+        xlabel, ylabel: of all panels.
+        seconds: whether x is a duration (s).
+        limit: where to draw a dotted line.
+        same_x: whether the panels share the horizontal axis.
     """
-    ends = [max(row[f"{key}_q1"], 1e-9), row[f"{key}_q3"]]
-    bar: Style = {"color": look.colour, "linewidth": 2.4, "alpha": 0.45, "solid_capstyle": "butt"}
-    ax.plot(ends, [place] * 2, **bar)
-    ax.plot(row[key], place, **(look.dots | {"markerfacecolor": fill or look.colour}))
+    across = min(_ACROSS, len(shares))
+    down, small = -(-len(shares) // across), 6.5
+    figure = new_figure(WIDE, 2.9 if across == 1 else min(HIGHEST, 0.3 + 1.5 * down))
+    panels = figure.subplots(down, across, sharex=same_x, sharey=True, squeeze=False).ravel()
+    for place, (title, table) in enumerate(shares.items()):
+        ax, named = panels[place], [str(solver) for solver in table if solver in names]
+        shared, shown = "", [names[solver] for solver in named]
+        if across > 1:
+            shared, shown = common_part(shown)
+        _draw_shares(ax, table, dict(zip(named, shown, strict=True)), palette, small)
+        ax.set_title(one_line(f"{title}{shared}"), fontsize=7.5, pad=3)
+        ax.tick_params(labelsize=small, labelbottom=not same_x or place + across >= len(shares))
+        if limit is not None:
+            mark_limit(ax, limit)
+        _scale(ax, "x", float(table.index[0]), float(table.index[-1]), seconds=seconds)
+        if across > 1:
+            ax.xaxis.set_major_locator(LogLocator(numticks=3))
+            ax.set_yticks((0, 0.5, 1))
+    for ax in panels[len(shares) :]:
+        ax.remove()
+    figure.supxlabel(xlabel, fontsize=8, color=MUTED)
+    figure.supylabel(ylabel, fontsize=8, color=MUTED)
+    return figure
 
 
-def plot_shares(
-    ax: Axes,
-    table: pd.DataFrame,
-    look: Mapping[str, tuple[str, str]],
-    notes: Sequence[str],
-    palette: Palette | None = None,
+def _draw_shares(
+    ax: Axes, table: pd.DataFrame, names: Mapping[str, str], palette: Palette, size: float
 ) -> None:
-    """Draw one stacked bar per solver: each column of `look` as a share of `attempts`.
+    """Draw the columns of a table over its index; those with a name in colour and in the legend."""
+    looks, drawn = palette.looks(names), {}
+    for solver in [*table.columns.difference([*names]), *names]:
+        curve = table[solver]
+        changed = curve.ne(curve.shift()) | (curve.index == curve.index[-1])
+        style = looks[solver].lines | {"linewidth": 1.1} if solver in looks else BEHIND
+        (line,) = ax.step(curve.index[changed], curve[changed], where="post", **style)
+        line.set_label(names.get(solver, "_"))
+        drawn[solver] = line
+    # The legend has the order in which the curves end, from the highest down.
+    order = sorted(names, key=lambda s: (-round(table[s].iloc[-1], 3), -table[s].mean()))
+    handles = [drawn[solver] for solver in order]
+    beside: Style = {"loc": "center left", "bbox_to_anchor": (1.0, 0.5), "labelspacing": 0.15}
+    ax.legend(handles=handles, fontsize=size, handlelength=1.8, **beside)
+    ax.set(ylim=(0, 1.02))
+    percent_axis(ax.yaxis)
+
+
+def parameter_lines(
+    table: pd.DataFrame,
+    x: str,
+    y: str,
+    palette: Palette,
+    xlabel: str,
+    ylabel: str,
+    *,
+    seconds: bool = False,
+    width: float = HALF,
+    height: float = 3.3,
+) -> Figure:
+    """Lines over a parameter, both axes logarithmic; see `draw_lines`.
+
+    Args:
+        table, x, y, palette: as for `draw_lines`.
+        xlabel, ylabel: of the axes.
+        seconds: whether x is a duration (s).
+        width, height: of the figure (inches).
+    """
+    figure = new_figure(width, height)
+    ax = figure.add_subplot()
+    draw_lines(ax, table, x, y, palette)
+    ax.set(xlabel=xlabel, ylabel=ylabel)
+    low, high = ax.get_xlim()
+    _scale(ax, "x", low, high, seconds=seconds)
+    handles, labels = ax.get_legend_handles_labels()
+    columns = 1 if max(map(len, labels), default=0) > 25 or width > HALF else 2
+    _legend(figure, "lower", handles, columns)
+    return figure
+
+
+def draw_lines(ax: Axes, table: pd.DataFrame, x: str, y: str, palette: Palette) -> None:
+    """Draw a line per series, with open marks of growing size: lines that coincide stay visible.
 
     Args:
         ax: where to draw.
-        table: columns solver, attempts, and a count for each name in `look`.
-        look: column -> colour and hatch, in the order of the stack.
-        notes: texts to the right of the bars, one per row.
-        palette: of the page, for its short names.
+        table: columns solver, `name` (in the legend), x, y, and if there are quartiles `y`_q1 and
+            `y`_q3, drawn as a band. A line per name, in the order of the rows. Only positive
+            finite values are drawn.
+        x, y: columns.
+        palette: of the page.
     """
-    places = np.arange(len(table))[::-1]
-    left = np.zeros(len(table))
-    for name, (colour, hatch) in look.items():
-        width = table[name].to_numpy() / table["attempts"].to_numpy()
-        if not width.any():
-            continue
-        style: Style = {"color": colour, "hatch": hatch, "edgecolor": "white", "linewidth": 0}
-        ax.barh(places, width, left=left, height=0.62, label=name, **style)
-        left += width
-    for place, note in zip(places, notes, strict=True):
-        ax.text(1.015, place, note, va="center", fontsize=7.5, color=MUTED)
-    label_lines(ax, table["solver"], places, palette)
-    ax.set(xlim=(0, 1), xlabel="share of all attempts")
-    percent_axis(ax.xaxis)
+    shown = table[np.isfinite(table[y].astype(float)) & (table[y] > 0)]
+    looks = palette.looks(shown["solver"])
+    for place, (name, group) in enumerate(shown.groupby("name", sort=False)):
+        look = looks[group["solver"].iloc[0]]
+        if f"{y}_q1" in group:
+            low, high = (group[f"{y}{end}"].to_numpy(np.float64) for end in ("_q1", "_q3"))
+            ax.fill_between(group[x], low, high, color=look.colour, alpha=0.14, linewidth=0)
+        style: Style = {"marker": _MARKERS[place % len(_MARKERS)], "markersize": 3.5 + 1.2 * place}
+        style |= {"markerfacecolor": "none", "linewidth": 1.1, "label": name}
+        ax.plot(group[x], group[y], **look.lines, **style)
+    ax.set(xscale="log", yscale="log")
+    log_axis(ax.yaxis)
+
+
+def draw_cells(
+    ax: Axes,
+    values: FloatArray,
+    x: FloatArray,
+    y: FloatArray,
+    colours: Sequence[str] | Colormap | str,
+    ends: tuple[float, float] | None = None,
+) -> AxesImage:
+    """Fill the cells of a grid; a cell without a value stays empty.
+
+    Args:
+        ax: where to draw.
+        values: shape (m, n); with a list of colours the index of each cell's colour.
+        x, y: centres of the cells, shapes (n,) and (m,), evenly spaced.
+        colours: a list of colours, or a colour map.
+        ends: the values at the colour map's ends.
+    """
+    extent = [
+        end
+        for centres in (x, y)
+        for half in [np.diff(centres).mean() / 2 if centres.size > 1 else 0.5]
+        for end in (centres[0] - half, centres[-1] + half)
+    ]
+    if not isinstance(colours, (str, Colormap)):
+        ends = (-0.5, len(colours) - 0.5)
+        colours = ListedColormap([*colours])
+    low, high = ends or (None, None)
+    style: Style = {"origin": "lower", "interpolation": "nearest", "vmin": low, "vmax": high}
+    ax.grid(False)
+    return ax.imshow(values, extent=tuple(extent), cmap=colours, **style)
+
+
+def _scale(ax: Axes, axis: str, low: float, high: float, *, seconds: bool) -> None:
+    """A logarithmic axis with these ends; if it is short, with a number at 1, 2, 5, 10, ..."""
+    ax.set(**{f"{axis}scale": "log", f"{axis}lim": (low, high)})
+    line = ax.xaxis if axis == "x" else ax.yaxis
+    if high / low > 1000 or seconds:
+        log_axis(line, *([duration] if seconds else []))
+    else:
+        plain_log_axis(line)
+
+
+def _legend(figure: Figure, side: str, handles: Sequence[Artist], columns: int = 0) -> None:
+    """A legend above (`upper`) or below (`lower`) the panels, if there is anything to name."""
+    if handles:
+        place: Style = {"loc": f"outside {side} left", "fontsize": 7.5, "columnspacing": 1.2}
+        figure.legend(handles=list(handles), ncols=columns or min(len(handles), 6), **place)

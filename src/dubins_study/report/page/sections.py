@@ -37,6 +37,7 @@ _MODULES = (
     "topics.paper.drawn",
     # studies of one thing each
     "topics.radius",
+    "topics.warm",
     "topics.discretisation",
     "topics.plane",
     "topics.map",

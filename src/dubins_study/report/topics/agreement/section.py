@@ -9,7 +9,7 @@ from dubins_study.report.elements.columns import columns
 from dubins_study.report.elements.content import Section, Table, picture
 from dubins_study.report.elements.formats import count, digits, sentences, share
 from dubins_study.report.elements.names import labels_of
-from dubins_study.report.elements.panels import HIGHEST
+from dubins_study.report.elements.plots import HIGHEST
 from dubins_study.report.elements.style import WIDE
 from dubins_study.report.elements.topic import General, Topic
 from dubins_study.report.statistics.methods import MOST_METHODS, best_of_formulations

@@ -13,8 +13,8 @@ from dubins_study.report.elements.formats import count, digits, sentences, share
 from dubins_study.report.elements.identity import best_first
 from dubins_study.report.elements.looks import Palette
 from dubins_study.report.elements.names import in_page_order, labels_of
-from dubins_study.report.elements.panels import DRAWN_TEXT, HIGHEST, plot_stacked_shares
-from dubins_study.report.elements.plots import plot_shares
+from dubins_study.report.elements.panels import plot_shares, plot_stacked_shares
+from dubins_study.report.elements.plots import DRAWN_TEXT, HIGHEST
 from dubins_study.report.elements.style import BLUE, ORANGE, RULE, SKY, WIDE
 from dubins_study.report.elements.topic import General, Topic
 from dubins_study.report.statistics.methods import MOST_METHODS, drawn_methods

@@ -18,7 +18,8 @@ from dubins_study.report.elements.axes import (
     step_curve,
 )
 from dubins_study.report.elements.looks import BEHIND, Palette
-from dubins_study.report.elements.panels import common_part, curve_panel, curve_panels
+from dubins_study.report.elements.names import common_part
+from dubins_study.report.elements.panels import curve_panel, curve_panels
 from dubins_study.study.path import FloatArray
 
 # Points of a curve: as fine as a panel can show.

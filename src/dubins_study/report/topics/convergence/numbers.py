@@ -143,7 +143,7 @@ def _order(line: pd.DataFrame, attempts: pd.DataFrame) -> dict[str, object]:
     }
 
 
-def _goal(value: FloatArray, seconds: metrics.FloatArray) -> float:
+def _goal(value: FloatArray, seconds: FloatArray) -> float:
     """Time (s) at the smallest size from which on all values are within the goal."""
     above = np.flatnonzero(~(value <= GOAL))
     first = int(above[-1]) + 1 if above.size else 0

@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
 from dubins_study.report.elements.axes import mark_limit, power
-from dubins_study.report.elements.plots import label_lines
+from dubins_study.report.elements.panels import label_lines
 from dubins_study.report.elements.style import BLUE, INK, ORANGE, RULE, VERMILION
 from dubins_study.report.statistics.metrics import solver_order
 from dubins_study.report.topics.ladder.numbers import FINDINGS

@@ -13,7 +13,7 @@ from dubins_study.report.elements.columns import SOLVER, Column, columns, marks
 from dubins_study.report.elements.content import Picture, Place, Section, Table, picture
 from dubins_study.report.elements.formats import count, digits, seconds, sentences, some
 from dubins_study.report.elements.identity import METHOD, best_first
-from dubins_study.report.elements.panels import HIGHEST
+from dubins_study.report.elements.plots import HIGHEST
 from dubins_study.report.elements.shares import INTERVAL_TEXT, percent, questions
 from dubins_study.report.elements.style import WIDE
 from dubins_study.report.elements.topic import BENCHMARK, Topic

@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 
 from dubins_study.report.elements.axes import duration, log_axis, mark_limit
 from dubins_study.report.elements.looks import Palette
-from dubins_study.report.elements.plots import label_lines, plot_quartiles
+from dubins_study.report.elements.panels import label_lines, plot_quartiles
 from dubins_study.report.elements.style import BLUE, GREEN, MUTED, VERMILION, Style
 from dubins_study.report.statistics.metrics import solver_order
 

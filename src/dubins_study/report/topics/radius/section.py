@@ -21,12 +21,10 @@ from dubins_study.report.topics.radius.numbers import (
     sweep,
     sweep_rows,
 )
-from dubins_study.report.topics.warm.numbers import warm_starts
-from dubins_study.report.topics.warm.section import warm_blocks, warm_sentences
 
 
 def radius_section(results: Results) -> Section | None:
-    """One figure per sweep, and cold against warm starts."""
+    """One figure per sweep, and how the answers along the sweeps are wrong."""
     rows_of_sweeps = sweep_rows(results.rows)
     if not rows_of_sweeps:
         return None
@@ -37,9 +35,6 @@ def radius_section(results: Results) -> Section | None:
         for number, ((_, label), group) in enumerate(rows_of_sweeps.items(), start=1)
     ]
     blocks.append(_answers(answers(rows)))
-    warm = warm_starts(rows)
-    if len(warm):
-        blocks += warm_blocks(warm, palette)
     text = (
         "At R* = r² / (2 |Y|) a turning circle passes through the target (r is its distance, Y its "
         "offset to the left of the start heading). Beyond it the target lies inside the circle, "
@@ -49,9 +44,6 @@ def radius_section(results: Results) -> Section | None:
         "the foot those that do not arrive. Right: the median time of a cold attempt, of the "
         "closed form and of each formulation's solver that is most surely right."
     )
-    if len(warm):
-        named = warm.assign(solver=warm["solver"].map(palette.names(warm["solver"])))
-        text += f" {warm_sentences(named)}"
     lead = (
         "See where the target enters a turning circle, at R*: there the word changes, the length "
         "jumps where the target was ahead, and some solvers take longer."

@@ -19,13 +19,13 @@ from dubins_study.report.elements.axes import (
 )
 from dubins_study.report.elements.formats import count
 from dubins_study.report.elements.looks import BEHIND, Look, Palette
+from dubins_study.report.elements.names import common_part
 from dubins_study.report.elements.panels import (
-    common_part,
     curve_panel,
     curve_panels,
+    plot_shares,
     plot_stacked_shares,
 )
-from dubins_study.report.elements.plots import plot_shares
 from dubins_study.report.elements.style import BLUE, ORANGE, RULE, VERMILION
 from dubins_study.report.statistics.methods import foremost
 from dubins_study.report.statistics.metrics import solver_order

@@ -14,7 +14,7 @@ from dubins_study.report.elements.formats import count, digits, sentences, share
 from dubins_study.report.elements.identity import best_first
 from dubins_study.report.elements.looks import Palette
 from dubins_study.report.elements.names import in_page_order
-from dubins_study.report.elements.panels import DRAWN_TEXT, HIGHEST
+from dubins_study.report.elements.plots import DRAWN_TEXT, HIGHEST
 from dubins_study.report.elements.style import WIDE
 from dubins_study.report.elements.topic import General, Topic
 from dubins_study.report.statistics.methods import MOST_ENGINES, MOST_METHODS, drawn_methods

@@ -1,1 +1,0 @@
-"""The topic `warm` of the report."""
