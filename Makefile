@@ -63,7 +63,7 @@ adversary: $(READY)  ## attack the package with N hard cases; a table, and exit 
 	$(BIN)/python -m dubins_study.solvers.compile_loops
 	$(BIN)/python -m tests.adversary.campaign $(N) --seed $(SEED) --workers $(JOBS)
 
-rooms: $(READY)  ## print each room with its promise, its size and what it imports
+rooms: $(READY)  ## print each room with its promise, what it imports and its size beside its budget
 	$(BIN)/python -m tests.unit.test_layers
 
 check: $(READY)  ## lint, format and type checks
