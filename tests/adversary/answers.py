@@ -8,9 +8,10 @@ from collections.abc import Sequence
 import numpy as np
 from flint import acb, arb
 
-from dubins_study.study.check.certificate import Certificate, certify
-from dubins_study.study.check.verdict import Judgement, judge
+from dubins_study.study.check.certificate import certify
+from dubins_study.study.check.verdict import judge
 from dubins_study.study.path import Path
+from dubins_study.study.rows.schema import Certificate, Judgement
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.tolerances import Tolerances
 from dubins_study.study.words import Proof, Verdict

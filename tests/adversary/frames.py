@@ -10,15 +10,16 @@ import numpy as np
 
 from dubins_study.solvers.analytic import Analytic
 from dubins_study.solvers.protocol import Question
-from dubins_study.study.check.certificate import Certificate, certify
+from dubins_study.study.check.certificate import certify
 from dubins_study.study.check.certificate_frame import PROOFS, FrameCertificate, certify_frame
 from dubins_study.study.check.two_arcs import PATH_WORDS
-from dubins_study.study.check.verdict import Judgement, judge
+from dubins_study.study.check.verdict import judge
 from dubins_study.study.check.verdict_frame import FrameJudgement, judge_frame
 from dubins_study.study.check.verdict_kernel import REGIONS, VERDICTS
 from dubins_study.study.closed_form.kernel import shortest_rows
 from dubins_study.study.closed_form.shortest import shortest_path
 from dubins_study.study.path import Paths
+from dubins_study.study.rows.schema import Certificate, Judgement
 from dubins_study.study.scenario import NUMBERS, Scenario
 from dubins_study.study.words import BRANCHES, Proof, Verdict
 from tests.adversary.checks import ulp

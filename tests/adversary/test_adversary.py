@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -59,21 +60,21 @@ SPOILT: dict[str, tuple[Any, str, Spoil]] = {
     "absent": (checks, "enclose", lambda e: e._replace(absent=not e.absent)),
     "enclosure decided": (checks, "enclose", lambda e: e._replace(high=float("inf"))),
     "enclosure width": (checks, "enclose", lambda e: e._replace(low=0.0)),
-    "bounds": (checks, "certify", lambda c: c._replace(false_bound=not c.false_bound)),
-    "frame judgement": (frames, "judge", lambda j: j._replace(region="circle")),
-    "frame gap": (frames, "judge", lambda j: j._replace(gap=j.gap and j.gap + 1e-14)),
-    "analytic claim": (frames, "judge", lambda j: j._replace(false_claim=True)),
+    "bounds": (checks, "certify", lambda c: replace(c, false_bound=not c.false_bound)),
+    "frame judgement": (frames, "judge", lambda j: replace(j, region="circle")),
+    "frame gap": (frames, "judge", lambda j: replace(j, gap=j.gap and j.gap + 1e-14)),
+    "analytic claim": (frames, "judge", lambda j: replace(j, false_claim=True)),
     "verdict": (answers, "judge", lambda j: _swapped(j)),
-    "arrival": (answers, "judge", lambda j: j._replace(verdict=Verdict.MISSES)),
-    "broken path": (answers, "judge", lambda j: j._replace(verdict=Verdict.OPTIMAL)),
-    "proved": (answers, "certify", lambda c: c._replace(proof=Proof.PROVED)),
-    "certificate": (answers, "certify", lambda c: c._replace(pmp_residual=0.0, cut_margin=1.0)),
+    "arrival": (answers, "judge", lambda j: replace(j, verdict=Verdict.MISSES)),
+    "broken path": (answers, "judge", lambda j: replace(j, verdict=Verdict.OPTIMAL)),
+    "proved": (answers, "certify", lambda c: replace(c, proof=Proof.PROVED)),
+    "certificate": (answers, "certify", lambda c: replace(c, pmp_residual=0.0, cut_margin=1.0)),
 }
 
 
 def _swapped(judged: Any) -> Any:
     other = {Verdict.OPTIMAL: Verdict.LONGER, Verdict.LONGER: Verdict.OPTIMAL}
-    return judged._replace(verdict=other.get(judged.verdict, judged.verdict))
+    return replace(judged, verdict=other.get(judged.verdict, judged.verdict))
 
 
 @pytest.mark.parametrize("check", SPOILT)

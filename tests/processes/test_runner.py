@@ -24,8 +24,7 @@ from dubins_study.experiments.store.part_writer import write_part
 from dubins_study.solvers.registry import SolverError
 from dubins_study.solvers.reply import no_answer
 from dubins_study.study.rows.files import ResultsError
-from dubins_study.study.rows.row_table import ARROW_SCHEMA
-from dubins_study.study.rows.schema import ROW, VERSION, documentation, names
+from dubins_study.study.rows.schema import ROW, VERSION, names
 from dubins_study.study.words import Outcome
 
 SMALL = """
@@ -320,14 +319,6 @@ def test_progress_counts_every_cell(small, tmp_path):
 
     assert told[-1] == (CELLS, CELLS)
     assert [n for n, _ in told] == sorted(n for n, _ in told)
-
-
-def test_the_schema_and_its_documentation_agree():
-    """results/README.md is generated from the declaration; every column has an Arrow type."""
-    readme = Path(__file__).parents[2] / "results" / "README.md"
-
-    assert documentation() in readme.read_text(encoding="utf-8")
-    assert ARROW_SCHEMA.names == names(ROW)
 
 
 LATE = """

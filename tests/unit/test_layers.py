@@ -69,8 +69,8 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     "errors": (),
     "study": (),
     "study.closed_form": ("study",),
-    "study.check": ("study", "study.closed_form"),
-    "study.rows": ("study", "study.check"),  # the tolerances that a verdict was found by
+    "study.rows": ("study",),
+    "study.check": ("study", "study.closed_form", "study.rows"),
     "solvers": ("study.*",),
     "solvers.ipopt_library": ("study.*", "solvers"),
     "solvers.nlp_engines": ("study.*", "solvers", "solvers.ipopt_library"),

@@ -27,8 +27,9 @@ from dubins_study.experiments.isolation.process_state import ProcessState, seed
 from dubins_study.experiments.isolation.sandbox import bound_memory, pin_threads
 from dubins_study.solvers.protocol import Question, Solution
 from dubins_study.solvers.registry import SolverError, load
-from dubins_study.solvers.reply import Reply, Times, ask, exception_text, no_answer
+from dubins_study.solvers.reply import Reply, ask, exception_text, no_answer
 from dubins_study.study.path import Path
+from dubins_study.study.rows.schema import Times
 from dubins_study.study.scenario import Pose
 from dubins_study.study.words import Claim, Outcome
 

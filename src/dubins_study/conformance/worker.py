@@ -22,7 +22,8 @@ from dubins_study.experiments.isolation.messages import (
 )
 from dubins_study.solvers.protocol import Question
 from dubins_study.solvers.registry import SolverError
-from dubins_study.solvers.reply import Reply, Times, no_answer
+from dubins_study.solvers.reply import Reply, no_answer
+from dubins_study.study.rows.schema import Times
 from dubins_study.study.words import Outcome
 
 _SERVE = "dubins_study.conformance.observer:serve"
@@ -190,10 +191,10 @@ class Worker:
             message = f"ended after {seconds:.1f} s; the limit is {limit:g} s"
             if warm_up:
                 message += f", and {warm_up:g} s more for libraries to load"
-            return no_answer(Outcome.TIMEOUT, message, Times(wall=seconds))
+            return no_answer(Outcome.TIMEOUT, message, Times(wall_s=seconds))
         status, message = exit_status(code)
         said = f"; its last output: {output}" if output else ""
-        return no_answer(Outcome.CRASHED, message + said, Times(wall=seconds), status)
+        return no_answer(Outcome.CRASHED, message + said, Times(wall_s=seconds), status)
 
     def _receive(self, process: ForkedProcess, timeout_s: float) -> tuple[Any, str]:
         """The next message, or None if none comes in time; and what was printed meanwhile."""

@@ -12,26 +12,35 @@ from dubins_study.solvers.profiles import PROFILES
 from dubins_study.solvers.protocol import NOT_STATED, Method, Question, Solution, Solver
 from dubins_study.solvers.registry import stated_method
 from dubins_study.solvers.reply import DEFAULT_LIMIT, Reply, ask
-from dubins_study.study.check.certificate import Certificate, certify
-from dubins_study.study.check.verdict import Judgement, judge
+from dubins_study.study.check.certificate import certify
+from dubins_study.study.check.verdict import judge
 from dubins_study.study.closed_form.shortest import shortest
 from dubins_study.study.path import Path
-from dubins_study.study.rows.schema import ANSWER, SCENARIO, names
+from dubins_study.study.rows.schema import (
+    ANSWER,
+    SCENARIO,
+    Certificate,
+    Judgement,
+    Reported,
+    Spent,
+    Times,
+    columns,
+    names,
+)
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.tolerances import Tolerances
 from dubins_study.study.values import did_you_mean, plain, real_number, short
-from dubins_study.study.words import BRANCHES, Claim, Outcome, Proof, Verdict
+from dubins_study.study.words import BRANCHES, Outcome, Proof
 
 _REPR_CHARS = 96  # of a line of an answer's repr
 
 
-@dataclass(frozen=True, slots=True, repr=False)
-class Answer:
+@dataclass(frozen=True, kw_only=True, repr=False)
+class Answer(Spent, Times, Certificate, Judgement, Reported):
     """A judged and certified attempt. Units as in `study.rows.schema`; None if there is no value.
 
     The check computes `length`, `travel_time`, `word`, `gap`, `miss` and the certificate
-    (`study.check.certificate.Certificate`) from the path's controls. The solver reports
-    `claimed_length`.
+    from the path's controls. The solver reports `claimed_length`.
     """
 
     scenario: Scenario
@@ -41,53 +50,7 @@ class Answer:
     engine: str
     guess: str
     tolerance: float | None
-    path: Path | None
-    region: str
-    margin: float
-    word: str | None
-    reference_word: str | None
     outcome: Outcome
-    claim: Claim
-    presolved: bool
-    verdict: Verdict
-    false_claim: bool
-    wrong_basin: bool
-    native_status: str
-    message: str
-    length: float | None
-    travel_time: float | None
-    reference: float | None
-    gap: float | None
-    miss: float | None
-    curvature_excess: float | None
-    claimed_length: float | None
-    lower_bound: float | None
-    multiplier_x: float | None
-    multiplier_y: float | None
-    proof: Proof
-    reference_low: float | None
-    reference_high: float | None
-    costate_x: float | None
-    costate_y: float | None
-    abnormal: bool
-    hamiltonian: float | None
-    sign_margin: float | None
-    transversality: float | None
-    pmp_residual: float | None
-    cut_margin: float | None
-    costate_error: float | None
-    false_bound: bool
-    build_s: float | None
-    solve_s: float | None
-    wall_s: float | None
-    iterations: int | None
-    evaluations: int | None
-    subproblems: str | None
-    subproblem_runs: list[float] | None
-    subproblem_evaluations: list[float] | None
-    subproblem_s: list[float] | None
-    best_run_evaluations: int | None
-    best_run_s: float | None
 
     def __repr__(self) -> str:
         scenario = self.scenario
@@ -213,60 +176,49 @@ def _judged(
     outcome, solution, times = reply
     scenario, branch, path = question.scenario, question.branch, solution.path
     judgement = judge(scenario, path, solution.claim, branch, allowed)
-    bound, multipliers = solution.lower_bound, solution.multipliers
     certificate = certify(
         scenario,
         path,
         judgement,
         branch,
-        lower_bound=bound,
-        multipliers=multipliers,
+        lower_bound=solution.lower_bound,
+        multipliers=solution.multipliers,
         tolerances=allowed,
     )
+    answer: dict[str, Any] = {"solver": spec, "branch": branch, "outcome": outcome}
+    answer |= method.columns(question) | vars(times) | vars(judgement) | vars(certificate)
+    answer |= {name: getattr(solution, name) for name in _REPORTED}
+    answer |= {name: _finite(answer[name]) for name in _REPORTED_NUMBERS} | _spent(solution)
     if solution.presolved:  # whatever the check finds, no engine has proved anything
-        certificate = certificate._replace(proof=Proof.NONE)
-    dual_x, dual_y = multipliers or (None, None)
-    answer = {
-        "solver": spec,
-        "branch": branch,
-        "outcome": outcome,
-        "claim": solution.claim,
-        "presolved": solution.presolved,
-        "native_status": solution.native_status,
-        "message": solution.message,
-        "claimed_length": _finite(solution.claimed_length),
-        "lower_bound": _finite(bound),
-        "multiplier_x": _finite(dual_x),
-        "multiplier_y": _finite(dual_y),
-        "build_s": times.build,
-        "solve_s": times.solve,
-        "wall_s": times.wall,
-        "iterations": solution.iterations,
-        "evaluations": solution.evaluations,
-    }
-    answer |= method.columns(question) | _efforts(solution)
-    answer.update(zip(_JUDGED, judgement, strict=True))
-    answer.update(zip(_CERTIFIED, certificate, strict=True))
+        answer["proof"] = Proof.NONE
     return answer
 
 
-def _efforts(solution: Solution) -> dict[str, Any]:
-    """The columns of what each subproblem cost; null where a solver does not tell."""
+_REPORTED = names(columns(Reported))
+_REPORTED_NUMBERS = [each.name for each in columns(Reported) if each.type == "float64"]
+
+
+def _spent(solution: Solution) -> dict[str, Any]:
+    """The columns of `Spent`; null where a solver does not tell."""
     efforts, best_run = solution.efforts, solution.best_run
-    columns: dict[str, Any] = dict.fromkeys(_EFFORTS)
+    values: dict[str, Any] = dict.fromkeys(_SPENT)
+    if solution.multipliers is not None:
+        values["multiplier_x"], values["multiplier_y"] = map(_finite, solution.multipliers)
     if efforts:
-        names, runs, evaluations, seconds = zip(*efforts, strict=True)
-        counts = [math.nan if count is None else float(count) for count in evaluations]
-        values = " ".join(names), [float(number) for number in runs], counts, list(seconds)
-        columns = dict(zip(_EFFORTS, values, strict=True))
-    return columns | {
-        "best_run_evaluations": None if best_run is None else best_run.evaluations,
-        "best_run_s": None if best_run is None else _finite(best_run.seconds),
-    }
+        subproblems, runs, evaluations, seconds = zip(*efforts, strict=True)
+        values["subproblems"] = " ".join(subproblems)
+        values["subproblem_runs"] = [float(number) for number in runs]
+        values["subproblem_evaluations"] = [
+            math.nan if count is None else float(count) for count in evaluations
+        ]
+        values["subproblem_s"] = list(seconds)
+    if best_run is not None:
+        values["best_run_evaluations"] = best_run.evaluations
+        values["best_run_s"] = _finite(best_run.seconds)
+    return values
 
 
-_EFFORTS = ("subproblems", "subproblem_runs", "subproblem_evaluations", "subproblem_s")
-_JUDGED, _CERTIFIED = Judgement._fields, Certificate._fields
+_SPENT = names(columns(Spent))
 
 
 def _finite(value: float | None) -> float | None:

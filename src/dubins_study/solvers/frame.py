@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import fields
+from functools import cache
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
@@ -15,12 +16,11 @@ from dubins_study.solvers.profiles import tolerances
 from dubins_study.solvers.protocol import Method, Question
 from dubins_study.solvers.registry import load, stated_method, unavailable
 from dubins_study.solvers.reply import DEFAULT_LIMIT, exception_text
-from dubins_study.study.check.extremal import MEASURED
 from dubins_study.study.path import FloatArray
 from dubins_study.study.rows.schema import ANSWER, SCENARIO, Column, names
 from dubins_study.study.scenario import check_frame
 from dubins_study.study.scenario import scenarios as scenarios_of
-from dubins_study.study.words import Claim, Outcome, Proof
+from dubins_study.study.words import Claim, Outcome
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -30,8 +30,6 @@ if TYPE_CHECKING:
     from dubins_study.study.path import Paths
 
 _FIELDS = [field.name for field in fields(FrameSolution)]
-_COUNTS = ("iterations", "evaluations", "best_run_evaluations")
-_LISTS = ("subproblem_runs", "subproblem_evaluations", "subproblem_s")
 COLUMNS = [*names(SCENARIO), *names(ANSWER)]
 
 
@@ -68,7 +66,7 @@ def solve_frame(
     outcome, solution, seconds = _run(whole, frame.copy(deep=False), branch)
     judged = judge_frame(frame, solution.paths, solution.claim, branch, allowed)
     columns = _columns(solution, outcome, judged, seconds / max(1, len(frame)))
-    columns |= _no_certificate(len(frame)) | _method(stated_method(backend), len(frame))
+    columns |= _method(stated_method(backend), len(frame))
     if certified:
         bound = solution.lower_bound
         asked = frame, solution.paths, judged, branch, bound, allowed
@@ -128,17 +126,12 @@ def _columns(
         "message": _texts(same, [message]) if isinstance(message, str) else _text(message),
         "claimed_length": _numbers(solution.claimed_length, n),
         "lower_bound": _numbers(solution.lower_bound, n),
-        "multiplier_x": _numbers(None, n),
-        "multiplier_y": _numbers(None, n),
         "curvatures": curvatures,
         "lengths": lengths,
         "build_s": np.zeros(n),
         "solve_s": np.full(n, seconds),
         "wall_s": np.full(n, seconds),
-        "best_run_s": _numbers(None, n),
-        "subproblems": _texts(np.full(n, 255, np.uint8), [""]),
     }
-    columns |= {name: _no_counts(n) for name in _COUNTS} | {name: _no_lists(n) for name in _LISTS}
     measured = ("margin", "false_claim", "wrong_basin", "length", "travel_time", "reference", "gap")
     for name in (*measured, "miss", "curvature_excess"):
         columns[name] = getattr(judged, name)
@@ -163,18 +156,8 @@ def _certificate(certificate: FrameCertificate) -> dict[str, Any]:
         "reference_high": certificate.reference_high,
         **certificate.columns(),
         "abnormal": certificate.abnormal,
-        "costate_error": _numbers(None, len(certificate.proof)),
         "false_bound": certificate.false_bound,
     }
-
-
-def _no_certificate(n: int) -> dict[str, Any]:
-    """The certificate's columns where none was asked for: one array of nulls serves them all."""
-    named = ("reference_low", "reference_high", "costate_error", *MEASURED)
-    columns: dict[str, Any] = dict.fromkeys(named, _numbers(None, n))
-    columns["proof"] = _texts(np.full(n, 255, np.uint8), Proof)
-    columns["abnormal"] = columns["false_bound"] = np.zeros(n, np.bool_)
-    return columns
 
 
 def _texts(codes: Any, texts: Iterable[str]) -> Any:
@@ -201,18 +184,21 @@ def _numbers(values: FloatArray | None, n: int) -> FloatArray:
     return np.full(n, np.nan) if values is None else values
 
 
-def _no_counts(n: int) -> Any:
-    import pandas as pd
-
-    return pd.arrays.IntegerArray(np.zeros(n, np.int64), np.ones(n, np.bool_))
-
-
-def _no_lists(n: int) -> Any:
-    """A list column without values, which takes no memory to speak of."""
+def _missing(kind: str, n: int) -> Any:
+    """A column without values."""
     import pandas as pd
     import pyarrow as pa
 
-    empty: Any = pa.nulls(n, pa.large_list(pa.float64()))
+    match kind:
+        case "string":
+            return _texts(np.full(n, 255, np.uint8), [""])
+        case "float64":
+            return np.full(n, np.nan)
+        case "int64":
+            return pd.arrays.IntegerArray(np.zeros(n, np.int64), np.ones(n, np.bool_))
+        case "bool":
+            return np.zeros(n, np.bool_)
+    empty: Any = pa.nulls(n, pa.large_list(pa.float64()))  # takes no memory to speak of
     return pd.arrays.ArrowExtensionArray(empty)
 
 
@@ -268,5 +254,7 @@ def _framed(frame: pd.DataFrame, columns: dict[str, Any]) -> pd.DataFrame:
     import pandas as pd
 
     every = {name: frame[name] for name in names(SCENARIO)} | columns
-    ordered = {name: every[name] for name in COLUMNS}
-    return pd.DataFrame(ordered, index=frame.index, copy=False)
+    # one array of nulls serves all columns of its type
+    missing = cache(lambda kind: _missing(kind, len(frame)))
+    every |= {c.name: missing(c.type) for c in ANSWER if c.name not in every}
+    return pd.DataFrame({name: every[name] for name in COLUMNS}, index=frame.index, copy=False)

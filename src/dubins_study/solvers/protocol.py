@@ -9,6 +9,7 @@ from operator import index
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 from dubins_study.study.path import Path
+from dubins_study.study.rows.schema import Effort, Reported
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.values import real_number, short
 from dubins_study.study.words import Claim
@@ -67,21 +68,12 @@ class Method(NamedTuple):
 NOT_STATED = Method()
 
 
-class Effort(NamedTuple):
-    """What a solver spent on a subproblem: runs of the engine, their evaluations, their seconds."""
-
-    subproblem: str
-    runs: int
-    evaluations: int | None
-    seconds: float
-
-
 # The check has no limits of its own: of so many arcs it takes some ten seconds and 2 GB.
 MAX_ARCS = 2**20
 
 
-@dataclass(frozen=True, slots=True)
-class Solution:
+@dataclass(frozen=True)
+class Solution(Reported):
     """The answer of a solver. The path is kept and judged whatever the claim.
 
     Args:
@@ -101,41 +93,18 @@ class Solution:
             solver that makes the solution, and so counts as that solver's failure.
     """
 
-    claim: Claim
-    path: Path | None = None
-    claimed_length: float | None = None
-    lower_bound: float | None = None
-    multipliers: tuple[float, float] | None = None
-    iterations: int | None = None
-    evaluations: int | None = None
-    native_status: str = ""
-    message: str = ""
-    presolved: bool = False
-    efforts: tuple[Effort, ...] = ()
-    best_run: Effort | None = None
-
     def __post_init__(self) -> None:
-        path = self.path
-        if path is not None and type(path) is not Path:
-            if not isinstance(path, Path):
-                raise TypeError(f"path is {short(path)}; expected a Path or None")
-            # a subclass may report another end or length than its controls have
-            path = Path(path.start, path.curvature, path.length)
-        if path is not None and path.length.size > MAX_ARCS:
-            raise TypeError(f"path has {path.length.size} arcs; expected at most {MAX_ARCS}")
-        object.__setattr__(self, "path", path)
-        object.__setattr__(self, "claim", _claim(self.claim))
-        for name in ("claimed_length", "lower_bound"):
-            object.__setattr__(self, name, _number(name, getattr(self, name)))
-        for name in ("iterations", "evaluations"):
-            object.__setattr__(self, name, _count(name, getattr(self, name)))
-        object.__setattr__(self, "multipliers", _pair(self.multipliers))
-        for name in ("native_status", "message"):
-            object.__setattr__(self, name, _text(getattr(self, name)))
-        object.__setattr__(self, "presolved", bool(self.presolved))
-        object.__setattr__(self, "efforts", tuple(_effort(effort) for effort in self.efforts))
-        best_run = self.best_run
-        object.__setattr__(self, "best_run", None if best_run is None else _effort(best_run))
+        values = vars(self)
+        for name, (make_plain, expected) in _PLAIN.items():
+            if (value := values[name]) is None and name in _OPTIONAL:
+                continue
+            try:
+                values[name] = make_plain(value)
+            except Exception:  # of a class of a plug-in
+                raise TypeError(f"{name} is {short(value)}; expected {expected}") from None
+        if self.path is not None and self.path.length.size > MAX_ARCS:
+            arcs = self.path.length.size
+            raise TypeError(f"path has {arcs} arcs; expected at most {MAX_ARCS}")
 
     def copy(self) -> Solution:
         """The solution made anew of plain values, its path too, whoever else holds the parts.
@@ -143,14 +112,27 @@ class Solution:
         Raises:
             TypeError: as above: a plug-in may have changed its solution since it was made.
         """
-        copy = Solution(*[getattr(self, name) for name in _FIELDS])
+        copy = Solution(**{name: getattr(self, name) for name in _PLAIN})
         if (path := copy.path) is not None:
-            path = Path(path.start, path.curvature, path.length)
-            object.__setattr__(copy, "path", path)
+            vars(copy)["path"] = Path(path.start, path.curvature, path.length)
         return copy
 
 
-_FIELDS = [field.name for field in fields(Solution)]
+def _path(value: Any) -> Path:
+    """The path, of `Path` itself: a subclass may report another end than its controls have."""
+    if not isinstance(value, Path):
+        raise TypeError
+    return value if type(value) is Path else Path(value.start, value.curvature, value.length)
+
+
+# The largest count that a results folder holds: beyond it doubles leave out whole numbers.
+_MAX_COUNT = 2**53
+
+
+def _count(value: Any) -> int:
+    if not 0 <= (count := int(index(value))) <= _MAX_COUNT:
+        raise ValueError
+    return count
 
 
 def _text(value: Any) -> str:
@@ -160,58 +142,36 @@ def _text(value: Any) -> str:
     return str.encode(str(value), "utf-8", "replace").decode()
 
 
-def _claim(value: Any) -> Claim:
-    try:
-        return Claim(value)
-    except ValueError:
-        raise TypeError(f"claim is {short(value)}; expected one of: {', '.join(Claim)}") from None
-
-
-def _number(name: str, value: Any) -> float | None:
-    if value is None:
-        return None
-    try:
-        return real_number(value)
-    except Exception:  # of a class of a plug-in
-        raise TypeError(f"{name} is {short(value)}; expected a number or None") from None
-
-
-# The largest count that a results folder holds: beyond it doubles leave out whole numbers.
-_MAX_COUNT = 2**53
-
-
-def _count(name: str, value: Any) -> int | None:
-    try:
-        count = None if value is None else index(value)
-    except TypeError:
-        count = -1
-    if count is not None and not 0 <= count <= _MAX_COUNT:
-        raise TypeError(f"{name} is {short(value)}; expected a count or None")
-    return count
+def _pair(value: Any) -> tuple[float, float]:
+    x, y = map(real_number, value)
+    return x, y
 
 
 def _effort(value: Any) -> Effort:
-    try:
-        subproblem, runs, evaluations, seconds = value
-        counts, duration = (
-            (_count("runs", runs), _count("evaluations", evaluations)),
-            float(seconds),
-        )
-    except (TypeError, ValueError):
-        raise TypeError(f"efforts hold {short(value)}; expected an Effort") from None
-    return Effort(_text(subproblem), counts[0] or 0, counts[1], duration)
+    subproblem, runs, evaluations, seconds = value
+    counted = None if evaluations is None else _count(evaluations)
+    return Effort(_text(subproblem), 0 if runs is None else _count(runs), counted, float(seconds))
 
 
-def _pair(value: Any) -> tuple[float, float] | None:
-    if value is None:
-        return None
-    try:
-        x, y = (_number("multipliers", one) for one in value)
-    except (TypeError, ValueError):
-        x = y = None
-    if x is None or y is None:
-        raise TypeError(f"multipliers is {short(value)}; expected two numbers or None")
-    return x, y
+def _efforts(value: Any) -> tuple[Effort, ...]:
+    return tuple(map(_effort, value))
+
+
+# what makes a plain value of what a solver gives, by the annotation of the field, and how a message
+# names what was expected
+_OF_TYPE: dict[str, tuple[Callable[[Any], Any], str]] = {
+    "Claim": (Claim, f"one of: {', '.join(Claim)}"),
+    "Path | None": (_path, "a Path or None"),
+    "float | None": (real_number, "a number or None"),
+    "tuple[float, float] | None": (_pair, "two numbers or None"),
+    "int | None": (_count, "a count or None"),
+    "str": (_text, "a text"),
+    "bool": (bool, "a boolean"),
+    "tuple[Effort, ...]": (_efforts, "Efforts"),
+    "Effort | None": (_effort, "an Effort or None"),
+}
+_PLAIN = {each.name: _OF_TYPE[str(each.type)] for each in fields(Reported)}
+_OPTIONAL = {each.name for each in fields(Reported) if str(each.type).endswith("| None")}
 
 
 class Solver:

@@ -3,26 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from time import perf_counter
 from typing import NamedTuple
 
 from dubins_study.solvers.presolve import presolved
 from dubins_study.solvers.protocol import Question, Solution, Solver
 from dubins_study.solvers.registry import unavailable
+from dubins_study.study.rows.schema import Times
 from dubins_study.study.words import Claim, Outcome
 
 # Long enough for every backend on every question; a solve here lasts microseconds to seconds.
 DEFAULT_LIMIT = 60.0
-
-
-@dataclass(frozen=True, slots=True)
-class Times:
-    """Seconds on `perf_counter` in the process that solves; None for what was not reached."""
-
-    build: float | None = None
-    solve: float | None = None
-    wall: float | None = None
 
 
 _NO_TIMES = Times()

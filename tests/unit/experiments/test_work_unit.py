@@ -15,10 +15,11 @@ from dubins_study.experiments.isolation.messages import WorkerReply
 from dubins_study.experiments.plan.cells import Cell
 from dubins_study.experiments.run_settings import RunSettings
 from dubins_study.solvers.protocol import Method, Solution
-from dubins_study.solvers.reply import Reply, Times
+from dubins_study.solvers.reply import Reply
 from dubins_study.study.closed_form.shortest import shortest_path
 from dubins_study.study.path import Path
 from dubins_study.study.rows.row_table import row_key, row_path, rows_table
+from dubins_study.study.rows.schema import Times
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import Claim, Outcome
 

@@ -58,7 +58,7 @@ def attempt(
     found = judge(scenario, given, claim, branch)
     row: dict[str, Any] = {column.name: None for column in ROW}
     row |= {name: getattr(scenario, name) for name in Scenario.__dataclass_fields__}
-    row |= found._asdict()
+    row |= vars(found)
     row |= {
         "scenario_id": f"{hash((scenario.target_x, scenario.target_y, scenario.radius)):x}",
         "solver": solver,

@@ -11,6 +11,7 @@ import pytest
 from dubins_study.report.data.results import load
 from dubins_study.study.closed_form.shortest import shortest_path
 from dubins_study.study.rows.files import ResultsError
+from dubins_study.study.rows.parts import read_part
 from dubins_study.study.rows.schema import VERSION
 from tests.unit.report.results_folder import SCHEMA, attempt, paper_scenarios, write_folder
 
@@ -58,7 +59,7 @@ def _spoil_name(folder):
 
 
 def _drop_column(folder):
-    table = pq.read_table(folder / "parts" / "1.parquet").drop_columns(["gap"])
+    table = pq.read_table(folder / "parts" / "1.parquet").drop_columns(["solver"])
     pq.write_table(table, folder / "parts" / "1.parquet")
 
 
@@ -73,6 +74,34 @@ def _change_type(folder):
     place = table.column_names.index("gap")
     table = table.set_column(place, "gap", pa.array(["much"] * table.num_rows))
     pq.write_table(table, folder / "parts" / "1.parquet")
+
+
+LATER = ["lower_bound", "subproblems", "evaluations", "presolved", "subproblem_s"]
+
+
+@pytest.mark.parametrize("lacking", [(1,), (1, 2)])
+def test_a_column_that_a_part_lacks_is_null(results, lacking):
+    """Of every type, in one part of a folder or in all, when read as rows and by DuckDB."""
+    one, two = paper_scenarios()[:2]
+    folder = results("paper", [attempt(one, lower_bound=1.0)])
+    pq.write_table(
+        pa.Table.from_pylist([attempt(two, lower_bound=1.0)], schema=SCHEMA),
+        folder / "parts" / "2.parquet",
+    )
+    for number in lacking:
+        part = folder / "parts" / f"{number}.parquet"
+        pq.write_table(pq.read_table(part).drop_columns(LATER), part)
+    found = load([folder])
+    counted = found.attempts.frame(f"SELECT {', '.join(LATER)} FROM chosen")
+    whole = read_part(folder / "parts" / "1.parquet")
+
+    assert found.rows[LATER[:-1]].isna().all(axis=1).sum() == len(lacking)
+    assert counted.isna().all(axis=1).sum() == len(lacking)
+    assert counted["lower_bound"].sum() == 2 - len(lacking)
+    assert whole.schema.equals(SCHEMA)
+    assert read_part(folder / "parts" / "1.parquet", LATER[:1]).to_pylist() == [
+        {"lower_bound": None}
+    ]
 
 
 @pytest.mark.parametrize(
@@ -90,7 +119,7 @@ def _change_type(folder):
         (lambda f: pq.write_table(SCHEMA.empty_table(), f / "parts" / "1.parquet"), "has no rows"),
         (lambda f: (f / "parts" / "1.parquet").write_bytes(b"PAR1 no"), "cannot be read"),
         (lambda f: (f / "parts" / "1.parquet").write_bytes(b""), "cannot be read"),
-        (_drop_column, "it has no column 'gap'"),
+        (_drop_column, "it has no column 'solver'"),
         (_add_column, "it has a column 'extra'"),
         (_change_type, "cannot be read"),
     ],

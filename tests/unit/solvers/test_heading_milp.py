@@ -19,9 +19,10 @@ from dubins_study.solvers.heading_milp.legs import controls, least_legs
 from dubins_study.solvers.heading_milp.solver import HeadingMilp
 from dubins_study.solvers.presolve import WORDS
 from dubins_study.solvers.protocol import Question, Solution
-from dubins_study.study.check.verdict import Judgement, judge
+from dubins_study.study.check.verdict import judge
 from dubins_study.study.closed_form.shortest import shortest
 from dubins_study.study.path import Path
+from dubins_study.study.rows.schema import Judgement
 from dubins_study.study.scenario import Pose, Scenario
 from dubins_study.study.words import Claim, Verdict
 

@@ -19,9 +19,10 @@ from dubins_study.solvers.presolve import WORDS, unreachable, words
 from dubins_study.solvers.protocol import Question, Solution
 from dubins_study.solvers.registry import available_solvers, load
 from dubins_study.solvers.registry import settings as settings_of
-from dubins_study.solvers.reply import Reply, Times, ask
+from dubins_study.solvers.reply import Reply, ask
 from dubins_study.study.body_coordinates import local
 from dubins_study.study.path import Path
+from dubins_study.study.rows.schema import Times
 from dubins_study.study.scenario import Pose, Scenario
 from dubins_study.study.words import TURN, Claim, Outcome, Verdict
 

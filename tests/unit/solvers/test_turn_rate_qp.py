@@ -24,9 +24,10 @@ from dubins_study.solvers.optimal_control.turn_rate_dynamics import (
 from dubins_study.solvers.optimal_control.turn_rate_qp import RATES, TurnRateQp
 from dubins_study.solvers.optimal_control.turn_rate_template import EngineError, template
 from dubins_study.solvers.protocol import Question, Solution
-from dubins_study.study.check.verdict import Judgement, judge
+from dubins_study.study.check.verdict import judge
 from dubins_study.study.closed_form.shortest import margin, shortest
 from dubins_study.study.path import Path
+from dubins_study.study.rows.schema import Judgement
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import QP, Claim, Verdict
 

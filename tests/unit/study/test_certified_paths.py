@@ -11,13 +11,14 @@ from cases import scenario_frame
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from dubins_study.study.check.certificate import PMP_TOLERANCE, Certificate, certify
+from dubins_study.study.check.certificate import PMP_TOLERANCE, certify
 from dubins_study.study.check.certificate_frame import PROOFS, certify_frame
 from dubins_study.study.check.extremal import MEASURED
 from dubins_study.study.check.two_arcs import MERGED
 from dubins_study.study.check.verdict import judge
 from dubins_study.study.check.verdict_frame import judge_frame
 from dubins_study.study.path import Path, Paths
+from dubins_study.study.rows.schema import Certificate
 from dubins_study.study.scenario import Pose, Scenario, check_frame, scenarios
 from dubins_study.study.tolerances import Tolerances
 from dubins_study.study.words import Claim, Proof

@@ -19,10 +19,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from dubins_study.solvers.protocol import Question, Solution
-from dubins_study.solvers.reply import Reply, Times
+from dubins_study.solvers.reply import Reply
 from dubins_study.study.path import Path
+from dubins_study.study.rows.schema import Times
 from dubins_study.study.scenario import Pose, Scenario
-from dubins_study.study.words import Claim, Outcome
+from dubins_study.study.words import Outcome
 
 _READ_BYTES = 2**20
 _MAX_MESSAGE_BYTES = 2**32
@@ -145,27 +146,11 @@ def _decode_path(values: list[Any] | None) -> Path | None:
 
 
 def encode_reply(sent: WorkerReply) -> list[Any]:
-    """A reply as plain values."""
-    reply = sent.reply
-    solution = reply.solution  # of plain values, as `ask` hands it on
-    dual = solution.multipliers
-    return [
-        str(reply.outcome.value),
-        [reply.times.build, reply.times.solve, reply.times.wall],
-        str(Claim(solution.claim).value),
-        _encode_path(solution.path),
-        _plain(solution.claimed_length),
-        _plain(solution.lower_bound),
-        None if dual is None else [_plain(dual[0]), _plain(dual[1])],
-        _plain(solution.iterations),
-        _plain(solution.evaluations),
-        _plain(solution.native_status),
-        _plain(solution.message),
-        bool(solution.presolved),
-        [[_plain(value) for value in effort] for effort in solution.efforts],
-        None if solution.best_run is None else [_plain(value) for value in solution.best_run],
-        *sent[1:],
-    ]
+    """A reply as plain values, those of the solution by name."""
+    outcome, solution, times = sent.reply  # of plain values, as `ask` hands it on
+    values = {name: _short(value) for name, value in vars(solution).items()}
+    values["path"] = _encode_path(solution.path)
+    return [outcome, vars(times), values, *sent[1:]]
 
 
 def decode_reply(values: list[Any]) -> WorkerReply:
@@ -174,16 +159,10 @@ def decode_reply(values: list[Any]) -> WorkerReply:
     Raises:
         Exception: if the values do not encode a reply.
     """
-    outcome, times, claim, path, *measures, started, versions, digest = values
-    solution = Solution(Claim(claim), _decode_path(path), *measures)
-    reply = Reply(Outcome(outcome), solution, Times(*times))
-    return WorkerReply(reply, str(started), str(versions), str(digest))
+    outcome, times, solution, *texts = values
+    solution = Solution(**solution | {"path": _decode_path(solution["path"])})
+    return WorkerReply(Reply(Outcome(outcome), solution, Times(**times)), *map(str, texts))
 
 
-def _plain(value: Any) -> Any:
-    """A plug-in's value as Python's own number or text."""
-    if isinstance(value, str):  # through bytes, so that a subclass of str becomes a plain str
-        return str.encode(value[:_MAX_TEXT_CHARS], "utf-8", "replace").decode("utf-8")
-    if isinstance(value, float):
-        return float.__float__(value)
-    return None if value is None else int.__index__(value)
+def _short(value: Any) -> Any:
+    return value[:_MAX_TEXT_CHARS] if isinstance(value, str) else value

@@ -19,7 +19,8 @@ import psutil
 
 from dubins_study.experiments.isolation.fork_server import exit_status, fork
 from dubins_study.experiments.isolation.messages import MessageError
-from dubins_study.solvers.reply import Reply, Times, no_answer
+from dubins_study.solvers.reply import Reply, no_answer
+from dubins_study.study.rows.schema import Times
 from dubins_study.study.words import Outcome
 
 # Seconds between two checks of the limits. The memory of a worker's children is read at every tenth
@@ -228,13 +229,13 @@ class WorkerProcess:
                 message = f"stopped after {seconds:.2f} s; the limit is {limit_s:g} s"
                 if activity:
                     message = f"stopped after {seconds:.0f} s of {activity}"
-                yield from self.end(no_answer(Outcome.TIMEOUT, message, Times(wall=seconds)))
+                yield from self.end(no_answer(Outcome.TIMEOUT, message, Times(wall_s=seconds)))
                 return
         limit = self._memory_bytes
         used = _used_bytes(self._process.pid, limit, with_children=with_children)
         if used > limit:
             message = f"stopped holding {used / _GIB:.2f} GiB; the limit is {limit / _GIB:g} GiB"
-            yield from self.end(no_answer(Outcome.OUT_OF_MEMORY, message, Times(wall=seconds)))
+            yield from self.end(no_answer(Outcome.OUT_OF_MEMORY, message, Times(wall_s=seconds)))
 
     def end(self, reply: Reply | None = None) -> Iterator[Answer | Ended]:
         """Kill the worker; yield the answers that it still gave, and its end.

@@ -35,6 +35,9 @@ _SETTINGS: dict[str, str | bool | int | float | list[str]] = {
 class Database:
     """The view `stored`: all rows of some parts, in the types of the schema, NaN as null.
 
+    A column that a part lacks, since it was declared later, is null; of an empty table of the
+    schema DuckDB takes its type.
+
     Two columns are added: `part`, the number of the file, and `place`, the row's number in it.
 
     A query never contains a file's name, because DuckDB would read a name such as `[a]` as a
@@ -59,6 +62,7 @@ class Database:
         self._connection.execute("SET enable_external_file_cache = false")
         self._connection.execute("SET enable_external_access = false")
         self._connection.execute("SET lock_configuration = true")
+        self.add_table("row", ARROW_SCHEMA.empty_table())
         self._guarded(lambda: self._connection.sql(_STORED, params=[links]).create_view("stored"))
 
     def run(self, statement: str) -> None:
@@ -117,6 +121,8 @@ def _typed(field: pa.Field[Any]) -> str:
 
 
 _STORED = f"""
-    SELECT file_index AS part, file_row_number AS place, {", ".join(map(_typed, ARROW_SCHEMA))}
-    FROM read_parquet(?, union_by_name = true, hive_partitioning = false)
+    SELECT part, place, {", ".join(map(_typed, ARROW_SCHEMA))}
+    FROM (SELECT *, file_index AS part, file_row_number AS place
+        FROM read_parquet(?, union_by_name = true, hive_partitioning = false)
+        UNION ALL BY NAME FROM row)
 """

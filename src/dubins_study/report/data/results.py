@@ -21,14 +21,12 @@ from dubins_study.study.rows.files import ResultsError
 from dubins_study.study.rows.manifest import Manifest, read_manifest
 from dubins_study.study.rows.parts import PARTS, part_files, read_footer
 from dubins_study.study.rows.row_table import ARROW_SCHEMA
-from dubins_study.study.rows.schema import ROW, names
+from dubins_study.study.rows.schema import ROW
 from dubins_study.study.rows.validation import checked_batches
 from dubins_study.study.scenario import Pose
 
 _CONTROLS = ["curvatures", "lengths"]
-# Columns that are not read: the page shows this information from the manifest.
-_UNREAD = {"versions", "machine", "run_id"}
-_SCALARS = [name for name in names(ROW) if name not in _UNREAD and name not in _CONTROLS]
+_SCALARS = [c.name for c in ROW if not c.manifest and c.name not in _CONTROLS]
 # Up to `MOST_ROWS` attempts, all rows are kept; if there are more, about `SAMPLE_ROWS` are kept.
 MOST_ROWS, SAMPLE_ROWS = 500_000, 100_000
 _MAX_PLACE = 2**40

@@ -11,18 +11,25 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from dubins_study.report.interactive.polylines import polylines
-from dubins_study.report.interactive.sample import CURVATURES, LENGTHS, MOST_ARCS, SCENARIO
+from dubins_study.report.interactive.sample import (
+    CURVATURES,
+    FLAGS,
+    LENGTHS,
+    MEASURED,
+    MOST_ARCS,
+    SCENARIO,
+    TEXTS,
+)
+from dubins_study.study.rows.schema import METHOD, names
 from dubins_study.study.scenario import Pose
 
 # Bits of a mantissa that are kept of measured numbers: four digits, of which the page shows three.
 _BITS = 14
-_MEASURED = ("gap", "miss", "curvature_excess", "length", "wall_s", "solve_s")
-_CODED = (
-    *("experiment", "solver", "profile", "branch", "initial_guess", "word", "outcome", "claim"),
-    *("verdict", "native_status", "message"),
-)
-_FLAGS = ("false_claim", "wrong_basin", "presolved")
 _OF_SCENARIO = ("scenario_id", "label", "region", "margin", *SCENARIO)
+# each of them once, in the header
+_OF_SOLVER = names(METHOD)
+_MEASURED = [name for name in MEASURED if name not in ("evaluations", *_OF_SCENARIO)]
+_CODED = [name for name in TEXTS if name not in (*_OF_SCENARIO, *_OF_SOLVER)]
 
 
 class Packed(NamedTuple):
@@ -60,7 +67,7 @@ def pack(rows: pd.DataFrame, more: Mapping[str, Any]) -> Packed:
         arrays[name] = _rounded(rows[name])
     # numbers of 32 bits hold counts up to 16 777 216 exactly
     arrays["evaluations"] = rows["evaluations"].to_numpy("<f4", na_value=np.nan)
-    flags = sum(rows[name].eq(True).to_numpy() << bit for bit, name in enumerate(_FLAGS))
+    flags = sum(rows[name].eq(True).to_numpy() << bit for bit, name in enumerate(FLAGS))
     arrays["flags"] = np.asarray(flags, dtype="u1")
     arrays["repeat"] = rows["repeat"].to_numpy(dtype="<u4")
     arrays["worst"] = rows["worst"].to_numpy(dtype="u1")

@@ -6,22 +6,18 @@ import numpy as np
 import pandas as pd
 
 from dubins_study.report.data.attempts import PRESOLVED, SUCCESSES, Attempts
+from dubins_study.study.rows.schema import ROW
 
 # Attempts of each solver that are always embedded.
 WORST = 10
 MOST_ARCS = 3  # paths of more arcs are embedded as polylines
 
-TEXTS = (
-    *("experiment", "solver", "profile", "scenario_id", "branch", "initial_guess"),
-    *("formulation", "engine", "guess", "region", "word"),
-    *("outcome", "claim", "verdict", "native_status", "message", "label"),
-)
+_KINDS = {"string": "text", "bool": "flag"}
+_PLOTTED = {c.name: _KINDS.get(c.type, "number") for c in ROW if c.plotted}
+TEXTS = ("experiment", *(name for name, kind in _PLOTTED.items() if kind == "text"))
 SCENARIO = ("x", "y", "heading", "target_x", "target_y", "radius", "speed")
-MEASURED = (
-    *("margin", "gap", "miss", "curvature_excess", "length"),
-    *("wall_s", "solve_s", "evaluations"),
-)
-FLAGS = ("false_claim", "wrong_basin", "presolved")
+MEASURED = tuple(name for name, kind in _PLOTTED.items() if kind == "number")
+FLAGS = tuple(name for name, kind in _PLOTTED.items() if kind == "flag")
 CURVATURES = tuple(f"k{n + 1}" for n in range(MOST_ARCS))
 LENGTHS = tuple(f"l{n + 1}" for n in range(MOST_ARCS))
 

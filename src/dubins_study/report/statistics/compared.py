@@ -16,6 +16,7 @@ from dubins_study.report.data.attempts import EXACT, SUCCESSES, TRIAL
 from dubins_study.report.data.results import Results
 from dubins_study.report.statistics.methods import methods_of
 from dubins_study.report.statistics.metrics import presolved
+from dubins_study.study.rows.schema import ROW
 
 _NEVER_SOLVED = ("unavailable", "unsupported")
 
@@ -96,12 +97,7 @@ _KNOWN: WeakKeyDictionary[Results, Compared | None] = WeakKeyDictionary()
 
 
 # Columns that no comparison reads: every selection of rows would copy them.
-_UNREAD = [
-    *("code_digest", "executor", "started", "native_status", "message", "iterations"),
-    *("threads", "jobs", "travel_time", "curvature_excess", "hamiltonian", "sign_margin"),
-    *("transversality", "pmp_residual", "cut_margin", "abnormal", "costate_x", "costate_y"),
-    *("costate_error", "multiplier_x", "multiplier_y"),
-]
+_UNREAD = [column.name for column in ROW if column.detail]
 
 
 def _compared(results: Results) -> Compared | None:

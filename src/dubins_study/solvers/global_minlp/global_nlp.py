@@ -38,10 +38,11 @@ from dubins_study.solvers.paper_nlp.model import (
 )
 from dubins_study.solvers.paper_nlp.polish import meet_target
 from dubins_study.solvers.paper_nlp.program import program
-from dubins_study.solvers.protocol import Effort, Guarantee, Method, Question, Solution
+from dubins_study.solvers.protocol import Guarantee, Method, Question, Solution
 from dubins_study.solvers.setting_checks import one_of, within
 from dubins_study.solvers.vehicle_frame import at_start
 from dubins_study.study.path import FloatArray, Path
+from dubins_study.study.rows.schema import Effort
 from dubins_study.study.words import BRANCHES, Claim
 
 EMPHASES = ("default", "lean")

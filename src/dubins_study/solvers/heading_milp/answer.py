@@ -10,9 +10,10 @@ import numpy as np
 from dubins_study.solvers.heading_milp.grid import Family
 from dubins_study.solvers.heading_milp.legs import Legs, controls
 from dubins_study.solvers.paper_nlp.polish import one_sided_only
-from dubins_study.solvers.protocol import Effort, Question, Solution
+from dubins_study.solvers.protocol import Question, Solution
 from dubins_study.solvers.vehicle_frame import in_world
 from dubins_study.study.path import Path
+from dubins_study.study.rows.schema import Effort
 from dubins_study.study.words import Claim
 
 

@@ -20,11 +20,12 @@ from dubins_study.solvers.paper_nlp.best_point import total
 from dubins_study.solvers.paper_nlp.initial_guesses import INITIAL_GUESSES
 from dubins_study.solvers.paper_nlp.polish import one_sided_only
 from dubins_study.solvers.presolve import words
-from dubins_study.solvers.protocol import Effort, Guarantee, Method, Question, Solution
+from dubins_study.solvers.protocol import Guarantee, Method, Question, Solution
 from dubins_study.solvers.setting_checks import one_of, whole, within
 from dubins_study.solvers.vehicle_frame import in_world, staying
 from dubins_study.study.body_coordinates import Local, local
 from dubins_study.study.path import FloatArray, Path
+from dubins_study.study.rows.schema import Effort
 from dubins_study.study.words import Claim
 
 MESHES = ("free", "equal")

@@ -24,10 +24,11 @@ from dubins_study.solvers.optimal_control.turn_rate_sequence import Limits, Run,
 from dubins_study.solvers.optimal_control.turn_rate_template import Template, template
 from dubins_study.solvers.paper_nlp.polish import one_sided_only
 from dubins_study.solvers.presolve import words
-from dubins_study.solvers.protocol import Effort, Guarantee, Method, Question, Solution
+from dubins_study.solvers.protocol import Guarantee, Method, Question, Solution
 from dubins_study.solvers.setting_checks import one_of, whole
 from dubins_study.solvers.vehicle_frame import coordinate_rounding, in_world
 from dubins_study.study.path import FloatArray, Path, drivable
+from dubins_study.study.rows.schema import Effort
 from dubins_study.study.words import QP, Claim
 
 

@@ -10,9 +10,10 @@ from typing import NamedTuple
 import numpy as np
 
 from dubins_study.solvers.paper_nlp.model import Subproblem, as_path, equations, target
-from dubins_study.solvers.protocol import Effort, Question, Solution
+from dubins_study.solvers.protocol import Question, Solution
 from dubins_study.solvers.vehicle_frame import at_start, in_world
 from dubins_study.study.path import FloatArray
+from dubins_study.study.rows.schema import Effort
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import Claim
 

@@ -13,8 +13,8 @@ from typing import NamedTuple
 from dubins_study.study.body_coordinates import EPS
 from dubins_study.study.check.enclosure import Enclosure, enclose
 from dubins_study.study.check.extremal import Extremal, measure
-from dubins_study.study.check.verdict import Judgement
 from dubins_study.study.path import Path
+from dubins_study.study.rows.schema import Certificate, Judgement
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.tolerances import Tolerances
 from dubins_study.study.words import Proof, Verdict
@@ -29,36 +29,6 @@ PMP_ROUNDING = 16 * EPS
 CUT_TOLERANCE = 1e-9
 # relative: a bound above the shortest length by less is so by the solver's own tolerance
 BOUND_TOLERANCE = 1e-9
-
-
-class Certificate(NamedTuple):
-    """The proof of an answer and its evidence. Lengths in the scenario's unit; None where absent.
-
-    Args:
-        proof: how far the proof goes.
-        reference_low, reference_high: proven interval around the branch's shortest lengths, of all
-            targets within delta; both are None where the branch provably has no path.
-        costate_x, costate_y: (nu1, nu2) of the path, in the world frame, with nu0 = 1.
-        abnormal: whether nu0 = 0; the costates are then of norm 1.
-        hamiltonian, sign_margin, transversality, pmp_residual: see `study.check.extremal.Extremal`.
-        cut_margin: see `study.check.extremal.cut_margin` (rad).
-        costate_error: distance of the solver's multipliers from -(nu1, nu2) / nu0.
-        false_bound: whether the solver's lower bound lies above all of the shortest lengths.
-    """
-
-    proof: Proof
-    reference_low: float | None
-    reference_high: float | None
-    costate_x: float | None = None
-    costate_y: float | None = None
-    abnormal: bool = False
-    hamiltonian: float | None = None
-    sign_margin: float | None = None
-    transversality: float | None = None
-    pmp_residual: float | None = None
-    cut_margin: float | None = None
-    costate_error: float | None = None
-    false_bound: bool = False
 
 
 def certify(
@@ -93,22 +63,15 @@ def certify(
     residual = None if costates is None else costates.residual
     evidence = _Evidence(interval, 0.0 if judged.length == 0 else residual, cut)
     proof = _proof(judged, branch, evidence, None if false_bound else bound, tolerances.gap, radius)
-    low, high = _finite(interval.low), _finite(interval.high)
-    if costates is None:
-        return Certificate(proof, low, high, cut_margin=cut, false_bound=false_bound)
+    measured = {} if costates is None else costates.columns()
     return Certificate(
-        proof,
-        low,
-        high,
-        *costates.nu,
-        costates.abnormal,
-        costates.hamiltonian,
-        costates.sign_margin,
-        costates.transversality,
-        costates.residual,
-        cut,
-        _costate_error(costates, multipliers),
-        false_bound,
+        proof=proof,
+        reference_low=_finite(interval.low),
+        reference_high=_finite(interval.high),
+        cut_margin=cut,
+        costate_error=None if costates is None else _costate_error(costates, multipliers),
+        false_bound=false_bound,
+        **measured,
     )
 
 

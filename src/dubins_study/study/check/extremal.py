@@ -19,7 +19,7 @@ import math
 from collections.abc import Sequence
 from itertools import compress
 from operator import mul, or_
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -74,6 +74,18 @@ class Extremal(NamedTuple):
     sign_margin: float
     transversality: float
     residual: float
+
+    def columns(self) -> dict[str, Any]:
+        """The values by their names in `study.rows.schema`."""
+        return {
+            "costate_x": self.nu[0],
+            "costate_y": self.nu[1],
+            "abnormal": self.abnormal,
+            "hamiltonian": self.hamiltonian,
+            "sign_margin": self.sign_margin,
+            "transversality": self.transversality,
+            "pmp_residual": self.residual,
+        }
 
 
 # coefficients of nu0, nu1, nu2 and of nu3 at the end

@@ -19,6 +19,7 @@ from dubins_study.study.closed_form.shortest import (
     shortest_local,
 )
 from dubins_study.study.path import Path, drivable
+from dubins_study.study.rows.schema import Judgement
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.tolerances import Tolerances
 from dubins_study.study.words import TURN, Claim, Verdict
@@ -33,30 +34,6 @@ COARSE = 0.05
 DISCRETISED_WORD = 0.05
 # radians that a turn of another basin differs by, at least
 _ANOTHER_TURN = 1.0
-
-
-class Judgement(NamedTuple):
-    """The verdict on an answer and its evidence. Lengths in the scenario's unit; None if absent.
-
-    `gap` is (length - reference) / max(reference, radius) and only stands for a path that
-    arrives. `wrong_basin` is a longer path that turns by another angle than the shortest one
-    (more than 1 rad apart), or is of another word and more than 5 % longer: another local
-    optimum, not a coarse answer.
-    """
-
-    verdict: Verdict
-    false_claim: bool
-    reference_word: str | None
-    reference: float | None
-    region: str
-    margin: float
-    word: str | None = None
-    length: float | None = None
-    travel_time: float | None = None
-    gap: float | None = None
-    miss: float | None = None
-    curvature_excess: float | None = None
-    wrong_basin: bool = False
 
 
 def judge(
@@ -81,7 +58,14 @@ def judge(
         return _judge_path(scenario, path, claim, branch, tolerances, best)
     else:
         verdict = Verdict.MISSES
-    return Judgement(verdict, is_false(claim, verdict), *best[1:])
+    return Judgement(
+        verdict=verdict,
+        false_claim=is_false(claim, verdict),
+        reference_word=best.reference_word,
+        reference=best.reference,
+        region=best.region,
+        margin=best.margin,
+    )
 
 
 class _ClosedForm(NamedTuple):

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from dubins_study.study.check.two_arcs import PATH_WORDS
-from dubins_study.study.check.verdict import COARSE, Judgement, is_false, judge
+from dubins_study.study.check.verdict import COARSE, is_false, judge
 from dubins_study.study.check.verdict_kernel import (
     ODD,
     REGIONS,
@@ -28,6 +28,7 @@ from dubins_study.study.closed_form.kernel_paths import FIRST_TURN, LAST_TURN
 from dubins_study.study.closed_form.kernel_words import NO_PATH, CodeArray, Rows, ScenarioArrays
 from dubins_study.study.closed_form.shortest import shortest
 from dubins_study.study.path import CLAIMS, BoolArray, FloatArray, Paths
+from dubins_study.study.rows.schema import Judgement
 from dubins_study.study.scenario import NUMBERS, Scenario
 from dubins_study.study.tolerances import Tolerances
 from dubins_study.study.words import BRANCHES, Claim, Verdict

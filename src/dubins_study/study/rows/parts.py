@@ -18,7 +18,7 @@ from pydantic import ValidationError
 from dubins_study.study.rows.chunk import STREAM, Chunk
 from dubins_study.study.rows.files import DamagedPartError, ResultsError, reason, refuse_link
 from dubins_study.study.rows.row_table import ARROW_SCHEMA
-from dubins_study.study.rows.schema import CHUNK, RUN_ID, VERSION, VERSION_KEY
+from dubins_study.study.rows.schema import CHUNK, KEY, RUN_ID, VERSION, VERSION_KEY, names
 
 PARTS = "parts"
 BATCH_ROWS = 2**17
@@ -79,6 +79,8 @@ def read_batches(
 ) -> Iterator[pa.Table]:
     """A part's rows in tables of at most `BATCH_ROWS` rows, as the schema has them.
 
+    A column that was declared after the part was written is null.
+
     Args:
         file: the part.
         columns: in the order wanted; all by default.
@@ -94,13 +96,20 @@ def read_batches(
     with ExitStack() as opened:
         content = opened.enter_context(_open(file))
         expected, rows = _footer(file, content).rows, 0
+        stored = [name for name in wanted if name in content.schema_arrow.names]
         if dictionaries:  # opened again: Arrow refuses to open a file that lacks such a column
-            texts = [f.name for f in fields if f.type == pa.string() and f.name != "scenario_id"]
+            kept = {"scenario_id", *(name for name in wanted if name not in stored)}
+            texts = [f.name for f in fields if f.type == pa.string() and f.name not in kept]
             content = opened.enter_context(_open(file, content.metadata, texts))
         threads = expected > _SMALL_PART_ROWS
-        batches = content.iter_batches(BATCH_ROWS, columns=wanted, use_threads=threads)
+        batches = content.iter_batches(BATCH_ROWS, columns=stored, use_threads=threads)
         while (batch := _next(file, batches)) is not None:
-            arrays = [_cast(file, batch.column(f.name), f, dictionaries) for f in fields]
+            arrays = [
+                _cast(file, batch.column(f.name), f, dictionaries)
+                if f.name in stored
+                else pa.nulls(len(batch), f.type)
+                for f in fields
+            ]
             rows += len(batch)
             yield pa.Table.from_arrays(arrays, names=wanted)
     if rows != expected:  # no checksum covers the number of rows
@@ -185,12 +194,11 @@ def _footer(file: FilePath, content: pq.ParquetFile) -> Part:
 
 def _column_problem(columns: Sequence[str]) -> str | None:
     """How a file's columns differ from the schema's, if they do."""
-    names = ARROW_SCHEMA.names
-    if missing := [name for name in names if name not in columns]:
+    if missing := [name for name in names(KEY) if name not in columns]:
         return f"it has no column {missing[0]!r}"
-    if unknown := [name for name in columns if name not in names]:
+    if unknown := [name for name in columns if name not in ARROW_SCHEMA.names]:
         return f"it has a column {unknown[0]!r:.60}"
-    return None if len(columns) == len(names) else "it has a column twice"
+    return None if len(columns) == len(set(columns)) else "it has a column twice"
 
 
 def _chunk(file: FilePath, text: str, rows: int) -> Chunk:

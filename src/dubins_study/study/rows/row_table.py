@@ -11,19 +11,12 @@ import pyarrow as pa
 import pyarrow.compute as pc
 
 from dubins_study.study.path import Path
-from dubins_study.study.rows.schema import KEY, ROW, RUN, SCENARIO, Key, arrow_schema, names
+from dubins_study.study.rows.schema import KEY, NOT_SOLVERS, ROW, Key, arrow_schema, names
 from dubins_study.study.scenario import Pose
 
 Row = dict[str, Any]
 
 ARROW_SCHEMA = arrow_schema()
-
-# Columns that no solver fills, which are kept of an answer that does not fit.
-_NOT_SOLVERS = (
-    *names(KEY + SCENARIO + RUN),
-    *("formulation", "engine", "guess", "tolerance"),
-    *("region", "margin", "reference_word", "reference", "build_s", "solve_s", "wall_s"),
-)
 
 
 def rows_table(rows: Iterable[Mapping[str, Any]]) -> pa.Table:
@@ -66,7 +59,7 @@ def fitting(row: Mapping[str, Any]) -> Row:
 
 def raised_row(known: Mapping[str, Any], message: str) -> Row:
     """The row of an attempt that raised `message`; of the known columns, no solver's are kept."""
-    kept = {name: known.get(name) for name in _NOT_SOLVERS}
+    kept = {name: known.get(name) for name in NOT_SOLVERS}
     ending = {"outcome": "raised", "claim": "none", "verdict": "none", "message": message}
     flags = {"false_claim": False, "wrong_basin": False, "native_status": ""}
     return dict.fromkeys(names(ROW)) | kept | flags | ending
