@@ -7,18 +7,18 @@ import pytest
 from dubins_study import run
 from dubins_study.experiments.definition.experiment import read
 from dubins_study.report.data.results import load
-from dubins_study.report.topics.basins.numbers import (
+from dubins_study.report.topics.basins import (
     FALSE_MINIMUM,
     INFEASIBLE,
     capping,
     ends,
     shares,
 )
-from dubins_study.report.topics.bias.numbers import by_barrier, left_over, without_barrier
-from dubins_study.report.topics.convergence.numbers import orders, refined
-from dubins_study.report.topics.ladder.numbers import rungs
-from dubins_study.report.topics.proofs.numbers import prices, proofs
-from dubins_study.report.topics.scale.numbers import by_solver, spreads
+from dubins_study.report.topics.bias import by_barrier, left_over, without_barrier
+from dubins_study.report.topics.convergence import orders, refined
+from dubins_study.report.topics.ladder import rungs
+from dubins_study.report.topics.proofs import prices, proofs
+from dubins_study.report.topics.scale import by_solver, spreads
 from dubins_study.study.closed_form.shortest import shortest
 from dubins_study.study.scenario import Scenario
 

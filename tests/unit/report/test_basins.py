@@ -10,7 +10,7 @@ import pandas as pd
 import pytest
 
 from dubins_study.report.data.results import load
-from dubins_study.report.topics.basins.numbers import (
+from dubins_study.report.topics.basins import (
     FALSE_MINIMUM,
     FALSE_PATH,
     GIVES_UP,

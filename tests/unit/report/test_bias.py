@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from dubins_study.report.data.results import load
-from dubins_study.report.topics.bias.numbers import (
+from dubins_study.report.topics.bias import (
     barrier,
     by_barrier,
     last_barrier,

@@ -8,7 +8,7 @@ from functools import partial
 import pytest
 
 from dubins_study.report.data.results import load
-from dubins_study.report.topics.convergence.numbers import medians, orders, refined, series
+from dubins_study.report.topics.convergence import medians, orders, refined, series
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import Claim
 from tests.unit.report.results_folder import attempt

@@ -7,16 +7,16 @@ import pytest
 
 from dubins_study.report.data.results import load
 from dubins_study.report.statistics.compared import compared
-from dubins_study.report.topics.cost.efforts import split
-from dubins_study.report.topics.cost.numbers import (
+from dubins_study.report.topics.cost import (
+    cost_section,
     example,
     factors,
     presolve_pairs,
     presolve_savings,
     shares,
+    split,
     strata,
 )
-from dubins_study.report.topics.cost.section import cost_section
 from dubins_study.study.closed_form.shortest import shortest
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import Claim

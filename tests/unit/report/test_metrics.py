@@ -14,7 +14,7 @@ from dubins_study.report.data.verdicts import starts
 from dubins_study.report.statistics import metrics
 from dubins_study.report.statistics.costs import performance_ratios
 from dubins_study.report.topics.agreement.numbers import agreement
-from dubins_study.report.topics.discretisation.numbers import work_precision
+from dubins_study.report.topics.discretisation import work_precision
 from dubins_study.report.topics.failures.numbers import failures
 from dubins_study.report.topics.success.numbers import gap_quantiles
 from dubins_study.report.topics.summary.numbers import by_start

@@ -8,7 +8,7 @@ from functools import partial
 import pytest
 
 from dubins_study.report.data.results import load
-from dubins_study.report.topics.proofs.numbers import (
+from dubins_study.report.topics.proofs import (
     PAPER,
     fastest,
     prices,

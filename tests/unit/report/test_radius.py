@@ -8,8 +8,7 @@ import pytest
 
 from dubins_study.report.data.results import load
 from dubins_study.report.statistics.methods import best_solvers
-from dubins_study.report.topics.radius.numbers import answers, sweep, sweep_rows
-from dubins_study.report.topics.radius.section import radius_section
+from dubins_study.report.topics.radius import answers, radius_section, sweep, sweep_rows
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import Claim

@@ -8,7 +8,7 @@ from functools import partial
 import pytest
 
 from dubins_study.report.data.results import load
-from dubins_study.report.topics.scale.numbers import ROUNDING, by_solver, spreads
+from dubins_study.report.topics.scale import ROUNDING, by_solver, spreads
 from dubins_study.study.closed_form.shortest import shortest_path
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario

@@ -7,7 +7,7 @@ import pandas as pd
 
 from dubins_study.report.elements.formats import digits, some
 from dubins_study.report.topics.comparison.paired import engine_tests, separated
-from dubins_study.report.topics.cost.numbers import presolve_pairs
+from dubins_study.report.topics.cost import presolve_pairs
 from dubins_study.report.topics.findings.evidence import Evidence
 from dubins_study.report.topics.findings.finding import TIMES, Finding
 from dubins_study.report.topics.findings.formulation import RANKS

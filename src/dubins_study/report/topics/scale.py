@@ -1,23 +1,108 @@
-"""The section on scale invariance."""
+"""The same scenario at many radii, with the same lengths in radii.
+
+The problem has no scale: (x, y, R) -> k (x, y, R) multiplies every length by k. A solver that keeps
+this gives the same path in radii, and its iterations do not change.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 
+import numpy as np
 import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
+from matplotlib.ticker import LogLocator
 
 from dubins_study.report.data.results import Results
-from dubins_study.report.elements.axes import label_curves, power
+from dubins_study.report.elements.axes import label_curves, log_axis, mark_limit, power
 from dubins_study.report.elements.columns import SOLVER, columns, marks
 from dubins_study.report.elements.content import Picture, Section, Table
 from dubins_study.report.elements.formats import count, digits, share, some
 from dubins_study.report.elements.looks import Palette
 from dubins_study.report.elements.style import MUTED, WIDE, Style, new_figure
 from dubins_study.report.elements.topic import Topic
+from dubins_study.report.statistics import metrics
 from dubins_study.report.statistics.methods import MOST_CURVES
 from dubins_study.report.statistics.metrics import parse_spec, solver_order
-from dubins_study.report.topics.scale.figures import plot_scale
-from dubins_study.report.topics.scale.numbers import ROUNDING, by_solver, spreads
+
+# Spreads of length / R up to this are rounding: of the scenario's numbers, of the sum of up to a
+# hundred pieces, and of the division. Gaps up to this count as zero.
+ROUNDING = 1e-13
+
+
+def spreads(rows: pd.DataFrame) -> pd.DataFrame:
+    """One row per solver and scenario (label), over its radii.
+
+    Columns: solver, label, radii, success (share), spread (of length / R over the radii at which
+    the answer arrives, relative to its median; NaN if it never does), words (distinct ones,
+    `/` between), iterations_low, iterations_high (NaN if not counted), invariant (all radii alike:
+    every answer arrives, same verdict and word, spread within `ROUNDING`).
+    """
+    arrived = (rows["length"] / rows["radius"]).where(rows["gap"].notna())
+    measured = rows.assign(success=metrics.success(rows), relative=arrived)
+    groups = measured.groupby(["label", "solver"])
+    relative, iterations = groups["relative"], groups["iterations"]
+    frame = pd.DataFrame({"radii": groups["radius"].nunique(), "success": groups["success"].mean()})
+    frame["spread"] = (relative.max() - relative.min()) / relative.median()
+    frame["words"] = groups["word"].agg(lambda words: "/".join(sorted(words.dropna().unique())))
+    frame["iterations_low"], frame["iterations_high"] = iterations.min(), iterations.max()
+    alike = (groups["verdict"].nunique() == 1) & (groups["word"].nunique() <= 1)
+    arrive = relative.count() == groups.size()
+    frame["invariant"] = alike & arrive & ~(frame["spread"] > ROUNDING)
+    return frame.reset_index()
+
+
+def by_solver(table: pd.DataFrame) -> pd.DataFrame:
+    """One row per solver, from `spreads`.
+
+    Columns: solver, scenarios, invariant (in how many of them the answer is the same at every
+    radius), success (mean share), spread (the largest), words (whether the same word at every
+    radius of each scenario), iterations (largest ratio of most to least over one scenario's radii;
+    NaN if not counted or zero).
+    """
+    low = table["iterations_low"]
+    ratio = table["iterations_high"] / low.where(low > 0)
+    measured = table.assign(words=~table["words"].str.contains("/"), iterations=ratio)
+    groups = measured.groupby("solver")
+    frame = pd.DataFrame({"scenarios": groups.size(), "invariant": groups["invariant"].sum()})
+    frame = frame.assign(success=groups["success"].mean(), spread=groups["spread"].max())
+    frame = frame.assign(words=groups["words"].all(), iterations=groups["iterations"].max())
+    return metrics.by_solver(frame.reset_index())
+
+
+_MOST_LETTERS = 34  # of a solver's name in the figure
+
+
+def plot_scale(
+    ax: Axes, rows: pd.DataFrame, palette: Palette, foot: float, top: float
+) -> dict[str, Line2D]:
+    """Draw one scenario's gap over the radius, one line per solver; returns name -> line.
+
+    Columns: solver, radius, gap (relative; NaN if the path does not arrive). Gaps within rounding
+    are drawn at `foot`, answers that do not arrive at `top`.
+    """
+    looks, curves = palette.looks(rows["solver"]), {}
+    names = palette.names(rows["solver"])
+    for place, solver in enumerate(solver_order(rows["solver"].tolist())):
+        group = rows[rows["solver"] == solver].sort_values("radius")
+        gap = group["gap"].where(group["gap"] > ROUNDING, foot).where(group["gap"].notna(), top)
+        # Many are exact: draw each solver a little higher than the last, so that all are visible.
+        gap = gap.where(gap > foot, foot * 10 ** (0.28 * place))
+        look = looks[solver]
+        style: Style = {"marker": look.marker, "markersize": 3}
+        (curve,) = ax.plot(group["radius"], gap, **style, **look.lines)
+        curves[names[solver][:_MOST_LETTERS]] = curve
+    mark_limit(ax, ROUNDING, "y")
+    ax.set(xscale="log", yscale="log", ylim=(foot / 3, top * 4))
+    log_axis(ax.xaxis)
+    ax.xaxis.set_major_locator(LogLocator(numticks=5))
+    ax.grid(True, axis="x")
+    ticks = 10.0 ** np.arange(round(np.log10(ROUNDING)), round(np.log10(top)) - 1, 3)
+    texts = [power(tick) for tick in ticks]
+    ax.set_yticks([foot * 10, *ticks, top], ["rounding", *texts, "misses"])
+    return curves
+
 
 _FOOT, _TOP = 1e-17, 1e1
 

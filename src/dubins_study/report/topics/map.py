@@ -2,13 +2,63 @@
 
 from __future__ import annotations
 
-from dubins_study.report.data.plane_map import CELLS, REACH, PlaneMap
+import numpy as np
+from matplotlib.axes import Axes
+
+from dubins_study.report.data.plane_map import CELLS, REACH, WORDS, FloatArray, PlaneMap
 from dubins_study.report.data.results import Results
+from dubins_study.report.elements import plane_axes
 from dubins_study.report.elements.content import Picture, Section, picture
 from dubins_study.report.elements.formats import count, slug
+from dubins_study.report.elements.style import MAP_PAPER
 from dubins_study.report.elements.topic import General, Topic
-from dubins_study.report.topics.map.figures import plot_frequent_words, plot_ranges
-from dubins_study.report.topics.map.numbers import frequent_words, length_ranges
+
+
+def frequent_words(plane: PlaneMap) -> FloatArray:
+    """Index in `WORDS` of each cell's most frequent word, shape (cells, cells); NaN if empty."""
+    return np.where(plane.counts.sum(axis=0) > 0, plane.counts.argmax(axis=0), np.nan)
+
+
+def length_ranges(plane: PlaneMap) -> FloatArray:
+    """(Largest - smallest length) / R per cell, shape (cells, cells); NaN below two attempts."""
+    known = plane.counts.sum(axis=0) > 1
+    empty = np.full(known.shape, np.nan)
+    return np.subtract(plane.largest, plane.least, where=known, out=empty)
+
+
+_EXTENT = (-REACH, REACH, -REACH, REACH)
+
+
+def plot_frequent_words(ax: Axes, words: FloatArray, centres: FloatArray) -> None:
+    """The word that most answers of a cell have.
+
+    Args:
+        ax: where to draw.
+        words: shape (cells, cells), from `frequent_words`.
+        centres: shape (cells,), of the cells along either axis.
+    """
+    plane_axes.plot_word_cells(ax, words, _EXTENT)
+    for place, word in enumerate(WORDS[: len(plane_axes.WORD_COLOURS)]):
+        plane_axes.label_region(ax, centres, centres, words == place, word)
+    plane_axes.draw_circles(ax, centres, centres)
+
+
+def plot_ranges(ax: Axes, ranges: FloatArray) -> None:
+    """Draw the range of lengths within each cell, divided by R.
+
+    Args:
+        ax: where to draw.
+        ranges: shape (cells, cells), from `length_ranges`.
+    """
+    image = ax.imshow(
+        ranges, origin="lower", extent=_EXTENT, cmap="cividis", interpolation="nearest", vmin=0
+    )
+    # The circles are not drawn: the jumps show them, and lines would hide the jumps.
+    ax.plot(0, 0, marker="o", color=MAP_PAPER, markersize=3)
+    ax.set(xlabel="target x / R", ylabel="target y / R", aspect="equal")
+    ax.grid(False)
+    plane_axes.add_colour_bar(ax, image, "largest less least length in a cell / R")
+
 
 _FEWEST = 10 * CELLS**2  # attempts; below that most cells say little
 

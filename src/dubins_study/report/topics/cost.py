@@ -1,0 +1,530 @@
+"""The section on what evaluations and seconds go to."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
+
+from dubins_study.report.data.results import Results
+from dubins_study.report.elements.columns import Column, columns
+from dubins_study.report.elements.content import Picture, Section, Table
+from dubins_study.report.elements.formats import count, digits, seconds, sentences
+from dubins_study.report.elements.identity import (
+    best_first,
+    cell_text,
+    interval_column,
+    interval_keys,
+    method_columns,
+    with_interval,
+    with_interval_texts,
+)
+from dubins_study.report.elements.panels import most_per_formulation, plot_stacked_shares
+from dubins_study.report.elements.style import BLUE, GREEN, ORANGE, RULE, VERMILION
+from dubins_study.report.elements.topic import BENCHMARK, Topic
+from dubins_study.report.statistics.compared import Compared, compared
+from dubins_study.report.statistics.intervals import bootstrap, medians
+from dubins_study.report.statistics.methods import without_setting
+from dubins_study.report.topics.summary.section import best_solvers
+from dubins_study.study.closed_form.shortest import shortest
+from dubins_study.study.path import FloatArray
+from dubins_study.study.scenario import COLUMNS, Scenario
+from dubins_study.study.words import BRANCHES
+
+AMOUNTS = ("evaluations", "seconds")
+_STRATUM_COLUMNS = ["solver", "stratum", "questions", "estimate", "low", "high"]
+
+
+def ratios(split: Split, amount: str) -> pd.DataFrame:
+    """Total / winning run, the median over repeats; questions by solvers, NaN where not right."""
+    parts = split.amount(amount)
+    return split.medians(parts["total"] / parts["winning run"])
+
+
+def factors(compared: Compared, split: Split) -> pd.DataFrame:
+    """Median over questions of total / winning run, with intervals over scenarios.
+
+    Returns:
+        Indexed by solver in the order of tables: the method's columns; questions (those with a
+        right answer whose winning run is known); and for evaluations and seconds the median (as
+        `evaluations`), its interval (`_low`, `_high`), and the means over answers of the total
+        (`_total`) and of the winning run (`_floor`).
+    """
+    solver = split.answers["solver"]
+    questions = split.answers.groupby("solver")["question"].nunique().rename("questions")
+    frame = compared.methods.join(questions, how="inner")
+    for amount in AMOUNTS:
+        found = bootstrap(compared.by_scenario(ratios(split, amount)), medians)
+        means = split.amount(amount)[["total", "winning run"]].groupby(solver).mean()
+        means.columns = pd.Index([f"{amount}_total", f"{amount}_floor"])
+        frame = frame.join(_named(found, amount)).join(means)
+    return frame
+
+
+def _named(intervals: pd.DataFrame, amount: str) -> pd.DataFrame:
+    names = {"estimate": amount, "low": f"{amount}_low", "high": f"{amount}_high"}
+    return intervals.rename(columns=names)
+
+
+def shares(compared: Compared, split: Split, amount: str) -> pd.DataFrame:
+    """What the total goes to: the mean amount of each kind over the mean total.
+
+    Returns:
+        Indexed by solver in the order of tables: the method's columns, each of `KINDS` as a share,
+        and total (mean over answers). Methods that do not count the amount are left out.
+    """
+    means = split.amount(amount).groupby(split.answers["solver"]).mean().dropna()
+    parts = means[list(KINDS)].div(means["total"], axis=0)
+    return compared.methods.join(parts.assign(total=means["total"]), how="inner")
+
+
+def strata(compared: Compared, split: Split, amount: str) -> pd.DataFrame:
+    """Median of total / winning run in each stratum, with its interval.
+
+    Returns:
+        One row per solver and stratum: solver, stratum, questions, estimate, low, high.
+    """
+    table = ratios(split, amount)
+    stratum_of = compared.rows.drop_duplicates("question").set_index("question")["stratum"]
+    parts = []
+    for stratum, group in table.groupby(stratum_of.reindex(table.index), sort=False):
+        found = bootstrap(compared.by_scenario(group), medians).rename_axis("solver")
+        counted = group.notna().sum().rename_axis("solver")
+        parts.append(found.assign(stratum=str(stratum), questions=counted).reset_index())
+    if not parts:
+        return pd.DataFrame(columns=_STRATUM_COLUMNS)
+    every = pd.concat(parts, ignore_index=True)
+    return every.loc[every["questions"] > 0, _STRATUM_COLUMNS]
+
+
+def presolve_pairs(methods: pd.DataFrame) -> list[tuple[str, str]]:
+    """(without, with): solvers that differ in the setting `presolve` alone."""
+    plain = {spec: without_setting(spec, "presolve") for spec in methods.index}
+    pairs = []
+    for spec, (rest, value) in plain.items():
+        for other, (other_rest, other_value) in plain.items():
+            if value is not None and other_rest == rest and other_value != value:
+                on = value.lower() == "true"
+                pairs.append((other, spec) if on else (spec, other))
+    return list(dict.fromkeys(pairs))
+
+
+def presolve_savings(compared: Compared, split: Split) -> pd.DataFrame:
+    """What the presolve divides the cost by: median over questions, with interval.
+
+    Returns:
+        One row per pair of solvers: the columns of the method without it; questions that both
+        answer; for evaluations and seconds the ratio total without / total with (as
+        `evaluations`) with `_low` and `_high`, and total / winning run of both (`_off`, `_on`).
+    """
+    known = set(split.answers["solver"])
+    pairs = [pair for pair in presolve_pairs(compared.engines) if known.issuperset(pair)]
+    off, on = [pair[0] for pair in pairs], [pair[1] for pair in pairs]
+    frame = compared.methods.reindex(off).assign(settings="").reset_index(drop=True)
+    for amount in AMOUNTS:
+        totals, floors = split.medians(split.amount(amount)["total"]), ratios(split, amount)
+        saved = totals[off].to_numpy() / totals[on].to_numpy()
+        savings = pd.DataFrame(saved, totals.index)
+        frame["questions"] = savings.notna().sum()
+        found = bootstrap(compared.by_scenario(savings), medians)
+        frame = frame.join(_named(found, amount))
+        both = savings.notna().to_numpy()
+        for suffix, solvers in (("_off", off), ("_on", on)):
+            table = pd.DataFrame(np.where(both, floors[solvers].to_numpy(), np.nan))
+            frame[f"{amount}{suffix}"] = table.median()
+    return frame
+
+
+_EXAMPLE = Scenario(0, 0, "120deg", 10, 5, 4)
+_NUMBERS = ["x", "y", "heading", "target_x", "target_y", "radius"]
+
+
+def example(compared: Compared, split: Split) -> pd.DataFrame:
+    """Total / winning run in evaluations for the target (10, 5) from (0, 0, 120deg) at R = 4.
+
+    Returns:
+        The method's columns and `ratio`, one row per solver; empty if no row asks the question.
+    """
+    rows = compared.rows.loc[split.answers.index]
+    numbers = rows[_NUMBERS].to_numpy(dtype=np.float64)
+    wanted = [getattr(_EXAMPLE, name) for name in _NUMBERS]
+    here = np.isclose(numbers, wanted, rtol=0, atol=1e-9).all(axis=1) & (rows["branch"] == "best")
+    each = split.evaluations["total"] / split.evaluations["winning run"]
+    ratio = each[here].groupby(rows.loc[here, "solver"]).median().rename("ratio").dropna()
+    return compared.engines.join(ratio, how="inner")
+
+
+# What evaluations and seconds go to. The run that gave the answer is the floor: the engine called
+# once, from that guess. Restarts are the other runs on the same subproblem. Other subproblems have
+# a path that loses, or no path. The rest lies outside the subproblems, e.g. polishing the answer.
+KINDS = ("winning run", "restarts", "losing words", "words without a path", "building", "rest")
+_AMOUNTS = {"evaluations": "subproblem_evaluations", "seconds": "subproblem_s"}
+_RELATIVE_ROUNDING = 1e-9
+_READ = [
+    *("solver", "question", "scenario", "stratum", "word", "evaluations", "build_s", "wall_s"),
+    *("subproblems", "subproblem_evaluations", "subproblem_s"),
+    *("best_run_evaluations", "best_run_s", *COLUMNS),
+]
+
+
+class Split(NamedTuple):
+    """Right answers at questions with a path, and what each cost; three frames of one index.
+
+    Args:
+        answers: columns solver, question, stratum; one row per attempt, with its index.
+        evaluations: columns `KINDS` and total; NaN where the engine does not count them.
+        seconds: columns `KINDS` and total (the whole attempt).
+    """
+
+    answers: pd.DataFrame
+    evaluations: pd.DataFrame
+    seconds: pd.DataFrame
+
+    def amount(self, name: str) -> pd.DataFrame:
+        """The evaluations or the seconds."""
+        return self.evaluations if name == "evaluations" else self.seconds
+
+    def medians(self, values: pd.Series[float]) -> pd.DataFrame:
+        """A value of each answer as a table: questions by solvers, the median over repeats."""
+        return values.groupby([self.answers["question"], self.answers["solver"]]).median().unstack()
+
+
+def split(compared: Compared) -> Split:
+    """What the right answers cost; answers whose winning run is not known are left out."""
+    rows = compared.answerable
+    rows = rows.loc[rows["right"] & (rows["best_run_s"] > 0), _READ]
+    lines = _lines(rows)
+    kinds = _kinds(lines, rows)
+    return Split(
+        rows[["solver", "question", "stratum"]],
+        _parts(rows, lines, kinds, "evaluations"),
+        _parts(rows, lines, kinds, "seconds"),
+    )
+
+
+def _parts(
+    rows: pd.DataFrame, lines: pd.DataFrame, kinds: pd.Series[Any], amount: str
+) -> pd.DataFrame:
+    """Each attempt's evaluations or seconds, by kind, and their total."""
+    summed = lines[amount].groupby([lines["row"], kinds]).sum(min_count=1).unstack()
+    parts = summed.reindex(index=rows.index, columns=list(KINDS)).fillna(0.0)
+    known = summed.sum(axis=1).reindex(rows.index).fillna(0.0)
+    if amount == "evaluations":
+        best, total = rows["best_run_evaluations"], rows["evaluations"]
+        parts["building"] = 0.0
+    else:
+        best, total = rows["best_run_s"], rows["wall_s"]
+        parts["building"] = rows["build_s"].fillna(0.0)
+    parts["winning run"] = best
+    parts["restarts"] = (parts["restarts"] - best).clip(lower=0.0)
+    counted = parts.drop(columns="rest").sum(axis=1, skipna=False)
+    parts["total"] = np.fmax(total.fillna(known), counted)
+    parts["rest"] = parts["total"] - counted
+    return parts.where(best > 0).astype(np.float64)
+
+
+def _lines(rows: pd.DataFrame) -> pd.DataFrame:
+    """One line per attempt and subproblem: row, subproblem, evaluations, seconds.
+
+    Attempts whose lists of subproblems differ in length have no lines.
+    """
+    names = rows["subproblems"].fillna("").map(str.split)
+    sizes = names.map(len)
+    for column in _AMOUNTS.values():
+        sizes = sizes.where(sizes == rows[column].map(_size), 0)
+    kept = sizes[sizes > 0].astype(int)
+    chain = itertools.chain.from_iterable
+    frame = pd.DataFrame(
+        {
+            "row": np.repeat(kept.index.to_numpy(), kept.to_numpy()),
+            "subproblem": list(chain(names[kept.index])),
+        }
+    )
+    for amount, column in _AMOUNTS.items():
+        values = np.array(list(chain(rows.loc[kept.index, column])), dtype=np.float64)
+        frame[amount] = values
+    return frame
+
+
+def _size(value: object) -> int:
+    return len(value) if isinstance(value, (list, np.ndarray)) else 0
+
+
+def _kinds(lines: pd.DataFrame, rows: pd.DataFrame) -> pd.Series[Any]:
+    """The kind of each line; the winner's line is `restarts`, its best run included."""
+    if lines.empty:
+        return pd.Series("", lines.index)
+    attempts = rows[["word", "best_run_s", "scenario", *COLUMNS]].loc[lines["row"]]
+    place, pairs = pd.factorize(
+        pd.MultiIndex.from_arrays([attempts["word"].fillna("").to_numpy(), lines["subproblem"]])
+    )
+    misfit = np.array([not _contains(*pair) for pair in pairs])[place]
+    best = attempts["best_run_s"].to_numpy()
+    # The engine's time on the winner is at least that of its best run.
+    too_short = lines["seconds"].to_numpy() < best * (1 - _RELATIVE_ROUNDING)
+    order = pd.DataFrame(
+        {"row": lines["row"], "too_short": too_short, "misfit": misfit, "s": lines["seconds"]}
+    ).sort_values(["row", "too_short", "misfit", "s"], kind="stable")
+    winner = np.zeros(len(lines), dtype=bool)
+    winner[order.index[~order["row"].duplicated()]] = True
+    exists = _exists(attempts, lines["subproblem"].to_numpy())
+    names = np.where(winner, "restarts", np.where(exists, "losing words", KINDS[3]))
+    return pd.Series(names, lines.index)
+
+
+def _contains(word: str, subproblem: str) -> bool:
+    """Whether a subproblem's letters, in order, include a path's word."""
+    letters = iter(subproblem)
+    return all(letter in letters for letter in word)
+
+
+def _exists(attempts: pd.DataFrame, subproblems: FloatArray) -> FloatArray:
+    """Whether each subproblem has a path; true of all that are no words, such as the joint model.
+
+    The closed form decides, once for each scenario and word.
+    """
+    pairs = pd.MultiIndex.from_arrays([attempts["scenario"].to_numpy(), subproblems])
+    place = pairs.factorize()[0]
+    _, first = np.unique(place, return_index=True)
+    columns = attempts[list(COLUMNS)].iloc[first].to_dict("records")
+    words = subproblems[first]
+    known = [_has_path(line, word) for line, word in zip(columns, words, strict=True)]
+    every: FloatArray = np.array(known)[place]
+    return every
+
+
+def _has_path(scenario: Mapping[Any, Any], word: str) -> bool:
+    if word not in BRANCHES or word == "best":
+        return True
+    return shortest(Scenario(**scenario), word) is not None
+
+
+# From dark to light with hatches, so that neighbours differ in grey print.
+LOOKS = {
+    "winning run": (BLUE, ""),
+    "restarts": ("#b9def3", "///"),
+    "losing words": (ORANGE, "\\\\\\"),
+    "words without a path": (VERMILION, "xx"),
+    "building": (GREEN, "||"),
+    "rest": (RULE, ""),
+}
+
+
+def plot_cost_shares(table: pd.DataFrame, amount: str) -> Figure:
+    """What the evaluations, or the seconds, of right answers go to; the mean total beside it.
+
+    Columns of `shares`.
+    """
+    show = digits(3) if amount == "evaluations" else seconds
+    present = {kind: look for kind, look in LOOKS.items() if table[kind].any()}
+    notes = [show(total) for total in table["total"]]
+    label = f"share of {'evaluations' if amount == 'evaluations' else 'the time'}, right answers"
+    return plot_stacked_shares(table, present, label, notes)
+
+
+# Eight bars in a panel can be read; the tables hold every method.
+_MOST = 8
+# Other runs with less than this share of the cost are nothing to show.
+_OTHER_RUNS = ("restarts", "losing words", "words without a path")
+_HARDLY = 0.005
+_RATIO = digits(3)
+_SHOWN = {"evaluations": _RATIO, "seconds": _RATIO}
+
+
+def cost_section(results: Results) -> Section | None:
+    """What evaluations and seconds go to, against one run of the engine."""
+    attempts = compared(results)
+    if attempts is None:
+        return None
+    answers = split(attempts)
+    if answers.answers.empty:
+        return None
+    table = factors(attempts, answers)
+    savings = presolve_savings(attempts, answers)
+    blocks: list[Picture | Table] = [
+        _picture(attempts, answers, amount)
+        for amount in ("evaluations", "seconds")
+        if len(shares(attempts, answers, amount))
+    ]
+    blocks += best_first(_factor_table(table), table.index, best_solvers(results))
+    if len(savings):
+        blocks.append(_presolve_table(savings))
+    by_strata = strata(attempts, answers, "evaluations")
+    by_stratum = _stratum_table(attempts, answers, by_strata)
+    if by_stratum is not None:
+        blocks.append(by_stratum)
+    text = sentences(
+        "Besides the run that gives the answer, the cost goes to restarts, to words that lose, to "
+        "words that have no path, and to building. Only right answers at questions with a path "
+        "count. The floor is the winning run: the same engine called once, from the same guess.",
+        _most_and_least(table),
+        _saved(savings),
+        _typical(attempts, by_strata),
+        _example(example(attempts, answers)),
+    )
+    lead = "See how little of the cost is the run that gives the answer (plain blue)."
+    return Section("cost", "Cost where it arises", text, tuple(blocks), lead)
+
+
+def _most_and_least(table: pd.DataFrame) -> str:
+    ratios = table["evaluations"].dropna()
+    if len(ratios) < 2:
+        return ""
+    order = table.loc[ratios.sort_values().index].to_dict("records")
+    best, worst = order[0], order[-1]
+    return (
+        f"In the median over questions {worst['name']} takes {_of(worst, 'evaluations')} times the "
+        f"evaluations of its winning run, {best['name']} {_of(best, 'evaluations')} times."
+    )
+
+
+def _of(row: Mapping[Any, Any], key: str) -> str:
+    return with_interval(_RATIO, row[key], row[f"{key}_low"], row[f"{key}_high"])
+
+
+def _saved(savings: pd.DataFrame) -> str:
+    order = savings.dropna(subset="evaluations").sort_values("evaluations").to_dict("records")
+    if not order:
+        return ""
+    ends = [order[-1]] if len(order) == 1 else [order[-1], order[0]]
+    parts = [f"of {row['name']} by {_of(row, 'evaluations')}" for row in ends]
+    between = " (the most) and " if len(parts) > 1 else ""
+    last = " (the least)" if len(parts) > 1 else ""
+    return f"The presolve divides the evaluations, in the median, {between.join(parts)}{last}."
+
+
+def _typical(attempts: Compared, by_strata: pd.DataFrame) -> str:
+    """The median over the strata of the methods that are posed with and without the presolve."""
+    medians = _over_strata(by_strata)
+    pairs = [pair for pair in presolve_pairs(attempts.engines) if set(pair) <= set(medians.index)]
+    parts = [
+        f"{attempts.methods['engine'][on]} {_RATIO(medians[on])} ({_RATIO(medians[off])} without)"
+        for off, on in pairs
+    ]
+    if not parts or by_strata["stratum"].nunique() < 2:
+        return ""
+    return (
+        "Evaluations with the presolve as a multiple of those of the winning run, median over the "
+        f"strata: {'; '.join(parts)}."
+    )
+
+
+def _example(table: pd.DataFrame) -> str:
+    parts = [f"{row['name']} {_RATIO(row['ratio'])}" for row in table.to_dict("records")]
+    if not parts:
+        return ""
+    return (
+        "For the target (10, 5) from (0, 0, 120°) at R = 4, the evaluations as a multiple of those "
+        f"of the winning run: {'; '.join(parts)}."
+    )
+
+
+def _picture(attempts: Compared, answers: Split, amount: str) -> Picture:
+    table = shares(attempts, answers, amount)
+    shown = _bars(table, attempts)
+    left_out = len(table) - len(shown)
+    rest = f" The table below has {count(left_out)} methods more." if left_out else ""
+    if amount == "evaluations":
+        what = "function evaluations; at the right their mean number in an answer"
+    else:
+        what = "seconds, building included; at the right their mean in an answer"
+    caption = (
+        f"What an answer's cost goes to, in {what}. Winning run: the run that gives the answer. "
+        "Restarts: other runs on the same word. Losing words have a path, but a longer one, or "
+        "are the joint model's other order. Whether a word has a path is computed from the "
+        f"scenario. Methods of a single run are left out.{rest}"
+    )
+    alt = f"Stacked bars of the shares of {amount}, one per method, in panels by formulation"
+    return Picture(f"cost-{amount}", caption, plot_cost_shares(shown, amount), alt)
+
+
+def _bars(table: pd.DataFrame, attempts: Compared) -> pd.DataFrame:
+    """The methods with more than one run: those with and without the presolve, then the cheapest.
+
+    If all have a single run, the cheapest.
+    """
+    paired = {solver for pair in presolve_pairs(attempts.engines) for solver in pair}
+    order = table.assign(single=~table.index.isin(list(paired))).sort_values(["single", "total"])
+    several = order[order[list(_OTHER_RUNS)].sum(axis=1) > _HARDLY]
+    chosen = most_per_formulation(several if len(several) else order, _MOST)
+    return table[table.index.isin(chosen.index)]
+
+
+def _factor_table(table: pd.DataFrame) -> Table:
+    mean = digits(3)
+    shown = (
+        *method_columns(table),
+        *columns(count, questions="questions"),
+        *columns(mean, evaluations_total="evaluations", evaluations_floor="winning run"),
+        interval_column("evaluations", "total / winning"),
+        *columns(seconds, seconds_total="time", seconds_floor="winning run"),
+        interval_column("seconds", "total / winning"),
+    )
+    caption = (
+        "Total cost against the winning run: means over right answers, then the median over "
+        "questions of total / winning run, with its 95 % interval (bootstrap over scenarios). "
+        "A dash: the engine does not count evaluations."
+    )
+    frame = with_interval_texts(table, **_SHOWN)
+    return Table("cost", caption, frame, shown, numbers=interval_keys(*_SHOWN), dense=True)
+
+
+def _presolve_table(savings: pd.DataFrame) -> Table:
+    shown = (
+        *method_columns(savings),
+        *columns(count, questions="questions"),
+        *columns(_RATIO, evaluations_off="evaluations / winning, without", evaluations_on="with"),
+        interval_column("evaluations", "saved factor"),
+        *columns(_RATIO, seconds_off="time / winning, without", seconds_on="with"),
+        interval_column("seconds", "saved factor"),
+    )
+    caption = (
+        "With and without the presolve, which drops the words that elementary geometry excludes, "
+        "on the questions that both answer: median of total / winning run, and median over "
+        "questions of the total without / with it, with its 95 % interval."
+    )
+    frame = with_interval_texts(savings, **_SHOWN)
+    return Table("cost-presolve", caption, frame, shown, numbers=interval_keys(*_SHOWN), dense=True)
+
+
+def _present(attempts: Compared, table: pd.DataFrame) -> list[str]:
+    return [stratum for stratum in attempts.strata if stratum in set(table["stratum"])]
+
+
+def _stratum_table(attempts: Compared, answers: Split, table: pd.DataFrame) -> Table | None:
+    """Strata in lines, the methods of the first formulation of the figure in columns."""
+    kinds = shares(attempts, answers, "evaluations")
+    bars = _bars(kinds, attempts)
+    chosen = list(bars[bars["formulation"] == bars["formulation"].head(1).squeeze()].index)
+    kept = table[table["solver"].isin(chosen)]
+    if kept.empty or kept["stratum"].nunique() < 2:
+        return None
+    ends = zip(kept["estimate"], kept["low"], kept["high"], strict=True)
+    kept = kept.assign(text=[cell_text(with_interval(digits(2), *each)) for each in ends])
+    texts = kept.pivot(index="stratum", columns="solver", values="text")
+    texts = texts.reindex(index=_present(attempts, kept), columns=chosen)
+    medians = _over_strata(table).reindex(chosen)
+    texts.loc["median over the strata"] = [digits(2)(value) for value in medians]
+    frame = texts.reset_index()
+    names = attempts.methods["short"]
+    shown = (
+        Column("stratum", "stratum", kind="text"),
+        *(Column(solver, str(names[solver]), kind="cell") for solver in chosen),
+    )
+    caption = (
+        "Evaluations / those of the winning run, by stratum: median over questions with its 95 % "
+        f"interval; {attempts.methods.loc[chosen[0], 'formulation']}."
+    )
+    return Table("cost-strata", caption, frame, shown, dense=True)
+
+
+def _over_strata(table: pd.DataFrame) -> pd.Series[float]:
+    """The median over strata of each solver's median over questions."""
+    return table.groupby("solver")["estimate"].median()
+
+
+TOPIC = Topic("cost where it arises", cost_section, BENCHMARK)

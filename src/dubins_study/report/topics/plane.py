@@ -1,0 +1,216 @@
+"""The section on the target plane."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from numpy.typing import NDArray
+
+from dubins_study.report.data.attempts import EXACT
+from dubins_study.report.data.results import Results
+from dubins_study.report.elements import plane_axes
+from dubins_study.report.elements.content import Picture, Section, picture
+from dubins_study.report.elements.formats import count
+from dubins_study.report.elements.looks import Palette
+from dubins_study.report.elements.style import BLUE, INK, MUTED, ORANGE, RULE, VERMILION
+from dubins_study.report.elements.topic import General, Topic
+from dubins_study.report.statistics.metrics import solver_order, success
+
+# Largest number of cells in a grid: scattered targets would give one cell per pair of coordinates.
+_MOST_CELLS = 4_000_000
+_FEWEST_LINES = 5  # grid lines along x and along y; fewer do not give a map
+
+
+def exact_answers(rows: pd.DataFrame) -> pd.DataFrame:
+    """The closed form's answer to each target; empty if the targets do not form a grid."""
+    exact = rows[(rows["solver"] == EXACT) & rows["length"].notna()]
+    exact = exact.drop_duplicates(["target_x", "target_y"])
+    columns, lines = exact["target_x"].nunique(), exact["target_y"].nunique()
+    is_grid = min(columns, lines) >= _FEWEST_LINES and columns * lines <= _MOST_CELLS
+    return exact if is_grid else exact.iloc[:0]
+
+
+def grid_of(rows: pd.DataFrame, column: str) -> tuple[NDArray[np.float64], ...]:
+    """x of shape (n,), y of shape (m,) and the column's values of shape (m, n); NaN where none."""
+    table = rows.pivot_table(index="target_y", columns="target_x", values=column, aggfunc="first")
+    x = table.columns.to_numpy(dtype=np.float64)
+    y = table.index.to_numpy(dtype=np.float64)
+    return x, y, table.to_numpy(dtype=np.float64)
+
+
+def along_circle(rows: pd.DataFrame) -> pd.DataFrame:
+    """Targets within one grid step of a turning circle, with their position along the circle.
+
+    Columns: angle (arc angle from the start, deg), side (`inside`, `outside`), length.
+    """
+    xs = np.sort(rows["target_x"].unique())
+    near = rows[rows["margin"] <= np.diff(xs).min()]
+    angle = np.arctan2(near["target_x"], 1 - near["target_y"].abs())
+    disc = near["region"].isin(["left disc", "right disc"])
+    return pd.DataFrame(
+        {
+            "angle": np.degrees(angle) % 360,
+            "side": np.where(disc, "inside", "outside"),
+            "length": near["length"],
+        }
+    ).sort_values("angle")
+
+
+_HATCHES = {"LS": "", "RS": "", "RL": "////", "LR": "\\\\\\\\"}
+
+
+def _extent(x: NDArray[np.float64], y: NDArray[np.float64]) -> tuple[float, float, float, float]:
+    dx, dy = (x[-1] - x[0]) / (x.size - 1) / 2, (y[-1] - y[0]) / (y.size - 1) / 2
+    return x[0] - dx, x[-1] + dx, y[0] - dy, y[-1] + dy
+
+
+def plot_words(ax: Axes, rows: pd.DataFrame) -> None:
+    """Draw the shortest word of each target. Columns: target_x, target_y, word (on a grid)."""
+    codes = {word: float(i) for i, word in enumerate(plane_axes.WORD_COLOURS)}
+    other = float(len(plane_axes.WORD_COLOURS))
+    known = rows.assign(code=rows["word"].map(lambda word: codes.get(word, other)))
+    x, y, code = grid_of(known, "code")
+    plane_axes.plot_word_cells(ax, code, _extent(x, y))
+    for word, value in codes.items():
+        inside = code == value
+        if inside.any() and _HATCHES[word]:
+            style: dict[str, Any] = {"colors": "none", "hatches": [_HATCHES[word]]}
+            hatch = ax.contourf(x, y, inside.astype(float), levels=[0.5, 1.5], **style)
+            hatch.set_edgecolor("#ffffff80")
+            hatch.set_linewidth(0)
+        plane_axes.label_region(ax, x, y, inside, word)
+    plane_axes.draw_circles(ax, x, y)
+
+
+def plot_lengths(ax: Axes, rows: pd.DataFrame) -> None:
+    """The shortest length, with contours that break where it jumps.
+
+    Columns: target_x, target_y, length, region (on a grid), radius.
+    """
+    x, y, length = grid_of(rows, "length")
+    inside = rows.assign(inside=rows["region"].isin(["left disc", "right disc"]).astype(float))
+    _, _, disc = grid_of(inside, "inside")
+    image = ax.imshow(
+        length, origin="lower", extent=_extent(x, y), cmap="cividis", interpolation="nearest"
+    )
+    levels = np.arange(math.floor(np.nanmin(length)), math.ceil(np.nanmax(length)) + 1)
+    for part in (disc > 0.5, disc <= 0.5):  # separately, since a contour must not cross the jump
+        values = np.where(part, length, np.nan)
+        if np.isfinite(values).sum() > 4:
+            lines = ax.contour(x, y, values, levels=levels, colors="white", linewidths=0.6)
+            ax.clabel(lines, levels[::2], fmt=lambda v: f"{v:g}", fontsize=7, inline_spacing=2)
+    plane_axes.draw_circles(ax, x, y)
+    plane_axes.add_colour_bar(ax, image, "shortest length / R")
+
+
+def plot_jump(ax: Axes, table: pd.DataFrame) -> None:
+    """Length on both sides of a turning circle. Columns of `along_circle`."""
+    sides = {"inside": (VERMILION, "x", 6), "outside": (BLUE, ".", -12)}
+    for side, (colour, marker, lift) in sides.items():
+        group = table[table["side"] == side]
+        ax.plot(group["angle"], group["length"], marker, color=colour, markersize=2.5)
+        at = group.iloc[(group["angle"] - 110).abs().argmin()] if len(group) else None
+        if at is not None:
+            text: dict[str, Any] = {"textcoords": "offset points", "ha": "left"}
+            point = (at["angle"], at["length"])
+            ax.annotate(f"just {side}", point, xytext=(0, lift), color=colour, **text)
+    ax.axvspan(0, 180, color=RULE, alpha=0.35, linewidth=0)
+    ax.text(90, 0.02, "front half", transform=ax.get_xaxis_transform(), ha="center", color=MUTED)
+    ax.set(xlim=(0, 360), ylim=(0, 7.4), xlabel="arc angle to the point of the circle (deg)")
+    ax.set(ylabel="shortest length / R")
+    ax.set_xticks([0, 90, 180, 270, 360])
+
+
+_WRONG: dict[str, dict[str, Any]] = {
+    "longer": {"marker": "^", "color": ORANGE},
+    "misses": {"marker": "x", "color": VERMILION},
+    "none": {"marker": "s", "color": BLUE, "markersize": 3.0},
+}
+
+
+def plot_failures(ax: Axes, rows: pd.DataFrame) -> None:
+    """Draw one solver's answers on a grid: a dot for a right answer, else a mark for the verdict.
+
+    Columns: target_x, target_y, verdict, presolved.
+    """
+    right = rows[success(rows)]
+    ax.plot(right["target_x"], right["target_y"], ".", color=MUTED, markersize=1.5, label="right")
+    for verdict, look in _WRONG.items():
+        group = rows[rows["verdict"] == verdict]
+        if len(group):
+            mark: dict[str, Any] = {"linestyle": "none", "markersize": 4.0, **look}
+            text = f"{verdict} ({len(group)})"
+            mark |= {"markerfacecolor": "none", "label": text}
+            ax.plot(group["target_x"], group["target_y"], **mark)
+    x, y = np.sort(rows["target_x"].unique()), np.sort(rows["target_y"].unique())
+    plane_axes.draw_circles(ax, x.astype(np.float64), y.astype(np.float64), INK)
+
+
+def plane_section(results: Results) -> Section | None:
+    """Maps of words and lengths, and where the solvers on a coarse grid go wrong."""
+    rows = results.rows[results.rows["branch"] == "best"]
+    exact = exact_answers(rows)
+    pictures: list[Picture] = []
+    if len(exact):
+        pictures += [_words(exact), _lengths(exact), _jump(exact)]
+    coarse = rows[rows["solver"] != EXACT]
+    names = Palette.of_page(results).names(coarse["solver"])
+    for number, solver in enumerate(solver_order(coarse["solver"].tolist()), start=1):
+        pictures.append(_failures(number, names[solver], coarse[coarse["solver"] == solver]))
+    if not pictures:
+        return None
+    text = (
+        "The vehicle starts at the origin and heads along +x; every point is a target. The paper "
+        "states LS and RS only, which is right outside the two turning circles and wrong inside: "
+        "there the shortest path turns away first. Across the front half of each circle (heavy) "
+        "the length jumps by up to 2π R, and nowhere else."
+    )
+    lead = (
+        "Look inside the two circles: there the shortest words are others than the paper's, and "
+        "there solvers go wrong."
+    )
+    return Section("plane", "The target plane", text, tuple(pictures), lead)
+
+
+def _words(exact: pd.DataFrame) -> Picture:
+    caption = (
+        "Shortest word by target. Hatched: inside a turning circle, where the first turn is away "
+        "from the target. On the axis ahead the path is straight. Lengths in R."
+    )
+    alt = "Map of shortest words"
+    return picture("plane-words", plot_words, exact, caption=caption, alt=alt, height=3.5)
+
+
+def _lengths(exact: pd.DataFrame) -> Picture:
+    caption = (
+        "Shortest length by target, a contour every R. The two discs stand out because the "
+        "length jumps across the front half of their circles; across the rear half it is smooth."
+    )
+    alt = "Map of shortest lengths"
+    return picture("plane-lengths", plot_lengths, exact, caption=caption, alt=alt, height=4.1)
+
+
+def _jump(exact: pd.DataFrame) -> Picture:
+    caption = (
+        "The same lengths for the targets within one grid step of a turning circle, by their "
+        "place on it. On the front half a target just inside costs up to 2π R more than one just "
+        "outside; on the rear half the two sides meet."
+    )
+    table, alt = along_circle(exact), "Length on both sides of a turning circle"
+    return picture("plane-jump", plot_jump, table, caption=caption, alt=alt, height=3.5)
+
+
+def _failures(number: int, name: str, rows: pd.DataFrame) -> Picture:
+    group = rows.drop_duplicates(["target_x", "target_y"])
+    right = int(success(group).sum())
+    caption = f"{name}: {count(right)} of {count(len(group))} targets right; lengths in R."
+    stem, alt = f"plane-solver-{number}", f"Targets {name} gets wrong"
+    return picture(stem, plot_failures, group, caption=caption, alt=alt, height=3.9, legend=2)
+
+
+# Not compared: a plane has a hundred thousand questions that only the closed form answers.
+TOPIC = Topic("the target plane", plane_section, "plane", (General.POOLED,))
