@@ -205,9 +205,9 @@ def _write(
         (folder / name).mkdir()
     blocks = [block for section in sections for block in section.blocks]
     for table in (*(b for b in blocks if isinstance(b, Table)), dictionary(sections)):
-        for suffix, text in (("csv", to_csv), ("md", to_markdown), ("tex", to_tex)):
+        for suffix, to_text in (("csv", to_csv), ("md", to_markdown), ("tex", to_tex)):
             file = folder / "tables" / f"{table.name}.{suffix}"
-            file.write_text(text(table), encoding="utf-8", newline="\n")
+            file.write_text(to_text(table), encoding="utf-8", newline="\n")
     drawn, drawings = {}, Drawings()
     for picture in (b for b in blocks if isinstance(b, Picture)):
         fix_layout(picture.figure)
