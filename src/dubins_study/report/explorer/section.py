@@ -11,17 +11,14 @@ from dubins_study.report.explorer.fragment import fragment
 def explorer_section(results: Results) -> Section:
     """Every word's path to a target that the reader chooses; the same for all results."""
     caption = (
-        "The map shows the shortest word of every target: LS and RS on both sides of the vehicle's "
-        "axis, RL and LR (hatched) inside its turning circles, whose front halves (heavy) the "
-        "length jumps across. Bold: the shortest path; thin: the other words'. Below it: every "
-        "word's length against the turning radius. A click in either sets the target or the "
-        "radius. Tab reaches the handles, which arrow keys move, and + and − change the radius."
+        "Map: the shortest word of every target; the length jumps across the heavy half circles. "
+        "Bold: the shortest path; thin: other words'. Below: every word's length against the "
+        "turning radius. Tab reaches the handles; arrow keys move them, + and − change the radius."
     )
     lead = "Drag the target across a turning circle to see the shortest path jump to another word."
     text = (
-        "What every solver is asked, for a scenario of your own: the page computes each word's "
-        "path by the closed form, and its certificate from Pontryagin's conditions and the cut. An "
-        "extremal satisfies the conditions; only one that stays clear of its cut is shortest."
+        "The page computes each word's path by the closed form, and its certificate from "
+        "Pontryagin's conditions and the cut: clear of its cut, an extremal is shortest."
     )
     widget = Widget("explorer", caption, fragment())
     return Section("explorer", "Explore the problem", text, (widget,), lead)
