@@ -67,7 +67,8 @@ def plot(new_tab, address: str):
     def opened(at: str = "", **options):
         page = new_tab(reduced_motion="reduce", **options)
         page.goto(address + at)
-        page.locator("#attempts").scroll_into_view_if_needed()
+        page.locator("#attempts > details").evaluate("part => { part.open = true }")
+        page.locator("#attempts-plot").scroll_into_view_if_needed()
         page.wait_for_selector("#attempts-plot[data-ready=yes]")
         return page
 
@@ -584,5 +585,6 @@ def test_without_scripts_the_section_says_so(new_tab, address: str):
     """A sentence instead of an empty box."""
     page = new_tab(java_script_enabled=False)
     page.goto(address)
+    page.locator("#attempts summary").first.click()
 
     assert page.get_by_text("This part needs scripts").first.is_visible()

@@ -85,6 +85,7 @@ def test_the_offered_command_and_python_run(explorer, text):
 
 def test_copy_puts_the_command_on_the_clipboard(explorer):
     page = explorer(permissions=["clipboard-read", "clipboard-write"])
+    page.locator(".explorer-more > summary").click()
     page.get_by_role("button", name="Copy: Command line").click()
     page.wait_for_function(
         "document.querySelector('[data-copies=command]').textContent == 'copied'"

@@ -10,7 +10,6 @@ from dubins_study.study.rows.schema import ROW
 
 # Attempts of each solver that are always embedded.
 WORST = 10
-MOST_ARCS = 3  # paths of more arcs are embedded as polylines
 
 _KINDS = {"string": "text", "bool": "flag"}
 _PLOTTED = {c.name: _KINDS.get(c.type, "number") for c in ROW if c.plotted}
@@ -18,8 +17,6 @@ TEXTS = ("experiment", *(name for name, kind in _PLOTTED.items() if kind == "tex
 SCENARIO = ("x", "y", "heading", "target_x", "target_y", "radius", "speed")
 MEASURED = tuple(name for name, kind in _PLOTTED.items() if kind == "number")
 FLAGS = tuple(name for name, kind in _PLOTTED.items() if kind == "flag")
-CURVATURES = tuple(f"k{n + 1}" for n in range(MOST_ARCS))
-LENGTHS = tuple(f"l{n + 1}" for n in range(MOST_ARCS))
 
 _MOST_OF_A_STRATUM = 100_000  # DuckDB's min_by takes less than a million
 
@@ -33,17 +30,14 @@ def sample(attempts: Attempts, most: int) -> pd.DataFrame:
     question is taken.
 
     Returns:
-        Columns: `TEXTS`, `SCENARIO`, `MEASURED`, `FLAGS`, repeat, arcs (their number; 0 without a
-        path), `CURVATURES` and `LENGTHS` (of the first arcs), curvatures and lengths (arrays, of
-        paths of more than `MOST_ARCS` arcs only), worst (rank among the solver's worst, 1 to
-        `WORST`; 0 for others). Sorted by solver and question.
+        Columns: `TEXTS`, `SCENARIO`, `MEASURED`, `FLAGS`, repeat, curvatures and lengths (arrays),
+        worst (rank among the solver's worst, 1 to `WORST`; 0 for others). Sorted by solver and
+        question.
     """
     strata = attempts.frame(f"SELECT count(*) AS n {_STRATA}")["n"].to_numpy()
     share = _largest_share(strata, most)
     repeats = 1 + max(attempts.values("repeat"), default=0)
-    columns = [*TEXTS, *SCENARIO, *MEASURED, *FLAGS, "repeat"]
-    arcs = [f"curvatures[{n + 1}] AS {key}" for n, key in enumerate(CURVATURES)]
-    arcs += [f"lengths[{n + 1}] AS {key}" for n, key in enumerate(LENGTHS)]
+    columns = [*TEXTS, *SCENARIO, *MEASURED, *FLAGS, "repeat", "curvatures", "lengths"]
     rows = attempts.frame(
         f""", spread AS (SELECT unnest(min_by({_ADDRESS}, {_ORDER}, {share}), recursive := true)
             {_STRATA}),
@@ -55,8 +49,7 @@ def sample(attempts: Attempts, most: int) -> pd.DataFrame:
             FROM (SELECT *, true AS is_spread FROM spread
                 UNION ALL SELECT *, false AS is_spread FROM candidates)
             GROUP BY part, place)
-        SELECT {", ".join(columns)}, {", ".join(arcs)}, coalesce(len(curvatures), 0) AS arcs,
-            {_LONG}, {_LEVEL} AS level, {_SIZE} AS size, spread, candidate
+        SELECT {", ".join(columns)}, {_LEVEL} AS level, {_SIZE} AS size, spread, candidate
         FROM chosen JOIN picked USING (part, place)
         ORDER BY solver, scenario_id, branch, experiment, initial_guess, profile, repeat"""
     )
@@ -86,10 +79,6 @@ _LEVEL = f"""CASE WHEN false_claim THEN 4 WHEN verdict = 'longer' THEN 3
     WHEN verdict = 'misses' THEN 2 WHEN verdict IN {(*SUCCESSES, PRESOLVED)} THEN 0 ELSE 1 END"""
 _SIZE = """greatest(coalesce(gap, 0.0), coalesce(miss / radius, 0.0),
     coalesce(curvature_excess, 0.0))"""
-_LONG = ", ".join(
-    f"CASE WHEN len(curvatures) > {MOST_ARCS} THEN {name} END AS {name}"
-    for name in ("curvatures", "lengths")
-)
 _ADDRESS = "{'part': part, 'place': place}"
 _ORDER = "{'a': scenario_id, 'b': branch, 'c': experiment, 'd': initial_guess, 'e': profile}"
 _BADNESS = f"{{'a': {_LEVEL}, 'b': {_SIZE}, 'c': scenario_id, 'd': branch, 'e': -repeat}}"

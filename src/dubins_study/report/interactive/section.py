@@ -21,7 +21,7 @@ from dubins_study.report.elements.looks import Palette
 from dubins_study.report.elements.names import names_of
 from dubins_study.report.elements.style import VARIABLES
 from dubins_study.report.elements.topic import General, Topic
-from dubins_study.report.interactive.packing import Packed, pack
+from dubins_study.report.interactive.packing import packed
 from dubins_study.report.interactive.sample import SCENARIO, WORST, sample
 
 # The page stays below 5 MB; the embedded attempts take at most so many bytes of it, as base64 of
@@ -53,18 +53,10 @@ _PROBLEM = '<p class="bad" id="attempt-problem" role="status"></p>'
 
 def attempts_section(results: Results) -> Section | None:
     """Single attempts: every embedded one as a point, with its path and the command for it."""
-    rows, packed = _fitting(results)
+    rows, content = _fitting(results)
     libraries = {name: _library(name) for name in ("bokeh", "bokeh-api")}
-    content = {"attempts": packed.arrays, "attempts-header": packed.header}
     scripts = '<p class="unscripted">This part needs scripts; the page holds them itself.</p>'
     widgets = (
-        Widget(
-            "attempts",
-            "Each point is one attempt. At most ten solvers are coloured, in the colour and with "
-            "the marker of their engine; solvers of one engine differ in what fills the marker.",
-            Markup(scripts + _PROBLEM + '<div id="attempts-plot"></div>'),
-            packed=libraries | content,
-        ),
         Widget(
             "worst",
             f"The {WORST} worst attempts of a solver at different questions: false claims first, "
@@ -72,8 +64,15 @@ def attempts_section(results: Results) -> Section | None:
             "Solid: the solver's path; dashed: the shortest path.",
             Markup(scripts + '<div id="attempts-worst"></div>'),
         ),
+        Widget(
+            "attempts",
+            "Each point is one attempt. At most ten solvers are coloured, in the colour and with "
+            "the marker of their engine; solvers of one engine differ in what fills the marker.",
+            Markup(scripts + _PROBLEM + '<div id="attempts-plot"></div>'),
+            packed=libraries | {"attempts": content},
+        ),
     )
-    lead = "Choose solvers and axes, then click a point to see the path behind it."
+    lead = "Choose a solver, and click an attempt to see its path and the command that repeats it."
     blocks = (*widgets, _worst_table(rows))
     return Section("attempts", "Single attempts", _text(rows, results), blocks, lead)
 
@@ -120,16 +119,16 @@ def _text(rows: pd.DataFrame, results: Results) -> str:
     )
 
 
-def _fitting(results: Results) -> tuple[pd.DataFrame, Packed]:
+def _fitting(results: Results) -> tuple[pd.DataFrame, bytes]:
     """A sample of attempts that takes no more than `_MOST_BYTES`, or that is of the least size."""
     most = _MOST_POINTS
     while True:
         rows = sample(results.attempts, most)
         more = {"solvers": _solvers(rows["solver"], results), "time_limits": _time_limits(results)}
-        packed = pack(rows, more)
-        size = sum(_BASE64 * len(gzip.compress(each, 6)) for each in packed)
+        content = packed(rows, more)
+        size = _BASE64 * len(gzip.compress(content, 6))
         if size <= _MOST_BYTES or most <= _FEWEST_POINTS:
-            return rows, packed
+            return rows, content
         most = max(_FEWEST_POINTS, int(0.9 * most * _MOST_BYTES / size))
 
 

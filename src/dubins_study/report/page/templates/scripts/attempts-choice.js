@@ -5,7 +5,6 @@
   const {element} = window.studyTables;
   const {FIELDS} = window.attempts;
   const MOST_SOLVERS = 10; // coloured at a time
-  const NEARLY = 0.97; // share of the most right answers
   const MOST_STRATA = 40; // labels of scenarios; where there are more, each names one scenario
   const SHAPES = { // markers in a box from -6 to 6; named as Bokeh names them
     circle: "M -4.5 0 A 4.5 4.5 0 1 0 4.5 0 A 4.5 4.5 0 1 0 -4.5 0 Z",
@@ -50,29 +49,6 @@
     path.style.fillOpacity = fill;
     box.append(path);
     return box;
-  }
-
-  // At most ten solvers, one of each formulation: with most right answers or nearly so, in a colour
-  // that few of the others have.
-  function usual(data) {
-    const {solver, verdict} = data.columns, right = new Float64Array(data.solvers.length);
-    const codes = ["optimal", "none exists"].map((text) => data.texts.verdict.indexOf(text) + 1);
-    for (let i = 0; i < data.count; i += 1) {
-      if (verdict[i] && codes.includes(verdict[i])) right[solver[i] - 1] += 1;
-    }
-    const members = new Map(), used = new Map(), chosen = [];
-    data.solvers.forEach(({formulation}, k) => {
-      members.set(formulation, [...(members.get(formulation) || []), k]);
-    });
-    for (const each of members.values()) {
-      const most = Math.max(...each.map((k) => right[k]));
-      const uses = (k) => used.get(data.solvers[k].colour) || 0;
-      const [best] = each.filter((k) => right[k] >= NEARLY * most)
-        .sort((a, b) => uses(a) - uses(b) || right[b] - right[a]);
-      used.set(data.solvers[best].colour, uses(best) + 1);
-      chosen.push(best);
-    }
-    return chosen.slice(0, MOST_SOLVERS);
   }
 
   function axisSelect(state, axis, changed) {
@@ -125,7 +101,7 @@
 
   // The form, and what it says: {x, y, chosen, others, texts: [[column, set of texts], ...]}.
   function choice(data, changed) {
-    const state = {x: "margin", y: "gap", chosen: usual(data), others: true, texts: []};
+    const state = {x: "margin", y: "gap", chosen: [data.telling()], others: true, texts: []};
     const form = element("form", {className: "choice"});
     form.addEventListener("submit", (event) => event.preventDefault());
     form.append(element("div", {className: "axes"},

@@ -2,52 +2,27 @@
 // window.attempts: the embedded attempts. `open()` unpacks them once; `report/interactive/packing.py`
 // says how they are packed.
 window.attempts = (() => {
-  const ARRAYS = {u1: Uint8Array, u2: Uint16Array, u4: Uint32Array, i2: Int16Array,
-    f4: Float32Array, f8: Float64Array};
-  const FLAGS = {false_claim: 1, wrong_basin: 2, presolved: 4};
-
-  // The bytes of an embedded element that holds gzip in base64.
+  // The text of an embedded element that holds gzip in base64.
   async function unpacked(name) {
     const coded = atob(document.getElementById(`data-${name}-gz`).textContent.trim());
     const bytes = new Uint8Array(coded.length);
     for (let i = 0; i < coded.length; i += 1) bytes[i] = coded.charCodeAt(i);
     const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"));
-    return new Uint8Array(await new Response(stream).arrayBuffer());
-  }
-
-  // An array out of its planes: the first bytes of all its numbers, then their second bytes, ...
-  function array(bytes, [type, offset, count]) {
-    const Kind = ARRAYS[type], size = Kind.BYTES_PER_ELEMENT;
-    const whole = new Uint8Array(count * size);
-    for (let plane = 0; plane < size; plane += 1) {
-      const from = offset + plane * count;
-      for (let i = 0; i < count; i += 1) whole[i * size + plane] = bytes[from + i];
-    }
-    return new Kind(whole.buffer);
-  }
-
-  // Sums of all that comes before: where each row's numbers begin in an array of all rows'.
-  function starts(counts) {
-    const begin = new Uint32Array(counts.length + 1);
-    for (let i = 0; i < counts.length; i += 1) begin[i + 1] = begin[i] + counts[i];
-    return begin;
+    return new Response(stream).text();
   }
 
   class Attempts {
-    constructor(bytes, header) {
-      this.count = header.count;
-      this.texts = header.texts;
-      this.scenarios = header.scenarios;
-      this.solvers = header.solvers; // {spec, label, formulation, engine, colour, marker, angle}
-      this.timeLimits = header.time_limits; // s, by experiment
+    constructor(content) {
+      this.count = content.count;
+      this.texts = content.texts;
+      this.scenarios = content.scenarios;
+      this.solvers = content.solvers; // {spec, label, formulation, engine, colour, marker, angle}
+      this.timeLimits = content.time_limits; // s, by experiment
+      this.paths = content.paths;
       this.columns = {};
-      for (const [name, entry] of Object.entries(header.arrays)) {
-        this.columns[name] = array(bytes, entry);
+      for (const [name, values] of Object.entries(content.columns)) {
+        this.columns[name] = values.map((value) => (value === null ? NaN : Number(value)));
       }
-      const {arcs, points} = this.columns;
-      this.arcStart = starts(arcs);
-      this.pointStart = starts(points);
-      this.boxStart = starts(points.map((number) => (number ? 1 : 0)));
     }
 
     // A text of a row; null where it has none.
@@ -57,7 +32,7 @@ window.attempts = (() => {
     }
 
     has(flag, i) {
-      return (this.columns.flags[i] & FLAGS[flag]) !== 0;
+      return this.columns[flag][i] === 1;
     }
 
     ofScenario(name, i) {
@@ -97,43 +72,55 @@ window.attempts = (() => {
       return -1;
     }
 
-    // The points [x, y] of a row's path; null where there is none that can be drawn.
-    path(i) {
-      const {arcs, points} = this.columns;
-      const line = arcs[i] ? this.arcsPath(i) : points[i] ? this.linePath(i) : null;
-      return line && line.flat().every(Number.isFinite) ? line : null;
+    // The rows of a solver's worst attempts, the worst first.
+    worst(solver) {
+      const rows = [], {worst} = this.columns;
+      for (let i = 0; i < this.count; i += 1) {
+        if (worst[i] && this.columns.solver[i] === solver + 1) rows.push(i);
+      }
+      return rows.sort((a, b) => worst[a] - worst[b]);
     }
 
-    arcsPath(i) {
-      const {turns, drives} = this.columns, scenario = this.scenario(i);
-      const range = [this.arcStart[i], this.arcStart[i + 1]];
-      const rates = [...turns.subarray(...range)].map((turn) => turn / scenario.radius);
+    // The solver with most false claims whose paths can be seen to be wrong.
+    telling() {
+      const {gap, miss} = this.columns;
+      const seen = (i) => this.has("false_claim", i) && this.path(i)
+        && (gap[i] > 0.05 || miss[i] > 0.05 * this.ofScenario("radius", i));
+      const most = this.solvers.map((_, k) => this.worst(k).filter(seen).length);
+      return most.indexOf(Math.max(...most));
+    }
+
+    // The points [x, y] of a row's path; null where there is none that can be drawn.
+    path(i) {
+      const path = this.paths[i];
+      if (path === null) return null;
+      const line = path.arcs ? this.arcsPath(path.arcs, this.scenario(i)) : this.linePath(path);
+      return line.flat().every(Number.isFinite) ? line : null;
+    }
+
+    arcsPath(arcs, scenario) {
+      const rates = arcs.map(([turn]) => Number(turn) / scenario.radius);
       // Full turns beyond the first of an arc would be drawn over each other.
-      const lengths = [...drives.subarray(...range)].map((drive, k) => {
-        const circle = 2 * Math.PI / Math.abs(rates[k] * scenario.radius);
-        return (drive > 2 * circle ? circle + drive % circle : drive) * scenario.radius;
+      const lengths = arcs.map(([turn, drive]) => {
+        const circle = 2 * Math.PI / Math.abs(Number(turn)), driven = Number(drive);
+        return (driven > 2 * circle ? circle + driven % circle : driven) * scenario.radius;
       });
       return window.dubins.polyline(scenario, rates, lengths, 120);
     }
 
-    linePath(i) {
-      const {boxes, steps} = this.columns, total = steps.length / 2;
-      const box = 3 * this.boxStart[i];
-      const line = [];
+    linePath({box: [x, y, step], steps: [columns, rows]}) {
       let column = 0, row = 0;
-      for (let k = this.pointStart[i]; k < this.pointStart[i + 1]; k += 1) {
-        column += steps[k];
-        row += steps[total + k];
-        line.push([boxes[box] + column * boxes[box + 2], boxes[box + 1] + row * boxes[box + 2]]);
-      }
-      return line;
+      return columns.map((across, k) => {
+        column += across;
+        row += rows[k];
+        return [x + column * step, y + row * step];
+      });
     }
   }
 
   let opened = null;
   function open() {
-    opened ??= Promise.all([unpacked("attempts"), unpacked("attempts-header")]).then(
-      ([bytes, text]) => new Attempts(bytes, JSON.parse(new TextDecoder().decode(text))));
+    opened ??= unpacked("attempts").then((text) => new Attempts(JSON.parse(text)));
     return opened;
   }
 

@@ -12,7 +12,7 @@
   function loadBokeh() {
     library ??= (async () => {
       for (const name of ["bokeh", "bokeh-api"]) {
-        const text = new TextDecoder().decode(await unpacked(name));
+        const text = await unpacked(name);
         document.head.append(element("script", {textContent: text}));
       }
       window.Bokeh.set_log_level("error");

@@ -20,15 +20,6 @@
     return select;
   }
 
-  // The rows of a solver's worst attempts, the worst first.
-  function worst(data, solver) {
-    const rows = [];
-    for (let i = 0; i < data.count; i += 1) {
-      if (data.columns.worst[i] && data.columns.solver[i] === solver + 1) rows.push(i);
-    }
-    return rows.sort((a, b) => data.columns.worst[a] - data.columns.worst[b]);
-  }
-
   function caption(data, i) {
     const {gap, miss, curvature_excess} = data.columns, radius = data.ofScenario("radius", i);
     const verdict = data.has("false_claim", i)
@@ -48,22 +39,13 @@
     return element("li", {}, button);
   }
 
-  // The solver with most false claims whose paths can be seen to be wrong.
-  function telling(data) {
-    const {gap, miss} = data.columns;
-    const seen = (i) => data.has("false_claim", i) && data.path(i)
-      && (gap[i] > 0.05 || miss[i] > 0.05 * data.ofScenario("radius", i));
-    const most = data.solvers.map((_, k) => worst(data, k).filter(seen).length);
-    return most.indexOf(Math.max(...most));
-  }
-
   async function start() {
     const data = await open();
     const select = choice(data), list = element("ol", {className: "cards"});
     const update = () => list.replaceChildren(
-      ...worst(data, Number(select.value)).map((i) => card(data, i)));
+      ...data.worst(Number(select.value)).map((i) => card(data, i)));
     select.addEventListener("change", update);
-    select.value = String(telling(data));
+    select.value = String(data.telling());
     place.append(element("label", {htmlFor: select.id}, "solver "), select, list);
     update();
     place.dataset.ready = "yes";
