@@ -11,7 +11,7 @@ import psutil
 import pytest
 
 from dubins_study import run
-from dubins_study.experiments.plan import block_plan, duplicates
+from dubins_study.experiments.plan import block_plan
 
 _CANARY = """
 from pathlib import Path
@@ -63,21 +63,17 @@ class SmallRun(NamedTuple):
 
 @pytest.fixture(scope="session")
 def small_run(tmp_path_factory: pytest.TempPathFactory) -> SmallRun:
-    """Some cells of the closed form, and some streamed, in two parts as a cut run leaves them."""
+    """A run of some cells of the closed form."""
     place = tmp_path_factory.mktemp("small")
     experiment = place / "small.toml"
     experiment.write_text(_SMALL)
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(block_plan, "FEWEST_STREAMED", 100)
-        return SmallRun(run(experiment, place / "out"), experiment)
+    return SmallRun(run(experiment, place / "out"), experiment)
 
 
 @pytest.fixture
 def little_room(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     """What would fill the memory fails at once, and bounds on sizes are met early."""
     monkeypatch.setattr(block_plan, "MOST_CELLS", 3000)
-    monkeypatch.setattr(block_plan, "FEWEST_STREAMED", 100)
-    monkeypatch.setattr(duplicates, "MOST_SEARCHED_ROWS", 10_000)
     soft, hard = resource.getrlimit(resource.RLIMIT_AS)
     held = psutil.Process().memory_info().vms
     resource.setrlimit(resource.RLIMIT_AS, (held + _ROOM, hard))

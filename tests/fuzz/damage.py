@@ -145,7 +145,6 @@ def odd_files(folder: Path, dice: Dice) -> None:
         "parts/..parquet",
         "parts/.parquet",
     ]
-    names += ["parts/stream-x.parquet", f"parts/stream-{'0' * 12}-{0:011d}-000120.parquet"]
     name = folder / dice.choice([*names, "damaged", ".lock", "parts/z.parquet", "report"])
     how = dice.randrange(7)
     if how == 0:
@@ -183,27 +182,16 @@ def change_rows(folder: Path, dice: Dice) -> None:
         table = _with_column(table, at, dice)
     if dice.random() < 0.3:
         said = dict(said)
-        key = dice.choice([*said, b"dubins-study chunk", b"ARROW:schema", b"pandas"])
+        key = dice.choice([*said, b"ARROW:schema", b"pandas"])
         said[key] = dice.choice(
             [
                 b"",
                 b"\xff",
                 base64.b64encode(b"x"),
                 json.dumps(odd(dice)).encode(),
-                _chunk(said, dice),
             ]
         )
     pq.write_table(table.replace_schema_metadata(said), part, store_schema=dice.random() < 0.5)
-
-
-def _chunk(said: dict[bytes, bytes], dice: Dice) -> bytes:
-    """What a streamed part says of itself, with one thing changed."""
-    told = json.loads(said.get(b"dubins-study chunk", b"{}"))
-    if told:
-        told[dice.choice(list(told))] = odd(dice)
-    if told.get("kinds") and dice.random() < 0.5:
-        told["kinds"][0][dice.randrange(4)] = odd(dice)
-    return json.dumps(told).encode()
 
 
 def _with_column(table: pa.Table, at: int, dice: Dice) -> pa.Table:

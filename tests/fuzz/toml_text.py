@@ -61,7 +61,7 @@ def text_of(fields: dict[str, Any]) -> str:
     return "\n".join(f"{quoted(str(key))} = {value(item)}" for key, item in fields.items())
 
 
-# cells, a stream (see the fixture `little_room`), and too many for any machine
+# cells, and too many for any machine
 _counts = st.sampled_from([1, 2, 3, 150, 10**6, 10**9])
 _axes = st.one_of(
     st.sampled_from([0.5, 1.0, 3.0, "120deg", "pi/3", [1.0, 2.0], ["2pi/3", 1]]),

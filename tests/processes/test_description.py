@@ -31,7 +31,6 @@ def test_our_own_are_described_as_they_are(spec):
     assert found.code_digest == code_digest(spec)
     assert found.warm == solver.warm
     assert found.packages == solver.packages
-    assert found.closed_form == (spec == "analytic")
     assert found.runs is None
 
 
@@ -45,7 +44,6 @@ def test_a_plugin_is_loaded_by_another_process(tmp_path):
 
     loaders = {file.name for file in tmp_path.glob("loaded-*")}
     assert found.settings["count"] == 2
-    assert not found.closed_form
     assert len(loaders) == 1
     assert f"loaded-{os.getpid()}" not in loaders
     assert not [name for name in sys.modules if name.startswith("dubins_study_plugin_plain")]

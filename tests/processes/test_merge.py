@@ -8,15 +8,12 @@ import shutil
 import signal
 
 import pyarrow as pa
-import pyarrow.parquet as pq
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from live_run import finished, manifest, parts, quick_experiment, slow_experiment, started, wait_for
 
 from dubins_study import merge, run, status
-from dubins_study.experiments.plan import streams
-from dubins_study.experiments.store import merge as union
 from dubins_study.experiments.store.folder import read_rows
 from dubins_study.experiments.store.merged_rows import merged_rows
 from dubins_study.experiments.store.part_writer import write_part
@@ -254,64 +251,6 @@ def test_a_merge_that_is_killed_leaves_nothing_at_its_place(halves, tmp_path, mo
 
     assert {f.name for f in tmp_path.iterdir()} == {"one", "two", "all"}
     assert len(read_rows(out)) == CELLS
-
-
-STREAMED = """
-title = "streamed"
-question = "are files united?"
-solvers = ["analytic"]
-[[scenarios]]
-target_x = { linear = [-5, 5, 50] }
-target_y = { linear = [0.1, 5, 50] }
-"""
-
-
-@pytest.fixture
-def streamed(tmp_path, monkeypatch):
-    """A run of 2500 rows in five chunks, three of them in one folder and three in the other."""
-    monkeypatch.setattr(streams, "CHUNK_ROWS", 500)
-    file = tmp_path / "streamed.toml"
-    file.write_text(STREAMED)
-    whole = run(str(file), tmp_path / "whole")
-    folders = [shutil.copytree(whole, tmp_path / name) for name in ("one", "two")]
-    for folder, without in zip(folders, (slice(3, 5), slice(0, 2)), strict=True):
-        for part in parts(folder)[without]:
-            part.unlink()
-    return whole, folders
-
-
-def test_streams_are_united_as_files(streamed, tmp_path, monkeypatch):
-    """Each chunk once; no row is read but of the chunk that both folders hold."""
-    whole, folders = streamed
-    read = []
-    monkeypatch.setattr(union, "read_part", lambda part, c: read.append(part) or read_part(part, c))
-    made = merge(folders, tmp_path / "all")
-
-    assert made.rows == 2500
-    assert [f.name for f in parts(made.folder)] == [f.name for f in parts(whole)]
-    assert [f.read_bytes() for f in parts(made.folder)] == [f.read_bytes() for f in parts(whole)]
-    assert {part.name for part in read} == {parts(whole)[2].name}
-    assert status(made.folder).finished
-    assert status(made.folder).done == status(whole).done == 2500
-
-
-def test_chunks_that_differ_are_a_contradiction(streamed, tmp_path):
-    _, folders = streamed
-    part = parts(folders[1])[0]
-    table, about = (
-        read_part(part),
-        {k.decode(): v.decode() for k, v in pq.read_metadata(part).metadata.items()},
-    )
-    place = table.column_names.index("verdict")
-    changed = table.set_column(place, "verdict", pa.array(["misses"] * len(table)))
-    write_part(folders[1], part.stem, changed, about)
-
-    with pytest.raises(ResultsError, match="contradict each other in 500 cells"):
-        merge(folders, tmp_path / "all")
-    part.write_bytes(part.read_bytes()[:-9])
-    with pytest.raises(ResultsError, match="is damaged; run that folder again before it is merged"):
-        merge(folders, tmp_path / "all")
-    assert not (tmp_path / "all").exists()
 
 
 def test_halves_that_no_run_finished_make_a_finished_whole(halves, tmp_path):

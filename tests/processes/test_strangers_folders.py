@@ -14,9 +14,8 @@ from live_run import finished, manifest, parts, quick_experiment
 from dubins_study import merge, run, status
 from dubins_study.experiments.store.lock import is_locked, locked
 from dubins_study.report.data.results import load
-from dubins_study.study.rows.files import DamagedPartError, ResultsError
-from dubins_study.study.rows.parts import read_footer
-from dubins_study.study.rows.schema import CHUNK, VERSION
+from dubins_study.study.rows.files import ResultsError
+from dubins_study.study.rows.schema import VERSION
 
 
 @pytest.fixture(scope="module")
@@ -87,23 +86,6 @@ def test_a_manifest_that_could_not_be_written_again_is_refused(folder, tmp_path)
     )
     with pytest.raises(ResultsError, match="cannot be read"):
         load([folder])
-
-
-@pytest.mark.parametrize(
-    "change", [{"count": float("inf")}, {"first": 10**400}, {"kinds": [["a", "b", 3, 10**400]]}]
-)
-def test_a_chunk_of_numbers_beyond_all_floats_is_damaged(folder, change):
-    (part,) = parts(folder)
-    told = {"stream": "s", "question": "q", "solver": "a", "code_digest": "b"}
-    told |= {"first": 0, "count": 3, "kinds": [["returned", "optimal", 3, 0.5]]}
-    table = pq.read_table(part)
-    file = part.with_name("stream-s-00000000000-000003.parquet")
-    pq.write_table(table.replace_schema_metadata({CHUNK: json.dumps(told)}), file)
-    assert read_footer(file).chunk.count == 3
-
-    pq.write_table(table.replace_schema_metadata({CHUNK: json.dumps(told | change)}), file)
-    with pytest.raises(DamagedPartError, match="delete it, and run again"):
-        read_footer(file)
 
 
 def spoilt_text(folder):

@@ -103,7 +103,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     "experiments.executors": (
         *("study.*", "solvers", *_LEAVES),
         *("experiments.definition", "experiments.isolation", "experiments.plan"),
-        "experiments.store",  # the streamed frames write their own parts
+        "experiments.store",  # the rows that a sweep goes on from
     ),
     "experiments": ("study.*", "solvers", "experiments.*"),
     "conformance": ("study.*", "solvers", "experiments.isolation", "experiments.code_digest"),

@@ -9,7 +9,6 @@ from uuid import uuid4
 
 from dubins_study.experiments.executors.executor import Executor, unfinished
 from dubins_study.experiments.executors.local import local_executor
-from dubins_study.experiments.executors.stream import solve_streams, streamed_totals, streams_done
 from dubins_study.experiments.interruption import Interruption
 from dubins_study.experiments.isolation.sandbox import THREADS, pinned_threads
 from dubins_study.experiments.plan.matrix import matrix
@@ -117,7 +116,7 @@ def _solve(
     progress: Progress | None,
     stop: Interruption,
 ) -> None:
-    """Solve streams, then cells; write the rows as they come, then unite them in one part."""
+    """Solve the cells; write the rows as they come, then unite them in one part."""
     folder, experiment = plan.folder, plan.experiment_file.experiment
     manifest, repairs = open_folder(folder, _new_manifest(plan, request.command()), request.restart)
     for repair in repairs:
@@ -133,11 +132,11 @@ def _solve(
     done_keys = done(folder)
     left = unfinished(folder, plan.chains, done_keys, settings)
     _log_beginning(plan, settings, left.cells)
-    totals = cell_counts(plan.keys | done_keys) + streamed_totals(folder, plan.streams)
+    totals = cell_counts(plan.keys | done_keys)
     manifest, completes = count_cells(manifest, set(plan.solver_specs), totals)
     writer = PartWriter(folder, settings.run_id, plan.rows, progress)
     recorded_as_finished = manifest.finished is not None or not completes
-    if recorded_as_finished and not left.chains and streams_done(folder, plan.streams):
+    if recorded_as_finished and not left.chains:
         writer.skip(plan.rows)
         return
     entry = _run_entry(settings, request.command(), executor)
@@ -145,7 +144,6 @@ def _solve(
         writer.after_step = record.write_now_and_then
         try:
             with pinned_threads():
-                solve_streams(folder, plan.streams, settings, writer, stop)
                 writer.skip(sum(map(len, plan.chains)) - left.cells)
                 if left.chains:
                     with closing(executor.solve(left, stop, record.probe)) as row_blocks:

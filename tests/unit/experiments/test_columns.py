@@ -1,4 +1,4 @@
-"""Scenarios as columns: the same bits whatever the window, and as one by one."""
+"""Scenarios as columns: the same bits as one by one, and those of numpy and scipy."""
 
 from __future__ import annotations
 
@@ -15,16 +15,13 @@ from scipy.stats import qmc
 from dubins_study.experiments.definition.axes import Linear, Log
 from dubins_study.experiments.definition.experiment import ExperimentError
 from dubins_study.experiments.definition.scenario_block import Block
-from dubins_study.experiments.plan import sample_points
-from dubins_study.experiments.plan.duplicates import marks_of
 from dubins_study.experiments.plan.scenario_columns import (
     axis_values,
     block_size,
+    columns,
     scenarios,
-    tiled,
-    windows,
 )
-from dubins_study.experiments.plan.scenario_ids import scenario_id, scenario_ids
+from dubins_study.experiments.plan.scenario_ids import scenario_id
 from dubins_study.study.scenario import NUMBERS, Scenario
 
 SOBOL = {
@@ -47,40 +44,16 @@ def block(name):
     return Block.model_validate(BLOCKS[name])
 
 
-def whole(found, where="b"):
-    return next(windows(found, where, [(0, block_size(found))]))
-
-
-def bits(made):
-    return [made[name].tobytes() for name in NUMBERS]
-
-
-@pytest.mark.parametrize("name", BLOCKS)
-@given(cuts=st.lists(st.integers(0, 10**6), max_size=4), data=st.data())
-def test_windows_hold_the_same_bits_in_any_order(name, cuts, data):
-    """However a block's rows are cut, and in whatever order they are asked for."""
-    found = block(name)
-    places = sorted({0, block_size(found), *(cut % block_size(found) for cut in cuts)})
-    wanted = [(a, b - a) for a, b in itertools.pairwise(places)]
-    order = data.draw(st.permutations(range(len(wanted))))
-    asked = [wanted[i] for i in order]
-    made = dict(zip(order, windows(found, "b", asked), strict=True))
-
-    joined = {n: np.concatenate([made[i][n] for i in range(len(wanted))]) for n in NUMBERS}
-    assert bits(joined) == bits(whole(found))
-
-
 @pytest.mark.parametrize("name", BLOCKS)
 def test_one_by_one_they_are_the_columns(name):
     """Bit by bit, names included; and a name is what its definition says."""
     found = block(name)
-    made = whole(found)
+    made = columns(found, "b")
     single = list(scenarios(found, "b"))
 
     assert len(single) == block_size(found)
     rows = np.array([[getattr(s, n) for n in NUMBERS] for s in single])
     assert rows.tobytes() == np.stack([made[n] for n in NUMBERS], axis=1).tobytes()
-    assert scenario_ids(made, found.label).to_pylist() == [scenario_id(s) for s in single]
 
 
 def test_a_name_is_the_hash_of_doubles_and_label():
@@ -96,12 +69,12 @@ def test_a_name_is_the_hash_of_doubles_and_label():
 
 def test_targets_are_those_of_the_scalar_formulas():
     """Distance and bearing, arc and margin: with `math`, number by number, to the last bit."""
-    polar, made = block("polar"), whole(block("polar"))
+    polar, made = block("polar"), columns(block("polar"), "b")
     product = itertools.product(polar.radius, np.geomspace(0.1, 30, 9), polar.bearing)
     expected = [(R * d * math.cos(bearing), R * d * math.sin(bearing)) for R, d, bearing in product]
     assert list(zip(made["target_x"].tolist(), made["target_y"].tolist(), strict=True)) == expected
 
-    made = whole(block("circular"))
+    made = columns(block("circular"), "b")
     arcs = np.repeat(np.linspace(-3, 3, 20), 4)
     margins = np.tile([-1, -1e-3, 0.0, 2], 20)
     for x, y, arc, margin in zip(made["target_x"], made["target_y"], arcs, margins, strict=True):
@@ -117,34 +90,23 @@ def test_targets_are_those_of_the_scalar_formulas():
 @given(st.floats(-1e6, 1e6), st.floats(-1e6, 1e6), st.integers(1, 50))
 def test_even_axes_are_numpys(first, last, count):
     axis = Linear(linear=(first, last, count))
-    found = axis_values(axis, np.arange(count))
 
-    assert found.tobytes() == np.linspace(first, last, count).tobytes()
+    assert axis_values(axis).tobytes() == np.linspace(first, last, count).tobytes()
 
 
 @given(st.floats(1e-9, 1e9), st.floats(1e-9, 1e9), st.integers(1, 50))
 def test_logarithmic_axes_are_numpys(first, last, count):
     axis = Log(log=(first, last, count))
 
-    assert axis_values(axis, np.arange(count)) == pytest.approx(
-        np.geomspace(first, last, count), rel=1e-13
-    )
+    assert axis_values(axis) == pytest.approx(np.geomspace(first, last, count), rel=1e-13)
 
 
-def test_sobol_points_in_windows_are_those_of_one_draw():
-    """Drawn in one go by scipy."""
-    drawn = qmc.Sobol(2, rng=np.random.default_rng(7)).random(100)
-    made = [*windows(block("sobol"), "b", tiled(200, 33))]
-    headings = np.concatenate([part["heading"] for part in made])
+def test_sobol_points_are_scipys():
+    drawn = qmc.Sobol(2, rng=np.random.default_rng(7)).random(128)[:100]
+    headings = columns(block("sobol"), "b")["heading"]
 
     assert headings[::2].tobytes() == (-3 + drawn[:, 0] * 6).tobytes()
     assert headings[::2].tobytes() == headings[1::2].tobytes()
-
-
-def test_a_latin_hypercube_too_large_to_draw_is_refused(monkeypatch):
-    monkeypatch.setattr(sample_points, "MOST_LATIN", 99)
-    with pytest.raises(ExperimentError, match=r"b: sample\.count is 100; expected at most 99"):
-        whole(block("latin"))
 
 
 @pytest.mark.parametrize(
@@ -156,12 +118,7 @@ def test_a_latin_hypercube_too_large_to_draw_is_refused(monkeypatch):
     ],
 )
 def test_a_wrong_scenario_is_named_by_block_and_row(fields, message):
-    """In every window that holds it, with its row in the block; single scenarios say the same."""
     found = Block.model_validate({"target_x": 3, "target_y": 2} | fields)
-    last = block_size(found) - 1
-    for wanted in ([(0, last + 1)], [(last, 1)]):
-        with pytest.raises(ExperimentError, match=f"^b, {message}".replace("+", r"\+")):
-            list(windows(found, "b", wanted))
     with pytest.raises(ExperimentError, match=f"^b, {message}".replace("+", r"\+")):
         list(scenarios(found, "b"))
 
@@ -173,15 +130,3 @@ def test_a_margin_ends_at_the_centre_of_its_circle():
         Block.model_validate({"arc": 1, "margin": [0, -3]})
     with pytest.raises(ValueError, match=r"margin\s.*expected a number of at least -1.*got -1.01"):
         Block.model_validate({"arc": 1, "margin": {"linear": [-1.01, 0, 3]}})
-
-
-def test_marks_differ_where_scenarios_do():
-    """A hundred thousand neighbours, each a bit apart, and signs of zero."""
-    n = 10**5
-    made = {name: np.ones(n) for name in NUMBERS}
-    made["y"] = np.linspace(-1, 1, n)
-    made["x"] = np.nextafter(np.ones(n), np.arange(n) % 2 * 2)
-
-    assert np.unique(marks_of(made)).size == n
-    zeros = {name: np.array([0.0, -0.0, 0.0]) for name in NUMBERS}
-    assert np.unique(marks_of(zeros)).size == 2

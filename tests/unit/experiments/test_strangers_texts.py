@@ -8,7 +8,6 @@ from dubins_study.experiments.definition.experiment import ExperimentError, pars
 from dubins_study.experiments.definition.spec_braces import MOST_SPECS
 from dubins_study.experiments.plan.cells import chains
 from dubins_study.experiments.plan.solver_specs import expand_solvers, untrusted_spec
-from dubins_study.experiments.plan.streams import streams
 from dubins_study.solvers.registry import SolverError
 
 HEAD = 'title = "t"\nquestion = "q"\nsolvers = ["analytic"]\n'
@@ -34,15 +33,6 @@ def test_what_nobody_is_asked_is_not_expanded():
     text = HEAD + 'initial_guesses = ["warm"]\nrepeats = 1000000000\n' + BLOCK
 
     assert chains(parse("name", "name.toml", text).experiment) == []
-
-
-def test_streams_are_counted_before_they_are_named():
-    """A million repeats of two thousand scenarios are few enough rows, and far too many names."""
-    block = BLOCK + "x = { linear = [0, 1, 2000] }\n"
-    experiment = parse("f", "f.toml", HEAD + "repeats = 1000000\n" + block).experiment
-
-    with pytest.raises(ExperimentError, match="1000000 branches and repeats of large blocks"):
-        streams(experiment)
 
 
 @pytest.mark.parametrize(

@@ -13,10 +13,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
-from dubins_study.report.data import attempts as attempts_module
 from dubins_study.report.data.attempts import PRESOLVED, PROOFS, VERDICTS
 from dubins_study.report.data.failures import failures as failure_counts
-from dubins_study.report.data.verdicts import KINDS, methods, verdicts
+from dubins_study.report.data.verdicts import KINDS, methods
 from dubins_study.report.data.verdicts import existence as existence_counts
 from dubins_study.report.statistics import metrics
 from dubins_study.report.topics.existence.numbers import existence
@@ -99,12 +98,6 @@ def alike(one, two):
     assert expected.keys() == given.keys()
     for name, frame in expected.items():
         pd.testing.assert_frame_equal(frame, given[name], check_exact=True)
-    planes, others = one.planes(), two.planes()
-    assert planes.keys() == others.keys()
-    for name, plane in planes.items():
-        assert np.array_equal(plane.counts, others[name].counts)
-        assert np.array_equal(plane.least, others[name].least)
-        assert np.array_equal(plane.largest, others[name].largest)
 
 
 def any_split_in_any_order_is_the_whole(rows, random, parts):
@@ -244,38 +237,6 @@ def of_gaps(gaps):
     return pd.DataFrame({**base, "gap": gaps, "region": "outside", "wall_s": 1.0})
 
 
-gap = st.sampled_from([0.0, 1e-16, 1e-4]) | st.floats(0, 10)
-some_gaps = arrays.arrays(np.float64, st.integers(1, 60), elements=gap | st.just(np.inf))
-
-
-def gap_quantiles_are_exact_or_within_what_the_caption_says(gaps, exact):
-    """Of few attempts to the last bit; of many at most 1.2 % too large, and never too small."""
-    with tempfile.TemporaryDirectory() as place, pytest.MonkeyPatch.context() as patched:
-        patched.setattr(attempts_module, "EXACT_ROWS", 10**7 if exact else 0)
-        counted = attempts_of(Path(place), of_gaps(gaps))
-        (line,) = gap_quantiles(counted.gap_quantiles()).to_dict("records")
-        assert counted.exact == exact == (counted.precision == "")
-
-    assert (line["attempts"], line["arrived"]) == (len(gaps), np.isfinite(gaps).mean())
-    assert line["q100"] == gaps.max()
-    for name, q in NAMES.items():
-        expected = metrics.upper_quantile(gaps, q)
-        if exact or np.isinf(expected):
-            assert line[name] == expected
-        else:
-            # gaps below the least that is told apart count as that
-            assert expected <= line[name] * (1 + 1e-12)
-            assert line[name] <= max(1.012 * expected, 1e-16)
-
-
-test_gap_quantiles_are_exact_or_within_what_the_caption_says = FEW(
-    given(some_gaps, st.booleans())(gap_quantiles_are_exact_or_within_what_the_caption_says)
-)
-test_gap_quantiles_are_exact_or_within_what_the_caption_says_often = pytest.mark.slow(
-    MANY(given(some_gaps, st.booleans())(gap_quantiles_are_exact_or_within_what_the_caption_says))
-)
-
-
 def test_the_gap_profile_of_many_gaps_is_short_and_right_to_the_last_attempt(tmp_path):
     """Of 20 000 different gaps few bins are kept; the share within each is exact."""
     gaps = np.random.default_rng(0).lognormal(-12, 4, 20_000)
@@ -287,17 +248,3 @@ def test_the_gap_profile_of_many_gaps_is_short_and_right_to_the_last_attempt(tmp
     assert shares["share"].iloc[-1] == 1 - 7 / len(gaps)
     for within, share in shares.iloc[::50].itertuples(index=False):
         assert share == pytest.approx((gaps <= within * (1 + 1e-12)).mean(), abs=1e-12)
-
-
-@pytest.mark.slow
-def test_approximate_times_are_near(tmp_path, monkeypatch):
-    """Quartiles of many attempts, each of a rank that is off by about a hundredth at most."""
-    monkeypatch.setattr(attempts_module, "EXACT_ROWS", 10)
-    took = np.random.default_rng(1).lognormal(-5, 1, 20_000)
-    rows = of_gaps(np.zeros(len(took))).assign(wall_s=took, solve_s=took, build_s=took)
-    counted = attempts_of(tmp_path, rows)
-
-    (line,) = counted.times().to_dict("records")
-    for suffix, q in (("_q1", 0.25), ("", 0.5), ("_q3", 0.75)):
-        assert (took <= line[f"wall_s{suffix}"]).mean() == pytest.approx(q, abs=0.01)
-    assert verdicts(counted)["wall_s"].iloc[0] == pytest.approx(np.median(took), rel=0.03)

@@ -1,1 +1,1 @@
-"""Executors turn a plan into judged rows: local workers, Dask, and streamed frames."""
+"""Executors turn a plan into judged rows: local workers, or Dask."""

@@ -7,10 +7,8 @@ import math
 from collections.abc import Iterator
 from typing import NamedTuple
 
-import numpy as np
-
 from dubins_study.experiments.definition.experiment import Experiment, ExperimentError
-from dubins_study.experiments.definition.scenario_block import Block, ListedBlock
+from dubins_study.experiments.definition.scenario_block import Block
 from dubins_study.experiments.plan.scenario_columns import axis_size, axis_values, block_size
 from dubins_study.experiments.plan.solver_description import SolverDescription, describe_solver
 from dubins_study.experiments.plan.solver_specs import expand_solvers
@@ -18,12 +16,6 @@ from dubins_study.solvers.registry import SolverError
 
 # A cell takes about 700 bytes of memory until its row is written.
 MOST_CELLS = 2_000_000
-# Streamed rows are not kept in memory, but they must fit on a disk.
-MOST_ROWS = 10**10
-# Each stream costs a hash over its whole block.
-MOST_STREAMS = 10_000
-# A block with fewer scenarios is solved cell by cell, and each row has its own measured time.
-FEWEST_STREAMED = 2000
 
 
 class BlockPlan(NamedTuple):
@@ -35,8 +27,7 @@ class BlockPlan(NamedTuple):
         branches: the branches that are asked for.
         initial_guesses: `cold`, `warm`, or both; not used where the block has `guess_lengths`.
         repeats: how many times every question is asked.
-        cell_solvers: the solvers that answer one scenario at a time.
-        stream_solvers: the solvers that answer many scenarios at a time (see `plan.streams`).
+        solvers: the solvers that are asked.
     """
 
     number: int
@@ -44,8 +35,7 @@ class BlockPlan(NamedTuple):
     branches: tuple[str, ...]
     initial_guesses: tuple[str, ...]
     repeats: int
-    cell_solvers: tuple[SolverDescription, ...]
-    stream_solvers: tuple[SolverDescription, ...]
+    solvers: tuple[SolverDescription, ...]
 
     @property
     def key(self) -> str:
@@ -70,7 +60,7 @@ class BlockPlan(NamedTuple):
             return
         if not solver.warm:
             return
-        values = (axis_values(axis, np.arange(axis_size(axis))).tolist() for axis in lengths.axes)
+        values = (axis_values(axis).tolist() for axis in lengths.axes)
         for point in itertools.product(*values):
             yield " ".join(repr(length) for length in point)
 
@@ -79,8 +69,7 @@ def block_plans(experiment: Experiment) -> list[BlockPlan]:
     """The plans of all blocks of an experiment.
 
     Raises:
-        ExperimentError: if there are more than `MOST_CELLS` cells, `MOST_ROWS` streamed rows or
-            `MOST_STREAMS` streams.
+        ExperimentError: if there are more than `MOST_CELLS` cells.
         SolverError: if a solver's spec is not valid.
     """
     plans = [
@@ -91,19 +80,13 @@ def block_plans(experiment: Experiment) -> list[BlockPlan]:
 
 
 def _block_plan(number: int, block: Block, experiment: Experiment) -> BlockPlan:
-    solvers = _solvers(number, block, experiment)
-    computed = block.guess_lengths is None and not isinstance(block, ListedBlock)
-    large = computed and block_size(block) >= FEWEST_STREAMED
-    # Only our own closed form is streamed: a plug-in's code must not run in the run's process.
-    streamed = tuple(solver for solver in solvers if large and solver.closed_form)
     return BlockPlan(
         number,
         block,
         tuple(block.branches or experiment.branches),
         tuple(experiment.initial_guesses),
         experiment.repeats,
-        tuple(solver for solver in solvers if solver not in streamed),
-        streamed,
+        tuple(_solvers(number, block, experiment)),
     )
 
 
@@ -134,27 +117,16 @@ def _solvers(number: int, block: Block, experiment: Experiment) -> list[SolverDe
 
 
 def _check_size(plans: list[BlockPlan]) -> None:
-    """Refuse an experiment that is too large for the memory or the disk, before it is expanded."""
-    total_cells = total_rows = total_streams = 0
+    """Refuse an experiment that is too large for the memory, before it is expanded."""
+    total = 0
     for plan in plans:
         scenarios = block_size(plan.block)
-        questions = scenarios * len(plan.branches) * plan.repeats
-        cells = questions * sum(map(plan.guess_count, plan.cell_solvers))
-        total_cells += cells
-        total_rows += questions * len(plan.stream_solvers)
-        total_streams += len(plan.branches) * plan.repeats * len(plan.stream_solvers)
-        sizes = (
-            (
-                total_cells,
-                MOST_CELLS,
-                f"{scenarios} scenarios and {cells} cells (a cell for every "
-                f"solver, branch, initial guess and repeat), {total_cells} cells",
-            ),
-            (total_rows, MOST_ROWS, f"{total_rows} rows of the closed form"),
-            (total_streams, MOST_STREAMS, f"{total_streams} branches and repeats of large blocks"),
-        )
-        for total, most, amount in sizes:
-            if total > most:
-                raise ExperimentError(
-                    f"{plan.key}: {amount} up to here; expected at most {most} in all"
-                )
+        guesses = sum(map(plan.guess_count, plan.solvers))
+        cells = scenarios * len(plan.branches) * plan.repeats * guesses
+        total += cells
+        if total > MOST_CELLS:
+            raise ExperimentError(
+                f"{plan.key}: {scenarios} scenarios and {cells} cells (a cell for every solver, "
+                f"branch, initial guess and repeat), {total} cells up to here; expected at most "
+                f"{MOST_CELLS} in all"
+            )

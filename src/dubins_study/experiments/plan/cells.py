@@ -44,8 +44,7 @@ Chain = tuple[Cell, ...]
 def chains(experiment: Experiment) -> list[Chain]:
     """All cells of an experiment in the order of its file, grouped into chains.
 
-    A cell that several blocks ask for is listed once. Streamed scenarios (see `plan.streams`) do
-    not become cells.
+    A cell that several blocks ask for is listed once.
 
     Raises:
         ExperimentError: if a block holds a scenario that is not valid, if two sweeps give one warm
@@ -67,7 +66,7 @@ def chains(experiment: Experiment) -> list[Chain]:
 
 def _block_chains(plan: BlockPlan, profile: str) -> Iterator[Chain]:
     """The chains of one block."""
-    solvers = [solver for solver in plan.cell_solvers if plan.guess_count(solver)]
+    solvers = [solver for solver in plan.solvers if plan.guess_count(solver)]
     if not solvers:
         return
     block_scenarios = list(scenarios(plan.block, plan.key))

@@ -21,7 +21,6 @@ from dubins_study.experiments.definition.toml_lines import KeyPath
 from dubins_study.experiments.plan.cells import chains
 from dubins_study.experiments.plan.listed_solvers import solver_problems
 from dubins_study.experiments.plan.scenario_columns import block_size
-from dubins_study.experiments.plan.streams import streams
 from dubins_study.solvers.registry import SolverError
 
 # the key that a message about an experiment begins with
@@ -66,7 +65,7 @@ def read_checked(name: str, trust_plugins: bool, own_solvers: bool = True) -> Ex
 def conflicts(experiment: Experiment) -> list[Problem]:
     """What does not go together in a valid experiment: the first mistake of each block.
 
-    That is: scenarios that no vehicle has, scenarios that are asked for twice, too many cells. A
+    That is: scenarios that no vehicle has, warm cells in two sweeps, too many cells. A
     block in which one is found is replaced by another, so that the next one is found; in a large
     experiment, where that takes long, the first one alone is found.
     """
@@ -76,7 +75,6 @@ def conflicts(experiment: Experiment) -> list[Problem]:
             return problems
         try:
             chains(experiment)
-            streams(experiment)
             return problems
         except (ExperimentError, SolverError) as error:
             problem = _placed(str(error))

@@ -46,9 +46,9 @@ def overview(file: ExperimentFile) -> Overview:
     experiment, plans = file.experiment, block_plans(file.experiment)
     cells = 0
     for plan in plans:
-        solver_guesses = sum(map(plan.guess_count, plan.cell_solvers)) + len(plan.stream_solvers)
+        solver_guesses = sum(map(plan.guess_count, plan.solvers))
         cells += block_size(plan.block) * len(plan.branches) * plan.repeats * solver_guesses
-    specs = (solver.spec for p in plans for solver in (*p.cell_solvers, *p.stream_solvers))
+    specs = (solver.spec for p in plans for solver in p.solvers)
     return Overview(
         name=file.name,
         title=experiment.title,

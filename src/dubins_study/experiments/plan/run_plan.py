@@ -1,4 +1,4 @@
-"""Check a request, and list the cells and streams of its run."""
+"""Check a request, and list the cells of its run."""
 
 from __future__ import annotations
 
@@ -16,7 +16,6 @@ from dubins_study.experiments.definition.listed_experiment import listed_experim
 from dubins_study.experiments.plan.cells import Chain, chains
 from dubins_study.experiments.plan.file_checks import read_checked, refused
 from dubins_study.experiments.plan.solver_specs import expand_solvers
-from dubins_study.experiments.plan.streams import Stream, streams
 from dubins_study.experiments.run_settings import EXECUTOR_NAMES
 from dubins_study.solvers.registry import SolverError
 from dubins_study.study.rows.schema import Key
@@ -131,13 +130,11 @@ class RunPlan(NamedTuple):
         experiment_file: the experiment with the changes of the request.
         folder: the results folder.
         chains: all cells, solved already or not.
-        streams: the blocks that the closed form answers in chunks.
     """
 
     experiment_file: ExperimentFile
     folder: FilePath
     chains: list[Chain]
-    streams: list[Stream]
 
     @property
     def keys(self) -> set[Key]:
@@ -147,14 +144,12 @@ class RunPlan(NamedTuple):
     @property
     def rows(self) -> int:
         """How many rows there will be."""
-        return sum(map(len, self.chains)) + sum(stream.rows for stream in self.streams)
+        return sum(map(len, self.chains))
 
     @property
     def solver_specs(self) -> list[str]:
         """The canonical specs of all solvers, each once."""
-        specs = dict.fromkeys(stream.solver for stream in self.streams)
-        specs |= dict.fromkeys(cell.solver for chain in self.chains for cell in chain)
-        return list(specs)
+        return list(dict.fromkeys(cell.solver for chain in self.chains for cell in chain))
 
 
 def cell_counts(keys: set[Key]) -> Counter[tuple[str, str]]:
@@ -163,7 +158,7 @@ def cell_counts(keys: set[Key]) -> Counter[tuple[str, str]]:
 
 
 def plan_run(request: Request) -> RunPlan:
-    """The cells and streams that a request asks for.
+    """The cells that a request asks for.
 
     Raises:
         ExperimentError, SolverError: naming the argument, or the file and key; its value, and what
@@ -176,13 +171,13 @@ def plan_run(request: Request) -> RunPlan:
         # Checked here so that an error message does not name the experiment's file.
         expand_solvers(request.solvers, experiment.profile)
     try:
-        cell_chains, block_streams = chains(experiment), streams(experiment)
+        cell_chains = chains(experiment)
     except (ExperimentError, SolverError):
         raise refused(experiment_file) from None
     folder = (
         FilePath("results") / experiment_file.name if request.out is None else FilePath(request.out)
     )
-    return RunPlan(experiment_file, folder, cell_chains, block_streams)
+    return RunPlan(experiment_file, folder, cell_chains)
 
 
 def _read(request: Request) -> ExperimentFile:

@@ -1,4 +1,4 @@
-"""The scenarios of a block as columns: any window of its rows, computed without the other rows.
+"""The scenarios of a block as columns.
 
 If a block gives targets by distance and bearing, or by arc and margin, x and y are computed here.
 """
@@ -6,7 +6,7 @@ If a block gives targets by distance and bearing, or by arc and margin, x and y 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 
 import numpy as np
 import pandas as pd
@@ -21,17 +21,13 @@ from dubins_study.experiments.definition.scenario_block import (
     Block,
     ListedBlock,
 )
-from dubins_study.experiments.plan.sample_points import SamplePoints
+from dubins_study.experiments.plan.sample_points import sampled
 from dubins_study.study.path import FloatArray
 from dubins_study.study.scenario import NUMBERS, Scenario, ScenarioError, check_frame
 from dubins_study.study.scenario import scenarios as listed_scenarios
 
-# One array of shape (rows of the window,) for each name in `NUMBERS`.
+# One array of shape (n,) for each name in `NUMBERS`.
 Columns = dict[str, FloatArray]
-# Number of the first row, number of rows.
-Window = tuple[int, int]
-
-_WINDOW_ROWS = 2**15  # if the caller wants all rows
 
 
 def block_size(block: Block) -> int:
@@ -55,48 +51,35 @@ def axis_size(axis: Axis | None) -> int:
     return len(axis) if isinstance(axis, list) else 1
 
 
-def tiled(rows: int, window_rows: int) -> Iterator[Window]:
-    """Windows of `window_rows` rows that cover `rows` rows; the last one may be smaller."""
-    for first in range(0, rows, window_rows):
-        yield first, min(window_rows, rows - first)
+def columns(block: Block, key: str) -> Columns:
+    """The scenarios of a block, but for their label.
 
-
-def windows(block: Block, key: str, wanted: Iterable[Window]) -> Iterator[Columns]:
-    """The scenarios in windows of a block's rows; ascending windows are the cheapest.
-
-    From row to row the last of `FIELDS` varies fastest, and the sample's point slowest. A row has
-    the same numbers, to the last bit, in every window that holds it.
+    From row to row the last of `FIELDS` varies fastest, and the sample's point slowest.
 
     Args:
         block: the scenarios.
         key: the block's key in the experiment, such as `scenarios.0`, for messages.
-        wanted: the windows.
 
     Raises:
-        ExperimentError: naming key, row, field and value, if a window holds a scenario that is not
-            valid.
+        ExperimentError: naming key, row, field and value, if a scenario is not valid.
     """
-    combinations, points = _combinations(block), SamplePoints(block.sample, key)
-    for first, count in wanted:
-        row = np.arange(first, first + count)
-        fields = _combined(block, row % combinations) | points.at(row // combinations)
-        contiguous = {name: np.ascontiguousarray(values) for name, values in fields.items()}
-        yield _checked(contiguous, key, first)
+    row, combinations = np.arange(block_size(block)), _combinations(block)
+    fields = _combined(block, row % combinations)
+    if block.sample is not None:
+        fields |= {
+            name: values[row // combinations] for name, values in sampled(block.sample).items()
+        }
+    return _checked(fields, key)
 
 
 def scenarios(block: Block, key: str) -> Iterator[Scenario]:
-    """All scenarios of a block, one by one.
-
-    Raises:
-        ExperimentError: as `windows`.
-    """
+    """All scenarios of a block, one by one; raises as `columns`."""
     if isinstance(block, ListedBlock):
         yield from listed_scenarios(block.listed)
         return
-    for columns in windows(block, key, tiled(block_size(block), _WINDOW_ROWS)):
-        values = (columns[name].tolist() for name in NUMBERS)
-        for numbers in zip(*values, strict=True):
-            yield Scenario(**dict(zip(NUMBERS, numbers, strict=True)), label=block.label)
+    values = (array.tolist() for array in columns(block, key).values())
+    for numbers in zip(*values, strict=True):
+        yield Scenario(**dict(zip(NUMBERS, numbers, strict=True)), label=block.label)
 
 
 def _combined(block: Block, row: NDArray[np.int64]) -> Columns:
@@ -106,55 +89,34 @@ def _combined(block: Block, row: NDArray[np.int64]) -> Columns:
         axis = block.axis(field)
         if axis is not None:
             row, index = np.divmod(row, axis_size(axis))
-            columns[field] = axis_values(axis, index)
+            columns[field] = axis_values(axis)[index]
     return columns
 
 
-def axis_values(axis: Axis, index: NDArray[np.int64]) -> FloatArray:
-    """The values of an axis at indices from 0, equal to those of np.linspace and np.geomspace."""
+def axis_values(axis: Axis) -> FloatArray:
+    """All values of an axis."""
     if isinstance(axis, Linear):
-        return _evenly_spaced(*axis.linear, index)
+        return np.linspace(*axis.linear)
     if isinstance(axis, Log):
         first, last, count = axis.log
-        values = 10.0 ** _evenly_spaced(math.log10(first), math.log10(last), count, index)
-        values[index == 0] = first
-        values[(index == count - 1) & (index > 0)] = last
+        values: FloatArray = 10.0 ** np.linspace(math.log10(first), math.log10(last), count)
+        values[-1], values[0] = last, first
         return values
-    return np.asarray(axis if isinstance(axis, list) else [axis], np.float64)[index]
+    return np.asarray(axis if isinstance(axis, list) else [axis], np.float64)
 
 
-def _evenly_spaced(first: float, last: float, count: int, index: NDArray[np.int64]) -> FloatArray:
-    """`np.linspace(first, last, count)[index]`, equal to the last bit."""
-    span, steps = last - first, max(1, count - 1)
-    step = span / steps
-    values = index.astype(np.float64)
-    if step:
-        values *= step
-    else:  # the step is too small for a double: divide before multiplying, as numpy does
-        values /= steps
-        values *= span
-    values += first
-    values[(index == count - 1) & (index > 0)] = last
-    return values
-
-
-def _checked(fields: Columns, key: str, first: int) -> Columns:
+def _checked(fields: Columns, key: str) -> Columns:
     """The columns of `NUMBERS` with computed targets; an error if a row is not valid."""
-    columns = _target_columns(fields)
+    every = _target_columns(fields)
     try:
-        check_frame(pd.DataFrame(columns, copy=False))
+        check_frame(pd.DataFrame(every, copy=False))
     except ScenarioError:
-        _refuse(columns, key, first)
-    return columns
-
-
-def _refuse(columns: Columns, key: str, first: int) -> None:
-    """Raise an error about the first row that is not valid, with the message of `Scenario`."""
-    for i in range(len(columns["x"])):
-        try:
-            Scenario(**{name: float(columns[name][i]) for name in NUMBERS}, label="")
-        except ScenarioError as error:
-            raise ExperimentError(f"{key}, scenario {first + i}: {error}") from None
+        for i, numbers in enumerate(zip(*every.values(), strict=True)):
+            try:
+                Scenario(**dict(zip(NUMBERS, map(float, numbers), strict=True)), label="")
+            except ScenarioError as error:
+                raise ExperimentError(f"{key}, scenario {i}: {error}") from None
+    return every
 
 
 def _target_columns(fields: Columns) -> Columns:

@@ -15,7 +15,6 @@ from dubins_study.experiments.isolation.messages import Channel
 from dubins_study.experiments.isolation.worker import answer_tasks
 from dubins_study.experiments.isolation.worker_process import Allowance, Answer, WorkerProcess
 from dubins_study.experiments.provenance import versions_of
-from dubins_study.solvers.analytic import Analytic
 from dubins_study.solvers.protocol import Method
 from dubins_study.solvers.registry import SolverError, canonical, load, ours, stated_method
 from dubins_study.solvers.reply import exception_text
@@ -34,8 +33,6 @@ class SolverDescription(NamedTuple):
         settings: its settings as values that JSON can hold.
         packages: the distributions that it uses.
         warm: whether it uses an initial guess.
-        closed_form: whether it is our own closed form, which may solve whole frames of scenarios
-            in the process of the run.
         runs: the name of the program on PATH that it starts, if any.
         keeps_limit: whether its own class promises `Solver.keeps_limit`.
         whole_frames: whether it answers whole frames at once.
@@ -47,7 +44,6 @@ class SolverDescription(NamedTuple):
     settings: dict[str, Any]
     packages: tuple[str, ...]
     warm: bool
-    closed_form: bool
     runs: str | None
     keeps_limit: bool
     whole_frames: bool
@@ -98,7 +94,6 @@ def _describe(spec: str, profile: str) -> SolverDescription:
         plain_settings(solver),
         tuple(str(package) for package in solver.packages),
         bool(solver.warm),
-        type(solver) is Analytic,
         None if solver.runs is None else str(solver.runs),
         # a plug-in inherits no promise: what it changes of one of our solvers may break it
         bool(solver.keeps_limit) and (ours(spec) or "keeps_limit" in vars(type(solver))),

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from pathlib import Path as FilePath
 from typing import NamedTuple
 
@@ -13,15 +12,7 @@ from dubins_study.experiments.store.part_writer import write_part
 from dubins_study.experiments.store.whole_file import is_temporary, remove_temporaries
 from dubins_study.study.rows.files import DamagedPartError, ResultsError, os_errors_as, refuse_link
 from dubins_study.study.rows.manifest import MANIFEST, Definition, Manifest, read_manifest
-from dubins_study.study.rows.parts import (
-    PARTS,
-    Part,
-    check_part,
-    is_stream,
-    part_files,
-    read_footer,
-    read_part,
-)
+from dubins_study.study.rows.parts import PARTS, check_part, part_files, read_part
 from dubins_study.study.rows.row_table import ARROW_SCHEMA
 from dubins_study.study.rows.schema import KEY, RUN_ID, Key, names
 from dubins_study.study.values import plain
@@ -114,8 +105,7 @@ def _mend(folder: FilePath) -> list[str]:
     damaged = []
     for part in part_files(folder):
         try:
-            # For a chunk of a stream, check only the metadata at its end.
-            read_footer(part) if is_stream(part) else check_part(part)
+            check_part(part)
         except DamagedPartError:
             damaged.append(part)
     for place in (folder, folder / PARTS):
@@ -142,23 +132,23 @@ def _move_away(folder: FilePath, part: FilePath) -> FilePath:
 
 
 def done(folder: FilePath) -> set[Key]:
-    """The keys of all single cells that have a row in a folder; streams are not read."""
+    """The keys of all cells that have a row in a folder."""
     keys: set[Key] = set()
-    for part in part_files(folder, streams=False):
+    for part in part_files(folder):
         table = read_part(part, names(KEY))
         keys.update(zip(*(column.to_pylist() for column in table.columns), strict=True))
     return keys
 
 
 def read_rows(folder: FilePath, columns: list[str] | None = None) -> pa.Table:
-    """The rows of all single cells of a folder, one row per cell.
+    """The rows of a folder, one row per cell.
 
     Args:
         folder: a results folder.
         columns: column names of the schema; the key columns are always added, first. None: all.
     """
     columns = _with_key(columns or ARROW_SCHEMA.names)
-    parts = part_files(folder, streams=False)
+    parts = part_files(folder)
     return _unique_rows([read_part(part, columns) for part in parts], columns)
 
 
@@ -175,11 +165,11 @@ def _unique_rows(tables: list[pa.Table], columns: list[str]) -> pa.Table:
 
 
 def compact(folder: FilePath, run_id: str) -> None:
-    """Unite the parts of all single cells into one part, if the disk has room for it.
+    """Unite all parts into one, if the disk has room for it.
 
     A crash in between leaves duplicate rows, which readers ignore.
     """
-    parts = part_files(folder, streams=False)
+    parts = part_files(folder)
     if len(parts) < 2:
         return
     rows = read_rows(folder)
@@ -193,7 +183,7 @@ def compact(folder: FilePath, run_id: str) -> None:
 
 
 def count_rows(folder: FilePath) -> tuple[list[RowCount], int]:
-    """Count a folder's rows by kind, each cell once; for streams only the metadata are read.
+    """Count a folder's rows by kind, each cell once.
 
     Returns:
         The counts, and the number of damaged parts, which are not counted.
@@ -207,10 +197,7 @@ def count_rows(folder: FilePath) -> tuple[list[RowCount], int]:
     damaged = 0
     for file in part_files(folder):
         try:
-            if is_stream(file):
-                counts += _chunk_counts(read_footer(file))
-            else:
-                tables.append(read_part(file, columns))
+            tables.append(read_part(file, columns))
         except DamagedPartError:
             damaged += 1
     grouped = _unique_rows(tables, columns).group_by(_KIND)
@@ -220,10 +207,3 @@ def count_rows(folder: FilePath) -> tuple[list[RowCount], int]:
         solver, code_digest, outcome, verdict, run_id = (text or "" for text in made_by)
         counts.append(RowCount(solver, code_digest, outcome, verdict, run_id, rows, wall_s or 0.0))
     return counts, damaged
-
-
-def _chunk_counts(part: Part) -> Iterator[RowCount]:
-    if (chunk := part.chunk) is not None:
-        for outcome, verdict, rows, wall_s in chunk.kinds:
-            made_by = (chunk.solver, chunk.code_digest)
-            yield RowCount(*made_by, outcome, verdict, part.run_id, rows, wall_s)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import glob
-import os
 import shutil
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
@@ -16,12 +15,12 @@ from dubins_study.experiments.provenance import now
 from dubins_study.experiments.store.folder import count_rows, read_rows
 from dubins_study.experiments.store.lock import LOCK, is_locked, locked
 from dubins_study.experiments.store.manifest_changes import count_cells, write_manifest
-from dubins_study.experiments.store.merged_rows import COLUMNS, merged_rows
+from dubins_study.experiments.store.merged_rows import merged_rows
 from dubins_study.experiments.store.part_writer import write_part
 from dubins_study.experiments.store.whole_file import sync_folder
-from dubins_study.study.rows.files import DamagedPartError, ResultsError, os_errors_as
+from dubins_study.study.rows.files import ResultsError, os_errors_as
 from dubins_study.study.rows.manifest import Manifest, RunEntry, SolverEntry, read_manifest
-from dubins_study.study.rows.parts import PARTS, is_stream, part_files, read_footer, read_part
+from dubins_study.study.rows.parts import PARTS
 from dubins_study.study.rows.schema import RUN_ID
 
 
@@ -48,8 +47,7 @@ def merge(folders: Iterable[str | FilePath], out: str | FilePath) -> Union:
     The union holds every cell of every folder once. Copies of one attempt are united. Of two
     attempts that agree (same outcome, claim, verdict and word; gaps equal within the profile's
     tolerance) the earlier one is kept. If the code of a solver differs between folders, the first
-    folder's code counts, and rows of other code are kept as stale rows. Parts of streams are linked
-    or copied unchanged.
+    folder's code counts, and rows of other code are kept as stale rows.
 
     Args:
         folders: at least two results folders; they are only read.
@@ -135,7 +133,6 @@ def _unite(folders: Sequence[FilePath], manifests: Sequence[Manifest], fresh: Fi
     rows = merged_rows([read_rows(folder) for folder in folders], folders, tolerance)
     with os_errors_as(f"cannot write to {fresh}"):
         (fresh / PARTS).mkdir()
-        _unite_streams(folders, fresh, tolerance)
     if len(rows.table):
         write_part(fresh, "merged-all", rows.table, {RUN_ID: "merged"})
     counts: Counter[tuple[str, str]] = Counter()
@@ -148,34 +145,6 @@ def _unite(folders: Sequence[FilePath], manifests: Sequence[Manifest], fresh: Fi
     write_manifest(fresh, manifest)
     current = sum(counts[made_by] for made_by in manifest.code_digests.items())
     return Union(fresh, counts.total(), rows.agreeing_repeats, counts.total() - current)
-
-
-def _unite_streams(folders: Sequence[FilePath], fresh: FilePath, tolerance: float) -> None:
-    """Copy each chunk of a stream once, as a file; read rows only of chunks that repeat.
-
-    Raises:
-        ResultsError: if two folders hold different rows of one chunk, or a chunk is damaged.
-    """
-    chunks: dict[str, FilePath] = {}
-    for folder in folders:
-        for part in filter(is_stream, part_files(folder)):
-            try:
-                read_footer(part)
-            except DamagedPartError:
-                raise ResultsError(
-                    f"{part} is damaged; run that folder again before it is merged"
-                ) from None
-            first = chunks.setdefault(part.name, part)
-            if first is not part:
-                both = [read_part(file, COLUMNS) for file in (first, part)]
-                merged_rows(both, (first, part), tolerance)
-    for name, part in chunks.items():
-        copy = fresh / PARTS / name
-        try:
-            os.link(part, copy)
-        except OSError:  # the folder is on another disk, or the file system has no links
-            shutil.copyfile(part, copy)
-    sync_folder(fresh / PARTS)
 
 
 def _unite_manifests(manifests: Sequence[Manifest]) -> Manifest:

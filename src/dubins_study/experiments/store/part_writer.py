@@ -1,4 +1,4 @@
-"""Write parts: rows of single cells about every second, and chunks of streams."""
+"""Write parts: the rows of a run, about every second."""
 
 from __future__ import annotations
 
@@ -10,11 +10,10 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from dubins_study.experiments.store.whole_file import write_whole
-from dubins_study.study.rows.chunk import Chunk
 from dubins_study.study.rows.files import ResultsError, reason, refuse_link
 from dubins_study.study.rows.parts import PARTS
 from dubins_study.study.rows.row_table import Row, rows_table
-from dubins_study.study.rows.schema import CHUNK, RUN_ID, VERSION, VERSION_KEY
+from dubins_study.study.rows.schema import RUN_ID, VERSION, VERSION_KEY
 
 # Seconds between two parts, so that a killed run loses few rows.
 _FLUSH_INTERVAL_S = 0.8
@@ -57,12 +56,6 @@ def write_part(
             "all others are kept: make room, and run again to go on"
         ) from None
     return final
-
-
-def write_chunk(folder: FilePath, chunk: Chunk, table: pa.Table, run_id: str) -> FilePath:
-    """Write the part of one chunk of a stream; errors as `write_part`."""
-    metadata = {RUN_ID: run_id, CHUNK: chunk.model_dump_json()}
-    return write_part(folder, chunk.part_name, table, metadata)
 
 
 class PartWriter:

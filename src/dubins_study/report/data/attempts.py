@@ -5,11 +5,9 @@ from __future__ import annotations
 from collections.abc import Collection
 from typing import Any
 
-import numpy as np
 import pandas as pd
 
 from dubins_study.report.data.database import Database
-from dubins_study.report.data.plane_map import CELLS, REACH, PlaneMap
 from dubins_study.study.check.certificate import PMP_TOLERANCE
 
 # The closed form; its rows fill the maps of the plane.
@@ -25,8 +23,6 @@ PROOFS = ("proved", "bounded", "extremal", "none")
 TIMES = ("build_s", "solve_s", "wall_s")
 QUANTILES = (0.5, 0.9, 0.99, 1.0)
 
-# Up to this many attempts, quantiles are exact; each quantile takes up to 16 bytes per attempt.
-EXACT_ROWS = 10_000_000
 # Number of bins per decade in which gaps are counted, and the smallest gap. The bins are too fine
 # to be visible in a figure.
 _BINS, _LEAST_GAP = 200, 1e-16
@@ -52,21 +48,6 @@ class Attempts:
     def without(self, experiments: Collection[str]) -> Attempts:
         """The attempts of the experiments that are not named."""
         return Attempts(self._database, set(self.experiments) - set(experiments))
-
-    @property
-    def exact(self) -> bool:
-        """Whether quantiles are exact."""
-        return self.count <= EXACT_ROWS
-
-    @property
-    def precision(self) -> str:
-        """A sentence for captions; empty if quantiles are exact."""
-        if self.exact:
-            return ""
-        return (
-            " Medians and quantiles of so many attempts are approximate: those of gaps are at most "
-            "1.2 % too large, those of times are of a rank that is off by about a hundredth."
-        )
 
     def times(self) -> pd.DataFrame:
         """Questions that have a path: one row per solver that has cold attempts at them.
@@ -99,27 +80,14 @@ class Attempts:
         names = [f"q{100 * q:g}" for q in QUANTILES]
         # With decimal shares DuckDB computes the positions of the quantiles in whole numbers.
         shares = ", ".join(f"{q:.2f}" for q in QUANTILES)
-        gaps = f"quantile_disc({_GAP}, [{shares}])" if self.exact else f"[max({_GAP})]"
         frame = self.frame(
             f"""SELECT solver, {_REGION} AS region, count(*) AS attempts, count(gap) AS arrived,
-                {gaps} AS gaps
+                quantile_disc({_GAP}, [{shares}]) AS gaps
             FROM chosen WHERE answerable
             GROUP BY GROUPING SETS ((solver, region), (solver))"""
         )
-        quantiles = frame["gaps"] if self.exact else self._binned_quantiles(frame)
-        lists = pd.DataFrame(quantiles.tolist(), index=frame.index, columns=names)
+        lists = pd.DataFrame(frame["gaps"].tolist(), index=frame.index, columns=names)
         return frame.drop(columns="gaps").join(lists)
-
-    def _binned_quantiles(self, frame: pd.DataFrame) -> pd.Series[Any]:
-        """For each row of a frame, the bins of its quantiles and its largest gap."""
-        bins = dict(list(self._gap_bins().groupby(["solver", "region"], dropna=False)))
-        quantiles = []
-        for solver, region, (largest,) in frame[["solver", "region", "gaps"]].to_numpy():
-            own = bins[solver, region]
-            reached, ends = own["attempts"].cumsum().to_numpy(), own["gap"].to_numpy()
-            places = [np.searchsorted(reached, np.ceil(q * reached[-1] - 1e-9)) for q in QUANTILES]
-            quantiles.append([min(largest, ends[place]) for place in places[:-1]] + [largest])
-        return pd.Series(quantiles, index=frame.index)
 
     def gap_profile(self) -> pd.DataFrame:
         """Number of attempts per bin of gaps, for questions that have an answer.
@@ -129,19 +97,12 @@ class Attempts:
 
         Columns: solver, gap (ascending), attempts.
         """
-        bins = self._gap_bins()
-        return bins[bins["region"] == "all"].drop(columns="region")
-
-    def _gap_bins(self) -> pd.DataFrame:
         frame = self.frame(
-            f"""SELECT solver, {_REGION} AS region,
-                ceil({_BINS} * log10(greatest({_GAP}, {_LEAST_GAP}))) AS bin, count(*) AS attempts
-            FROM chosen WHERE answerable
-            GROUP BY GROUPING SETS ((solver, region, bin), (solver, bin))"""
+            f"""SELECT solver, ceil({_BINS} * log10(greatest({_GAP}, {_LEAST_GAP}))) AS bin,
+                count(*) AS attempts
+            FROM chosen WHERE answerable GROUP BY solver, bin ORDER BY solver, bin"""
         )
-        frame = frame.sort_values(["solver", "region", "bin"])
-        gap = 10.0 ** (frame["bin"] / _BINS)
-        return frame.assign(gap=gap)[["solver", "region", "gap", "attempts"]]
+        return frame.assign(gap=10.0 ** (frame["bin"] / _BINS))[["solver", "gap", "attempts"]]
 
     def proofs(self) -> pd.DataFrame:
         """One row per solver; a value that none of its rows has is null.
@@ -176,22 +137,6 @@ class Attempts:
         query = f'SELECT DISTINCT "{column}" AS v FROM chosen WHERE v IS NOT NULL ORDER BY v'
         return self.frame(query)["v"].tolist()
 
-    def planes(self) -> dict[str, PlaneMap]:
-        """Experiment -> map of the targets of the closed form's answers to the branch best."""
-        cells = self.frame(
-            f"""SELECT experiment, word, {_cell("dx * c + dy * s")} AS ahead,
-                {_cell("dy * c - dx * s")} AS "left",
-                count(*) AS attempts, min(size) AS least, max(size) AS largest
-            FROM (
-                SELECT experiment, word, length / radius AS size, cos(heading) AS c,
-                    sin(heading) AS s, (target_x - x) / radius AS dx, (target_y - y) / radius AS dy
-                FROM chosen
-                WHERE solver = '{EXACT}' AND branch = 'best' AND length IS NOT NULL)
-            WHERE ahead BETWEEN 0 AND {CELLS - 1} AND "left" BETWEEN 0 AND {CELLS - 1}
-            GROUP BY ALL ORDER BY ALL"""
-        )
-        return {str(name): PlaneMap.of(own) for name, own in cells.groupby("experiment")}
-
     def frame(self, query: str) -> pd.DataFrame:
         """The result of a query; in the query, `chosen` is the table of these attempts."""
         chosen = f"SELECT {_ENGINES_OWN} FROM attempts WHERE list_contains(?, experiment)"
@@ -199,8 +144,7 @@ class Attempts:
 
     def quantile(self, column: str, q: float | list[float]) -> str:
         """The query of a column's quantile or quantiles."""
-        name = "quantile_cont" if self.exact else "approx_quantile"
-        return f'{name}("{column}", {q})'
+        return f'quantile_cont("{column}", {q})'
 
 
 # What the presolve answered correctly is no success of an engine.
@@ -221,7 +165,3 @@ _COMPARED = (
 # Relative width of the enclosure; it is not defined for a length of zero.
 _WIDTH = "(reference_high - reference_low) / reference_high"
 _OPEN = 0.01
-
-
-def _cell(place: str) -> str:
-    return f"CAST(floor(({place} + {REACH}) * {CELLS / (2 * REACH)}) AS BIGINT)"

@@ -8,7 +8,6 @@ from __future__ import annotations
 import pandas as pd
 
 from dubins_study.report.data.attempts import PRESOLVED, SUCCESSES, Attempts
-from dubins_study.report.data.plane_map import REACH
 
 # Outcomes other than `returned`: what may happen to the process that is asked.
 OUTCOMES = ("timeout", "crashed", "raised", "out_of_memory", "unsupported", "unavailable")
@@ -16,6 +15,8 @@ OUTCOMES = ("timeout", "crashed", "raised", "out_of_memory", "unsupported", "una
 KINDS = ("no return", "no path", "misses", "longer")
 # Cells of the map of failures along one axis: wide enough for some hundred scenarios.
 PLACES = 24
+# Reach of maps of the plane, in radii from the start.
+REACH = 4.0
 # What names an example, in the order in which a plainer one is chosen.
 _EXAMPLE = (
     *("warm", "repeat", "distance", "x", "y", "heading", "target_x", "target_y"),

@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import pyarrow as pa
-import pyarrow.compute as pc
 
 from dubins_study.report.data.attempts import Attempts
 from dubins_study.report.data.database import Database
@@ -27,8 +26,6 @@ from dubins_study.study.scenario import Pose
 
 _CONTROLS = ["curvatures", "lengths"]
 _SCALARS = [c.name for c in ROW if not c.manifest and c.name not in _CONTROLS]
-# Up to `MOST_ROWS` attempts, all rows are kept; if there are more, about `SAMPLE_ROWS` are kept.
-MOST_ROWS, SAMPLE_ROWS = 500_000, 100_000
 _MAX_PLACE = 2**40
 _PLAIN = pa.schema(
     [ARROW_SCHEMA.field(name) for name in [*_SCALARS, *_CONTROLS]]
@@ -76,8 +73,7 @@ class Results:
         attempts: all attempts, for counting.
         rows: one row per attempt, index 0, 1, ...: the scalar columns of `study.rows.schema` that a
             report needs, `experiment`, and `answerable` (the question has an answer, so that a gap
-            can be measured). If there are more than `MOST_ROWS` attempts, only those of some
-            scenarios, chosen by their ids.
+            can be measured).
         controls: the columns `curvatures`, `lengths`, `x`, `y` and `heading`, kept in Arrow because
             most sections draw no path. A row's index is its position here, even if `rows` is a
             selection.
@@ -93,11 +89,6 @@ class Results:
     solvers: tuple[str, ...] = ()
     methods: pd.DataFrame = field(default_factory=pd.DataFrame, repr=False)
     selections: dict[frozenset[str], Results] = field(default_factory=dict, repr=False)
-
-    @property
-    def sampled(self) -> bool:
-        """Whether `rows` is only a sample of the attempts."""
-        return len(self.rows.index) < self.attempts.count
 
     @property
     def settings(self) -> dict[str, dict[str, Any]]:
@@ -145,19 +136,16 @@ def load_results(folders: str | FilePath | Iterable[str | FilePath]) -> pd.DataF
         ResultsError: naming the folder and what is wrong with it.
     """
     several = [folders] if isinstance(folders, str | FilePath) else folders
-    results = load(several, every_row=True)
+    results = load(several)
     controls = {name: pd.arrays.ArrowExtensionArray(results.controls[name]) for name in _CONTROLS}
     return results.rows.drop(columns="answerable").assign(**controls)
 
 
-def load(folders: Iterable[str | FilePath], *, every_row: bool = False) -> Results:
+def load(folders: Iterable[str | FilePath]) -> Results:
     """Read and join results folders; if two hold the same cell, the first folder's row is kept.
-
-    If only a sample is kept, the memory needed does not grow with the number of streamed rows.
 
     Args:
         folders: at least one results folder.
-        every_row: keep every row, even if there are more than `MOST_ROWS`.
 
     Raises:
         ResultsError: naming the folder and what is wrong with it.
@@ -168,19 +156,14 @@ def load(folders: Iterable[str | FilePath], *, every_row: bool = False) -> Resul
     manifests = [read_manifest(path, printable=True) for path in paths]
     sources = [_source(*each) for each in zip(paths, manifests, strict=True)]
     files = [part.file for source in sources for part in source.parts]
-    stored = sum(part.rows for source in sources for part in source.parts)
-    # The sample holds all attempts at the scenarios whose id, a hash, is below a bound. It does not
-    # depend on the order of the parts, and it holds either all attempts at a scenario or none.
-    sampled = stored > MOST_ROWS and not every_row
-    bound = f"{round(2**32 * SAMPLE_ROWS / stored):08x}" if sampled else None
-    stored_rows = _checked_rows(files, bound)
+    stored_rows = _checked_rows(files)
     database = Database(files)
     counts = select_attempts(database, sources)
     for path, rows in zip(paths, counts, strict=True):
         if not rows.current:
             raise ResultsError(f"{path} has no rows but of earlier code: run it again")
     attempts = Attempts(database, {source.experiment for source in sources})
-    table = _counted_rows(database, stored_rows, bound)
+    table = _counted_rows(database, stored_rows)
     return Results(
         folders=tuple(map(Folder, manifests, counts)),
         attempts=attempts,
@@ -221,8 +204,8 @@ def _source(folder: FilePath, manifest: Manifest) -> Source:
     return Source(manifest.experiment.name, digests, tolerance, parts)
 
 
-def _checked_rows(files: Sequence[FilePath], bound: str | None) -> pa.Table:
-    """Check all parts, and keep the rows whose scenario id is below a bound (None: all rows).
+def _checked_rows(files: Sequence[FilePath]) -> pa.Table:
+    """Check all parts, and read their rows.
 
     Returns:
         The columns of `_SCALARS` and `_CONTROLS`, part (the number of the file) and place (the
@@ -236,20 +219,14 @@ def _checked_rows(files: Sequence[FilePath], bound: str | None) -> pa.Table:
             part = pa.array(np.full(len(batch), number))
             first += len(batch)
             table = batch.append_column("part", part).append_column("place", place)
-            kept = (
-                table
-                if bound is None
-                else table.filter(pc.less(table["scenario_id"], pa.scalar(bound)))
-            )
-            tables.append(kept.cast(_PLAIN))
+            tables.append(table.cast(_PLAIN))
     return pa.concat_tables(tables)
 
 
-def _counted_rows(database: Database, rows: pa.Table, bound: str | None) -> pa.Table:
+def _counted_rows(database: Database, rows: pa.Table) -> pa.Table:
     """The rows that count, with the columns `experiment` and `answerable`."""
-    where = "" if bound is None else "WHERE scenario_id < ?"
-    query = f"SELECT part, place, experiment, answerable FROM attempts {where} ORDER BY part, place"
-    counted = database.table(query, [] if bound is None else [bound])
+    query = "SELECT part, place, experiment, answerable FROM attempts ORDER BY part, place"
+    counted = database.table(query)
     # Both tables are sorted by part and place.
     position, wanted = (
         table["part"].to_numpy() * _MAX_PLACE + table["place"].to_numpy()

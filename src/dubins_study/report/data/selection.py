@@ -64,9 +64,8 @@ def select_attempts(database: Database, sources: Sequence[Source]) -> list[RowCo
         sources: results folders; if two hold the same cell, the earlier one's attempt counts.
     """
     blocks = _blocks(database, sources)
-    counted = blocks[blocks["current"] & ~blocks["repeated"]]
-    columns = ["part", "stored_solver", "code_digest", "solver", "experiment", "streamed"]
-    _add(database, "blocks", counted[columns])
+    columns = ["part", "stored_solver", "code_digest", "solver", "experiment"]
+    _add(database, "blocks", blocks.loc[blocks["current"], columns])
     database.run(_CURRENT)
     pairs = _leave_out_repeats(database)
     pairs["source"] = pairs["part"].map(dict(enumerate(_source_of_part(sources))))
@@ -84,7 +83,7 @@ def _row_counts(blocks: pd.DataFrame, pairs: pd.DataFrame, gap_tolerance: float)
     return RowCounts(
         current=int(rows[current].sum()),
         stale=int(rows[~current].sum()),
-        replaced=int(rows[current & blocks["replaced"]].sum() + other_code.sum()),
+        replaced=int(other_code.sum()),
         contradicting=int((differ & ~other_code).sum()),
     )
 
@@ -98,52 +97,22 @@ def _blocks(database: Database, sources: Sequence[Source]) -> pd.DataFrame:
     """Number of rows per part, solver and code, and whether they count.
 
     Columns: source, part, stored_solver and code_digest (unchanged values), solver (printable),
-    experiment, streamed, rows, current (whether the code is current), repeated (whether an earlier
-    part holds the same chunk of a stream), replaced (whether that part has other code).
+    experiment, rows, current (whether the code is current).
     """
-    parts = [part for source in sources for part in source.parts]
     source_of = _source_of_part(sources)
-    earlier = _earlier_codes(parts, [sources[number] for number in source_of])
     records = []
     for block in database.table(_BLOCKS).to_pylist():
         number = source_of[block["part"]]
-        source, chunk = sources[number], parts[block["part"]].chunk
+        source = sources[number]
         solver, code = (printable_text(block[key]) for key in ("stored_solver", "code_digest"))
-        earlier_code = earlier.get(block["part"])
         derived = {
             "source": number,
             "solver": solver,
             "experiment": source.experiment,
-            "streamed": chunk is not None,
             "current": source.code_digests.get(solver, code) == code,
-            "repeated": earlier_code is not None,
-            "replaced": earlier_code is not None and earlier_code != block["code_digest"],
         }
         records.append(block | derived)
     return pd.DataFrame.from_records(records)
-
-
-def _earlier_codes(parts: Sequence[Part], sources: Sequence[Source]) -> dict[int, str]:
-    """Number of a part -> code digest of an earlier part that holds the same chunk.
-
-    Only chunks with their folder's current code are compared, since the rows of others do not
-    count.
-    """
-    first: dict[tuple[str, str, int, int], str] = {}
-    earlier = {}
-    for number, (part, source) in enumerate(zip(parts, sources, strict=True)):
-        chunk = part.chunk
-        if chunk is None:
-            continue
-        solver, code = printable_text(chunk.solver), printable_text(chunk.code_digest)
-        if source.code_digests.get(solver, code) != code:
-            continue
-        key = source.experiment, chunk.question, chunk.first, chunk.count
-        if key in first:
-            earlier[number] = first[key]
-        else:
-            first[key] = chunk.code_digest
-    return earlier
 
 
 def _leave_out_repeats(database: Database) -> pd.DataFrame:
@@ -184,14 +153,14 @@ _BLOCKS = """
 """
 _CURRENT = """
     CREATE VIEW current AS
-    SELECT stored.* EXCLUDE (solver), blocks.solver, blocks.experiment, blocks.streamed
+    SELECT stored.* EXCLUDE (solver), blocks.solver, blocks.experiment
     FROM stored JOIN blocks ON stored.part = blocks.part
         AND stored.solver = blocks.stored_solver AND stored.code_digest = blocks.code_digest
 """
 _REPEATED = f"""
     SELECT part, place, {", ".join(_CELL)}, code_digest, {", ".join(JUDGED)}, gap
-    FROM current WHERE NOT streamed AND ({", ".join(_CELL)}) IN (
-        SELECT ({", ".join(_CELL)}) FROM current WHERE NOT streamed
+    FROM current WHERE ({", ".join(_CELL)}) IN (
+        SELECT ({", ".join(_CELL)}) FROM current
         GROUP BY {", ".join(_CELL)} HAVING count(*) > 1)
     ORDER BY part, place
 """

@@ -116,7 +116,7 @@ def _weighted(attempts: Attempts, also: str = "") -> str:
         also: another column whose values are trials of their own, such as the initial guess.
     """
     weight = "1.0"
-    # Of very many streamed attempts no two are at one trial; to look for pairs would take memory.
+    # Where no two attempts are at one trial, to look for pairs would take memory.
     if any(len(attempts.values(name)) > 1 for name in _VARIED):
         key = ", ".join(("solver", *TRIAL, *filter(None, [also])))
         weight = f"1.0 / count(*) OVER (PARTITION BY {key})"

@@ -30,8 +30,7 @@ class Topic(NamedTuple):
         about: its attempts: a general kind, or the key that experiments give as `section = "..."`
             in their TOML file.
         enters: the general kinds that include those experiments too.
-        counted: whether its numbers count every attempt. Other sections need single rows, and show
-            a sample if there are too many.
+        counted: whether its numbers are queries over all attempts.
         place: where its section stands. That of a study stands in the details where there is a
             benchmark, which the page is about then, and else on the front.
     """

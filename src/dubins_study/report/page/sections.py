@@ -8,7 +8,7 @@ from importlib import import_module
 
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.content import Place, Section
-from dubins_study.report.elements.formats import count, slug
+from dubins_study.report.elements.formats import slug
 from dubins_study.report.elements.names import with_labels
 from dubins_study.report.elements.topic import BENCHMARK, General, Topic
 
@@ -40,7 +40,6 @@ _MODULES = (
     "topics.warm",
     "topics.discretisation",
     "topics.plane",
-    "topics.map",
     "topics.basins",
     "topics.bias",
     "topics.scale",
@@ -69,8 +68,7 @@ def sections_of(topic: Topic, results: Results) -> Iterator[Section]:
             continue
         if len(selections) > 1:
             section = _named_after(section, name)
-        shown = section if topic.counted else _with_sample(section, results)
-        yield with_labels(replace(shown, place=_place(topic, results)), results)
+        yield with_labels(replace(section, place=_place(topic, results)), results)
 
 
 def _place(topic: Topic, results: Results) -> Place:
@@ -112,17 +110,3 @@ def _named_after(section: Section, experiment: str) -> Section:
     blocks = tuple(replace(block, name=f"{block.name}-{end}") for block in section.blocks)
     title, key = f"{section.title}: {experiment}", f"{section.key}-{end}"
     return replace(section, key=key, title=title, blocks=blocks)
-
-
-def _with_sample(section: Section, results: Results) -> Section:
-    """The section with a sentence about the sample, if it shows only a sample of the attempts."""
-    if not results.sampled:
-        return section
-    kept, attempts = len(results.rows), results.attempts.count
-    sentence = (
-        f"Where single attempts are shown or compared, they are {count(kept)} of the "
-        f"{count(attempts)}: all those at some of the scenarios, drawn by the hashes that name them"
-    )
-    if section.key == "time":
-        sentence += "; quartiles and medians are of all"
-    return replace(section, text=f"{section.text} {sentence}.")

@@ -40,7 +40,7 @@ def certificates_section(results: Results) -> Section | None:
     blocks: tuple[Table | Picture, ...] = (
         _picture(results, frame),
         *best_first(_proofs_table(frame), frame["solver"], best),
-        *best_first(_table(frame, results.attempts.precision), frame["solver"], best),
+        *best_first(_table(frame), frame["solver"], best),
     )
     lead = "See how far the proof of each method's answers goes: plain blue is proved."
     return Section("certificates", "Certificates", text, blocks, lead)
@@ -151,7 +151,7 @@ def _proofs_table(frame: pd.DataFrame) -> Table:
     return Table("proof-counts", caption, frame, shown, marks(frame, "false_bounds"))
 
 
-def _table(frame: pd.DataFrame, precision: str) -> Table:
+def _table(frame: pd.DataFrame) -> Table:
     number = digits(2)
     shown = (
         SOLVER,
@@ -164,7 +164,7 @@ def _table(frame: pd.DataFrame, precision: str) -> Table:
         "margin: above 0 a path is the shortest to its own end; the least among the optimal "
         "answers to the branch best. Costate error: the distance of a solver's multipliers from "
         "the costates of its own path, where that arrives and is an extremal of more than one "
-        f"arc: a single arc does not determine them.{precision}"
+        "arc: a single arc does not determine them."
     )
     return Table("certificates", caption, frame, shown)
 

@@ -19,19 +19,46 @@ from dubins_study.report.elements.looks import Palette
 from dubins_study.report.elements.style import BLUE, INK, MUTED, ORANGE, RULE, VERMILION
 from dubins_study.report.elements.topic import General, Topic
 from dubins_study.report.statistics.metrics import solver_order, success
+from dubins_study.study.path import Paths
+from dubins_study.study.scenario import check_frame
 
-# Largest number of cells in a grid: scattered targets would give one cell per pair of coordinates.
-_MOST_CELLS = 4_000_000
+_DENSE = 200  # places along each axis; with an even number none lies on a symmetric grid's axis
 _FEWEST_LINES = 5  # grid lines along x and along y; fewer do not give a map
 
 
 def exact_answers(rows: pd.DataFrame) -> pd.DataFrame:
-    """The closed form's answer to each target; empty if the targets do not form a grid."""
-    exact = rows[(rows["solver"] == EXACT) & rows["length"].notna()]
-    exact = exact.drop_duplicates(["target_x", "target_y"])
-    columns, lines = exact["target_x"].nunique(), exact["target_y"].nunique()
-    is_grid = min(columns, lines) >= _FEWEST_LINES and columns * lines <= _MOST_CELLS
-    return exact if is_grid else exact.iloc[:0]
+    """The closed form on a dense grid over its targets in the rows; empty if they are no grid.
+
+    Columns: target_x, target_y, word, length, region, margin.
+    """
+    exact = rows[rows["solver"] == EXACT]
+    sides = [np.unique(exact[name].to_numpy(np.float64)) for name in ("target_x", "target_y")]
+    if min(side.size for side in sides) < _FEWEST_LINES:
+        return exact.iloc[:0]
+    # these load numba
+    from dubins_study.study.check.verdict_frame import judge_frame
+    from dubins_study.study.check.verdict_kernel import REGIONS
+    from dubins_study.study.closed_form.kernel import WORDS, shortest_rows
+    from dubins_study.study.closed_form.kernel_paths import curvatures
+
+    x, y = (each.ravel() for each in np.meshgrid(*map(_dense, sides)))
+    first = {name: float(exact[name].iloc[0]) for name in ("x", "y", "heading", "radius")}
+    frame = check_frame(pd.DataFrame({**first, "target_x": x, "target_y": y}))
+    columns = ("x", "y", "heading", "target_x", "target_y", "radius")
+    best = shortest_rows(*(frame[name].to_numpy(np.float64) for name in columns))
+    turns = np.empty((2, len(frame)))
+    curvatures(best.word, frame["radius"].to_numpy(np.float64), turns)
+    judged = judge_frame(frame, Paths(turns, np.stack([best.first, best.second])))
+    return frame.assign(
+        word=np.array(WORDS)[best.word],
+        length=best.length,
+        region=np.array([str(region) for region in REGIONS])[judged.region],
+        margin=judged.margin,
+    )
+
+
+def _dense(side: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.linspace(side[0], side[-1], _DENSE)
 
 
 def grid_of(rows: pd.DataFrame, column: str) -> tuple[NDArray[np.float64], ...]:

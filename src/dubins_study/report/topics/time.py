@@ -96,7 +96,7 @@ def time_section(results: Results) -> Section | None:
     timed = solver_summary(results.attempts).drop(columns="wall_s").merge(frame, on="solver")
     caption = (
         "Times of cold attempts at questions that have a path, failures included: quartiles and "
-        f"medians.{results.attempts.precision}"
+        "medians."
     )
     table = Table("times", caption, frame, TIMES)
     blocks: list[Picture | Table] = [

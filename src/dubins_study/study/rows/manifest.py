@@ -19,7 +19,6 @@ from pydantic import (
     field_validator,
 )
 
-from dubins_study.study.rows.chunk import Count
 from dubins_study.study.rows.files import ResultsError, os_errors_as, refuse_link
 from dubins_study.study.rows.machine_noise import Probe, varied
 from dubins_study.study.rows.schema import VERSION
@@ -29,6 +28,8 @@ from dubins_study.study.values import plain, printable_values
 MANIFEST = "manifest.json"
 # Manifests that a run writes have fewer levels, and writing one calls itself level by level.
 _MAX_LEVELS = 20
+# Beyond 10^15 a float is no longer exact.
+Count = Annotated[int, Field(ge=0, le=10**15)]
 
 
 class _Record(BaseModel):

@@ -1,7 +1,7 @@
 """The one reader of a results folder's parts: immutable Parquet files of rows.
 
-The metadata at a part's end name its schema, its run and, where the part is a chunk of a stream,
-which chunk. `read_footer` reads and checks only them; `read_batches` and `read_part` read rows.
+The metadata at a part's end name its schema and its run. `read_footer` reads and checks only them;
+`read_batches` and `read_part` read rows.
 """
 
 from __future__ import annotations
@@ -13,12 +13,10 @@ from typing import Any, NamedTuple
 
 import pyarrow as pa
 import pyarrow.parquet as pq
-from pydantic import ValidationError
 
-from dubins_study.study.rows.chunk import STREAM, Chunk
 from dubins_study.study.rows.files import DamagedPartError, ResultsError, reason, refuse_link
 from dubins_study.study.rows.row_table import ARROW_SCHEMA
-from dubins_study.study.rows.schema import CHUNK, KEY, RUN_ID, VERSION, VERSION_KEY, names
+from dubins_study.study.rows.schema import KEY, RUN_ID, VERSION, VERSION_KEY, names
 
 PARTS = "parts"
 BATCH_ROWS = 2**17
@@ -33,11 +31,10 @@ class Part(NamedTuple):
     file: FilePath
     rows: int
     run_id: str  # empty if the part does not say which run wrote it
-    chunk: Chunk | None  # None of a part of single cells
 
 
-def part_files(folder: FilePath, *, streams: bool = True) -> list[FilePath]:
-    """The files of a folder's parts, with chunks of streams or without, by name; none is opened.
+def part_files(folder: FilePath) -> list[FilePath]:
+    """The files of a folder's parts, by name; none is opened.
 
     Raises:
         ResultsError: if the folder of parts, or one of them, is a link.
@@ -46,32 +43,18 @@ def part_files(folder: FilePath, *, streams: bool = True) -> list[FilePath]:
     files = sorted((folder / PARTS).glob("*.parquet"))
     for file in files:
         refuse_link(file)
-    return [file for file in files if streams or not is_stream(file)]
-
-
-def is_stream(file: FilePath) -> bool:
-    """Whether a part is a chunk of a stream, by its name."""
-    return file.name.startswith(STREAM)
+    return files
 
 
 def read_footer(file: FilePath) -> Part:
     """What a part says about itself; no row is read.
 
-    A chunk of a stream whose metadata can be read and agree with its name is whole, since it was
-    put in its place in one step and Parquet writes metadata last.
-
     Raises:
-        DamagedPartError: if the file was cut off or changed, or is not the chunk of its name.
+        DamagedPartError: if the file was cut off or changed.
         ResultsError: if it is a link, of another schema, or cannot be read at all.
     """
     with _open(file) as content:
         return _footer(file, content)
-
-
-def read_chunks(folder: FilePath) -> dict[FilePath, Chunk]:
-    """The chunks of streams in a folder, by file in the order of names; errors as `read_footer`."""
-    parts = [read_footer(file) for file in part_files(folder) if is_stream(file)]
-    return {part.file: part.chunk for part in parts if part.chunk is not None}
 
 
 def read_batches(
@@ -141,8 +124,7 @@ def _reading(file: FilePath) -> Iterator[None]:
 
 
 def _damaged(file: FilePath, problem: str) -> DamagedPartError:
-    remedy = "delete it, and run again" if is_stream(file) else "run again"
-    return DamagedPartError(f"{file} cannot be read: {problem}; {remedy} for its rows")
+    return DamagedPartError(f"{file} cannot be read: {problem}; run again for its rows")
 
 
 def _open(
@@ -176,11 +158,6 @@ def _footer(file: FilePath, content: pq.ParquetFile) -> Part:
             key.decode("utf-8", "replace"): value.decode("utf-8", "replace")
             for key, value in (content.metadata.metadata or {}).items()
         }
-    if CHUNK in texts and not is_stream(file):  # its rows would count twice, beside the original
-        raise ResultsError(
-            f"{file} holds a chunk of a stream under a name that is not its own: name it as it "
-            f"was ({STREAM}...), or move it elsewhere"
-        )
     version = texts.get(VERSION_KEY, str(VERSION))
     if version != str(VERSION):
         raise ResultsError(f"{file} is of schema {version!r:.60}; expected {VERSION}: {_MOVE}")
@@ -188,8 +165,7 @@ def _footer(file: FilePath, content: pq.ParquetFile) -> Part:
         raise ResultsError(
             f"{file} cannot be read: {problem}; expected the columns of schema {VERSION}: {_MOVE}"
         )
-    chunk = _chunk(file, texts.get(CHUNK, ""), rows) if is_stream(file) else None
-    return Part(file, rows, texts.get(RUN_ID, ""), chunk)
+    return Part(file, rows, texts.get(RUN_ID, ""))
 
 
 def _column_problem(columns: Sequence[str]) -> str | None:
@@ -199,17 +175,6 @@ def _column_problem(columns: Sequence[str]) -> str | None:
     if unknown := [name for name in columns if name not in ARROW_SCHEMA.names]:
         return f"it has a column {unknown[0]!r:.60}"
     return None if len(columns) == len(set(columns)) else "it has a column twice"
-
-
-def _chunk(file: FilePath, text: str, rows: int) -> Chunk:
-    try:
-        chunk = Chunk.model_validate_json(text)
-    except ValidationError:
-        raise _damaged(file, "its metadata name no chunk of a stream") from None
-    counted = sum(kind.rows for kind in chunk.kinds)
-    if not (chunk.part_name == file.stem and chunk.count == rows == counted):
-        raise _damaged(file, "its name, its metadata and its rows do not agree")
-    return chunk
 
 
 def _cast(

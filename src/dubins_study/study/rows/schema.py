@@ -19,11 +19,9 @@ if TYPE_CHECKING:
     from dubins_study.study.words import Claim, Proof, Verdict
 
 VERSION = 6
-# Keys of a part's Parquet metadata: the version of this schema, the run that wrote the part, and,
-# of a streamed part, its chunk as JSON (`study.rows.chunk.Chunk`).
+# Keys of a part's Parquet metadata: the version of this schema, and the run that wrote the part.
 VERSION_KEY = "dubins-study schema"
 RUN_ID = "dubins-study run"
-CHUNK = "dubins-study chunk"
 
 
 class Column(NamedTuple):

@@ -40,12 +40,7 @@ def existence_section(results: Results) -> Section | None:
     if not (frame[["reached", "presolved"]].any(axis=None)):
         return None
     frame = _with_times(frame, engine_times(results.rows))
-    sample = (
-        "Counts are of all attempts, median times and their intervals of a sample of them."
-        if results.sampled
-        else ""
-    )
-    text = sentences(_text(frame), sample)
+    text = _text(frame)
     blocks = best_first(_table(frame), frame["solver"], best_solvers(results))
     return Section("existence", "Where no path exists", text, blocks, _LEAD)
 
@@ -54,7 +49,6 @@ def _with_times(frame: pd.DataFrame, times: pd.DataFrame) -> pd.DataFrame:
     """The frame with the median (s) that has an interval, its ends, and the three as text."""
     ends = times.rename(columns={"low": "wall_low_s", "high": "wall_high_s"})
     joined = frame.merge(ends, on="solver", how="left")
-    # a solver that is not in the sample of rows has a median and no interval
     joined["wall_s"] = joined["estimate"].astype(float).fillna(joined["wall_s"])
     texts = [_time_text(row) for row in joined.to_dict("records")]
     return joined.assign(time_text=texts)

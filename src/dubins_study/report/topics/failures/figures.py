@@ -9,8 +9,7 @@ from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from dubins_study.report.data.failures import KINDS
-from dubins_study.report.data.plane_map import REACH
+from dubins_study.report.data.failures import KINDS, REACH
 from dubins_study.report.elements.axes import percent_axis
 from dubins_study.report.elements.plane_axes import draw_circles
 from dubins_study.report.elements.style import MUTED, WIDE, new_figure

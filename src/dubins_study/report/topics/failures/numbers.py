@@ -11,8 +11,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from dubins_study.report.data.command import solve_command
-from dubins_study.report.data.failures import KINDS, OUTCOMES, PLACES
-from dubins_study.report.data.plane_map import REACH
+from dubins_study.report.data.failures import KINDS, OUTCOMES, PLACES, REACH
 
 _SAID = ["solver", "outcome", "claim", "verdict", "message"]
 # (region, near or None for both) -> its line in the table.

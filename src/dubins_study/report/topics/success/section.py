@@ -45,7 +45,7 @@ def success_section(results: Results) -> Section | None:
             _profile_picture(name, one, allowed.get(name), palette) for name, one in each.items()
         ]
         ordered = in_page_order(quantiles, results)
-        table = _quantile_table(ordered, attempts.precision)
+        table = _quantile_table(ordered)
         blocks += best_first(table, table.frame["solver"], best_solvers(results))
     text = (
         "Questions that have a path; every attempt at them counts, failed ones too. The gap is "
@@ -124,7 +124,7 @@ def _profile_picture(
     return Picture(name, sentences(caption, limit, rest if grey > 0 else ""), figure, alt)
 
 
-def _quantile_table(frame: pd.DataFrame, precision: str) -> Table:
+def _quantile_table(frame: pd.DataFrame) -> Table:
     gap = digits(3)
     several = frame["solver"].nunique() > MOST_METHODS
     if several:  # else the table has some hundred lines
@@ -139,7 +139,7 @@ def _quantile_table(frame: pd.DataFrame, precision: str) -> Table:
     caption = (
         "Gap quantiles (relative, no unit) by where the target lies. ∞ means that so large a share "
         "of the attempts did not arrive that the quantile is not reached."
-        f"{' Of so many solvers only all regions together.' if several else ''}{precision}"
+        f"{' Of so many solvers only all regions together.' if several else ''}"
     )
     return Table("gap-quantiles", caption, frame, shown)
 

@@ -68,13 +68,8 @@ def summary_section(results: Results) -> Section | None:
         "By presolve: the setting presolve answered that no path exists, and no engine was asked."
         if frame[PRESOLVED].any()
         else "",
-        "Some questions are streamed: the solver answers a whole frame of them at once, and an "
-        "attempt's time is its part of the frame's."
-        if True in attempts.values("streamed")
-        else "",
         "A false claim says more than the check finds; a wrong basin is a longer path that turns "
-        "by another angle. Not returned: timed out, crashed, raised, unsupported or unavailable."
-        f"{attempts.precision}",
+        "by another angle. Not returned: timed out, crashed, raised, unsupported or unavailable.",
     )
     experiments = list(
         dict.fromkeys(run.name for run in results.folders if run.name in attempts.experiments)
