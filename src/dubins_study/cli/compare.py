@@ -59,7 +59,7 @@ def _record(comparison: Comparison) -> dict[str, Any]:
 
 
 def _text(comparison: Comparison) -> str:
-    from dubins_study.report.two_runs.verdicts import with_verdicts
+    from dubins_study.report.two_runs.comparison import with_verdicts
 
     def ratio(row: Any) -> str:
         low, high = row["time_ratio_low"], row["time_ratio_high"]

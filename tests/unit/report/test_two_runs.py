@@ -13,7 +13,7 @@ from typer.testing import CliRunner
 
 from dubins_study import Claim, DubinsStudyError, Scenario, compare
 from dubins_study.cli.app import app
-from dubins_study.report.two_runs.verdicts import with_verdicts
+from dubins_study.report.two_runs.comparison import with_verdicts
 from tests.unit.report.results_folder import attempt
 
 SCENARIOS = [Scenario(0, 0, 0.1, 4 + k, 3 - k, 1, label=f"scenario {k}") for k in range(12)]

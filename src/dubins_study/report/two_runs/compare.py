@@ -8,12 +8,15 @@ from pathlib import Path as FilePath
 from dubins_study.errors import DubinsStudyError
 from dubins_study.report.data.results import Folder, load
 from dubins_study.report.page.render import Head, write_page
-from dubins_study.report.two_runs.comparison import Comparison
-from dubins_study.report.two_runs.differences import differences
-from dubins_study.report.two_runs.machine_speed import machine_speed, unchanged_solvers
-from dubins_study.report.two_runs.numbers import solver_changes, time_ratios
-from dubins_study.report.two_runs.pairs import pairs, unanswered, unpaired
-from dubins_study.report.two_runs.regressions import regressions
+from dubins_study.report.two_runs.changes import (
+    pairs,
+    solver_changes,
+    time_ratios,
+    unanswered,
+    unpaired,
+)
+from dubins_study.report.two_runs.circumstances import differences, machine_speed, unchanged_solvers
+from dubins_study.report.two_runs.comparison import Comparison, regressions
 from dubins_study.report.two_runs.section import sections
 
 SLOWER = 1.1
