@@ -9,7 +9,7 @@ import yaml
 from markdown_text import prose, table
 
 from dubins_study.report.paper.audit import audit
-from dubins_study.report.paper.audit_file import CORRECT
+from dubins_study.report.paper.printed import CORRECT
 
 _CITATION = Path(__file__).parents[2] / "CITATION.cff"
 _TITLE = "Mathematical Model for Optimal Dubins Path to Intercept a Stationary Target"

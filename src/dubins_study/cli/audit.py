@@ -22,7 +22,7 @@ def audit(as_json: Json = False) -> None:
     """
     from dubins_study.report.paper.audit import audit as recompute
     from dubins_study.report.paper.audit import contradictions
-    from dubins_study.report.paper.audit_file import committed
+    from dubins_study.report.paper.printed import committed
 
     record = recompute()
     # Flush before the committed audit is read: stdout may be redirected into that file.
@@ -63,7 +63,7 @@ _TIMES = (
 
 def audit_text(record: Record) -> str:
     """Every part as a table or a list, below a line with its summary."""
-    from dubins_study.report.paper.audit_file import CORRECT
+    from dubins_study.report.paper.printed import CORRECT
 
     summary = record["summary"]
     counts = ", ".join(f"{n} {verdict}" for verdict, n in summary["verdicts"].items() if n)

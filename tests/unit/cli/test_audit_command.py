@@ -8,7 +8,7 @@ import pytest
 from typer.testing import CliRunner
 
 from dubins_study.cli.app import app
-from dubins_study.report.paper import audit_file
+from dubins_study.report.paper import printed
 
 
 @pytest.fixture
@@ -28,7 +28,7 @@ def test_json_is_the_committed_file(asked):
     assert len(right) == 26
     assert all(len(c["exact"].replace(".", "").lstrip("0")) == 40 for c in found["cells"])
     committed = (
-        audit_file.files("dubins_study.report.paper")
+        printed.files("dubins_study.report.paper")
         .joinpath("audit.json")
         .read_text(encoding="utf-8")
     )
@@ -51,7 +51,7 @@ def test_a_contradiction_is_exit_code_1(asked, monkeypatch):
     """The cell is named on stderr; what was computed is printed all the same."""
     changed = json.loads(asked("--json").stdout)
     changed["cells"][12]["exact"] = "0.79"
-    monkeypatch.setattr(audit_file, "committed", lambda: changed)
+    monkeypatch.setattr(printed, "committed", lambda: changed)
 
     done = asked("--json")
 

@@ -12,10 +12,9 @@ import numpy as np
 import pytest
 from flint import ctx
 
-from dubins_study.report.paper import audit_exact, audit_file
+from dubins_study.report.paper import exact
 from dubins_study.report.paper.audit import audit, contradictions
-from dubins_study.report.paper.audit_file import AuditError, committed, misprints
-from dubins_study.report.paper.printed import PRINTED, PROBLEMS, QUANTITIES
+from dubins_study.report.paper.printed import PRINTED, PROBLEMS, QUANTITIES, committed, misprints
 from dubins_study.study.closed_form.shortest import shortest, shortest_path
 from dubins_study.study.scenario import Scenario
 
@@ -123,10 +122,10 @@ def test_the_bias_does_not_explain_the_other_rows(found):
 def test_the_bias_solves_the_barrier_equations(row):
     """Gradient of f - mu sum log z along the constraints' null space, differenced by mpmath."""
     problem = PROBLEMS[row.label]
-    with ctx.workdps(audit_exact.WORKING):
-        mu = audit_exact.number(audit_exact.ipopt_barrier())
-        held = audit_exact.biased(problem, row.word, audit_exact.ipopt_barrier())
-        z = [audit_exact.number(value).text() for value in held]
+    with ctx.workdps(exact.WORKING):
+        mu = exact.number(exact.ipopt_barrier())
+        held = exact.biased(problem, row.word, exact.ipopt_barrier())
+        z = [exact.number(value).text() for value in held]
     z = [mpmath.mpf(text) for text in z]
     mu = mpmath.mpf(mu.text())
 
@@ -160,14 +159,13 @@ def test_the_bias_is_what_ipopt_returns(radius):
     )
     model = {"x": z, "f": casadi.sum1(z), "g": ends}
     quiet = {"print_time": False, "ipopt": {"print_level": 0, "sb": "yes"}}
-    exact = shortest(double(problem), "LS").segments
-    turn, straight = (radius * value for value in exact)
+    turn, straight = (radius * z for z in shortest(double(problem), "LS").segments)
     solve = casadi.nlpsol("ipopt_as_it_comes", "ipopt", model, quiet)
     got = solve(x0=[turn, 0.5, straight], lbx=0, ubx=np.inf, lbg=0, ubg=0)["x"].full().ravel()
 
-    with ctx.workdps(audit_exact.WORKING):
-        held = audit_exact.biased(problem, "LS", audit_exact.ipopt_barrier())
-        expected = [float(audit_exact.number(value)) for value in held]
+    with ctx.workdps(exact.WORKING):
+        held = exact.biased(problem, "LS", exact.ipopt_barrier())
+        expected = [float(exact.number(value)) for value in held]
     # Ipopt stops at a complementarity near mu, not at mu: z2 to a few parts in a hundred
     assert got[1] == pytest.approx(expected[1], rel=0.05)
     assert got - [turn, 0, straight] == pytest.approx(
@@ -322,8 +320,8 @@ def test_a_contradiction_names_its_cell(found):
     assert line.startswith("cells[6.1, problem 1, feasible, z3].verdict: computed 'correct")
 
     changed = json.loads(json.dumps(found))
-    exact = changed["cells"][0]["exact"]
-    changed["cells"][0]["exact"] = exact[:-1] + str(9 - int(exact[-1]))
+    digits = changed["cells"][0]["exact"]
+    changed["cells"][0]["exact"] = digits[:-1] + str(9 - int(digits[-1]))
     (line,) = contradictions(found, changed)  # the closed form in doubles cannot see this one
     assert "cells[6.1, problem 1, optimal, z2].exact" in line
 
@@ -336,24 +334,10 @@ def test_a_contradiction_names_its_cell(found):
     assert "the closed form has 10.13308896" in contradictions(changed, changed)[0]
 
 
-def test_a_committed_audit_that_is_none(monkeypatch, tmp_path):
-    (tmp_path / "audit.json").write_text("", encoding="utf-8")
-    monkeypatch.setattr(audit_file, "files", lambda package: tmp_path)
-    committed.cache_clear()
-    try:
-        with pytest.raises(AuditError, match="cannot be read"):
-            committed()
-        (tmp_path / "audit.json").write_text("[]", encoding="utf-8")
-        with pytest.raises(AuditError, match="expected an object"):
-            committed()
-    finally:
-        committed.cache_clear()
-
-
 def test_a_half_unit_is_decided_by_fractions():
     """The nearest miss of a tie, 1.5e-7 at z2 of table 6.1, is far above the enclosure's width."""
-    with ctx.workdps(audit_exact.WORKING):
-        _, z2, _ = audit_exact.pieces(PROBLEMS["problem 1"], "RS")
-        bounds = audit_exact.number(z2)
+    with ctx.workdps(exact.WORKING):
+        _, z2, _ = exact.pieces(PROBLEMS["problem 1"], "RS")
+        bounds = exact.number(z2)
     assert bounds.high < Fraction("1.735")
     assert bounds.high - bounds.low < Fraction(1, 10**80)

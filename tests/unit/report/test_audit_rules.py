@@ -7,14 +7,14 @@ from fractions import Fraction
 
 import pytest
 
-from dubins_study.report.paper.audit_number import (
+from dubins_study.report.paper.audit_rules import BIAS, CORRECT, CUT, DOUBLE, WRONG, judge
+from dubins_study.report.paper.exact import (
     Number,
     UndecidedError,
     rounded,
     rounded_twice,
     truncated,
 )
-from dubins_study.report.paper.audit_rules import BIAS, CORRECT, CUT, DOUBLE, WRONG, judge
 
 
 def numbers(*texts: str) -> list[Number]:

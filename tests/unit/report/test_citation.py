@@ -8,7 +8,7 @@ from pathlib import Path as FilePath
 import pytest
 import yaml
 
-from dubins_study.report.paper.citation import PAPER, Paper
+from dubins_study.report.paper.printed import PAPER, Paper
 
 ROOT = FilePath(__file__).parents[3]
 # What the format's schema, version 1.2.0, requires of a file, and of a reference; and their values.

@@ -9,8 +9,7 @@ import pytest
 
 from dubins_study.report.elements.figure_file import fix_layout
 from dubins_study.report.elements.style import drawing
-from dubins_study.report.paper.audit_file import misprints
-from dubins_study.report.paper.printed import PROBLEMS, QUANTITIES, compare, segments
+from dubins_study.report.paper.printed import PROBLEMS, QUANTITIES, compare, misprints, segments
 from dubins_study.report.topics.paper.numbers import printed_times, side_by_side, time_ends
 from dubins_study.report.topics.paper.pictures import feasible_picture
 from dubins_study.report.topics.paper.section import figures_section

@@ -10,7 +10,7 @@ from dubins_study.report.data.results import Folder
 from dubins_study.report.elements.content import Picture, Section
 from dubins_study.report.page.tex_layout import PAGE_HEIGHT, PAGE_WIDTH, layout_of
 from dubins_study.report.page.tex_text import tex
-from dubins_study.report.paper.citation import PAPER
+from dubins_study.report.paper.printed import PAPER
 
 _MM = 25.4  # in an inch
 _CAPTION = 30.0  # mm that a figure's caption may take

@@ -32,7 +32,7 @@ from dubins_study.report.page.latex import document
 from dubins_study.report.page.markup import to_csv, to_markdown
 from dubins_study.report.page.sections import KEYS, TOPICS, sections_of
 from dubins_study.report.page.tex_table import to_tex
-from dubins_study.report.paper.citation import PAPER
+from dubins_study.report.paper.printed import PAPER
 from dubins_study.report.topics.failures.section import failures_section
 from dubins_study.report.topics.limits.section import limits_section
 

@@ -16,20 +16,23 @@ from flint import arb, ctx
 
 from dubins_study.report.paper import audit_rules as rules
 from dubins_study.report.paper.audit_claims import algorithm, statements
-from dubins_study.report.paper.audit_exact import (
+from dubins_study.report.paper.exact import (
     WORKING,
+    Number,
     Pieces,
     ball,
     biased,
     distance,
+    half_unit,
     ipopt_barrier,
     number,
     offset,
     pieces,
+    places_of,
+    rounded,
 )
-from dubins_study.report.paper.audit_file import CORRECT
-from dubins_study.report.paper.audit_number import Number, half_unit, places_of, rounded
 from dubins_study.report.paper.printed import (
+    CORRECT,
     PRINTED,
     PROBLEMS,
     QUANTITIES,

@@ -7,7 +7,8 @@ from typing import Any, NamedTuple
 
 from flint import arb
 
-from dubins_study.report.paper.audit_exact import (
+from dubins_study.report.paper.exact import (
+    Number,
     Target,
     ball,
     heading,
@@ -19,7 +20,6 @@ from dubins_study.report.paper.audit_exact import (
     right_left,
     target,
 )
-from dubins_study.report.paper.audit_number import Number
 from dubins_study.report.paper.printed import PROBLEMS, Problem
 
 Record = dict[str, Any]
@@ -146,59 +146,10 @@ def _extremals() -> list[Extremal]:
 
 def statements() -> list[Record]:
     """The paper's statements that its scenarios decide: records of where, says, holds, finding."""
-    paths = _extremals()
-    crossings = algorithm()
-    left = [c for c in crossings if c["circle"] == "left"]
-    return [
-        _equations(paths),
-        _candidates(crossings),
-        _order(crossings, left),
-        _necessary(paths),
-        _quadrant(paths),
-        _range(paths),
-    ]
-
-
-def _statement(where: str, says: str, holds: bool, finding: str) -> Record:
-    return {"where": where, "says": says, "holds": holds, "finding": finding}
-
-
-def _equations(paths: list[Extremal]) -> Record:
+    paths, crossings = _extremals(), algorithm()
+    left = [crossing for crossing in crossings if crossing["circle"] == "left"]
     met = all(number(side).below(_NIL) for path in paths for side in path.offset)
-    return _statement(
-        "(4.10), (4.11)",
-        "the end point of a turn left, a turn right and a straight",
-        met,
-        f"met to 60 digits by the exact LS and RS of all {len(PROBLEMS)} scenarios: no sign is off",
-    )
-
-
-def _candidates(crossings: list[Record]) -> Record:
-    worst = max(crossings, key=lambda crossing: float(crossing["example_excess"]))
-    return _statement(
-        "(4.1), Algorithm 1",
-        "the shortest path is LS or RS",
-        False,
-        "only outside the turning circles. Inside, RL or LR is shorter: the algorithm's path is "
-        f"{_percent(min(c['example_excess'] for c in crossings))} to "
-        f"{_percent(worst['example_excess'])} too long on its own five problems at the radii "
-        f"{', '.join(str(c['example_radius']) for c in crossings)}",
-    )
-
-
-def _order(crossings: list[Record], left: list[Record]) -> Record:
-    return _statement(
-        "(4.12)",
-        "a left turn, a right turn and a straight, in this order, hold the optimum",
-        False,
-        f"it holds LR but not RL: right for the {len(crossings) - len(left)} problems whose target "
-        f"enters the right circle, {_percent(min(c['model_excess'] for c in left))} to "
-        f"{_percent(max(c['model_excess'] for c in left))} too long just beyond R* for the "
-        f"{len(left)} whose target enters the left one",
-    )
-
-
-def _necessary(paths: list[Extremal]) -> Record:
+    radii = ", ".join(str(crossing["example_radius"]) for crossing in crossings)
     qualify = [
         path for path in paths if path.obeys_control_law and number(path.hamiltonian).below(_NIL)
     ]
@@ -208,39 +159,57 @@ def _necessary(paths: list[Extremal]) -> Record:
         for second in paths
         if first.problem == second.problem
     )
-    return _statement(
-        "(2.4)-(2.15)",
-        "the conditions that an optimal path meets",
-        False,
-        "three are left out: nu0 >= 0, multipliers not all zero (zeros meet the rest on any path) "
-        "and nu3 = 0 at the end, where the heading is free. With them they are still not "
-        f"sufficient: {len(qualify)} of the {len(paths)} exact LS and RS qualify, "
-        f"up to {longest:.2f} times as long as the optimum",
-    )
-
-
-def _quadrant(paths: list[Extremal]) -> Record:
     # phi = end + pi, and an arctangent lies where the cosine is positive
     off = [path for path in paths if positive(path.end.cos())]
-    return _statement(
-        "after (2.8)",
-        "tan phi = nu2 / nu1",
-        False,
-        f"phi taken from it is off by pi on {len(off)} of the {len(paths)} exact paths, where "
-        "(2.15) then comes to 2 instead of 0",
-    )
-
-
-def _range(paths: list[Extremal]) -> Record:
     inside = [path for path in paths if positive(path.end) and positive(2 * arb.pi() - path.end)]
-    outside = len(paths) - len(inside)
-    return _statement(
-        "section 2, (4.7)",
-        "theta in [0, 2 pi], and theta1 = theta0 + b z1, theta2 = theta1 - b z2",
-        False,
-        f"both cannot hold: {outside} of the {len(paths)} exact paths end outside [0, 2 pi]",
+    table = (
+        (
+            "(4.10), (4.11)",
+            "the end point of a turn left, a turn right and a straight",
+            f"met to 60 digits by the exact LS and RS of all {len(PROBLEMS)} scenarios: "
+            "no sign is off",
+        ),
+        (
+            "(4.1), Algorithm 1",
+            "the shortest path is LS or RS",
+            "only outside the turning circles. Inside, RL or LR is shorter: the algorithm's path "
+            f"is {_range(crossings, 'example_excess')} too long on its own five problems at the "
+            f"radii {radii}",
+        ),
+        (
+            "(4.12)",
+            "a left turn, a right turn and a straight, in this order, hold the optimum",
+            f"it holds LR but not RL: right for the {len(crossings) - len(left)} problems whose "
+            f"target enters the right circle, {_range(left, 'model_excess')} too long just beyond "
+            f"R* for the {len(left)} whose target enters the left one",
+        ),
+        (
+            "(2.4)-(2.15)",
+            "the conditions that an optimal path meets",
+            "three are left out: nu0 >= 0, multipliers not all zero (zeros meet the rest on any "
+            "path) and nu3 = 0 at the end, where the heading is free. With them they are still not "
+            f"sufficient: {len(qualify)} of the {len(paths)} exact LS and RS qualify, "
+            f"up to {longest:.2f} times as long as the optimum",
+        ),
+        (
+            "after (2.8)",
+            "tan phi = nu2 / nu1",
+            f"phi taken from it is off by pi on {len(off)} of the {len(paths)} exact paths, where "
+            "(2.15) then comes to 2 instead of 0",
+        ),
+        (
+            "section 2, (4.7)",
+            "theta in [0, 2 pi], and theta1 = theta0 + b z1, theta2 = theta1 - b z2",
+            f"both cannot hold: {len(paths) - len(inside)} of the {len(paths)} exact paths end "
+            "outside [0, 2 pi]",
+        ),
     )
+    return [
+        {"where": where, "says": says, "holds": met and where == table[0][0], "finding": finding}
+        for where, says, finding in table
+    ]
 
 
-def _percent(share: float) -> str:
-    return f"{100 * share:.2g} %"
+def _range(crossings: list[Record], key: str) -> str:
+    shares = [crossing[key] for crossing in crossings]
+    return f"{100 * min(shares):.2g} % to {100 * max(shares):.2g} %"

@@ -6,7 +6,7 @@ Otherwise the cell is compared with the row that each of these accidents would p
 * *double rounding*: the exact value rounded (half up) to more places, then to the printed ones;
 * *truncated*: the exact value cut off at the printed places;
 * *solver bias reproduced*: the value that model (4.12) gives with Ipopt's last barrier parameter
-  (`report.paper.audit_exact.biased`), rounded or cut off.
+  (`report.paper.exact.biased`), rounded or cut off.
 
 If several accidents give the cell, the verdict is the one that gives most of the row's four cells
 (the printed 0 of the missing turn is one of the four), and among equals the first in the list. If
@@ -21,8 +21,7 @@ from decimal import Decimal
 from fractions import Fraction
 from typing import NamedTuple
 
-from dubins_study.report.paper.audit_file import CORRECT
-from dubins_study.report.paper.audit_number import (
+from dubins_study.report.paper.exact import (
     Number,
     half_unit,
     places_of,
@@ -30,7 +29,7 @@ from dubins_study.report.paper.audit_number import (
     rounded_twice,
     truncated,
 )
-from dubins_study.report.paper.printed import QUANTITIES
+from dubins_study.report.paper.printed import CORRECT, QUANTITIES
 
 DOUBLE, CUT, BIAS, WRONG = "double rounding", "truncated", "solver bias reproduced", "wrong"
 VERDICTS = (CORRECT, DOUBLE, CUT, BIAS, WRONG)

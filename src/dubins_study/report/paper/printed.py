@@ -1,13 +1,20 @@
-"""The paper's printed data: the scenarios, the cells of Tables 6.1-6.5, and the solve times."""
+"""The paper: its citation, its printed numbers, and the committed audit of them.
+
+After an intended change, write the audit again with this command:
+
+    dubins-study audit --json > src/dubins_study/report/paper/audit.json
+"""
 
 from __future__ import annotations
 
+import json
 from fractions import Fraction
+from functools import lru_cache
+from importlib.resources import files
 from typing import Any, NamedTuple
 
 import pandas as pd
 
-from dubins_study.report.paper.audit_file import misprints
 from dubins_study.study.path import Path
 
 QUANTITIES = ("z1", "z2", "z3", "f")
@@ -172,3 +179,49 @@ def _verdict(printed: float, ours: float | None, misprint: bool) -> str:
     if abs(printed - ours) <= HALF_UNIT:
         return "correct"
     return "misprint" if misprint else "differs"
+
+
+class Paper(NamedTuple):
+    """What is known of a paper, as the page, `report.md`, `report.tex` and `CITATION.cff` cite it.
+
+    The copy that the tables were read from names neither authors nor year, so none are given.
+
+    Args:
+        title: as printed.
+        authors: empty if they are not known.
+        year: None if it is not known.
+    """
+
+    title: str
+    authors: tuple[str, ...] = ()
+    year: int | None = None
+
+    @property
+    def citation(self) -> str:
+        """The paper in one line, for instance `A. Author, B. Author (1957): “Title”`."""
+        year = "" if self.year is None else f" ({self.year})"
+        before = f"{', '.join(self.authors)}{year}: " if self.authors else ""
+        missing = [
+            name for name, known in (("authors", self.authors), ("year", self.year)) if not known
+        ]
+        after = f" ({' and '.join(missing)} unknown to this study)" if missing else ""
+        return f"{before}“{self.title}”{after}"
+
+
+PAPER = Paper("Mathematical Model for Optimal Dubins Path to Intercept a Stationary Target")
+
+
+CORRECT = "correct rounding"
+
+
+@lru_cache(maxsize=1)
+def committed() -> dict[str, Any]:
+    """The committed audit, a stored result of `report.paper.audit.audit`."""
+    file = files("dubins_study.report.paper") / "audit.json"
+    record: dict[str, Any] = json.loads(file.read_text(encoding="utf-8"))
+    return record
+
+
+def misprints() -> list[dict[str, Any]]:
+    """The printed cells that are not correct roundings."""
+    return [cell for cell in committed()["cells"] if cell["verdict"] != CORRECT]

@@ -11,7 +11,7 @@ from dubins_study.report.elements.columns import columns, marks
 from dubins_study.report.elements.content import Place, Section, Table
 from dubins_study.report.elements.formats import count, digits, share
 from dubins_study.report.elements.topic import Topic
-from dubins_study.report.paper.audit_file import committed, misprints
+from dubins_study.report.paper.printed import committed, misprints
 from dubins_study.report.topics.audit import numbers
 
 _SYMBOLS = {"z1": "ζ₁", "z2": "ζ₂", "z3": "ζ₃", "f": "f"}
