@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import os
+import signal
 import threading
 
 import pytest
 
-from dubins_study import run
+from dubins_study import Scenario, load_results, run
+from dubins_study.experiments.interruption import Interruption
+from dubins_study.experiments.isolation.pool import Job, Limits, WorkerPool
 from dubins_study.experiments.isolation.sandbox import pinned_threads
 from dubins_study.experiments.store.folder import read_rows
+from dubins_study.solvers.protocol import Question
 
 PLUGINS = """
 import os
@@ -40,6 +44,33 @@ class OpensFiles(Analytic):
         KEPT.extend(open(os.devnull) for _ in range(40))
         return super().solve(model, limit)
 """
+# libraries for tests with time (freezegun) replace the clocks in every module that is loaded
+CLOCKS = """
+import itertools, sys, time
+from dubins_study.solvers.analytic import Analytic
+def replace(name, values):
+    clock = itertools.cycle(values).__next__
+    for module in list(sys.modules.values()):
+        if name in vars(module) and module is not time:
+            setattr(module, name, clock)
+class Backwards(Analytic):
+    def solve(self, model, limit):
+        replace("perf_counter", [5.0, 3.0, 1.0])
+        return super().solve(model, limit)
+class Endless(Backwards):
+    def build(self, question):
+        replace("perf_counter", [float("inf")])
+        return question
+class Ahead(Backwards):
+    def solve(self, model, limit):
+        replace("perf_counter", [1e9])
+        return Analytic.solve(self, model, limit)
+class Frozen(Analytic):
+    def solve(self, model, limit):
+        replace("monotonic", [0.0])
+        time.sleep(0.2)
+        return super().solve(model, limit)
+"""
 TEXT = """
 title = "isolation"
 question = "?"
@@ -64,6 +95,77 @@ def test_every_row_is_right(tmp_path, name):
     assert len(rows) == 24
     assert set(rows["outcome"]) == {"returned"}
     assert set(rows["verdict"]) == {"optimal"}
+
+
+@pytest.mark.parametrize("name", ["Backwards", "Endless", "Ahead"])
+def test_times_that_cannot_be_are_refused(tmp_path, name):
+    """The row is `raised`, and the rows of others can be read and compared."""
+    (tmp_path / "clocks.py").write_text(CLOCKS)
+    (tmp_path / "isolation.toml").write_text(TEXT)
+    spec = f"{tmp_path}/clocks.py:{name}"
+    folder = run(tmp_path / "isolation.toml", tmp_path / "out", solvers=[spec, "slsqp"])
+
+    rows = load_results(folder)
+    assert set(rows[rows["solver"] == "slsqp"]["outcome"]) == {"returned"}
+    refused = rows[rows["solver"] != "slsqp"]
+    assert len(refused) == 12
+    assert set(refused["outcome"]) == {"raised"}
+    assert refused["message"].str.contains("_s is ").all(), set(refused["message"])
+
+
+def test_a_clock_that_stands_still_ends_no_solve(tmp_path):
+    """The pool counts from what it has seen itself: twelve solves take longer than the limit."""
+    (tmp_path / "clocks.py").write_text(CLOCKS)
+    (tmp_path / "isolation.toml").write_text(TEXT.replace("time_limit_s = 5", "time_limit_s = 1"))
+    spec = f"{tmp_path}/clocks.py:Frozen"
+    folder = run(tmp_path / "isolation.toml", tmp_path / "out", solvers=[spec])
+
+    assert set(read_rows(folder, ["outcome"])["outcome"].to_pylist()) == {"returned"}
+
+
+HELD_UP = """
+import os, time
+from dubins_study.solvers.analytic import Analytic
+class HeldUp(Analytic):
+    def solve(self, model, limit):
+        if model.scenario.label == "slow":
+            time.sleep(1)
+        solution = super().solve(model, limit)
+        object.__setattr__(solution, "message", str(os.getpid()))
+        return solution
+"""
+
+
+@pytest.fixture
+def jobs(tmp_path):
+    """Jobs for a solver whose message is its process, and that is slow where the label says so."""
+    (tmp_path / "held_up.py").write_text(HELD_UP)
+
+    def ask(*labels):
+        scenarios = [Scenario(target_x=3, target_y=1, label=label) for label in labels]
+        spec = f"{tmp_path}/held_up.py:HeldUp"
+        return [Job(spec, "default", Question(scenario)) for scenario in scenarios]
+
+    return ask
+
+
+def test_one_slow_solve_does_not_end_working_ahead(jobs):
+    """Soon after it the worker has jobs in advance again."""
+    ahead = []
+    with WorkerPool(1, Limits(10.0, 2**32)) as pool:
+        for results in pool.solve(jobs(*["quick"] * 20, "slow", *["quick"] * 60), Interruption()):
+            ahead += [len(pool._workers[0].pending)] * len(results)
+
+    assert len(ahead) == 81
+    assert max(ahead[50:70]) > 5
+
+
+def test_a_worker_killed_between_two_jobs_costs_no_row(jobs):
+    with WorkerPool(1, Limits(10.0, 2**32)) as pool:
+        for _ in range(5):
+            [[(_, answer)]] = filter(None, pool.solve(jobs("quick"), Interruption()))
+            assert answer.reply.outcome == "returned"
+            os.kill(int(answer.reply.solution.message), signal.SIGKILL)
 
 
 def test_two_threads_that_pin_give_the_environment_back(monkeypatch):

@@ -1,4 +1,4 @@
-"""A connection to a Dask scheduler: at a given address, or in a cluster on this machine.
+"""A client of a Dask scheduler: at a given address, or in a cluster on this machine.
 
 The cluster on this machine is Dask's LocalCluster in a separate process. In the caller's process
 it would import the caller's main module again in every worker, change the environment, and end its
@@ -15,7 +15,7 @@ import signal
 import subprocess
 import sys
 import tempfile
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager, suppress
 from typing import Any, NamedTuple
@@ -32,6 +32,13 @@ _PROGRAM = (
     "import sys, json; sys.path[:] = json.loads(sys.stdin.readline()); "
     "from dubins_study.experiments.executors.dask_cluster import main; main()"
 )
+_SETTINGS = {
+    "distributed.worker.daemon": False,
+    # Dask must not change the environment of the solvers.
+    "distributed.nanny.pre-spawn-environ": {},
+    # Dask must not give up a worker that dies again while it restarts.
+    "distributed.deploy.lost-worker-timeout": "1 day",
+}
 
 
 class Cluster(NamedTuple):
@@ -43,11 +50,7 @@ class Cluster(NamedTuple):
 
 @contextmanager
 def local_cluster(workers: int) -> Iterator[Cluster]:
-    """A scheduler and worker processes of one thread each, which listen on the loopback only.
-
-    Raises:
-        RunError: if they do not start.
-    """
+    """A scheduler and worker processes of one thread each, which listen on the loopback only."""
     with (
         tempfile.TemporaryDirectory(prefix="dubins-study-", ignore_cleanup_errors=True) as scratch,
         tempfile.TemporaryFile("w+", errors="replace") as output,
@@ -87,15 +90,8 @@ def main() -> None:
     from distributed import LocalCluster
 
     workers, scratch = json.loads(sys.stdin.readline())
-    settings = {
-        "distributed.worker.daemon": False,
-        # Dask must not change the environment of the solvers.
-        "distributed.nanny.pre-spawn-environ": {},
-        # Dask must not give up a worker that dies again while it restarts.
-        "distributed.deploy.lost-worker-timeout": "1 day",
-    }
     with (
-        dask.config.set(settings),
+        dask.config.set(_SETTINGS),
         LocalCluster(
             n_workers=workers,
             threads_per_worker=1,
@@ -111,11 +107,7 @@ def main() -> None:
 
 @contextmanager
 def connected(address: str) -> Iterator[Any]:
-    """A client of a scheduler.
-
-    Raises:
-        RunError: if no scheduler answers, or if the versions of Python or Dask differ.
-    """
+    """A client of a scheduler whose versions of Python and Dask, and its workers', are ours."""
     from distributed import Client
 
     try:
@@ -156,28 +148,10 @@ async def _kind(address: str) -> str:
         return str((await node.identity())["type"])
 
 
-def in_worker(name: str) -> Callable[[Any], Any]:
-    """A function of `dask_worker`, in a form that a worker without this package can receive.
-
-    Dask sends a module's function by its name. A worker that cannot import the module ends the
-    connection, and the run would wait forever. A nested function is sent as code, and raises an
-    ImportError in such a worker.
-    """
-
-    def call(argument: Any) -> Any:
-        from importlib import import_module
-
-        module = import_module("dubins_study.experiments.executors.dask_worker")
-        return getattr(module, name)(argument)
-
-    return call
-
-
 def mismatch(versions: Mapping[str, Any]) -> str | None:
     """The difference in Python's or Dask's version between a cluster and this machine, or None.
 
-    Args:
-        versions: as `distributed.Client.get_versions` returns them.
+    The last digit of Python's version does not matter, which it does to Dask's own comparison.
     """
     expected = _release(versions["client"])
     nodes = {"the Dask scheduler": versions["scheduler"]}

@@ -12,8 +12,8 @@ from queue import Empty, SimpleQueue
 from time import monotonic
 from typing import Any
 
-from dubins_study.experiments.executors.dask_cluster import connected, in_worker, local_cluster
-from dubins_study.experiments.executors.dask_worker import UnitReply
+from dubins_study.experiments.executors.dask_cluster import connected, local_cluster
+from dubins_study.experiments.executors.dask_worker import UnitReply, in_worker
 from dubins_study.experiments.executors.executor import Executor, Probe, WorkUnit
 from dubins_study.experiments.interruption import Interruption
 from dubins_study.experiments.isolation.pool import RunError
@@ -43,19 +43,15 @@ _YIELD_INTERVAL_S = 0.2
 _COUNT_INTERVAL_S = 1.0
 # Seconds to wait for a result, and for a call in every worker.
 _FETCH_WAIT_S, _CALL_WAIT_S = 30.0, 10.0
-_LOST = "the connection to the Dask scheduler is lost; the rows written so far are kept"
+_KEPT = "the rows written so far are kept"
+_LOST = f"the connection to the Dask scheduler is lost; {_KEPT}"
 
 
 @contextmanager
 def dask_executor(jobs: int, scheduler: str | None) -> Iterator[Executor]:
-    """A Dask cluster at an address, or one on this machine that starts with the first solve.
+    """The Dask cluster at an address, or one of `jobs` workers on this machine.
 
-    Args:
-        jobs: number of worker processes on this machine, if there is no `scheduler`.
-        scheduler: the address of a scheduler, or None.
-
-    Raises:
-        RunError: if `distributed` is not installed or the scheduler does not answer.
+    The cluster on this machine starts with the first solve.
     """
     try:
         import distributed
@@ -99,18 +95,12 @@ class _Submission:
         self._units: dict[str, tuple[Any, WorkUnit]] = {}  # Dask's key -> (future, unit)
         self._ended: SimpleQueue[Any] = SimpleQueue()
         self._numbers = count()
-        self._threads, self._counted_s = 0, float("-inf")
-        self._warned = False
+        self._threads, self._counted_s, self._warned = 0, float("-inf"), False
         # A machine's name -> its number, in the order of first probes; names are not recorded.
         self._machines: dict[str, int] = {}
 
     def solve(self, stop: Interruption) -> Iterator[list[Row]]:
-        """Yield the rows of all cells as they come, and an empty list if none come for a while.
-
-        Raises:
-            RunError: if a worker's code differs from the code of the cells, if a unit ends every
-                worker that takes it, or if the scheduler has gone.
-        """
+        """Yield the rows of all cells as they come, and an empty list if none come for a while."""
         stopping = False
         while self._waiting or self._units:
             if stop.requested and not stopping:  # workers finish the cells that they are solving
@@ -133,7 +123,7 @@ class _Submission:
             rows = self._rows(unit, reply)
             yield rows
             if reply.refusal:
-                raise RunError(f"{reply.refusal}; the rows written so far are kept")
+                raise RunError(f"{reply.refusal}; {_KEPT}")
             if not (stopping or stop.requested):
                 self._take_back(unit, rows)
 
@@ -187,8 +177,7 @@ class _Submission:
             _, unit = self._units[future.key]
             raise RunError(
                 f"{error.allowed_failures + 1} Dask workers ended while they solved the same work "
-                f"unit of {unit.cells} cells, the last one at {error.last_worker.address}; "
-                "the rows written so far are kept"
+                f"unit of {unit.cells} cells, the last one at {error.last_worker.address}; {_KEPT}"
             ) from None
         except Exception as error:  # any error of Dask, in this process or in a worker
             raise RunError(_explanation(error)) from None
@@ -242,4 +231,4 @@ def _explanation(error: Exception) -> str:
             f"dubins-study is not on a Dask worker, or of another version ({message}); expected "
             "the same versions of it, of Python and of Dask there as here"
         )
-    return f"a Dask worker failed: {message}; the rows written so far are kept"
+    return f"a Dask worker failed: {message}; {_KEPT}"

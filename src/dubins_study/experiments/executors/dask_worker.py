@@ -1,19 +1,18 @@
 """The code in a Dask worker: solve work units with its own pools, which are kept between units.
 
-A run calls `solve_unit`, `stop_run` and `end_run` in a worker. A unit travels as bytes, which a
-worker without this package can receive, and rows travel as an Arrow table. No object of a plug-in's
-classes travels.
+A unit travels as bytes, which a worker without this package can receive, and rows travel as an
+Arrow table. No object of a plug-in's classes travels.
 """
 
 from __future__ import annotations
 
 import pickle
 import socket
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path as FilePath
 from time import monotonic
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import pyarrow as pa
 
@@ -28,6 +27,23 @@ from dubins_study.study.rows.row_table import Row, rows_table
 # a unit of slow solvers must not keep other workers waiting at the end.
 _UNIT_S = 1.0
 _PACKAGE = FilePath(__file__).parents[2]
+
+
+def in_worker(name: str) -> Callable[[Any], Any]:
+    """A function of this module, in a form that a worker without this package can receive.
+
+    Dask sends a module's function by its name. A worker that cannot import the module ends the
+    connection, and the run would wait forever. A nested function is sent as code, and raises an
+    ImportError in such a worker.
+    """
+
+    def call(argument: Any) -> Any:
+        from importlib import import_module
+
+        module = import_module("dubins_study.experiments.executors.dask_worker")
+        return getattr(module, name)(argument)
+
+    return call
 
 
 class UnitReply(NamedTuple):
@@ -61,7 +77,7 @@ class _Run:
     """The pools of one run in this process: one for every unit that is solved at the same time."""
 
     def __init__(self) -> None:
-        self.stopped = False
+        self.stop = Interruption()
         self.probes_s: list[float] = []
         self._busy: list[WorkerPool] = []
         self._idle: list[WorkerPool] = []
@@ -77,7 +93,7 @@ class _Run:
         usable = False
         try:
             yield pool
-            usable = not self.stopped
+            usable = not self.stop.requested
         finally:
             self._busy.remove(pool)
             if usable:
@@ -89,7 +105,7 @@ class _Run:
         """End all idle processes; once the run is stopped, also those that are solving."""
         while self._idle:
             self._idle.pop().__exit__()
-        for pool in [*self._busy] if self.stopped else ():
+        for pool in [*self._busy] if self.stop.requested else ():
             pool.kill_workers()  # the thread that uses the pool closes it
 
 
@@ -105,7 +121,7 @@ def _run(run_id: str) -> _Run:
 
 def stop_run(run_id: str) -> None:
     """Let a run's current solves finish; start no further cell of the run."""
-    _run(run_id).stopped = True
+    _run(run_id).stop.requested = True
 
 
 def end_run(run_id: str) -> None:
@@ -117,34 +133,31 @@ def end_run(run_id: str) -> None:
 def solve_unit(message: bytes) -> UnitReply:
     """Solve cells of a pickled work unit for about a second, and at least one cell."""
     unit: WorkUnit = pickle.loads(message)
-    run, stop, machine = _run(unit.settings.run_id), Interruption(), socket.gethostname()
+    run, machine = _run(unit.settings.run_id), socket.gethostname()
     rows: list[Row] = []
-    refusal = _refusal(unit)
+    refusal = ""
     end_s = monotonic() + _UNIT_S
     try:
-        if not refusal:
-            with run.pool(unit.settings) as pool:
-                stop.requested = run.stopped
-                for row_block in solve_chains(pool, unit, stop):
-                    rows += row_block
-                    stop.requested = run.stopped or (bool(rows) and monotonic() > end_s)
+        _check_files(unit)
+        with run.pool(unit.settings) as pool:
+            for row_block in solve_chains(pool, unit, run.stop):
+                rows += row_block
+                if rows and monotonic() > end_s:
+                    pool.drop_waiting()
     except RunError as error:
-        refusal = str(error)
-    if refusal:
-        refusal = f"on the Dask worker on {machine}, {refusal}"
+        refusal = f"on the Dask worker on {machine}, {error}"
     probes_s, run.probes_s[:] = [*run.probes_s], []
     return UnitReply(rows_table(rows), refusal, machine, probes_s)
 
 
-def _refusal(unit: WorkUnit) -> str:
-    """Why this process must not solve a unit; empty if it may."""
+def _check_files(unit: WorkUnit) -> None:
+    """Refuse a unit if this process runs other code than the files hold, or lacks a plug-in."""
     if _source_files() != _IMPORTED:
-        return "dubins-study was changed since the worker started; restart it"
-    for spec in dict.fromkeys(chain[0].solver for chain in unit.chains):
+        raise RunError("dubins-study was changed since the worker started; restart it")
+    for spec in {chain[0].solver for chain in unit.chains}:
         file, colon, _ = spec.partition("[")[0].strip().rpartition(":")
         if colon and file.endswith(".py") and not FilePath(file).is_file():
-            return (
+            raise RunError(
                 f"there is no file {file!r} for the solver {spec!r}; expected it at the same path "
                 "on every machine (see docs/scaling.md)"
             )
-    return ""
