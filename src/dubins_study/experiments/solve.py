@@ -65,7 +65,7 @@ def solve(
     allowed = tolerances(profile)
     question = Question(scenario, branch, initial_guess)
     if _in_worker(solver, profile, isolated):
-        from dubins_study.experiments.executors.isolated import ask_isolated
+        from dubins_study.experiments.executors.local import ask_isolated
 
         [answer] = ask_isolated(solver, profile, [question], limit)
         return answer
@@ -120,7 +120,7 @@ def solve_frame(
             return frame.solve_frame(
                 scenarios, solver, branch, profile=profile, limit=limit, certified=certified
             )
-    from dubins_study.experiments.executors.isolated import ask_isolated
+    from dubins_study.experiments.executors.local import ask_isolated
     from dubins_study.study.scenario import check_frame
 
     checked = check_frame(scenarios)

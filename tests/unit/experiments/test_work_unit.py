@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from dubins_study.experiments.executors.dask_worker import UnitReply
 from dubins_study.experiments.executors.executor import WorkUnit
-from dubins_study.experiments.executors.judging import row_of
+from dubins_study.experiments.executors.local import row_of
 from dubins_study.experiments.isolation.messages import WorkerReply
 from dubins_study.experiments.plan.cells import Cell
 from dubins_study.experiments.run_settings import RunSettings

@@ -1,19 +1,32 @@
-"""Solve chains of cells with a worker pool on this machine; judge the replies in this process."""
+"""Put cells or questions to a worker pool on this machine; judge the replies in this process."""
 
 from __future__ import annotations
 
-from collections.abc import Generator, Iterator
+from collections.abc import Generator, Iterable, Iterator
 from contextlib import contextmanager
 
 from dubins_study.experiments.executors.executor import ChainState, Executor, Probe, WorkUnit
-from dubins_study.experiments.executors.judging import row_of
 from dubins_study.experiments.interruption import Interruption
 from dubins_study.experiments.isolation.messages import WorkerReply
 from dubins_study.experiments.isolation.pool import Job, Limits, RunError, WorkerPool, worker_group
+from dubins_study.experiments.isolation.sandbox import THREADS
 from dubins_study.experiments.plan.cells import Cell
-from dubins_study.experiments.run_settings import RunSettings
+from dubins_study.experiments.plan.solver_description import describe_solver
+from dubins_study.experiments.provenance import host, now
+from dubins_study.experiments.run_settings import BYTES_PER_GIB, RunSettings
+from dubins_study.solvers.attempt import Answer, judged, judged_row
+from dubins_study.solvers.profiles import tolerances
 from dubins_study.solvers.protocol import Question
-from dubins_study.study.rows.row_table import Row
+from dubins_study.solvers.registry import ours
+from dubins_study.solvers.reply import Reply, exception_text, no_answer
+from dubins_study.study.path import Path
+from dubins_study.study.rows.row_table import Row, raised_row
+from dubins_study.study.rows.schema import KEY, SCENARIO, names
+from dubins_study.study.words import Outcome
+
+_KEY, _SCENARIO = names(KEY), names(SCENARIO)
+# Memory that the worker of a question asked from Python, and its children, may hold.
+_MEMORY_GIB = 4.0
 
 
 @contextmanager
@@ -44,15 +57,6 @@ def solve_chains(
     """Yield the judged rows of all cells as they come, and an empty list if none come for a while.
 
     After an interruption only the current solves are finished.
-
-    Args:
-        pool: solves the cells.
-        unit: the cells.
-        stop: read after every row.
-
-    Raises:
-        RunError: if worker processes end before their first job, or if the code of a solver differs
-            from the code of its cells.
     """
     # Our own solvers first, then plug-in by plug-in, so that workers are rarely replaced.
     ordered = sorted(unit.chains, key=lambda chain: worker_group(chain[0].solver))
@@ -77,11 +81,7 @@ def _job(state: ChainState) -> Job:
 
 
 def check_code(cell: Cell, answer: WorkerReply, executor: str) -> None:
-    """Refuse a reply whose code has another digest than its cell.
-
-    Raises:
-        RunError: naming the solver and both digests.
-    """
+    """Refuse a reply whose code has another digest than its cell."""
     # A solver that loads on the asking machine but not on the Dask worker is different code too.
     known = answer.code_digest or executor != "local"
     if not answer.started or answer.code_digest == cell.code_digest:
@@ -97,3 +97,63 @@ def check_code(cell: Cell, answer: WorkerReply, executor: str) -> None:
         f"the code of {cell.solver} is not what was asked: its digest was {cell.code_digest} and "
         f"{digest}; its files, its settings or its libraries' versions differ"
     )
+
+
+def row_of(
+    cell: Cell, initial_guess: Path | None, settings: RunSettings, answer: WorkerReply
+) -> tuple[Row, Path | None]:
+    """The row for a worker's reply to a cell, and the path if it reaches the target."""
+    known = dict(zip(_KEY, cell.key, strict=True))
+    known |= run_columns(settings, answer.started or now(), answer.versions)
+    question = Question(cell.scenario, cell.branch, initial_guess, cell.repeat)
+    try:
+        allowed = tolerances(cell.profile)
+        row = judged_row(cell.solver, question, answer.reply, allowed, cell.method)
+    except Exception as error:  # the check cannot drive the path: recorded as a row too
+        known |= {name: getattr(cell.scenario, name) for name in _SCENARIO}
+        known |= cell.method.columns(question)
+        return raised_row(known, exception_text(error)), None
+    row.update(known)
+    return row, answer.reply.solution.path if row["gap"] is not None else None
+
+
+def run_columns(settings: RunSettings, started: str, versions: str) -> Row:
+    """The columns that say in which run, when and where a row was solved."""
+    return {
+        "versions": versions,
+        "machine": host(),
+        "threads": THREADS,
+        "jobs": settings.jobs,
+        "executor": settings.executor,
+        "run_id": settings.run_id,
+        "started": started,
+    }
+
+
+def ask_isolated(
+    solver: str, profile: str, questions: Iterable[Question], limit: float
+) -> Iterator[Answer]:
+    """Yield the judged answers to questions, in their order, as a run would have them.
+
+    If a solve ends the worker, that is an answer, and the next question goes to a new worker.
+    """
+    jobs = (Job(solver, profile, question, place) for place, question in enumerate(questions))
+    waiting: dict[int, Answer] = {}
+    limits = Limits(limit, round(_MEMORY_GIB * BYTES_PER_GIB))
+    # A warm-up loads the libraries, which are no part of the limit; a plug-in may hang in one.
+    with WorkerPool(1, limits, warm_up=ours(solver)) as pool:
+        place = 0
+        for results in pool.solve(jobs, Interruption()):
+            for job, worker_reply in results:
+                waiting[job.tag] = _judged(solver, profile, job.question, worker_reply.reply)
+            while place in waiting:
+                yield waiting.pop(place)
+                place += 1
+
+
+def _judged(solver: str, profile: str, question: Question, reply: Reply) -> Answer:
+    known = tolerances(profile), describe_solver(solver, profile).method
+    try:
+        return judged(solver, question, reply, *known)
+    except Exception as error:  # the check cannot drive the path: an answer too, as in a run
+        return judged(solver, question, no_answer(Outcome.RAISED, exception_text(error)), *known)
