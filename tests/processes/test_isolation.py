@@ -8,7 +8,7 @@ import threading
 
 import pytest
 
-from dubins_study import Scenario, load_results, run
+from dubins_study import Scenario, run
 from dubins_study.experiments.interruption import Interruption
 from dubins_study.experiments.isolation.pool import Job, Limits, WorkerPool
 from dubins_study.experiments.isolation.sandbox import pinned_threads
@@ -95,22 +95,6 @@ def test_every_row_is_right(tmp_path, name):
     assert len(rows) == 24
     assert set(rows["outcome"]) == {"returned"}
     assert set(rows["verdict"]) == {"optimal"}
-
-
-@pytest.mark.parametrize("name", ["Backwards", "Endless", "Ahead"])
-def test_times_that_cannot_be_are_refused(tmp_path, name):
-    """The row is `raised`, and the rows of others can be read and compared."""
-    (tmp_path / "clocks.py").write_text(CLOCKS)
-    (tmp_path / "isolation.toml").write_text(TEXT)
-    spec = f"{tmp_path}/clocks.py:{name}"
-    folder = run(tmp_path / "isolation.toml", tmp_path / "out", solvers=[spec, "slsqp"])
-
-    rows = load_results(folder)
-    assert set(rows[rows["solver"] == "slsqp"]["outcome"]) == {"returned"}
-    refused = rows[rows["solver"] != "slsqp"]
-    assert len(refused) == 12
-    assert set(refused["outcome"]) == {"raised"}
-    assert refused["message"].str.contains("_s is ").all(), set(refused["message"])
 
 
 def test_a_clock_that_stands_still_ends_no_solve(tmp_path):

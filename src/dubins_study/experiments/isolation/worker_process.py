@@ -73,14 +73,18 @@ class Task(NamedTuple):
 
 
 class Answer(NamedTuple):
-    """A worker's answer to a task, the seconds that it took, and whether it changed the process.
+    """A worker's answer to a task.
 
-    A worker whose process was changed answers no more.
+    Args:
+        seconds: that the task took, by time stamps of the worker.
+        waited_s: from the beginning of the task until its answer was read.
+        changed: whether the task changed the process; the worker then answers no more.
     """
 
     task: Task
     value: Any
     seconds: float
+    waited_s: float
     changed: bool
 
 
@@ -208,7 +212,7 @@ class WorkerProcess:
         self.pending.popleft()
         self.expected_s -= task.expected_s
         self._begun = bool(self.pending)
-        return Answer(task, decoded, ended_s - began_s, bool(changed))
+        return Answer(task, decoded, ended_s - began_s, monotonic() - began_s, bool(changed))
 
     def _moment(self, stamp_s: float) -> float:
         """A time stamp of the worker's clock, within what its owner has seen itself."""
