@@ -18,7 +18,7 @@ from dubins_study.report.topics.decision.section import decision_section
 from dubins_study.report.topics.findings import numbers as findings
 from dubins_study.report.topics.findings.evidence import Evidence
 from dubins_study.report.topics.matrix.numbers import matrix, strata
-from dubins_study.report.topics.summary.section import solver_summary
+from dubins_study.report.topics.summary import solver_summary
 from dubins_study.study.words import FORMULATIONS
 
 FOLDER = Path(__file__).parents[2] / "results" / "benchmark"

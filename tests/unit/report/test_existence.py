@@ -10,8 +10,7 @@ import pytest
 from dubins_study.report.data.results import load
 from dubins_study.report.data.verdicts import existence as counts
 from dubins_study.report.data.verdicts import methods, verdicts
-from dubins_study.report.topics.existence.numbers import engine_times, existence
-from dubins_study.report.topics.existence.section import existence_section
+from dubins_study.report.topics.existence import engine_times, existence, existence_section
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import Claim

@@ -10,8 +10,12 @@ import pytest
 from dubins_study import render
 from dubins_study.report.data import failures as counts
 from dubins_study.report.data.results import load
-from dubins_study.report.topics.failures.numbers import by_region, failure_map, failures, unreturned
-from dubins_study.report.topics.failures.section import failures_section
+from dubins_study.report.topics.failures import (
+    by_region,
+    failures,
+    failures_section,
+    unreturned,
+)
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import Claim
@@ -99,16 +103,6 @@ def test_where_failures_lie(folder):
     assert table.loc["in the left disc", "misses"] == pytest.approx(1 / 3)
 
 
-def test_the_map_is_seen_from_the_vehicle_in_radii(folder):
-    """TURNED lies 1.3 radii straight ahead: cell (4 + 1.3) * 3 = 15, in the row of Y = 0."""
-    plane = failure_map(counts.places(load([folder]).attempts))
-
-    assert plane.attempts == 9  # three are at the far target
-    assert set(plane.shares) == {"no return", "no path", "misses"}
-    assert plane.shares["no path"][12, 15] == pytest.approx(1 / 3)  # a and c are right there
-    assert math.isnan(plane.shares["no path"][0, 0])
-
-
 def test_a_command_repeats_the_failure(folder, tmp_path):
     """The spec, the question and the run's time limit, as a shell reads them."""
     section = failures_section(load([folder]))
@@ -152,7 +146,6 @@ def test_returned_failures_alone(results):
 
     assert [block.name for block in section.blocks] == [
         "failures",
-        "failure-map",
         "failures-by-region",
     ]
     assert section.lead == (

@@ -15,10 +15,9 @@ from dubins_study.report.statistics import metrics
 from dubins_study.report.statistics.costs import performance_ratios
 from dubins_study.report.topics.agreement.numbers import agreement
 from dubins_study.report.topics.discretisation import work_precision
-from dubins_study.report.topics.failures.numbers import failures
-from dubins_study.report.topics.success.numbers import gap_quantiles
-from dubins_study.report.topics.summary.numbers import by_start
-from dubins_study.report.topics.summary.section import solver_summary
+from dubins_study.report.topics.failures import failures
+from dubins_study.report.topics.success import gap_quantiles
+from dubins_study.report.topics.summary import by_start, solver_summary
 from dubins_study.report.topics.time import mean_times, right_times
 from dubins_study.report.topics.warm import warm_starts
 from dubins_study.study.path import Path

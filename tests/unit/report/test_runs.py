@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from dubins_study.report.data.results import load
-from dubins_study.report.topics.runs.numbers import runs
+from dubins_study.report.topics.runs import runs
 from tests.unit.report.results_folder import attempt, paper_scenarios
 from tests.unit.report.topic_page import topic_page
 

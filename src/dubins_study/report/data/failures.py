@@ -13,8 +13,6 @@ from dubins_study.report.data.attempts import PRESOLVED, SUCCESSES, Attempts
 OUTCOMES = ("timeout", "crashed", "raised", "out_of_memory", "unsupported", "unavailable")
 # What a failure is, the first that holds.
 KINDS = ("no return", "no path", "misses", "longer")
-# Cells of the map of failures along one axis: wide enough for some hundred scenarios.
-PLACES = 24
 # Reach of maps of the plane, in radii from the start.
 REACH = 4.0
 # What names an example, in the order in which a plainer one is chosen.
@@ -79,24 +77,6 @@ def regions(attempts: Attempts) -> pd.DataFrame:
     )
 
 
-def places(attempts: Attempts) -> pd.DataFrame:
-    """Attempts at questions that have a path, in square cells of the plane around the start.
-
-    Columns: ahead and left (of the cell, from 0, along the heading and to its left; `PLACES` cells
-    reach from -`REACH` to `REACH` radii), attempts, and each of `KINDS`.
-    """
-    return attempts.frame(
-        f"""SELECT {_cell("dx * c + dy * s")} AS ahead, {_cell("dy * c - dx * s")} AS "left",
-            count(*) AS attempts, {_counts()}
-        FROM (
-            SELECT kind, cos(heading) AS c, sin(heading) AS s, (target_x - x) / radius AS dx,
-                (target_y - y) / radius AS dy
-            FROM {_WITH_KIND} WHERE answerable)
-        WHERE ahead BETWEEN 0 AND {PLACES - 1} AND "left" BETWEEN 0 AND {PLACES - 1}
-        GROUP BY ALL ORDER BY ALL"""
-    )
-
-
 _WARM = "initial_guess IS DISTINCT FROM 'cold'"
 _DISTANCE = "sqrt((target_x - x) ** 2 + (target_y - y) ** 2) / radius"
 _WITH_KIND = f"(SELECT *, CASE WHEN {_FAILED} THEN {_KIND} END AS kind FROM chosen)"
@@ -104,7 +84,3 @@ _WITH_KIND = f"(SELECT *, CASE WHEN {_FAILED} THEN {_KIND} END AS kind FROM chos
 
 def _counts() -> str:
     return ", ".join(f"count(*) FILTER (kind = '{kind}') AS \"{kind}\"" for kind in KINDS)
-
-
-def _cell(place: str) -> str:
-    return f"CAST(floor(({place} + {REACH}) * {PLACES / (2 * REACH)}) AS BIGINT)"

@@ -18,7 +18,7 @@ from dubins_study.report.elements.plots import DRAWN_TEXT, HIGHEST
 from dubins_study.report.elements.style import BLUE, ORANGE, RULE, SKY, WIDE
 from dubins_study.report.elements.topic import General, Topic
 from dubins_study.report.statistics.methods import MOST_METHODS, drawn_methods
-from dubins_study.report.topics.summary.section import best_solvers, solver_summary
+from dubins_study.report.topics.summary import best_solvers, solver_summary
 
 
 def certificates_section(results: Results) -> Section | None:

@@ -29,7 +29,7 @@ from dubins_study.report.elements.topic import BENCHMARK, Topic
 from dubins_study.report.statistics.compared import Compared, compared
 from dubins_study.report.statistics.intervals import bootstrap, medians
 from dubins_study.report.statistics.methods import without_setting
-from dubins_study.report.topics.summary.section import best_solvers
+from dubins_study.report.topics.summary import best_solvers
 from dubins_study.study.closed_form.shortest import shortest
 from dubins_study.study.path import FloatArray
 from dubins_study.study.scenario import COLUMNS, Scenario

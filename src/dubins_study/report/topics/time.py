@@ -34,7 +34,7 @@ from dubins_study.report.statistics.methods import (
     foremost,
 )
 from dubins_study.report.statistics.metrics import QUESTION, solver_order, success
-from dubins_study.report.topics.summary.section import best_solvers, solver_summary
+from dubins_study.report.topics.summary import best_solvers, solver_summary
 
 TIMES = (
     SOLVER,

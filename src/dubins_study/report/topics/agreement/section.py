@@ -15,7 +15,7 @@ from dubins_study.report.elements.topic import General, Topic
 from dubins_study.report.statistics.methods import MOST_METHODS, best_of_formulations
 from dubins_study.report.topics.agreement.figures import plot_agreement
 from dubins_study.report.topics.agreement.numbers import agreement
-from dubins_study.report.topics.summary.section import solver_summary
+from dubins_study.report.topics.summary import solver_summary
 
 _COLUMNS = (
     *columns(kind="solver", first="solver", second="and"),

@@ -31,7 +31,7 @@ from dubins_study.report.topics.belief.numbers import (
     cures,
     false_proofs,
 )
-from dubins_study.report.topics.summary.section import best_solvers
+from dubins_study.report.topics.summary import best_solvers
 
 _TOLERATED = PROOFS[1]
 _MOST = 8  # bars in a panel, and columns of the table by stratum

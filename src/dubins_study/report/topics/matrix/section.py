@@ -20,7 +20,7 @@ from dubins_study.report.elements.topic import BENCHMARK, Topic
 from dubins_study.report.topics.matrix.figures import plot_matrix
 from dubins_study.report.topics.matrix.numbers import Matrix, matrix, strata
 from dubins_study.report.topics.matrix.strata import strata_blocks
-from dubins_study.report.topics.summary.section import best_solvers, solver_summary
+from dubins_study.report.topics.summary import best_solvers, solver_summary
 
 
 def matrix_section(results: Results) -> Section | None:

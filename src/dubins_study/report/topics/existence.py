@@ -5,19 +5,66 @@ from __future__ import annotations
 from collections.abc import Hashable, Mapping
 from typing import Any
 
+import numpy as np
 import pandas as pd
 
+from dubins_study.report.data import verdicts
 from dubins_study.report.data.results import Results
-from dubins_study.report.data.verdicts import existence as counts
-from dubins_study.report.data.verdicts import methods
 from dubins_study.report.elements.columns import columns, marks
 from dubins_study.report.elements.content import Section, Table
 from dubins_study.report.elements.formats import ABSENT, seconds, sentences, share
 from dubins_study.report.elements.identity import best_first, method_columns
-from dubins_study.report.elements.shares import questions
+from dubins_study.report.elements.shares import questions, with_share
 from dubins_study.report.elements.topic import General, Topic
-from dubins_study.report.topics.existence.numbers import engine_times, existence
-from dubins_study.report.topics.summary.section import best_solvers
+from dubins_study.report.statistics.intervals import bootstrap, medians
+from dubins_study.report.statistics.methods import methods_of
+from dubins_study.report.statistics.metrics import presolved
+from dubins_study.report.topics.summary import best_solvers
+
+# Scenarios that a bootstrap interval is of, at most: more would take memory and change nothing.
+MOST_SCENARIOS = 2000
+_ANSWERS = ("right", "silent", "wrong")
+
+
+def existence(counts: pd.DataFrame, methods: pd.DataFrame) -> pd.DataFrame:
+    """One row per solver that was asked a question without a path, or that denied a path.
+
+    Args:
+        counts: from `report.data.verdicts.existence`.
+        methods: from `report.data.verdicts.methods`.
+
+    Returns:
+        The columns of both; reached (questions without a path that reached the engine); those of
+        `with_share` for right, silent and wrong, shares of `reached`, and for denied, a share of
+        the questions that have a path; in the order of `methods_of`.
+    """
+    frame = methods_of(methods).join(counts.set_index("solver")).reset_index()
+    frame["reached"] = frame[list(_ANSWERS)].sum(axis="columns").round(6)
+    for name in _ANSWERS:
+        frame = with_share(frame, name, frame[name], frame["reached"])
+    frame = with_share(frame, "denied", frame["denied"], frame["questions"])
+    asked = (frame[["reached", "presolved"]] > 0).any(axis="columns")
+    return frame[asked | (frame["denied"] > 0)].reset_index(drop=True)
+
+
+def engine_times(rows: pd.DataFrame) -> pd.DataFrame:
+    """Median time at questions without a path that reached an engine, by solver, with its interval.
+
+    The bootstrap is over at most `MOST_SCENARIOS` scenarios, drawn by the hashes that name them.
+    Columns solver, estimate, low, high (s), of the medians over repeats.
+    """
+    reached = ~rows["answerable"] & ~presolved(rows)
+    reached &= ~rows["outcome"].isin(["unsupported", "unavailable"])
+    chosen = rows[reached]
+    scenarios = np.sort(chosen["scenario_id"].unique())[:MOST_SCENARIOS]
+    chosen = chosen[chosen["scenario_id"].isin(scenarios)]
+    if chosen.empty:
+        return pd.DataFrame(columns=["solver", "estimate", "low", "high"])
+    question = ["scenario_id", "experiment", "branch", "initial_guess"]
+    table = chosen.groupby([*question, "solver"])["wall_s"].median().unstack("solver")
+    table.index = table.index.get_level_values("scenario_id")
+    return bootstrap(table, medians).reset_index()
+
 
 _LEAD = "See who proves that no path exists, who says nothing, and who is wrong."
 _COLUMNS = (
@@ -36,7 +83,7 @@ _NUMBERS = (
 def existence_section(results: Results) -> Section | None:
     """Right, silent and wrong answers where no path exists; paths that are denied."""
     attempts = results.attempts
-    frame = existence(counts(attempts), methods(attempts))
+    frame = existence(verdicts.existence(attempts), verdicts.methods(attempts))
     if not (frame[["reached", "presolved"]].any(axis=None)):
         return None
     frame = _with_times(frame, engine_times(results.rows))

@@ -2,24 +2,101 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Mapping
+
 import pandas as pd
 
 from dubins_study.report.data import failures as counts
-from dubins_study.report.data.failures import KINDS, OUTCOMES
+from dubins_study.report.data.command import solve_command
+from dubins_study.report.data.failures import KINDS, OUTCOMES, REACH
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import SOLVER, columns, marks
-from dubins_study.report.elements.content import Picture, Section, Table
+from dubins_study.report.elements.content import Section, Table
 from dubins_study.report.elements.formats import count, sentences, share, some
 from dubins_study.report.elements.topic import General, Topic
-from dubins_study.report.topics.failures.figures import plot_failure_map
-from dubins_study.report.topics.failures.numbers import (
-    FailureMap,
-    by_region,
-    failure_map,
-    failures,
-    unreturned,
-    with_commands,
-)
+
+_SAID = ["solver", "outcome", "claim", "verdict", "message"]
+# (region, near or None for both) -> its line in the table.
+_REGIONS = {
+    ("outside", False): f"outside, beyond {REACH:g} R of the start",
+    ("outside", True): f"outside, within {REACH:g} R of the start",
+    ("circle", None): "on a turning circle",
+    ("left disc", None): "in the left disc",
+    ("right disc", None): "in the right disc",
+}
+_UNKNOWN = "not known: no answer was judged"
+
+
+def gist(message: str) -> str:
+    """A message without numbers and repetitions, so that similar messages count as one."""
+    parts = [re.sub(r"\d[\d.]*(?:[eE][+-]?\d+)?", "#", part) for part in message.split("; ")]
+    return "; ".join(dict.fromkeys(parts))[:160]
+
+
+def unreturned(outcomes: pd.DataFrame) -> pd.DataFrame:
+    """The solvers of which an attempt did not return, the most often stopped first.
+
+    Args:
+        outcomes: from `report.data.failures.outcomes`.
+    Returns:
+        The columns of `outcomes`, and `unreturned`: the number of attempts.
+    """
+    counted = outcomes.assign(unreturned=outcomes[list(OUTCOMES)].sum(axis="columns"))
+    stopped = counted[counted["unreturned"] > 0]
+    return stopped.sort_values(["unreturned", "solver"], ascending=[False, True], ignore_index=True)
+
+
+def failures(frame: pd.DataFrame) -> pd.DataFrame:
+    """Failures counted by outcome, claim, verdict and the gist of the message, largest first.
+
+    Args:
+        frame: from `report.data.failures.failures`.
+    Returns:
+        The columns of `frame`; of several messages with one gist, the plainest example.
+    """
+    ascending = [False] + [True] * len(_SAID)
+    counted = frame.assign(message=frame["message"].map(gist))
+    example = [name for name in frame.columns if name not in {*_SAID, "attempts"}]
+    plainest = counted.sort_values(example, kind="stable").drop_duplicates(_SAID)
+    sums = counted.groupby(_SAID, dropna=False)["attempts"].sum().reset_index()
+    joined = sums.merge(plainest.drop(columns="attempts"), on=_SAID, how="left")
+    return joined.sort_values(["attempts", *_SAID], ascending=ascending)
+
+
+def with_commands(table: pd.DataFrame, limits: Mapping[str, float | None]) -> pd.DataFrame:
+    """The table of `failures` with `command`: what repeats the example, under its run's limit.
+
+    Args:
+        table: from `failures`.
+        limits: experiment -> time limit (s), None if it is not known.
+    """
+    lines = [
+        row | {"time_limit_s": limits.get(row["experiment"])} for row in table.to_dict("records")
+    ]
+    return table.assign(command=[solve_command(line) for line in lines])
+
+
+def by_region(frame: pd.DataFrame) -> pd.DataFrame:
+    """The share of failures of each kind where the target lies, in a fixed order.
+
+    Args:
+        frame: from `report.data.failures.regions`.
+    Returns:
+        place, attempts, failed (a number), failed_share, and for each of `KINDS` its share.
+    """
+    lines = []
+    region, near = frame["region"], frame["near"].fillna(False).astype(bool)
+    for (name, close), title in _REGIONS.items():
+        lines.append((title, frame[(region == name) & ((near == close) | (close is None))]))
+    lines.append((_UNKNOWN, frame[~region.isin([name for name, _ in _REGIONS])]))
+    sums = {title: rows[["attempts", *KINDS]].sum() for title, rows in lines if len(rows)}
+    table = pd.DataFrame.from_dict(sums, orient="index", columns=["attempts", *KINDS])
+    table["failed"] = table[list(KINDS)].sum(axis="columns")
+    shares = table[list(KINDS)].div(table["attempts"], axis=0)
+    table = table.assign(failed_share=table["failed"] / table["attempts"], **shares)
+    return table.reset_index(names="place")
+
 
 _MOST = 25
 _TITLE = "Failures"
@@ -47,14 +124,12 @@ def failures_section(results: Results | None) -> Section:
     kinds = frame[list(KINDS)].sum()
     asked, failed = int(frame["attempts"].sum()), int(kinds.sum())
     limits = _time_limits(results)
-    blocks: list[Picture | Table] = []
+    blocks: list[Table] = []
     if len(stopped):
         blocks.append(_outcome_table(with_commands(stopped, limits)))
     if failed:
         messages = failures(counts.failures(attempts)).head(_MOST).reset_index(drop=True)
         blocks.append(_message_table(with_commands(messages, limits)))
-        places = failure_map(counts.places(attempts))
-        blocks += [_picture(places, asked)] if places.shares else []
         blocks.append(_region_table(by_region(frame)))
     lead = _lead(attempts.count, stopped, failed, int(kinds["no return"]))
     text = _text(kinds, asked, failed) if blocks else ""
@@ -143,18 +218,6 @@ def _message_table(table: pd.DataFrame) -> Table:
         f"run.{_cold(table)}"
     )
     return Table("failures", caption, table, shown, numbers=("experiment",), dense=True)
-
-
-def _picture(places: FailureMap, asked: int) -> Picture:
-    shown = share(places.attempts / asked)
-    caption = (
-        "Where the targets of failures lie, seen from the vehicle (the arrow) and in turning "
-        "radii, with the two turning circles. The colour of a cell is the share of its attempts "
-        f"that failed in this way; grey cells hold no target. {shown} of the attempts have their "
-        "target on this map."
-    )
-    alt = f"Maps of the share of failures around the start: {', '.join(places.shares)}"
-    return Picture("failure-map", caption, plot_failure_map(places.shares), alt)
 
 
 def _region_table(regions: pd.DataFrame) -> Table:

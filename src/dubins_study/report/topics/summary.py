@@ -1,4 +1,4 @@
-"""The first section: every solver's attempts in one table."""
+"""Every solver's attempts at questions that have a path, in one table."""
 
 from __future__ import annotations
 
@@ -6,18 +6,58 @@ from weakref import WeakKeyDictionary
 
 import pandas as pd
 
+from dubins_study.report.data import verdicts as counts
 from dubins_study.report.data.attempts import EXACT, PRESOLVED, Attempts
 from dubins_study.report.data.results import Results
-from dubins_study.report.data.verdicts import methods, starts, verdicts
 from dubins_study.report.elements.columns import SOLVER, Column, columns, marks
 from dubins_study.report.elements.content import Section, Table
 from dubins_study.report.elements.formats import count, seconds, sentences, share, some
 from dubins_study.report.elements.identity import METHOD
 from dubins_study.report.elements.names import in_page_order
-from dubins_study.report.elements.shares import INTERVAL_TEXT
+from dubins_study.report.elements.shares import INTERVAL_TEXT, with_share
 from dubins_study.report.elements.topic import General, Topic
-from dubins_study.report.statistics.methods import best_of_formulations
-from dubins_study.report.topics.summary.numbers import STARTS, by_start, summary
+from dubins_study.report.statistics.methods import best_of_formulations, methods_of
+
+STARTS = ("cold", "warm")
+
+
+def by_start(starts: pd.DataFrame) -> pd.DataFrame:
+    """One row per solver that was asked cold and warm.
+
+    Args:
+        starts: from `report.data.verdicts.starts`.
+    Returns:
+        solver, and the columns of `with_share` for cold and for warm.
+    """
+    frame = starts[["solver"]].drop_duplicates(ignore_index=True)
+    for start in STARTS:
+        rows = starts[starts["initial_guess"] == start].set_index("solver")
+        right, questions = (
+            frame["solver"].map(rows[name]).fillna(0) for name in ("right", "questions")
+        )
+        frame = with_share(frame, start, right, questions)
+    return frame
+
+
+def summary(verdicts: pd.DataFrame, methods: pd.DataFrame) -> pd.DataFrame:
+    """One row per solver: verdicts, false claims, wrong basins and times where a path exists.
+
+    Solvers that were asked no such question are left out, unless none was.
+
+    Args:
+        verdicts: from `report.data.verdicts.verdicts`.
+        methods: from `report.data.verdicts.methods`.
+
+    Returns:
+        The columns of both, those of `methods_of`, and those of `with_share` for `right`, a share
+        of the questions; in the order of `methods_of`.
+    """
+    asked = verdicts["questions"] > 0
+    counted = verdicts[asked] if asked.any() else verdicts
+    frame = with_share(counted, "right", counted["right"], counted["questions"])
+    named = methods_of(methods[methods["solver"].isin(counted["solver"])])
+    return named.join(frame.set_index("solver")).reset_index()
+
 
 # The spec instead of the settings: it is what a reader hands to the command.
 _COLUMNS = (
@@ -35,7 +75,7 @@ _NUMBERS = ("attempts", "questions", "optimal", "right_share", "right_low", "rig
 
 def solver_summary(attempts: Attempts) -> pd.DataFrame:
     """The table `summary` of attempts."""
-    return summary(verdicts(attempts), methods(attempts))
+    return summary(counts.verdicts(attempts), counts.methods(attempts))
 
 
 def best_solvers(results: Results) -> tuple[str, ...]:
@@ -91,7 +131,7 @@ def summary_section(results: Results) -> Section | None:
     )
     lead = "Look up how one solver did: right, wrong, silent, and in what time."
     table = summary_table("summary", caption, frame, ())
-    started = in_page_order(by_start(starts(attempts)), results)
+    started = in_page_order(by_start(counts.starts(attempts)), results)
     tables = (table, _start_table(started)) if len(started) else (table,)
     return Section("summary", "Summary", text, tables, lead)
 

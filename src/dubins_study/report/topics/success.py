@@ -1,0 +1,196 @@
+"""How often solvers are right where a path exists, and how exact their paths are."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+
+from dubins_study.report.data.attempts import PRESOLVED, VERDICTS, Attempts
+from dubins_study.report.data.results import Folder, Results
+from dubins_study.report.elements.columns import SOLVER, columns
+from dubins_study.report.elements.content import Picture, Section, Show, Table
+from dubins_study.report.elements.formats import count, digits, sentences, share, slug, some
+from dubins_study.report.elements.identity import best_first
+from dubins_study.report.elements.looks import Palette
+from dubins_study.report.elements.names import in_page_order
+from dubins_study.report.elements.plots import DRAWN_TEXT, Mark, share_curves, stacked_shares
+from dubins_study.report.elements.style import BLUE, ORANGE, RULE, VERMILION
+from dubins_study.report.elements.topic import General, Topic
+from dubins_study.report.statistics.methods import (
+    MOST_ENGINES,
+    MOST_METHODS,
+    drawn_methods,
+    foremost,
+)
+from dubins_study.report.statistics.metrics import by_solver
+from dubins_study.report.topics.summary import best_solvers, solver_summary, summary_table
+
+REGIONS = ("all", "outside", "left disc", "right disc", "circle")
+# From dark to light, hatched if an answer is wrong, so that grey print keeps the order.
+MARKS = (
+    Mark("optimal", colour=BLUE),
+    Mark("none exists", colour="#b9def3"),
+    Mark(PRESOLVED, colour="#e6f2fa", hatch="|"),
+    Mark("longer", colour=ORANGE, hatch="///"),
+    Mark("misses", colour=VERMILION, hatch="xx"),
+    Mark("none", colour=RULE),
+)
+QUANTILES = (
+    SOLVER,
+    *columns(kind="text", region="target lies"),
+    *columns(count, attempts="attempts"),
+    *columns(share, arrived="arrive"),
+    *columns(digits(3), q50="median gap", q90="90 %", q99="99 %", q100="worst"),
+)
+_GAPS = np.geomspace(1e-16, 10.0, 171)  # points of a curve, ten to a decade
+
+
+def gap_quantiles(frame: pd.DataFrame) -> pd.DataFrame:
+    """`Attempts.gap_quantiles` in the order of solvers, with arrived as a share of the attempts.
+
+    A region that holds all of a solver's attempts is left out.
+    """
+    order = {region: place for place, region in enumerate(REGIONS)}
+    known = frame[frame["region"].isin(REGIONS)].sort_values("region", key=lambda r: r.map(order))
+    every = known.groupby("solver")["attempts"].transform("max")
+    news = (known["region"] == "all") | (known["attempts"] < every)
+    return by_solver(known[news].assign(arrived=known["arrived"] / known["attempts"]))
+
+
+def gap_shares(profile: pd.DataFrame) -> pd.DataFrame:
+    """Of `Attempts.gap_profile`: shares of attempts indexed by gap, a column per solver."""
+    shares = {}
+    for solver, rows in profile.groupby("solver"):
+        reached = np.append(0, rows["attempts"].cumsum()) / rows["attempts"].sum()
+        # The bins have ends at these gaps, but for rounding.
+        within = np.searchsorted(rows["gap"], _GAPS * (1 + 1e-9), side="right")
+        shares[str(solver)] = reached[within]
+    return pd.DataFrame(shares, pd.Index(_GAPS, name="gap"))
+
+
+def success_section(results: Results) -> Section | None:
+    """Verdicts, gap profiles and gap quantiles per region."""
+    attempts = results.attempts
+    each = {name: attempts.only({name}) for name in attempts.experiments}
+    frame = solver_summary(attempts)
+    frame = frame[frame["attempts"] > 0]
+    palette = Palette.of_page(results)
+    blocks: list[Picture | Table] = [_verdict_picture(frame, palette)] if len(frame) else []
+    if len(each) > 1:
+        blocks.append(_experiment_table(each))
+    quantiles = gap_quantiles(attempts.gap_quantiles())
+    if len(quantiles):
+        allowed = _gap_tolerances(results.folders)
+        blocks += [
+            _profile_picture(name, one, allowed.get(name), palette) for name, one in each.items()
+        ]
+        ordered = in_page_order(quantiles, results)
+        table = _quantile_table(ordered)
+        *short, every = best_first(table, table.frame["solver"], best_solvers(results))
+        blocks += [*short, replace(every, show=Show.FILE) if short else every]
+    text = (
+        "Questions that have a path; every attempt at them counts, failed ones too. The gap is "
+        "(length − reference) / max(reference, R) and only a path that arrives has one; the others "
+        "count as infinitely far off."
+    )
+    lead = (
+        "See in the bars how often each method is right, and in the curves how exact its paths are "
+        "where it arrives."
+    )
+    return Section("success", "Success and gaps", text, tuple(blocks), lead) if blocks else None
+
+
+def _experiment_table(each: Mapping[str, Attempts]) -> Table:
+    parts = [solver_summary(one).assign(experiment=name) for name, one in each.items()]
+    frame = pd.concat(parts, ignore_index=True)
+    caption = (
+        "The summary's numbers per experiment: not all experiments ask the same solvers. Questions "
+        "that have a path."
+    )
+    return summary_table(
+        "summary-by-experiment",
+        caption,
+        frame[frame["attempts"] > 0].reset_index(drop=True),
+        columns(kind="code", experiment="experiment"),
+    )
+
+
+def _verdict_picture(frame: pd.DataFrame, palette: Palette) -> Picture:
+    what = (
+        "Verdicts as shares of all attempts at questions that have a path. The plain "
+        "blue is success, hatched and grey are not"
+    )
+    several = len(frame) > MOST_METHODS
+    drawn = drawn_methods(frame) if several else frame
+    shares = drawn.assign(**drawn[list(VERDICTS)].div(drawn["attempts"], axis=0))
+    if several:
+        caption = f"{what}. {DRAWN_TEXT}"
+    else:
+        caption = f"{what}; false claims and wrong basins are counted at the right."
+        shares["name"] = drawn["solver"].map(palette.label)
+        shares["note"] = [
+            f"of {count(row['attempts'])}: {count(row['false_claims'])} false claims,\n"
+            f"{count(row['wrong_basins'])} wrong basins"
+            for row in drawn.to_dict("records")
+        ]
+    alt = "Stacked bars of verdicts, one per solver"
+    return Picture("verdicts", caption, stacked_shares(shares, MARKS, panels=several), alt)
+
+
+def _gap_tolerances(folders: Iterable[Folder]) -> dict[str, float]:
+    """Experiment -> largest gap that its runs accept as optimal; left out if two runs differ."""
+    tolerances: dict[str, set[float]] = {}
+    for folder in folders:
+        tolerances.setdefault(folder.name, set()).add(folder.manifest.gap_tolerance)
+    return {name: gap for name, (gap, *others) in tolerances.items() if not others}
+
+
+def _profile_picture(
+    experiment: str, attempts: Attempts, tolerance: float | None, palette: Palette
+) -> Picture:
+    shares = gap_shares(attempts.gap_profile())
+    caption = (
+        f"Experiment {experiment}: share of attempts within each gap. Higher is more reliable, "
+        "further left more accurate; a curve that ends below 100 % belongs to a solver that "
+        "sometimes does not arrive."
+    )
+    if len(shares.columns) > MOST_METHODS:
+        methods = solver_summary(attempts)
+        drawn = drawn_methods(methods[methods["solver"].isin(shares.columns)])
+        groups = drawn.groupby("formulation", sort=False)["solver"]
+        panels = {str(title): shares[list(solvers)] for title, solvers in groups}
+        names, rest = dict(zip(drawn["solver"], drawn["short"], strict=True)), DRAWN_TEXT
+    else:
+        named = foremost(
+            shares.iloc[-1] if tolerance is None else shares[: 1.01 * tolerance].iloc[-1]
+        )
+        panels, names = {"": shares}, {solver: palette.label(solver) for solver in named}
+        grey = len(shares.columns) - MOST_ENGINES
+        rest = f"Grey, without names: {some(grey, 'solver')}, optimal least often."
+        rest = rest if grey > 0 else ""
+    limit = "" if tolerance is None else "Dotted: optimal up to here."
+    figure = share_curves(
+        *(panels, names, palette, "gap to the shortest length (relative)"),
+        "share of all attempts",
+        limit=tolerance,
+    )
+    name, alt = f"gap-profile-{slug(experiment)}", f"Share of attempts against gap, {experiment}"
+    return Picture(name, sentences(caption, limit, rest), figure, alt)
+
+
+def _quantile_table(frame: pd.DataFrame) -> Table:
+    several = frame["solver"].nunique() > MOST_METHODS
+    if several:  # else the table has some hundred lines
+        frame = frame[frame["region"] == "all"].reset_index(drop=True)
+    caption = (
+        "Gap quantiles (relative, no unit) by where the target lies. ∞ means that so large a share "
+        "of the attempts did not arrive that the quantile is not reached."
+        f"{' Of so many solvers only all regions together.' if several else ''}"
+    )
+    return Table("gap-quantiles", caption, frame, QUANTILES)
+
+
+TOPIC = Topic("success and gaps", success_section, General.POOLED, counted=True)
