@@ -7,7 +7,7 @@ from typing import Any
 
 import pandas as pd
 
-from dubins_study.report.data.database import Database
+from dubins_study.report.data.selection import Database
 from dubins_study.study.check.certificate import PMP_TOLERANCE
 
 # The closed form; its rows fill the maps of the plane.

@@ -12,8 +12,7 @@ import pandas as pd
 import pyarrow as pa
 
 from dubins_study.report.data.attempts import Attempts
-from dubins_study.report.data.database import Database
-from dubins_study.report.data.selection import RowCounts, Source, select_attempts
+from dubins_study.report.data.selection import Database, RowCounts, Source, select_attempts
 from dubins_study.report.data.verdicts import methods
 from dubins_study.study.path import Path
 from dubins_study.study.rows.files import ResultsError
@@ -26,11 +25,8 @@ from dubins_study.study.scenario import Pose
 
 _CONTROLS = ["curvatures", "lengths"]
 _SCALARS = [c.name for c in ROW if not c.manifest and c.name not in _CONTROLS]
-_MAX_PLACE = 2**40
-_PLAIN = pa.schema(
-    [ARROW_SCHEMA.field(name) for name in [*_SCALARS, *_CONTROLS]]
-    + [pa.field(name, pa.int64()) for name in ("part", "place")]
-)
+_COLUMNS = [*_SCALARS, *_CONTROLS]
+_PLAIN = pa.schema([ARROW_SCHEMA.field(name) for name in _COLUMNS])
 
 
 class NoRowsError(ResultsError):
@@ -156,14 +152,14 @@ def load(folders: Iterable[str | FilePath]) -> Results:
     manifests = [read_manifest(path, printable=True) for path in paths]
     sources = [_source(*each) for each in zip(paths, manifests, strict=True)]
     files = [part.file for source in sources for part in source.parts]
-    stored_rows = _checked_rows(files)
-    database = Database(files)
+    database = Database(_checked_rows(files))
     counts = select_attempts(database, sources)
     for path, rows in zip(paths, counts, strict=True):
         if not rows.current:
             raise ResultsError(f"{path} has no rows but of earlier code: run it again")
     attempts = Attempts(database, {source.experiment for source in sources})
-    table = _counted_rows(database, stored_rows)
+    columns = ", ".join(f'"{name}"' for name in ("experiment", "answerable", *_COLUMNS))
+    table = database.table(f"SELECT {columns} FROM attempts ORDER BY part, place")
     return Results(
         folders=tuple(map(Folder, manifests, counts)),
         attempts=attempts,
@@ -205,34 +201,12 @@ def _source(folder: FilePath, manifest: Manifest) -> Source:
 
 
 def _checked_rows(files: Sequence[FilePath]) -> pa.Table:
-    """Check all parts, and read their rows.
-
-    Returns:
-        The columns of `_SCALARS` and `_CONTROLS`, part (the number of the file) and place (the
-        row's number in it); in this order.
-    """
+    """The rows of all parts, checked; with part (the file's number) and place (the row's in it)."""
     tables = []
     for number, file in enumerate(files):
-        first = 0
-        for batch in checked_batches(file, [*_SCALARS, *_CONTROLS]):
-            place = pa.array(np.arange(first, first + len(batch)))
-            part = pa.array(np.full(len(batch), number))
-            first += len(batch)
-            table = batch.append_column("part", part).append_column("place", place)
-            tables.append(table.cast(_PLAIN))
+        part = pa.concat_tables(batch.cast(_PLAIN) for batch in checked_batches(file, _COLUMNS))
+        places = {"part": np.full(len(part), number), "place": np.arange(len(part))}
+        for name, values in places.items():
+            part = part.append_column(name, pa.array(values))
+        tables.append(part)
     return pa.concat_tables(tables)
-
-
-def _counted_rows(database: Database, rows: pa.Table) -> pa.Table:
-    """The rows that count, with the columns `experiment` and `answerable`."""
-    query = "SELECT part, place, experiment, answerable FROM attempts ORDER BY part, place"
-    counted = database.table(query)
-    # Both tables are sorted by part and place.
-    position, wanted = (
-        table["part"].to_numpy() * _MAX_PLACE + table["place"].to_numpy()
-        for table in (rows, counted)
-    )
-    kept = rows.filter(pa.array(np.isin(position, wanted))).drop_columns(["part", "place"])
-    for name in ("answerable", "experiment"):
-        kept = kept.add_column(0, name, counted[name])
-    return kept

@@ -1,22 +1,61 @@
-"""Select the rows of several results folders that count: current code, without duplicates."""
+"""The rows of several results folders that count: current code, without duplicates; by DuckDB."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
+import duckdb
 import pandas as pd
 import pyarrow as pa
 
-from dubins_study.report.data.database import Database
 from dubins_study.study.closed_form.shortest import shortest
 from dubins_study.study.rows.attempts import JUDGED, compare_attempts, differences
 from dubins_study.study.rows.parts import Part
 from dubins_study.study.rows.schema import CELL, names
 from dubins_study.study.scenario import COLUMNS, Scenario
-from dubins_study.study.values import printable_text
 
 _CELL = ("experiment", *names(CELL))
+
+
+class Database:
+    """The rows of some folders as DuckDB's table `stored`, with NaN as null.
+
+    Args:
+        rows: columns of the schema, and `part`, the number of the file, and `place`, the row's
+            number in it.
+    """
+
+    def __init__(self, rows: pa.Table) -> None:
+        self._answers: dict[tuple[str, str], pd.DataFrame] = {}
+        self._connection = duckdb.connect(config={"threads": 1})
+        self.add_table("stored", rows)
+        for field in rows.schema:
+            if pa.types.is_floating(field.type):
+                name = f'"{field.name}"'
+                self.run(f"UPDATE stored SET {name} = NULL WHERE isnan({name})")
+
+    def run(self, statement: str) -> None:
+        """Run a statement that returns nothing."""
+        self._connection.execute(statement)
+
+    def add_table(self, name: str, table: pa.Table) -> None:
+        """Copy a table into the database."""
+        self._connection.register("given", table)
+        self.run(f'CREATE TABLE "{name}" AS SELECT * FROM given')
+        self._connection.unregister("given")
+
+    def table(self, query: str) -> pa.Table:
+        """The result of a query."""
+        return self._connection.sql(query).to_arrow_table()
+
+    def frame(self, query: str, parameters: Sequence[Any] = ()) -> pd.DataFrame:
+        """The result of a query; that of a repeated query is cached."""
+        key = query, repr(parameters)
+        if key not in self._answers:
+            result = self._connection.sql(query, params=list(parameters))
+            self._answers[key] = result.to_arrow_table().to_pandas()
+        return self._answers[key]
 
 
 class Source(NamedTuple):
@@ -56,15 +95,15 @@ class RowCounts(NamedTuple):
 def select_attempts(database: Database, sources: Sequence[Source]) -> list[RowCounts]:
     """Add the view `attempts` to a database, and count the rows of each source.
 
-    The view has the columns of `stored` with printable solver names, `experiment`, and
-    `answerable`: whether the question has an answer, so that a gap can be measured.
+    The view has the columns of `stored`, `experiment`, and `answerable`: whether the question has
+    an answer, so that a gap can be measured.
 
     Args:
         database: a database of the sources' parts, in the same order.
         sources: results folders; if two hold the same cell, the earlier one's attempt counts.
     """
     blocks = _blocks(database, sources)
-    columns = ["part", "stored_solver", "code_digest", "solver", "experiment"]
+    columns = ["part", "solver", "code_digest", "experiment"]
     _add(database, "blocks", blocks.loc[blocks["current"], columns])
     database.run(_CURRENT)
     pairs = _leave_out_repeats(database)
@@ -96,21 +135,17 @@ def _source_of_part(sources: Sequence[Source]) -> list[int]:
 def _blocks(database: Database, sources: Sequence[Source]) -> pd.DataFrame:
     """Number of rows per part, solver and code, and whether they count.
 
-    Columns: source, part, stored_solver and code_digest (unchanged values), solver (printable),
-    experiment, rows, current (whether the code is current).
+    Columns: source, part, solver, code_digest, experiment, rows, current (whether the code is
+    current).
     """
     source_of = _source_of_part(sources)
     records = []
     for block in database.table(_BLOCKS).to_pylist():
         number = source_of[block["part"]]
         source = sources[number]
-        solver, code = (printable_text(block[key]) for key in ("stored_solver", "code_digest"))
-        derived = {
-            "source": number,
-            "solver": solver,
-            "experiment": source.experiment,
-            "current": source.code_digests.get(solver, code) == code,
-        }
+        digest = block["code_digest"]
+        current = source.code_digests.get(block["solver"], digest) == digest
+        derived = {"source": number, "experiment": source.experiment, "current": current}
         records.append(block | derived)
     return pd.DataFrame.from_records(records)
 
@@ -148,14 +183,12 @@ def _add(database: Database, name: str, frame: pd.DataFrame) -> None:
 
 _ROW = ["part", "place"]
 _BLOCKS = """
-    SELECT part, solver AS stored_solver, code_digest, count(*) AS rows
+    SELECT part, solver, code_digest, count(*) AS rows
     FROM stored GROUP BY ALL ORDER BY ALL
 """
 _CURRENT = """
     CREATE VIEW current AS
-    SELECT stored.* EXCLUDE (solver), blocks.solver, blocks.experiment
-    FROM stored JOIN blocks ON stored.part = blocks.part
-        AND stored.solver = blocks.stored_solver AND stored.code_digest = blocks.code_digest
+    SELECT stored.*, blocks.experiment FROM stored JOIN blocks USING (part, solver, code_digest)
 """
 _REPEATED = f"""
     SELECT part, place, {", ".join(_CELL)}, code_digest, {", ".join(JUDGED)}, gap
