@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import tomllib
+from time import perf_counter
 
 import pytest
 
 from dubins_study.experiments.definition.experiment import ExperimentError, packaged, read
-from dubins_study.experiments.definition.toml_lines import KeyLines
+from dubins_study.experiments.definition.toml_lines import key_lines, line_of
 from dubins_study.experiments.plan.run_plan import Request, plan_run
 from dubins_study.solvers.registry import SolverError
 
@@ -50,7 +51,7 @@ MISTAKES = [
     "line 21: scenarios.1.target_y is '12deg': expected a number; texts such as '120deg' are for",
     "line 22: scenarios.1.sample.method is 'sobl': expected 'sobol' or 'latin hypercube'",
     "line 24: scenarios.1.sample.seed is -1: expected a number of at least 0",
-    "line 26: scenarios.1.sample.ranges.'tar get'.log is [0, 1]: a logarithmic range",
+    "line 25: scenarios.1.sample.ranges.'tar get'.log is [0, 1]: a logarithmic range",
 ]
 
 
@@ -227,24 +228,38 @@ def paths(value, path=()):
 
 
 @pytest.mark.parametrize("name", packaged())
-def test_each_value_stands_on_its_line(name):
-    """Of all packaged experiments: the line holds the value's text, or its table's last key."""
+def test_each_key_stands_on_its_line(name):
+    """Of all packaged experiments: the line holds the key, or that of the table around it."""
     text = read(name).text
-    lines, key_lines = text.splitlines(), KeyLines(text)
-    for path, value in paths(tomllib.loads(text)):
-        if not path:
-            continue
-        line = lines[key_lines.line(path) - 1]
-        if isinstance(value, str) and "\n" not in value:
-            assert value in line, path
-        elif isinstance(path[-1], str):
-            assert path[-1] in line, path
+    lines, known = text.splitlines(), key_lines(text)
+    for path, _ in paths(tomllib.loads(text)):
+        if path and isinstance(path[-1], str):
+            line = lines[line_of(path, known) - 1]
+            assert path[-1] in line or path not in known, path
 
 
 @pytest.mark.parametrize(
     "text", ["", "a = 1", '"a b".c = [[1], {d = 2}]', "[a]\n[a.b]\n[[a.c]]\nd=1"]
 )
-def test_every_key_has_a_line(text):
-    key_lines = KeyLines(text)
+def test_every_value_has_a_line(text):
+    known = key_lines(text)
 
-    assert all(key_lines.line(path) for path, _ in paths(tomllib.loads(text)) if path)
+    assert all(line_of(path, known) for path, _ in paths(tomllib.loads(text)) if path)
+
+
+@pytest.mark.parametrize(
+    ("line", "message"),
+    [
+        (".".join("k" * 20_000) + " = 1", "line 4: a key of more than 50 parts"),
+        ("k" * 40_000 + " = 1", "line 4: '" + "k" * 80 + "': unknown key"),
+        ('title2 = """' + (" " * 1000 + "\n") * 900 + '"""', "line 4: title2: unknown key"),
+        ("x = 1" + "\n" * 2**25, "expected at most 1048576: list scenarios in a .csv or"),
+    ],
+)
+def test_a_long_key_or_text_is_refused_in_a_moment(line, message, tmp_path):
+    text = f'title = "t"\nquestion = "q"\nsolvers = ["analytic"]\n{line}\n'
+    text += "[[scenarios]]\ntarget_x = 1\ntarget_y = 1\n"
+    began = perf_counter()
+
+    assert message in refusal_of(text, tmp_path)
+    assert perf_counter() - began < 5  # 27 s and 17 s before there was a bound

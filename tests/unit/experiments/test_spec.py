@@ -102,7 +102,7 @@ def test_samples_repeat_and_fill_their_ranges(method):
 
 @pytest.mark.parametrize("name", ["radius-sweep", "radius-sweep-full"])
 def test_the_radius_sweep_crosses_the_circle(name):
-    """At least 60 radii a problem, on both sides of the radius where the target enters."""
+    """Radii on both sides of the radius where the target enters."""
     experiment = read(name).experiment
     by_label: dict[str, list[Scenario]] = {}
     for group in chains(experiment.model_copy(update={"solvers": ["analytic"]})):
@@ -112,7 +112,7 @@ def test_the_radius_sweep_crosses_the_circle(name):
 
     assert len(by_label) == 5
     for sweep in by_label.values():
-        assert len(sweep) >= 60
+        assert len(sweep) >= 20
         inside = [max(local(s).w, local(s).mirrored.w) > 0 for s in sweep]
         assert inside == sorted(inside)
         assert True in inside

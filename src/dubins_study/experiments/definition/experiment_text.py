@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import tomllib
 from importlib.resources import files
 from pathlib import Path as FilePath
@@ -9,6 +10,12 @@ from typing import Any, NamedTuple
 
 from dubins_study.errors import DubinsStudyError
 from dubins_study.study.values import did_you_mean
+
+# Python reads half a megabyte of TOML in a tenth of a second.
+_MOST_BYTES = 2**20
+# For a key of thousands of parts it takes a minute.
+_MOST_PARTS = 50
+_LONG_KEY = re.compile(rf"""(?:\.\s*(?:[\w-]+|"[^"\n]*"|'[^'\n]*')\s*){{{_MOST_PARTS}}}""")
 
 
 class ExperimentError(DubinsStudyError, ValueError):
@@ -43,6 +50,11 @@ class ExperimentText(NamedTuple):
         Raises:
             ExperimentError: if it is not TOML; the reader stops at the first mistake.
         """
+        if long := _LONG_KEY.search(self.text):
+            line = self.text.count("\n", 0, long.start()) + 1
+            raise ExperimentError(
+                f"{self.path}: line {line}: a key of more than {_MOST_PARTS} parts; expected fewer"
+            )
         try:
             return tomllib.loads(self.text)
         except (ValueError, RecursionError) as error:  # also: a number too long, or deep nesting
@@ -68,7 +80,14 @@ def text_of(name: str) -> ExperimentText:
             f"{', '.join(packaged())}, or give the path of a .toml file"
         )
     try:
+        if (size := path.stat().st_size) > _MOST_BYTES:
+            raise ExperimentError(
+                f"experiment {name}: {size} bytes; expected at most {_MOST_BYTES}: list scenarios "
+                "in a .csv or .parquet file (--scenarios)"
+            )
         return ExperimentText(path.stem, name, path.read_text(encoding="utf-8-sig"))
+    except ExperimentError:
+        raise
     except UnicodeError:
         raise ExperimentError(f"experiment {name}: cannot be read: it is not UTF-8 text") from None
     except OSError as error:

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 from pydantic import ValidationError
 
-from dubins_study.experiments.definition.toml_lines import KeyLines, KeyPath
+from dubins_study.experiments.definition.toml_lines import KeyPath, key_lines, line_of
 from dubins_study.study.values import did_you_mean, nearest
 
 _WHOLE, _NUMBER, _TEXT = "expected a whole number", "expected a number", "expected a text"
@@ -67,14 +67,11 @@ def refusal(file: str, problems: list[Problem], text: str = "") -> str:
         problems: at least one.
         text: the text of the file, for the lines' numbers; empty where there is none.
     """
-    lines = KeyLines(text)
-    placed = [(lines.line(path) or 0, lines.order(path), sentence) for path, sentence in problems]
-    sentences = list(
-        dict.fromkeys(
-            f"line {line}: {sentence}" if line else sentence
-            for line, _, sentence in sorted(placed, key=lambda place: place[:2])
-        )
-    )
+    lines = key_lines(text)
+    placed = [(line_of(path, lines) or 0, sentence) for path, sentence in problems]
+    placed.sort(key=lambda place: place[0])
+    unique = dict.fromkeys(f"line {n}: {sentence}" if n else sentence for n, sentence in placed)
+    sentences = list(unique)
     if len(sentences) == 1:
         return f"{file}: {sentences[0]}"
     more = len(sentences) - _MAX_PROBLEMS
