@@ -9,7 +9,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from dubins_study.conformance.kit import check_solver as check_solver
+    from dubins_study.conformance.checks import check_solver as check_solver
     from dubins_study.errors import DubinsStudyError as DubinsStudyError
     from dubins_study.experiments.run import run as run
     from dubins_study.experiments.solve import solve as solve
@@ -43,7 +43,7 @@ _MODULES = {
     "Verdict": "study.words",
     "compare": "report.two_runs.compare",
     "available_solvers": "solvers.registry",
-    "check_solver": "conformance.kit",
+    "check_solver": "conformance.checks",
     "load_results": "report.data.results",
     "merge": "experiments.store.merge",
     "plot_path": "report.path_plot",

@@ -6,7 +6,7 @@ import pytest
 
 from dubins_study import available_solvers, check_solver
 from dubins_study.conformance import CHECKS
-from dubins_study.conformance.findings import Status
+from dubins_study.conformance.report import Status
 from dubins_study.solvers.protocol import Guarantee
 from dubins_study.solvers.registry import entries, load
 

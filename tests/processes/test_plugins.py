@@ -15,7 +15,7 @@ import pytest
 
 from dubins_study import check_solver
 from dubins_study.conformance import CHECKS
-from dubins_study.conformance.findings import Status
+from dubins_study.conformance.report import Status
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 LYING = EXAMPLES / "plugin-lying" / "src" / "lying_dubins"
@@ -23,46 +23,46 @@ ALL_ANSWERS = ("outcome", "controls", "claims", "branches")
 
 # lie -> the check that finds it, and words of what it says
 LIES = {
-    "radius as curvature": ("controls", "6.25 times the allowed one.*is your radius a curvature"),
-    "curvature of radius 1": ("controls", "2.5 times the allowed.*Divide them by the radius"),
-    "lengths in radii": ("controls", "lengths in radii. Multiply them by the radius"),
+    "radius as curvature": ("controls", "5.25 / R beyond.*is your radius a curvature"),
+    "lengths in radii": ("controls", "R from the target"),
+    "curvature of radius 1": ("controls", "1.5 / R beyond"),
     "path of radius 1": ("controls", "is your path that of radius 1"),
     "angles": ("controls", "lengths of your turns angles in rad"),
-    "degrees of turn": ("controls", "lengths of your turns angles in degrees"),
-    "times": ("controls", "are your lengths times. A length is time . speed"),
-    "turn rates": ("controls", "3 times the allowed one.*are your curvatures turn rates"),
-    "angles as curvatures": ("controls", "are your curvatures angles of turn"),
-    "degrees of curvature": ("controls", "are your curvatures in degrees"),
+    "degrees of turn": ("controls", "R from the target"),
+    "times": ("controls", "R from the target"),
+    "turn rates": ("controls", "2 / R beyond"),
+    "angles as curvatures": ("controls", "R beyond what the branch allows|R from the target"),
+    "degrees of curvature": ("controls", "R beyond what the branch allows"),
     "positions": ("controls", "are these positions. A path is its controls"),
     "left is right": ("controls", "left and right are swapped"),
-    "right is left": ("controls", "only turns to the right go wrong"),
-    "one turn to the wrong side": ("discs", "one of its turns is to the wrong side"),
-    "turns left out": ("controls", "are its turns left out.*length 0"),
-    "chords": ("controls", "lengths of your turns chords"),
-    "lengths times speed": ("controls", "lengths multiplied by the speed"),
-    "from the target": ("controls", "path starts at .*path from the target to the start"),
-    "summed lengths": ("controls", "summed up from the start"),
-    "swapped arrays": ("controls", "are curvature and length swapped"),
-    "negative length": ("controls", "lengths are not negative.*other sign of curvature"),
-    "not a number": ("controls", "a curvature or a length is not finite"),
-    "nearly there": ("controls", "0.000412 radii from the target.*tighten the tolerance"),
-    "start in the vehicle's frame": ("controls", "not at .0, 0, 1.1.*in the vehicle's frame"),
-    "start in degrees": ("controls", "its heading is in degrees; a Pose has rad"),
+    "right is left": ("controls", "left and right are swapped"),
+    "one turn to the wrong side": ("discs", "R from the target"),
+    "turns left out": ("controls", "R from the target"),
+    "chords": ("controls", "R from the target"),
+    "lengths times speed": ("controls", "R from the target"),
+    "from the target": ("controls", "the path starts elsewhere.*give question.scenario.start"),
+    "summed lengths": ("controls", "R from the target"),
+    "swapped arrays": ("controls", "R beyond what the branch allows|a length below 0"),
+    "negative length": ("controls", "a length below 0.*other sign of curvature"),
+    "not a number": ("controls", "a number that is not finite"),
+    "nearly there": ("controls", "ends 0.000412 R from the target.*tighten the tolerance"),
+    "start in the vehicle's frame": ("controls", "the path starts elsewhere"),
+    "start in degrees": ("controls", "the path starts elsewhere.*its heading to the last bit"),
     "heading in degrees": ("controls", "arrives if the heading is taken for degrees"),
-    "heading into degrees": ("controls", "arrives if the heading is turned into degrees"),
-    "no heading": ("controls", "the start heading is 0: is question.scenario.heading used"),
-    "compass": ("controls", "the heading is a compass course"),
-    "clockwise heading": ("controls", "the heading is clockwise"),
-    "start at the origin": ("controls", "start is .0, 0.: are question.scenario.x and y used"),
-    "relative target": ("controls", "Start and target are positions in one frame"),
-    "radius 1": ("controls", "2.5 times the allowed one.*is your path that of radius 1"),
-    "diameter": ("controls", "2 times the allowed one.*is your radius a diameter"),
-    "wide turns": ("claims", "2 times as wide as the radius allows.*taken for a diameter"),
-    "radius times speed": ("claims", "3 times as wide.*is your radius multiplied by the speed"),
+    "heading into degrees": ("controls", "R from the target"),
+    "no heading": ("controls", "R from the target"),
+    "compass": ("controls", "R from the target"),
+    "clockwise heading": ("controls", "R from the target"),
+    "start at the origin": ("controls", "R from the target"),
+    "relative target": ("controls", "R from the target"),
+    "radius 1": ("controls", "1.5 / R beyond"),
+    "diameter": ("controls", "1 / R beyond.*keep the curvature between"),
+    "wide turns": ("claims", "2 times as wide as the radius allows"),
+    "radius times speed": ("claims", "3 times as wide"),
     "no start": ("controls", "starts at .0, 0. with heading 0: is question.scenario.start used"),
-    "backwards": ("controls", "if start and target are exchanged"),
-    "y down": ("controls", "arrives if y points down"),
-    "radius inverted": ("controls", "6.25 times the allowed one.*is your radius a curvature"),
+    "backwards": ("controls", "R from the target"),
+    "y down": ("controls", "R from the target"),
+    "radius inverted": ("controls", "5.25 / R beyond"),
     "any word": ("branches", "asked for LS, and its path is RS"),
     "always optimal": ("discs", "claims optimal, but its path is 27.4 % longer.*claim LOCAL"),
     "needless turns": ("claims", "172 % longer.*turns by more than a full turn"),
@@ -194,7 +194,7 @@ def test_a_command_of_a_finding_asks_the_same_question(beside):
     answer = json.loads(process.stdout)
 
     assert answer["verdict"] == "misses"
-    assert f"{answer['miss']:.3g} radii" in finding.observed
+    assert f"{answer['miss']:.3g} R from" in finding.observed
 
 
 @pytest.mark.slow

@@ -48,7 +48,7 @@ BUDGETS = {
 }
 # Rooms that are still larger: a line goes when its room fits the budget above.
 BUDGETS |= {
-    "study": Size(5_350, 43),
+    "study": Size(5_600, 43),
     "solvers": Size(10_600, 92),
     "experiments": Size(7_850, 65),
     "conformance": Size(2_510, 15),

@@ -56,7 +56,6 @@ def _summary(page: FilePath) -> pd.DataFrame:
         file,
         keep_default_na=False,
         na_values=[""],
-        float_precision="round_trip",
         dtype_backend="numpy_nullable",  # a column of counts with gaps stays one of whole numbers
     )
 

@@ -6,7 +6,7 @@ and returns a `ConformanceReport`. `CHECKS` are the names of its checks, for
 """
 
 from dubins_study.conformance.checks import CHECKS as CHECKS
-from dubins_study.conformance.kit import check_solver as check_solver
+from dubins_study.conformance.checks import check_solver as check_solver
 from dubins_study.conformance.report import ConformanceReport as ConformanceReport
 
 __all__ = ["CHECKS", "ConformanceReport", "check_solver"]

@@ -8,21 +8,15 @@ from dataclasses import replace
 from enum import StrEnum
 from typing import NamedTuple
 
-from dubins_study.conformance.causes import cause_of
-from dubins_study.conformance.faults import (
-    claimed_length_cause,
-    length_cause,
-    start_cause,
-    tightness_cause,
-)
-from dubins_study.conformance.findings import Finding, Status
-from dubins_study.conformance.interview import Seen
+from dubins_study.conformance.causes import cause_of, length_cause
+from dubins_study.conformance.interview import Interview, Seen
 from dubins_study.conformance.questions import check_command, command, name_of
+from dubins_study.conformance.report import Finding, Status
 from dubins_study.solvers.attempt import Answer
 from dubins_study.solvers.protocol import Guarantee
-from dubins_study.study.check.verdict import curvature_excess, judge
+from dubins_study.study.check.verdict import judge, miss_reason
 from dubins_study.study.path import Path, drivable
-from dubins_study.study.scenario import Scenario
+from dubins_study.study.tolerances import Tolerances
 from dubins_study.study.words import Claim, Outcome, Verdict
 
 
@@ -43,52 +37,14 @@ class Problem(NamedTuple):
     finding: Finding
 
 
+_Observed = tuple[Kind, Status, str, str]  # what it is about, how bad, what was seen, what to do
 # claims that say that a path was found
 _SUCCESS = (Claim.OPTIMAL, Claim.LOCAL, Claim.FEASIBLE)
 # relative: a claimed length that differs by less is rounded
 _CLAIMED = 1e-4
 # radii: a path that ends within this of the target is right but for its solver's tolerance
 _NEAR = 1e-2
-
-
-def problems(seen: Seen, name: str, guarantee: str) -> list[Problem]:
-    """What is wrong with one answer; empty if nothing is.
-
-    Args:
-        seen: the judged answer.
-        name: of its scenario.
-        guarantee: the solver's, as it declares it.
-    """
-    answer = seen.answer
-    spec = answer.solver
-
-    def problem(
-        kind: Kind, status: Status, observed: str, advice: str = "", traceback: str = ""
-    ) -> Problem:
-        shown = command(spec, seen.question)
-        if seen.question.initial_guess is not None:  # no option of `solve` hands one over
-            shown = check_command(spec, "warm")
-        return Problem(kind, Finding(status, observed, advice, name, shown, traceback))
-
-    if answer.outcome is not Outcome.RETURNED:
-        observed, advice = _not_returned(answer, seen)
-        return [problem(Kind.OUTCOME, Status.FAIL, observed, advice, seen.traceback)]
-    listed = []
-    for kind, status, observed, advice in _of_path(answer) + _of_length(answer, guarantee):
-        listed.append(problem(kind, status, observed, advice))
-    if answer.false_bound:
-        bound = "" if answer.lower_bound is None else f" {answer.lower_bound:.10g}"
-        shortest = "" if answer.reference is None else f", {answer.reference:.10g}"
-        observed = f"the lower bound{bound} lies above the shortest length{shortest}"
-        advice = (
-            "lower_bound must hold for the question itself, not for a grid or a relaxation of it: "
-            "leave it empty unless the method proves it"
-        )
-        listed.append(problem(Kind.BOUND, Status.FAIL, observed, advice))
-    return listed
-
-
-_Observed = tuple[Kind, Status, str, str]
+# outcome -> what to do; part of the message of an exception -> what to do
 _OUTCOMES = {
     Outcome.CRASHED: "run the command below with your own debugger, or `dubins_study.solve(..., "
     "isolated=False)`, which asks in your own process",
@@ -108,25 +64,41 @@ _RAISED = {
     "curvature has shape": "give one curvature and one length for each arc",
     "expected a Path or None": "make a Path(question.scenario.start, curvatures, lengths)",
 }
+_SAID = {
+    Outcome.RAISED: "it raised {}",
+    Outcome.TIMEOUT: "it did not return: {}",
+    Outcome.CRASHED: "it crashed: {}",
+}
 
 
-def _not_returned(answer: Answer, seen: Seen) -> tuple[str, str]:
-    observed = {
-        Outcome.RAISED: f"it raised {answer.message}",
-        Outcome.TIMEOUT: f"it did not return: {answer.message}",
-        Outcome.CRASHED: f"it crashed: {answer.message}",
-    }.get(answer.outcome, f"{answer.outcome}: {answer.message}")
-    for part, advice in _RAISED.items():
-        if part in answer.message:
-            return observed, advice
-    return observed, _OUTCOMES.get(answer.outcome, "")
+def problems(interview: Interview, seen: Seen, name: str) -> list[Problem]:
+    """What is wrong with one answer; empty if nothing is. `name` is that of its scenario."""
+    answer = seen.answer
+    if answer.outcome is Outcome.RETURNED:
+        guarantee = str(interview.declared["guarantee"])
+        observations = [
+            *_of_path(answer, interview.tolerances),
+            *_of_length(answer, guarantee),
+            *_of_bound(answer),
+        ]
+    else:
+        observed = _SAID.get(answer.outcome, f"{answer.outcome}: {{}}").format(answer.message)
+        advice = _OUTCOMES.get(answer.outcome, "")
+        advice = next((text for part, text in _RAISED.items() if part in answer.message), advice)
+        observations = [(Kind.OUTCOME, Status.FAIL, observed, advice)]
+    shown = command(answer.solver, seen.question)
+    if seen.question.initial_guess is not None:  # no option of `solve` hands one over
+        shown = check_command(answer.solver, "warm")
+    return [
+        Problem(kind, Finding(status, observed, advice, name, shown, seen.traceback))
+        for kind, status, observed, advice in observations
+    ]
 
 
-def _of_path(answer: Answer) -> list[_Observed]:
+def _of_path(answer: Answer, tolerances: Tolerances) -> list[_Observed]:
     """What keeps an answer from arriving, or from being what it says."""
     path, claim = answer.path, answer.claim
     honest = claim not in _SUCCESS
-    status = Status.NOTE if honest else Status.FAIL
     if path is None:
         return _without_path(answer)
     if claim is Claim.INFEASIBLE:
@@ -134,20 +106,20 @@ def _of_path(answer: Answer) -> list[_Observed]:
         return [(Kind.CLAIM, Status.FAIL, "it claims infeasible and returns a path", advice)]
     if answer.verdict is not Verdict.MISSES or (honest and answer.reference is None):
         return []
-    observed, advice = _missing(answer, path)
+    reason = miss_reason(answer.scenario, path, answer.branch, tolerances)
     if honest:
-        observed, advice = f"it returns a path that misses, and says so ({claim}): {observed}", ""
-    else:
-        observed = f"it claims {claim}, but {observed}"
-    return [(Kind.CONTROLS, status, observed, advice)]
+        observed = f"it returns a path that misses, and says so ({claim}): {reason}"
+        return [(Kind.CONTROLS, Status.NOTE, observed, "")]
+    advice = _advice(answer, path, tolerances)
+    return [(Kind.CONTROLS, Status.FAIL, f"it claims {claim}, but {reason}", advice)]
 
 
 def _without_path(answer: Answer) -> list[_Observed]:
-    claim, exists = answer.claim, answer.reference is not None
+    claim = answer.claim
     if claim in _SUCCESS:
         advice = "return the path with the claim; without one, claim FAILED"
         return [(Kind.CLAIM, Status.FAIL, f"it claims {claim} and returns no path", advice)]
-    if answer.verdict is Verdict.NONE_EXISTS or not exists:
+    if answer.verdict is Verdict.NONE_EXISTS or answer.reference is None:
         return []
     there = (
         f"there is one, {answer.reference_word or 'of length 0'}, of length {answer.reference:.6g}"
@@ -160,72 +132,42 @@ def _without_path(answer: Answer) -> list[_Observed]:
         )
         return [(Kind.CLAIM, Status.FAIL, observed, advice)]
     said = f": {answer.message}" if answer.message else ""
-    observed = f"it finds no path (claim {claim}{said}); {there}"
-    return [(Kind.LENGTH, Status.NOTE, observed, "")]
+    return [(Kind.LENGTH, Status.NOTE, f"it finds no path (claim {claim}{said}); {there}", "")]
 
 
-def _missing(answer: Answer, path: Path) -> tuple[str, str]:
-    """Which condition a path fails, and why it may."""
+def _advice(answer: Answer, path: Path, tolerances: Tolerances) -> str:
+    """What to do about a path that misses."""
     scenario, branch = answer.scenario, answer.branch
     if not drivable(path):
-        if path.length.min(initial=0.0) < 0:
-            advice = "a turn to the other side has the other sign of curvature, not of length"
-            observed = f"a length is {path.length.min():.3g}; lengths are not negative"
-            return observed, cause_of(scenario, path) or advice
-        return "a curvature or a length is not finite", "claim FAILED where there is no number"
-    radii = [k * scenario.radius for k, s in zip(path.curvature, path.length, strict=True) if s > 0]
-    excess = curvature_excess(radii, "best")
-    end = path.end
-    miss = math.hypot(end.x - scenario.target_x, end.y - scenario.target_y) / scenario.radius
-    if path.start != scenario.start:
-        advice = start_cause(scenario, path)
-        digits = 6 if _pose(path.start) != _pose(scenario.start) else 17
-        given, expected = _pose(path.start, digits), _pose(scenario.start, digits)
-        return f"its path starts at {given}, not at {expected}", advice
-    if excess > 1e-9:
-        observed = (
-            f"its curvature is {1 + excess:.3g} times the allowed one, "
-            f"1 / radius = {1 / scenario.radius:.4g}"
-        )
-        arrives = miss < _NEAR
-        return observed, (
-            tightness_cause(scenario, excess) if arrives else cause_of(scenario, path)
-        ) or tightness_cause(scenario, excess)
-    if miss > 1e-6:
-        observed = f"its path ends {miss:.3g} radii from the target; 1e-6 counts as arriving"
-        if miss < _NEAR:
-            return observed, "tighten the tolerance of the end point, or claim FAILED"
-        return observed, cause_of(scenario, path) or _in_disc(scenario, branch) or (
-            "drive your path with question.scenario.start: dubins_study.Path(start, curvatures, "
-            "lengths).end is where it ends"
-        )
-    if branch != "best" and judge(scenario, path).verdict is not Verdict.MISSES:
-        if answer.word == branch:
-            return (
-                f"its turns are wider than the radius; those of a path {branch} are not",
-                "is question.scenario.radius used? Both turns have a curvature of 1 / radius",
-            )
         return (
-            f"it was asked for {branch}, and its path is {answer.word}",
-            "question.branch is the word that is asked for; leave words that the method does not "
-            "tell apart out of `branches`",
+            "claim FAILED where there is no number; a turn to the other side has the other sign of "
+            "curvature, not of length"
         )
-    return "its path is too long to be driven to within a radius", ""
-
-
-def _in_disc(scenario: Scenario, branch: str) -> str:
-    """What to do about targets inside a turning disc, if the scenario's is one; else nothing."""
+    if path.start != scenario.start:
+        return "give question.scenario.start as it is, its heading to the last bit"
+    assert answer.miss is not None  # the path can be driven
+    if answer.miss > _NEAR * scenario.radius and (cause := cause_of(scenario, path)):
+        return cause
+    if judge(scenario, path, tolerances=tolerances).verdict is not Verdict.MISSES:
+        return (
+            f"it was asked for {branch}, and its path is {answer.word}; {branch} turns with the "
+            "curvature 1 / radius. Leave words that the method does not tell apart out of "
+            "`branches`"
+        )
+    if (answer.curvature_excess or 0.0) > tolerances.curvature:
+        return "keep the curvature between -1 / radius and 1 / radius: clip it where it is rounded"
+    if answer.miss <= _NEAR * scenario.radius:
+        return "tighten the tolerance of the end point, or claim FAILED"
     X, Y = scenario.local()
-    if branch != "best" or math.hypot(X, abs(Y) - 1) >= 1:
-        return ""
+    if branch == "best" and math.hypot(X, abs(Y) - 1) < 1:
+        return (
+            "inside a turning disc no turn towards the target leads to it: a turn away comes "
+            "first (RL or LR), or nearly a full turn (RS or LS); else claim FAILED"
+        )
     return (
-        "inside a turning disc no turn towards the target leads to it: a turn away comes first (RL "
-        "or LR), or nearly a full turn (RS or LS). Claim FAILED where the method has neither"
+        "drive your path with question.scenario.start: dubins_study.Path(start, curvatures, "
+        "lengths).end is where it ends"
     )
-
-
-def _pose(pose: Iterable[float], digits: int = 6) -> str:
-    return "({})".format(", ".join(f"{value:.{digits}g}" for value in pose))
 
 
 def _of_length(answer: Answer, guarantee: str) -> list[_Observed]:
@@ -234,40 +176,51 @@ def _of_length(answer: Answer, guarantee: str) -> list[_Observed]:
     length, claimed = answer.length, answer.claimed_length
     if answer.verdict is Verdict.LONGER and answer.claim is not Claim.INFEASIBLE:
         listed.append(_longer(answer, guarantee))
-    if claimed is not None and length is not None and answer.verdict is not Verdict.MISSES:
-        scale = max(length, answer.scenario.radius)
-        if abs(claimed - length) > _CLAIMED * scale:
-            observed = f"claimed_length is {claimed:.6g}; its path is {length:.6g} long"
-            assert answer.path is not None  # it has a length
-            advice = claimed_length_cause(answer.scenario, answer.path, claimed)
-            listed.append((Kind.LENGTH, Status.NOTE, observed, advice))
+    if claimed is None or length is None or answer.verdict is Verdict.MISSES:
+        return listed
+    if abs(claimed - length) > _CLAIMED * max(length, answer.scenario.radius):
+        observed = f"claimed_length is {claimed:.6g}; its path is {length:.6g} long"
+        advice = "claimed_length is a length, not a travel time, in the unit of the scenario"
+        listed.append((Kind.LENGTH, Status.NOTE, observed, advice))
     return listed
 
 
 def _longer(answer: Answer, guarantee: str) -> _Observed:
     assert answer.gap is not None
+    assert answer.path is not None
     word, best = answer.word or "none", answer.reference_word or "none"
-    share = 100 * answer.gap
-    how = f"{share:.3g} % longer than the shortest one ({word} instead of {best})"
-    if word == best:
-        how = f"{share:.3g} % longer than the shortest {best}"
-    cause = "" if answer.path is None else length_cause(answer.scenario, answer.path)
+    how = f"its path is {100 * answer.gap:.3g} % longer than the shortest "
+    how += best if word == best else f"one ({word} instead of {best})"
+    cause = length_cause(answer.scenario, answer.path)
     if answer.claim is Claim.OPTIMAL:
         advice = cause or "claim LOCAL unless the method proves that no path is shorter"
-        observed = f"it claims optimal, but its path is {how}"
-        return Kind.CLAIM, Status.FAIL, observed, advice
-    exact = guarantee in (Guarantee.EXACT, Guarantee.GLOBAL)
-    if exact and answer.claim in _SUCCESS:
+        return Kind.CLAIM, Status.FAIL, f"it claims optimal, but {how}", advice
+    if guarantee in (Guarantee.EXACT, Guarantee.GLOBAL) and answer.claim in _SUCCESS:
         advice = cause or "declare another guarantee, or claim LIMIT where the time did not suffice"
-        observed = f"it declares the guarantee {guarantee!r}, but its path is {how}"
+        observed = f"it declares the guarantee {guarantee!r}, but {how}"
         return Kind.CLAIM, Status.FAIL, observed, advice
-    return Kind.LENGTH, Status.NOTE, f"its path is {how}", cause
+    return Kind.LENGTH, Status.NOTE, how, cause
 
 
-def unanswered(asked: Iterable[Seen], name: str) -> tuple[Finding, ...]:
+def _of_bound(answer: Answer) -> list[_Observed]:
+    if not answer.false_bound:
+        return []
+    bound = "" if answer.lower_bound is None else f" {answer.lower_bound:.10g}"
+    shortest = "" if answer.reference is None else f", {answer.reference:.10g}"
+    observed = f"the lower bound{bound} lies above the shortest length{shortest}"
+    advice = (
+        "lower_bound must hold for the question itself, not for a grid or a relaxation of it: "
+        "leave it empty unless the method proves it"
+    )
+    return [(Kind.BOUND, Status.FAIL, observed, advice)]
+
+
+def unanswered(interview: Interview, asked: Iterable[Seen], name: str) -> tuple[Finding, ...]:
     """Findings about questions that were not answered; of scenarios with the name, or their own."""
     listed = [
-        p for seen in asked for p in problems(seen, name or name_of(seen.question.scenario), "")
+        problem
+        for seen in asked
+        for problem in problems(interview, seen, name or name_of(seen.question.scenario))
     ]
     return united(problem for problem in listed if problem.kind is Kind.OUTCOME)
 

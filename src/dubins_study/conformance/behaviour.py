@@ -1,36 +1,105 @@
-"""Checks of what a solver does to its process, its time and itself."""
+"""Checks of what a solver says of itself, and of what it does to its process and its time."""
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
 from dubins_study.conformance import questions
 from dubins_study.conformance.answers import unanswered
-from dubins_study.conformance.findings import CheckResult, Finding, Status
-from dubins_study.conformance.interview import Interview, Seen
+from dubins_study.conformance.interview import GRACE_S, Interview, Seen
 from dubins_study.conformance.observer import RANDOM, TEMPORARY
 from dubins_study.conformance.questions import check_command, command
-from dubins_study.conformance.worker import GRACE_S
+from dubins_study.conformance.report import CheckResult, Finding, Status
 from dubins_study.experiments.isolation.pool import GRACE_S as RUN_GRACE_S
-from dubins_study.solvers.protocol import Guarantee, Question
-from dubins_study.study.path import Path
-from dubins_study.study.words import BRANCHES, Outcome
+from dubins_study.solvers.protocol import NOT_STATED, Guarantee, Question
+from dubins_study.study.values import did_you_mean
+from dubins_study.study.words import BRANCHES, FORMULATIONS, Outcome
 
-# Seconds of a limit that a solver is given to be cut off by, and that it may take beyond a limit
-# if it promises to keep it (`Solver.keeps_limit`).
-_SHORT_LIMIT_S, _BEYOND_S = 0.05, 1.0
-# relative: answers that differ by less differ in rounding only
-_ROUNDING = 1e-12
+# part of the message of a solver that does not load -> what to do, where it is not the file
+_BROKEN = {
+    "required positional argument": "give each setting a default, such as `n: int = 10`",
+    "cannot be made": "its class is called with no arguments, and with settings; it must not raise",
+    "": "the file has to load by itself: python my_solver.py must not raise",
+}
+
+
+def broken(message: str, traceback: str, spec: str) -> Finding:
+    """The finding about a solver that does not load."""
+    advice = next(text for part, text in _BROKEN.items() if part in message)
+    shown = check_command(spec, "loading")
+    return Finding(Status.FAIL, message, advice, command=shown, traceback=traceback)
+
+
+def loading(interview: Interview, name: str, title: str) -> CheckResult:
+    """What a solver that was loaded says of itself."""
+    declared = interview.declared
+    found = [*_wrong_declaration(declared), *_settings(declared)]
+    shown = check_command(interview.spec, name)
+    formulation, engine = declared["method"][:2]
+    summary = f"{declared['name']}: {formulation}, {engine}"
+    return CheckResult(name, title, tuple(replace(one, command=shown) for one in found), summary)
+
+
+def _wrong_declaration(declared: dict[str, Any]) -> list[Finding]:
+    found = []
+    unknown = [name for name in declared["branches"] if name not in BRANCHES]
+    if unknown or not declared["branches"]:
+        observed = f"branches names {unknown[0]!r}" if unknown else "branches is empty"
+        found.append(Finding(Status.FAIL, observed, f"expected some of: {', '.join(BRANCHES)}"))
+    if declared["guarantee"] not in set(Guarantee):
+        observed = f"guarantee is {declared['guarantee']!r}"
+        advice = f"expected a Guarantee: {', '.join(Guarantee)}"
+        found.append(Finding(Status.FAIL, observed, advice))
+    if declared["unavailable"] is not None:
+        observed, status, advice = f"it cannot run here: {declared['unavailable']}", Status.NOTE, ""
+        if declared["reason_raised"]:
+            status = Status.FAIL
+            advice = "unavailable() does not raise: it returns the reason as a text, or None"
+        found.append(Finding(status, observed, advice))
+    formulation, engine = declared["method"][:2]
+    if (formulation, engine) == NOT_STATED[:2]:
+        advice = 'add method = ("penalty", "my engine", "random"): formulation, engine, guess'
+        found.append(Finding(Status.NOTE, "it does not state its method", advice))
+    elif formulation not in FORMULATIONS:
+        hint = did_you_mean(formulation, FORMULATIONS)
+        advice = f"{hint}A row of its own is fine; the others are: {'; '.join(FORMULATIONS)}"
+        observed = f"its formulation, {formulation!r}, is not one of this package's"
+        found.append(Finding(Status.NOTE, observed, advice))
+    if not declared["summary"]:
+        found.append(Finding(Status.NOTE, "it has no summary", "add a line: summary = ..."))
+    return found
+
+
+def _settings(declared: dict[str, Any]) -> list[Finding]:
+    found = [
+        Finding(Status.NOTE, f"a spec cannot set {problem}", advice)
+        for problem, advice in declared["setting_problems"]
+    ]
+    if declared["no_settings"] is not None:
+        names = ", ".join(declared["no_settings"])
+        observed = f"it is no dataclass: {names} cannot be set" if names else "it is no dataclass"
+        advice = "write @dataclass(frozen=True) above its class: its fields are then its settings"
+        found.append(Finding(Status.NOTE, observed, advice))
+    if not declared["frozen"]:
+        advice = "write @dataclass(frozen=True): the same settings then stay the same solver"
+        found.append(Finding(Status.NOTE, "its settings can be changed", advice))
+    return found
 
 
 def _question(interview: Interview, name: str) -> Question:
     """A general question of a branch that the solver answers."""
-    scenario, branches = questions.GENERAL[name], interview.declared["branches"]
-    known = [branch for branch in BRANCHES if branch in branches]
-    return Question(scenario, "best" if "best" in known or not known else known[0])
+    branches = [branch for branch in BRANCHES if interview.answers(branch)]
+    return Question(questions.GENERAL[name], branches[0] if branches else "best")
+
+
+# Seconds of a limit that a solver is given to be cut off by, and that it may take beyond a limit
+# if it promises to keep it (`Solver.keeps_limit`).
+_SHORT_LIMIT_S, _BEYOND_S = 0.05, 1.0
 
 
 def limits(interview: Interview, name: str, title: str) -> CheckResult:
@@ -40,28 +109,32 @@ def limits(interview: Interview, name: str, title: str) -> CheckResult:
     first = interview.ask(question)  # the libraries are loaded by now
     seen = interview.ask(question, again=True, limit=_SHORT_LIMIT_S)
     timed_out = seen.answer.outcome is Outcome.TIMEOUT
-    silent = unanswered([first] if timed_out else [first, seen], "all at once")
+    silent = unanswered(interview, [first] if timed_out else [first, seen], "all at once")
     seconds = seen.answer.wall_s or seen.seconds
     # a run ends a solve sooner than the promise asks for
     beyond = _BEYOND_S if promised else RUN_GRACE_S
     if not timed_out and seconds <= _SHORT_LIMIT_S + beyond:
         summary = f"{seconds:.3f} s with a limit of {_SHORT_LIMIT_S} s"
         return CheckResult(name, title, silent, summary)
-    observed = f"with a limit of {_SHORT_LIMIT_S} s it takes {seconds:.2f} s"
-    if timed_out:
-        observed = f"with a limit of {_SHORT_LIMIT_S} s it does not return within {GRACE_S:g} s"
+    took = f"it does not return within {GRACE_S:g} s" if timed_out else f"it takes {seconds:.2f} s"
     advice = (
         "look at `limit`, the second argument of solve, and return the best path so far with "
         "Claim.LIMIT; a run ends the process at the limit and keeps no path"
     )
-    status = Status.NOTE
     if promised:
-        status, advice = Status.FAIL, f"{advice}. Until then, do not promise keeps_limit"
-    shown = command(interview.spec, question) + f" --time-limit {_SHORT_LIMIT_S}"
-    late = Finding(status, observed, advice, "all at once", shown)
+        advice += ". Until then, do not promise keeps_limit"
+    late = Finding(
+        Status.FAIL if promised else Status.NOTE,
+        f"with a limit of {_SHORT_LIMIT_S} s {took}",
+        advice,
+        "all at once",
+        command(interview.spec, question) + f" --time-limit {_SHORT_LIMIT_S}",
+    )
     return CheckResult(name, title, (*silent, late))
 
 
+# relative: answers that differ by less differ in rounding only
+_ROUNDING = 1e-12
 # Solves of at least so many seconds, each of them so many times sooner when it is asked again, are
 # no solves: libraries are loaded before, and a busy machine does not spare the same four questions.
 _LEAST_TIMED_S, _FAR_SOONER = 1e-3, 20.0
@@ -82,29 +155,33 @@ def determinism(interview: Interview, name: str, title: str) -> CheckResult:
     found = []
     for seen, when in ((second, "after other questions"), (third, "in a new process")):
         for place, one, again in zip(_ASKED_AGAIN, first, seen, strict=True):
-            found += _changed(one, again, when, place, check_command(interview.spec, name))
-    silent = unanswered([*first, *second, *third], "")
+            if difference := _difference(one, again):
+                found.append(_changed(one, again, difference, when, place))
     worst = sorted(found, key=lambda one: one.status is not Status.FAIL)[:1]
-    listed = (*silent, *worst, *_kept_answers(first, second), *_repeat(interview, first[0]))
+    silent = unanswered(interview, [*first, *second, *third], "")
+    notes = [*_kept_answers(first, second), *_repeat(interview, first[0])]
+    shown = check_command(interview.spec, name)
+    listed = (*silent, *(replace(one, command=shown) for one in worst), *notes)
     if not listed and all(seen.answer.path is None for seen in first):
         return CheckResult(name, title, (), "it returned no path", Status.NOT_APPLICABLE)
     return CheckResult(name, title, listed, f"{len(known)} questions, three times the same")
 
 
-def _changed(first: Seen, again: Seen, when: str, place: str, shown: str) -> list[Finding]:
-    """What tells the answers to one question apart; nothing where they are the same."""
-    difference = _difference(first, again)
-    if difference is None:
-        return []
+def _changed(first: Seen, again: Seen, difference: float, when: str, place: str) -> Finding:
+    """What tells the answers to one question apart."""
     observed = f"asked again {when}, its answer differs by {difference:.2g} of the length"
-    if difference == np.inf:
-        observed = f"asked again {when}, it answers {_said(again)}; the first time {_said(first)}"
+    if difference == math.inf:
+        said = [
+            f"{seen.answer.outcome}, {seen.answer.claim}, {seen.answer.word or 'no path'}"
+            for seen in (again, first)
+        ]
+        observed = f"asked again {when}, it answers {said[0]}; the first time {said[1]}"
     advice = (
         "draw random numbers from a generator of the solver's own, seeded in build or solve "
         "by a setting and question.repeat, and keep nothing between questions"
     )
     status = Status.NOTE if difference <= _ROUNDING else Status.FAIL
-    return [Finding(status, observed, advice, place, shown)]
+    return Finding(status, observed, advice, place)
 
 
 def _kept_answers(first: list[Seen], second: list[Seen]) -> list[Finding]:
@@ -128,38 +205,30 @@ def _repeat(interview: Interview, first: Seen) -> list[Finding]:
     """What another repeat of a question shows, of a solver that says it is stochastic."""
     if interview.declared["guarantee"] != Guarantee.STOCHASTIC:
         return []
-    again = interview.ask(replace(first.question, repeat=1))
-    if _difference(first, again) is not None:
+    if _difference(first, interview.ask(replace(first.question, repeat=1))):
         return []
     observed = "it is stochastic, and its second repeat is the same as its first"
     advice = "add question.repeat to the seed: repeats then tell how much is luck"
     return [Finding(Status.NOTE, observed, advice)]
 
 
-def _said(seen: Seen) -> str:
-    answer = seen.answer
-    return f"{answer.outcome}, {answer.claim}, {answer.word or 'no path'}"
-
-
-def _difference(first: Seen, second: Seen) -> float | None:
+def _difference(first: Seen, second: Seen) -> float:
     """How far two answers differ (share of the length); infinite if not only in numbers."""
-    one, other = first.answer, second.answer
-    if (one.outcome, one.claim) != (other.outcome, other.claim):
-        return float(np.inf)
-    if one.path is None or other.path is None:
-        return None if one.path is other.path else float(np.inf)
-    return _apart(one.path, other.path)
-
-
-def _apart(one: Path, other: Path) -> float | None:
-    if one.length.shape != other.length.shape:
-        return float(np.inf)
-    controls = (one.curvature, other.curvature), (one.length, other.length)
-    if all(np.array_equal(*pair, equal_nan=True) for pair in controls):
-        return 0.0 if one.start != other.start else None
-    scale = max(one.total_length, 1e-300)
-    turned = np.abs(one.curvature * one.length - other.curvature * other.length).max(initial=0.0)
-    return float(max(np.abs(one.length - other.length).max(initial=0.0) / scale, turned))
+    answers = first.answer, second.answer
+    one, other = (answer.path for answer in answers)
+    if len({(answer.outcome, answer.claim) for answer in answers}) > 1:
+        return math.inf
+    if one is None or other is None:
+        return 0.0 if one is other else math.inf
+    if one.length.shape != other.length.shape or one.start != other.start:
+        return math.inf
+    (k, lengths), (other_k, other_lengths) = (
+        (np.nan_to_num(path.curvature), np.nan_to_num(path.length)) for path in (one, other)
+    )
+    with np.errstate(all="ignore"):
+        turned = np.abs(k * lengths - other_k * other_lengths).max(initial=0.0)
+        moved = np.abs(lengths - other_lengths).max(initial=0.0)
+        return float(np.nan_to_num(max(moved / max(one.total_length, 1e-300), turned)))
 
 
 # state -> what to do instead of changing it
@@ -191,43 +260,42 @@ def state(interview: Interview, name: str, title: str) -> CheckResult:
     for other in questions.GENERAL:
         interview.ask(_question(interview, other))
     seen = interview.seen
-    promised = interview.declared["keeps_limit"]
-    shown = check_command(interview.spec, name)
-    found = [*unanswered(seen[before:], "")]
+    found = [*unanswered(interview, seen[before:], "")]
     changed = Counter(change for one in seen for change in one.changes)
     for change, count in changed.items():
-        advice = f"{_ADVICE.get(change, 'restore it before you return')}; {_CHANGED}"
-        status = Status.FAIL
+        status, advice = Status.FAIL, _ADVICE.get(change, "restore it before you return")
+        advice = f"{advice}; {_CHANGED}"
         if change == RANDOM:
             status = Status.NOTE
             advice = "draw from a generator of your own: np.random.default_rng(seed)"
         observed = f"after a solve this is not as it was before: {change}"
-        found.append(Finding(status, observed, advice, "", shown, count=count))
-    found += [replace(one, command=shown) for one in _files(seen)]
+        found.append(Finding(status, observed, advice, count=count))
+    found += _files(seen)
     loud = [one for one in seen if one.output and not one.loaded]
     if loud:
-        last = " ".join(loud[0].output.split())[-120:]
         advice = "switch the output of the library off, or leave print out"
-        status = Status.FAIL if promised else Status.NOTE
-        found.append(Finding(status, f"it prints: {last}", advice, "", shown, count=len(loud)))
-    found.sort(key=lambda one: one.status is not Status.FAIL)
-    return CheckResult(name, title, tuple(found), f"{len(seen)} questions")
+        status = Status.FAIL if interview.declared["keeps_limit"] else Status.NOTE
+        observed = f"it prints: {loud[0].output[-120:]}"
+        found.append(Finding(status, observed, advice, count=len(loud)))
+    shown = check_command(interview.spec, name)
+    listed = tuple(replace(one, command=one.command or shown) for one in found)
+    return CheckResult(name, title, listed, f"{len(seen)} questions")
 
 
 def _files(seen: list[Seen]) -> list[Finding]:
     """Files that were left where the solver was started, or among temporary files."""
-    files = sorted({file for one in seen for file in one.files if one.answer.outcome in _ENDED})
+    # after any other outcome a solver could not have removed its files
+    ended = [one for one in seen if one.answer.outcome in (Outcome.RETURNED, Outcome.RAISED)]
+    files = sorted({file for one in ended for file in one.files})
+    temporary = [file for file in files if file.startswith(TEMPORARY)]
     found = []
-    for status, place, mine in (
-        (Status.FAIL, "the working directory", lambda file: not file.startswith(TEMPORARY)),
-        (Status.NOTE, "the folder for temporary files", lambda file: file.startswith(TEMPORARY)),
+    for status, place, left in (
+        (Status.FAIL, "the working directory", sorted({*files} - {*temporary})),
+        (Status.NOTE, "the folder for temporary files", temporary),
     ):
-        if left := [file.removeprefix(f"{TEMPORARY}/") for file in files if mine(file)]:
-            observed = f"it leaves files in {place}: {', '.join(left[:3])}"
+        if left:
+            names = ", ".join(file.removeprefix(f"{TEMPORARY}/") for file in left[:3])
+            observed = f"it leaves files in {place}: {names}"
             advice = "write into a tempfile.TemporaryDirectory()"
             found.append(Finding(status, observed, advice, count=len(left)))
     return found
-
-
-# outcomes after which a solver could have removed its files
-_ENDED = (Outcome.RETURNED, Outcome.RAISED)

@@ -1,33 +1,63 @@
-"""The checks, in the order of a report: simple questions first."""
+"""Check a solver: load it, put the questions of each check to it, and say what was found."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+import sys
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
-from typing import NamedTuple
+from inspect import getsourcefile
+from pathlib import Path as FilePath
+from time import monotonic
+from typing import Any, NamedTuple
+
+import numpy as np
 
 from dubins_study.conformance import behaviour, questions
 from dubins_study.conformance.answers import Kind, Problem, problems, unanswered, united
-from dubins_study.conformance.findings import CheckResult, Finding, Status
-from dubins_study.conformance.interview import Interview, Seen
-from dubins_study.conformance.patterns import of_another_question, of_one_side
-from dubins_study.solvers.protocol import Question
+from dubins_study.conformance.causes import cause_of
+from dubins_study.conformance.interview import (
+    InProcess,
+    Interview,
+    LoadError,
+    Seen,
+    UnfinishedError,
+    Worker,
+)
+from dubins_study.conformance.report import CheckResult, ConformanceReport, Status
+from dubins_study.errors import DubinsStudyError
+from dubins_study.solvers.attempt import check_request
+from dubins_study.solvers.profiles import tolerances
+from dubins_study.solvers.protocol import Question, Solver
+from dubins_study.solvers.registry import registered_name
 from dubins_study.study.closed_form.shortest import shortest_path
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
+from dubins_study.study.values import did_you_mean, short
 from dubins_study.study.words import Verdict
+
+# Seconds for one question, and for all of them.
+TIME_LIMIT_S, TOTAL_TIME_LIMIT_S = 5.0, 600.0
+
+
+class ConformanceError(DubinsStudyError, ValueError):
+    """A request for checks that cannot be met."""
+
+
+_Run = Callable[[Interview, str, str], CheckResult]
 
 
 class Check(NamedTuple):
-    """One check: what it looks at, and the function that does."""
+    """One check: what it looks at, and the function that does, of the check's name and title."""
 
     title: str
-    run: Callable[[Interview, str, str], CheckResult]
+    run: _Run
 
 
-def _asked(
-    scenarios: Mapping[str, Scenario], kinds: tuple[Kind, ...] = tuple(Kind)
-) -> Callable[[Interview, str, str], CheckResult]:
+def _not_applicable(name: str, title: str, reason: str) -> CheckResult:
+    return CheckResult(name, title, (), reason, Status.NOT_APPLICABLE)
+
+
+def _asked(scenarios: Mapping[str, Scenario], kinds: tuple[Kind, ...] = tuple(Kind)) -> _Run:
     """A check that asks for the best path of scenarios, and reports problems of some kinds.
 
     A question that this check is the first to ask, and that is not answered, is reported too.
@@ -42,12 +72,8 @@ def _asked(
             before = len(interview.seen)
             answers.append(interview.ask(Question(scenario)))
             wanted = {*kinds, Kind.OUTCOME} if len(interview.seen) > before else kinds
-            answer_problems = problems(answers[-1], label, interview.declared["guarantee"])
-            explained = (
-                of_another_question(interview.seen, answers[-1], one) for one in answer_problems
-            )
-            shown += [one for one in explained if one.kind in wanted]
-        shown = of_one_side(answers, shown)
+            found = problems(interview, answers[-1], label)
+            shown += [_explained(interview, answers[-1], p) for p in found if p.kind in wanted]
         if Kind.CONTROLS in kinds and not shown and all(one.answer.path is None for one in answers):
             return _not_applicable(name, title, "it returned no path")
         return CheckResult(name, title, united(shown), f"{len(scenarios)} questions")
@@ -55,31 +81,28 @@ def _asked(
     return run
 
 
-def _changed(
-    scenarios: Mapping[str, Scenario],
-) -> Callable[[Interview, str, str], CheckResult]:
-    """A check that asks a question that was changed, and says if only the change is answered wrong.
-
-    The shortest path changes with the question, and so should the solver's answer.
-    """
-    ask = _asked(scenarios)
-
-    def run(interview: Interview, name: str, title: str) -> CheckResult:
-        result = ask(interview, name, title)
-        if not result.findings or _wrong(interview, questions.REFERENCE):
-            return result
-        advice = "the same question is answered rightly before it is changed in this way"
-        findings = [
-            finding if finding.advice else replace(finding, advice=advice)
-            for finding in result.findings
-        ]
-        return replace(result, findings=tuple(findings))
-
-    return run
-
-
-def _wrong(interview: Interview, scenario: Scenario) -> bool:
-    return interview.ask(Question(scenario)).answer.verdict is not Verdict.OPTIMAL
+def _explained(interview: Interview, seen: Seen, problem: Problem) -> Problem:
+    """A problem; where its path was right for an earlier question, with advice about that."""
+    path = seen.answer.path
+    if problem.kind is not Kind.CONTROLS or path is None or not path.length.size:
+        return problem
+    if cause_of(seen.question.scenario, path):
+        return problem
+    for earlier in interview.seen:
+        other = earlier.answer.path
+        if (
+            other is not None
+            and earlier.answer.verdict in (Verdict.OPTIMAL, Verdict.LONGER)
+            and np.array_equal(other.curvature, path.curvature)
+            and np.array_equal(other.length, path.length)
+        ):
+            name = questions.name_of(earlier.question.scenario) or "another one"
+            advice = (
+                f"this is its answer to an earlier question, {name}: does it keep answers, by the "
+                "target alone for instance? Start, heading and radius belong to the question"
+            )
+            return problem._replace(finding=replace(problem.finding, advice=advice))
+    return problem
 
 
 def _branches(interview: Interview, name: str, title: str) -> CheckResult:
@@ -87,14 +110,13 @@ def _branches(interview: Interview, name: str, title: str) -> CheckResult:
     words = [word for word in questions.WORDS if interview.answers(word)]
     if not words:
         return _not_applicable(name, title, "the solver answers `best` only")
-    word_problems: list[Problem] = []
+    found: list[Problem] = []
     for word in words:
         scenarios = {f"{word}, question {n}": q for n, q in enumerate(questions.WORDS[word], 1)}
         scenarios[f"{word}, which has no path here"] = questions.WITHOUT[word]
         for label, scenario in scenarios.items():
-            seen = interview.ask(Question(scenario, word))
-            word_problems += problems(seen, label, interview.declared["guarantee"])
-    return CheckResult(name, title, united(word_problems), ", ".join(words))
+            found += problems(interview, interview.ask(Question(scenario, word)), label)
+    return CheckResult(name, title, united(found), ", ".join(words))
 
 
 def _bounds(interview: Interview, name: str, title: str) -> CheckResult:
@@ -107,29 +129,25 @@ def _bounds(interview: Interview, name: str, title: str) -> CheckResult:
         for word in filter(interview.answers, questions.WORDS):
             for scenario in questions.WORDS[word]:
                 interview.ask(Question(scenario, word))
-    silent = unanswered(interview.seen[before:], "")
-    with_bound = [
+    silent = unanswered(interview, interview.seen[before:], "")
+    bounded = [
         seen
         for seen in interview.seen
         if seen.answer.lower_bound is not None or seen.answer.false_bound
     ]
-    if not (with_bound or silent):
+    if not (bounded or silent):
         return _not_applicable(name, title, "the solver gives no lower bounds")
-    bound_problems = [
+    found = [
         problem
-        for seen in with_bound
-        for problem in problems(seen, questions.name_of(seen.question.scenario), "")
+        for seen in bounded
+        for problem in problems(interview, seen, questions.name_of(seen.question.scenario))
         if problem.kind is Kind.BOUND
     ]
-    return CheckResult(name, title, (*silent, *united(bound_problems)), f"{len(with_bound)} bounds")
+    return CheckResult(name, title, (*silent, *united(found)), f"{len(bounded)} bounds")
 
 
 # What a full set of checks has asked before it looks at the bounds.
 _BOUNDED = questions.GENERAL | questions.AXIS | questions.DISCS | questions.CIRCLES
-
-
-def _not_applicable(name: str, title: str, reason: str) -> CheckResult:
-    return CheckResult(name, title, (), reason, Status.NOT_APPLICABLE)
 
 
 def _warm(interview: Interview, name: str, title: str) -> CheckResult:
@@ -140,16 +158,14 @@ def _warm(interview: Interview, name: str, title: str) -> CheckResult:
     start, radius = scenario.start, scenario.radius
     guesses = {
         "the shortest path of a near target": shortest_path(questions.NEAR),
-        "a path to elsewhere": Path(
-            start, [1 / radius, 0.0, -1 / radius], [radius, radius, radius]
-        ),
+        "a path to elsewhere": Path(start, [1 / radius, 0.0, -1 / radius], [radius] * 3),
         "a path of no arcs": Path(start, [], []),
     }
-    guess_problems: list[Problem] = []
+    found: list[Problem] = []
     for label, guess in guesses.items():
         seen = interview.ask(Question(scenario, initial_guess=guess))
-        guess_problems += problems(seen, f"initial guess: {label}", interview.declared["guarantee"])
-    return CheckResult(name, title, united(guess_problems), f"{len(guesses)} initial guesses")
+        found += problems(interview, seen, f"initial guess: {label}")
+    return CheckResult(name, title, united(found), f"{len(guesses)} initial guesses")
 
 
 def _frames(interview: Interview, name: str, title: str) -> CheckResult:
@@ -157,14 +173,16 @@ def _frames(interview: Interview, name: str, title: str) -> CheckResult:
     if not (interview.declared["whole_frames"] and interview.answers("best")):
         return _not_applicable(name, title, "the solver has no solve_frame")
     scenarios = questions.GENERAL | questions.AXIS | questions.DISCS
-    row_questions = [Question(scenario) for scenario in scenarios.values()]
-    row_problems: list[Problem] = []
-    for label, seen in zip(scenarios, interview.ask_frame(row_questions), strict=True):
-        row_problems += problems(seen, f"in a frame: {label}", interview.declared["guarantee"])
-    return CheckResult(name, title, united(row_problems), f"{len(row_questions)} rows")
+    rows = interview.ask_frame([Question(scenario) for scenario in scenarios.values()])
+    found: list[Problem] = []
+    for label, seen in zip(scenarios, rows, strict=True):
+        found += problems(interview, seen, f"in a frame: {label}")
+    return CheckResult(name, title, united(found), f"{len(rows)} rows")
 
 
-_TABLE = {
+# simple questions first
+_CHECKS = {
+    "loading": Check("loads, and says what it is", behaviour.loading),
     "outcome": Check(
         "returns a Solution, and neither raises, crashes nor hangs",
         _asked(questions.GENERAL, (Kind.OUTCOME,)),
@@ -182,8 +200,8 @@ _TABLE = {
         "targets within a turning disc, where RL or LR is shortest", _asked(questions.DISCS)
     ),
     "circles": Check("targets on and near a turning circle", _asked(questions.CIRCLES)),
-    "symmetries": Check("mirrored, moved and turned questions", _changed(questions.SYMMETRIES)),
-    "scale": Check("one question larger, smaller, farther, faster", _changed(questions.SCALES)),
+    "symmetries": Check("mirrored, moved and turned questions", _asked(questions.SYMMETRIES)),
+    "scale": Check("one question larger, smaller, farther, faster", _asked(questions.SCALES)),
     "branches": Check("the words that it declares", _branches),
     "bounds": Check("lower bounds are below the shortest length", _bounds),
     "warm": Check("initial guesses, good and bad", _warm),
@@ -192,31 +210,118 @@ _TABLE = {
     "determinism": Check("the same question has the same answer", behaviour.determinism),
     "state": Check("leaves its process as it was", behaviour.state),
 }
-CHECKS = ("loading", *_TABLE)
-
-
-def run_check(interview: Interview, name: str) -> CheckResult:
-    """The result of one of `CHECKS`, all but `loading`, which precedes the interview."""
-    check = _TABLE[name]
-    return check.run(interview, name, check.title)
+CHECKS = tuple(_CHECKS)
 
 
 def title_of(name: str) -> str:
     """What a check looks at."""
-    return "loads, and says what it is" if name == "loading" else _TABLE[name].title
+    return _CHECKS[name].title
 
 
-def failed(name: str, finding: Finding) -> CheckResult:
-    """The result of a check that failed for one reason."""
-    return CheckResult(name, title_of(name), (finding,))
+def check_solver(
+    solver: str | type[Solver],
+    *,
+    checks: Iterable[str] = CHECKS,
+    time_limit: float = TIME_LIMIT_S,
+    total_time_limit: float = TOTAL_TIME_LIMIT_S,
+    profile: str = "default",
+    isolated: bool = True,
+    progress: Callable[[int, int], None] | None = None,
+) -> ConformanceReport:
+    """Check that a solver keeps the promise of `Solver`.
+
+    Args:
+        solver: a spec, e.g. `my_solver.py:Mine`, `mine[n=20]` or `slsqp`; or a class, which has to
+            be at the top of its file.
+        checks: some of `CHECKS`; `loading` is always made.
+        time_limit: seconds for each question.
+        total_time_limit: seconds for all of them; checks that are not reached by then are
+            `not asked`, and the report has not passed.
+        profile: `default`, `fast` or `accurate`: the solver's settings and the tolerances.
+        isolated: whether the solver is asked in a worker process, where a crash and a hang are
+            findings. With False it is asked in this process, as a debugger needs it.
+        progress: called with the number of checks done and of all checks.
+
+    Raises:
+        SolverError: if there is no such solver, or no class that extends `Solver`.
+        ConformanceError, ProfileError, QuestionError: if the request is not a valid one.
+        ForkServerError: if no worker process can be started.
+    """
+    spec = solver if isinstance(solver, str) else _spec_of(solver)
+    names = _names(checks)
+    check_request("best", time_limit, "time_limit")
+    check_request("best", total_time_limit, "total_time_limit")
+    tolerances(profile)
+    began = monotonic()
+    file, mark, rest = spec.partition(".py:")
+    # absolute, since the worker has a folder of its own
+    absolute = f"{FilePath(file + '.py').absolute()}:{rest}" if mark else spec
+    try:
+        source = (Worker if isolated else InProcess)(absolute, profile)
+    except LoadError as error:
+        found = behaviour.broken(str(error), error.frames, spec)
+        not_asked = [_not_asked(name, "it does not load") for name in names[1:]]
+        results = (CheckResult("loading", title_of("loading"), (found,)), *not_asked)
+        return ConformanceReport(spec, results, {}, monotonic() - began)
+    checked: list[CheckResult] = []
+    with Interview(spec, source, profile, time_limit, total_time_limit) as interview:
+        for result in _results(interview, names):
+            checked.append(result)
+            if progress is not None:
+                progress(len(checked), len(names))
+    return ConformanceReport(spec, tuple(checked), interview.counts(), monotonic() - began)
 
 
-def unfinished(name: str, seen: list[Seen], reason: str) -> CheckResult:
-    """The result of a check that was cut short: what failed until then, or that it was not made."""
-    not_asked = [
-        problem
-        for one in seen
-        for problem in problems(one, questions.name_of(one.question.scenario), "")
-        if problem.kind is Kind.OUTCOME
-    ]
-    return CheckResult(name, title_of(name), united(not_asked), reason, Status.NOT_ASKED)
+def _results(interview: Interview, names: list[str]) -> Iterator[CheckResult]:
+    """The results of checks, one after another; of those that are not reached, why."""
+    stopped = ""
+    for name in names:
+        title, run = _CHECKS[name]
+        if stopped:
+            yield _not_asked(name, stopped)
+            continue
+        before = len(interview.seen)
+        try:
+            yield run(interview, name, title)
+        except UnfinishedError as error:
+            stopped = str(error)
+            findings = unanswered(interview, interview.seen[before:], "")
+            yield CheckResult(name, title, findings, stopped, Status.NOT_ASKED)
+        if interview.declared["unavailable"] is not None:
+            stopped = f"it cannot run here: {interview.declared['unavailable']}"
+        elif interview.seen and not interview.answered:
+            stopped = "no question was answered so far; mend that first"
+
+
+def _not_asked(name: str, reason: str) -> CheckResult:
+    return CheckResult(name, title_of(name), (), reason, Status.NOT_ASKED)
+
+
+def _names(checks: Iterable[str]) -> list[str]:
+    """The checks in their order, `loading` first."""
+    asked = [checks] if isinstance(checks, str) else list(checks)
+    for name in asked:
+        if name not in CHECKS:
+            hint = did_you_mean(name, CHECKS)
+            raise ConformanceError(
+                f"no check named {short(name)}; {hint}choose from: {', '.join(CHECKS)}"
+            )
+    return [name for name in CHECKS if name in asked or name == "loading"]
+
+
+def _spec_of(kind: Any) -> str:
+    """The spec of a class: its registered name, or its file."""
+    if not (isinstance(kind, type) and issubclass(kind, Solver)):
+        raise ConformanceError(
+            f"solver is {kind!r:.80}; expected a spec, or a class that extends Solver"
+        )
+    name = registered_name(kind)
+    if name is not None:
+        return name
+    file, title = getsourcefile(kind), kind.__name__
+    if file is None or getattr(sys.modules[kind.__module__], title, None) is not kind:
+        raise ConformanceError(
+            f"solver is the class {title}, which is not at the top of a file; "
+            "expected one that `file.py:Class` names"
+        )
+    return f"{file}:{title}"

@@ -1,26 +1,155 @@
-"""Questions put to one solver, its judged answers, and what else was seen."""
+"""Questions put to one solver, in a process of its own or in this one, and its judged answers."""
 
 from __future__ import annotations
 
+import shutil
 from collections import Counter
+from pathlib import Path as FilePath
+from tempfile import mkdtemp
 from time import monotonic
 from typing import Any, NamedTuple, Self
 
-from dubins_study.conformance.observer import Observation
-from dubins_study.conformance.worker import Source
+from dubins_study.conformance.observer import (
+    MEMORY_BYTES,
+    TEMPORARY,
+    Observation,
+    Observer,
+    declaration,
+)
 from dubins_study.errors import DubinsStudyError
+from dubins_study.experiments.isolation.messages import decode_reply, encode_question
+from dubins_study.experiments.isolation.worker_process import Allowance, Ended, WorkerProcess
 from dubins_study.solvers.attempt import Answer, judged
 from dubins_study.solvers.profiles import PROFILES
 from dubins_study.solvers.protocol import Method, Question
+from dubins_study.solvers.registry import SolverError
 from dubins_study.solvers.reply import Reply, no_answer
 from dubins_study.study.words import Claim, Outcome, Verdict
 
+# Seconds that a plug-in may take to load, and its first question beyond the limit: it loads the
+# libraries that later questions find loaded.
+LOAD_LIMIT_S, WARM_UP_S = 60.0, 10.0
+# Seconds beyond the limit after which a question is ended: more than the second in which a solver
+# that keeps its limit returns.
+GRACE_S = 1.5
 # Questions in a row that may end in a timeout before no more are asked.
 MAX_TIMEOUTS = 3
 
 
+class LoadError(DubinsStudyError):
+    """The solver cannot be loaded: its own code raised, crashed or hung.
+
+    Args:
+        message: what happened.
+        frames: the solver's own frames of the exception; may be empty.
+    """
+
+    def __init__(self, message: str, frames: str = ""):
+        super().__init__(message)
+        self.frames = frames
+
+
 class UnfinishedError(DubinsStudyError):
     """No more questions are put to the solver; the message says why."""
+
+
+class InProcess:
+    """The solver in the caller's process: for a debugger, and for solvers that are known."""
+
+    folder = None
+
+    def __init__(self, spec: str, profile: str):
+        self._observer = Observer(spec, profile, interruptible=True)
+        self.declared = declaration(self._observer.solver, spec)
+
+    def ask(self, questions: list[Question], limit: float, as_frame: bool) -> list[Observation]:
+        """The replies to one question, or to several that are put as one frame."""
+        if as_frame:
+            return self._observer.ask_frame(questions)
+        return [self._observer.ask(questions[0], limit)]
+
+    def restart(self) -> None:
+        """There is only one process to ask in."""
+
+    def close(self) -> None:
+        """Nothing to end."""
+
+
+class Worker:
+    """The solver in a process of its own, in an empty folder.
+
+    Raises:
+        SolverError: if the spec is not a valid one.
+        LoadError: if the solver's own code raises, crashes or hangs while it is loaded.
+        ForkServerError: if no process starts.
+    """
+
+    def __init__(self, spec: str, profile: str):
+        self.folder = FilePath(mkdtemp(prefix="check-solver-"))
+        (self.folder / TEMPORARY).mkdir()
+        self._arguments = [spec, profile, str(self.folder)]
+        self._process: WorkerProcess | None = None
+        self._extra_s = WARM_UP_S
+        try:
+            self.declared = self._load()[1]
+        except BaseException:
+            self.close()
+            raise
+
+    def ask(self, questions: list[Question], limit: float, as_frame: bool) -> list[Observation]:
+        """The replies to one question, or to several that are put as one frame.
+
+        A process that ends meanwhile is replaced when the next question is asked.
+        """
+        try:
+            process = self._load()[0]
+        except (LoadError, SolverError) as error:  # it did load before
+            crash = no_answer(Outcome.CRASHED, f"loaded once more, it fails: {error}")
+            return [Observation(crash)] * len(questions)
+        task = ["ask", [encode_question(question) for question in questions], limit, as_frame]
+        # what answers whole frames may be compiled for them first
+        allowance = Allowance(limit, GRACE_S + (LOAD_LIMIT_S if as_frame else self._extra_s))
+        event = process.request(task, allowance, _observations)
+        self._extra_s = 0.0  # what did not answer once is not waited for longer again
+        output = process.last_output()
+        if isinstance(event, Ended):
+            return [Observation(event.reply, output=output)] * len(questions)
+        return [one._replace(output=output) for one in event.value]
+
+    def _load(self) -> tuple[WorkerProcess, dict[str, Any]]:
+        """The process, with what the solver says of itself; a new process if there is none."""
+        if self._process is not None and not self._process.closed:
+            return self._process, self.declared
+        self._process = WorkerProcess(
+            "dubins_study.conformance.observer:serve", self._arguments, MEMORY_BYTES
+        )
+        allowance = Allowance(LOAD_LIMIT_S, activity="loading the solver")
+        event = self._process.request(["load"], allowance, tuple)
+        if isinstance(event, Ended):
+            raise LoadError(f"while it was loaded, {event.reply.solution.message}")
+        kind, value, *frames = event.value
+        if kind == "loaded":
+            return self._process, value
+        self.restart()
+        raise SolverError(value) if kind == "refused" else LoadError(value, *frames)
+
+    def restart(self) -> None:
+        """End the process; the next question starts another."""
+        if self._process is not None:
+            self._process.close()
+            self._extra_s = WARM_UP_S
+
+    def close(self) -> None:
+        """End the process and remove its folder."""
+        self.restart()
+        shutil.rmtree(self.folder, ignore_errors=True)
+
+
+def _observations(values: list[list[Any]]) -> list[Observation]:
+    return [
+        Observation(decode_reply(reply).reply, text, tuple(changes), loaded)
+        for reply, text, changes, loaded in values
+    ]
 
 
 class Seen(NamedTuple):
@@ -57,11 +186,19 @@ class Interview:
         seen: every answer so far, in the order of asking.
     """
 
-    def __init__(self, spec: str, source: Source, profile: str, limit: float, total_limit: float):
+    def __init__(
+        self,
+        spec: str,
+        source: InProcess | Worker,
+        profile: str,
+        limit: float,
+        total_limit: float,
+    ):
         self.spec, self.declared, self.limit = spec, source.declared, limit
-        self.method = Method(*self.declared["method"])
+        self.tolerances = PROFILES[profile]
         self.seen: list[Seen] = []
-        self._source, self._allowed = source, PROFILES[profile]
+        self._method = Method(*self.declared["method"])
+        self._source = source
         self._total_limit, self._end = total_limit, monotonic() + total_limit
         self._timeouts = 0
         self._answers: dict[tuple[Any, ...], Seen] = {}
@@ -103,11 +240,8 @@ class Interview:
             )
         if self._timeouts >= MAX_TIMEOUTS:
             raise UnfinishedError(f"{MAX_TIMEOUTS} questions in a row were not answered in time")
-        given = self.limit if limit is None else limit
-        began = monotonic()
-        observation = self._source.ask(question, given)
-        seen = self._seen(question, observation, monotonic() - began)
-        timed_out = observation.reply.outcome is Outcome.TIMEOUT
+        [seen] = self._ask([question], self.limit if limit is None else limit)
+        timed_out = seen.answer.outcome is Outcome.TIMEOUT
         self._timeouts = self._timeouts + 1 if timed_out else 0
         self.seen.append(seen)
         if question.initial_guess is None:
@@ -116,26 +250,27 @@ class Interview:
 
     def ask_frame(self, questions: list[Question]) -> list[Seen]:
         """The judged answers to questions that are put as one frame."""
-        began = monotonic()
-        observations = self._source.ask_frame(questions, self.limit)
-        seconds = monotonic() - began
-        pairs = zip(questions, observations, strict=True)
-        return [self._seen(question, one, seconds) for question, one in pairs]
-
-    def _seen(self, question: Question, observation: Observation, seconds: float) -> Seen:
-        answer = self._judged(question, observation.reply)
-        return Seen(answer, question, *observation[1:], self._new_files(), seconds)
+        return self._ask(questions, self.limit, as_frame=True)
 
     def restart(self) -> None:
         """Ask the next question in a new process."""
         self._source.restart()
 
+    def _ask(self, questions: list[Question], limit: float, as_frame: bool = False) -> list[Seen]:
+        began = monotonic()
+        observations = self._source.ask(questions, limit, as_frame)
+        seconds, files = monotonic() - began, self._new_files()
+        return [
+            Seen(self._judged(question, one.reply), question, *one[1:], files, seconds)
+            for question, one in zip(questions, observations, strict=True)
+        ]
+
     def _judged(self, question: Question, reply: Reply) -> Answer:
         try:
-            return judged(self.spec, question, reply, self._allowed, self.method)
+            return judged(self.spec, question, reply, self.tolerances, self._method)
         except Exception as error:  # the check cannot drive the path
             broken = no_answer(Outcome.RAISED, f"the path cannot be driven: {error}")
-            return judged(self.spec, question, broken, self._allowed, self.method)
+            return judged(self.spec, question, broken, self.tolerances, self._method)
 
     def _new_files(self) -> tuple[str, ...]:
         """Files that have appeared in the worker's folder since the last question."""
@@ -155,6 +290,7 @@ _BY_VERDICT = {
     Verdict.LONGER: "longer",
     Verdict.MISSES: "missing",
 }
+_SUCCESS = (Claim.OPTIMAL, Claim.LOCAL, Claim.FEASIBLE)
 
 
 def _ending(answer: Answer) -> str:
@@ -163,6 +299,3 @@ def _ending(answer: Answer) -> str:
     if answer.reference is None and answer.claim not in _SUCCESS:
         return "right that there is none"
     return _BY_VERDICT.get(answer.verdict, "none")
-
-
-_SUCCESS = (Claim.OPTIMAL, Claim.LOCAL, Claim.FEASIBLE)

@@ -1,15 +1,88 @@
-"""The report of all checks of a solver, and how a terminal shows it."""
+"""The findings of all checks of a solver, its report, and how a terminal shows it."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass, replace
+from enum import StrEnum
 from itertools import groupby
-from textwrap import fill, indent
+from textwrap import TextWrapper, indent
 from typing import Any
 
-from dubins_study.conformance.findings import CheckResult, Finding, Status
 from dubins_study.study.values import plain, printable_text
+
+
+class Status(StrEnum):
+    """How a check ended, mildest first.
+
+    `note` is worth knowing and no fault: a local solver's longer path, for instance. `not asked`
+    means that the time ran out, or that the solver cannot run here.
+    """
+
+    NOT_APPLICABLE = "not applicable"
+    PASS = "pass"
+    NOTE = "note"
+    NOT_ASKED = "not asked"
+    FAIL = "fail"
+
+
+_RANK = list(Status)
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """One thing that a check has seen.
+
+    Args:
+        status: `fail` or `note`.
+        observed: what was seen, a sentence.
+        advice: what to do about it, a sentence; empty if nothing needs doing.
+        question: the name of the scenario it was seen at; empty if it is about no scenario.
+        command: the command that asks the question again.
+        traceback: of an exception, the solver's own frames.
+        count: at how many questions the same was seen.
+    """
+
+    status: Status
+    observed: str
+    advice: str = ""
+    question: str = ""
+    command: str = ""
+    traceback: str = ""
+    count: int = 1
+
+
+@dataclass(frozen=True, slots=True)
+class CheckResult:
+    """The outcome of one check.
+
+    Args:
+        name: as in `CHECKS`.
+        title: what is checked.
+        findings: what was seen, failures first; empty if all is well.
+        summary: a few words on what passed, or why the check was not applied.
+        applied: `pass` if the check was applied, else `not applicable` or `not asked`.
+    """
+
+    name: str
+    title: str
+    findings: tuple[Finding, ...] = ()
+    summary: str = ""
+    applied: Status = Status.PASS
+
+    def __post_init__(self) -> None:
+        worst_first = sorted(self.findings, key=lambda one: one.status is not Status.FAIL)
+        object.__setattr__(self, "findings", tuple(worst_first))
+
+    @property
+    def status(self) -> Status:
+        """The worst of the findings' statuses; `pass` or why not, where there are none."""
+        return max([self.applied, *(found.status for found in self.findings)], key=_RANK.index)
+
+    @property
+    def passed(self) -> bool:
+        """Whether the check was applied, or need not be, and nothing failed."""
+        return self.status not in (Status.FAIL, Status.NOT_ASKED)
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -76,6 +149,13 @@ _MARKS = {
     Status.NOT_ASKED: "  ? ",
 }
 _MARGIN = " " * 6
+_COUNTED = {
+    Status.FAIL: "failed",
+    Status.NOT_ASKED: "not asked",
+    Status.NOTE: "with notes",
+    Status.PASS: "passed",
+    Status.NOT_APPLICABLE: "not applicable",
+}
 
 
 def report_text(report: ConformanceReport, width: int | None = None) -> str:
@@ -90,14 +170,13 @@ def report_text(report: ConformanceReport, width: int | None = None) -> str:
     shown: dict[str, str] = {}  # advice -> the check that gave it first
     blocks = []
     for (status, _), group in groupby(report, key=_together):
-        results = list(group)
-        if len(results) > 1:
-            names = ", ".join(result.name for result in results)
-            line = f"{_MARKS[status]}  {names}: {plain(results[0].summary)}"
-            blocks.append(_wrapped(line, width, _MARGIN))
-            continue
-        [result] = results
-        line = f"{_MARKS[result.status]}  {result.name:<12} {_about(result)}"
+        result, *others = group
+        if others:
+            names = ", ".join(one.name for one in (result, *others))
+            line = f"{_MARKS[status]}  {names}: {plain(result.summary)}"
+        else:
+            summary = f" ({plain(result.summary)})" if result.summary else ""
+            line = f"{_MARKS[status]}  {result.name:<12} {result.title}{summary}"
         blocks.append(_wrapped(line, width, _MARGIN))
         for place, found in enumerate(result.findings, 1):
             later = [one for one in result.findings[place:] if one.status is Status.FAIL]
@@ -106,7 +185,7 @@ def report_text(report: ConformanceReport, width: int | None = None) -> str:
             earlier = shown.get(found.advice) if found.status is Status.FAIL else None
             blocks.append(indent(_finding(found, earlier, width - len(_MARGIN)), _MARGIN))
             shown.setdefault(found.advice or found.observed, result.name)
-    last = [_wrapped(line, width, "  ") for line in verdict(report).splitlines()]
+    last = [_wrapped(line, width, "  ") for line in _verdict(report)]
     return "\n".join([plain(report.solver), "", *blocks, "", *last])
 
 
@@ -114,11 +193,6 @@ def _together(result: CheckResult) -> tuple[Status, object]:
     """Checks that were not made for one reason are one line; all others are lines of their own."""
     same = result.status is Status.NOT_ASKED and not result.findings
     return result.status, result.summary if same else result
-
-
-def _about(result: CheckResult) -> str:
-    summary = f" ({plain(result.summary)})" if result.summary else ""
-    return f"{result.title}{summary}"
 
 
 def _finding(found: Finding, earlier: str | None, width: int) -> str:
@@ -137,29 +211,22 @@ def _finding(found: Finding, earlier: str | None, width: int) -> str:
 
 
 def _wrapped(text: str, width: int, hanging: str = "") -> str:
-    return fill(
-        text,
-        width,
-        subsequent_indent=hanging,
-        break_long_words=False,
-        break_on_hyphens=False,
+    wrapper = TextWrapper(
+        width, subsequent_indent=hanging, break_long_words=False, break_on_hyphens=False
     )
+    return wrapper.fill(text)
 
 
-def verdict(report: ConformanceReport) -> str:
-    """Two lines: whether the report passed, how many checks ended how, and so the answers."""
-    counts = [
+def _verdict(report: ConformanceReport) -> tuple[str, str]:
+    """Whether the report passed and how many checks ended how; and so the answers."""
+    counts = ", ".join(
         f"{len(results)} {name}"
-        for status, name in (
-            (Status.FAIL, "failed"),
-            (Status.NOT_ASKED, "not asked"),
-            (Status.NOTE, "with notes"),
-            (Status.PASS, "passed"),
-            (Status.NOT_APPLICABLE, "not applicable"),
-        )
+        for status, name in _COUNTED.items()
         if (results := report.with_status(status))
-    ]
-    word = "passed" if report.passed else "FAILED"
-    asked = f"{sum(report.answers.values())} questions in {report.seconds:.1f} s"
+    )
     ended = ", ".join(f"{count} {name}" for name, count in report.answers.items() if count)
-    return f"{word}: {', '.join(counts)}\n{asked}{': ' if ended else ''}{ended}"
+    asked = f"{sum(report.answers.values())} questions in {report.seconds:.1f} s"
+    return (
+        f"{'passed' if report.passed else 'FAILED'}: {counts}",
+        f"{asked}: {ended}" if ended else asked,
+    )

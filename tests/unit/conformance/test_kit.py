@@ -14,8 +14,7 @@ import pytest
 from dubins_study import Claim, Guarantee, Path, Solution, check_solver, solve
 from dubins_study.conformance import CHECKS
 from dubins_study.conformance.answers import problems
-from dubins_study.conformance.findings import CheckResult, Finding, Status
-from dubins_study.conformance.kit import ConformanceError
+from dubins_study.conformance.checks import ConformanceError
 from dubins_study.conformance.questions import (
     AXIS,
     CIRCLES,
@@ -28,7 +27,13 @@ from dubins_study.conformance.questions import (
     command,
     name_of,
 )
-from dubins_study.conformance.report import ConformanceReport, report_text
+from dubins_study.conformance.report import (
+    CheckResult,
+    ConformanceReport,
+    Finding,
+    Status,
+    report_text,
+)
 from dubins_study.experiments.isolation.pool import GRACE_S as RUN_GRACE_S
 from dubins_study.solvers.analytic import Analytic
 from dubins_study.solvers.profiles import ProfileError
@@ -227,14 +232,10 @@ def test_answers_that_are_kept_are_noted():
 
 
 def test_a_heading_a_full_turn_further_is_called_so():
-    """The two numbers differ, and what to do is said."""
     report = checked(Turned, ["controls"])
-    first = report["controls"].findings[0]
-    given, expected = re.findall(r"\([^)]*\)", first.observed)
 
     assert report["controls"].status is Status.FAIL
-    assert given != expected
-    assert "differs by full turns" in first.advice
+    assert "its heading to the last bit" in text(report, "controls")
 
 
 def test_a_right_solver_passes_without_a_note():
@@ -417,12 +418,11 @@ def test_a_command_holds_every_number_to_the_last_bit():
 
 def test_a_right_answer_has_no_problem():
     """Else everything would be a finding."""
-    from dubins_study.conformance.interview import Interview
-    from dubins_study.conformance.worker import InProcess
+    from dubins_study.conformance.interview import InProcess, Interview
 
     with Interview("analytic", InProcess("analytic", "default"), "default", 5.0, 60.0) as interview:
         for name, scenario in GENERAL.items():
-            assert problems(interview.ask(Question(scenario)), name, "exact") == []
+            assert problems(interview, interview.ask(Question(scenario)), name) == []
 
 
 ALONE = ("outcome", "controls", "claims", "bounds", "limits", "determinism", "state", "branches")

@@ -8,8 +8,8 @@ import pytest
 from cases import PAPER
 
 from dubins_study.conformance import check_solver
-from dubins_study.conformance.findings import Status
 from dubins_study.conformance.questions import AXIS, GENERAL
+from dubins_study.conformance.report import Status
 from dubins_study.experiments.solve import solve
 from dubins_study.solvers.protocol import Guarantee, Question, Solution, Solver
 from dubins_study.solvers.registry import available_solvers, entries, load, registered
