@@ -51,7 +51,7 @@ BUDGETS |= {
     "study": Size(5_600, 43),
     "solvers": Size(10_600, 92),
     "experiments": Size(7_850, 65),
-    "conformance": Size(2_510, 15),
+    "conformance": Size(2_000, 9),
     "report": Size(18_720, 204),
     "cli": Size(1_720, 17),
     "package": Size(47_210, 442),
