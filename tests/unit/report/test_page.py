@@ -85,7 +85,7 @@ def whole(tmp_path_factory):
 
 FRONT = ["decision", "explorer", "discretisation", "plane"]
 DETAILS = [
-    *("caution", "summary", "success", "time", "agreement", "radius"),
+    *("caution", "summary", "success", "time", "agreement", "radius", "warm"),
     *("failures", "attempts", "solvers", "limits"),
 ]
 

@@ -3,22 +3,39 @@
 from __future__ import annotations
 
 import pandas as pd
-from matplotlib.axes import Axes
 
 from dubins_study.report.data.attempts import PROOFS
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import SOLVER, Column, columns, marks
-from dubins_study.report.elements.content import Picture, Section, Table, picture
+from dubins_study.report.elements.content import Picture, Section, Show, Table
 from dubins_study.report.elements.formats import count, digits, sentences, share
 from dubins_study.report.elements.identity import best_first
-from dubins_study.report.elements.looks import Palette
 from dubins_study.report.elements.names import in_page_order, labels_of
-from dubins_study.report.elements.panels import plot_shares, plot_stacked_shares
-from dubins_study.report.elements.plots import DRAWN_TEXT, HIGHEST
-from dubins_study.report.elements.style import BLUE, ORANGE, RULE, SKY, WIDE
+from dubins_study.report.elements.plots import DRAWN_TEXT, Mark, stacked_shares
+from dubins_study.report.elements.style import BLUE, ORANGE, RULE, SKY
 from dubins_study.report.elements.topic import General, Topic
 from dubins_study.report.statistics.methods import MOST_METHODS, drawn_methods
 from dubins_study.report.topics.summary import best_solvers, solver_summary
+
+# The figure: from dark to light, weaker proofs hatched, so that grey print keeps the order.
+MARKS = (
+    Mark("proved", colour=BLUE),
+    Mark("bounded", colour=SKY, hatch="\\\\"),
+    Mark("extremal", colour=ORANGE, hatch="///"),
+    Mark("none", colour=RULE, hatch="xx"),
+)
+COUNTS = (
+    SOLVER,
+    *columns(count, attempts="attempts"),
+    *(Column(name, name, count) for name in PROOFS),
+    *columns(count, bounds="lower bounds", false_bounds="false bounds"),
+)
+ERRORS = (
+    SOLVER,
+    *columns(digits(2), pmp_residual="worst residual", cut_margin="least cut margin, rad"),
+    *columns(count, multipliers="multipliers"),
+    *columns(digits(2), costate_median="costate error, median", costate_error="worst"),
+)
 
 
 def certificates_section(results: Results) -> Section | None:
@@ -30,20 +47,52 @@ def certificates_section(results: Results) -> Section | None:
         "Every answer is certified from its controls alone. Proved: the length agrees with a "
         "rigorous interval around the shortest one, and Pontryagin's conditions hold, for the "
         "branch best the cut margin too; or there is provably no path, and none was returned. "
-        "Bounded: the solver's own "
-        "bound is within the tolerance. Extremal: Pontryagin's conditions alone, which are "
-        "necessary and not sufficient."
+        "Bounded: the solver's own bound is within the tolerance. Extremal: Pontryagin's "
+        "conditions alone, which are necessary and not sufficient."
     )
-    named = frame.assign(label=frame["solver"].map(labels_of(results)))
-    text = sentences(text, _proved(frame), _enclosed(frame), _reported(named))
-    best = best_solvers(results)
-    blocks: tuple[Table | Picture, ...] = (
-        _picture(results, frame),
-        *best_first(_proofs_table(frame), frame["solver"], best),
-        *best_first(_table(frame), frame["solver"], best),
+    frame = frame.assign(label=frame["solver"].map(labels_of(results)))
+    text = sentences(text, _proved(frame), _enclosed(frame), _reported(frame))
+    counts = Table(
+        "proof-counts",
+        "Attempts by how far their proof goes; bounds that solvers report, and how many of them "
+        "lie above the shortest length.",
+        frame,
+        COUNTS,
+        marks(frame, "false_bounds"),
+        show=Show.FILE,
     )
+    errors = Table(
+        "certificates",
+        "Of the optimal answers the worst violation of Pontryagin's conditions and, of the branch "
+        "best, the least cut margin: above 0 a path is the shortest to its own end. Costate "
+        "error: a solver's multipliers against the costates of its own path, if that arrives and "
+        "has more than one arc.",
+        frame,
+        ERRORS,
+    )
+    best, solvers = best_solvers(results), frame["solver"]
+    tables = *best_first(counts, solvers, best), *best_first(errors, solvers, best)
     lead = "See how far the proof of each method's answers goes: plain blue is proved."
-    return Section("certificates", "Certificates", text, blocks, lead)
+    return Section("certificates", "Certificates", text, (_picture(results, frame), *tables), lead)
+
+
+def _picture(results: Results, frame: pd.DataFrame) -> Picture:
+    """A bar per method; of many methods the best of each engine, in a panel per formulation."""
+    caption = (
+        "How far the proof of each attempt goes, as shares of all attempts. Failed, coarse or "
+        "rippled answers have none, nor has what the presolve answered in an engine's place."
+    )
+    shares = frame[list(PROOFS)].div(frame["attempts"], axis=0)
+    shares = shares.assign(solver=frame["solver"], name=frame["label"])
+    shares["note"] = frame["attempts"].map(lambda attempts: f"of {count(attempts)}")
+    several = len(frame) > MOST_METHODS
+    if several:
+        drawn = drawn_methods(solver_summary(results.attempts))
+        methods = drawn[["solver", "formulation", "short"]]
+        shares = methods.merge(shares.drop(columns="note"), on="solver", how="left")
+        caption = f"{caption} {DRAWN_TEXT}"
+    figure = stacked_shares(shares, MARKS, panels=several)
+    return Picture("certificates", caption, figure, "Stacked bars of proofs, one per solver")
 
 
 def _proved(frame: pd.DataFrame) -> str:
@@ -93,80 +142,6 @@ def _reported(frame: pd.DataFrame) -> str:
             f"of {count(bounds)} lower bounds {count(false)} lie above the shortest length"
         )
     return f"What solvers report in addition to a path: {'; '.join(parts)}." if parts else ""
-
-
-def _picture(results: Results, frame: pd.DataFrame) -> Picture:
-    caption = (
-        "How far the proof of each attempt goes, as shares of all attempts. A failed or coarse "
-        "answer has none, nor has one whose controls ripple about an extremal's, nor what the "
-        "presolve answered in an engine's place."
-    )
-    alt = "Stacked bars of proofs, one per solver"
-    if len(frame) > MOST_METHODS:
-        drawn = drawn_methods(solver_summary(results.attempts))
-        proofs = frame.set_index("solver").reindex(drawn["solver"]).reset_index()
-        shares = proofs[list(PROOFS)].div(proofs["attempts"], axis=0)
-        named = drawn[["formulation", "short"]].reset_index(drop=True)
-        figure = plot_stacked_shares(shares.join(named), _LOOK, "share of all attempts")
-        return Picture("certificates", f"{caption} {DRAWN_TEXT}", figure, alt)
-    return picture(
-        "certificates",
-        plot_proofs,
-        *(frame, Palette.of_page(results)),
-        caption=caption,
-        alt=alt,
-        height=min(HIGHEST, 0.9 + 0.3 * len(frame)),
-        width=WIDE,
-    )
-
-
-# From dark to light, weaker proofs hatched, so that grey print keeps the order.
-_LOOK = {
-    "proved": (BLUE, ""),
-    "bounded": (SKY, "\\\\"),
-    "extremal": (ORANGE, "///"),
-    "none": (RULE, "xx"),
-}
-
-
-def plot_proofs(ax: Axes, table: pd.DataFrame, palette: Palette) -> None:
-    """Draw the share of each proof, one bar per solver. Columns solver, attempts, each proof."""
-    look = {name: _LOOK[name] for name in PROOFS}
-    notes = [f"of {count(attempts)}" for attempts in table["attempts"]]
-    plot_shares(ax, table, look, notes, palette)
-    ax.figure.legend(loc="outside lower left", ncols=4)
-
-
-def _proofs_table(frame: pd.DataFrame) -> Table:
-    shown = (
-        SOLVER,
-        *columns(count, attempts="attempts"),
-        *(Column(name, name, count) for name in PROOFS),
-        *columns(count, bounds="lower bounds", false_bounds="false bounds"),
-    )
-    caption = (
-        "Attempts by how far their proof goes; bounds that solvers report, and how many of them "
-        "lie above the shortest length."
-    )
-    return Table("proof-counts", caption, frame, shown, marks(frame, "false_bounds"))
-
-
-def _table(frame: pd.DataFrame) -> Table:
-    number = digits(2)
-    shown = (
-        SOLVER,
-        *columns(number, pmp_residual="worst residual", cut_margin="least cut margin, rad"),
-        *columns(count, multipliers="multipliers"),
-        *columns(number, costate_median="costate error, median", costate_error="worst"),
-    )
-    caption = (
-        "Residual: the worst violation of Pontryagin's conditions among the optimal answers. Cut "
-        "margin: above 0 a path is the shortest to its own end; the least among the optimal "
-        "answers to the branch best. Costate error: the distance of a solver's multipliers from "
-        "the costates of its own path, where that arrives and is an extremal of more than one "
-        "arc: a single arc does not determine them."
-    )
-    return Table("certificates", caption, frame, shown)
 
 
 TOPIC = Topic("certificates", certificates_section, General.POOLED, counted=True)

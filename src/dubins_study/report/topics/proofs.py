@@ -3,25 +3,41 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 import pandas as pd
-from matplotlib.axes import Axes
 
 from dubins_study.report.data.attempts import EXACT, PROOFS
 from dubins_study.report.data.results import Results
-from dubins_study.report.elements.axes import duration, log_axis, mark_limit
 from dubins_study.report.elements.columns import SOLVER, Column, columns
-from dubins_study.report.elements.content import Picture, Section, Table, picture
+from dubins_study.report.elements.content import Picture, Section, Show, Table
 from dubins_study.report.elements.formats import count, digits, seconds, sentences, share
 from dubins_study.report.elements.looks import Palette
-from dubins_study.report.elements.panels import label_lines, plot_quartiles
-from dubins_study.report.elements.style import BLUE, GREEN, MUTED, VERMILION, WIDE, Style
+from dubins_study.report.elements.plots import Mark, quartile_lines
+from dubins_study.report.elements.style import BLUE, GREEN, VERMILION
 from dubins_study.report.elements.topic import Topic
 from dubins_study.report.paper.printed import PROBLEMS
 from dubins_study.report.statistics.metrics import by_solver, proof, solver_order, success
 
+PROOF_COLUMNS = (
+    SOLVER,
+    *columns(count, attempts="attempts"),
+    *columns(share, success="success"),
+    *(Column(name, name, count) for name in PROOFS),
+    *columns(share, own_bound="own bound to 1e-4"),
+    *columns(digits(2), gap="proven gap, median", gap_most="largest"),
+    *columns(seconds, wall_s_q1="time, 25 %", wall_s="median", wall_s_q3="75 %"),
+    *columns(seconds, build_s="building"),
+)
+PRICES = (
+    *columns(kind="text", group="targets"),
+    SOLVER,
+    *columns(count, questions="questions"),
+    *columns(digits(2), ratio_q1="25 %", ratio="median", ratio_q3="75 %"),
+)
+TIME = (Mark("wall_s"),)
+_LOOKS = ((BLUE, "o"), (VERMILION, "s"), (GREEN, "^"))  # of groups of targets
 ENOUGH = 1e-4  # proven gap up to which the check would call an answer optimal
 PAPER = "the paper's problems"
 _QUESTION = ["scenario_id", "branch", "initial_guess"]
@@ -127,58 +143,6 @@ def fastest(rows: pd.DataFrame) -> tuple[str, float]:
     return solver_order([str(name) for name in first.index[first == often]])[0], often
 
 
-_GROUPS = ((BLUE, "o"), (VERMILION, "s"), (GREEN, "^"))
-
-
-def plot_wall(ax: Axes, table: pd.DataFrame, palette: Palette) -> None:
-    """Draw median and quartiles of the total time; write the share of proven answers next to it.
-
-    Columns solver, wall_s, wall_s_q1, wall_s_q3 (s), own_bound (share), proved and attempts
-    (counts).
-    """
-    places = np.arange(len(table))[::-1]
-    looks = palette.looks(table["solver"])
-    beside: dict[str, Any] = {"fontsize": 7.5, "color": MUTED}
-    for place, row in zip(places, table.to_dict("records"), strict=True):
-        shares = f"{_percent(row['own_bound'])}, {_percent(row['proved'] / row['attempts'])}"
-        across = ax.get_yaxis_transform()
-        ax.text(1.01, place, shares, transform=across, va="center", **beside)
-        if row["wall_s"] > 0:
-            plot_quartiles(ax, row, "wall_s", place, looks[row["solver"]])
-    heading = "own bound, certificate"
-    ax.text(1.01, 1.0, heading, transform=ax.transAxes, va="bottom", **beside)
-    ax.set(xscale="log", xlabel="time of one attempt")
-    log_axis(ax.xaxis, duration)
-    label_lines(ax, palette.names(table["solver"]).values(), places)
-
-
-def _percent(share: float) -> str:
-    return f"{100 * share:.0f} %"
-
-
-def plot_prices(ax: Axes, table: pd.DataFrame, palette: Palette) -> None:
-    """Ratio of times by group, median and quartiles.
-
-    Columns group, solver, ratio, ratio_q1, ratio_q3; `palette` names the solvers.
-    """
-    solvers = solver_order(table["solver"].tolist())[::-1]
-    names = list(dict.fromkeys(table["group"]))
-    for number, name in enumerate(names):
-        colour, marker = _GROUPS[number % len(_GROUPS)]
-        group = table[table["group"] == name].set_index("solver")
-        lift = 0.22 * ((len(names) - 1) / 2 - number)
-        places = np.array([solvers.index(solver) for solver in group.index]) + lift
-        bar: Style = {"color": colour, "linewidth": 2, "alpha": 0.45}
-        ax.hlines(places, group["ratio_q1"], group["ratio_q3"], **bar)
-        ax.plot(group["ratio"], places, linestyle="none", marker=marker, color=colour, label=name)
-    mark_limit(ax, 1.0)
-    ax.set(xscale="log", xlabel="time / fastest right answer without a proof")
-    log_axis(ax.xaxis)
-    label_lines(ax, palette.names(solvers).values(), range(len(solvers)))
-    figure = ax.figure
-    figure.legend(loc="outside lower left", ncols=3)
-
-
 Names: TypeAlias = Mapping[str, str]  # solver -> its name in the section
 
 
@@ -193,9 +157,13 @@ def proofs_section(results: Results) -> Section | None:
     blocks: list[Picture | Table] = [_time_picture(table, palette)]
     if len(price):
         blocks.append(_price_picture(price, palette))
-    blocks.append(_table(table))
-    if len(price):
-        blocks.append(_price_table(price))
+        repeats = "The ratios of the figure; only questions that the solver answers correctly."
+        blocks.append(Table("proofs-price", repeats, price, PRICES, show=Show.FILE))
+    caption = (
+        "Proved to none: the certificate's words. Own bound: attempts whose own lower bound leaves "
+        "(length − bound) / length at 1e-4 or less; the closed form's bound is its length."
+    )
+    blocks.append(Table("proofs", caption, table, PROOF_COLUMNS, dense=True))
     text = (
         "A solver's lower bound proves the solver's own answer; a certificate proves the answer of "
         "any solver, afterwards."
@@ -270,68 +238,36 @@ def _certified(rows: pd.DataFrame, table: pd.DataFrame, names: Names) -> str:
 def _time_picture(table: pd.DataFrame, palette: Palette) -> Picture:
     caption = (
         "Time of one cold attempt, building included: median (mark) and quartiles (bar). At the "
-        "right: the share of answers that the solver's own bound proves to 1e-4, and that the "
+        "right: the shares of answers that the solver's own bound proves to 1e-4, and that the "
         "certificate proves."
     )
-    alt = "Median times and quartiles with shares of proofs, one line per solver"
-    height = min(0.9 + 0.25 * len(table), 6.5)
-    return picture(
-        "proofs-time",
-        plot_wall,
-        table,
-        palette,
-        caption=caption,
-        alt=alt,
-        height=height,
-        width=WIDE,
+    proved = zip(table["own_bound"], table["proved"] / table["attempts"], strict=True)
+    named = table.assign(
+        name=table["solver"].map(palette.names(table["solver"])),
+        note=[f"own bound {own:.0%}, certificate {certified:.0%}" for own, certified in proved],
     )
+    figure = quartile_lines(named, TIME, palette, "time of one attempt", seconds=True)
+    alt = "Median times and quartiles with shares of proofs, one line per solver"
+    return Picture("proofs-time", caption, figure, alt)
 
 
 def _price_picture(price: pd.DataFrame, palette: Palette) -> Picture:
+    """A line per solver, on it a mark per group of targets."""
     caption = (
         "Time over that of the fastest right answer without a proof, question by question: median "
         "and quartiles, right answers only. Right of 1 is slower."
     )
-    alt, height = (
-        "Ratios of times by group of targets",
-        min(1.1 + 0.25 * price["solver"].nunique(), 6.5),
-    )
-    data = price, palette
-    return picture(
-        "proofs-price", plot_prices, *data, caption=caption, alt=alt, height=height, width=WIDE
-    )
-
-
-def _table(table: pd.DataFrame) -> Table:
-    number = digits(2)
-    shown = (
-        SOLVER,
-        *columns(count, attempts="attempts"),
-        *columns(share, success="success"),
-        *(Column(name, name, count) for name in PROOFS),
-        *columns(share, own_bound="own bound to 1e-4"),
-        *columns(number, gap="proven gap, median", gap_most="largest"),
-        *columns(
-            seconds, wall_s_q1="time, 25 %", wall_s="median", wall_s_q3="75 %", build_s="building"
-        ),
-    )
-    caption = (
-        "Proved to none: the certificate's words. Own bound: attempts whose own lower bound leaves "
-        "(length − bound) / length at 1e-4 or less; the closed form's bound is its length."
-    )
-    return Table("proofs", caption, table, shown, dense=True)
-
-
-def _price_table(price: pd.DataFrame) -> Table:
-    number = digits(2)
-    shown = (
-        *columns(kind="text", group="targets"),
-        SOLVER,
-        *columns(count, questions="questions"),
-        *columns(number, ratio_q1="25 %", ratio="median", ratio_q3="75 %"),
-    )
-    caption = "The ratios of the figure; only questions that the solver answers correctly."
-    return Table("proofs-price", caption, price, shown)
+    groups = list(dict.fromkeys(price["group"]))
+    wide = price.pivot(index="solver", columns="group", values=["ratio_q1", "ratio", "ratio_q3"])
+    wide.columns = [f"{group}{value.removeprefix('ratio')}" for value, group in wide.columns]
+    table = by_solver(wide.reset_index())
+    named = table.assign(name=table["solver"].map(palette.names(table["solver"])))
+    marks = [
+        Mark(group, group, *_LOOKS[number % len(_LOOKS)]) for number, group in enumerate(groups)
+    ]
+    label = "time / fastest right answer without a proof"
+    figure = quartile_lines(named, marks, palette, label, limit=1.0)
+    return Picture("proofs-price", caption, figure, "Ratios of times by group of targets")
 
 
 TOPIC = Topic("what a proof costs", proofs_section, "proofs")

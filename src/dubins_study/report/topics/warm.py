@@ -36,6 +36,8 @@ def warm_starts(rows: pd.DataFrame) -> pd.DataFrame:
     """
     if not {"cold", "warm"} <= set(rows["initial_guess"]):
         return pd.DataFrame()
+    asked = rows["scenario_id"].isin(rows.loc[rows["initial_guess"] == "warm", "scenario_id"])
+    rows = rows[asked]
     attempts = rows.assign(success=success(rows).astype(float), s=rows["wall_s"])
     groups = attempts.groupby(["solver", *QUESTION])
     table = groups.agg({"s": "median", "success": "mean", "iterations": "median"})
