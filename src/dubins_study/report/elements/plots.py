@@ -9,6 +9,7 @@ from __future__ import annotations
 import textwrap
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import combinations
 
 import numpy as np
 import pandas as pd
@@ -110,7 +111,7 @@ def quartile_lines(
     widen = max(1.0, (6 / (high / low)) ** 0.5)  # or the axis might have no number
     for ax, rows in axes:
         for number, mark in enumerate(marks):
-            lift = 0.28 * ((len(marks) - 1) / 2 - number)
+            lift = 0.56 / len(marks) * ((len(marks) - 1) / 2 - number)
             for place, row in zip(range(len(rows))[::-1], rows.to_dict("records"), strict=True):
                 if not row[mark.key] > 0:
                     continue
@@ -178,8 +179,7 @@ def named_lines(
     size, inches = (6.0, 0.145) if panels else (8.0, 0.27)
     groups = _groups(table) if panels else [("", [*map(_wrapped, table["name"])], table)]
     heights = np.array([inches * len(rows) + (0.3 if panels else 0) for _, _, rows in groups])
-    column = (_ACROSS * (heights.cumsum() - heights / 2) / heights.sum()).astype(int)
-    columns = [np.flatnonzero(column == number) for number in np.unique(column)]
+    columns = _columns(heights)
     tallest = max(heights[places].sum() for places in columns)
     lines = "\n".join(name for _, names, _ in groups for name in names).count("\n") + 1
     if not panels:  # names of several lines need more room
@@ -214,6 +214,14 @@ def named_lines(
                 )
             drawn.append((ax, rows))
     return figure, drawn
+
+
+def _columns(heights: FloatArray) -> list[FloatArray]:
+    """The places of panels in columns, in order, the highest column as low as possible."""
+    number = len(heights)
+    cuts = combinations(range(1, number), min(_ACROSS, number) - 1)
+    parts = (np.split(np.arange(number), cut) for cut in cuts)
+    return min(parts, key=lambda columns: max(heights[places].sum() for places in columns))
 
 
 def _groups(table: pd.DataFrame) -> list[tuple[str, list[str], pd.DataFrame]]:

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Mapping
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import pandas as pd
-from matplotlib.figure import Figure
 
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import Column, columns
@@ -23,19 +21,46 @@ from dubins_study.report.elements.identity import (
     with_interval,
     with_interval_texts,
 )
-from dubins_study.report.elements.panels import most_per_formulation, plot_stacked_shares
+from dubins_study.report.elements.plots import Mark, stacked_shares
 from dubins_study.report.elements.style import BLUE, GREEN, ORANGE, RULE, VERMILION
 from dubins_study.report.elements.topic import BENCHMARK, Topic
 from dubins_study.report.statistics.compared import Compared, compared
+from dubins_study.report.statistics.efforts import AMOUNTS, KINDS, Split, split
 from dubins_study.report.statistics.intervals import bootstrap, medians
 from dubins_study.report.statistics.methods import without_setting
 from dubins_study.report.topics.summary import best_solvers
-from dubins_study.study.closed_form.shortest import shortest
-from dubins_study.study.path import FloatArray
-from dubins_study.study.scenario import COLUMNS, Scenario
-from dubins_study.study.words import BRANCHES
+from dubins_study.study.scenario import Scenario
 
-AMOUNTS = ("evaluations", "seconds")
+# The figure: from dark to light with hatches, so that neighbours differ in grey print.
+MARKS = (
+    Mark("winning run", colour=BLUE),
+    Mark("restarts", colour="#b9def3", hatch="///"),
+    Mark("losing words", colour=ORANGE, hatch="\\\\\\"),
+    Mark("words without a path", colour=VERMILION, hatch="xx"),
+    Mark("building", colour=GREEN, hatch="||"),
+    Mark("rest", colour=RULE),
+)
+# Eight bars in a panel can be read; the tables hold every method.
+_MOST = 8
+# Other runs with less than this share of the cost are nothing to show.
+_OTHER_RUNS = ("restarts", "losing words", "words without a path")
+_HARDLY = 0.005
+_RATIO = digits(3)
+_SHOWN = {"evaluations": _RATIO, "seconds": _RATIO}
+FACTORS = (
+    *columns(count, questions="questions"),
+    *columns(_RATIO, evaluations_total="evaluations", evaluations_floor="winning run"),
+    interval_column("evaluations", "total / winning"),
+    *columns(seconds, seconds_total="time", seconds_floor="winning run"),
+    interval_column("seconds", "total / winning"),
+)
+SAVINGS = (
+    *columns(count, questions="questions"),
+    *columns(_RATIO, evaluations_off="evaluations / winning, without", evaluations_on="with"),
+    interval_column("evaluations", "saved factor"),
+    *columns(_RATIO, seconds_off="time / winning, without", seconds_on="with"),
+    interval_column("seconds", "saved factor"),
+)
 _STRATUM_COLUMNS = ["solver", "stratum", "questions", "estimate", "low", "high"]
 
 
@@ -158,183 +183,6 @@ def example(compared: Compared, split: Split) -> pd.DataFrame:
     return compared.engines.join(ratio, how="inner")
 
 
-# What evaluations and seconds go to. The run that gave the answer is the floor: the engine called
-# once, from that guess. Restarts are the other runs on the same subproblem. Other subproblems have
-# a path that loses, or no path. The rest lies outside the subproblems, e.g. polishing the answer.
-KINDS = ("winning run", "restarts", "losing words", "words without a path", "building", "rest")
-_AMOUNTS = {"evaluations": "subproblem_evaluations", "seconds": "subproblem_s"}
-_RELATIVE_ROUNDING = 1e-9
-_READ = [
-    *("solver", "question", "scenario", "stratum", "word", "evaluations", "build_s", "wall_s"),
-    *("subproblems", "subproblem_evaluations", "subproblem_s"),
-    *("best_run_evaluations", "best_run_s", *COLUMNS),
-]
-
-
-class Split(NamedTuple):
-    """Right answers at questions with a path, and what each cost; three frames of one index.
-
-    Args:
-        answers: columns solver, question, stratum; one row per attempt, with its index.
-        evaluations: columns `KINDS` and total; NaN where the engine does not count them.
-        seconds: columns `KINDS` and total (the whole attempt).
-    """
-
-    answers: pd.DataFrame
-    evaluations: pd.DataFrame
-    seconds: pd.DataFrame
-
-    def amount(self, name: str) -> pd.DataFrame:
-        """The evaluations or the seconds."""
-        return self.evaluations if name == "evaluations" else self.seconds
-
-    def medians(self, values: pd.Series[float]) -> pd.DataFrame:
-        """A value of each answer as a table: questions by solvers, the median over repeats."""
-        return values.groupby([self.answers["question"], self.answers["solver"]]).median().unstack()
-
-
-def split(compared: Compared) -> Split:
-    """What the right answers cost; answers whose winning run is not known are left out."""
-    rows = compared.answerable
-    rows = rows.loc[rows["right"] & (rows["best_run_s"] > 0), _READ]
-    lines = _lines(rows)
-    kinds = _kinds(lines, rows)
-    return Split(
-        rows[["solver", "question", "stratum"]],
-        _parts(rows, lines, kinds, "evaluations"),
-        _parts(rows, lines, kinds, "seconds"),
-    )
-
-
-def _parts(
-    rows: pd.DataFrame, lines: pd.DataFrame, kinds: pd.Series[Any], amount: str
-) -> pd.DataFrame:
-    """Each attempt's evaluations or seconds, by kind, and their total."""
-    summed = lines[amount].groupby([lines["row"], kinds]).sum(min_count=1).unstack()
-    parts = summed.reindex(index=rows.index, columns=list(KINDS)).fillna(0.0)
-    known = summed.sum(axis=1).reindex(rows.index).fillna(0.0)
-    if amount == "evaluations":
-        best, total = rows["best_run_evaluations"], rows["evaluations"]
-        parts["building"] = 0.0
-    else:
-        best, total = rows["best_run_s"], rows["wall_s"]
-        parts["building"] = rows["build_s"].fillna(0.0)
-    parts["winning run"] = best
-    parts["restarts"] = (parts["restarts"] - best).clip(lower=0.0)
-    counted = parts.drop(columns="rest").sum(axis=1, skipna=False)
-    parts["total"] = np.fmax(total.fillna(known), counted)
-    parts["rest"] = parts["total"] - counted
-    return parts.where(best > 0).astype(np.float64)
-
-
-def _lines(rows: pd.DataFrame) -> pd.DataFrame:
-    """One line per attempt and subproblem: row, subproblem, evaluations, seconds.
-
-    Attempts whose lists of subproblems differ in length have no lines.
-    """
-    names = rows["subproblems"].fillna("").map(str.split)
-    sizes = names.map(len)
-    for column in _AMOUNTS.values():
-        sizes = sizes.where(sizes == rows[column].map(_size), 0)
-    kept = sizes[sizes > 0].astype(int)
-    chain = itertools.chain.from_iterable
-    frame = pd.DataFrame(
-        {
-            "row": np.repeat(kept.index.to_numpy(), kept.to_numpy()),
-            "subproblem": list(chain(names[kept.index])),
-        }
-    )
-    for amount, column in _AMOUNTS.items():
-        values = np.array(list(chain(rows.loc[kept.index, column])), dtype=np.float64)
-        frame[amount] = values
-    return frame
-
-
-def _size(value: object) -> int:
-    return len(value) if isinstance(value, (list, np.ndarray)) else 0
-
-
-def _kinds(lines: pd.DataFrame, rows: pd.DataFrame) -> pd.Series[Any]:
-    """The kind of each line; the winner's line is `restarts`, its best run included."""
-    if lines.empty:
-        return pd.Series("", lines.index)
-    attempts = rows[["word", "best_run_s", "scenario", *COLUMNS]].loc[lines["row"]]
-    place, pairs = pd.factorize(
-        pd.MultiIndex.from_arrays([attempts["word"].fillna("").to_numpy(), lines["subproblem"]])
-    )
-    misfit = np.array([not _contains(*pair) for pair in pairs])[place]
-    best = attempts["best_run_s"].to_numpy()
-    # The engine's time on the winner is at least that of its best run.
-    too_short = lines["seconds"].to_numpy() < best * (1 - _RELATIVE_ROUNDING)
-    order = pd.DataFrame(
-        {"row": lines["row"], "too_short": too_short, "misfit": misfit, "s": lines["seconds"]}
-    ).sort_values(["row", "too_short", "misfit", "s"], kind="stable")
-    winner = np.zeros(len(lines), dtype=bool)
-    winner[order.index[~order["row"].duplicated()]] = True
-    exists = _exists(attempts, lines["subproblem"].to_numpy())
-    names = np.where(winner, "restarts", np.where(exists, "losing words", KINDS[3]))
-    return pd.Series(names, lines.index)
-
-
-def _contains(word: str, subproblem: str) -> bool:
-    """Whether a subproblem's letters, in order, include a path's word."""
-    letters = iter(subproblem)
-    return all(letter in letters for letter in word)
-
-
-def _exists(attempts: pd.DataFrame, subproblems: FloatArray) -> FloatArray:
-    """Whether each subproblem has a path; true of all that are no words, such as the joint model.
-
-    The closed form decides, once for each scenario and word.
-    """
-    pairs = pd.MultiIndex.from_arrays([attempts["scenario"].to_numpy(), subproblems])
-    place = pairs.factorize()[0]
-    _, first = np.unique(place, return_index=True)
-    columns = attempts[list(COLUMNS)].iloc[first].to_dict("records")
-    words = subproblems[first]
-    known = [_has_path(line, word) for line, word in zip(columns, words, strict=True)]
-    every: FloatArray = np.array(known)[place]
-    return every
-
-
-def _has_path(scenario: Mapping[Any, Any], word: str) -> bool:
-    if word not in BRANCHES or word == "best":
-        return True
-    return shortest(Scenario(**scenario), word) is not None
-
-
-# From dark to light with hatches, so that neighbours differ in grey print.
-LOOKS = {
-    "winning run": (BLUE, ""),
-    "restarts": ("#b9def3", "///"),
-    "losing words": (ORANGE, "\\\\\\"),
-    "words without a path": (VERMILION, "xx"),
-    "building": (GREEN, "||"),
-    "rest": (RULE, ""),
-}
-
-
-def plot_cost_shares(table: pd.DataFrame, amount: str) -> Figure:
-    """What the evaluations, or the seconds, of right answers go to; the mean total beside it.
-
-    Columns of `shares`.
-    """
-    show = digits(3) if amount == "evaluations" else seconds
-    present = {kind: look for kind, look in LOOKS.items() if table[kind].any()}
-    notes = [show(total) for total in table["total"]]
-    label = f"share of {'evaluations' if amount == 'evaluations' else 'the time'}, right answers"
-    return plot_stacked_shares(table, present, label, notes)
-
-
-# Eight bars in a panel can be read; the tables hold every method.
-_MOST = 8
-# Other runs with less than this share of the cost are nothing to show.
-_OTHER_RUNS = ("restarts", "losing words", "words without a path")
-_HARDLY = 0.005
-_RATIO = digits(3)
-_SHOWN = {"evaluations": _RATIO, "seconds": _RATIO}
-
-
 def cost_section(results: Results) -> Section | None:
     """What evaluations and seconds go to, against one run of the engine."""
     attempts = compared(results)
@@ -424,75 +272,56 @@ def _example(table: pd.DataFrame) -> str:
 
 
 def _picture(attempts: Compared, answers: Split, amount: str) -> Picture:
+    """The shares of the kinds as bars, the mean total beside each."""
     table = shares(attempts, answers, amount)
     shown = _bars(table, attempts)
-    left_out = len(table) - len(shown)
-    rest = f" The table below has {count(left_out)} methods more." if left_out else ""
-    if amount == "evaluations":
-        what = "function evaluations; at the right their mean number in an answer"
-    else:
-        what = "seconds, building included; at the right their mean in an answer"
+    show, label = {
+        "evaluations": (_RATIO, "share of evaluations, right answers"),
+        "seconds": (seconds, "share of the time, right answers"),
+    }[amount]
     caption = (
-        f"What an answer's cost goes to, in {what}. Winning run: the run that gives the answer. "
-        "Restarts: other runs on the same word. Losing words have a path, but a longer one, or "
-        "are the joint model's other order. Whether a word has a path is computed from the "
-        f"scenario. Methods of a single run are left out.{rest}"
+        f"What the {amount} of an answer go to; at the right their mean number. Winning run: the "
+        "run that gives the answer. Restarts: other runs on the same word. Losing words have a "
+        "longer path, or are the joint model's other order. Methods of a single run are left out"
+        f"{f', and {count(len(table) - len(shown))} methods in all' * (len(table) > len(shown))}."
     )
     alt = f"Stacked bars of the shares of {amount}, one per method, in panels by formulation"
-    return Picture(f"cost-{amount}", caption, plot_cost_shares(shown, amount), alt)
+    noted = shown.assign(note=shown["total"].map(show))
+    return Picture(f"cost-{amount}", caption, stacked_shares(noted, MARKS, label, panels=True), alt)
 
 
 def _bars(table: pd.DataFrame, attempts: Compared) -> pd.DataFrame:
     """The methods with more than one run: those with and without the presolve, then the cheapest.
 
-    If all have a single run, the cheapest.
+    If all have a single run, the cheapest; of each formulation as many as a panel may have.
     """
     paired = {solver for pair in presolve_pairs(attempts.engines) for solver in pair}
     order = table.assign(single=~table.index.isin(list(paired))).sort_values(["single", "total"])
     several = order[order[list(_OTHER_RUNS)].sum(axis=1) > _HARDLY]
-    chosen = most_per_formulation(several if len(several) else order, _MOST)
+    chosen = (several if len(several) else order).groupby("formulation", sort=False).head(_MOST)
     return table[table.index.isin(chosen.index)]
 
 
 def _factor_table(table: pd.DataFrame) -> Table:
-    mean = digits(3)
-    shown = (
-        *method_columns(table),
-        *columns(count, questions="questions"),
-        *columns(mean, evaluations_total="evaluations", evaluations_floor="winning run"),
-        interval_column("evaluations", "total / winning"),
-        *columns(seconds, seconds_total="time", seconds_floor="winning run"),
-        interval_column("seconds", "total / winning"),
-    )
     caption = (
         "Total cost against the winning run: means over right answers, then the median over "
         "questions of total / winning run, with its 95 % interval (bootstrap over scenarios). "
         "A dash: the engine does not count evaluations."
     )
+    shown = *method_columns(table), *FACTORS
     frame = with_interval_texts(table, **_SHOWN)
     return Table("cost", caption, frame, shown, numbers=interval_keys(*_SHOWN), dense=True)
 
 
 def _presolve_table(savings: pd.DataFrame) -> Table:
-    shown = (
-        *method_columns(savings),
-        *columns(count, questions="questions"),
-        *columns(_RATIO, evaluations_off="evaluations / winning, without", evaluations_on="with"),
-        interval_column("evaluations", "saved factor"),
-        *columns(_RATIO, seconds_off="time / winning, without", seconds_on="with"),
-        interval_column("seconds", "saved factor"),
-    )
     caption = (
         "With and without the presolve, which drops the words that elementary geometry excludes, "
         "on the questions that both answer: median of total / winning run, and median over "
         "questions of the total without / with it, with its 95 % interval."
     )
+    shown = *method_columns(savings), *SAVINGS
     frame = with_interval_texts(savings, **_SHOWN)
     return Table("cost-presolve", caption, frame, shown, numbers=interval_keys(*_SHOWN), dense=True)
-
-
-def _present(attempts: Compared, table: pd.DataFrame) -> list[str]:
-    return [stratum for stratum in attempts.strata if stratum in set(table["stratum"])]
 
 
 def _stratum_table(attempts: Compared, answers: Split, table: pd.DataFrame) -> Table | None:
@@ -506,7 +335,8 @@ def _stratum_table(attempts: Compared, answers: Split, table: pd.DataFrame) -> T
     ends = zip(kept["estimate"], kept["low"], kept["high"], strict=True)
     kept = kept.assign(text=[cell_text(with_interval(digits(2), *each)) for each in ends])
     texts = kept.pivot(index="stratum", columns="solver", values="text")
-    texts = texts.reindex(index=_present(attempts, kept), columns=chosen)
+    present = [stratum for stratum in attempts.strata if stratum in texts.index]
+    texts = texts.reindex(index=present, columns=chosen)
     medians = _over_strata(table).reindex(chosen)
     texts.loc["median over the strata"] = [digits(2)(value) for value in medians]
     frame = texts.reset_index()

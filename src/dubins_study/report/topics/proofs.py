@@ -259,7 +259,7 @@ def _price_picture(price: pd.DataFrame, palette: Palette) -> Picture:
     )
     groups = list(dict.fromkeys(price["group"]))
     wide = price.pivot(index="solver", columns="group", values=["ratio_q1", "ratio", "ratio_q3"])
-    wide.columns = [f"{group}{value.removeprefix('ratio')}" for value, group in wide.columns]
+    wide.columns = [f"{key[1]}{key[0].removeprefix('ratio')}" for key in wide.columns]
     table = by_solver(wide.reset_index())
     named = table.assign(name=table["solver"].map(palette.names(table["solver"])))
     marks = [
