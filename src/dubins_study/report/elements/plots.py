@@ -22,6 +22,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import LogLocator
 from matplotlib.transforms import blended_transform_factory as blended
+from numpy.typing import NDArray
 
 from dubins_study.report.elements.axes import (
     duration,
@@ -216,7 +217,7 @@ def named_lines(
     return figure, drawn
 
 
-def _columns(heights: FloatArray) -> list[FloatArray]:
+def _columns(heights: FloatArray) -> list[NDArray[np.intp]]:
     """The places of panels in columns, in order, the highest column as low as possible."""
     number = len(heights)
     cuts = combinations(range(1, number), min(_ACROSS, number) - 1)
