@@ -568,8 +568,8 @@ def test_odd_rows_are_shown_too(new_tab, tmp_path: FilePath, name: str):
     """The plot, though it may be empty, the drawer and the pictures of the worst; no error."""
     page = new_tab(reduced_motion="reduce")
     folder = write_folder(tmp_path / "odd", "odd", ODD_ROWS[name])
-    page.goto(render([folder]).as_uri())
-    page.locator("#attempts").scroll_into_view_if_needed()
+    page.goto(f"{render([folder]).as_uri()}#attempts")
+    page.locator("#attempts-plot").scroll_into_view_if_needed()
     page.wait_for_selector("#attempts-plot[data-ready=yes]")
     page.get_by_label("vertical").select_option("wall_s")
     page.get_by_label("horizontal").select_option("bearing")

@@ -14,8 +14,7 @@ from dubins_study.report.elements.formats import count, digits, seconds, share
 from dubins_study.report.page.markup import markdown, to_csv, to_markdown
 from dubins_study.report.page.render import ReportError
 from dubins_study.report.page.sections import TOPICS
-from dubins_study.report.page.tex_table import to_tex
-from dubins_study.report.page.tex_text import tex
+from dubins_study.report.page.tex import tex, to_tex
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import Claim

@@ -12,9 +12,7 @@ from dubins_study.report.elements.content import Table
 from dubins_study.report.elements.figure_file import figure_bytes, fix_layout
 from dubins_study.report.elements.formats import digits
 from dubins_study.report.elements.style import HALF, WIDE, drawing, new_figure
-from dubins_study.report.page.tex_layout import layout_of
-from dubins_study.report.page.tex_table import to_tex
-from dubins_study.report.page.tex_text import tex
+from dubins_study.report.page.tex import layout_of, tex, to_tex
 from tests.fuzz.page import check_tex
 
 # What TeX obeys, what has no letter, a mark that turns the direction of writing, and long words.

@@ -187,6 +187,15 @@ class Section:
     place: Place = Place.FRONT
 
     @property
+    def printed_blocks(self) -> tuple[Table | Picture, ...]:
+        """The tables and pictures that a text shows."""
+        return tuple(
+            block
+            for block in self.blocks
+            if not isinstance(block, Widget) and block.show is Show.PAGE
+        )
+
+    @property
     def printed(self) -> bool:
         """Whether it shows more than what needs a page's scripts."""
         widgets = [isinstance(block, Widget) for block in self.blocks]

@@ -28,10 +28,9 @@ from dubins_study.report.page.environment import (
     styles,
 )
 from dubins_study.report.page.glossary import GLOSSARY
-from dubins_study.report.page.latex import document
 from dubins_study.report.page.markup import to_csv, to_markdown
 from dubins_study.report.page.sections import KEYS, TOPICS, sections_of
-from dubins_study.report.page.tex_table import to_tex
+from dubins_study.report.page.tex import document, to_tex
 from dubins_study.report.paper.printed import PAPER
 from dubins_study.report.topics.failures import failures_section
 from dubins_study.report.topics.limits import limits_section

@@ -163,6 +163,7 @@
     if (state.drawer && !state.drawer.hidden) close();
     problem.textContent = `The address opens no attempt: ${reason}. Expected: an address that “link `
       + "to this attempt” gives, of a page of the same rows.";
+    problem.closest("details").open = true;
     problem.scrollIntoView({behavior: "instant", block: "center"});
   }
 
