@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from operator import attrgetter
+from time import monotonic
 from typing import Any
 
 from dubins_study.errors import DubinsStudyError
 from dubins_study.solvers.profiles import PROFILES
 from dubins_study.solvers.protocol import NOT_STATED, Method, Question, Solution, Solver
 from dubins_study.solvers.registry import stated_method
-from dubins_study.solvers.reply import DEFAULT_LIMIT, Reply, ask
+from dubins_study.solvers.reply import DEFAULT_LIMIT, Reply, ask, with_possible_times
 from dubins_study.study.check.certificate import certify
 from dubins_study.study.check.verdict import judge
 from dubins_study.study.closed_form.shortest import shortest
@@ -125,7 +126,8 @@ def attempt(
     A solver that raises, returns something else than a `Solution`, cannot run here or cannot
     answer the branch yields a row that says so.
     """
-    reply = ask(solver, question, limit)
+    began = monotonic()
+    reply = with_possible_times(ask(solver, question, limit), monotonic() - began)
     return judged(spec or solver.name, question, reply, allowed, stated_method(solver))
 
 

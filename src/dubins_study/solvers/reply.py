@@ -76,6 +76,21 @@ def ask(
     return Reply(Outcome.RETURNED, solution, Times(built - began, ended - built, ended - began))
 
 
+_CLOCKS_APART_S = 1e-3  # that two readings of the machine's clocks may differ by
+
+
+def with_possible_times(reply: Reply, waited_s: float) -> Reply:
+    """The reply; one that raised where a time is impossible for a caller who waited that long.
+
+    A library may replace the clock of the process that solves.
+    """
+    for name, seconds in vars(reply.times).items():
+        if seconds is not None and not 0 <= seconds <= waited_s + _CLOCKS_APART_S:
+            message = f"{name} is {seconds!r}; expected a time from 0 to {waited_s:.3g} s"
+            return no_answer(Outcome.RAISED, f"ValueError: {message}: the clock was replaced")
+    return reply
+
+
 _MAX_MESSAGE_CHARS = 2000  # a row is no place for more
 
 

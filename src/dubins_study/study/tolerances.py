@@ -1,8 +1,19 @@
-"""When a path counts as arriving, as drivable and as optimal."""
+"""When a path counts as arriving, as drivable and as optimal: the one place that says so.
+
+`arrives` is plain arithmetic: Python runs it for one path, and `check.verdict_kernel` compiles it
+for millions.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+
+from dubins_study.study.body_coordinates import EPS
+
+# radii: the largest distance to the target of a path that arrives, in every profile
+ARRIVES = 1e-6
+# of the coordinates' size and a path's length: what driving in floating point loses
+DRIVEN = 32.0 * EPS
 
 
 @dataclass(frozen=True, slots=True)
@@ -15,6 +26,22 @@ class Tolerances:
         gap: largest gap of an answer that is called optimal.
     """
 
-    miss: float = 1e-6
+    miss: float = ARRIVES
     curvature: float = 1e-9
     gap: float = 1e-4
+
+
+def arrives(miss: float, radius: float, extent: float, length: float, allowed: float) -> bool:
+    """Whether a path ends at its target, up to the tolerance and the rounding of driving it.
+
+    A path that is so long that rounding moves its end by more than a radius cannot be checked.
+
+    Args:
+        miss: distance from the path's end to the target.
+        radius: turning radius.
+        extent: size of the coordinates, `Scenario.extent`.
+        length: of the path.
+        allowed: `Tolerances.miss`, in radii.
+    """
+    rounding = DRIVEN * (extent + length)
+    return (miss <= allowed * radius + rounding) & (rounding <= radius)

@@ -21,6 +21,7 @@ from dubins_study.solvers.attempt import QuestionError, attempt, judged
 from dubins_study.solvers.frame import solve_frame
 from dubins_study.solvers.frame_solution import FrameSolution
 from dubins_study.solvers.protocol import MAX_ARCS, Question, Solution, Solver
+from dubins_study.solvers.registry import load
 from dubins_study.solvers.reply import ask
 from dubins_study.study.path import Path, Paths
 from dubins_study.study.scenario import Pose, Scenario
@@ -228,8 +229,20 @@ def test_a_path_of_more_arcs_than_can_be_judged_is_refused():
     start = Scenario(target_x=3, target_y=1).start
 
     Solution(Claim.LOCAL, Path(start, arcs[1:], arcs[1:]))
-    with pytest.raises(TypeError, match="path has 1048577 arcs; expected at most 1048576"):
+    with pytest.raises(TypeError, match=f"path has {MAX_ARCS + 1} arcs; expected at most"):
         Solution(Claim.LOCAL, Path(start, arcs, arcs))
+
+
+@pytest.mark.parametrize("clock", [[5.0, 4.0, 3.0], [0.0, 0.0, 1e9], [0.0, 1.0, math.nan]])
+def test_a_time_that_is_impossible_is_refused(monkeypatch, clock):
+    """A library that replaces the clock spoils its own row, and no folder."""
+    readings = iter(clock)
+    monkeypatch.setattr("dubins_study.solvers.reply.perf_counter", lambda: next(readings))
+    answer = attempt(load("analytic"), Question(ASKED))
+
+    assert answer.outcome is Outcome.RAISED
+    assert "expected a time from 0 to" in answer.message
+    assert (answer.solve_s, answer.wall_s, answer.path) == (None, None, None)
 
 
 @pytest.mark.parametrize("limit", [10**400, True, 0, -1.0, "5", math.nan, math.inf, None])

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from cases import EDGES, PAPER
+from cases import EDGES, PAPER, scenario_frame
 from hard_cases import hard_frame
 
 from dubins_study.solvers.registry import load
@@ -17,7 +17,7 @@ from dubins_study.study.check.extremal import MEASURED
 from dubins_study.study.check.verdict import judge
 from dubins_study.study.check.verdict_frame import judge_frame
 from dubins_study.study.closed_form.shortest import shortest_path
-from dubins_study.study.path import CLAIMS, Path
+from dubins_study.study.path import CLAIMS, Path, Paths
 from dubins_study.study.scenario import Pose, Scenario, scenarios
 from dubins_study.study.tolerances import Tolerances
 from dubins_study.study.words import BRANCHES, Claim, Proof, Verdict
@@ -82,8 +82,9 @@ def test_a_bound_proves_what_no_condition_does():
     assert certify(PROBLEM, path, found).proof is not Proof.PROVED
     bounded = certify(PROBLEM, path, found, lower_bound=exact.total_length * (1 - 1e-7))
     assert bounded.proof is Proof.BOUNDED
-    loose = certify(PROBLEM, path, found, lower_bound=length - 0.1)
-    assert loose.proof is not Proof.BOUNDED
+    for bound in (length - 0.1, length + 0.1, math.inf):
+        loose = certify(PROBLEM, path, found, lower_bound=bound)
+        assert loose.proof is not Proof.BOUNDED
 
 
 def test_a_bound_above_the_shortest_length_is_false():
@@ -108,6 +109,25 @@ def test_an_answer_that_owes_its_length_to_its_miss_is_not_proved():
     assert found.length < 0.31
     assert certify(scenario, arc, found).proof is Proof.EXTREMAL
     assert certify(scenario, arc, found).reference_low > 6
+    assert not certify(scenario, arc, found, lower_bound=6.5).false_bound
+
+
+@pytest.mark.parametrize("bound", [0.4, 1e9, math.inf])
+def test_a_bound_above_the_answers_own_length_is_false(bound):
+    """On a circle, where the data leave open whether LS exists: the arc that arrives does."""
+    scenario = Scenario(0, 0, 0, math.sin(0.3), 1 - math.cos(0.3), 1)
+    arc = Path(scenario.start, [1.0], [0.3])
+    found = certified(scenario, arc, "LS", lower_bound=bound)
+    frame = scenario_frame([scenario])
+    paths = Paths(np.array([[1.0], [0.0]]), np.array([[0.3], [0.0]]))
+    judged = judge_frame(frame, paths, Claim.LOCAL, "LS")
+    rows = certify_frame(frame, paths, judged, "LS", np.array([bound]))
+
+    assert found.false_bound
+    assert rows.false_bound[0]
+    assert PROOFS[rows.proof[0]] is found.proof
+    assert not certified(scenario, arc, "LS", lower_bound=0.3).false_bound
+    assert not certified(scenario, None, "LS", lower_bound=math.inf).false_bound
 
 
 @pytest.mark.parametrize("path", [None, Path(Pose(0, 0, 0), [math.nan], [1.0])])

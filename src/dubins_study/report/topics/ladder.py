@@ -31,6 +31,7 @@ from dubins_study.report.elements.style import (
 from dubins_study.report.elements.topic import Topic
 from dubins_study.report.statistics.metrics import solver_order
 from dubins_study.study.path import FloatArray
+from dubins_study.study.tolerances import ARRIVES
 
 SIDES = ("front, inside", "front, outside", "rear, inside", "rear, outside")
 JUMP = "front, inside"  # here the length is up to 2 pi R above that on the circle's other side
@@ -152,7 +153,7 @@ _LOOK = {
 
 
 def plot_ladder(
-    ax: Axes, table: pd.DataFrame, solvers: list[str], names: Mapping[str, str], arrives: int
+    ax: Axes, table: pd.DataFrame, solvers: list[str], names: Mapping[str, str], arrives: float
 ) -> None:
     """Draw the finding at each rung, one line per solver.
 
@@ -199,7 +200,7 @@ def legend_entries(table: pd.DataFrame) -> list[Line2D]:
     return [Line2D([], [], label=label, **look) for label, look in looks.items()]
 
 
-_ARRIVES = -6  # the check's default tolerance of misses: 1e-6 R
+_ARRIVES = math.log10(ARRIVES)
 
 
 def ladder_section(results: Results) -> Section | None:

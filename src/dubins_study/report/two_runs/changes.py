@@ -12,6 +12,7 @@ from dubins_study.report.statistics.intervals import averages, bootstrap, geomet
 from dubins_study.report.statistics.metrics import solver_order, success
 from dubins_study.report.statistics.paired import PairedTest, holm, sign_test, wilcoxon_test
 from dubins_study.report.two_runs.circumstances import MachineSpeed
+from dubins_study.study.tolerances import ARRIVES
 
 _PAIR = ["solver", "scenario_id", "branch", "initial_guess"]
 # What names a question to a reader, and what asks it again.
@@ -91,9 +92,9 @@ def _questions(results: Results) -> pd.DataFrame:
     return grouped.agg(**shares, **medians, **first)
 
 
-# A path may miss its target by 1e-6 R and still arrive, so its length is known to 1e-6 max(length,
-# R) only: smaller gaps are no difference in accuracy.
-GAP_FLOOR = 1e-6
+# A path that arrives may miss its target by this many radii, so its length is known to as much of
+# max(length, R) only: smaller gaps are no difference in accuracy.
+GAP_FLOOR = ARRIVES
 # A question's answer lost accuracy if its gap is more than so many times as large.
 WORSE_GAP = 10.0
 

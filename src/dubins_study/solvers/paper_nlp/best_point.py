@@ -15,6 +15,7 @@ from dubins_study.solvers.vehicle_frame import at_start, in_world
 from dubins_study.study.path import FloatArray
 from dubins_study.study.rows.schema import Effort
 from dubins_study.study.scenario import Scenario
+from dubins_study.study.tolerances import ARRIVES
 from dubins_study.study.words import Claim
 
 
@@ -92,7 +93,7 @@ def choose(question: Question, runs: list[TimedRun]) -> Solution:
         best = min(points, key=lambda point: _residual(scenario, point))
         claims = {point.claim for point in points}
         claim = claims.pop() if len(claims) == 1 else Claim.FAILED
-        if claim is Claim.FEASIBLE and not _residual(scenario, best) <= _ARRIVES:
+        if claim is Claim.FEASIBLE and not _residual(scenario, best) <= ARRIVES:
             claim = Claim.FAILED  # feasible to the solver's tolerance, but no path to the target
     else:
         return Solution(Claim.LIMIT, message="no time to begin")
@@ -133,9 +134,6 @@ def total(counts: Iterable[int | None]) -> int | None:
     """The sum, or None if a backend does not count."""
     known = list(counts)
     return None if None in known else sum(count for count in known if count is not None)
-
-
-_ARRIVES = 1e-6  # radii, as in the check
 
 
 def _residual(scenario: Scenario, point: Point) -> float:

@@ -42,6 +42,7 @@ from dubins_study.solvers.stochastic.search import (
 )
 from dubins_study.solvers.vehicle_frame import at_start, coordinate_rounding
 from dubins_study.study.path import FloatArray
+from dubins_study.study.tolerances import ARRIVES
 from dubins_study.study.words import BRANCHES, DERIVATIVE_FREE, SAMPLING, Claim
 
 _ENGINES = names(SAMPLING, DERIVATIVE_FREE)
@@ -50,7 +51,6 @@ _GROWTH = 4.0
 # radii: a point that misses by more has stopped short of the target, which a larger weight cures;
 # one that misses by less is the target's, as exactly as the engine got
 _SHORT = 1e-2
-_ARRIVES = 1e-6  # radii, as in the check
 _MOST_EVALUATIONS = 10**6  # DIRECT takes memory for all of them at once, some seconds for more
 _MOST = 10**9
 
@@ -222,7 +222,7 @@ def _answer(question: Question, candidates: list[_Candidate]) -> Solution:
     if not begun:
         messages = [candidate.run.point.message for candidate in candidates]
         return Solution(Claim.LIMIT, message=(messages or ["no time to begin"])[0])
-    allowed = max(_ARRIVES, coordinate_rounding(scenario))
+    allowed = max(ARRIVES, coordinate_rounding(scenario))
     arriving = [candidate for candidate in begun if candidate.miss <= allowed]
     if arriving:
         best, claim = min(arriving, key=lambda candidate: float(candidate.z.sum())), Claim.FEASIBLE

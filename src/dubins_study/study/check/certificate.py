@@ -58,7 +58,8 @@ def certify(
         costates, cut = measure(path, radius)
     scale = max(interval.low, radius)
     bound = None if lower_bound is None or math.isnan(lower_bound) else lower_bound
-    false_bound = is_false_bound(bound, interval, scale)
+    arriving = None if judged.gap is None else judged.length
+    false_bound = is_false_bound(bound, interval, scale, arriving)
     # a path of no length has no costates, and needs none
     residual = None if costates is None else costates.residual
     evidence = _Evidence(interval, 0.0 if judged.length == 0 else residual, cut)
@@ -75,14 +76,18 @@ def certify(
     )
 
 
-def is_false_bound(bound: float | None, interval: Enclosure, scale: float) -> bool:
+def is_false_bound(
+    bound: float | None, interval: Enclosure, scale: float, arriving: float | None
+) -> bool:
     """Whether a lower bound lies above all of the shortest lengths that the data leave open.
 
-    Where some of the targets may have no path, none does.
+    Where some of the targets may have no path, no bound lies above all of their lengths. There a
+    path that arrives, with the length `arriving`, contradicts a bound above it and above them.
     """
-    if bound is None or interval.absent:
+    if bound is None or (interval.absent and arriving is None):
         return False
-    return bound > interval.high + BOUND_TOLERANCE * scale
+    highest = max(interval.high, arriving or 0.0) if interval.absent else interval.high
+    return bound > highest + BOUND_TOLERANCE * scale
 
 
 class _Evidence(NamedTuple):
@@ -116,7 +121,8 @@ def _proof(
         clear = branch != "best" or (cut is not None and cut >= -CUT_TOLERANCE)
         if near and (branch in ("LR", "RL") or (is_extremal and clear)):
             return Proof.PROVED
-        if near and bound is not None and judged.length - bound <= allowed:
+        # a bound above the answer's own length contradicts it, and proves nothing
+        if near and bound is not None and abs(judged.length - bound) <= allowed:
             return Proof.BOUNDED
     return Proof.EXTREMAL if is_extremal else Proof.NONE
 

@@ -155,18 +155,23 @@ def _prove(
         scale = np.maximum(low, radius)
         allowed = tolerances.gap * scale
         bound = np.full(low.size, np.nan) if lower_bound is None else lower_bound
-        certificate.false_bound[:] = ~np.isnan(bound) & (bound > high + BOUND_TOLERANCE * scale)
         arrives = np.isfinite(judged.gap)
+        certificate.false_bound[:] = ~np.isnan(bound) & (bound > high + BOUND_TOLERANCE * scale)
         tolerance = PMP_TOLERANCE + PMP_ROUNDING * judged.length / radius
         is_extremal = (judged.length == 0) | (numbers["pmp_residual"] <= tolerance)
         near = (low - allowed <= judged.length) & (judged.length <= high + allowed)
         for row, interval in open_rows.items():
             near[row] = interval.holds(judged.length[row], allowed[row])
-            certificate.false_bound[row] = is_false_bound(bound[row], interval, scale[row])
+            certificate.false_bound[row] = is_false_bound(
+                None if np.isnan(bound[row]) else bound[row],
+                interval,
+                scale[row],
+                judged.length[row] if arrives[row] else None,
+            )
         near &= arrives & (judged.verdict == _OPTIMAL) & np.isfinite(high)
         clear = (numbers["cut_margin"] >= -CUT_TOLERANCE) | (branch != "best")
         proved = near & ((is_extremal & clear) | (branch in ("LR", "RL")))
-        bounded = near & ~certificate.false_bound & (judged.length - bound <= allowed)
+        bounded = near & ~certificate.false_bound & (np.abs(judged.length - bound) <= allowed)
         no_path = (judged.verdict == _NONE_EXISTS) & (low == np.inf)
     certificate.proof[arrives & is_extremal] = _EXTREMAL
     certificate.proof[bounded] = _BOUNDED

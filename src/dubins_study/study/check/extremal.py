@@ -163,6 +163,8 @@ def extremal(driven: Pieces) -> Extremal | None:
     if not math.isfinite(sum(map(sum, conditions.hamiltonian))):
         return None  # rates times positions overflow
     null_vector = _null_vector(conditions)
+    if null_vector is None:
+        return None
     abnormal = abs(null_vector[0]) < ABNORMAL
     signs = (1.0, -1.0) if abnormal else (math.copysign(1.0, null_vector[0]),)
     arcs = [(a, b) for k, (_, _, a), (_, _, b) in zip(u, poses, poses[1:], strict=False) if k != 0]
@@ -214,14 +216,17 @@ def _conditions(u: list[float], poses: Sequence[Sequence[float]], stretch: float
     return Conditions(hamiltonian, still, ends)
 
 
-def _null_vector(conditions: Conditions) -> list[float]:
-    """The costates that violate the conditions least, scaled to max(nu0, |(nu1, nu2)|) = 1."""
+def _null_vector(conditions: Conditions) -> list[float] | None:
+    """The costates that violate the conditions least, scaled to max(nu0, |(nu1, nu2)|) = 1.
+
+    None of a path so long that nu3 alone violates them least: those are no costates.
+    """
     hamiltonian, straight, ends = conditions
     # the row of zeros keeps the matrix as high as it is wide
     matrix = np.array([*hamiltonian, *straight, ends[0], _ZEROS, *ends[1:]])
     null_vector = np.linalg.svd(matrix, full_matrices=False)[2][-1].tolist()
     size = max(abs(null_vector[0]), math.hypot(null_vector[1], null_vector[2]))
-    return [c / size for c in null_vector]
+    return [c / size for c in null_vector] if size > 0 else None
 
 
 def _largest(rows: list[Row], nu: list[float]) -> float:

@@ -8,9 +8,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dubins_study.study.check.two_arcs import DRIVEN, FULL_RATE, MERGED, NO_LENGTH, NO_TURN
+from dubins_study.study.check.two_arcs import FULL_RATE, NO_LENGTH, NO_TURN
 from dubins_study.study.path import FEW, FloatArray, Path, corners
 from dubins_study.study.scenario import Pose
+from dubins_study.study.tolerances import ARRIVES, DRIVEN
 
 _ORIGIN = Pose(0.0, 0.0, 0.0)
 
@@ -55,7 +56,7 @@ def _merged(rate: FloatArray, scaled: FloatArray) -> tuple[FloatArray, FloatArra
 def _is_same(merged: tuple[FloatArray, FloatArray], driven: tuple[FloatArray, FloatArray]) -> bool:
     """Whether a merged path is the driven one, its end and its length compared."""
     before = float(driven[1].sum())
-    allowed = MERGED + DRIVEN * before
+    allowed = ARRIVES + DRIVEN * before
     if not abs(before - float(merged[1].sum())) <= allowed:
         return False
     end, other = (corners(_ORIGIN, *path)[-1] for path in (merged, driven))

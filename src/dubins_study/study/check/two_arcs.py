@@ -10,6 +10,8 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+from dubins_study.study.tolerances import ARRIVES, DRIVEN
+
 PATH_WORDS = ("", "S", "L", "R", "LS", "RS", "LR", "RL", "SL", "SR")
 # A run of arcs that turns by less than this (rad) is straight; a straight shorter than this share
 # of the path is left out.
@@ -23,11 +25,8 @@ FULL_RATE = 1e-9
 NO_TURN = 1e-6
 # and a straight shorter than this (radii, or share of a path shorter than a radius) is left out.
 NO_LENGTH = 1e-6
-# The merged path may end this far (radii) from the end of the driven one, and be this much shorter,
-# which is the miss that `verdict.Tolerances` allows by default;
-MERGED = 1e-6
-# and by this share of its length more: the rounding of driving, as in `verdict.judge`.
-DRIVEN = 32 * math.ulp(1.0)
+# The merged path may end as far from the end of the driven one as a path that arrives may end from
+# its target, and be this much shorter: by `ARRIVES` radii, and by `DRIVEN` times its length more.
 _TURN = 2 * math.pi
 
 
@@ -87,7 +86,7 @@ def word_of(u1: float, l1: float, u2: float, l2: float) -> Word:
     forward = l1 >= 0.0 and l2 >= 0.0
     u1, u2 = (u1 if l1 > 0.0 else 0.0), (u2 if l2 > 0.0 else 0.0)
     total = l1 + l2
-    allowed = MERGED + DRIVEN * total
+    allowed = ARRIVES + DRIVEN * total
     short = NO_LENGTH * min(1.0, total)
     t1, t2 = nearest_rate(u1), nearest_rate(u2)
     off1, off2 = abs(u1 - t1), abs(u2 - t2)

@@ -8,7 +8,7 @@ from functools import lru_cache
 from itertools import accumulate
 from typing import NamedTuple
 
-from dubins_study.study.body_coordinates import EPS, local
+from dubins_study.study.body_coordinates import local
 from dubins_study.study.check.enclosure import enclose
 from dubins_study.study.check.relaxation import relaxed_reference
 from dubins_study.study.check.two_arcs import PATH_WORDS, WORD, path_word
@@ -21,7 +21,7 @@ from dubins_study.study.closed_form.shortest import (
 from dubins_study.study.path import Path, drivable
 from dubins_study.study.rows.schema import Judgement
 from dubins_study.study.scenario import Scenario
-from dubins_study.study.tolerances import Tolerances
+from dubins_study.study.tolerances import DRIVEN, Tolerances, arrives
 from dubins_study.study.words import TURN, Claim, Verdict
 
 _DEFAULT = Tolerances()
@@ -107,11 +107,12 @@ def _judge_path(
     rates = [k * radius for k, s in zip(curvatures, lengths, strict=True) if s > 0]
     excess = curvature_excess(rates, branch)
     length = path.total_length
-    # driven in floating point, a path of this size cannot be checked any closer
-    rounding = 32 * EPS * (scenario.extent + length)
-    arrives = miss <= tolerances.miss * radius + rounding and rounding <= radius
     relaxed = None
-    if arrives and excess <= tolerances.curvature and path.start == scenario.start:
+    if (
+        arrives(miss, radius, scenario.extent, length, tolerances.miss)
+        and excess <= tolerances.curvature
+        and path.start == scenario.start
+    ):
         relaxed = relaxed_reference(scenario, branch, length, miss, (end.x, end.y), optimum)
         if relaxed is None:  # none where no target within delta has a path of the branch
             relaxed = enclose(scenario, branch).nearest(length)
@@ -232,12 +233,13 @@ def miss_reason(
         return "the path has a number that is not finite, or a length below 0"
     if path.start != scenario.start:
         return "the path starts elsewhere"
+    radius = scenario.radius
     pieces = zip(path.curvature.tolist(), path.length.tolist(), strict=True)
-    excess = curvature_excess([k * scenario.radius for k, s in pieces if s > 0], branch)
+    excess = curvature_excess([k * radius for k, s in pieces if s > 0], branch)
     if excess > tolerances.curvature:
         return f"the curvature is {excess:.3g} / R beyond what the branch allows"
     end = path.end
-    miss = math.hypot(end.x - scenario.target_x, end.y - scenario.target_y) / scenario.radius
-    if miss > tolerances.miss:
-        return f"the path ends {miss:.3g} R from the target"
+    miss = math.hypot(end.x - scenario.target_x, end.y - scenario.target_y)
+    if miss > tolerances.miss * radius + DRIVEN * (scenario.extent + path.total_length):
+        return f"the path ends {miss / radius:.3g} R from the target"
     return "the path is too long to be driven to within a radius, or the branch has none"

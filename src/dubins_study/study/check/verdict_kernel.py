@@ -15,7 +15,6 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from dubins_study.study.body_coordinates import EPS
 from dubins_study.study.check import two_arcs
 from dubins_study.study.check.relaxation import ROUNDED
 from dubins_study.study.closed_form.kernel import chunk_bounds, chunks, to_local
@@ -23,6 +22,7 @@ from dubins_study.study.closed_form.kernel_compile import inlined, separate, thr
 from dubins_study.study.closed_form.kernel_math import LARGEST_ANGLE, sine_cosine
 from dubins_study.study.closed_form.kernel_words import CodeArray, ScenarioArrays, to_local_exactly
 from dubins_study.study.path import FloatArray
+from dubins_study.study.tolerances import arrives
 from dubins_study.study.words import Verdict
 
 VERDICTS = tuple(Verdict)
@@ -118,6 +118,7 @@ def _excess(k1: float, k2: float, l1: float, l2: float, branch: int) -> float:
 
 
 _path_word = inlined(two_arcs.path_word)
+_arrives = inlined(arrives)
 
 
 @inlined
@@ -191,8 +192,7 @@ def _judge_chunk(
         k1, k2, l1, l2 = curvature1[i], curvature2[i], length1[i], length2[i]
         excess[i] = _excess(k1 * radius[i], k2 * radius[i], l1, l2, limits.branch)
         extent = abs(x[i]) + abs(y[i]) + abs(tx[i]) + abs(ty[i])
-        rounding = 32.0 * EPS * (extent + length[i])
-        close = (miss[i] <= limits.miss * radius[i] + rounding) & (rounding <= radius[i])
+        close = _arrives(miss[i], radius[i], extent, length[i], limits.miss)
         misses = not (close & (excess[i] <= limits.curvature))
         relative = (length[i] - reference[i]) / max(reference[i], radius[i])
         gap[i] = math.nan if misses else relative
