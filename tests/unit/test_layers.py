@@ -51,9 +51,8 @@ BUDGETS |= {
     "study": Size(5_600, 43),
     "solvers": Size(10_600, 92),
     "experiments": Size(7_850, 65),
-    "conformance": Size(2_000, 9),
+    "conformance": Size(1_940, 9),
     "report": Size(18_720, 204),
-    "cli": Size(1_720, 17),
     "package": Size(47_210, 442),
     "tests": Size(36_890, 220),
 }

@@ -41,7 +41,12 @@ def solve(
     solver: arguments.Spec = "analytic",
     branch: arguments.Branch = "best",
     profile: arguments.Profile = "default",
-    time_limit: arguments.SolveLimit = 60.0,
+    time_limit: Annotated[
+        float,
+        typer.Option(
+            metavar="SECONDS", parser=arguments.number, help="seconds that the solve may take"
+        ),
+    ] = 60.0,
     as_json: arguments.Json = False,
     plot: Annotated[
         FilePath | None, typer.Option(metavar="FILE", help="draw the path: .svg, .pdf or .png")

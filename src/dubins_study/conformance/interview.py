@@ -37,12 +37,7 @@ MAX_TIMEOUTS = 3
 
 
 class LoadError(DubinsStudyError):
-    """The solver cannot be loaded: its own code raised, crashed or hung.
-
-    Args:
-        message: what happened.
-        frames: the solver's own frames of the exception; may be empty.
-    """
+    """The solver cannot be loaded: its own code raised (`frames` are its own), crashed or hung."""
 
     def __init__(self, message: str, frames: str = ""):
         super().__init__(message)
@@ -153,13 +148,9 @@ def _observations(values: list[list[Any]]) -> list[Observation]:
 
 
 class Seen(NamedTuple):
-    """A judged answer, and what else was seen while the solver worked on it.
+    """A judged answer, and what else was seen while the solver worked on it (`Observation`).
 
-    Args:
-        answer, question: the answer to the question.
-        traceback, changes, loaded, output: as in `Observation`.
-        files: new files in the folder of the worker.
-        seconds: until the answer was here.
+    `files` are new in the folder of the worker; `seconds` passed until the answer was here.
     """
 
     answer: Answer
@@ -175,15 +166,8 @@ class Seen(NamedTuple):
 class Interview:
     """Questions to one solver and its judged answers, each asked once unless `again` is given.
 
-    Args:
-        spec: the solver's, as the caller wrote it.
-        source: where it is asked.
-        profile: of the judgement's tolerances.
-        limit: seconds for each question.
-        total_limit: seconds for all of them.
-
-    Attributes:
-        seen: every answer so far, in the order of asking.
+    `limit` and `total_limit` are seconds for each question and for all; `seen` has every answer so
+    far, in the order of asking.
     """
 
     def __init__(

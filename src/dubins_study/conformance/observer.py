@@ -50,14 +50,11 @@ _MAX_TRACEBACK_CHARS = 4000
 
 
 class Observation(NamedTuple):
-    """A solver's reply to a question, and what else was seen.
+    """A solver's reply to a question, not judged, and what else was seen.
 
-    Args:
-        reply: its reply, not judged.
-        traceback: of the exception that it raised, its own frames; empty if it raised none.
-        changes: names of the process's state that the solve changed.
-        loaded: whether modules were imported meanwhile, which may change the state for good.
-        output: the last of what was printed meanwhile.
+    `traceback` has the solver's own frames of the exception that it raised; `changes` names the
+    state of the process that the solve changed; `loaded` says whether modules were imported, which
+    may change the state for good; `output` is the last of what was printed.
     """
 
     reply: Reply

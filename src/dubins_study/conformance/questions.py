@@ -83,54 +83,31 @@ AXIS = {
 }
 
 
-def mirrored(scenario: Scenario) -> Scenario:
-    """The scenario in a mirror along the x axis: left and right change places."""
-    return replace(scenario, y=-scenario.y, heading=-scenario.heading, target_y=-scenario.target_y)
-
-
-def scaled(scenario: Scenario, factor: float) -> Scenario:
-    """Every length times a factor."""
-    names = ("x", "y", "target_x", "target_y", "radius")
-    return replace(scenario, **{name: getattr(scenario, name) * factor for name in names})
-
-
-def turned(scenario: Scenario, angle: float) -> Scenario:
-    """Start and target turned about the origin by an angle (rad)."""
-    cos, sin = math.cos(angle), math.sin(angle)
-    return replace(
-        scenario,
-        x=scenario.x * cos - scenario.y * sin,
-        y=scenario.x * sin + scenario.y * cos,
-        heading=scenario.heading + angle,
-        target_x=scenario.target_x * cos - scenario.target_y * sin,
-        target_y=scenario.target_x * sin + scenario.target_y * cos,
+def changed(angle: float = 0.0, dx: float = 0.0, dy: float = 0.0, scale: float = 1.0) -> Scenario:
+    """The reference with start and target turned about the origin (rad), moved and scaled."""
+    s, cos, sin = REFERENCE, math.cos(angle), math.sin(angle)
+    (x, y), (u, v) = (
+        (scale * (x * cos - y * sin + dx), scale * (x * sin + y * cos + dy))
+        for x, y in ((s.x, s.y), (s.target_x, s.target_y))
     )
-
-
-def moved(scenario: Scenario, dx: float, dy: float) -> Scenario:
-    """Start and target moved."""
-    return replace(
-        scenario,
-        x=scenario.x + dx,
-        y=scenario.y + dy,
-        target_x=scenario.target_x + dx,
-        target_y=scenario.target_y + dy,
-    )
+    return Scenario(x, y, s.heading + angle, u, v, s.radius * scale, s.speed)
 
 
 # changes that leave the length of the shortest path as it is
 SYMMETRIES = {
-    "in a mirror": mirrored(REFERENCE),
-    "moved by (100, -50)": moved(REFERENCE, 100, -50),
-    "turned by 2 rad": turned(REFERENCE, 2.0),
+    "in a mirror": replace(
+        REFERENCE, y=-REFERENCE.y, heading=-REFERENCE.heading, target_y=-REFERENCE.target_y
+    ),
+    "moved by (100, -50)": changed(dx=100, dy=-50),
+    "turned by 2 rad": changed(angle=2.0),
     "heading a full turn more": replace(REFERENCE, heading=REFERENCE.heading + 2 * math.pi),
     "heading ten turns less": replace(REFERENCE, heading=REFERENCE.heading - 20 * math.pi),
     "the same target from elsewhere": replace(REFERENCE, x=8.0, y=5.5, heading=0.7),
 }
 SCALES = {
-    "a thousand times larger": scaled(REFERENCE, 1e3),
-    "a thousand times smaller": scaled(REFERENCE, 1e-3),
-    "a million times larger": scaled(REFERENCE, 1e6),
+    "a thousand times larger": changed(scale=1e3),
+    "a thousand times smaller": changed(scale=1e-3),
+    "a million times larger": changed(scale=1e6),
     "200 radii away": placed(190.0, -60.0),
     "ten times as fast": replace(REFERENCE, speed=10 * REFERENCE.speed),
 }

@@ -110,8 +110,8 @@ def test_what_a_shell_completes():
     assert declared.complete_solvers("") == registered()
     assert declared.complete_solvers("turn") == [n for n in registered() if n.startswith("turn")]
     assert declared.complete_experiments("") == packaged()
-    assert declared.complete_profiles("") == sorted(PROFILES)
-    assert declared.complete_branches("") == sorted(BRANCHES)
+    assert declared.complete_profiles("") == list(PROFILES)
+    assert declared.complete_branches("") == list(BRANCHES)
 
 
 @pytest.mark.parametrize(

@@ -33,23 +33,12 @@ def whole_number(text: str | int) -> int:
         raise typer.BadParameter(f"{text!r:.60}; expected a whole number") from None
 
 
-# Names that a shell completes, read without importing what they name.
-def complete_branches(incomplete: str) -> list[str]:
-    """The branches that begin with a text."""
-    return _beginning(incomplete, BRANCHES)
-
-
-def complete_profiles(incomplete: str) -> list[str]:
-    """The profiles that begin with a text."""
-    return _beginning(incomplete, ("default", "fast", "accurate"))
-
-
 def complete_solvers(incomplete: str) -> list[str]:
     """The registered solvers, plug-ins included, whose names begin with a text."""
     from importlib.metadata import entry_points
 
-    names = [point.name for point in entry_points(group="dubins_study.solvers")]
-    return _beginning(incomplete, names)
+    names = sorted(point.name for point in entry_points(group="dubins_study.solvers"))
+    return [name for name in names if name.startswith(incomplete)]
 
 
 def complete_experiments(incomplete: str) -> list[str]:
@@ -57,11 +46,18 @@ def complete_experiments(incomplete: str) -> list[str]:
     from importlib.resources import files
 
     names = [file.name for file in files("dubins_study.experiments").iterdir()]
-    return _beginning(incomplete, [n.removesuffix(".toml") for n in names if n.endswith(".toml")])
+    known = sorted(name.removesuffix(".toml") for name in names if name.endswith(".toml"))
+    return [name for name in known if name.startswith(incomplete)]
 
 
-def _beginning(text: str, names: list[str] | tuple[str, ...]) -> list[str]:
-    return sorted(name for name in names if name.startswith(text))
+def complete_branches(incomplete: str) -> list[str]:
+    """The branches that begin with a text."""
+    return [name for name in BRANCHES if name.startswith(incomplete)]
+
+
+def complete_profiles(incomplete: str) -> list[str]:
+    """The profiles that begin with a text."""
+    return [name for name in ("default", "fast", "accurate") if name.startswith(incomplete)]
 
 
 # the question of a solve
@@ -75,27 +71,18 @@ Radius = Annotated[
     float, typer.Option(metavar="NUMBER", parser=number, help="minimum turning radius")
 ]
 Speed = Annotated[float, typer.Option(metavar="NUMBER", parser=number, help="constant speed")]
+_BRANCH = "best, LS, RS, LR or RL"
 Branch = Annotated[
-    str,
-    typer.Option(metavar="NAME", help="best, LS, RS, LR or RL", autocompletion=complete_branches),
+    str, typer.Option(metavar="NAME", help=_BRANCH, autocompletion=complete_branches)
 ]
-# who answers, and within which limits
+# who answers
 _SPEC = "name, name[setting=value] or file.py:Class"
 Spec = Annotated[
-    str,
-    typer.Option("--solver", metavar="SPEC", help=_SPEC, autocompletion=complete_solvers),
+    str, typer.Option("--solver", metavar="SPEC", help=_SPEC, autocompletion=complete_solvers)
 ]
+_PROFILE = "default, fast or accurate"
 Profile = Annotated[
-    str,
-    typer.Option(
-        metavar="NAME", help="default, fast or accurate", autocompletion=complete_profiles
-    ),
-]
-SolveLimit = Annotated[
-    float,
-    typer.Option(
-        "--time-limit", metavar="SECONDS", parser=number, help="seconds that the solve may take"
-    ),
+    str, typer.Option(metavar="NAME", help=_PROFILE, autocompletion=complete_profiles)
 ]
 # what is printed
 Json = Annotated[bool, typer.Option("--json", help="print one JSON object")]

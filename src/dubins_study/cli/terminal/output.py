@@ -136,17 +136,10 @@ def solvers_to_stderr() -> Iterator[None]:
 
 @contextmanager
 def progress(what: str, counts: list[int]) -> Iterator[Callable[[int, int], None]]:
-    """One line on stderr about what is done and the time left.
+    """One line on stderr about what is done and the time left; yields a function of both numbers.
 
     Without a terminal it is a plain line every half minute, every few seconds if the command is
-    verbose. Nothing is written if it is quiet.
-
-    Args:
-        what: the name of what goes on.
-        counts: set to the numbers done and to do, whenever they change.
-
-    Yields:
-        A function of both numbers.
+    verbose. Nothing is written if it is quiet. `counts` is set to the numbers done and to do.
     """
     moved = _bar(what) if is_terminal() else nullcontext(_lines(what))
     with nullcontext(None) if verbosity() == Verbosity.QUIET else moved as move:
@@ -223,11 +216,10 @@ def steps(what: str) -> Iterator[Callable[[str], None]]:
 
     Without a terminal the steps are lines of a verbose command only.
     """
-    quiet, verbose = (verbosity() == level for level in (Verbosity.QUIET, Verbosity.VERBOSE))
-    if quiet or not is_terminal():
+    if verbosity() == Verbosity.QUIET or not is_terminal():
 
         def step(text: str) -> None:
-            if verbose and sys.stderr is not None:
+            if verbosity() == Verbosity.VERBOSE and sys.stderr is not None:
                 print(f"dubins-study: {plain(what)}: {plain(text)}", file=sys.stderr)
 
         yield step
