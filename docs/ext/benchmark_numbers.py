@@ -14,10 +14,10 @@ from dubins_study.report.elements.formats import digits
 from dubins_study.report.elements.shares import percent, questions
 from dubins_study.report.statistics.compared import compared
 from dubins_study.report.statistics.methods import best_methods
-from dubins_study.report.topics.decision.section import decision_section
-from dubins_study.report.topics.findings import numbers as findings
-from dubins_study.report.topics.findings.evidence import Evidence
-from dubins_study.report.topics.matrix.numbers import matrix, strata
+from dubins_study.report.topics import findings
+from dubins_study.report.topics.decision import decision_section
+from dubins_study.report.topics.findings_evidence import Evidence
+from dubins_study.report.topics.matrix import matrix, strata
 from dubins_study.report.topics.summary import solver_summary
 from dubins_study.study.words import FORMULATIONS
 
@@ -154,8 +154,8 @@ def finding(name: str) -> str:
 
 
 def all_findings() -> str:
-    """The page's first ten findings, as a list."""
-    sentences = [one.sentence for one in findings.findings(_evidence())[:10]]
+    """The page's first eight findings, as a list."""
+    sentences = [one.sentence for one in findings.findings(_evidence())[:8]]
     return "\n".join(f"{n}. {prose(sentence)}" for n, sentence in enumerate(sentences, 1))
 
 

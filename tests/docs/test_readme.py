@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from dubins_study.report.data.results import load
-from dubins_study.report.topics.decision.section import decision_section
+from dubins_study.report.topics.decision import decision_section
 
 ROOT = Path(__file__).parents[2]
 # Columns of the page's table that README shows.

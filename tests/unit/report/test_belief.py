@@ -9,14 +9,14 @@ import pytest
 from dubins_study.report.data.command import solve_command
 from dubins_study.report.data.results import load
 from dubins_study.report.statistics.compared import compared
-from dubins_study.report.topics.belief.numbers import (
+from dubins_study.report.topics.belief import (
     PROOFS,
+    belief_section,
     beliefs,
     claims,
     cures,
     false_proofs,
 )
-from dubins_study.report.topics.belief.section import belief_section
 from dubins_study.study.closed_form.shortest import shortest_path
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario

@@ -8,17 +8,16 @@ import pytest
 from dubins_study.report.data.results import load
 from dubins_study.report.statistics.compared import compared
 from dubins_study.report.statistics.methods import methods_of, without_setting
-from dubins_study.report.topics.comparison.numbers import (
+from dubins_study.report.topics.comparison import (
     best_of_formulations,
-    mean_ranks,
-    times,
-)
-from dubins_study.report.topics.comparison.paired import (
+    comparison_section,
     engine_tests,
     formulation_tests,
+    mean_ranks,
     separated,
+    spread,
+    times,
 )
-from dubins_study.report.topics.comparison.section import comparison_section, spread
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import Claim
 from tests.unit.report.results_folder import attempt

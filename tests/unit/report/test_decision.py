@@ -21,15 +21,15 @@ from dubins_study.report.page.environment import linked
 from dubins_study.report.page.sections import TOPICS, sections_of
 from dubins_study.report.statistics.compared import Compared
 from dubins_study.report.statistics.methods import methods_of
-from dubins_study.report.topics.decision.numbers import (
+from dubins_study.report.topics.decision import (
     ANYWHERE,
     Choice,
     choices,
     choose,
     closed_form,
+    decision_section,
     false_provers,
 )
-from dubins_study.report.topics.decision.section import decision_section
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import Claim
@@ -47,7 +47,7 @@ def row(question: int, solver: str, **changes: Any) -> Row:
         **{"branch": "best", "answerable": True, "right": True, "claim": "local"},
         **{"false_claim": False, "false_bound": False, "lower_bound": float("nan")},
         **{"gap": 0.0, "miss": 0.0, "length": 4.0, "reference": 4.0, "radius": 1.0},
-        **{"region": "outside", "margin": 9.0, "wall_s": 1e-3},
+        **{"region": "outside", "margin": 9.0, "wall_s": 1e-3, "tolerance": 1e-9},
     } | changes
 
 
@@ -61,6 +61,15 @@ def table(*each: Iterable[Row]) -> dict[tuple[str, str], Choice]:
     frame = pd.DataFrame([line for part in each for line in part])
     found = choices(Compared(frame, methods_of(frame), 2.0, ()))
     return {(choice.region, choice.need.key): choice for choice in found}
+
+
+def test_a_need_that_the_settings_exclude_is_not_asked():
+    """Equations that hold to 1e-8 prove no gap of 1e-8, only larger ones."""
+    needs = {need for _, need in table(rows("a", lower_bound=4.0, tolerance=1e-8))}
+    finer = {need for _, need in table(rows("a", lower_bound=4.0, tolerance=1e-9))}
+
+    assert needs == {"loose", "tight", "loose_proof"}
+    assert finer == needs | {"tight_proof"}
 
 
 def test_of_sure_methods_the_fastest_is_chosen():

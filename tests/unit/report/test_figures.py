@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import itertools
 import re
 from itertools import pairwise
 
 import numpy as np
-import pandas as pd
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -16,14 +14,12 @@ from matplotlib.figure import Figure
 
 from dubins_study.report.data.results import load
 from dubins_study.report.elements.axes import label_curves, spread_labels, step_curve
-from dubins_study.report.elements.content import Picture, Table, picture
+from dubins_study.report.elements.content import Picture, Table
 from dubins_study.report.elements.figure_file import figure_bytes, fix_layout
 from dubins_study.report.elements.names import common_part
 from dubins_study.report.elements.panels import split_columns
-from dubins_study.report.elements.plots import HIGHEST
-from dubins_study.report.elements.style import RULE, WIDE, drawing, text_width
+from dubins_study.report.elements.style import RULE, drawing, text_width
 from dubins_study.report.page.sections import TOPICS, sections_of
-from dubins_study.report.topics.agreement.figures import plot_agreement
 from tests.unit.report import test_many_methods, test_page
 from tests.unit.report.results_folder import write_folder
 
@@ -226,28 +222,3 @@ def test_text_widths_are_those_of_the_drawn_text():
         width = text.get_window_extent().width / 600
 
     assert text_width(text.get_text(), 6) == pytest.approx(width, rel=0.02)  # hinting to pixels
-
-
-@pytest.mark.parametrize("methods", [9, 14])
-def test_numbers_of_the_agreement_stay_in_their_cells(methods):
-    """Of few methods with long names, and of as many as a matrix may have."""
-    names = [f"SCIP, disjunction, emphasis=lean {n}" for n in range(methods)]
-    numbers = itertools.cycle([(3.9e-16, 1.0), (4.2e-9, 0.995), (0.0029, 0.9999), (0.12, 4e-4)])
-    pairs = [
-        {"first": a, "second": b, "both": 9, "largest": largest, "within": within}
-        for (a, b), (largest, within) in zip(
-            itertools.combinations(names, 2), numbers, strict=False
-        )
-    ]
-    with drawing():
-        height = min(HIGHEST, 0.6 + 0.36 * (1 + methods))
-        data = pd.DataFrame(pairs), {}
-        block = picture("x", plot_agreement, *data, caption="", alt="", height=height, width=WIDE)
-        fix_layout(block.figure)
-        FigureCanvasAgg(block.figure).draw()
-    (ax,) = block.figure.axes
-    cell = ax.get_window_extent()
-    boxes = [text.get_window_extent() for text in ax.texts]
-    assert len(boxes) == methods * (methods - 1)
-    assert max(box.width for box in boxes) <= cell.width / methods
-    assert max(box.height for box in boxes) <= cell.height / methods

@@ -17,14 +17,12 @@ from dubins_study.report.data.results import load
 from dubins_study.report.page.sections import TOPICS, sections_of
 from dubins_study.report.statistics.compared import Compared, compared
 from dubins_study.report.statistics.methods import methods_of
-from dubins_study.report.topics.findings import engine, formulation, guess, proof
-from dubins_study.report.topics.findings.evidence import Evidence
-from dubins_study.report.topics.findings.finding import ENOUGH, Finding
-from dubins_study.report.topics.findings.numbers import FINDINGS, findings
-from dubins_study.report.topics.findings.section import findings_section
+from dubins_study.report.topics import findings as found
+from dubins_study.report.topics.findings import FINDINGS, findings, findings_section
+from dubins_study.report.topics.findings_evidence import ENOUGH, Evidence, Finding
 from tests.unit.report.results_folder import attempt, paper_scenarios
 
-WORDS, JOINT, PENALTY = formulation.WORDS, formulation.JOINT, engine.STOCHASTIC
+WORDS, JOINT, PENALTY = found.WORDS, found.JOINT, found.STOCHASTIC
 MANY, FEW = 30, ENOUGH - 1
 Row = dict[str, Any]
 
@@ -150,19 +148,19 @@ def alike(n: int, effect: bool) -> list[Row]:
 
 CASES = [
     Case(
-        formulation.fastest_formulation,
+        found.fastest_formulation,
         of_two(IPOPT, SCIP, partial(slower, 3.0)),
         ("Ipopt (bearing) on one NLP a word", "SCIP on disjunction", "3.00 (3.00 to 3.00) times"),
         3.0,
     ),
     Case(
-        formulation.words_against_joint,
+        found.words_against_joint,
         of_two(IPOPT, BOTH_ORDERS, half_wrong),
         ("Pose one problem a word", "50.0 ("),
         50.0,
     ),
     Case(
-        formulation.single_order,
+        found.single_order,
         of_two(
             BOTH_ORDERS | {"region": "left disc"},
             {"solver": "b", "formulation": "joint NLP, LRS", "region": "left disc"},
@@ -176,7 +174,7 @@ CASES = [
         100.0,
     ),
     Case(
-        formulation.coarse_transcription,
+        found.coarse_transcription,
         of_two(
             IPOPT,
             {"solver": "turn-rate-qp", "formulation": "turn rates", "engine": "PIQP"},
@@ -185,28 +183,28 @@ CASES = [
         ("PIQP (bearing) on turn rates", "50.0 % ("),
         50.0,
     ),
-    Case(formulation.near_circles, near_and_away, ("Ipopt (bearing)", "0 % (0 to", "100 % ("), 0.0),
+    Case(found.near_circles, near_and_away, ("Ipopt (bearing)", "0 % (0 to", "100 % ("), 0.0),
     Case(
-        guess.zero_start,
+        found.zero_start,
         of_two(IPOPT, {"solver": "ipopt[initial_guess=zero]", "guess": "zero"}, half_wrong),
         ("Start from the bearing", "50.0 ("),
         50.0,
     ),
     Case(
-        guess.random_restarts,
+        found.random_restarts,
         of_two({"solver": "r", "guess": "random", "wall_s": 5e-3}, IPOPT, half_wrong),
         ("Try several random guesses", "50.0 (", "5.0 (5.0 to 5.0) times the median time"),
         50.0,
     ),
-    Case(guess.repeats, changing, ("more than once", "33.3 % ("), 100 / 3),
+    Case(found.repeats, changing, ("more than once", "33.3 % ("), 100 / 3),
     Case(
-        engine.slowest_engine,
+        found.slowest_engine,
         of_two(IPOPT, SLSQP, partial(slower, 4.0)),
         ("2 engines", "SLSQP takes 4.00 (4.00 to 4.00) times the median time of Ipopt"),
         4.0,
     ),
     Case(
-        engine.presolve,
+        found.presolve,
         of_two(
             {"solver": "ipopt[presolve=True]"},
             IPOPT | {"evaluations": 10.0},
@@ -216,7 +214,7 @@ CASES = [
         6.1,
     ),
     Case(
-        engine.derivative_free_search,
+        found.derivative_free_search,
         of_two(
             IPOPT,
             {"solver": "penalty", "engine": "CMA-ES", "formulation": PENALTY, "guess": "none"},
@@ -225,20 +223,20 @@ CASES = [
         ("CMA-ES on penalty", "66.7 % (", "20.0 ("),
         20.0,
     ),
-    Case(engine.no_rank, alike, ("Do not conclude a rank", "Ipopt", "SLSQP"), 1.0),
+    Case(found.no_rank, alike, ("Do not conclude a rank", "Ipopt", "SLSQP"), 1.0),
     Case(
-        proof.price_of_proof,
+        found.price_of_proof,
         of_two(IPOPT, SCIP | PROOF, partial(slower, 50.0)),
         ("SCIP on disjunction takes 50.0 (50.0 to 50.0) times", "right on 100 % ("),
         50.0,
     ),
     Case(
-        proof.false_proof,
+        found.false_proof,
         of_two(IPOPT, SCIP | PROOF, lying),
         ("SCIP on disjunction", "20.0 % (", "its bound lies above the shortest length"),
         20.0,
     ),
-    Case(proof.infeasible_claims, infeasible, ("calls infeasible, 73.3 % (",), 100 * 22 / 30),
+    Case(found.infeasible_claims, infeasible, ("calls infeasible, 73.3 % (",), 100 * 22 / 30),
 ]
 NAMES = [case.find.__name__ for case in CASES]
 
@@ -259,8 +257,8 @@ def test_with_the_effect_it_is_said(case):
     assert finding.estimate.value == pytest.approx(case.value, rel=0.03, abs=1e-12)
     assert low <= finding.estimate.value <= high
     assert finding.estimate.questions == MANY or case.find in (
-        formulation.near_circles,
-        engine.derivative_free_search,
+        found.near_circles,
+        found.derivative_free_search,
     )
     assert finding.question
     assert finding.shown_in
@@ -295,17 +293,17 @@ def test_a_sentence_turns_round_with_the_rows():
         MANY, True
     )
 
-    joint = formulation.words_against_joint(evidence(swapped))
+    joint = found.words_against_joint(evidence(swapped))
     assert joint is not None
     assert joint.sentence.startswith("Pose the joint model")
     assert joint.estimate.low > 0
-    start = guess.zero_start(evidence(zero))
+    start = found.zero_start(evidence(zero))
     assert start is not None
     assert start.sentence.startswith("Start from the zero point")
-    price = proof.price_of_proof(evidence(free))
+    price = found.price_of_proof(evidence(free))
     assert price is not None
     assert price.sentence.startswith("Take the proof")
-    drop = engine.presolve(evidence(costly))
+    drop = found.presolve(evidence(costly))
     assert drop is not None
     assert drop.sentence.startswith("Do not drop words")
     assert drop.estimate.value == 4.0
@@ -316,7 +314,7 @@ def test_the_number_follows_the_rows():
 
     def ratio(factor: float) -> float:
         rows = of_two(IPOPT, SLSQP, partial(slower, factor))(MANY, True)
-        finding = engine.slowest_engine(evidence(rows))
+        finding = found.slowest_engine(evidence(rows))
         assert finding is not None
         return finding.estimate.value
 
@@ -329,7 +327,7 @@ def test_an_engine_is_not_slow_for_want_of_the_presolve():
     plain = {"solver": "slsqp", "engine": "SLSQP"}
     rows = of_two(IPOPT | presolved, plain, partial(slower, 4.0))(MANY, True)
 
-    assert engine.slowest_engine(evidence(rows)) is None
+    assert found.slowest_engine(evidence(rows)) is None
 
 
 def test_an_engine_that_met_few_questions_answers_them_too():
@@ -341,7 +339,7 @@ def test_an_engine_that_met_few_questions_answers_them_too():
     few = [row(q, "c", engine="alpaqa", **alone, right=q % 2 == 0) for q in range(FEW)]
 
     def share(lines: list[Row]) -> float:
-        finding = formulation.single_order(evidence(lines))
+        finding = found.single_order(evidence(lines))
         assert finding is not None
         assert "all attempts of all engines" in finding.question
         return finding.estimate.value
@@ -351,11 +349,11 @@ def test_an_engine_that_met_few_questions_answers_them_too():
 
 
 RATIOS = (
-    formulation.fastest_formulation,
-    engine.slowest_engine,
-    engine.derivative_free_search,
-    proof.price_of_proof,
-    guess.random_restarts,
+    found.fastest_formulation,
+    found.slowest_engine,
+    found.derivative_free_search,
+    found.price_of_proof,
+    found.random_restarts,
 )
 
 
@@ -375,7 +373,7 @@ def test_a_ratio_of_times_stands_beside_its_two_medians(find):
     assert stated
     assert medians
     ratio = float(medians[1]) / float(medians[3]) / (1 if medians[2] == "ms" else 1e3)
-    digits_shown = 0.05 if find is guess.random_restarts else 0.01  # two digits, or three
+    digits_shown = 0.05 if find is found.random_restarts else 0.01  # two digits, or three
     assert float(stated[1]) == pytest.approx(ratio, rel=digits_shown)
 
 

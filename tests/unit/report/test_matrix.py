@@ -8,10 +8,13 @@ import pytest
 from dubins_study.report.data.results import load
 from dubins_study.report.elements.shares import share_text, with_share
 from dubins_study.report.statistics.methods import best_methods, drawn_methods
-from dubins_study.report.topics.matrix.heatmap import whole_percent
-from dubins_study.report.topics.matrix.numbers import matrix, strata
-from dubins_study.report.topics.matrix.section import matrix_section
-from dubins_study.report.topics.matrix.strata import stratum_order
+from dubins_study.report.topics.matrix import (
+    matrix,
+    matrix_section,
+    strata,
+    stratum_order,
+    whole_percent,
+)
 from dubins_study.study.path import Path
 from dubins_study.study.rows.manifest import MatrixEntry
 from dubins_study.study.scenario import Scenario

@@ -13,7 +13,7 @@ from dubins_study.report.data.failures import failures as failure_counts
 from dubins_study.report.data.verdicts import starts
 from dubins_study.report.statistics import metrics
 from dubins_study.report.statistics.costs import performance_ratios
-from dubins_study.report.topics.agreement.numbers import agreement
+from dubins_study.report.topics.agreement import agreement
 from dubins_study.report.topics.discretisation import work_precision
 from dubins_study.report.topics.failures import failures
 from dubins_study.report.topics.success import gap_quantiles

@@ -30,7 +30,7 @@ _MODULES = (
     "topics.cost",
     "topics.time",
     "topics.agreement",
-    "topics.agreement.formulations",
+    "topics.agreement_formulations",
     # the paper
     "topics.paper",
     "topics.audit",

@@ -1,4 +1,4 @@
-"""The distance between two solvers' answers to the same question."""
+"""How far the answers of two solvers to the same questions are apart; tables in files alone."""
 
 from __future__ import annotations
 
@@ -8,14 +8,24 @@ from itertools import combinations
 import numpy as np
 import pandas as pd
 
+from dubins_study.report.data.results import Results
+from dubins_study.report.elements.columns import columns
+from dubins_study.report.elements.content import Section, Show, Table
+from dubins_study.report.elements.formats import count, digits, share
+from dubins_study.report.elements.topic import General, Topic
+from dubins_study.report.statistics.methods import MOST_METHODS, best_of_formulations
 from dubins_study.report.statistics.metrics import solver_order
+from dubins_study.report.topics.summary import solver_summary
 from dubins_study.study.path import FloatArray, Path
 
 CLOSE = 1e-6
 _KEY = ["experiment", "scenario_id", "branch"]
 _COLUMNS = (
-    *("first", "second", "questions", "both"),
-    *("median", "largest", "within", "apart_median", "apart_largest"),
+    *columns(kind="solver", first="solver", second="and"),
+    *columns(count, questions="questions", both="both arrive"),
+    *columns(digits(3), median="median", largest="largest"),
+    *columns(share, within="agree to 1e-6"),
+    *columns(digits(3), apart_median="paths, median", apart_largest="paths, largest"),
 )
 _SAMPLES = 65  # points per path; only in long paths a turn may lie between two points
 
@@ -81,7 +91,7 @@ def agreement(
             *(distance.median(), distance.max()),
         )
         records.append((first, second, questions, len(both), *measures))
-    return pd.DataFrame.from_records(records, columns=list(_COLUMNS))
+    return pd.DataFrame.from_records(records, columns=[column.key for column in _COLUMNS])
 
 
 def _distances(index: pd.DataFrame, path_of: Callable[[int], Path | None]) -> FloatArray:
@@ -111,3 +121,51 @@ def _distances(index: pd.DataFrame, path_of: Callable[[int], Path | None]) -> Fl
         largest = np.hypot(offsets[..., 0], offsets[..., 1]).max(axis=-1)
         apart[place][np.ix_(present, present)] = largest
     return apart
+
+
+def agreement_section(results: Results) -> Section | None:
+    """The table of all pairs of solvers; of many, of the best of each formulation."""
+    if results.rows["solver"].nunique() > MOST_METHODS:
+        return formulations_section(results)
+    return _section(results, results.rows, "agreement", "Agreement", "")
+
+
+def formulations_section(results: Results) -> Section | None:
+    """The table of the best engine, guess and settings of each formulation."""
+    methods = solver_summary(results.attempts)
+    best = methods[methods["solver"].isin(best_of_formulations(methods))]
+    rows = results.rows[results.rows["solver"].isin(best["solver"])]
+    which = " Of each formulation the method that is most surely right, the fastest of several."
+    key, title = "agreement-formulations", "Agreement between formulations"
+    return _section(results, rows, key, title, which, best["solver"].tolist())
+
+
+def _section(
+    results: Results,
+    rows: pd.DataFrame,
+    key: str,
+    title: str,
+    which: str,
+    order: list[str] | None = None,
+) -> Section | None:
+    if rows["solver"].nunique() < 2:
+        return None
+    pairs = agreement(rows, results.path, order)
+    pairs = pairs[pairs["questions"] > 0].reset_index(drop=True)
+    if not (pairs["both"] > 0).any():
+        return None
+    caption = (
+        "Differences in length, and the largest distance between the two paths at equal arc "
+        "length, both over max(reference, R). Equal lengths with distant paths are ties, or flat "
+        "optima."
+    )
+    text = (
+        "Only cold starts, the first repeat of each, and questions where both arrive; the table "
+        f"says how many.{which} The check compares every answer with the shortest length already."
+    )
+    lead = "Its file says how far the lengths, and the paths, of two solvers are apart."
+    table = Table(key, caption, pairs, _COLUMNS, show=Show.FILE)
+    return Section(key, title, text, (table,), lead)
+
+
+TOPIC = Topic("agreement", agreement_section, General.COMPARED)

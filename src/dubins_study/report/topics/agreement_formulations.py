@@ -1,8 +1,8 @@
-"""The topic on agreement between formulations."""
+"""Agreement between the best methods of the formulations, of a benchmark."""
 
 from __future__ import annotations
 
 from dubins_study.report.elements.topic import BENCHMARK, Topic
-from dubins_study.report.topics.agreement.section import formulations_section
+from dubins_study.report.topics.agreement import formulations_section
 
 TOPIC = Topic("agreement of formulations", formulations_section, BENCHMARK)

@@ -1,0 +1,392 @@
+"""Whom one can believe: what engines claim against what is so, and which proofs are false."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+
+from dubins_study.report.data.attempts import EXACT
+from dubins_study.report.data.command import SCENARIO, number_text, solve_command
+from dubins_study.report.data.results import Results
+from dubins_study.report.elements.columns import Column, columns, marks
+from dubins_study.report.elements.content import Picture, Place, Section, Table
+from dubins_study.report.elements.formats import count, digits, sentences, share, some
+from dubins_study.report.elements.identity import (
+    best_first,
+    cell_text,
+    interval_column,
+    interval_keys,
+    method_columns,
+    with_interval,
+    with_interval_texts,
+)
+from dubins_study.report.elements.plots import Mark, stacked_shares
+from dubins_study.report.elements.style import BLUE, RULE, VERMILION
+from dubins_study.report.elements.topic import BENCHMARK, Topic
+from dubins_study.report.statistics.compared import Compared, compared, once
+from dubins_study.report.statistics.intervals import scenario_shares
+from dubins_study.report.topics.summary import best_solvers
+
+# What a claim is worth, the check being right: it says no more than what is so; it says less than
+# the answer allows (no claim of a path that arrives, or of an optimal one only that it is
+# feasible); it says nothing and there is nothing; it, or its bound, says more than what is so. A
+# bound that is too high by no more than the engine's tolerance explains has a name of its own.
+TRUTHS = ("true", "true to its tolerance", "less than known", "says nothing", "false")
+TRUE, TOLERATED, LESS, NOTHING, FALSE = TRUTHS
+# Two equations that are each off by the tolerance move the length by a small multiple of it.
+_TOLERANCES = 10.0
+_MOST_CURES = 3
+_SILENT = ("failed", "limit", "none")
+# From dark to light with hatches, so that grey print keeps them apart.
+MARKS = (
+    Mark(TRUE, colour=BLUE),
+    Mark(TOLERATED, colour="#3f8fc4", hatch="||"),
+    Mark(LESS, colour="#86bce0", hatch="///"),
+    Mark(NOTHING, colour=RULE),
+    Mark(FALSE, colour=VERMILION, hatch="xx"),
+)
+# Fewer than this share of the questions that others met is worth a note.
+FEW = 0.5
+# Kinds of false proof, the strongest first.
+PROOFS = (
+    "its bound lies above the shortest length",
+    "its bound lies above the shortest length by its tolerance",
+    "it calls a path optimal that is longer",
+    "it calls a question infeasible that has a path",
+    "it calls a path found that does not arrive",
+)
+
+
+def truth(rows: pd.DataFrame) -> pd.Series[str]:
+    """The worth of each attempt's claim, one of `TRUTHS`.
+
+    Columns claim, verdict, false_claim, false_bound, tolerance, and those of `excess`. A local
+    optimum of another word is no false claim of a local solver.
+    """
+    claim, verdict = rows["claim"].fillna("none"), rows["verdict"].fillna("none")
+    silent = claim.isin(_SILENT)
+    arrives = verdict.isin(["optimal", "longer"])
+    less = (silent & arrives) | ((claim == "feasible") & (verdict == "optimal"))
+    tolerated = excess(rows) <= _TOLERANCES * rows["tolerance"]
+    false = _yes(rows["false_claim"]) | (_yes(rows["false_bound"]) & ~tolerated)
+    values = np.select(
+        [false, _yes(rows["false_bound"]), less, silent], [FALSE, TOLERATED, LESS, NOTHING], TRUE
+    )
+    return pd.Series(values, rows.index)
+
+
+def excess(rows: pd.DataFrame) -> pd.Series[float]:
+    """By how much each false bound exceeds the shortest length, relative to it; NaN of others.
+
+    A length below the radius counts as the radius.
+    """
+    scale = np.maximum(rows["reference_high"], rows["radius"])
+    above: pd.Series[float] = (rows["lower_bound"] - rows["reference_high"]) / scale
+    return above.where(_yes(rows["false_bound"]))
+
+
+def _yes(values: pd.Series) -> pd.Series[bool]:
+    return values.eq(True).fillna(False).astype(bool)
+
+
+@once
+def claims(compared: Compared) -> pd.DataFrame:
+    """The attempts whose claim is an engine's: none of the presolve; with `truth` and `proof`.
+
+    `proof` is the kind of a false claim, one of `PROOFS`; missing if the claim is true. `excess` is
+    by how much its bound is too high, relative to the shortest length.
+    """
+    rows = compared.rows[~compared.rows["presolved"]]
+    worth = truth(rows)
+    claim, verdict = rows["claim"].fillna("none"), rows["verdict"].fillna("none")
+    kind = np.select(
+        [
+            _yes(rows["false_bound"]) & (worth == FALSE),
+            worth == TOLERATED,
+            (claim == "optimal") & (verdict == "longer"),
+            claim == "infeasible",
+        ],
+        PROOFS[:4],
+        PROOFS[4],
+    )
+    proof = pd.Series(kind, rows.index, dtype=object).where(worth.isin([FALSE, TOLERATED]))
+    return rows.assign(truth=worth, proof=proof, excess=excess(rows))
+
+
+def beliefs(rows: pd.DataFrame, keys: list[str]) -> pd.DataFrame:
+    """The shares of each worth, by groups; the unit is the question.
+
+    Args:
+        rows: from `claims`.
+        keys: columns that name a group.
+    Returns:
+        Indexed by group. questions; a share for each of `TRUTHS`: the mean over questions of the
+        share of its repeats; Wilson's interval of each (`true_low`, ...) for as many trials as
+        there are questions; and one count of attempts for each of `PROOFS`.
+    """
+    parts = []
+    for name in TRUTHS:
+        hits = rows.assign(hit=rows["truth"] == name)
+        shares = scenario_shares(hits, by=keys, success="hit", scenario=["question"])
+        titles = {"share": name, "low": f"{name}_low", "high": f"{name}_high"}
+        shares = shares.drop(columns="successes").rename(columns={"trials": "questions"} | titles)
+        parts.append(shares)
+    frame = pd.concat([parts[0], *(part.drop(columns="questions") for part in parts[1:])], axis=1)
+    kinds = pd.get_dummies(rows["proof"]).reindex(columns=list(PROOFS), fill_value=False)
+    return frame.join(kinds.groupby([rows[key] for key in keys]).sum())
+
+
+def false_proofs(rows: pd.DataFrame) -> pd.DataFrame:
+    """The false claims by solver and kind, each with its plainest example.
+
+    Args:
+        rows: from `claims`.
+    Returns:
+        One row per solver and kind, in the order of `PROOFS`: solver, proof, attempts, questions,
+        and of the example: index (of its row), x, y, heading, target_x, target_y, radius, branch,
+        lower_bound, length, reference_high, tolerance, command; and most, the largest excess of a
+        bound.
+    """
+    false = rows[rows["proof"].notna()]
+    if false.empty:
+        return pd.DataFrame(columns=["solver", "proof"])
+    order = false.assign(
+        digits=_digits(false),
+        distance=np.hypot(false["target_x"] - false["x"], false["target_y"] - false["y"])
+        / false["radius"],
+        place=false["proof"].map({name: place for place, name in enumerate(PROOFS)}),
+    ).sort_values(["place", "digits", "distance"], kind="stable")
+    groups = order.groupby(["solver", "proof"], sort=False)
+    kept = [*SCENARIO, "branch", "lower_bound", "length", "reference_high", "tolerance", "profile"]
+    frame = order.drop_duplicates(["solver", "proof"])[["solver", "proof", *kept]]
+    counts = groups.agg(attempts=("question", "size"), questions=("question", "nunique"))
+    counts["most"] = groups["excess"].max()
+    frame = frame.reset_index(names="index").join(counts, on=["solver", "proof"])
+    frame["command"] = [solve_command(line) for line in frame.to_dict("records")]
+    return frame
+
+
+def _digits(rows: pd.DataFrame) -> pd.Series[int]:
+    """How many characters a scenario's numbers take: few for a round one."""
+    sizes = [rows[name].map(lambda value: len(number_text(value))) for name in SCENARIO]
+    return pd.concat(sizes, axis=1).sum(axis=1)
+
+
+def cures(rows: pd.DataFrame, methods: pd.DataFrame) -> pd.DataFrame:
+    """For methods with false claims: the same engine otherwise set, without any at the questions.
+
+    A cure has the same engine and formulation, was asked at least one of the questions at which the
+    method makes a false claim, and makes none at any question. Without such a cure, the engine's
+    other formulations are taken.
+
+    Args:
+        rows: from `claims`.
+        methods: columns of `methods_of`, by solver.
+    Returns:
+        One row per method with false claims and cure, at most three (one with an empty `cure` if
+        there is none): solver, cure, questions (with a false claim), tried (how many of them the
+        cure was asked), right (how many of those it answers correctly in all repeats).
+    """
+    false = rows[rows["truth"] == FALSE]
+    bad = {str(solver): set(group) for solver, group in false.groupby("solver")["question"]}
+    right = rows.groupby(["question", "solver"])["right"].all().unstack("solver")
+    honest = [solver for solver in methods.index if solver not in bad and solver in right]
+    lines = []
+    for solver in methods.index.intersection(list(bad)):
+        questions = sorted(bad[solver])
+        same = [s for s in honest if methods["engine"][s] == methods["engine"][solver]]
+        near = [s for s in same if methods["formulation"][s] == methods["formulation"][solver]]
+        asked = right.loc[questions, near or same]
+        counts = zip(asked.columns, asked.notna().sum(), asked.sum(), strict=True)
+        tried = [(s, int(number), int(rights)) for s, number, rights in counts if number]
+        # Those that answer the most of the questions come first.
+        tried = sorted(tried, key=lambda cure: (-cure[2], -cure[1]))[:_MOST_CURES]
+        lines += [(solver, cure, len(questions), *n) for cure, *n in tried or [("", 0, 0)]]
+    return pd.DataFrame(lines, columns=["solver", "cure", "questions", "tried", "right"])
+
+
+_TOLERATED = PROOFS[1]
+_MOST = 8  # bars in a panel, and columns of the table by stratum
+_MOST_EXAMPLES = 40
+_SHORT = dict(
+    zip(
+        PROOFS,
+        (
+            *("bound too high", "bound too high by its tolerance", "optimal, but longer"),
+            *("infeasible, but has a path", "path, but misses"),
+        ),
+        strict=True,
+    )
+)
+
+
+def belief_section(results: Results) -> Section | None:
+    """What claims are worth, which proofs are false, and what cures them."""
+    attempts = compared(results)
+    if attempts is None:
+        return None
+    rows = claims(attempts)
+    if rows.empty:
+        return None
+    names = attempts.methods
+    table = names.join(beliefs(rows, ["solver"]), how="inner")
+    table["attempts"] = rows[rows["truth"] == FALSE].groupby("solver").size()
+    table["attempts"] = table["attempts"].fillna(0)
+    false = false_proofs(rows)
+    blocks: list[Picture | Table] = [
+        _picture(table),
+        *best_first(_belief_table(table), table.index, best_solvers(results)),
+    ]
+    if len(false):
+        by_stratum = _stratum_table(rows, attempts)
+        blocks.append(_kind_table(table))
+        blocks += [by_stratum] if by_stratum is not None else []
+        blocks.append(_proof_table(false, names))
+        blocks.append(_cure_table(cures(rows, names), names))
+    text = sentences(
+        "A claim is true if it says "
+        "no more than the check finds; a local solver's longer path is a true claim of a local "
+        "optimum. It is less than known if a path arrives and the engine does not say so, or only "
+        "calls the shortest path feasible. A bound may lie above the shortest length by what the "
+        "engine's tolerance explains: such a claim is true to its tolerance. What the "
+        "presolve answered is no engine's claim.",
+        _liars(table),
+    )
+    lead = "See which engines say what is not so (crossed), and which say it of how many questions."
+    return Section("belief", "Whom one can believe", text, tuple(blocks), lead)
+
+
+def _liars(table: pd.DataFrame) -> str:
+    liars = table[table["attempts"] > 0]
+    if liars.empty:
+        questions = int(table["questions"].max())
+        return f"No method makes a false claim at any of up to {some(questions, 'question')}."
+    # of a method that was asked few questions the share says little: the figure stars it
+    asked = liars[liars["questions"] >= FEW * table["questions"].max()]
+    if asked.empty:
+        return f"{len(liars)} of {some(len(table), 'method')} make false claims."
+    worst = asked.sort_values("false", ascending=False).to_dict("records")[0]
+    text = with_interval(share, worst["false"], worst["false_low"], worst["false_high"])
+    return (
+        f"{len(liars)} of {some(len(table), 'method')} make false claims; most often, of "
+        f"those asked at least half as many questions as others, {worst['name']}: at {text} of "
+        f"its {some(int(worst['questions']), 'question')}."
+    )
+
+
+def _picture(table: pd.DataFrame) -> Picture:
+    engines = table[table.index != EXACT].sort_values("false", ascending=False)
+    shown = (engines if len(engines) else table).groupby("formulation", sort=False).head(_MOST)
+    shown = table[table.index.isin(shown.index)]
+    left_out = len(engines) - len(shown)
+    rest = (
+        f" {count(left_out)} methods with fewer false claims are left out." if left_out > 0 else ""
+    )
+    few = shown["questions"] < FEW * shown["questions"].max()
+    star = " A star: asked less than half as many questions as others." if few.any() else ""
+    caption = (
+        "What the claims are worth, as shares of the questions, those without a path included; "
+        f"at the right the number of attempts with a false claim.{star}{rest}"
+    )
+    alt = "Stacked bars of true, weak, silent and false claims, in panels by formulation"
+    numbers = zip(shown["attempts"], few, strict=True)
+    notes = [(count(n) if n else "") + ("*" if is_few else "") for n, is_few in numbers]
+    figure = stacked_shares(shown.assign(note=notes), MARKS, "share of questions", panels=True)
+    return Picture("belief-claims", caption, figure, alt)
+
+
+def _belief_table(table: pd.DataFrame) -> Table:
+    shown = (
+        *method_columns(table),
+        *columns(count, questions="questions"),
+        *(interval_column(name, name) for name in TRUTHS),
+    )
+    caption = (
+        "Shares of questions (one with a false claim in one of three repeats counts a third) with "
+        "Wilson's 95 % intervals for as many trials as there are questions."
+    )
+    frame = with_interval_texts(table, **dict.fromkeys(TRUTHS, share))
+    bad = {(row, "false_text"): "bad" for row, value in enumerate(table["false"]) if value}
+    numbers = (*interval_keys(*TRUTHS), *PROOFS)
+    return Table("belief", caption, frame, shown, bad, numbers, dense=True)
+
+
+def _kind_table(table: pd.DataFrame) -> Table:
+    """Of each method with false claims, or with bounds that its tolerance excuses, their kinds."""
+    present = {name: title for name, title in _SHORT.items() if table[name].any()}
+    frame = table[table[list(present)].any(axis="columns")].reset_index(names="solver")
+    shown = (
+        *method_columns(frame),
+        *(Column(name, title, count) for name, title in present.items()),
+    )
+    caption = (
+        "What is false in the false claims, in attempts: every repeat counts. A bound that is too "
+        "high by no more than the engine's tolerance is listed too, and is no false claim."
+    )
+    bad = marks(frame, *(name for name in present if name != _TOLERATED))
+    return Table("belief-kinds", caption, frame, shown, bad, numbers=("solver",))
+
+
+def _stratum_table(rows: pd.DataFrame, attempts: Compared) -> Table | None:
+    """The share of false claims in each stratum, for the methods that make any."""
+    names = attempts.methods
+    liars = rows.loc[rows["truth"] == FALSE, "solver"].value_counts().index[:_MOST]
+    chosen = [solver for solver in names.index if solver in set(liars)]
+    if rows["stratum"].nunique() < 2:
+        return None
+    table = beliefs(rows[rows["solver"].isin(chosen)], ["stratum", "solver"])
+    ends = zip(table["false"], table["false_low"], table["false_high"], strict=True)
+    texts = pd.Series([cell_text(with_interval(share, *each)) for each in ends], table.index)
+    frame = texts.unstack("solver").reindex(attempts.strata).dropna(how="all")
+    frame = frame.rename_axis(columns=None).reset_index(names="stratum")
+    shown = (
+        Column("stratum", "stratum", kind="text"),
+        *(Column(solver, str(names["name"][solver]), kind="cell") for solver in chosen),
+    )
+    caption = (
+        "Share of questions with a false claim, by stratum, with Wilson's 95 % intervals; the "
+        f"{len(chosen)} methods with the most false claims."
+    )
+    return Table("belief-strata", caption, frame, shown, dense=True)
+
+
+def _proof_table(false: pd.DataFrame, names: pd.DataFrame) -> Table:
+    frame = names.reindex(false["solver"]).reset_index(drop=True)
+    frame = frame.join(false.reset_index(drop=True)).head(_MOST_EXAMPLES)
+    frame["kind_of_proof"] = frame["proof"].map(_SHORT)
+    shown = (
+        *columns(kind="text", name="method", kind_of_proof="what is false"),
+        *columns(count, attempts="attempts", questions="questions"),
+        *columns(
+            digits(9), lower_bound="its bound", length="its length", reference_high="shortest"
+        ),
+        *columns(digits(2), most="bound too high by, at most", tolerance="tolerance"),
+        *columns(kind="command", command="ask again"),
+    )
+    caption = (
+        "False claims by name, each with its plainest example: the one with the roundest numbers, "
+        "then the nearest target. Above the shortest length by its tolerance: relative to it by at "
+        "most ten times the feasibility that the engine was asked for, which counts as true to its "
+        "tolerance. Lengths in the scenario's unit; the shortest length is the upper end of its "
+        "proven bounds. The command repeats the example."
+    )
+    return Table("belief-false", caption, frame, shown, dense=True)
+
+
+def _cure_table(cure: pd.DataFrame, names: pd.DataFrame) -> Table:
+    frame = names.reindex(cure["solver"]).reset_index(drop=True).join(cure)
+    frame["cured_by"] = cure["cure"].map(names["name"]).fillna("none among the rows")
+    shown = (
+        *method_columns(frame),
+        *columns(count, questions="questions with a false claim"),
+        *columns(kind="text", cured_by="the same engine without false claims"),
+        *columns(count, tried="asked of those questions", right="right"),
+    )
+    caption = (
+        "What cures false claims, as far as the rows tell: methods with the same engine (and the "
+        "same formulation, if there is one) that make no false claim at any question."
+    )
+    return Table("belief-cures", caption, frame, shown)
+
+
+TOPIC = Topic("whom one can believe", belief_section, BENCHMARK, place=Place.FRONT)

@@ -1,0 +1,450 @@
+"""Methods compared: profiles, means and ranks, paired tests, spread over repeats."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+import pandas as pd
+
+from dubins_study.report.data.attempts import EXACT
+from dubins_study.report.data.results import Results
+from dubins_study.report.elements.columns import Column, columns
+from dubins_study.report.elements.content import Picture, Section, Table
+from dubins_study.report.elements.formats import count, digits, seconds, sentences, share, some
+from dubins_study.report.elements.identity import (
+    best_first,
+    interval_column,
+    interval_keys,
+    method_columns,
+    with_interval,
+    with_interval_texts,
+)
+from dubins_study.report.elements.looks import Palette
+from dubins_study.report.elements.plots import share_curves
+from dubins_study.report.elements.topic import BENCHMARK, Topic
+from dubins_study.report.statistics.compared import Compared, compared, once
+from dubins_study.report.statistics.costs import (
+    SHIFT_FACTORS,
+    chosen_shift,
+    cost_table,
+    penalised,
+    performance_profile,
+    performance_ratios,
+    ranking,
+    ranks_of,
+    shared_questions,
+    shares_within,
+    shifted_geometric_mean,
+    solved_by_all,
+    target_ecdf,
+)
+from dubins_study.report.statistics.intervals import (
+    averages,
+    bootstrap,
+    geometric_means,
+    scenario_shares,
+)
+from dubins_study.report.statistics.methods import MOST_ENGINES, foremost
+from dubins_study.report.statistics.metrics import question_spread, solver_spread
+from dubins_study.report.statistics.paired import holm, pairwise_tests
+from dubins_study.study.path import FloatArray
+
+# A method that was put to fewer of the questions would shrink what all have in common.
+ENOUGH_ASKED = 0.9
+# A method that is right on fewer of the questions would empty what all answer.
+_ENOUGH_RIGHT = 0.9
+
+
+@once
+def times(compared: Compared) -> pd.DataFrame:
+    """The cost table of whole attempts (s); see `_costs`."""
+    return _costs(compared, "wall_s")
+
+
+@once
+def evaluations(compared: Compared) -> pd.DataFrame:
+    """The cost table of function evaluations; see `_costs`."""
+    return _costs(compared, "evaluations")
+
+
+def _costs(compared: Compared, cost: str) -> pd.DataFrame:
+    """The cost table of the engines at questions with a path, the closed form left out.
+
+    Methods that met fewer than nine tenths of the questions, or of which no right answer says its
+    cost, are left out. Columns in the order of tables.
+    """
+    rows = compared.answerable
+    rows = rows[rows["solver"] != EXACT]
+    if rows.empty:
+        return pd.DataFrame(index=pd.Index([], name="question"))
+    table = cost_table(rows, cost=cost, right="right", question=["question"])
+    met = table.notna().mean()
+    kept = [s for s in compared.engines.index if s in table and met[s] >= ENOUGH_ASKED]
+    return table[kept]
+
+
+@once
+def mean_ranks(compared: Compared) -> tuple[pd.DataFrame, float, int]:
+    """Shares right, means of `times` with failures counted three ways, and ranks.
+
+    Returns:
+        A frame indexed by solver in the order of the ranks: the method's columns; questions,
+        right, right_low, right_high (share); mean, mean_low, mean_high (shifted geometric mean
+        with failures at the limit, s); par2, par2_low, par2_high (s); common (shifted geometric
+        mean over what all methods answer that are right on nine tenths, s); rank (missing if it
+        changes with the shift or the penalty), best, worst, rank_tenth and rank_tenfold (at that
+        multiple of the shift). Then the shift (s), and the number of questions behind `common`.
+    """
+    shared = shared_questions(times(compared))
+    shift = chosen_shift(shared)
+    at_limit = penalised(shared, compared.limit_s)
+    rows = compared.answerable
+    rows = rows[rows["question"].isin(shared.index)]
+    shares = scenario_shares(rows, by=["solver"], success="right", scenario=["question"])
+    right = shares[["trials", "share", "low", "high"]]
+    right = right.set_axis(["questions", "right", "right_low", "right_high"], axis=1)
+    means = bootstrap(compared.by_scenario(at_limit), geometric_means(shift))
+    twice = penalised(shared, compared.limit_s, 2.0)
+    par2 = bootstrap(compared.by_scenario(twice), averages)
+    usual = right.index[right["right"] >= _ENOUGH_RIGHT].intersection(shared.columns)
+    common = solved_by_all(shared[usual])
+    frame = compared.methods.join(right, how="inner").reindex(shared.columns)
+    frame = frame.join(_named(means, "mean")).join(_named(par2, "par2"))
+    frame["common"] = common.apply(lambda column: shifted_geometric_mean(column, shift))
+    frame = frame.join(ranking(shared, compared.limit_s, shift)[["rank", "best", "worst"]])
+    for name, factor in zip(("rank_tenth", "", "rank_tenfold"), SHIFT_FACTORS, strict=True):
+        if name:
+            shifted = at_limit.apply(lambda t, s=factor * shift: shifted_geometric_mean(t, s))
+            frame[name] = ranks_of(shifted)
+    return frame.sort_values("mean", kind="stable"), shift, len(common)
+
+
+def _named(intervals: pd.DataFrame, name: str) -> pd.DataFrame:
+    names = {"estimate": name, "low": f"{name}_low", "high": f"{name}_high"}
+    return intervals.rename(columns=names)
+
+
+def best_of_formulations(ranked: pd.DataFrame) -> pd.DataFrame:
+    """The first method of each formulation of `mean_ranks`, in the order of the ranks."""
+    return ranked.drop_duplicates("formulation")
+
+
+LEVEL = 0.05
+
+
+def engine_tests(table: pd.DataFrame, ranked: pd.DataFrame) -> pd.DataFrame:
+    """Within each formulation: its best method against every other, by Wilcoxon's signed ranks.
+
+    Args:
+        table: a cost table in seconds.
+        ranked: from `numbers.mean_ranks`.
+    Returns:
+        One row per pair: shared (the formulation), solver (the best by the mean), rival, pairs,
+        wins, losses, ties, p, p_holm (Holm's, over all rows).
+    """
+    parts = []
+    for formulation, group in ranked.groupby("formulation", sort=False):
+        if len(group) > 1:
+            tests = pairwise_tests(table[list(group.index)], base=str(group.index[0]))
+            parts.append(tests.assign(shared=formulation))
+    return _together(parts)
+
+
+def formulation_tests(table: pd.DataFrame, ranked: pd.DataFrame) -> pd.DataFrame:
+    """For each engine: its best method of each formulation, all pairs. As `engine_tests`."""
+    parts = []
+    for engine, group in ranked.groupby("engine", sort=False):
+        best = group.drop_duplicates("formulation")
+        if len(best) > 1:
+            parts.append(pairwise_tests(table[list(best.index)]).assign(shared=engine))
+    return _together(parts)
+
+
+def _together(parts: list[pd.DataFrame]) -> pd.DataFrame:
+    if not parts:
+        return pd.DataFrame(columns=["shared", "solver", "rival", "p_holm"])
+    frame = pd.concat(parts, ignore_index=True)
+    return frame.assign(p_holm=holm(frame["p"]))
+
+
+def separated(tests: pd.DataFrame) -> pd.Series[bool]:
+    """Whether each pair differs by more than chance, all tests of the table together."""
+    return tests["p_holm"] <= LEVEL
+
+
+# Curves with a colour and a name in a panel: more cannot be told apart.
+_MOST = 8
+
+
+def pictures(
+    attempts: Compared, table: pd.DataFrame, ranked: pd.DataFrame, palette: Palette
+) -> Iterator[Picture]:
+    """Profiles by formulation, in evaluations, and gap targets over time."""
+    if (ranked["formulation"].value_counts() > 1).any():
+        yield _profiles(table, ranked, palette)
+    counted = ranked[ranked.index.isin(evaluations(attempts).columns)]
+    if len(counted):
+        yield _evaluations(attempts, best_of_formulations(counted)[:MOST_ENGINES], palette)
+    yield _targets(attempts, best_of_formulations(ranked)[:MOST_ENGINES], palette)
+
+
+def _profiles(table: pd.DataFrame, ranked: pd.DataFrame, palette: Palette) -> Picture:
+    profiles, named = {}, {}
+    shared = shared_questions(table)
+    order = ranked["formulation"].reindex(table.columns)
+    for name in order.dropna().unique():
+        group = list(ranked.index[ranked["formulation"] == name])
+        if len(group) < 2:
+            continue
+        best = pd.concat([ranked["mean"][group].rank(), -ranked["right"][group]], axis=1)
+        named[name] = foremost(-best.rank(method="first").min(axis=1), _MOST)
+        ratios = performance_ratios(shared[group]).to_numpy()
+        largest = np.max(ratios[np.isfinite(ratios)], initial=1.0)
+        profiles[name] = performance_profile(
+            shared[group], np.geomspace(1.0, max(largest, 2.0), 120)
+        )
+    grey = sum(len(profile.columns) - len(named[name]) for name, profile in profiles.items())
+    caption = sentences(
+        "Performance profiles, formulation by formulation: the share of questions answered "
+        "correctly within a factor of the formulation's fastest right answer (Dolan and Moré). At "
+        "the left: how often a method is the fastest; at the right: how often it is right at all. "
+        "Read only the highest curve as best. Formulations with a single method are in the "
+        "figures below.",
+        f"Named: in each the {_MOST} with the least means or most often right; grey: "
+        f"{some(grey, 'method')} more."
+        if grey
+        else "",
+    )
+    figure = share_curves(
+        profiles,
+        {solver: str(ranked["short"][solver]) for group in named.values() for solver in group},
+        palette,
+        "time / time of the fastest right answer of the formulation",
+        same_x=False,
+    )
+    alt = "Performance profiles in small panels, one per formulation"
+    return Picture("comparison-profiles", caption, figure, alt)
+
+
+def _wide(
+    name: str, caption: str, shares: pd.DataFrame, palette: Palette, alt: str, *labels: str
+) -> Picture:
+    """Rising shares of the best methods in one panel; durations if there is a label of y."""
+    names = {solver: palette.label(solver) for solver in map(str, shares.columns)}
+    figure = share_curves({"": shares}, names, palette, *labels, seconds=len(labels) > 1)
+    return Picture(name, caption, figure, alt)
+
+
+def _evaluations(attempts: Compared, best: pd.DataFrame, palette: Palette) -> Picture:
+    table = evaluations(attempts)[list(best.index)]
+    shares = shares_within(table, _points(table))
+    caption = (
+        "Data profile: the share of questions that a method answers correctly within a number of "
+        "function evaluations, restarts and all subproblems included; the best method of each "
+        "formulation whose engine counts them. One evaluation costs more in some formulations "
+        "than in others."
+    )
+    alt = "Data profiles in evaluations"
+    return _wide("comparison-evaluations", caption, shares, palette, alt, "function evaluations")
+
+
+def _targets(attempts: Compared, best: pd.DataFrame, palette: Palette) -> Picture:
+    rows = attempts.answerable
+    rows = rows[rows["solver"].isin(best.index)]
+    groups = rows.groupby(["question", "solver"])
+    # The worst gap of the repeats, so that a target is reached only if all repeats reach it.
+    gaps = rows.assign(gap=rows["gap"].fillna(np.inf).clip(lower=0.0))
+    worst = gaps.groupby(["question", "solver"])["gap"].max().unstack()[list(best.index)]
+    paid = groups["wall_s"].median().unstack().reindex_like(worst)
+    paid = paid.mask(paid.isna() & worst.notna(), attempts.limit_s)
+    shares = target_ecdf(worst, paid, _points(paid))
+    caption = (
+        "Runtime distribution as COCO draws it: the share of pairs of a question and a gap target "
+        "(41 targets from 1 to 1e-8, five to a decade) that the best method of each formulation "
+        "reaches within a time. A run's time counts for all targets that its answer reaches, the "
+        "worst of its repeats. A curve that ends below 100 % belongs to a method whose answers "
+        "stay too coarse, or do not arrive."
+    )
+    labels, alt = ("time of an attempt", "share of (question, target)"), "Gap targets over time"
+    return _wide("comparison-targets", caption, shares, palette, alt, *labels)
+
+
+def _points(table: pd.DataFrame) -> FloatArray:
+    """Points of a logarithmic axis over the finite values of a table."""
+    values = table.to_numpy(dtype=np.float64)
+    finite = values[np.isfinite(values) & (values > 0)]
+    low, high = (finite.min(), finite.max()) if finite.size else (1.0, 10.0)
+    return np.geomspace(low, max(1.2 * high, 2 * low), 160)
+
+
+# Rivals of a formulation's or an engine's best method that a table of tests shows.
+_MOST_RIVALS = 6
+
+
+def rank_table(ranked: pd.DataFrame, shift: float, common: int, limit_s: float) -> Table:
+    """Shares right, means and ranks."""
+    places = zip(ranked["rank"], ranked["best"], ranked["worst"], strict=True)
+    frame = ranked.assign(
+        place=[str(rank) if rank is not pd.NA else f"none\n({a} to {b})" for rank, a, b in places]
+    )
+    shown = (
+        *method_columns(frame),
+        *columns(count, questions="questions"),
+        interval_column("right", "right"),
+        interval_column("mean", "mean time"),
+        *columns(kind="cell", place="rank"),
+        *columns(count, rank_tenth="shift / 10", rank_tenfold="shift × 10"),
+        interval_column("par2", "PAR-2"),
+        *columns(seconds, common="mean over common"),
+    )
+    caption = (
+        f"Mean time: shifted geometric mean, shift {seconds(shift)} (the lower quartile of the "
+        f"times), a failure costs the limit of {seconds(limit_s)}. The rank is that of the mean; "
+        "none if it changes at a tenth or ten times the shift, or if failures cost twice or ten "
+        "times the limit. PAR-2: arithmetic mean, a failure costs twice the limit. Over common: "
+        f"the shifted mean over the {count(common)} questions that all methods answer which are "
+        "right on at least nine tenths of them. 95 % intervals: Wilson's for shares, for as many "
+        "trials as there are questions, and bootstrap over scenarios for means."
+    )
+    shows = {"right": share, "mean": seconds, "par2": seconds}
+    frame = with_interval_texts(frame, **shows)
+    return Table(
+        "comparison-ranks", caption, frame, shown, numbers=interval_keys(*shows), dense=True
+    )
+
+
+def test_table(tests: pd.DataFrame, ranked: pd.DataFrame, shared: str) -> Table:
+    """Paired tests of methods that share a formulation or an engine; the nearest rivals."""
+    names = ranked["short"] if shared == "formulation" else ranked["name"]
+    near = tests.groupby(["shared", "solver"], sort=False).head(_MOST_RIVALS)
+    frame = near.assign(
+        solver_name=near["solver"].map(names),
+        rival_name=near["rival"].map(names),
+        verdict=separated(near).map({True: "they differ", False: "no rank"}),
+    ).reset_index(drop=True)
+    shown = (
+        *columns(kind="text", shared=shared, solver_name="method", rival_name="rival"),
+        *columns(count, pairs="questions", wins="faster", losses="slower", ties="ties"),
+        *columns(digits(2), p="p", p_holm="p, Holm"),
+        *columns(kind="text", verdict="verdict"),
+    )
+    left_out = len(tests) - len(near)
+    rest = f" {count(left_out)} tests of rivals with larger means are left out." if left_out else ""
+    what = (
+        "the best method of each formulation against the others of the same formulation"
+        if shared == "formulation"
+        else "the best methods of one engine on two formulations"
+    )
+    caption = (
+        f"Paired tests of {what}: Wilcoxon's signed ranks of the ratio of times, question by "
+        "question; a failure loses to every right answer, two failures tie. Holm's correction over "
+        f"all {count(len(tests))} tests. No rank: p above {LEVEL}; do not say which is "
+        f"faster.{rest}"
+    )
+    return Table(f"comparison-tests-{shared}", caption, frame, shown, dense=True)
+
+
+def spread_table(spread: pd.DataFrame, methods: pd.DataFrame) -> Table:
+    """Spread over repeats, of the methods whose verdict or time changes most."""
+    frame = methods.join(spread, how="inner").reindex(spread.index)
+    changing = frame[frame["changing"] > 0]
+    shown_rows = changing if len(changing) else frame.head(5)
+    shown = (
+        *method_columns(shown_rows),
+        *columns(count, questions="questions", repeats="repeats"),
+        interval_column("changing", "verdict changes"),
+        *columns(share, sometimes="right only sometimes"),
+        *(Column(key, title, digits(2)) for key, title in _SPREADS),
+    )
+    same = len(frame) - len(changing)
+    caption = (
+        "Spread over repeats, each with another seed where the engine draws random numbers: how "
+        "often the verdict changes (Wilson's 95 % interval), and the spread of the time. "
+        f"{count(same)} methods give one verdict in all repeats"
+        f"{' and are left out' if len(changing) else '; those with the widest spread are shown'}."
+    )
+    shown_rows = with_interval_texts(shown_rows, changing=share)
+    numbers = interval_keys("changing")
+    return Table("comparison-spread", caption, shown_rows, shown, numbers=numbers, dense=True)
+
+
+_SPREADS = (("cv", "time: deviation / mean"), ("iqr_relative", "time: quartile range / median"))
+
+
+def comparison_section(results: Results) -> Section | None:
+    """Profiles, means and ranks, paired tests, and spread over repeats."""
+    attempts = compared(results)
+    if attempts is None:
+        return None
+    table = times(attempts)
+    shared = shared_questions(table)
+    if shared.empty or len(shared.columns) < 2:
+        return None
+    ranked, shift, common = mean_ranks(attempts)
+    palette = Palette.of_page(results)
+    blocks: list[Picture | Table] = [*pictures(attempts, table, ranked, palette)]
+    ranks = rank_table(ranked, shift, common, attempts.limit_s)
+    best = set(best_of_formulations(ranked).index)
+    which = "Of each formulation the method with the least mean."
+    blocks += best_first(ranks, ranked.index, best, which)
+    engines, formulations = engine_tests(table, ranked), formulation_tests(table, ranked)
+    if len(engines):
+        blocks.append(test_table(engines, ranked, "formulation"))
+    if len(formulations):
+        blocks.append(test_table(formulations, ranked, "engine"))
+    repeats = spread(attempts)
+    if len(repeats):
+        blocks.append(spread_table(repeats, attempts.methods))
+    text = sentences(
+        f"{count(len(shared))} questions with a path, put to {count(len(shared.columns))} methods; "
+        "failures stay in every denominator. The closed form is left out.",
+        _first(ranked),
+        _unranked(ranked),
+        _left_out(attempts, table),
+    )
+    lead = (
+        "See in the profiles which method is fast (high at the left) and which is right at all "
+        "(high at the right)."
+    )
+    return Section("comparison", "Comparison of methods", text, tuple(blocks), lead)
+
+
+def _first(ranked: pd.DataFrame) -> str:
+    first = ranked.to_dict("records")[0]
+    mean = with_interval(seconds, first["mean"], first["mean_low"], first["mean_high"])
+    right = with_interval(share, first["right"], first["right_low"], first["right_high"])
+    return f"The least mean time has {first['name']}: {mean}, right on {right} of the questions."
+
+
+def _unranked(ranked: pd.DataFrame) -> str:
+    unranked = int(ranked["rank"].isna().sum())
+    if not unranked:
+        return "Every rank stays at any shift and penalty tried."
+    return (
+        f"{count(unranked)} of {count(len(ranked))} methods have no rank: it changes with the "
+        "shift or with the penalty for failures."
+    )
+
+
+def _left_out(attempts: Compared, table: pd.DataFrame) -> str:
+    left_out = sum(solver not in table for solver in attempts.engines.index)
+    if not left_out:
+        return ""
+    return (
+        f"{some(left_out, 'method')} that met less than nine tenths of the questions, or whose "
+        "right answers have no time, take no part."
+    )
+
+
+def spread(attempts: Compared) -> pd.DataFrame:
+    """Spread over repeats at questions with a path, by solver, those that change most first."""
+    rows = attempts.answerable
+    rows = rows[rows["solver"].isin(attempts.engines.index)]
+    if not len(rows) or rows["repeat"].nunique() < 2:
+        return pd.DataFrame()
+    frame = solver_spread(question_spread(rows, question=["question"]))
+    return frame.sort_values(["changing", "cv"], ascending=False, kind="stable")
+
+
+TOPIC = Topic("the comparison of methods", comparison_section, BENCHMARK)

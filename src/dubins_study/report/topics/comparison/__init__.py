@@ -1,5 +1,0 @@
-"""The topic `comparison` of the report."""
-
-from dubins_study.report.topics.comparison.section import TOPIC
-
-__all__ = ["TOPIC"]

@@ -1,0 +1,599 @@
+"""What the study found: sentences to act on, each computed from the rows."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+import pandas as pd
+
+from dubins_study.report.data.results import Results
+from dubins_study.report.elements.columns import columns
+from dubins_study.report.elements.content import Place, Section, Table
+from dubins_study.report.elements.formats import count, digits, some
+from dubins_study.report.elements.identity import interval_keys
+from dubins_study.report.elements.topic import BENCHMARK, Topic
+from dubins_study.report.statistics.compared import compared
+from dubins_study.report.statistics.metrics import question_spread, solver_spread
+from dubins_study.report.topics.belief import FALSE, beliefs, false_proofs
+from dubins_study.report.topics.comparison import (
+    engine_tests,
+    separated,
+)
+from dubins_study.report.topics.cost import presolve_pairs
+from dubins_study.report.topics.findings_evidence import (
+    ENOUGH,
+    PERCENT,
+    POINTS,
+    TIMES,
+    Estimate,
+    Evidence,
+    Finding,
+    Pair,
+    percent,
+)
+
+WORDS, JOINT = "one NLP a word", "joint NLP, both orders"
+ORDERS = ("joint NLP, LRS", "joint NLP, RLS")
+TRANSCRIPTIONS = ("turn rates", "Radau collocation", "multiple shooting")
+RANKS = "Comparison of methods: means and ranks"
+MATRIX = "Formulation by engine"
+STRATA = "Formulation by engine: strata"
+# The check cannot tell a smaller gap from the miss that it allows.
+_RESOLVED = 1e-6
+
+
+def fastest_formulation(evidence: Evidence) -> Finding | None:
+    """The formulation whose best method is right everywhere and the fastest."""
+    best = evidence.reliable.drop_duplicates("formulation")
+    if len(best) < 2:
+        return None
+    first, second = map(str, best.index[:2])
+    ratio = evidence.time_ratio(second, first)
+    if ratio is None or not ratio.low > 1:
+        return None
+    right = evidence.share_of(evidence.rates[first])
+    share = "" if right is None else right.percent_text()
+    return Finding(
+        f"Of the methods without the closed form, take {evidence.name(first)}: it is right on "
+        f"{share} of the questions, and the best method of another formulation, "
+        f"{evidence.name(second)}, takes {ratio.text()} times its median time.",
+        ratio,
+        TIMES,
+        f"{evidence.medians_of(second, first)}; the best method of each of {len(best)} "
+        "formulations that are right on at least 99 %",
+        RANKS,
+    )
+
+
+def words_against_joint(evidence: Evidence) -> Finding | None:
+    """One problem a word against the joint model in both orders, engine by engine."""
+    pairs = evidence.pairs(["engine", "guess"], "formulation", WORDS, JOINT)
+    points = evidence.rate_difference(pairs)
+    if points is None or not points.excludes(0):
+        return None
+    better, worse = "one problem a word", "the joint model in both orders"
+    if points.value < 0:
+        points, better, worse = points.negated(), worse, better
+    return Finding(
+        f"Pose {better}: with the same engines it is right on {points.text()} percentage points "
+        f"more of the questions than {worse}. Not the formulation alone does it: a word gets up to "
+        f"six guesses where the joint model gets one an order{_presolved_alone(pairs)}.",
+        points,
+        POINTS,
+        _asked(points, len(pairs), "engine"),
+        MATRIX,
+    )
+
+
+def _presolved_alone(pairs: list[Pair]) -> str:
+    """A part of a sentence on pairs of which the presolve helps one side only."""
+    sides = [["presolve=True" in solver for solver in pair] for pair in pairs]
+    alone = sum(first != second for first, second in sides)
+    return (
+        f", and {alone} of {some(len(pairs), 'pair')} are presolved on one side only"
+        if alone
+        else ""
+    )
+
+
+def single_order(evidence: Evidence) -> Finding | None:
+    """What one order of the joint model loses against both, in the region where it loses most.
+
+    Engines and guesses together, those that met few questions too: a question is answered if any
+    attempt of any method of the formulation is right.
+    """
+    answered = _by_formulation(evidence, evidence.rates, "max")
+    if JOINT not in answered:
+        return None
+    rows = evidence.compared.answerable.drop_duplicates("question").set_index("question")
+    regions = rows["region"].reindex(answered.index)
+    worst: list[tuple[Estimate, str, str]] = []
+    for order in ORDERS:
+        if order not in answered:
+            continue
+        lost = (answered[order] == 0).astype(float)[answered[JOINT] == 1]
+        shares = [(evidence.share_of(here), str(where)) for where, here in lost.groupby(regions)]
+        known = [(share, order, where) for share, where in shares if share and share.value > 0]
+        worst += [max(known)] if known else []
+    if not worst:
+        return None
+    (share, order, region), *other = sorted(worst, reverse=True)
+    more = "".join(
+        f"; with {name[-3:]} alone, {each.percent_text()} {_where(place)}"
+        for each, name, place in other
+    )
+    return Finding(
+        f"Pose both orders: where the target lies {_where(region)}, {share.percent_text()} of the "
+        "questions that both orders answer are answered by no engine with the order "
+        f"{order[-3:]} alone{more}.{_longer(evidence, order, regions == region)}",
+        share,
+        PERCENT,
+        f"{some(share.questions, 'question')} {_where(region)}; all attempts of all engines",
+        STRATA,
+    )
+
+
+def _where(region: str) -> str:
+    return _WHERE.get(region, f"in the {region}")
+
+
+_WHERE = {"circle": "on a turning circle", "outside": "outside the turning circles"}
+
+
+def _longer(evidence: Evidence, order: str, here: pd.Series[bool]) -> str:
+    """A sentence on the length of the paths that one order yields; empty if few arrive."""
+    least = _by_formulation(evidence, evidence.gaps, "min")
+    loss = evidence.mean_of((least[order] - least[JOINT])[here.reindex(least.index)])
+    if loss is None or not loss.low > _RESOLVED:
+        return ""
+    text = percent(loss).percent_text()
+    return f" Where a path arrives, it is {text} longer on average."
+
+
+def _by_formulation(evidence: Evidence, table: pd.DataFrame, best: str) -> pd.DataFrame:
+    """The best value of any method: questions by formulations."""
+    values = table[[solver for solver in table if solver in evidence.methods.index]]
+    formulation = evidence.methods["formulation"].reindex(values.columns)
+    return values.T.groupby(formulation).agg(best).T
+
+
+def coarse_transcription(evidence: Evidence) -> Finding | None:
+    """How often direct transcription is too coarse: right turns, but a path that is longer."""
+    best = evidence.ranked.drop_duplicates("formulation").reset_index().set_index("formulation")
+    if WORDS not in best.index:
+        return None
+    words = evidence.share_of(evidence.coarse[best["solver"][WORDS]])
+    shares: list[tuple[Estimate, str]] = []
+    for name in TRANSCRIPTIONS:
+        if name in best.index and words is not None:
+            coarse = evidence.share_of(evidence.coarse[best["solver"][name]])
+            if coarse is not None and coarse.low > words.high:
+                shares.append((coarse, str(best["solver"][name])))
+    if words is None or not shares:
+        return None
+    coarse, solver = max(shares)
+    return Finding(
+        "Do not expect the shortest length from direct transcription: on "
+        f"{coarse.percent_text()} of the questions the path of {evidence.name(solver)} turns as "
+        "the shortest one and is yet longer than the check allows; for the best method with "
+        f"{WORDS} that is {words.percent_text()}.",
+        coarse,
+        PERCENT,
+        f"{some(coarse.questions, 'question')} with a path; the best method of each formulation",
+        "Comparison of methods: gap targets over time",
+    )
+
+
+def near_circles(evidence: Evidence) -> Finding | None:
+    """The method that loses most next to a turning circle."""
+    rows = evidence.compared.answerable.drop_duplicates("question").set_index("question")
+    margin = rows["margin"].abs().reindex(evidence.rates.index)
+    groups = evidence.rates[margin <= _NEAR], evidence.rates[margin >= _AWAY]
+    losses: list[tuple[float, str, Estimate, Estimate]] = []
+    asked = [solver for solver in evidence.rates if solver in evidence.usual.index]
+    for solver in asked:
+        near, away = (evidence.share_of(group[solver]) for group in groups)
+        if near is not None and away is not None and near.high < away.low:
+            losses.append((away.value - near.value, str(solver), near, away))
+    if not losses:
+        return None
+    _, solver, near, away = max(losses)
+    return Finding(
+        f"Distrust {evidence.name(solver)} next to a turning circle: within "
+        f"{digits(1)(_NEAR)} radii of one it is right on {near.percent_text()} of the questions, "
+        f"elsewhere on {away.percent_text()}. Of "
+        f"{some(len(asked), 'method')} {len(losses)} lose like that.",
+        near,
+        PERCENT,
+        f"{some(near.questions, 'question')} within {digits(1)(_NEAR)} radii of a circle, "
+        f"{away.questions} at least {digits(1)(_AWAY)} radii from one",
+        STRATA,
+    )
+
+
+# Strata lie at 1e-6 radii from a circle, at 1e-3, at 0.1, and farther.
+_NEAR, _AWAY = 1e-5, 0.05
+
+
+def _asked(estimate: Estimate, pairs: int, noun: str) -> str:
+    return f"{some(estimate.questions, 'question')} with a path, {some(pairs, noun)}, in pairs"
+
+
+STOCHASTIC = "penalty"
+_RIGHT_ENOUGH = 0.9
+
+
+def slowest_engine(evidence: Evidence) -> Finding | None:
+    """Within one formulation, the slowest against the fastest engine that is right everywhere."""
+    alike = ["formulation", "guess", "settings"]  # else the presolve would count as an engine's
+    groups = [
+        (name, group.drop_duplicates("engine"))
+        for (name, *_), group in evidence.reliable.groupby(alike)
+    ]
+    groups = [(name, group) for name, group in groups if len(group) > 1]
+    if not groups:
+        return None
+    name, group = max(groups, key=lambda pair: len(pair[1]))
+    medians = evidence.times[list(group.index)].median()
+    fastest, slowest = str(medians.idxmin()), str(medians.idxmax())
+    ratio = evidence.time_ratio(slowest, fastest)
+    if ratio is None or not ratio.low > 1:
+        return None
+    return Finding(
+        f"Choose the engine for its speed once the formulation is good: of {len(group)} engines "
+        f"that are right on at least 99 % of the questions with {name}, "
+        f"{group['engine'][slowest]} takes {ratio.text()} times the median time of "
+        f"{group['engine'][fastest]}.",
+        ratio,
+        TIMES,
+        f"{evidence.medians_of(slowest, fastest)}; {name}, one guess, the same settings",
+        RANKS,
+    )
+
+
+def presolve(evidence: Evidence) -> Finding | None:
+    """What dropping words by geometry divides the evaluations by, in all and method by method."""
+    table = evidence.evaluations.replace(np.inf, np.nan)
+    pairs = [p for p in presolve_pairs(evidence.methods) if set(p) <= set(table.columns)]
+    if not pairs:
+        return None
+    ratios = pd.DataFrame({on: table[off] / table[on] for off, on in pairs})
+    factor = evidence.geometric_mean_of(np.exp(np.log(ratios).mean(axis=1)))
+    if factor is None or not factor.excludes(1):
+        return None
+    advice, verb = "Drop the words that geometry excludes before any engine is called", "divides"
+    if factor.value < 1:
+        factor, ratios = factor.inverse(), 1 / ratios
+        advice, verb = "Do not drop words by geometry", "multiplies"
+    each = [(solver, evidence.geometric_mean_of(ratios[solver])) for solver in ratios]
+    parts = [f"{one.text()} with {evidence.name(solver)}" for solver, one in each if one]
+    return Finding(
+        f"{advice}: that {verb} the function evaluations of a question by {factor.text()} in the "
+        f"geometric mean: {', '.join(parts)}.",
+        factor,
+        TIMES,
+        f"{some(factor.questions, 'question')} with a path, {some(len(pairs), 'method')} with and "
+        "without it",
+        "Cost where it arises: the presolve",
+    )
+
+
+def derivative_free_search(evidence: Evidence) -> Finding | None:
+    """The most reliable search without derivatives against the best of other formulations."""
+    ranked = evidence.ranked
+    on_penalty = ranked["formulation"] == STOCHASTIC
+    if on_penalty.all() or not on_penalty.any():
+        return None
+    solver, rival = str(ranked["right"][on_penalty].idxmax()), str(ranked.index[~on_penalty][0])
+    ratio, right = evidence.time_ratio(solver, rival), evidence.share_of(evidence.rates[solver])
+    if ratio is None or right is None or not ratio.excludes(1):
+        return None
+    advice = "Keep search without derivatives for problems that have none"
+    if ratio.value < 1:
+        advice = "Try search without derivatives first"
+    return Finding(
+        f"{advice}: the most reliable of it, {evidence.name(solver)}, is right on "
+        f"{right.percent_text()} of the questions, and takes {ratio.text()} times the median time "
+        f"of {evidence.name(rival)} where both are right.",
+        ratio,
+        TIMES,
+        f"{some(right.questions, 'question')} with a path; {evidence.medians_of(solver, rival)}; "
+        f"{some(int(on_penalty.sum()), 'method')} on the penalty",
+        RANKS,
+    )
+
+
+def no_rank(evidence: Evidence) -> Finding | None:
+    """Two methods of one formulation, right nearly everywhere, that the tests do not separate."""
+    ranked = evidence.ranked[evidence.ranked["right"] >= _RIGHT_ENOUGH]
+    if len(ranked) < 2:
+        return None
+    tests = engine_tests(evidence.times, ranked)
+    if tests.empty:
+        return None
+    ties = [
+        (abs(np.log(ratio.value)), ratio, line)
+        for line in tests[~separated(tests) & tests["p"].notna()].to_dict("records")
+        if ranked["engine"][line["solver"]] != ranked["engine"][line["rival"]]
+        and (ratio := evidence.time_ratio(str(line["rival"]), str(line["solver"]))) is not None
+        and not ratio.excludes(1)
+    ]
+    if not ties:
+        return None
+    _, ratio, line = min(ties, key=lambda tie: tie[0])
+    end = f" on {line['shared']}"
+    names = [evidence.name(str(line[key])).removesuffix(end) for key in ("solver", "rival")]
+    return Finding(
+        f"Do not conclude a rank between {' and '.join(names)}{end}: the ratio of their median "
+        f"times is {ratio.text()}, and the paired test does not separate them "
+        f"(p = {digits(2)(line['p_holm'])}). Undecided like that: {len(ties)} of "
+        f"{some(len(tests), 'pair')}.",
+        ratio,
+        TIMES,
+        f"{some(ratio.questions, 'question')} that both answer; Wilcoxon's test with Holm's "
+        f"correction for {some(len(tests), 'pair')}",
+        "Comparison of methods: paired tests",
+    )
+
+
+_SAME = ["formulation", "engine"]
+
+
+def zero_start(evidence: Evidence) -> Finding | None:
+    """The guess along the bearing against the zero point: same engine, same formulation."""
+    pairs = evidence.pairs(_SAME, "guess", "bearing", "zero")
+    points = evidence.rate_difference(pairs)
+    if points is None or not points.excludes(0):
+        return None
+    better, worse = "the bearing of the target", "the zero point"
+    if points.value < 0:
+        points, better, worse = points.negated(), worse, better
+    return Finding(
+        f"Start from {better}: from {worse} the same engines on the same formulations are right on "
+        f"{points.text()} percentage points fewer of the questions.",
+        points,
+        POINTS,
+        f"{some(points.questions, 'question')} with a path, {some(len(pairs), 'method')}, in pairs",
+        MATRIX,
+    )
+
+
+def random_restarts(evidence: Evidence) -> Finding | None:
+    """Random guesses against the one along the bearing, and the time that they take."""
+    pairs = evidence.pairs(_SAME, "guess", "random", "bearing")
+    points = evidence.rate_difference(pairs)
+    if points is None or not points.excludes(0):
+        return None
+    ratios = [(ratio, pair) for pair in pairs if (ratio := evidence.time_ratio(*pair)) is not None]
+    cost = medians = ""
+    if ratios:
+        dearest, pair = max(ratios)
+        cost = f", for up to {dearest.text(digits(2))} times the median time"
+        medians = f"; time of {evidence.medians_of(*pair)}"
+    if points.value > 0:
+        advice, what = "Try several random guesses where the model is joint", "more"
+    else:
+        points, advice, what = points.negated(), "Do not rely on random guesses", "fewer"
+    methods = some(len(pairs), "method")
+    return Finding(
+        f"{advice}: with the same engine and formulation they are right on {points.text()} "
+        f"percentage points {what} of the questions than the guess along the bearing{cost}.",
+        points,
+        POINTS,
+        f"{some(points.questions, 'question')} with a path, {methods}, in pairs{medians}",
+        MATRIX,
+    )
+
+
+def repeats(evidence: Evidence) -> Finding | None:
+    """The method whose verdict changes most often from repeat to repeat."""
+    rows = evidence.compared.answerable
+    rows = rows[rows["solver"].isin(evidence.methods.index)]
+    if rows.empty or rows["repeat"].nunique() < 2:
+        return None
+    spread = solver_spread(question_spread(rows, question=["question"]))
+    spread = spread[(spread["questions"] >= ENOUGH) & (spread["changing"] > 0)]
+    if spread.empty:
+        return None
+    line = spread.sort_values("changing", ascending=False, kind="stable").iloc[:1]
+    solver, values = str(line.index[0]), line.to_dict("records")[0]
+    ends = (float(values[name]) for name in ("changing", "changing_low", "changing_high"))
+    value, low, high = ends
+    change = percent(Estimate(value, low, high, int(values["questions"])))
+    return Finding(
+        f"Run {evidence.name(solver)} more than once: on {change.percent_text()} of the questions "
+        f"its verdict changes from repeat to repeat. {some(len(spread), 'method')} of "
+        f"{rows['solver'].nunique()} change at all.",
+        change,
+        PERCENT,
+        f"{some(change.questions, 'question')} with a path, {int(values['repeats'])} repeats each",
+        "Comparison of methods: spread over repeats",
+    )
+
+
+_NAMES = 3  # names in a sentence
+
+
+def price_of_proof(evidence: Evidence) -> Finding | None:
+    """The best method that proves its answers against the best that does not."""
+    ranked = evidence.ranked
+    proves = ranked.index.isin(evidence.provers)
+    if not proves.any() or proves.all():
+        return None
+    prover, local = str(ranked.index[proves][0]), str(ranked.index[~proves][0])
+    ratio = evidence.time_ratio(prover, local)
+    proven = evidence.rates[prover] == 1.0
+    right = evidence.share_of(evidence.rates.loc[proven, local])
+    if ratio is None or right is None or not ratio.excludes(1):
+        return None
+    if ratio.value > 1:
+        advice = "Buy a proof only where a wrong answer costs more than time"
+    else:
+        advice = "Take the proof: it costs nothing here"
+    return Finding(
+        f"{advice}: {evidence.name(prover)} takes {ratio.text()} times the median time of "
+        f"{evidence.name(local)}, which proves nothing and is right on {right.percent_text()} of "
+        "the questions that the other answers.",
+        ratio,
+        TIMES,
+        f"{evidence.medians_of(prover, local)}; the fastest with and without a proof",
+        "Comparison of methods: means and ranks",
+    )
+
+
+def false_proof(evidence: Evidence) -> Finding | None:
+    """The engine with proofs whose proofs are false most often, and the others by name."""
+    rows = evidence.claims[evidence.claims["solver"].isin(evidence.provers)]
+    if rows.empty:
+        return None
+    table = beliefs(rows, ["solver"])
+    table = table[(table["false"] > 0) & (table["questions"] >= ENOUGH)]
+    if table.empty:
+        return None
+    order = [str(s) for s in table.sort_values("false", ascending=False, kind="stable").index]
+    worst = table.loc[[order[0]]].to_dict("records")[0]
+    share = percent(
+        Estimate(worst["false"], worst["false_low"], worst["false_high"], int(worst["questions"]))
+    )
+    false = false_proofs(rows[(rows["solver"] == order[0]) & (rows["truth"] == FALSE)]).to_dict(
+        "records"
+    )[0]
+    others = [evidence.name(solver) for solver in order[1 : _NAMES + 1]]
+    more = f" So do {', '.join(others)}." if others else ""
+    more += (
+        f" And {some(len(order) - 1 - _NAMES, 'method')} more." if len(order) > _NAMES + 1 else ""
+    )
+    return Finding(
+        f"Check a proof as you check an answer: {evidence.name(order[0])} claims or bounds what "
+        f"is false on {share.percent_text()} of the questions; on "
+        f"{some(false['attempts'], 'attempt')} {false['proof']}.{more}",
+        share,
+        PERCENT,
+        f"{some(share.questions, 'question')}, with a path or without; "
+        f"{some(len(evidence.provers), 'method')} with proofs",
+        "Whom one can believe: false claims by name",
+    )
+
+
+def infeasible_claims(evidence: Evidence) -> Finding | None:
+    """Of the questions that a local engine calls infeasible, the share that has a path."""
+    rows = evidence.claims[evidence.claims["claim"] == "infeasible"]
+    rows = rows[~rows["solver"].isin(evidence.provers)]
+    false = rows[rows["answerable"]]
+    if false.empty:
+        return None
+    solver = str(false.groupby("solver")["question"].nunique().idxmax())
+    called = rows[rows["solver"] == solver].groupby("question")["answerable"].first()
+    share = evidence.share_of(called.astype(float))
+    if share is None:
+        return None
+    liars = false["solver"].nunique()
+    return Finding(
+        'Do not take a local engine\'s "infeasible" for a proof: of the questions that '
+        f"{evidence.name(solver)} calls infeasible, {share.percent_text()} have a path. "
+        f"{some(liars, 'local method')} of {rows['solver'].nunique()} that ever say so "
+        f"{'is' if liars == 1 else 'are'} wrong at least once.",
+        share,
+        PERCENT,
+        f"{some(share.questions, 'question')} that it calls infeasible in some repeat",
+        "Whom one can believe: false claims by name",
+    )
+
+
+FINDINGS: tuple[Callable[[Evidence], Finding | None], ...] = (
+    fastest_formulation,
+    words_against_joint,
+    zero_start,
+    slowest_engine,
+    presolve,
+    price_of_proof,
+    false_proof,
+    infeasible_claims,
+    near_circles,
+    no_rank,
+    derivative_free_search,
+    single_order,
+    coarse_transcription,
+    random_restarts,
+    repeats,
+)
+
+
+# Those that say what not to do: they stand with what not to conclude.
+WARNINGS = (infeasible_claims, no_rank, coarse_transcription)
+ADVICE = tuple(find for find in FINDINGS if find not in WARNINGS)
+
+
+def findings(
+    evidence: Evidence, finders: Sequence[Callable[[Evidence], Finding | None]] = FINDINGS
+) -> list[Finding]:
+    """The findings that the rows carry."""
+    return [finding for find in finders if (finding := find(evidence)) is not None]
+
+
+_MOST = 8
+
+
+def findings_section(results: Results) -> Section | None:
+    """Sentences to act on, each computed from the rows; None if the rows carry none."""
+    attempts = compared(results)
+    if attempts is None:
+        return None
+    every = findings(Evidence(attempts), ADVICE)
+    if not every:
+        return None
+    tables = [_table("findings", every[:_MOST], 1, "What a practitioner can act on.")]
+    if every[_MOST:]:
+        tables.append(_table("findings-more", every[_MOST:], _MOST + 1, "Further findings."))
+    text = (
+        "Every sentence is computed from the rows: it is said only if its 95 % interval excludes "
+        f"that there is no difference, and if at least {ENOUGH} questions carry it."
+    )
+    lead = (
+        f"Read {some(len(every), 'sentence')} to act on, the first of them on what matters most; "
+        "each names the section that shows where it comes from."
+    )
+    return Section("findings", "What the study found", text, tuple(tables), lead)
+
+
+# The sections that findings point to show other means of the same times.
+_RATIOS = (
+    "A ratio of times is that of two medians over the questions that both methods answer, of each "
+    "question the median repeat; both medians stand beside it. Tables that count failures, weigh "
+    "every attempt, or show shifted means have other quotients. "
+)
+
+
+def _table(name: str, chosen: Sequence[Finding], first: int, title: str) -> Table:
+    frame = pd.DataFrame(
+        [
+            {
+                "place": first + number,
+                "sentence": finding.sentence,
+                "value": finding.estimate.value,
+                "value_low": finding.estimate.low,
+                "value_high": finding.estimate.high,
+                "unit": finding.unit,
+                "question": finding.question,
+                "shown_in": finding.shown_in,
+            }
+            for number, finding in enumerate(chosen)
+        ]
+    )
+    shown = (
+        *columns(count, place="no."),
+        *columns(kind="prose", sentence="finding"),
+        *columns(kind="prose", question="asked of"),
+        *columns(kind="section", shown_in="shown in"),
+    )
+    caption = (
+        f"{title} Intervals: Wilson's for shares, for as many trials as there are questions, and "
+        f"bootstrap over scenarios for all others. {_RATIOS}The CSV file holds the numbers apart."
+    )
+    return Table(
+        name, caption, frame, shown, numbers=(*interval_keys("value"), "unit"), stacked=True
+    )
+
+
+TOPIC = Topic("what the study found", findings_section, BENCHMARK, place=Place.FRONT)
