@@ -25,7 +25,6 @@ def _raised(message: str) -> Case:
 
 
 _LIE = Case("returned", "misses", false_claim=True)
-_TRAP = ("sprung",)
 
 CRASHES = {
     "hostile:Segfault": _crash("SIGSEGV"),
@@ -65,8 +64,6 @@ RAISES = {
     "hostile_answers:AnswersDict": _raised("dict; expected a Solution"),
     "hostile_answers:AnswersNumber": _raised("int; expected a Solution"),
     "hostile_answers:AnswersGenerator": _raised("generator; expected a Solution"),
-    "hostile_answers:TrappedError": _raised("Sprung")._replace(files=_TRAP),
-    "hostile_answers:TrappedReturn": _raised("Trap; expected a Solution")._replace(files=_TRAP),
 }
 ANSWERS = {
     "hostile_answers:NotANumber": _LIE,
@@ -79,7 +76,7 @@ ANSWERS = {
     "hostile_answers:NoPath": Case("returned", false_claim=True),
     "hostile_answers:SaysImpossible": Case("returned", false_claim=True),
     "hostile_answers:Modest": Case("returned"),
-    "hostile_answers:Trapped": Case("returned|raised", "optimal|none", files=_TRAP),
+    "hostile_answers:Trapped": Case("returned|raised", "optimal|none", files=("sprung",)),
     "hostile_answers:Huge": Case("returned", "optimal"),
     "hostile_answers:Wordy": Case("returned", "optimal", message="^word word"),
     "hostile_answers:WritesFile": Case("returned", "optimal"),

@@ -10,102 +10,51 @@ import sys
 from dubins_study.solvers.analytic import Analytic
 
 
-class Segfault(Analytic):
-    """Reads where nothing is."""
-
-    def solve(self, model, limit):
-        ctypes.string_at(0)
+def _abort(last_words=b""):
+    os.write(2, last_words)
+    os.abort()
 
 
-class Abort(Analytic):
-    """What a failed assertion in C does, last words included."""
-
-    def solve(self, model, limit):
-        os.write(2, b"hostile.c:17: Assertion `x > 0' failed.\n")
-        os.abort()
+def _terminate():
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    os.kill(os.getpid(), signal.SIGTERM)
 
 
-class FloatingPoint(Analytic):
-    """An integer divided by zero in C."""
-
-    def solve(self, model, limit):
-        os.kill(os.getpid(), signal.SIGFPE)
+def _complain():
+    print("no licence for more than 3 variables", flush=True)
+    os._exit(3)
 
 
-class Illegal(Analytic):
-    """A library made for another processor."""
-
-    def solve(self, model, limit):
-        os.kill(os.getpid(), signal.SIGILL)
-
-
-class Bus(Analytic):
-    """A mapped file that was cut off."""
-
-    def solve(self, model, limit):
-        os.kill(os.getpid(), signal.SIGBUS)
+def _overflow():
+    """Use the whole stack of C."""
+    sys.setrecursionlimit(10**9)
+    deeper = ctypes.CFUNCTYPE(None)(lambda: deeper())
+    deeper()
 
 
-class Killed(Analytic):
-    """What the kernel does when memory runs out."""
-
-    def solve(self, model, limit):
-        os.kill(os.getpid(), signal.SIGKILL)
-
-
-class Terminated(Analytic):
-    """A polite end is an end as well."""
-
-    def solve(self, model, limit):
-        signal.signal(signal.SIGTERM, signal.SIG_DFL)
-        os.kill(os.getpid(), signal.SIGTERM)
-
-
-class ExitZero(Analytic):
-    """Leaves as if all were well."""
-
-    def solve(self, model, limit):
-        os._exit(0)
+# class -> how its process dies when it is to solve
+DEATHS = {
+    "Segfault": lambda: ctypes.string_at(0),
+    "Abort": lambda: _abort(b"hostile.c:17: Assertion `x > 0' failed.\n"),
+    "FloatingPoint": lambda: os.kill(os.getpid(), signal.SIGFPE),
+    "Illegal": lambda: os.kill(os.getpid(), signal.SIGILL),
+    "Bus": lambda: os.kill(os.getpid(), signal.SIGBUS),
+    "Killed": lambda: os.kill(os.getpid(), signal.SIGKILL),
+    "Terminated": _terminate,
+    "ExitZero": lambda: os._exit(0),
+    "ExitThree": _complain,
+    "ExitInC": lambda: ctypes.CDLL(None).exit(5),
+    "Chatty": lambda: _abort(b"first words " + b"x" * 5000 + b" last words\n"),
+    "Unprintable": lambda: _abort(b"\x1b[31mred\x00\xff\xfe <script>alert(1)</script>\r\n"),
+    "Overflown": _overflow,
+}
 
 
-class ExitThree(Analytic):
-    """Leaves with a complaint on stdout."""
-
-    def solve(self, model, limit):
-        print("no licence for more than 3 variables", flush=True)
-        os._exit(3)
+def _solver(name, die):
+    return type(name, (Analytic,), {"solve": lambda self, model, limit: die()})
 
 
-class ExitInC(Analytic):
-    """A library that calls exit."""
-
-    def solve(self, model, limit):
-        ctypes.CDLL(None).exit(5)
-
-
-class Chatty(Analytic):
-    """Says more than a row can hold before it dies."""
-
-    def solve(self, model, limit):
-        os.write(2, b"first words " + b"x" * 5000 + b" last words\n")
-        os.abort()
-
-
-class Unprintable(Analytic):
-    """Last words that are no text."""
-
-    def solve(self, model, limit):
-        os.write(2, b"\x1b[31mred\x00\xff\xfe <script>alert(1)</script>\r\n")
-        os.abort()
-
-
-class Overflown(Analytic):
-    """Uses the whole stack of C."""
-
-    def solve(self, model, limit):
-        sys.setrecursionlimit(10**9)
-        deeper = ctypes.CFUNCTYPE(None)(lambda: deeper())
-        deeper()
+globals().update({name: _solver(name, die) for name, die in DEATHS.items()})
 
 
 class SomeTimes(Analytic):

@@ -29,39 +29,12 @@ class Speechless(Exception):  # noqa: N818
     __repr__ = __str__
 
 
-class RaisesRude(Analytic):
-    def solve(self, model, limit):
-        raise Rude("not for you")
+class Liar(Path):
+    """Says that it is short and ends anywhere."""
 
-
-class RaisesExit(Analytic):
-    def solve(self, model, limit):
-        raise SystemExit(7)
-
-
-class RaisesInterrupt(Analytic):
-    def solve(self, model, limit):
-        raise KeyboardInterrupt("from inside")
-
-
-class RaisesSpeechless(Analytic):
-    def solve(self, model, limit):
-        raise Speechless
-
-
-class RaisesAtLength(Analytic):
-    def solve(self, model, limit):
-        raise OSError("licence " * 2**17)
-
-
-class RaisesMarkup(Analytic):
-    def solve(self, model, limit):
-        raise OSError("\ud800 \x00 \x1b[31m <script>alert(1)</script> \r\n|`$(id)`")
-
-
-class RaisesGroup(Analytic):
-    def solve(self, model, limit):
-        raise ExceptionGroup("several", [OSError("a"), ValueError("b")])
+    total_length = 1.0
+    end = Pose(0.0, 0.0, 0.0)
+    word = lambda *_: "S"  # noqa: E731
 
 
 class RaisesInBuild(Analytic):
@@ -74,73 +47,73 @@ class RaisesInUnavailable(Analytic):
         raise RuntimeError("cannot say")
 
 
-class NotANumber(Analytic):
+# class -> what its `solve` raises
+RAISED = {
+    "RaisesRude": lambda: Rude("not for you"),
+    "RaisesExit": lambda: SystemExit(7),
+    "RaisesInterrupt": lambda: KeyboardInterrupt("from inside"),
+    "RaisesSpeechless": Speechless,
+    "RaisesAtLength": lambda: OSError("licence " * 2**17),
+    "RaisesMarkup": lambda: OSError("\ud800 \x00 \x1b[31m <script>alert(1)</script> \r\n|`$(id)`"),
+    "RaisesGroup": lambda: ExceptionGroup("several", [OSError("a"), ValueError("b")]),
+}
+# class -> what its `solve` returns, given the scenario; no solution, or one that misleads
+RETURNED = {
+    "AnswersNone": lambda s: None,
+    "AnswersText": lambda s: "optimal",
+    "AnswersDict": lambda s: {"claim": "optimal"},
+    "AnswersNumber": lambda s: 3,
+    "AnswersGenerator": lambda s: (each for each in [s]),
+    "NotANumber": lambda s: Solution(
+        *(Claim.OPTIMAL, Path(s.start, [np.nan, 0.0], [1.0, np.nan])),
+        *(float("nan"), float("inf"), (np.nan, np.inf)),
+    ),
+    "Infinite": lambda s: Solution(Claim.OPTIMAL, Path(s.start, [0.0], [np.inf]), -np.inf),
+    "Elsewhere": lambda s: Solution(Claim.OPTIMAL, Path(s.start, [0.0], [1.0]), 1.0),
+    "OtherStart": lambda s: Solution(Claim.OPTIMAL, *_straight(s)),
+    "Empty": lambda s: Solution(Claim.OPTIMAL, Path(s.start, [], [])),
+    "NoPath": lambda s: Solution(Claim.OPTIMAL, None, 3.0),
+    "SaysImpossible": lambda s: Solution(Claim.INFEASIBLE),
+    "Modest": lambda s: Solution(Claim.NONE),  # no path and no claim: nothing to hold against it
+    "NoClaim": lambda s: Solution("superb", shortest_path(s)),
+    "LyingPath": lambda s: Solution(Claim.OPTIMAL, Liar(s.start, [0.0], [1.0]), 1.0),
+    "Wordy": lambda s: Solution(Claim.OPTIMAL, shortest_path(s), message="word " * 2**18),
+}
+# class -> an attribute of a right solution, and what it is set to, past every check
+FORCED = {"ForcedClaim": ("claim", "superb"), "ForcedCount": ("iterations", "many")}
+
+
+def _straight(scenario):
+    """The straight way to the target, from a start of its own, and its length."""
+    x, y = scenario.target_x - scenario.x, scenario.target_y - scenario.y
+    length = float(np.hypot(x, y))
+    start = Pose(scenario.x, scenario.y, np.arctan2(y, x))
+    return Path(start, [0.0], [length]), length
+
+
+def _raising(name, error):
     def solve(self, model, limit):
-        path = Path(model.scenario.start, [np.nan, 0.0], [1.0, np.nan])
-        return Solution(Claim.OPTIMAL, path, float("nan"), float("inf"), (np.nan, np.inf))
+        raise error()
+
+    return type(name, (Analytic,), {"solve": solve})
 
 
-class Infinite(Analytic):
+def _returning(name, answer):
+    return type(name, (Analytic,), {"solve": lambda self, model, limit: answer(model.scenario)})
+
+
+def _forcing(name, attribute, value):
     def solve(self, model, limit):
-        return Solution(Claim.OPTIMAL, Path(model.scenario.start, [0.0], [np.inf]), -np.inf)
-
-
-class Elsewhere(Analytic):
-    def solve(self, model, limit):
-        return Solution(Claim.OPTIMAL, Path(model.scenario.start, [0.0], [1.0]), 1.0)
-
-
-class OtherStart(Analytic):
-    """Drives well, from a start of its own: the straight way."""
-
-    def solve(self, model, limit):
-        s = model.scenario
-        heading = np.arctan2(s.target_y - s.y, s.target_x - s.x)
-        length = float(np.hypot(s.target_x - s.x, s.target_y - s.y))
-        return Solution(Claim.OPTIMAL, Path(Pose(s.x, s.y, heading), [0.0], [length]), length)
-
-
-class Empty(Analytic):
-    def solve(self, model, limit):
-        return Solution(Claim.OPTIMAL, Path(model.scenario.start, [], []))
-
-
-class NoPath(Analytic):
-    def solve(self, model, limit):
-        return Solution(Claim.OPTIMAL, None, 3.0)
-
-
-class SaysImpossible(Analytic):
-    def solve(self, model, limit):
-        return Solution(Claim.INFEASIBLE)
-
-
-class Modest(Analytic):
-    """No path and no claim: nothing to hold against it."""
-
-    def solve(self, model, limit):
-        return Solution(Claim.NONE)
-
-
-class NoClaim(Analytic):
-    def solve(self, model, limit):
-        return Solution("superb", shortest_path(model.scenario))
-
-
-class ForcedClaim(Analytic):
-    """Past the check of a solution's fields."""
-
-    def solve(self, model, limit):
-        solution = super().solve(model, limit)
-        object.__setattr__(solution, "claim", "superb")
+        solution = Analytic.solve(self, model, limit)
+        object.__setattr__(solution, attribute, value)
         return solution
 
+    return type(name, (Analytic,), {"solve": solve})
 
-class ForcedCount(Analytic):
-    def solve(self, model, limit):
-        solution = super().solve(model, limit)
-        object.__setattr__(solution, "iterations", "many")
-        return solution
+
+globals().update({name: _raising(name, error) for name, error in RAISED.items()})
+globals().update({name: _returning(name, answer) for name, answer in RETURNED.items()})
+globals().update({name: _forcing(name, *forced) for name, forced in FORCED.items()})
 
 
 class ForcedPath(Analytic):
@@ -150,44 +123,6 @@ class ForcedPath(Analytic):
         solution = super().solve(model, limit)
         object.__setattr__(solution.path, "length", np.zeros((3, 7)))
         return solution
-
-
-class AnswersNone(Analytic):
-    def solve(self, model, limit):
-        return None
-
-
-class AnswersText(Analytic):
-    def solve(self, model, limit):
-        return "optimal"
-
-
-class AnswersDict(Analytic):
-    def solve(self, model, limit):
-        return {"claim": "optimal"}
-
-
-class AnswersNumber(Analytic):
-    def solve(self, model, limit):
-        return 3
-
-
-class AnswersGenerator(Analytic):
-    def solve(self, model, limit):
-        yield super().solve(model, limit)
-
-
-class Liar(Path):
-    """Says that it is short and ends anywhere."""
-
-    total_length = 1.0
-    end = Pose(0.0, 0.0, 0.0)
-    word = lambda *_: "S"  # noqa: E731
-
-
-class LyingPath(Analytic):
-    def solve(self, model, limit):
-        return Solution(Claim.OPTIMAL, Liar(model.scenario.start, [0.0], [1.0]), 1.0)
 
 
 class Easier(Analytic):
@@ -229,34 +164,6 @@ class Trapped(Analytic):
 
 
 @dataclass(frozen=True)
-class TrappedError(Analytic):
-    """An exception whose type and arguments are traps."""
-
-    sprung: str = ""
-
-    def solve(self, model, limit):
-        trap = Trap("hello")
-        trap.file = self.sprung
-
-        class Sprung(Exception):  # noqa: N818
-            __reduce__ = trap.__reduce__
-
-        raise Sprung(trap)
-
-
-@dataclass(frozen=True)
-class TrappedReturn(Analytic):
-    """Something else than a solution, which is a trap."""
-
-    sprung: str = ""
-
-    def solve(self, model, limit):
-        trap = Trap("hello")
-        trap.file = self.sprung
-        return trap
-
-
-@dataclass(frozen=True)
 class Huge(Analytic):
     """The shortest path in many pieces."""
 
@@ -267,14 +174,6 @@ class Huge(Analytic):
         k = np.repeat(path.curvature, self.pieces)
         lengths = np.repeat(path.length / self.pieces, self.pieces)
         return Solution(Claim.OPTIMAL, Path(path.start, k, lengths))
-
-
-class Wordy(Analytic):
-    """A megabyte of message beside a right answer."""
-
-    def solve(self, model, limit):
-        solution = super().solve(model, limit)
-        return Solution(solution.claim, solution.path, message="word " * 2**18)
 
 
 class WritesFile(Analytic):

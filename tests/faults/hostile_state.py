@@ -168,14 +168,6 @@ if len(os.sched_getaffinity(0)) > 1:  # of one core none can be taken away
     )
 
 
-def _unprintable():
-    """Whether stdout is gone, or leads to the file that a solver opened."""
-    try:
-        return os.fstat(1).st_rdev == Path("/dev/zero").stat().st_rdev
-    except OSError:
-        return True
-
-
 def _umask():
     found = os.umask(0)
     os.umask(found)

@@ -31,6 +31,7 @@ def during_a_cell(tmp_path, numbers, jobs, limit, nap=600.0, under_way=1):
         ended = run.wait()
     assert ended.alive == []
     assert "Traceback" not in ended.err
+    assert ended.out == ""
     return ended, asking, out
 
 

@@ -135,7 +135,9 @@ def test_a_plugin_that_is_not_there_is_told(experiment, tmp_path):
     with here.scheduler(tmp_path) as address, here.worker(address, "--nthreads", "1"):
         os.chdir(tmp_path)
         try:
-            with pytest.raises(RunError, match=r"there is no file 'slow\.py' for the solver"):
+            with pytest.raises(
+                RunError, match=r"slow\.py:Slow is not what was asked: .* does not load"
+            ):
                 run(
                     experiment,
                     tmp_path / "out",

@@ -12,8 +12,6 @@ import time
 from pathlib import Path
 
 import pytest
-from live_run import TELLS_AND_NAPS
-from marked import wait_until_handled
 
 from dubins_study import run
 from dubins_study.experiments.interruption import Interruption
@@ -104,7 +102,7 @@ def test_a_run_interrupted_after_its_last_cell_is_finished_by_the_next(experimen
 MAIN = "from dubins_study.cli.app import main; main()"
 
 
-def interrupted(*arguments: str, after: Path, signals: int = 1, **environment: str):
+def interrupted(*arguments: str, after: Path):
     """Run the command, and send its whole group SIGINT once there are such files."""
     process = subprocess.Popen(
         [sys.executable, "-c", MAIN, "run", *arguments],
@@ -112,53 +110,14 @@ def interrupted(*arguments: str, after: Path, signals: int = 1, **environment: s
         stderr=subprocess.PIPE,
         text=True,
         start_new_session=True,
-        env={**os.environ, **environment},
     )
     give_up = time.monotonic() + 120
     while not [*after.parent.glob(after.name)] and process.poll() is None:
         assert time.monotonic() < give_up
         time.sleep(0.02)
-    for _ in range(signals):
-        os.killpg(process.pid, signal.SIGINT)
-        wait_until_handled(process.pid, signal.SIGINT)
+    os.killpg(process.pid, signal.SIGINT)
     out, err = process.communicate(timeout=120)
     return process.returncode, out, err
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("jobs", ["1", "2"])
-def test_the_command_says_what_is_kept(experiment, tmp_path, jobs):
-    """Exit code 130, one line with the count, no traceback of any process; a rerun completes."""
-    (tmp_path / "slow.py").write_text(TELLS_AND_NAPS)
-    out = tmp_path / "out"
-    solver = f"{tmp_path}/slow.py:Slow"
-    asked = ("--out", str(out), "--jobs", jobs, "--solver", solver)
-    code, printed, err = interrupted(
-        experiment, *asked, after=tmp_path / "asked", NAP="1" if jobs == "1" else "0.5"
-    )
-
-    kept = len(done(out))
-    assert code == 130, err
-    assert 0 < kept < 30
-    assert "interrupted; what was done is kept, run the same command to go on" in err
-    assert f"({kept} of 30 cells done)" in err
-    assert "Traceback" not in err
-    assert printed == ""
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("jobs", ["1", "2"])
-def test_a_second_stops_at_once(experiment, tmp_path, jobs):
-    (tmp_path / "slow.py").write_text(TELLS_AND_NAPS)
-    out, began = tmp_path / "out", time.monotonic()
-    words = ("--out", str(out), "--jobs", jobs, "--solver", f"{tmp_path}/slow.py:Slow")
-    words += ("--time-limit", "2000")
-    code, _, err = interrupted(experiment, *words, after=tmp_path / "asked", signals=2, NAP="1000")
-
-    assert time.monotonic() - began < 300  # long before the nap is over, on a busy machine too
-    assert code == 130
-    assert "interrupted; what was done is kept" in err
-    assert "Traceback" not in err
 
 
 @pytest.mark.slow

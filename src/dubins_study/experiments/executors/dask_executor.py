@@ -120,7 +120,7 @@ class _Submission:
             if reply is None:
                 continue
             _, unit = self._units.pop(future.key)
-            rows = self._rows(unit, reply)
+            rows = self._rows(reply)
             yield rows
             if reply.refusal:
                 raise RunError(f"{reply.refusal}; {_KEPT}")
@@ -185,23 +185,18 @@ class _Submission:
         future.add_done_callback(self._ended.put)
         return None
 
-    def _rows(self, unit: WorkUnit, reply: UnitReply) -> list[Row]:
-        """Pass on a reply's probes and return its rows; refuse rows that are not of the unit."""
-        rows: list[Row] = reply.rows.to_pylist()
-        keys = {row_key(row) for row in rows}
-        if len(keys) < len(rows) or not keys <= {c.key for chain in unit.chains for c in chain}:
-            raise RunError("a Dask worker returned rows that it was not asked for; none was kept")
+    def _rows(self, reply: UnitReply) -> list[Row]:
+        """Pass on a reply's probes and return its rows."""
         if self._probed is not None:
+            number = self._machines.setdefault(reply.machine, len(self._machines) + 1)
             for seconds in reply.probes_s:
-                number = self._machines.setdefault(reply.machine, len(self._machines) + 1)
                 self._probed(seconds, number)
+        rows: list[Row] = reply.rows.to_pylist()
         return rows
 
     def _take_back(self, unit: WorkUnit, rows: list[Row]) -> None:
         """Put the cells that a worker has not solved at the front of the queue."""
         rest = unit.remaining({row_key(row): row_path(row) for row in rows})
-        if rest.chains and not rows:
-            raise RunError("a Dask worker solved nothing of what it was asked")
         self._waiting.extendleft(reversed(rest.chains))
         self._before |= rest.before
 

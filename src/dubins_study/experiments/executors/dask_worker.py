@@ -47,19 +47,12 @@ def in_worker(name: str) -> Callable[[Any], Any]:
 
 
 class UnitReply(NamedTuple):
-    """What a Dask worker returns for a work unit.
+    """What a Dask worker returns for a work unit."""
 
-    Args:
-        rows: the rows of the cells that were solved.
-        refusal: why this worker must not solve the rest of the unit; empty if it may.
-        machine: the name of the worker's machine.
-        probes_s: seconds that each calibration probe took on that machine.
-    """
-
-    rows: pa.Table
-    refusal: str
-    machine: str
-    probes_s: list[float]
+    rows: pa.Table  # of the cells that were solved
+    refusal: str  # why this worker must not solve the rest of the unit; empty if it may
+    machine: str  # the name of the worker's machine
+    probes_s: list[float]  # seconds that each calibration probe took on that machine
 
 
 def _source_files() -> frozenset[tuple[str, int, int]]:
@@ -138,7 +131,8 @@ def solve_unit(message: bytes) -> UnitReply:
     refusal = ""
     end_s = monotonic() + _UNIT_S
     try:
-        _check_files(unit)
+        if _source_files() != _IMPORTED:
+            raise RunError("dubins-study was changed since the worker started; restart it")
         with run.pool(unit.settings) as pool:
             for row_block in solve_chains(pool, unit, run.stop):
                 rows += row_block
@@ -148,16 +142,3 @@ def solve_unit(message: bytes) -> UnitReply:
         refusal = f"on the Dask worker on {machine}, {error}"
     probes_s, run.probes_s[:] = [*run.probes_s], []
     return UnitReply(rows_table(rows), refusal, machine, probes_s)
-
-
-def _check_files(unit: WorkUnit) -> None:
-    """Refuse a unit if this process runs other code than the files hold, or lacks a plug-in."""
-    if _source_files() != _IMPORTED:
-        raise RunError("dubins-study was changed since the worker started; restart it")
-    for spec in {chain[0].solver for chain in unit.chains}:
-        file, colon, _ = spec.partition("[")[0].strip().rpartition(":")
-        if colon and file.endswith(".py") and not FilePath(file).is_file():
-            raise RunError(
-                f"there is no file {file!r} for the solver {spec!r}; expected it at the same path "
-                "on every machine (see docs/scaling.md)"
-            )

@@ -17,16 +17,12 @@ from dubins_study.study.rows.schema import Key
 
 
 class WorkUnit(NamedTuple):
-    """Cells of one run: all unsolved cells, or as many as one Dask task gets.
-
-    Args:
-        settings: the settings of the run.
-        chains: single cells, and sweeps, in which each warm cell starts from the previous path.
-        before: key of a chain's first cell -> last path earlier in its sweep, if there is one.
-    """
+    """Cells of one run: all unsolved cells, or as many as one Dask task gets."""
 
     settings: RunSettings
+    # Single cells, and sweeps, in which each warm cell starts from the previous path.
     chains: list[Chain]
+    # Key of a chain's first cell -> last path earlier in its sweep, if there is one.
     before: Mapping[Key, Path]
 
     @property
@@ -37,9 +33,8 @@ class WorkUnit(NamedTuple):
     def remaining(self, done: Mapping[Key, Path | None]) -> WorkUnit:
         """The cells that are not done. A chain with done cells in between is cut into pieces.
 
-        Args:
-            done: key of a cell that is done -> its path, or None if the path did not arrive. After
-                such a failure the earlier path stays the initial guess, as in an uninterrupted run.
+        The path of a done cell is None if it did not arrive. After such a failure the earlier path
+        stays the initial guess, as in an uninterrupted run.
         """
         pieces: list[Chain] = []
         before: dict[Key, Path] = {}
@@ -71,11 +66,7 @@ class ChainState(NamedTuple):
         return self.path if self.cell.initial_guess == "warm" else given_guess(self.cell)
 
     def after(self, path: Path | None) -> ChainState | None:
-        """The state after an attempt at the current cell; None at the end of the chain.
-
-        Args:
-            path: the path of the current cell; None if it did not arrive, so `self.path` stays.
-        """
+        """The state after the current cell, whose path may not arrive; None at the chain's end."""
         if self.place + 1 == len(self.chain):
             return None
         return ChainState(self.chain, self.place + 1, path or self.path)
@@ -86,28 +77,20 @@ Probe = Callable[[float, int], None]
 
 
 class Executor(NamedTuple):
-    """What solves a run's cells; usable until the `with` block that provides it ends.
+    """What solves a run's cells; usable until the `with` block that provides it ends."""
 
-    Args:
-        jobs: how many cells are solved at the same time.
-        run_entry: fields about the executor for the run's entry in the manifest.
-        solve: yields the rows of a unit's cells as they come; see `local.solve_chains`. It calls
-            the probe every few seconds, if there is one.
-    """
-
+    # How many cells are solved at the same time.
     jobs: int
+    # Fields about the executor for the run's entry in the manifest.
     run_entry: dict[str, Any]
+    # Yields the rows of a unit's cells as they come; calls the probe every few seconds.
     solve: Callable[[WorkUnit, Interruption, Probe | None], Generator[list[Row], None, None]]
 
 
 def unfinished(
     folder: FilePath, chains: list[Chain], finished: set[Key], settings: RunSettings
 ) -> WorkUnit:
-    """The cells that a results folder lacks, in the order of the run, with their initial paths.
-
-    Args:
-        finished: the keys of the cells that the folder holds.
-    """
+    """The cells that a results folder lacks, in the order of the run, with their initial paths."""
     done: dict[Key, Path | None] = dict.fromkeys(finished)
     if any(cell.initial_guess == "warm" and cell.key in done for chain in chains for cell in chain):
         columns = ["x", "y", "heading", "gap", "curvatures", "lengths"]

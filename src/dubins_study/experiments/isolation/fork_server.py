@@ -61,19 +61,12 @@ class ForkServerError(DubinsStudyError, RuntimeError):
 
 
 class ForkedProcess(NamedTuple):
-    """A process that the server has forked.
-
-    Args:
-        pid: its process id; the process leads its own session.
-        channel: messages to and from the process; does not block.
-        output: read end of the pipe that is its stdout and stderr; does not block.
-        exit_pipe: read end of a pipe; readable once the process and all its descendants have ended.
-    """
+    """A process that the server has forked; it leads its own session."""
 
     pid: int
-    channel: Channel
-    output: int
-    exit_pipe: int
+    channel: Channel  # messages to and from the process; does not block
+    output: int  # read end of the pipe that is its stdout and stderr; does not block
+    exit_pipe: int  # readable once the process and all its descendants have ended
 
     def exit_code(self, timeout_s: float = _KILL_WAIT_S) -> int | None:
         """Exit code, -N if signal N killed the process, or None if it has not ended in time.
@@ -102,11 +95,7 @@ class ForkedProcess(NamedTuple):
 
 
 def exit_status(code: int) -> tuple[str, str]:
-    """How a process ended, as a short name and as a sentence.
-
-    Args:
-        code: its exit code; -N if signal N killed it.
-    """
+    """How a process ended, as a short name and as a sentence; its code is -N by signal N."""
     if code >= 0:
         return f"exit {code}", f"its process ended itself with code {code}"
     try:
@@ -172,33 +161,29 @@ os.register_at_fork(after_in_child=_server.detach_in_child)
 atexit.register(_server.stop)
 
 
-def fork(function: str, arguments: list[Any], extra: tuple[int, ...] = ()) -> ForkedProcess:
+def fork(function: str, arguments: list[Any]) -> ForkedProcess:
     """Call a function in a process that is forked from the server.
 
     The new process gets the caller's environment and working directory, and the caller's `sys.path`
     without the working directory.
 
     Args:
-        function: `module:name`, called as `name(channel, *arguments, *descriptors)`. The process
-            ends when the function returns.
+        function: `module:name`, called as `name(channel, *arguments)`. The process ends when the
+            function returns.
         arguments: plain values that JSON can hold.
-        extra: file descriptors that the function gets after its arguments.
-
-    Raises:
-        ForkServerError: if the server does not start or does not answer.
     """
     message = [function, arguments, _search_path(), dict(os.environ), _directory()]
     reason: OSError | None = None
     for _attempt in range(2):  # the server may have been killed just now
         try:
-            return _forked(message, extra)
+            return _forked(message)
         except OSError as error:
             reason = error
             _server.wait()
     raise ForkServerError(f"the fork server does not answer: {reason}")
 
 
-def _forked(message: list[Any], extra: tuple[int, ...]) -> ForkedProcess:
+def _forked(message: list[Any]) -> ForkedProcess:
     with ExitStack() as process_ends, ExitStack() as caller_ends:
         line, line_end = socket.socketpair()
         caller_ends.enter_context(line)
@@ -212,7 +197,7 @@ def _forked(message: list[Any], extra: tuple[int, ...]) -> ForkedProcess:
         if hasattr(fcntl, "F_SETPIPE_SZ"):
             with suppress(OSError):
                 fcntl.fcntl(output_end, fcntl.F_SETPIPE_SZ, _OUTPUT_PIPE_BYTES)
-        _server.request([exit_end, output_end, line_end.fileno(), *extra])
+        _server.request([exit_end, output_end, line_end.fileno()])
         process_ends.close()
         pid = os.read(exit_pipe, 8) if _readable(exit_pipe, _START_UP_S) else b""
         if not pid:
@@ -325,7 +310,7 @@ def _end_descendants(spared: Collection[int]) -> None:
                 os.waitpid(orphan.pid, os.WNOHANG)
 
 
-def _run_child(server: int, output: int, line: int, *extra: int) -> None:
+def _run_child(server: int, output: int, line: int) -> None:
     """In the forked process: receive a function's name and call it. This never returns."""
     code = 1
     try:
@@ -345,7 +330,7 @@ def _run_child(server: int, output: int, line: int, *extra: int) -> None:
         with suppress(OSError):  # the directory was removed meanwhile
             os.chdir(directory)
         module, _, name = function.partition(":")
-        getattr(import_module(module), name)(channel, *arguments, *extra)
+        getattr(import_module(module), name)(channel, *arguments)
         code = 0
     except EOFError:  # the pool has closed the channel
         code = 0

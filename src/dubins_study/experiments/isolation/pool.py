@@ -131,11 +131,8 @@ class _Worker(WorkerProcess):
 class WorkerPool:
     """Worker processes, started when there are jobs and kept until the `with` block ends.
 
-    Args:
-        workers: number of processes.
-        limits: the limits of every solve.
-        warm_up: whether solvers are asked an easy question before their first job.
-        probed: called every two seconds with the duration (s) of a calibration probe.
+    With `warm_up` a worker asks its solvers an easy question before their first job. `probed` is
+    called every two seconds with the duration (s) of a calibration probe.
     """
 
     def __init__(
@@ -188,14 +185,8 @@ class WorkerPool:
     def solve(self, jobs: Iterable[Job], stop: Interruption) -> Iterator[Results]:
         """Yield the replies to all jobs as they come, and an empty list if none come for a while.
 
+        Jobs are read when a worker is free, and solved in this order except after `put_first`.
         After an interruption only the current solves are finished.
-
-        Args:
-            jobs: read when a worker is free; solved in this order, except after `put_first`.
-            stop: checked after every result.
-
-        Raises:
-            RunError: if worker processes end before they begin a job.
         """
         self.drop_waiting()
         self._later = iter(jobs)

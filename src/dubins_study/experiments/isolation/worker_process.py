@@ -39,12 +39,9 @@ _GIB = 2**30
 
 
 class Allowance(NamedTuple):
-    """The seconds that a task may take.
+    """The seconds that a task may take, and a margin beyond them for what is no part of the limit.
 
-    Args:
-        limit_s: the limit, which the message of a task that breaks it names.
-        margin_s: seconds beyond the limit, for what is no part of it.
-        activity: what the worker does, where the limit is ours; empty where it is the caller's.
+    `activity` says what the worker does where the limit is ours; it is empty for a caller's limit.
     """
 
     limit_s: float
@@ -56,36 +53,23 @@ STARTING = Allowance(60.0, activity="starting a worker")
 
 
 class Task(NamedTuple):
-    """A task that a worker has received.
+    """A task that a worker has received, with any object of the caller's as `tag`."""
 
-    Args:
-        number: tasks of a worker are numbered from 0, which is the start of the process.
-        decode: makes a value of what the worker answers; may raise anything.
-        tag: any object of the caller's.
-        expected_s: how long the caller expects it to take.
-    """
-
-    number: int
+    number: int  # from 0, which is the start of the process
     allowance: Allowance
-    decode: Callable[[Any], Any]
+    decode: Callable[[Any], Any]  # makes a value of what the worker answers; may raise anything
     tag: Any = None
     expected_s: float = 0.0
 
 
 class Answer(NamedTuple):
-    """A worker's answer to a task.
-
-    Args:
-        seconds: that the task took, by time stamps of the worker.
-        waited_s: from the beginning of the task until its answer was read.
-        changed: whether the task changed the process; the worker then answers no more.
-    """
+    """A worker's answer to a task."""
 
     task: Task
     value: Any
-    seconds: float
-    waited_s: float
-    changed: bool
+    seconds: float  # that the task took, by time stamps of the worker
+    waited_s: float  # from the beginning of the task until its answer was read
+    changed: bool  # whether the task changed the process; the worker then answers no more
 
 
 class Ended(NamedTuple):
@@ -164,12 +148,7 @@ class WorkerProcess:
             poll.register(self._process.channel.line, select.POLLIN | select.POLLOUT)
 
     def events(self, ready: set[int], now_s: float) -> Iterator[Answer | Ended]:
-        """What the worker has sent, and its end; also reads its output.
-
-        Args:
-            ready: the descriptors that a poll has found readable.
-            now_s: when the poll returned.
-        """
+        """What the worker has sent, and its end, by a poll that returned at `now_s`."""
         if self._process.output in ready:
             self._read_output()
         try:
@@ -183,11 +162,7 @@ class WorkerProcess:
             yield from self.end()
 
     def _answers(self) -> Iterator[Answer]:
-        """The answers that have arrived.
-
-        Raises:
-            MessageError: if the worker sent something that is not an answer.
-        """
+        """The answers that have arrived."""
         try:
             for message in self._process.channel.received():
                 if message[0] == "begun":
@@ -244,8 +219,7 @@ class WorkerProcess:
     def end(self, reply: Reply | None = None) -> Iterator[Answer | Ended]:
         """Kill the worker; yield the answers that it still gave, and its end.
 
-        Args:
-            reply: the reply to its current task; None if the worker has ended by itself.
+        `reply` is that to its current task; None if the worker has ended by itself.
         """
         condemned = self._current()
         self._process.kill()
