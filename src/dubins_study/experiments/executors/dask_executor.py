@@ -187,7 +187,7 @@ class _Submission:
 
     def _rows(self, reply: UnitReply) -> list[Row]:
         """Pass on a reply's probes and return its rows."""
-        if self._probed is not None:
+        if self._probed is not None and reply.probes_s:
             number = self._machines.setdefault(reply.machine, len(self._machines) + 1)
             for seconds in reply.probes_s:
                 self._probed(seconds, number)
