@@ -94,28 +94,8 @@ def test_a_loud_solve_does_not_hang(scenario):
     assert done.stderr == ""
 
 
-def _keeps(spec: str, limit: float) -> None:
-    solver = load(spec)
-    assert solver.keeps_limit
-    solve(EASY, spec, solver.branches[0])  # loads the libraries, which are no part of the limit
-    for i, scenario in enumerate(HARD):
-        branch = solver.branches[i % len(solver.branches)]
-        for asked in dict.fromkeys(("best", branch)):
-            call = partial(solve, scenario, spec, asked, limit=limit, isolated=False)
-            answer, seconds = timed(call, limit + 1)
-            assert answer.outcome == "returned"
-            assert seconds < limit + 1, (scenario, asked)
-
-
 @pytest.mark.slow
-@pytest.mark.parametrize("name", available_solvers())
-def test_every_solver_keeps_a_limit_in_this_process(name):
-    """With its ordinary settings, at hard targets, to the second."""
-    _keeps(name, 0.05)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("limit", [0.05, 0.5])
+@pytest.mark.parametrize(("limit", "hard"), [(0.05, HARD), (0.5, HARD[::4])])
 @pytest.mark.parametrize(
     "spec",
     [
@@ -132,9 +112,19 @@ def test_every_solver_keeps_a_limit_in_this_process(name):
         "nlp[max_iter=1000000,tol=1e-14]",
     ],
 )
-def test_every_promise_is_kept(spec, limit):
-    """The largest settings for which it is made, and those that loop for long."""
-    _keeps(spec, limit)
+def test_every_promise_is_kept(spec, limit, hard):
+    """In this process, to the second: by default, with the largest settings for which it is made,
+    and with those that loop for long."""
+    solver = load(spec)
+    assert solver.keeps_limit
+    solve(EASY, spec, solver.branches[0])  # loads the libraries, which are no part of the limit
+    for i, scenario in enumerate(hard):
+        branch = solver.branches[i % len(solver.branches)]
+        for asked in dict.fromkeys(("best", branch)):
+            call = partial(solve, scenario, spec, asked, limit=limit, isolated=False)
+            answer, seconds = timed(call, limit + 1)
+            assert answer.outcome == "returned"
+            assert seconds < limit + 1, (scenario, asked)
 
 
 @pytest.mark.parametrize(
