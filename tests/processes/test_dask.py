@@ -17,11 +17,12 @@ pytest.importorskip("distributed", reason="Dask's distributed is not installed")
 import dask_here as here
 
 from dubins_study import run
-from dubins_study.experiments.definition.experiment import ExperimentError
+from dubins_study.experiments.definition.experiment import ExperimentError, read
 from dubins_study.experiments.executors import dask_worker
 from dubins_study.experiments.executors.dask_cluster import local_cluster, mismatch
 from dubins_study.experiments.executors.executor import WorkUnit
 from dubins_study.experiments.isolation.pool import RunError
+from dubins_study.experiments.plan.cells import chains
 from dubins_study.experiments.run_settings import RunSettings
 from dubins_study.experiments.store.folder import read_rows
 
@@ -222,6 +223,25 @@ def test_loggers_are_left_as_they_were(experiment, tmp_path, address):
     run(experiment, tmp_path / "out", solvers=["slsqp"], engine="dask", scheduler=address)
 
     assert logging.getLogger("distributed").level == before
+
+
+def test_a_worker_keeps_its_processes_until_the_run_ends(experiment, tmp_path):
+    """Units of a run are solved in the same process; then it is gone."""
+    spec = plugin(tmp_path, "(HERE / 'pids').open('a').write(f'{os.getpid()}\\n')")
+    text = Path(experiment).read_text().replace('"analytic", "slsqp", "ipopt"', f'"{spec}"')
+    Path(experiment).write_text(text)
+    settings, units = (
+        RunSettings("kept", 60.0, executor="dask"),
+        chains(read(experiment).experiment),
+    )
+    for chain in units[:3]:
+        reply = dask_worker.solve_unit(pickle.dumps(WorkUnit(settings, [chain], {})))
+        assert (len(reply.rows), reply.refusal) == (len(chain), "")
+    pids = set(map(int, (tmp_path / "pids").read_text().split()))
+    assert len(pids) == 1
+    dask_worker.end_run("kept")
+
+    assert here.gone([*pids])
 
 
 def test_a_worker_whose_files_were_changed_is_to_be_restarted(monkeypatch):
