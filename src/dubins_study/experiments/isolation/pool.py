@@ -38,8 +38,8 @@ _LOADING = Allowance(60.0, activity="loading the solver")
 _WARM_UP_S = 10.0
 _PROBING = Allowance(60.0, activity="measuring its speed")
 # A worker that never waits for its pool has jobs in advance: as long as those that it has are
-# expected to take less than `_AHEAD_S`, and at most `_AHEAD_JOBS`.
-_AHEAD_S, _AHEAD_JOBS = 0.05, 64
+# expected to take less than `AHEAD_S`, and at most `_AHEAD_JOBS`.
+AHEAD_S, _AHEAD_JOBS = 0.05, 64
 # How long a solve takes is expected from those before it: their mean, in which each new one has
 # this weight, and counts at most that many seconds. One slow solve is forgotten soon.
 _NEW_WEIGHT, _MAX_COUNTED_S = 0.2, 0.1
@@ -111,7 +111,7 @@ class _Worker(WorkerProcess):
 
     def may_take_more(self) -> bool:
         """Whether it may get a job in advance."""
-        soon = self.expected_s < _AHEAD_S and len(self.pending) < _AHEAD_JOBS
+        soon = self.expected_s < AHEAD_S and len(self.pending) < _AHEAD_JOBS
         return soon and not self.final
 
     def jobs(self) -> Iterator[Job]:
@@ -273,10 +273,10 @@ class WorkerPool:
     def _give(self, worker: _Worker, job: Job) -> None:
         """Give a worker a job, and before it the tasks that make the job's solver ready."""
         key = job.solver_key
-        expected_s = self._expected_s.get(key, _AHEAD_S)
+        expected_s = self._expected_s.get(key, AHEAD_S)
         if key not in worker.loaded:
             worker.loaded.add(key)
-            expected_s = _AHEAD_S
+            expected_s = AHEAD_S
             worker.put(["load", *key], _LOADING, _ignored, job)
             if self._warm_up and key not in self._without_warm_up:
                 message = ["warm up", *key, self._limits.time_s]
