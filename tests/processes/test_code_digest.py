@@ -76,7 +76,7 @@ def test_a_room_is_read_whole_and_no_other():
     others = {"optimal_control", "heading_milp", "indirect", "global_minlp", "analytic.py"}
 
     assert {"solvers/paper_nlp/slsqp.py", "solvers/paper_nlp/ipopt.py"} <= sources
-    assert "solvers/ipopt_library/engine.py" in sources
+    assert "solvers/nlp_engines/pyomo_ipopt.py" in sources
     assert not {name for name in sources if name.split("/")[1] in others}
     assert not {name for name in sources if name.startswith("study/rows/")}
 

@@ -71,14 +71,13 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     "study.rows": ("study",),
     "study.check": ("study", "study.closed_form", "study.rows"),
     "solvers": ("study.*",),
-    "solvers.ipopt_library": ("study.*", "solvers"),
-    "solvers.nlp_engines": ("study.*", "solvers", "solvers.ipopt_library"),
-    "solvers.paper_nlp": ("study.*", "solvers", "solvers.nlp_engines", "solvers.ipopt_library"),
+    "solvers.nlp_engines": ("study.*", "solvers"),
+    "solvers.paper_nlp": ("study.*", "solvers", "solvers.nlp_engines"),
     "solvers.optimal_control": (
-        *("study.*", "solvers", "solvers.nlp_engines", "solvers.ipopt_library"),
+        *("study.*", "solvers", "solvers.nlp_engines"),
         "solvers.paper_nlp",  # its initial guesses
     ),
-    "solvers.indirect": ("study.*", "solvers", "solvers.paper_nlp"),
+    "solvers.indirect": ("study.*", "solvers", "solvers.nlp_engines", "solvers.paper_nlp"),
     "solvers.minlp_engines": ("study.*", "solvers"),
     "solvers.global_minlp": (
         *("study.*", "solvers", "solvers.paper_nlp"),

@@ -132,7 +132,7 @@ def _search(label: str, function: str, evaluations: int, kind: str = SAMPLING) -
 ENGINES = {
     "slsqp": Engine("SLSQP", NLP, ("scipy",), "nlp_engines.scipy_minimize:slsqp"),
     "trust-constr": Engine(
-        "trust-constr", NLP, ("scipy",), "nlp_engines.trust_constr:trust_constr"
+        "trust-constr", NLP, ("scipy",), "nlp_engines.scipy_minimize:trust_constr"
     ),
     "cobyqa": Engine("COBYQA", NLP, ("scipy",), "nlp_engines.scipy_minimize:cobyqa"),
     "ipopt": _nlpsol("Ipopt", "ipopt"),
@@ -171,7 +171,7 @@ ENGINES = {
         "KNITRO",
         NLP,
         ("knitro",),
-        check="paper_nlp.pyomo_direct:unlicensed",
+        check="paper_nlp.pyomo_case:unlicensed",
         keeps_limit=False,
     ),
     "scip": Engine(

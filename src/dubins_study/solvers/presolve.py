@@ -34,7 +34,7 @@ def words(question: Question, presolve: bool) -> tuple[str, ...]:
 def unreachable(scenario: Scenario, word: str) -> str | None:
     """Why no path of a word ends at the target, or None.
 
-    In the vehicle's frame, in radii, C is the centre of the first turn's circle. A tangent of this
+    In body coordinates, in radii, C is the centre of the first turn's circle. A tangent of this
     circle lies outside it, so LS and RS end at no target inside. The second turn of LR and RL is on
     a circle of radius 1 whose centre is 2 from C: it passes only targets from 1 to 3 away from C.
 

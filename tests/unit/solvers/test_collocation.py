@@ -18,11 +18,8 @@ from scipy.integrate import solve_ivp
 
 from dubins_study.experiments.solve import solve
 from dubins_study.solvers.nlp_engines.program import EngineResult
-from dubins_study.solvers.optimal_control.collocation import Collocation
-from dubins_study.solvers.optimal_control.collocation_model import program, template
-from dubins_study.solvers.optimal_control.elements import Elements, cut
-from dubins_study.solvers.optimal_control.end_correction import closed
-from dubins_study.solvers.optimal_control.turn_rate_dynamics import RATES, Rates
+from dubins_study.solvers.optimal_control.arcs import RATES, Elements, Rates, closed, cut
+from dubins_study.solvers.optimal_control.collocation import Collocation, program, template
 from dubins_study.solvers.optimal_control.word_guesses import trials
 from dubins_study.solvers.protocol import Question
 from dubins_study.study.body_coordinates import local

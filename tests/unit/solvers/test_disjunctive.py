@@ -16,7 +16,6 @@ from hypothesis import strategies as st
 from dubins_study.experiments.solve import solve
 from dubins_study.solvers.attempt import attempt
 from dubins_study.solvers.engines import ENGINES, MINLP_ENGINES
-from dubins_study.solvers.global_minlp import disjunctive
 from dubins_study.solvers.global_minlp.disjunctive import Disjunctive
 from dubins_study.solvers.global_minlp.model import WORDS, gdp_model, transformed
 from dubins_study.solvers.minlp_engines import scip
@@ -331,7 +330,7 @@ def test_the_second_run_gets_the_time_that_is_left(monkeypatch):
         time.sleep(0.1)
         return ProvenResult(None, Claim.INFEASIBLE, math.inf, 1, 0, "infeasible", "")
 
-    monkeypatch.setattr(disjunctive, "engine", lambda name, settings: engine)
+    monkeypatch.setattr(scip, "scip", lambda settings: engine)
     solver = Disjunctive()
     solver.solve(solver.build(Question(Scenario(0, 0, 0, 0, 1, 1), "LS")), 5.0)
 

@@ -16,7 +16,7 @@ import pytest
 
 from dubins_study.solvers.engines import ENGINES
 from dubins_study.solvers.nlp_engines import gams
-from dubins_study.solvers.nlp_engines.algebra_text import Language, algebra_text
+from dubins_study.solvers.nlp_engines.expressions import Language, algebra_text
 from dubins_study.solvers.nlp_engines.program import Expressions, Functions, Program
 from dubins_study.solvers.registry import load
 from dubins_study.study.words import Claim

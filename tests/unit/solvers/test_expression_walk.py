@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dubins_study.solvers.nlp_engines.expression_walk import (
+from dubins_study.solvers.nlp_engines.expressions import (
     UnknownOperationError,
     carried_out,
     rebuilt,

@@ -14,8 +14,7 @@ from hypothesis import strategies as st
 from scipy.optimize import linprog
 
 from dubins_study.solvers.attempt import attempt
-from dubins_study.solvers.heading_milp.grid import one_turn, two_turns
-from dubins_study.solvers.heading_milp.legs import controls, least_legs
+from dubins_study.solvers.heading_milp.grid import controls, least_legs, one_turn, two_turns
 from dubins_study.solvers.heading_milp.solver import HeadingMilp
 from dubins_study.solvers.presolve import WORDS
 from dubins_study.solvers.protocol import Question, Solution

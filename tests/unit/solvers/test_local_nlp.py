@@ -129,7 +129,7 @@ def test_a_run_of_many_iterations_ends_when_time_is_up(spec):
     model = solver.build(Question(PAPER["problem 1"]))
     case = model.cases[0]
 
-    point = model.run(case, 5.0 * case.subproblem.mask, -1.0)
+    point = model.adapter(case, 5.0 * case.subproblem.mask, -1.0)
 
     assert point.claim is Claim.LIMIT
     assert point.iterations <= 1

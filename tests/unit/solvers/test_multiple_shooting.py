@@ -18,10 +18,8 @@ from dubins_study.experiments.solve import solve
 from dubins_study.solvers.attempt import attempt
 from dubins_study.solvers.engines import ENGINES, NLP_ENGINES
 from dubins_study.solvers.nlp_engines.program import EngineResult
-from dubins_study.solvers.optimal_control.arc_flow import INTEGRATORS, mean_cosine
-from dubins_study.solvers.optimal_control.elements import cut
+from dubins_study.solvers.optimal_control.arcs import INTEGRATORS, RATES, cut, mean_cosine
 from dubins_study.solvers.optimal_control.multiple_shooting import MultipleShooting, expressions
-from dubins_study.solvers.optimal_control.turn_rate_dynamics import RATES
 from dubins_study.solvers.protocol import Question
 from dubins_study.study.closed_form.shortest import margin, shortest
 from dubins_study.study.path import Path

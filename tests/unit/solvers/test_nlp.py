@@ -15,13 +15,13 @@ from hypothesis import strategies as st
 from dubins_study.experiments.solve import solve
 from dubins_study.solvers.attempt import attempt
 from dubins_study.solvers.engines import ENGINES
-from dubins_study.solvers.nlp_engines.trust_constr import trust_constr
+from dubins_study.solvers.nlp_engines.scipy_minimize import trust_constr
 from dubins_study.solvers.paper_nlp.ampl import read_sol
 from dubins_study.solvers.paper_nlp.local_nlp import Case
 from dubins_study.solvers.paper_nlp.model import FULL_TURN, SUBPROBLEMS, hessian, jacobian, target
 from dubins_study.solvers.paper_nlp.nlp import Nlp
 from dubins_study.solvers.paper_nlp.program import solve as solve_program
-from dubins_study.solvers.paper_nlp.pyomo_direct import solve as solve_direct
+from dubins_study.solvers.paper_nlp.pyomo_case import solve as solve_direct
 from dubins_study.solvers.protocol import Question
 from dubins_study.solvers.registry import SolverError, entries, load
 from dubins_study.study.closed_form.shortest import margin, shortest
@@ -201,10 +201,10 @@ def test_knitros_route_with_a_solver_that_needs_no_licence():
     expected = shortest(PAPER["problem 1"], "LS")
     assert point.claim is Claim.LOCAL
     # SCIP meets equations to 1e-6
-    assert point.z[[0, 2]] == pytest.approx(tuple(expected.segments), abs=1e-5)
-    assert point.z[1] == 0
+    assert point.x[[0, 2]] == pytest.approx(tuple(expected.segments), abs=1e-5)
+    assert point.x[1] == 0
     assert none.claim is Claim.INFEASIBLE
-    assert np.isnan(none.z).all()
+    assert np.isnan(none.x).all()
 
 
 @pytest.mark.skipif(find_spec("knitro") is None, reason="the package knitro is not installed")

@@ -14,8 +14,7 @@ from hypothesis import strategies as st
 
 from dubins_study.solvers.engines import ENGINES, NLP_ENGINES
 from dubins_study.solvers.nlp_engines import casadi_nlpsol, scipy_minimize
-from dubins_study.solvers.nlp_engines.program import Program
-from dubins_study.solvers.paper_nlp.best_point import Point
+from dubins_study.solvers.nlp_engines.program import EngineResult, Program
 from dubins_study.solvers.paper_nlp.local_nlp import Case
 from dubins_study.solvers.paper_nlp.model import FULL_TURN, SUBPROBLEMS, target
 from dubins_study.solvers.paper_nlp.nlp import Nlp
@@ -49,7 +48,7 @@ def case(name: str, scenario: Scenario, unit: float = 1.0) -> Case:
     return Case(subproblem, upper, target(scenario, subproblem.mirrored), unit)
 
 
-def run(name: str, word: str, scenario: Scenario, guess: tuple[float, ...]) -> Point:
+def run(name: str, word: str, scenario: Scenario, guess: tuple[float, ...]) -> EngineResult:
     engine = ENGINES[name].load()(TOLERANCE, 200)
     return solve(case(word, scenario), np.array(guess), 20.0, engine)
 
@@ -118,13 +117,13 @@ def test_a_word_is_solved(name):
 
     assert point.claim is (Claim.FAILED if name in SILENT_ON_WORDS else Claim.LOCAL)
     allowed = 1e-3 if name in LOOSE else 1e-6
-    assert point.z[1:] == pytest.approx(first_word(), abs=allowed)
-    assert point.z[0] == 0
-    if point.multipliers is not None:
+    assert point.x[1:] == pytest.approx(first_word(), abs=allowed)
+    assert point.x[0] == 0
+    if point.duals is not None:
         # the path ends straight, so that the duals are the direction of its end
-        heading = -point.z[1]
+        heading = -point.x[1]
         direction = math.cos(heading), math.sin(heading)
-        assert point.multipliers == pytest.approx(direction, abs=1e-5)
+        assert point.duals[:2] == pytest.approx(direction, abs=1e-5)
 
 
 @pytest.mark.parametrize("name", AVAILABLE)
@@ -145,7 +144,7 @@ def test_silent_and_repeatable(name, capfd):
     again = run(name, "LRS", PAPER["problem 1"], JOINT)
 
     assert again.claim is first.claim
-    assert np.array_equal(again.z, first.z)
+    assert np.array_equal(again.x, first.x)
     assert capfd.readouterr() == ("", "")
 
 
@@ -228,7 +227,7 @@ def test_cobyqa_solves_most_words_and_claims_no_other():
         answer = shortest(scenario, "LS")
         assert answer is not None
         if point.claim is Claim.LOCAL:
-            assert point.z[[0, 2]] == pytest.approx(tuple(answer.segments), abs=1e-6)
+            assert point.x[[0, 2]] == pytest.approx(tuple(answer.segments), abs=1e-6)
             solved += 1
 
     assert solved >= bearings.size / 2

@@ -16,7 +16,7 @@ from dubins_study.solvers.engines import ENGINES, names
 from dubins_study.solvers.paper_nlp.model import SUBPROBLEMS, as_path, target
 from dubins_study.solvers.protocol import Question
 from dubins_study.solvers.registry import SolverError, entries, load
-from dubins_study.solvers.stochastic import search
+from dubins_study.solvers.stochastic import penalty_function
 from dubins_study.solvers.stochastic.penalty_function import PenaltyFunction
 from dubins_study.study.closed_form.shortest import shortest
 from dubins_study.study.scenario import Scenario
@@ -194,12 +194,12 @@ def test_the_budget_is_kept(name):
 def test_the_time_limit_ends_the_search(name, monkeypatch):
     """By a clock that goes on by 0.1 s at every look, 1 s is over after 11 evaluations."""
     clock = count()
-    monkeypatch.setattr(search, "perf_counter", lambda: next(clock) * 0.1)
-    function = search.CountedFunction(function_of(LEFT_DISC, "LRS", 2.0), 100_000, 1.0)
+    monkeypatch.setattr(penalty_function, "perf_counter", lambda: next(clock) * 0.1)
+    function = penalty_function.CountedFunction(function_of(LEFT_DISC, "LRS", 2.0), 100_000, 1.0)
 
     guess = np.ones(3) if ENGINES[name].kind == DERIVATIVE_FREE else None
-    with pytest.raises(search.OutOfTimeError):
-        ENGINES[name].load()(search.Task(function, guess, np.random.default_rng(0)))
+    with pytest.raises(penalty_function.OutOfTimeError):
+        ENGINES[name].load()(penalty_function.Task(function, guess, np.random.default_rng(0)))
 
     evaluated_at_once = 45  # differential evolution's generation
     assert function.evaluations <= 11 * evaluated_at_once

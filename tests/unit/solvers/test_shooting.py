@@ -14,9 +14,8 @@ from scipy.integrate import solve_ivp
 
 from dubins_study.experiments.solve import solve
 from dubins_study.solvers.attempt import attempt
-from dubins_study.solvers.indirect.extremal import Conditions, examine
 from dubins_study.solvers.indirect.shooting import Shooting
-from dubins_study.solvers.indirect.structure import Structure
+from dubins_study.solvers.indirect.structure import Conditions, Structure, examine
 from dubins_study.solvers.protocol import Question
 from dubins_study.solvers.registry import load
 from dubins_study.study.closed_form.shortest import margin, shortest
@@ -317,7 +316,7 @@ def test_time_that_is_up_ends_the_iteration(root):
 
     assert point.claim is Claim.LIMIT
     assert point.message == "out of time"
-    assert np.isnan(point.z).all()
+    assert np.isnan(point.x).all()
 
 
 @pytest.mark.parametrize(

@@ -13,14 +13,12 @@ from pyomo.environ import value as value_of
 
 from dubins_study.experiments.solve import solve
 from dubins_study.solvers.attempt import attempt
-from dubins_study.solvers.ipopt_library.deadline import Deadline
 from dubins_study.solvers.nlp_engines.program import EngineResult
-from dubins_study.solvers.optimal_control.collocation_model import program
-from dubins_study.solvers.optimal_control.collocation_program import asked
-from dubins_study.solvers.optimal_control.elements import Elements
+from dubins_study.solvers.nlp_engines.pyomo_ipopt import Deadline
+from dubins_study.solvers.optimal_control.arcs import RATES, Elements
+from dubins_study.solvers.optimal_control.collocation import asked, program
 from dubins_study.solvers.optimal_control.multiple_shooting import MultipleShooting
 from dubins_study.solvers.optimal_control.transcription import Transcribed
-from dubins_study.solvers.optimal_control.turn_rate_dynamics import RATES
 from dubins_study.solvers.optimal_control.word_guesses import Kind, trials
 from dubins_study.solvers.protocol import Question
 from dubins_study.solvers.registry import load

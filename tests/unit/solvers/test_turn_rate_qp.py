@@ -14,8 +14,8 @@ from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
 from dubins_study.solvers.engines import names
-from dubins_study.solvers.optimal_control import turn_rate_dynamics
-from dubins_study.solvers.optimal_control.turn_rate_dynamics import (
+from dubins_study.solvers.optimal_control import arcs
+from dubins_study.solvers.optimal_control.arcs import (
     Controls,
     Rates,
     corrected,
@@ -374,7 +374,7 @@ def test_slope_of_sinc_keeps_its_digits(x: float) -> None:
         exact = (mpmath.cos(x) * x - mpmath.sin(x)) / mpmath.mpf(x) ** 2 if x else 0.0
 
     array = np.array([x])
-    slope = turn_rate_dynamics._sinc_slope(array, turn_rate_dynamics._sinc(array))
+    slope = arcs._sinc_slope(array, arcs._sinc(array))
 
     assert slope[0] == pytest.approx(float(exact), abs=1e-13)
 

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 from dubins_study.experiments.solve import solve
-from dubins_study.solvers.optimal_control.turn_rate_dynamics import RATES
+from dubins_study.solvers.optimal_control.arcs import RATES
 from dubins_study.solvers.optimal_control.turn_rates import TurnRates, expressions
 from dubins_study.solvers.protocol import Question
 from dubins_study.study.closed_form.shortest import shortest

@@ -14,16 +14,22 @@ from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
+from dubins_study.solvers.answers import at_start
 from dubins_study.solvers.engines import ENGINES, MINLP_ENGINES, EngineSolver, packages
-from dubins_study.solvers.global_minlp.model import TRANSFORMATIONS, WORDS, gdp_model, transformed
-from dubins_study.solvers.global_minlp.pyomo_program import Translated, translated
+from dubins_study.solvers.global_minlp.model import (
+    TRANSFORMATIONS,
+    WORDS,
+    Translated,
+    gdp_model,
+    transformed,
+    translated,
+)
 from dubins_study.solvers.minlp_engines.program import ProvenResult, Settings
 from dubins_study.solvers.paper_nlp.model import SUBPROBLEMS, as_path
 from dubins_study.solvers.paper_nlp.polish import Polished, meet_target
 from dubins_study.solvers.presolve import words
 from dubins_study.solvers.protocol import Guarantee, Method, Question, Solution
 from dubins_study.solvers.setting_checks import one_of, within
-from dubins_study.solvers.vehicle_frame import at_start
 from dubins_study.study.path import FloatArray
 from dubins_study.study.rows.schema import Effort
 from dubins_study.study.words import Claim

@@ -15,6 +15,7 @@ from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
+from dubins_study.solvers.answers import at_start
 from dubins_study.solvers.engines import ENGINES, MINLP_ENGINES, EngineSolver, packages
 from dubins_study.solvers.minlp_engines.program import (
     MixedProgram,
@@ -23,7 +24,7 @@ from dubins_study.solvers.minlp_engines.program import (
     Settings,
     Written,
 )
-from dubins_study.solvers.nlp_engines.expression_walk import rebuilt
+from dubins_study.solvers.nlp_engines.expressions import rebuilt
 from dubins_study.solvers.nlp_engines.program import Expressions, Program
 from dubins_study.solvers.paper_nlp.local_nlp import Case
 from dubins_study.solvers.paper_nlp.model import (
@@ -33,6 +34,8 @@ from dubins_study.solvers.paper_nlp.model import (
     SUBPROBLEMS,
     Subproblem,
     as_path,
+    end_point,
+    formulation,
     subproblems,
     target,
 )
@@ -40,7 +43,6 @@ from dubins_study.solvers.paper_nlp.polish import meet_target
 from dubins_study.solvers.paper_nlp.program import program
 from dubins_study.solvers.protocol import Guarantee, Method, Question, Solution
 from dubins_study.solvers.setting_checks import one_of, within
-from dubins_study.solvers.vehicle_frame import at_start
 from dubins_study.study.path import FloatArray, Path
 from dubins_study.study.rows.schema import Effort
 from dubins_study.study.words import BRANCHES, Claim
@@ -89,7 +91,7 @@ class GlobalNlp(EngineSolver):
 
         minimise  z1 + z2 + z3  subject to  (4.10), (4.11),  0 <= z1, z2 <= 2 pi,  0 <= z3 <= d + 2
 
-    in the vehicle's frame and in radii, d the target's distance: no optimum has a full turn in it,
+    in body coordinates and in radii, d the target's distance: no optimum has a full turn in it,
     and the one turn of an optimum with a straight moves the vehicle by at most 2 radii.
 
     Args:
@@ -150,10 +152,8 @@ class GlobalNlp(EngineSolver):
 
     @property
     def method(self) -> Method:
-        orders = "both orders" if self.order == "both" else self.order
-        joint = self.model == "joint"
-        formulation = f"joint NLP, {orders}" if joint else "one NLP a word"
-        return Method(formulation, ENGINES[self.engine].label, "none", self.feastol)
+        posed = formulation(self.model, self.order)
+        return Method(posed, ENGINES[self.engine].label, "none", self.feastol)
 
     def build(self, question: Question) -> Model:
         chosen = subproblems(question, self.model, self.order, self.presolve)
@@ -226,9 +226,7 @@ def _with_heading() -> Expressions:
 
     x, p = casadi.SX.sym("x", 4), casadi.SX.sym("p", 2)
     z1, z2, z3, th = (x[i] for i in range(4))
-    sin, cos = casadi.sin, casadi.cos
-    x_end = 2 * sin(z1) - sin(th) + z3 * cos(th)
-    y_end = 1 - 2 * cos(z1) + cos(th) + z3 * sin(th)
+    x_end, y_end = end_point(z1, th, z3, casadi)
     return Expressions(x, p, z1 + z2 + z3, casadi.vertcat(p[0] - x_end, p[1] - y_end, th - z1 + z2))
 
 

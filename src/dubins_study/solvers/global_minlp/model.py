@@ -1,4 +1,4 @@
-"""The shortest path as a generalised disjunctive program: one disjunct for each word.
+"""The shortest path as a generalised disjunctive program, and that as a mixed-integer program.
 
 A word's end point lies linearly in the sine and cosine of its arcs once it is looked at along the
 heading at which the first arc ends, so every disjunct is linear. What ties an arc to its sine and
@@ -9,8 +9,12 @@ nonlinear functions are a sine and a cosine between 0 and pi / 2, both concave a
 from __future__ import annotations
 
 import math
-from typing import Any
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
 
+import numpy as np
+
+from dubins_study.solvers.minlp_engines.program import MixedProgram, Row, Written
 from dubins_study.solvers.paper_nlp.model import FULL_TURN
 
 WORDS = ("LS", "RS", "LR", "RL")
@@ -21,7 +25,7 @@ _QUADRANTS = (0, 1, 2, 3)
 def gdp_model(X: float, Y: float, words: tuple[str, ...] = WORDS, quadrants: bool = True) -> Any:
     """The shortest path among some words, in Pyomo.GDP, not transformed.
 
-    In the vehicle's frame at unit radius, where the start is (0, 0) with heading 0: the least
+    In body coordinates at unit radius, where the start is (0, 0) with heading 0: the least
     z[1] + z[2] + z[3] such that exactly one word leads to the target. z[1] is how far the vehicle
     turns to the left (rad), z[2] how far to the right (rad), z[3] how far it goes straight
     (radii); c[i] and s[i] are the cosine and sine of z[i], which is q[i] past the beginning of
@@ -117,15 +121,68 @@ def _word(disjunct: Any, word: str, X: float, Y: float) -> None:
 def transformed(model: Any, transformation: str = "bigm") -> Any:
     """The model as a mixed-integer nonlinear program, in place: what SCIP or an NL file takes.
 
-    Args:
-        model: from `gdp_model`.
-        transformation: `bigm` or `hull`; every M and every disaggregated bound follows from the
-            variables' own bounds.
-
-    Returns:
-        The same model; word[w].binary_indicator_var is 1 for the word that is driven.
+    Every M and every disaggregated bound follows from the variables' own bounds. Afterwards
+    word[w].binary_indicator_var is 1 for the word that is driven.
     """
     from pyomo.environ import TransformationFactory
 
     TransformationFactory(f"gdp.{transformation}").apply_to(model)
     return model
+
+
+class Translated(NamedTuple):
+    """A program, and the place of each of the model's variables in it, by Pyomo's `id` of it."""
+
+    program: MixedProgram
+    place: dict[int, int]
+
+
+def translated(model: Any) -> Translated:
+    """The program of a Pyomo model with equations, inequalities and one objective to minimise.
+
+    Variables come in the order in which the constraints name them; fixed ones stay variables, with
+    bounds that meet.
+    """
+    from pyomo.core.expr.visitor import identify_variables
+    from pyomo.environ import Constraint, Objective
+
+    constraints = list(model.component_data_objects(Constraint, active=True, descend_into=True))
+    (objective,) = model.component_data_objects(Objective, active=True, descend_into=True)
+    variables: dict[int, Any] = {}
+    for expression in (*(constraint.expr for constraint in constraints), objective.expr):
+        for variable in identify_variables(expression):
+            variables.setdefault(id(variable), variable)
+    place = {key: n for n, key in enumerate(variables)}
+    bounds = [(v.value, v.value) if v.fixed else _limits(v.lb, v.ub) for v in variables.values()]
+
+    def write(x: Sequence[Any], functions: Any) -> Written:
+        def expression(node: Any) -> Any:
+            return rebuilt(node, lambda variable: x[place[id(variable)]], functions)
+
+        rows = [Row(expression(c.body), *_limits(c.lb, c.ub)) for c in constraints]
+        return Written(expression(objective.expr), rows)
+
+    lower, upper = np.array(bounds, dtype=np.float64).T
+    binary = np.array([v.is_binary() for v in variables.values()])
+    return Translated(MixedProgram(lower, upper, binary, write), place)
+
+
+def _limits(lower: float | None, upper: float | None) -> tuple[float, float]:
+    """Pyomo's bounds, of which None is no bound."""
+    return -math.inf if lower is None else lower, math.inf if upper is None else upper
+
+
+def rebuilt(node: Any, variable: Callable[[Any], Any], functions: Any) -> Any:
+    """A Pyomo expression with the counterparts of its variables, `sin`, `cos`, ... elsewhere."""
+    if isinstance(node, (int, float)):
+        return node
+    if node.is_variable_type():
+        return variable(node)
+    if not node.is_expression_type():
+        return node.value
+    operands = [rebuilt(child, variable, functions) for child in node.args]
+    if type(node).__name__ != "UnaryFunctionExpression":
+        # Pyomo's sums, products and powers are Python's operators
+        return node._apply_operation(operands)
+    numbers = all(isinstance(operand, (int, float)) for operand in operands)
+    return getattr(math if numbers else functions, node.name)(*operands)

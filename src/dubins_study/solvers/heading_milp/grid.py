@@ -1,6 +1,6 @@
 """The grids of `heading-milp`: where turns may end, the end points, and the straight legs.
 
-In the vehicle's frame at unit radius. A choice is the number of steps after which each turn ends.
+In body coordinates at unit radius. A choice is the number of steps after which each turn ends.
 Straight legs, whose headings lie on a grid too, may be driven near the end of every turn.
 """
 
@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from dubins_study.study.body_coordinates import EPS
 from dubins_study.study.path import FloatArray
 
 FULL_TURN = 2 * math.pi
@@ -25,38 +26,23 @@ _HALVINGS = 25  # of a step; after that many, rounding puts the target on the ci
 
 
 class Turns(NamedTuple):
-    """A turn that may end after each of k steps.
+    """A turn that may end after each of k steps; lengths in radii."""
 
-    Args:
-        sign: 1 if it is to the family's side, -1 if away from it.
-        turn: shape (k,), rad, unsigned: the headings at which it may end.
-        length: shape (k,), radii, the length that it adds to the path.
-        shift: shape (2, k), radii, the displacement that it adds, for a family to the left.
-        leg: shape (k, m), rad, unsigned: headings of the legs at its end.
-    """
-
-    sign: int
-    turn: FloatArray
-    length: FloatArray
-    shift: FloatArray
-    leg: FloatArray
+    sign: int  # 1 if it is to the family's side, -1 if away from it
+    turn: FloatArray  # shape (k,), rad, unsigned: the headings at which it may end
+    length: FloatArray  # shape (k,), the length that it adds to the path
+    shift: FloatArray  # shape (2, k), the displacement that it adds, for a family to the left
+    leg: FloatArray  # shape (k, m), rad, unsigned: headings of the legs at its end
 
 
 @dataclass(frozen=True, eq=False)
 class Family:
-    """The paths of one word: n choices of the ends of its turns.
-
-    Args:
-        name: the word.
-        side: 1 if the last turn is to the left, else -1.
-        turns: the turns in driving order.
-        pick: for every turn, shape (n,): the index of its end in each choice.
-    """
+    """The paths of one word: n choices of the ends of its turns."""
 
     name: str
-    side: int
-    turns: tuple[Turns, ...]
-    pick: tuple[NDArray[np.intp], ...]
+    side: int  # 1 if the last turn is to the left, else -1
+    turns: tuple[Turns, ...]  # in driving order
+    pick: tuple[NDArray[np.intp], ...]  # for every turn, shape (n,): its end in each choice
 
     @cached_property
     def length(self) -> FloatArray:
@@ -162,3 +148,80 @@ def _arc(turn: FloatArray) -> FloatArray:
 def _legs(turn: FloatArray, span: FloatArray, parts: FloatArray) -> FloatArray:
     """Headings (k, m) that are parts (m,) of angles (k,) off the turns (k,), none below zero."""
     return np.maximum(turn[:, None] + span[:, None] * parts, 0.0)
+
+
+# The largest miss in radii that counts as none: a hundredth of 1e-8, and far above rounding.
+ROUNDED = 1e-10
+_PARALLEL = 1e-15  # sine of the angle between two legs that count as parallel
+
+
+def rounding(bridged: FloatArray) -> FloatArray:
+    """The miss (radii) that rounding explains where legs bridge these distances (radii)."""
+    return ROUNDED + 16 * EPS * bridged
+
+
+class Legs(NamedTuple):
+    """The straights of a path.
+
+    Args:
+        length: shape (m,), radii, in the order of the family's legs.
+        duals: gradient (2,) of the least length by the target, body coordinates; None without legs.
+    """
+
+    length: FloatArray
+    duals: FloatArray | None
+
+
+def least_legs(heading: FloatArray, gap: FloatArray) -> Legs | None:
+    """The shortest legs that together bridge a gap; None if no legs do.
+
+    A linear program in two equations has a solution with two legs, so every pair is tried. The
+    duals are the vector whose product with both legs' directions is 1. For a leg at the switch and
+    one at the end that is Pontryagin's condition on the costates of a CC path; for two neighbouring
+    headings it is nearly the unit vector between them.
+
+    Args:
+        heading: directions of the legs, shape (m,), rad.
+        gap: from the end of the turns to the target, (2,), radii.
+    """
+    length = np.zeros(heading.size)
+    bridged = np.hypot(*gap)
+    if bridged <= ROUNDED:
+        return Legs(length, None)
+    u = np.array([np.cos(heading), np.sin(heading)])
+    along, across = gap @ u, gap[1] * u[0] - gap[0] * u[1]
+    one = int(np.argmin(np.where(along > 0, np.abs(across), np.inf)))
+    if along[one] > 0 and abs(across[one]) <= rounding(bridged):
+        length[one] = along[one]
+        return Legs(length, u[:, one])
+    first, second = np.triu_indices(heading.size, 1)
+    sine = np.sin(heading[second] - heading[first])
+    crossed = np.abs(sine) > _PARALLEL
+    first, second, sine = first[crossed], second[crossed], sine[crossed]
+    by_first, by_second = -across[second] / sine, across[first] / sine
+    ahead = np.flatnonzero((by_first >= 0) & (by_second >= 0))
+    if not ahead.size:
+        return None
+    best = ahead[np.argmin((by_first + by_second)[ahead])]
+    pair = [first[best], second[best]]
+    length[pair] = by_first[best], by_second[best]
+    both = u[:, pair].sum(axis=1)
+    return Legs(length, both / (1 + u[:, pair[0]] @ u[:, pair[1]]))
+
+
+def controls(family: Family, choice: int, legs: FloatArray) -> tuple[list[float], list[float]]:
+    """Curvatures and lengths at unit radius of a choice and its legs (m,), without empty pieces."""
+    pieces: list[tuple[float, float]] = []
+    heading, done = 0.0, 0
+    for turns, ends in zip(family.turns, family.pick, strict=True):
+        end = int(ends[choice])
+        stops = turns.leg[end].tolist()
+        lengths = legs[done : done + len(stops)].tolist()
+        done += len(stops)
+        driven = [stop for stop in zip(stops, lengths, strict=True) if stop[1] > 0]
+        for stop, length in [*driven, (float(turns.turn[end]), 0.0)]:
+            arc = turns.sign * (turns.sign * stop - heading)
+            heading = turns.sign * stop
+            pieces += [(float(turns.sign * family.side), arc), (0.0, length)]
+    kept = [(curvature, length) for curvature, length in pieces if length > 0]
+    return [curvature for curvature, _ in kept], [length for _, length in kept]

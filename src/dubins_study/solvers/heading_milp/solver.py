@@ -9,17 +9,105 @@ from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
+from dubins_study.solvers.answers import at_start, coordinate_rounding, in_world, summed
 from dubins_study.solvers.engines import ENGINES, MINLP_ENGINES, EngineSolver, packages
-from dubins_study.solvers.heading_milp.answer import MilpResult, solution
-from dubins_study.solvers.heading_milp.grid import FULL_TURN, Family, one_turn, two_turns
-from dubins_study.solvers.heading_milp.legs import ROUNDED, least_legs, rounding
-from dubins_study.solvers.heading_milp.stated import Stated
-from dubins_study.solvers.heading_milp.template import TOLERANCE, Template, template
+from dubins_study.solvers.heading_milp.grid import (
+    FULL_TURN,
+    ROUNDED,
+    Family,
+    Legs,
+    controls,
+    least_legs,
+    one_turn,
+    rounding,
+    two_turns,
+)
+from dubins_study.solvers.heading_milp.milp import TOLERANCE, Stated, Template, template
+from dubins_study.solvers.paper_nlp.polish import one_sided_only
 from dubins_study.solvers.presolve import words
 from dubins_study.solvers.protocol import Guarantee, Method, Question, Solution
 from dubins_study.solvers.setting_checks import one_of, whole
-from dubins_study.solvers.vehicle_frame import at_start, coordinate_rounding
-from dubins_study.study.path import FloatArray
+from dubins_study.study.path import FloatArray, Path
+from dubins_study.study.rows.schema import Effort
+from dubins_study.study.words import Claim
+
+
+class MilpResult(NamedTuple):
+    """The result of one MILP.
+
+    `length` and `bound` are in radii; the bound holds for paths on this grid only. Without a path
+    that arrives, `legs` is None and `length` infinite.
+    """
+
+    family: Family
+    status: str
+    choice: int
+    legs: Legs | None
+    length: float
+    bound: float
+    nodes: int
+    iterations: int
+    seconds: float
+
+    @property
+    def effort(self) -> Effort:
+        return Effort(self.family.name, 1, self.nodes, self.seconds)
+
+
+def solution(
+    question: Question, results: list[MilpResult], complete: bool, grid: str, engine: str
+) -> Solution:
+    """The shortest path of all MILPs, and the claim that follows from their statuses.
+
+    Args:
+        question: what is answered.
+        results: of the MILPs that there was time for.
+        complete: whether these are all.
+        grid, engine: for messages.
+    """
+    scenario, R = question.scenario, question.scenario.radius
+    counts: dict[str, Any] = {
+        "iterations": sum(result.iterations for result in results),
+        "evaluations": sum(result.nodes for result in results),
+        "native_status": "; ".join(
+            dict.fromkeys(f"{result.family.name} {result.status}" for result in results)
+        ),
+        "efforts": summed(result.effort for result in results),
+    }
+    done = {result.status for result in results} <= {"optimal", "infeasible"}
+    stopped = not complete or any(result.status == "user_limit" for result in results)
+    best = min(results, key=lambda result: result.length, default=None)
+    if best is None or best.legs is None:
+        message = f"no path on {grid} was found"
+        if not stopped and {result.status for result in results} == {"infeasible"}:
+            message = f"{message}: {engine} proves that there is none, on this grid only"
+        return Solution(Claim.LIMIT if stopped else Claim.FAILED, message=message, **counts)
+    claim = Claim.LIMIT if stopped else Claim.LOCAL if done else Claim.FEASIBLE
+    duals = best.legs.duals
+    curvature, length = controls(best.family, best.choice, best.legs.length)
+    path = Path(scenario.start, np.array(curvature) / R, np.array(length) * R)
+    # "infeasible": the family has no path shorter than the best one, at whose length it is cut off
+    bound = min(
+        result.bound if result.status != "infeasible" else best.length for result in results
+    )
+    message = f"{best.family.name}; not all words were solved"
+    if math.isfinite(bound):
+        proven = f"{engine}'s bound {bound * R:.9g}"
+        message = (
+            f"{best.family.name}; {proven} holds for paths on {grid} only, not for the scenario"
+        )
+    if claim is not Claim.LIMIT and (reason := one_sided_only(question, path)):
+        claim, message = Claim.FAILED, reason
+    return Solution(
+        claim,
+        path=path,
+        claimed_length=best.length * R,
+        multipliers=None if duals is None else in_world(scenario, *map(float, duals)),
+        message=message,
+        best_run=best.effort,
+        **counts,
+    )
+
 
 BRANCHES = ("best", "LS", "RS")
 # not MAiNGO, which ended in no time limit here even for LS alone
@@ -34,7 +122,7 @@ class Case(NamedTuple):
 
 
 class Model(NamedTuple):
-    """A question; its target (2,) in the vehicle's frame, in radii."""
+    """A question; its target (2,) in body coordinates, in radii."""
 
     question: Question
     target: FloatArray

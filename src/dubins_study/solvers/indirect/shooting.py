@@ -28,22 +28,21 @@ from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
-from dubins_study.solvers.indirect.extremal import Conditions, examine
-from dubins_study.solvers.indirect.structure import ROUNDED, TURNS, Structure
-from dubins_study.solvers.paper_nlp.best_point import Attempts, Point, answer
+from dubins_study.solvers.answers import at_start
+from dubins_study.solvers.engines import ENGINES, names
+from dubins_study.solvers.indirect.structure import ROUNDED, TURNS, Conditions, Structure, examine
+from dubins_study.solvers.nlp_engines.program import EngineResult
 from dubins_study.solvers.paper_nlp.initial_guesses import (
     INITIAL_GUESSES,
     initial_guesses,
     suffices,
 )
+from dubins_study.solvers.paper_nlp.local_nlp import Attempts, answer
 from dubins_study.solvers.paper_nlp.model import Subproblem, subproblems, target
 from dubins_study.solvers.protocol import Method, Question, Solution, Solver
 from dubins_study.solvers.setting_checks import one_of, positive
-from dubins_study.solvers.vehicle_frame import at_start
 from dubins_study.study.path import FloatArray
-from dubins_study.study.words import Claim
-
-ROOTS = ("hybr", "lm")
+from dubins_study.study.words import ROOTS, Claim
 
 # The iteration ends at steps smaller than `tol` by this factor. It converges superlinearly, except
 # on a turning circle, where the equations are singular and every step halves the error.
@@ -104,14 +103,14 @@ class Shooting(Solver):
     }
 
     def __post_init__(self) -> None:
-        one_of(initial_guess=(self.initial_guess, INITIAL_GUESSES), root=(self.root, ROOTS))
+        one_of(initial_guess=(self.initial_guess, INITIAL_GUESSES), root=(self.root, names(ROOTS)))
         positive(count=self.count, tol=self.tol, max_evaluations=self.max_evaluations)
         if self.seed < 0:
             raise ValueError(f"seed is {self.seed}; expected a whole number from 0 up")
 
     @property
     def method(self) -> Method:
-        return Method("Pontryagin's system", f"MINPACK {self.root}", self.initial_guess, self.tol)
+        return Method("Pontryagin's system", ENGINES[self.root].label, self.initial_guess, self.tol)
 
     @property
     def keeps_limit(self) -> bool:
@@ -131,6 +130,7 @@ class Shooting(Solver):
             return there
         attempts = [
             Attempts(
+                case.subproblem,
                 partial(self._from, case, question.branch in ("LR", "RL")),
                 self._guesses(question, case),
                 partial(suffices, question, case.subproblem, self.initial_guess),
@@ -158,7 +158,9 @@ class Shooting(Solver):
                 nu = 1.0, -math.cos(heading), -math.sin(heading)
             yield np.concatenate((z, structure.consistent(nu)))
 
-    def _from(self, case: Case, prescribed: bool, guess: FloatArray, seconds: float) -> Point:
+    def _from(
+        self, case: Case, prescribed: bool, guess: FloatArray, seconds: float
+    ) -> EngineResult:
         """Solve from one initial guess; `prescribed` if the branch prescribes the controls."""
         structure, free = case.structure, list(case.subproblem.free)
         v = structure.unknowns(guess[3:], guess[free])
@@ -174,17 +176,16 @@ class Shooting(Solver):
                 evaluations += int(result.nfev)
         except _OutOfTimeError:
             nowhere = np.full(3, np.nan)
-            limit = Claim.LIMIT, None, None, None
-            return Point(case.subproblem, nowhere, *limit, self.root, "out of time")
+            return EngineResult(nowhere, Claim.LIMIT, None, None, None, self.root, "out of time")
         conditions = Conditions(self.tol, self._allowed(structure), prescribed)
         candidate, fault = examine(structure, result.x, conditions)
         z = np.zeros(3)
         z[free] = candidate.durations
-        return Point(
-            case.subproblem,
+        multipliers = candidate.multipliers
+        return EngineResult(
             z,
             Claim.FAILED if fault else Claim.LOCAL,
-            candidate.multipliers,
+            None if multipliers is None else np.array(multipliers),
             evaluations - 1,  # every evaluation but the first tries a step
             evaluations,
             f"{self.root} {result.status}",

@@ -46,13 +46,10 @@ class Written(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class MixedProgram:
-    """min f(x) subject to rows and bounds; some variables are binary.
+    """min f(x) subject to rows and bounds of x, shape (n,), maybe infinite; some x are binary.
 
-    Args:
-        lower, upper: bounds of x, shape (n,); infinite where there is none.
-        binary: which variables are 0 or 1, shape (n,).
-        write: (the engine's variables, n of them; where it keeps `sin`, `cos`, ...) -> the program
-            in these. Functions of numbers are computed.
+    `write` takes the engine's n variables, and where it keeps `sin`, `cos`, ..., and writes the
+    program in these. Functions of numbers are computed.
     """
 
     lower: FloatArray
@@ -62,40 +59,26 @@ class MixedProgram:
 
 
 class Settings(NamedTuple):
-    """What every engine is asked for.
+    """What every engine is asked for."""
 
-    Args:
-        gap: relative difference of objective and bound at which the engine may stop.
-        feastol: the engine's tolerance on equations, absolute.
-        lean: without heuristics, cutting planes, presolving and propagation, where an engine can.
-        cutoff: points with a larger objective are of no interest; infinite for none.
-    """
-
-    gap: float
-    feastol: float
-    lean: bool = False
-    cutoff: float = float("inf")
+    gap: float  # relative difference of objective and bound at which the engine may stop
+    feastol: float  # on equations, absolute
+    lean: bool = False  # without heuristics, cuts, presolving and propagation, where it can
+    cutoff: float = math.inf  # points with a larger objective are of no interest
 
 
 class ProvenResult(NamedTuple):
-    """The end of one run of an engine.
+    """The end of one run of an engine; the claim is its status, `optimal` within the gap.
 
-    Args:
-        x: shape (n,), or None without a point.
-        claim: the engine's own status as a claim: `optimal` within the gap, `infeasible`, `limit`,
-            `feasible` or `failed`.
-        bound: that the engine proves on the objective; minus infinity without one, infinity where
-            it proves that there is no point.
-        nodes: of the branch and bound, None if the engine does not count.
-        iterations: of linear programs, None if the engine does not count.
-        status, message: the engine's own.
+    The bound on the objective is minus infinity without one, and infinity where the engine proves
+    that there is no point. What an engine does not count is None.
     """
 
-    x: FloatArray | None
+    x: FloatArray | None  # shape (n,)
     claim: Claim
     bound: float
     nodes: int | None
-    iterations: int | None
+    iterations: int | None  # of linear programs
     status: str
     message: str
 

@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 import math
+import os
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager, suppress
 from functools import lru_cache
-from threading import current_thread, main_thread
+from pathlib import Path
+from threading import Lock, current_thread, main_thread
 from typing import Any
 
 import numpy as np
@@ -15,8 +19,27 @@ from dubins_study.solvers.minlp_engines.program import (
     ProvenResult,
     Settings,
 )
-from dubins_study.solvers.minlp_engines.quiet import silent
 from dubins_study.study.words import Claim
+
+_descriptors = Lock()  # of two threads, each would save what the other has set
+
+
+@contextmanager
+def silent(*descriptors: int) -> Iterator[None]:
+    """Send these descriptors (1 for output, 2 for errors) to nowhere inside the `with` block.
+
+    What other threads write there in the meantime is lost as well.
+    """
+    with _descriptors, ExitStack() as restored:
+        for descriptor in descriptors:
+            with suppress(OSError):  # it may be closed
+                saved = os.dup(descriptor)
+                restored.callback(os.close, saved)
+                restored.callback(os.dup2, saved, descriptor)
+                with Path(os.devnull).open("wb") as nowhere:
+                    os.dup2(nowhere.fileno(), descriptor)
+        yield
+
 
 # what the message of every error of SCIP's own begins with: they have no type of their own
 BROKEN = "SCIP:"

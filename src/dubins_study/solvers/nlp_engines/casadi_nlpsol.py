@@ -14,9 +14,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from dubins_study.solvers.ipopt_library.deadline import Deadline
-from dubins_study.solvers.ipopt_library.engine import CLAIMS
 from dubins_study.solvers.nlp_engines.program import Engine, EngineResult, Expressions, Program
+from dubins_study.solvers.nlp_engines.pyomo_ipopt import CLAIMS, Deadline
 from dubins_study.study.path import FloatArray
 from dubins_study.study.words import Claim
 
@@ -30,21 +29,13 @@ _FEW_VARIABLES = 10
 
 
 class _Plugin(NamedTuple):
-    """A plug-in of `nlpsol`.
-
-    Args:
-        options: those of `nlpsol` for a tolerance and a number of iterations.
-        claims: the engine's statuses as claims; other statuses have casadi's word (`_UNIFIED`).
-        watched: whether it calls casadi's `iteration_callback` and so can be stopped.
-        raises: whether it raises where it fails.
-        remembers: whether an answer depends on what the same object solved before.
-    """
+    """A plug-in of `nlpsol`: its options for a tolerance and a number of iterations, its claims."""
 
     options: Callable[[float, int], dict[str, Any]]
-    claims: dict[str, Claim]
-    watched: bool = False
-    raises: bool = False
-    remembers: bool = False
+    claims: dict[str, Claim]  # by the engine's status; other statuses have casadi's word
+    watched: bool = False  # calls casadi's `iteration_callback`, and so can be stopped
+    raises: bool = False  # where it fails
+    remembers: bool = False  # an answer depends on what the same object solved before
 
 
 def _sqp(qp: dict[str, Any], tol: float, max_iter: int) -> dict[str, Any]:

@@ -18,11 +18,8 @@ def exit_code(
 ) -> int | None:
     """The exit code of a program that reads and prints nothing; None if its time was up.
 
-    Args:
-        command: the program and its arguments.
-        folder: where it works.
-        seconds: after which it is killed, its children too.
-        environment: its variables; those of this process by default.
+    It works in the folder, with this process's environment by default. When its time is up it is
+    killed, and its children too.
     """
     process = subprocess.Popen(
         command,

@@ -20,7 +20,7 @@ from pathlib import Path as FilePath
 
 import numpy as np
 
-from dubins_study.solvers.nlp_engines.algebra_text import Language, algebra_text
+from dubins_study.solvers.nlp_engines.expressions import Language, algebra_text
 from dubins_study.solvers.nlp_engines.external_program import exit_code
 from dubins_study.solvers.nlp_engines.program import Engine, EngineResult, Program
 from dubins_study.study.body_coordinates import EPS

@@ -22,14 +22,9 @@ from dubins_study.study.words import Claim
 class Expressions:
     """min f(x, p) subject to g(x, p) = 0 and bounds on x, in casadi's SX symbols.
 
-    Engines compile it once and keep what they compiled, so a formulation makes one object and
-    keeps it (two objects are never equal).
-
-    Args:
-        x: variables, shape (n,).
-        p: parameters, shape (k,).
-        f: the objective.
-        g: left-hand sides of the equations, shape (m,).
+    Of shapes (n,) for the variables x, (k,) for the parameters p, (m,) for g. Engines compile it
+    once and keep what they compiled, so a formulation makes one object and keeps it (two objects
+    are never equal).
     """
 
     x: Any
@@ -86,34 +81,22 @@ class DeferredExpressions(Expressions):
 
 
 class Functions(NamedTuple):
-    """A program's functions of x, shape (n,).
-
-    Args:
-        objective: f.
-        gradient: of f, shape (n,).
-        equations: g, shape (m,).
-        jacobian: of g, shape (m, n).
-        hessian: (x, weights of shape (m,)) -> second derivative of f + weights g, shape (n, n).
-    """
+    """A program's functions of x, shape (n,); the Hessian is that of f + weights g."""
 
     objective: Callable[[FloatArray], float]
-    gradient: Callable[[FloatArray], FloatArray]
-    equations: Callable[[FloatArray], FloatArray]
-    jacobian: Callable[[FloatArray], FloatArray]
-    hessian: Callable[[FloatArray, FloatArray], FloatArray]
+    gradient: Callable[[FloatArray], FloatArray]  # of f, shape (n,)
+    equations: Callable[[FloatArray], FloatArray]  # shape (m,)
+    jacobian: Callable[[FloatArray], FloatArray]  # of the equations, shape (m, n)
+    hessian: Callable[[FloatArray, FloatArray], FloatArray]  # (x, weights (m,)) -> shape (n, n)
 
 
 @dataclass(frozen=True, eq=False)
 class Program:
-    """One question's nonlinear program.
+    """One question's nonlinear program: values of p (k,) and bounds of x (n,), maybe infinite.
 
-    Args:
-        expressions: with parameters.
-        p: the parameters' values, shape (k,).
-        lower, upper: bounds of x, shape (n,); infinite where there is none.
-        written: functions written by hand, if the formulation has quicker ones than casadi's.
-        magnitude: of the terms that the equations add up: some 1e-16 of it is their rounding, which
-            no engine can do better than.
+    `written` are functions written by hand, if the formulation has quicker ones than casadi's. Some
+    1e-16 of `magnitude`, that of the terms which the equations add up, is their rounding, which no
+    engine can do better than.
     """
 
     expressions: Expressions
@@ -132,14 +115,9 @@ class Program:
 class EngineResult(NamedTuple):
     """The end of one run of an engine.
 
-    Args:
-        x: shape (n,); NaN where the engine returns no point.
-        claim: the engine's own status as a claim.
-        duals: of the equations, shape (m,): f + duals g is stationary in the free variables; None
-            if the engine has none.
-        iterations, evaluations: the engine's counts; evaluations are those of the equations (or of
-            the objective, if more), not of derivatives.
-        status, message: the engine's own.
+    The claim is the engine's status. x, shape (n,), is NaN where the engine returns no point. With
+    the duals, shape (m,), f + duals g is stationary in the free variables. Evaluations are those of
+    the equations (or of the objective, if more), not of derivatives.
     """
 
     x: FloatArray

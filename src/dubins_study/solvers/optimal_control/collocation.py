@@ -1,15 +1,237 @@
-"""`collocation`: the optimal-control problem in `pyomo.dae`, solved as one program."""
+"""`collocation`: the optimal-control problem in `pyomo.dae`, solved as one program.
+
+Pyomo writes the model as an NL file, and casadi reads it. The data, variables that are fixed,
+become parameters, and each inequality an equation with a slack variable.
+
+In body coordinates at unit radius and speed. Element e lasts h_e and turns by a_e at a constant
+rate, so over its own time, tau from e - 1 to e,
+
+    x' = h_e cos(theta),   y' = h_e sin(theta),   theta' = a_e,   |a_e| <= h_e.
+
+The turn a_e stands in place of the rate u_e = a_e / h_e: the bound is then linear, the heading's
+equation too, and an element of no length leaves nothing undetermined. `pyomo.dae` collocates the
+states at Legendre-Gauss-Radau points, whose quadrature is exact for polynomials up to degree
+2 p - 2 for p points (Biegler 2010, Nonlinear Programming, ch. 10).
+"""
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
+from functools import lru_cache
+from time import perf_counter
 from typing import Any, ClassVar
 
-from dubins_study.solvers.engines import ipopt_executable, ipopt_in_casadi
-from dubins_study.solvers.ipopt_library.engine import VIAS, by_executable, unavailable
-from dubins_study.solvers.optimal_control.collocation_model import Template, template
-from dubins_study.solvers.optimal_control.transcription import Transcription
+import numpy as np
+
+from dubins_study.solvers.engines import ENGINES, ipopt_executable, ipopt_in_casadi
+from dubins_study.solvers.nlp_engines.program import Engine, EngineResult, Expressions, Program
+from dubins_study.solvers.nlp_engines.pyomo_ipopt import (
+    VIAS,
+    Ask,
+    Deadline,
+    PyomoProgram,
+    by_executable,
+    compiled,
+    nl_file,
+    unavailable,
+)
+from dubins_study.solvers.optimal_control.arcs import MOST_TURN, MOST_TURN_EACH, Elements, Rates
+from dubins_study.solvers.optimal_control.transcription import Transcribed, Transcription
 from dubins_study.solvers.setting_checks import missing_package, one_of, whole
+from dubins_study.study.path import FloatArray
+
+
+def asked(model: PyomoProgram, data: slice, engine: Engine, deadline: Deadline) -> Ask:
+    """A Pyomo model to be solved by an engine again and again.
+
+    The result has the model's variables in the caller's order and the duals of the rows that are
+    wanted.
+
+    Args:
+        model: its rows have the right-hand side 0.
+        data: the places of the data among the variables; their bounds pin them.
+        deadline: when to stop.
+    """
+    import casadi as ca
+
+    file = nl_file(model)
+    lowest, highest = np.array(file.lower), np.array(file.upper)
+    sided = np.flatnonzero(lowest != highest)
+    places = np.arange(len(model.variables))
+    free = np.delete(places, data)
+    x, parameters = ca.SX.sym("x", free.size), ca.SX.sym("data", places[data].size)
+    slack = ca.SX.sym("slack", sided.size)
+    every = ca.SX(places.size, 1)
+    every[free.tolist()], every[places[data].tolist()] = x, parameters
+    f, g = ca.Function("file", [file.x], [file.f, file.g])(every[file.to_file.tolist()])
+    equations = g - np.where(lowest == highest, lowest, 0.0)
+    equations[sided.tolist()] -= slack
+    expressions = Expressions(ca.vertcat(x, slack), parameters, f, equations)
+    rows = ca.Function("rows", [x, parameters], [g[sided.tolist()]])
+
+    def ask(guess: FloatArray, lower: FloatArray, upper: FloatArray) -> EngineResult:
+        begin = np.clip(guess[free], lower[free], upper[free])
+        slacks = np.clip(
+            np.asarray(rows(begin, guess[data])).ravel(), lowest[sided], highest[sided]
+        )
+        program = Program(
+            expressions,
+            guess[data],
+            np.concatenate((lower[free], lowest[sided])),
+            np.concatenate((upper[free], highest[sided])),
+            magnitude=1.0 + float(np.abs(guess[data]).sum()),
+        )
+        seconds = deadline.at - perf_counter()
+        result = engine(program, np.concatenate((begin, slacks)), seconds)
+        point = guess.copy()
+        point[free] = result.x[: free.size]
+        duals = None if result.duals is None else result.duals[file.rows]
+        return result._replace(x=point, duals=duals)
+
+    return ask
+
+
+@dataclass(frozen=True, eq=False)
+class Template:
+    """The transcription of one choice of settings.
+
+    Args:
+        equal: whether all elements are equally long.
+        element: which element a collocation point lies in, shape (m,), from 0.
+        fraction: how far into it, shape (m,), in (0, 1].
+        ask: the compiled program and its engine.
+        deadline: when a solve stops; Ipopt's executable does not look at it.
+    """
+
+    n: int
+    equal: bool
+    element: Any
+    fraction: FloatArray
+    ask: Ask
+    deadline: Deadline
+
+    @property
+    def shares(self) -> FloatArray | None:
+        """As `transcription.Template.shares`."""
+        return np.full(self.n, 1 / self.n) if self.equal else None
+
+    def solve(self, guess: Elements, rates: Rates, target: FloatArray, until: float) -> Transcribed:
+        """As `transcription.Template.solve`; the states of the guess follow its controls."""
+        n, durations = self.n, 1 if self.equal else self.n
+        values = np.concatenate((self._durations(guess), guess.turn, target, self._states(guess)))
+        lower, upper = np.full(values.size, -math.inf), np.full(values.size, math.inf)
+        lower[:durations] = 0.0
+        turns, data = slice(durations, durations + n), slice(durations + n, durations + n + 2)
+        # |a| <= h bounds both sides by 1; a branch's other bound is 0
+        most = MOST_TURN_EACH if self.equal else MOST_TURN / n
+        lower[turns], upper[turns] = max(-most, _sided(rates.lower)), min(most, _sided(rates.upper))
+        lower[data] = upper[data] = target
+        self.deadline.at = until
+        result = self.ask(values, lower, upper)
+        length = np.maximum(result.x[:durations], 0.0)
+        if self.equal:
+            length = np.full(n, length[0] / n)
+        turn = np.clip(result.x[turns], rates.lower * length, rates.upper * length)
+        return Transcribed(Elements(turn, length), result)
+
+    def _durations(self, guess: Elements) -> FloatArray:
+        return np.array([guess.total]) if self.equal else guess.length
+
+    def _states(self, guess: Elements) -> FloatArray:
+        """x, y, theta at the collocation points and their derivatives by tau, shape (6 m,)."""
+        length, turn = guess.length[self.element], guess.turn[self.element]
+        before = np.cumsum(guess.length) - guess.length
+        x, y, heading = guess.path.at(before[self.element] + self.fraction * length).T
+        slopes = (length * np.cos(heading), length * np.sin(heading), turn)
+        return np.concatenate((x, y, heading, *slopes))
+
+
+def _sided(rate: float) -> float:
+    return 0.0 if rate == 0 else math.copysign(math.inf, rate)
+
+
+@lru_cache(maxsize=64)
+def template(
+    n: int, points: int, equal: bool, engine: str, tol: float, max_iter: int, by_executable: bool
+) -> Template:
+    """The transcription into n elements of so many points each, compiled once per setting.
+
+    Args:
+        engine, tol, max_iter: as `Collocation` has them.
+        by_executable: whether Ipopt is the executable on PATH.
+    """
+    model, deadline = program(n, points, equal), Deadline()
+    if engine == "ipopt":
+        options = (("tol", tol), ("max_iter", max_iter), ("bound_relax_factor", 0.0))
+        # the NL file as it is, with inequalities and fixed variables
+        ask = compiled(model, options, by_executable, deadline)
+    else:
+        first = 1 + n if equal else 2 * n  # of X and Y
+        data = slice(first, first + 2)
+        ask = asked(model, data, ENGINES[engine].load()(tol, max_iter), deadline)
+    element = np.repeat(np.arange(n), points)
+    # not from the points' labels in the model, which Pyomo rounds
+    fraction = np.tile(model.model.tau.get_discretization_info()["tau_points"][1:], n)
+    return Template(n, equal, element, fraction, ask, deadline)
+
+
+def program(n: int, points: int, equal: bool) -> PyomoProgram:
+    """The transcription with its variables in the order in which `Template.solve` gives them."""
+    model = pyomo_model(n, points, equal)
+    times = [tau for tau in model.tau if tau > 0]
+    states = (model.x, model.y, model.theta, model.dx, model.dy, model.dtheta)
+    variables = [
+        *model.duration.values(),
+        *model.turn.values(),
+        model.X,
+        model.Y,
+        *(state[tau] for state in states for tau in times),
+    ]
+    return PyomoProgram(model, variables, [model.x_end, model.y_end])
+
+
+def pyomo_model(n: int, points: int, equal: bool) -> Any:
+    """The transcription in Pyomo; the target is a pair of variables X, Y to be fixed."""
+    from pyomo.dae import ContinuousSet, DerivativeVar
+    from pyomo.environ import (
+        ConcreteModel,
+        Constraint,
+        Objective,
+        RangeSet,
+        TransformationFactory,
+        Var,
+        cos,
+        sin,
+    )
+
+    m = ConcreteModel(name="dubins-2.2")
+    m.tau = ContinuousSet(initialize=range(n + 1))
+    m.elements = RangeSet(n)
+    m.duration = Var([1] if equal else m.elements, bounds=(0, None), initialize=1.0)
+    m.turn = Var(m.elements, initialize=0.0)
+    m.X, m.Y = Var(initialize=1.0), Var(initialize=1.0)
+    m.x, m.y, m.theta = (Var(m.tau, initialize=0.0) for _ in range(3))
+    m.dx, m.dy, m.dtheta = (DerivativeVar(state, wrt=m.tau) for state in (m.x, m.y, m.theta))
+    TransformationFactory("dae.collocation").apply_to(
+        m, wrt=m.tau, nfe=n, ncp=points, scheme="LAGRANGE-RADAU"
+    )
+    for state in (m.x, m.y, m.theta):
+        state[0].fix(0.0)
+
+    def length(e: int) -> Any:
+        return m.duration[1] / n if equal else m.duration[e]
+
+    times = {tau: math.ceil(tau) for tau in m.tau if tau > 0}
+    m.east = Constraint(times, rule=lambda m, t: m.dx[t] == length(times[t]) * cos(m.theta[t]))
+    m.north = Constraint(times, rule=lambda m, t: m.dy[t] == length(times[t]) * sin(m.theta[t]))
+    m.bend = Constraint(times, rule=lambda m, t: m.dtheta[t] == m.turn[times[t]])
+    m.left = Constraint(m.elements, rule=lambda m, e: m.turn[e] <= length(e))
+    m.right = Constraint(m.elements, rule=lambda m, e: -m.turn[e] <= length(e))
+    m.x_end = Constraint(expr=m.X - m.x[n] == 0)
+    m.y_end = Constraint(expr=m.Y - m.y[n] == 0)
+    m.length = Objective(expr=sum(m.duration.values()))
+    return m
 
 
 @dataclass(frozen=True)

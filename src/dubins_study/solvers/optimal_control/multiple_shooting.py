@@ -11,10 +11,15 @@ import numpy as np
 
 from dubins_study.solvers.engines import ENGINES
 from dubins_study.solvers.nlp_engines.program import Engine, Expressions, Program
-from dubins_study.solvers.optimal_control.arc_flow import INTEGRATORS, chord
-from dubins_study.solvers.optimal_control.elements import MOST_TURN, MOST_TURN_EACH, Elements
+from dubins_study.solvers.optimal_control.arcs import (
+    INTEGRATORS,
+    MOST_TURN,
+    MOST_TURN_EACH,
+    Elements,
+    Rates,
+    chord,
+)
 from dubins_study.solvers.optimal_control.transcription import Transcribed, Transcription
-from dubins_study.solvers.optimal_control.turn_rate_dynamics import Rates
 from dubins_study.solvers.setting_checks import one_of
 from dubins_study.study.path import FloatArray
 

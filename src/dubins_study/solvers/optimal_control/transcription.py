@@ -3,26 +3,22 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
 from dataclasses import dataclass
 from time import perf_counter
 from typing import ClassVar, NamedTuple, Protocol
 
 import numpy as np
 
+from dubins_study.solvers.answers import in_world, staying, summed, total
 from dubins_study.solvers.engines import ENGINES, NLP_ENGINES, EngineSolver
 from dubins_study.solvers.nlp_engines.program import EngineResult
-from dubins_study.solvers.optimal_control.elements import Elements
-from dubins_study.solvers.optimal_control.end_correction import closed, miss
-from dubins_study.solvers.optimal_control.turn_rate_dynamics import RATES, Rates
+from dubins_study.solvers.optimal_control.arcs import RATES, Elements, Rates, closed, miss
 from dubins_study.solvers.optimal_control.word_guesses import Guess, Kind, trials
-from dubins_study.solvers.paper_nlp.best_point import total
 from dubins_study.solvers.paper_nlp.initial_guesses import INITIAL_GUESSES
 from dubins_study.solvers.paper_nlp.polish import one_sided_only
 from dubins_study.solvers.presolve import words
 from dubins_study.solvers.protocol import Guarantee, Method, Question, Solution
 from dubins_study.solvers.setting_checks import one_of, whole, within
-from dubins_study.solvers.vehicle_frame import in_world, staying
 from dubins_study.study.body_coordinates import Local, local
 from dubins_study.study.path import FloatArray, Path
 from dubins_study.study.rows.schema import Effort
@@ -62,7 +58,7 @@ class Template(Protocol):
 
 
 class Model(NamedTuple):
-    """A question in the vehicle's frame, in radii."""
+    """A question in body coordinates, in radii."""
 
     question: Question
     place: Local
@@ -247,20 +243,4 @@ def _answer(model: Model, runs: list[Run], in_time: bool) -> Solution:
         message=message,
         efforts=summed(run.effort for run in runs),
         best_run=best.effort,
-    )
-
-
-def summed(efforts: Iterable[Effort]) -> tuple[Effort, ...]:
-    """Efforts by subproblem, in the order in which these were begun."""
-    by_name: dict[str, list[Effort]] = {}
-    for effort in efforts:
-        by_name.setdefault(effort.subproblem, []).append(effort)
-    return tuple(
-        Effort(
-            name,
-            sum(effort.runs for effort in group),
-            total(effort.evaluations for effort in group),
-            sum(effort.seconds for effort in group),
-        )
-        for name, group in by_name.items()
     )

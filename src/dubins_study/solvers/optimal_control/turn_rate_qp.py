@@ -10,9 +10,9 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from dubins_study.solvers.answers import coordinate_rounding, in_world, summed
 from dubins_study.solvers.engines import ENGINES, EngineSolver, names
-from dubins_study.solvers.optimal_control.transcription import summed
-from dubins_study.solvers.optimal_control.turn_rate_dynamics import (
+from dubins_study.solvers.optimal_control.arcs import (
     CLOSE,
     RATES,
     SHARINGS,
@@ -26,7 +26,6 @@ from dubins_study.solvers.paper_nlp.polish import one_sided_only
 from dubins_study.solvers.presolve import words
 from dubins_study.solvers.protocol import Guarantee, Method, Question, Solution
 from dubins_study.solvers.setting_checks import one_of, whole
-from dubins_study.solvers.vehicle_frame import coordinate_rounding, in_world
 from dubins_study.study.path import FloatArray, Path, drivable
 from dubins_study.study.rows.schema import Effort
 from dubins_study.study.words import QP, Claim
@@ -34,7 +33,7 @@ from dubins_study.study.words import QP, Claim
 
 @dataclass(frozen=True, eq=False)
 class TurnRateModel:
-    """A question in the vehicle's frame, in units of the radius; shares of the steps (n,)."""
+    """A question in body coordinates, in units of the radius; shares of the steps (n,)."""
 
     question: Question
     target: FloatArray

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dubins_study.solvers.optimal_control.turn_rate_dynamics import (
+from dubins_study.solvers.optimal_control.arcs import (
     CLOSE,
     Controls,
     Rates,
@@ -35,7 +35,7 @@ class Limits:
 
 @dataclass(frozen=True, eq=False)
 class Run:
-    """The end of a sequence of QPs; `miss` in radii, `duals` (2,) in the vehicle's frame."""
+    """The end of a sequence of QPs; `miss` in radii, `duals` (2,) in body coordinates."""
 
     claim: Claim
     controls: Controls

@@ -12,10 +12,15 @@ import numpy as np
 
 from dubins_study.solvers.engines import ENGINES
 from dubins_study.solvers.nlp_engines.program import Engine, Expressions, Program
-from dubins_study.solvers.optimal_control.arc_flow import chord
-from dubins_study.solvers.optimal_control.elements import MOST_TURN_EACH, Elements
+from dubins_study.solvers.optimal_control.arcs import (
+    MOST_TURN_EACH,
+    SHARINGS,
+    Elements,
+    Rates,
+    chord,
+    step_shares,
+)
 from dubins_study.solvers.optimal_control.transcription import Transcribed, Transcription
-from dubins_study.solvers.optimal_control.turn_rate_dynamics import SHARINGS, Rates, step_shares
 from dubins_study.study.path import FloatArray
 
 # radii; a shortest path is longer than the target's distance by less than two full turns

@@ -8,8 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dubins_study.solvers.optimal_control.elements import HERE, LEAST, Elements, cut
-from dubins_study.solvers.optimal_control.turn_rate_dynamics import Rates
+from dubins_study.solvers.optimal_control.arcs import HERE, LEAST, Elements, Rates, cut
 from dubins_study.solvers.paper_nlp.model import FULL_TURN
 from dubins_study.solvers.protocol import Question
 from dubins_study.study.body_coordinates import Local
@@ -67,7 +66,7 @@ def trials(
 
     Args:
         question: its branch is `best` or a word.
-        target: in the vehicle's frame.
+        target: in body coordinates.
         shapes: the words of the kind `bearing`.
         n: number of elements.
         shares: of the whole length that each element has, shape (n,); None if they are free.
@@ -130,7 +129,7 @@ def _random(
 
 
 def _given(question: Question) -> Iterator[Path]:
-    """The question's path in the vehicle's frame at unit radius, if it can be driven."""
+    """The question's path in body coordinates at unit radius, if it can be driven."""
     path, radius = question.initial_guess, question.scenario.radius
     if path is not None and drivable(path) and path.total_length > 0:
         yield Path(HERE, path.curvature * radius, path.length / radius)

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from dubins_study.solvers.nlp_engines.external_program import exit_code
-from dubins_study.solvers.paper_nlp.best_point import Point
+from dubins_study.solvers.nlp_engines.program import EngineResult
 from dubins_study.solvers.paper_nlp.local_nlp import Case
 from dubins_study.solvers.paper_nlp.pyomo_case import no_point, posed
 from dubins_study.study.path import FloatArray
@@ -36,7 +36,7 @@ class SolFile(NamedTuple):
     code: int
 
 
-def solve(case: Case, guess: FloatArray, seconds: float, executable: str) -> Point:
+def solve(case: Case, guess: FloatArray, seconds: float, executable: str) -> EngineResult:
     """The point that an executable on PATH reaches from `guess`, shape (3,)."""
     from pyomo.repn.plugins.nl_writer import NLWriter
 
@@ -48,33 +48,33 @@ def solve(case: Case, guess: FloatArray, seconds: float, executable: str) -> Poi
         code = _run(executable, folder, seconds)
         file = folder / f"{_STUB}.sol"
         if code is None:
-            return no_point(case, Claim.LIMIT, "time limit", f"{executable} was stopped")
+            return no_point(Claim.LIMIT, "time limit", f"{executable} was stopped")
         status = f"exit code {code}"
         if not file.is_file():
             lacking = f"{executable} wrote no .sol file; expected a solver that AMPL can call"
-            return no_point(case, Claim.FAILED, status, lacking)
+            return no_point(Claim.FAILED, status, lacking)
         try:
             solution = read_sol(file.read_text(errors="replace"))
         except ValueError as error:
-            return no_point(case, Claim.FAILED, status, f"{executable}'s .sol file: {error}")
-    return _point(case, model, info, solution)
+            return no_point(Claim.FAILED, status, f"{executable}'s .sol file: {error}")
+    return _point(model, info, solution)
 
 
-def _point(case: Case, model: Any, info: Any, solution: SolFile) -> Point:
+def _point(model: Any, info: Any, solution: SolFile) -> EngineResult:
     claim = _CLAIMS[solution.code // 100] if 0 <= solution.code < 600 else Claim.FAILED
     status = f"solve_result_num {solution.code}"
     if len(solution.primals) != len(info.variables):
         if claim is not Claim.INFEASIBLE:  # which needs no point
             claim = Claim.FAILED
-        return no_point(case, claim, status, solution.message)
+        return no_point(claim, status, solution.message)
     values = {id(v): x for v, x in zip(info.variables, solution.primals, strict=True)}
     z = np.array([values.get(id(v), 0.0) for v in model.z.values()])
     duals = None
     if len(solution.duals) == len(info.constraints):
         of_row = {id(c): y for c, y in zip(info.constraints, solution.duals, strict=True)}
         # AMPL's dual is the objective's change per unit of right-hand side, the paper's minus that
-        duals = (-of_row[id(model.x_end)], -of_row[id(model.y_end)])
-    return Point(case.subproblem, z, claim, duals, None, None, status, solution.message)
+        duals = -np.array([of_row[id(model.x_end)], of_row[id(model.y_end)]])
+    return EngineResult(z, claim, duals, None, None, status, solution.message)
 
 
 def _run(executable: str, folder: FilePath, seconds: float) -> int | None:

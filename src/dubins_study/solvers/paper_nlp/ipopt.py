@@ -1,7 +1,7 @@
 """The paper's model written in Pyomo and solved by Ipopt, an interior-point method.
 
 Pyomo writes the NL file once: the target is two variables that each scenario fixes through their
-bounds. See `solvers.ipopt_library.engine` for the ways to reach Ipopt.
+bounds. See `solvers.nlp_engines.pyomo_ipopt` for the ways to reach Ipopt.
 """
 
 from __future__ import annotations
@@ -14,25 +14,23 @@ from typing import Any, ClassVar
 import numpy as np
 
 from dubins_study.solvers.engines import ipopt_executable, ipopt_in_casadi
-from dubins_study.solvers.ipopt_library.deadline import Deadline
-from dubins_study.solvers.ipopt_library.engine import (
-    CLAIMS,
+from dubins_study.solvers.nlp_engines.program import EngineResult
+from dubins_study.solvers.nlp_engines.pyomo_ipopt import (
     VIAS,
+    Deadline,
     Options,
+    PyomoProgram,
     by_executable,
     compiled,
     unavailable,
 )
-from dubins_study.solvers.ipopt_library.nl_file import Program
-from dubins_study.solvers.paper_nlp.best_point import Point
-from dubins_study.solvers.paper_nlp.local_nlp import Case, LocalNlp, Run
+from dubins_study.solvers.paper_nlp.local_nlp import Adapter, Case, LocalNlp
 from dubins_study.solvers.paper_nlp.model import UNITS
 from dubins_study.solvers.paper_nlp.pyomo_case import pyomo_model
 from dubins_study.solvers.protocol import Method
 from dubins_study.solvers.setting_checks import one_of, positive, within
 from dubins_study.study.path import FloatArray
 from dubins_study.study.scenario import Scenario
-from dubins_study.study.words import Claim
 
 # A run of so many iterations, of some 30 microseconds each, needs no look at the time, which would
 # cost more than the iterations do.
@@ -93,7 +91,7 @@ class Ipopt(LocalNlp):
     def unit(self, scenario: Scenario) -> float:
         return scenario.radius if self.units == "scenario" else 1.0
 
-    def run(self) -> Run:
+    def adapter(self) -> Adapter:
         options = (
             ("tol", self.tol),
             ("max_iter", self.max_iter),
@@ -105,32 +103,23 @@ class Ipopt(LocalNlp):
 
 
 @lru_cache(maxsize=64)
-def _compiled(options: Options, units: str, executable: bool, watched: bool) -> Run:
+def _compiled(options: Options, units: str, executable: bool, watched: bool) -> Adapter:
     """Ipopt on the paper's model, compiled once per setting.
 
     A `watched` library looks at the time left after every iteration.
     """
     model = pyomo_model(units)
     data = [model.X, model.Y] if units == "radius" else [model.X, model.Y, model.R]
-    program = Program(model, [*model.z.values(), *data], [model.x_end, model.y_end])
+    program = PyomoProgram(model, [*model.z.values(), *data], [model.x_end, model.y_end])
     deadline = Deadline() if watched else None
     ask, lower = compiled(program, options, executable, deadline), np.zeros(3)
 
-    def run(case: Case, guess: FloatArray, seconds: float) -> Point:
+    def run(case: Case, guess: FloatArray, seconds: float) -> EngineResult:
         unit = case.unit
         if deadline is not None:
             deadline.at = perf_counter() + seconds
         data = [*(unit * x for x in case.target), *([] if units == "radius" else [unit])]
         result = ask(*(np.concatenate((unit * z, data)) for z in (guess, lower, case.upper)))
-        return Point(
-            case.subproblem,
-            result.point[:3] / unit,
-            CLAIMS.get(result.status, Claim.FAILED),
-            None if result.duals is None else (float(result.duals[0]), float(result.duals[1])),
-            result.iterations,
-            result.evaluations,
-            result.status,
-            result.message,
-        )
+        return result._replace(x=result.x[:3] / unit)
 
     return run

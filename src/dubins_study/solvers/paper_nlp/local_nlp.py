@@ -1,16 +1,18 @@
-"""The settings and the loop that all adapters of the paper's model (4.12) share."""
+"""Local NLP solvers of the paper's model (4.12): their settings, and the best of several runs."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import cache, partial
+from time import perf_counter
 from typing import ClassVar, NamedTuple
 
 import numpy as np
 
-from dubins_study.solvers.paper_nlp.best_point import Attempts, Point, answer
+from dubins_study.solvers.answers import at_start, in_world, summed, total
+from dubins_study.solvers.nlp_engines.program import EngineResult
 from dubins_study.solvers.paper_nlp.initial_guesses import (
     INITIAL_GUESSES,
     initial_guesses,
@@ -21,23 +23,25 @@ from dubins_study.solvers.paper_nlp.model import (
     MODELS,
     ORDERS,
     Subproblem,
+    as_path,
+    equations,
+    formulation,
     subproblems,
     target,
 )
 from dubins_study.solvers.protocol import Question, Solution, Solver
 from dubins_study.solvers.setting_checks import one_of, whole
 from dubins_study.study.path import FloatArray
+from dubins_study.study.rows.schema import Effort
 from dubins_study.study.scenario import Scenario
-from dubins_study.study.words import BRANCHES
+from dubins_study.study.tolerances import ARRIVES
+from dubins_study.study.words import BRANCHES, Claim
 
 
 class Case(NamedTuple):
-    """A subproblem of a question.
+    """A subproblem of a question, with upper bounds of z, shape (3,), and its target, in radii.
 
-    Args:
-        upper: upper bounds of z, shape (3,), radii; the lower bounds are 0.
-        target: in the subproblem's frame, radii.
-        unit: length of a radius in the unit in which the model is posed.
+    `unit` is the length of a radius in the unit in which the model is posed.
     """
 
     subproblem: Subproblem
@@ -46,21 +50,47 @@ class Case(NamedTuple):
     unit: float = 1.0
 
 
-# (the case, an initial guess z of shape (3,) in radii, the seconds left) -> the point reached
-Run = Callable[[Case, FloatArray, float], Point]
+# (the case, an initial guess z of shape (3,) in radii, the seconds left) -> the end of the run,
+# whose point is z and whose duals are those of the two equations
+Adapter = Callable[[Case, FloatArray, float], EngineResult]
 
 
-class Model(NamedTuple):
+class PosedQuestion(NamedTuple):
     """A question, translated for `solve`."""
 
     question: Question
     cases: list[Case]
-    run: Run
+    adapter: Adapter
+
+
+class Attempts(NamedTuple):
+    """One subproblem, and the initial guesses to solve it from in turn.
+
+    They are computed one by one, since mostly the first one succeeds: `enough` says whether a
+    solution z, shape (3,), leaves no reason to solve from another one.
+    """
+
+    subproblem: Subproblem
+    solve: Callable[[FloatArray, float], EngineResult]
+    guesses: Iterable[FloatArray]
+    enough: Callable[[FloatArray], bool]
+
+
+class SubproblemRun(NamedTuple):
+    """One run of an engine on a subproblem, whose point is z, and how long it took (s)."""
+
+    subproblem: Subproblem
+    result: EngineResult
+    seconds: float
+
+    @property
+    def effort(self) -> Effort:
+        return Effort(self.subproblem.name, 1, self.result.evaluations, self.seconds)
 
 
 @dataclass(frozen=True)
 class LocalNlp(Solver):
-    """Model (4.12) by a local NLP solver, which an adapter names in `run`.
+    """Model (4.12) by a local NLP solver, which an adapter names in `adapter`.
 
     Args:
         model: `words` takes one two-variable problem per word, `joint` the paper's model unsplit.
@@ -94,11 +124,9 @@ class LocalNlp(Solver):
 
     @property
     def formulation(self) -> str:
-        """One of `study.words.FORMULATIONS`."""
-        orders = "both orders" if self.order == "both" else self.order
-        return f"joint NLP, {orders}" if self.model == "joint" else "one NLP a word"
+        return formulation(self.model, self.order)
 
-    def run(self) -> Run:
+    def adapter(self) -> Adapter:
         """The function that solves one case from one initial guess."""
         raise NotImplementedError
 
@@ -106,7 +134,7 @@ class LocalNlp(Solver):
         """Length of a radius in the unit in which the model is posed."""
         return 1.0
 
-    def build(self, question: Question) -> Model:
+    def build(self, question: Question) -> PosedQuestion:
         unit = self.unit(question.scenario)
         cases = [
             Case(
@@ -117,14 +145,15 @@ class LocalNlp(Solver):
             )
             for subproblem in subproblems(question, self.model, self.order, self.presolve)
         ]
-        return Model(question, cases, self.run())
+        return PosedQuestion(question, cases, self.adapter())
 
-    def solve(self, model: Model, limit: float) -> Solution:
+    def solve(self, model: PosedQuestion, limit: float) -> Solution:
         question, kind = model.question, self.initial_guess
         seed = self.seed + question.repeat
         attempts = [
             Attempts(
-                partial(model.run, case),
+                case.subproblem,
+                partial(model.adapter, case),
                 initial_guesses(question, case.subproblem, kind, seed, self.count),
                 partial(suffices, question, case.subproblem, kind),
             )
@@ -137,3 +166,74 @@ class LocalNlp(Solver):
 def _upper(subproblem: Subproblem, capped: bool) -> FloatArray:
     arc = FULL_TURN if capped else math.inf
     return np.where(subproblem.mask, (arc, arc, math.inf), 0.0)
+
+
+def answer(question: Question, attempts: list[Attempts], limit: float) -> Solution:
+    """The answer to a question: each subproblem attempted in turn, the best point chosen.
+
+    No attempt begins after `limit` seconds. If the target is the start, nothing is attempted: at
+    z = 0 no constraint qualification holds, so that no NLP method can certify this point.
+    """
+    return at_start(question) or choose(question, _runs(attempts, limit))
+
+
+def _runs(attempts: list[Attempts], limit: float) -> list[SubproblemRun]:
+    deadline = perf_counter() + limit
+    runs: list[SubproblemRun] = []
+    for subproblem, solve, guesses, enough in attempts:
+        for guess in guesses:
+            began = perf_counter()
+            if began > deadline:
+                return runs
+            result = solve(guess, deadline - began)
+            runs.append(SubproblemRun(subproblem, result, perf_counter() - began))
+            if result.claim is Claim.LOCAL and enough(result.x):
+                break
+    return runs
+
+
+def choose(question: Question, runs: list[SubproblemRun]) -> Solution:
+    """The answer to a question from the runs of all its subproblems and initial guesses.
+
+    It is the shortest point that the engine calls a solution. If there is none, it is the point
+    that ends nearest to the target, with the claim that all points share, or `failed`.
+    """
+    scenario = question.scenario
+    solved = [run for run in runs if run.result.claim is Claim.LOCAL]
+    if solved:
+        best = min(solved, key=lambda run: float(run.result.x.sum()))
+        claim = Claim.LOCAL
+    elif runs:
+        best = min(runs, key=lambda run: _residual(scenario, run))
+        claims = {run.result.claim for run in runs}
+        claim = claims.pop() if len(claims) == 1 else Claim.FAILED
+        if claim is Claim.FEASIBLE and not _residual(scenario, best) <= ARRIVES:
+            claim = Claim.FAILED  # feasible to the engine's tolerance, but no path to the target
+    else:
+        return Solution(Claim.LIMIT, message="no time to begin")
+    subproblem, result, _ = best
+    multipliers = None
+    if result.duals is not None:
+        along, left = float(result.duals[0]), float(result.duals[1])
+        multipliers = in_world(scenario, along, -left if subproblem.mirrored else left)
+    # a point that its engine calls infeasible is no path, and some engines return no numbers when
+    # they fail
+    pathless = claim is Claim.INFEASIBLE or bool(np.isnan(result.x).all())
+    return Solution(
+        claim,
+        path=None if pathless else as_path(scenario, subproblem, result.x),
+        claimed_length=float(result.x.sum()) * scenario.radius if solved else None,
+        multipliers=multipliers,
+        iterations=total(run.result.iterations for run in runs),
+        evaluations=total(run.result.evaluations for run in runs),
+        native_status=result.status,
+        message=f"{subproblem.name}: {result.message}",
+        efforts=summed(run.effort for run in runs),
+        best_run=best.effort,
+    )
+
+
+def _residual(scenario: Scenario, run: SubproblemRun) -> float:
+    aim = target(scenario, run.subproblem.mirrored)
+    residual = np.abs(equations(run.result.x, *aim)).sum()
+    return float(residual) if np.isfinite(residual) else math.inf

@@ -1,6 +1,6 @@
 """The paper's model (4.12), shared by the NLP solvers: three lengths, two equations.
 
-A subproblem lives in the vehicle's frame at unit radius. Its variables are z = (z1, z2, z3): a turn
+A subproblem lives in body coordinates at unit radius. Its variables are z = (z1, z2, z3): a turn
 one way, a turn the other way, a straight (arcs in rad, straight in radii), all z >= 0. In the
 order LRS the first turn is to the left; the order RLS is the same model seen in a mirror.
 """
@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,17 +27,11 @@ FULL_TURN = 2 * math.pi
 
 @dataclass(frozen=True)
 class Subproblem:
-    """The model with some lengths fixed at zero.
+    """The model with some lengths fixed at zero."""
 
-    Args:
-        name: the word, for messages.
-        mirrored: whether the order is RLS.
-        free: indices into z of the lengths that are not fixed.
-    """
-
-    name: str
-    mirrored: bool
-    free: tuple[int, ...]
+    name: str  # the word, or the order of the turns
+    mirrored: bool  # whether the order is RLS
+    free: tuple[int, ...]  # indices into z of the lengths that are not fixed
 
     @cached_property
     def mask(self) -> NDArray[np.bool_]:
@@ -64,16 +59,18 @@ UNITS = ("radius", "scenario")
 ORDERS = {"LRS": ("LRS",), "RLS": ("RLS",), "both": ("LRS", "RLS")}
 
 
+def formulation(model: str, order: str) -> str:
+    """What rows call a choice of `MODELS` and `ORDERS`."""
+    orders = "both orders" if order == "both" else order
+    return f"joint NLP, {orders}" if model == "joint" else "one NLP a word"
+
+
 def subproblems(
     question: Question, model: str, order: str, presolve: bool = False
 ) -> list[Subproblem]:
-    """The subproblems to solve for a question.
+    """The subproblems to solve for a question: its word, or for `best` those of the settings.
 
-    Args:
-        question: its branch is `best` or a word, which is then the subproblem.
-        model: `words` takes one two-variable problem per word, `joint` the paper's model unsplit.
-        order: of the joint model: `LRS` (the paper's), `RLS` or `both`.
-        presolve: whether words that cannot exist are left out.
+    With `presolve` words that cannot exist are left out.
     """
     joint = model == "joint" and question.branch == "best"
     chosen = ORDERS[order] if joint else words(question, presolve)
@@ -81,9 +78,20 @@ def subproblems(
 
 
 def target(scenario: Scenario, mirrored: bool) -> tuple[float, float]:
-    """Target of a subproblem: in the vehicle's frame, unit radius, mirrored if the order is RLS."""
+    """Target of a subproblem: in body coordinates, unit radius, mirrored if the order is RLS."""
     X, Y = scenario.local()
     return (X, -Y) if mirrored else (X, Y)
+
+
+def end_point(z1: Any, th: Any, z3: Any, functions: Any, R: Any = 1.0) -> tuple[Any, Any]:
+    """The end of the model's path, in any interface's numbers or variables.
+
+    It turns left to z1, right to the final heading th, and goes straight for z3. `functions` has
+    the attributes `sin` and `cos`; z3 is in the unit of the radius R.
+    """
+    sin, cos = functions.sin, functions.cos
+    x = R * (2 * sin(z1) - sin(th)) + z3 * cos(th)
+    return x, R * (1 - 2 * cos(z1) + cos(th)) + z3 * sin(th)
 
 
 def equations(z: FloatArray, X: float, Y: float) -> FloatArray:

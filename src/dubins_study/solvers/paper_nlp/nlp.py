@@ -19,8 +19,8 @@ from dubins_study.solvers.engines import (
     names,
     packages,
 )
-from dubins_study.solvers.paper_nlp import ampl, pyomo_direct
-from dubins_study.solvers.paper_nlp.local_nlp import LocalNlp, Run
+from dubins_study.solvers.paper_nlp import ampl, pyomo_case
+from dubins_study.solvers.paper_nlp.local_nlp import Adapter, LocalNlp
 from dubins_study.solvers.paper_nlp.program import solve
 from dubins_study.solvers.protocol import Method
 from dubins_study.solvers.setting_checks import positive, within
@@ -106,9 +106,9 @@ class Nlp(LocalNlp, _Named):
         # executables are killed at the limit; KNITRO was never tried with a licence
         return self.engine not in _ENGINES or ENGINES[self.engine].keeps_limit
 
-    def run(self) -> Run:
+    def adapter(self) -> Adapter:
         if self.engine in NLP_ENGINES:
             return partial(solve, engine=ENGINES[self.engine].load()(self.tol, self.max_iter))
         if self.engine == _KNITRO:
-            return partial(pyomo_direct.solve, interface="knitro_direct")
+            return partial(pyomo_case.solve, interface="knitro_direct")
         return partial(ampl.solve, executable=self.engine)

@@ -15,13 +15,13 @@ import numpy as np
 from dubins_study.solvers.nlp_engines.program import (
     DeferredExpressions,
     Engine,
+    EngineResult,
     Expressions,
     Functions,
     Program,
 )
-from dubins_study.solvers.paper_nlp.best_point import Point
 from dubins_study.solvers.paper_nlp.local_nlp import Case
-from dubins_study.solvers.paper_nlp.model import equations, hessian, jacobian
+from dubins_study.solvers.paper_nlp.model import end_point, equations, hessian, jacobian
 from dubins_study.study.path import FloatArray
 
 
@@ -40,30 +40,18 @@ def program(case: Case) -> Program:
     return Program(*posed, _written(case), unit * math.hypot(X, Y))
 
 
-def solve(case: Case, guess: FloatArray, seconds: float, engine: Engine) -> Point:
-    """The point that an engine reaches from `guess`, shape (3,), in the seconds that are left."""
+def solve(case: Case, guess: FloatArray, seconds: float, engine: Engine) -> EngineResult:
+    """The point z that an engine reaches from `guess`, both of shape (3,), in so many seconds."""
     free = list(case.subproblem.free)
     result = engine(program(case), case.unit * guess[free], seconds)
-    duals = result.duals
-    return Point(
-        case.subproblem,
-        _point(result.x if case.unit == 1.0 else result.x / case.unit, free),
-        result.claim,
-        None if duals is None else (float(duals[0]), float(duals[1])),
-        result.iterations,
-        result.evaluations,
-        result.status,
-        result.message,
-    )
+    return result._replace(x=_point(result.x if case.unit == 1.0 else result.x / case.unit, free))
 
 
 @cache
 def expressions(free: tuple[int, ...], scaled: bool = False) -> Expressions:
-    """Model (4.12) with only some lengths, the others zero.
+    """Model (4.12) with only the `free` lengths of z, the others zero.
 
-    Args:
-        free: indices into (z1, z2, z3), ascending.
-        scaled: whether the radius is a parameter, or 1.
+    The radius is 1, or a parameter if `scaled`.
     """
 
     def write() -> Expressions:
@@ -73,10 +61,7 @@ def expressions(free: tuple[int, ...], scaled: bool = False) -> Expressions:
         p = casadi.SX.sym("p", 3 if scaled else 2)
         R = p[2] if scaled else casadi.SX(1)
         z = [x[free.index(i)] if i in free else casadi.SX(0) for i in range(3)]
-        z1, th = z[0] / R, (z[0] - z[1]) / R
-        sin, cos = casadi.sin, casadi.cos
-        x_end = R * (2 * sin(z1) - sin(th)) + z[2] * cos(th)
-        y_end = R * (1 - 2 * cos(z1) + cos(th)) + z[2] * sin(th)
+        x_end, y_end = end_point(z[0] / R, (z[0] - z[1]) / R, z[2], casadi, R)
         return Expressions(x, p, casadi.sum1(x), casadi.vertcat(p[0] - x_end, p[1] - y_end))
 
     return DeferredExpressions(write)

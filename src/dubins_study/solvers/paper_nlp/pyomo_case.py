@@ -1,14 +1,16 @@
-"""The paper's model (4.12) in Pyomo, and its subproblems: whatever is not free is fixed."""
+"""The paper's model (4.12) in Pyomo, and the solvers that Pyomo talks to in process."""
 
 from __future__ import annotations
 
 import math
+import os
 from functools import cache
+from pathlib import Path as FilePath
 from typing import Any
 
 import numpy as np
 
-from dubins_study.solvers.paper_nlp.best_point import Point
+from dubins_study.solvers.nlp_engines.program import EngineResult
 from dubins_study.solvers.paper_nlp.local_nlp import Case
 from dubins_study.study.path import FloatArray
 from dubins_study.study.words import Claim
@@ -17,9 +19,8 @@ from dubins_study.study.words import Claim
 def pyomo_model(units: str = "radius") -> Any:
     """Model (4.12) in Pyomo: z[1..3] >= 0 and the target as variables X, Y to be fixed.
 
-    Args:
-        units: lengths in turning radii, or as in the paper in the scenario's unit, with the
-            radius R = 1 / b as one more variable to be fixed.
+    Lengths are in turning radii, or as in the paper in the scenario's unit, with the radius
+    R = 1 / b as one more variable to be fixed.
     """
     from pyomo.environ import ConcreteModel, Constraint, Objective, Var, cos, sin
 
@@ -54,6 +55,95 @@ def posed(case: Case, guess: FloatArray) -> Any:
     return model
 
 
-def no_point(case: Case, claim: Claim, status: str, message: str) -> Point:
+def no_point(claim: Claim, status: str, message: str) -> EngineResult:
     """The point of a run that returned none: all its numbers are NaN."""
-    return Point(case.subproblem, np.full(3, np.nan), claim, None, None, None, status, message)
+    return EngineResult(np.full(3, np.nan), claim, None, None, None, status, message)
+
+
+# Pyomo's termination conditions (pyomo.contrib.solver.common.results)
+_CLAIMS = {
+    "convergenceCriteriaSatisfied": Claim.LOCAL,
+    "provenInfeasible": Claim.INFEASIBLE,
+    "locallyInfeasible": Claim.INFEASIBLE,
+    "infeasibleOrUnbounded": Claim.INFEASIBLE,
+    "maxTimeLimit": Claim.LIMIT,
+    "iterationLimit": Claim.LIMIT,
+}
+
+
+_LICENCE_VARIABLES = ("ARTELYS_", "ZIENA_")
+_LICENCE_FILES = ("artelys", "ziena")
+
+
+def unlicensed() -> str | None:
+    """Why KNITRO cannot solve here although it is installed, or None."""
+    if _licensed():
+        return None
+    return "knitro is installed, but no licence was found (its wheel installs without one)"
+
+
+@cache
+def _licensed() -> bool:
+    # looked for once: a licence is a file, or a seat at a server that takes its time to answer
+    return _licence_in_sight() and bool(_interface("knitro_direct").available())
+
+
+def _licence_in_sight() -> bool:
+    """Whether there is anything that KNITRO may read a licence from (Artelys License Manager
+    User's Manual, 2.2 and 3.6); to ask KNITRO itself takes seconds, most of them Pyomo's import."""
+    if os.name != "posix" or any(name.startswith(_LICENCE_VARIABLES) for name in os.environ):
+        return True
+    places = FilePath.home(), FilePath.home() / ".ziena", FilePath.cwd()
+    return any(next(place.glob(f"{start}_*"), None) for place in places for start in _LICENCE_FILES)
+
+
+def _interface(name: str) -> Any:
+    import pyomo.environ  # noqa: F401  (registers the interfaces)
+    from pyomo.contrib.solver.common.factory import SolverFactory
+
+    return SolverFactory(name)
+
+
+def solve(case: Case, guess: FloatArray, seconds: float, interface: str) -> EngineResult:
+    """The point that one of Pyomo's solver interfaces reaches from `guess`, shape (3,)."""
+    from pyomo.common.errors import ApplicationError, PyomoException
+
+    model = posed(case, guess)
+    solver = _interface(interface)
+    if "knitro_warm_start" in solver.config:
+        solver.config.knitro_warm_start = True  # else KNITRO starts from a point of its own
+        # Pyomo reads what KNITRO prints only after the solve: a full pipe would block both
+        solver.config.solver_options = {"outlev": 0}
+    try:
+        results = solver.solve(
+            model,
+            load_solutions=False,
+            raise_exception_on_nonoptimal_result=False,
+            time_limit=max(seconds, 1e-3),
+        )
+    except (ApplicationError, PyomoException, RuntimeError) as error:  # the last from KNITRO
+        return no_point(Claim.FAILED, type(error).__name__, str(error))
+    return _point(model, results)
+
+
+def _point(model: Any, results: Any) -> EngineResult:
+    from pyomo.common.errors import PyomoException
+
+    condition = results.termination_condition.name
+    claim = _CLAIMS.get(condition, Claim.FAILED)
+    message = f"{results.solver_name}: {results.solution_status.name} solution"
+    free = [z for z in model.z.values() if not z.fixed]
+    try:
+        values = results.solution_loader.get_vars(free)
+    except PyomoException:  # each interface has its own way to say that there is no point
+        return no_point(claim, condition, message)
+    z = np.array([0.0 if z.fixed else values[z] for z in model.z.values()])
+    try:
+        of_row = results.solution_loader.get_duals([model.x_end, model.y_end])
+        # Pyomo's dual is the objective's change per unit of right-hand side, the paper's minus that
+        duals = -np.array([of_row[model.x_end], of_row[model.y_end]])
+    except (PyomoException, NotImplementedError):
+        duals = None
+    counted = "number_iters" in results.extra_info
+    iterations = int(results.extra_info.number_iters) if counted else None
+    return EngineResult(z, claim, duals, iterations, None, condition, message)

@@ -7,7 +7,7 @@ from functools import partial
 from typing import Any, ClassVar
 
 from dubins_study.solvers.nlp_engines import scipy_minimize
-from dubins_study.solvers.paper_nlp.local_nlp import LocalNlp, Run
+from dubins_study.solvers.paper_nlp.local_nlp import Adapter, LocalNlp
 from dubins_study.solvers.paper_nlp.model import UNITS
 from dubins_study.solvers.paper_nlp.program import solve
 from dubins_study.solvers.protocol import Method
@@ -57,5 +57,5 @@ class Slsqp(LocalNlp):
     def unit(self, scenario: Scenario) -> float:
         return scenario.radius if self.units == "scenario" else 1.0
 
-    def run(self) -> Run:
+    def adapter(self) -> Adapter:
         return partial(solve, engine=scipy_minimize.slsqp(self.ftol, self.maxiter))

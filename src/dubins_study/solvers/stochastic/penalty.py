@@ -20,8 +20,8 @@ from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
+from dubins_study.solvers.answers import at_start, coordinate_rounding, summed, total
 from dubins_study.solvers.engines import ENGINES, EngineSolver, names, packages
-from dubins_study.solvers.paper_nlp.best_point import Point, TimedRun, efforts, total
 from dubins_study.solvers.paper_nlp.initial_guesses import initial_guesses
 from dubins_study.solvers.paper_nlp.model import (
     ORDERS,
@@ -34,14 +34,14 @@ from dubins_study.solvers.paper_nlp.model import (
 from dubins_study.solvers.paper_nlp.polish import polish
 from dubins_study.solvers.protocol import Guarantee, Method, Question, Solution
 from dubins_study.solvers.setting_checks import one_of, whole, within
-from dubins_study.solvers.stochastic.penalty_function import PenaltyFunction
-from dubins_study.solvers.stochastic.search import (
+from dubins_study.solvers.stochastic.penalty_function import (
     CountedFunction,
+    PenaltyFunction,
     SearchEndError,
     Task,
 )
-from dubins_study.solvers.vehicle_frame import at_start, coordinate_rounding
 from dubins_study.study.path import FloatArray
+from dubins_study.study.rows.schema import Effort
 from dubins_study.study.tolerances import ARRIVES
 from dubins_study.study.words import BRANCHES, DERIVATIVE_FREE, SAMPLING, Claim
 
@@ -62,13 +62,19 @@ class Model(NamedTuple):
     cases: list[Subproblem]
 
 
-class _Candidate(NamedTuple):
-    """A search's end: its point after the correction, and how it misses (radii)."""
+class _Search(NamedTuple):
+    """The end of one search: its point z, shape (3,), and that after the correction.
 
-    run: TimedRun
+    `miss` (radii) is the corrected point's.
+    """
+
+    subproblem: Subproblem
     z: FloatArray
+    corrected: FloatArray
     miss: float
-    value: float
+    claim: Claim
+    message: str
+    effort: Effort
 
 
 @dataclass(frozen=True)
@@ -161,7 +167,7 @@ class Penalty(EngineSolver):
 
     def _searches(
         self, question: Question, case: Subproblem, number: int, until: float
-    ) -> Iterator[_Candidate]:
+    ) -> Iterator[_Search]:
         """The ends of the searches of a subproblem."""
         random = np.random.default_rng((self.seed + question.repeat, number))
         guesses: list[FloatArray | None] = [None]
@@ -173,13 +179,12 @@ class Penalty(EngineSolver):
             for _ in range(self.rounds):
                 if perf_counter() > until:
                     return
-                candidate = self._search(question, case, weight, at, random, until)
-                yield candidate
-                missed = _miss(question, case, candidate.run.point.z)
-                if missed <= _SHORT:
+                search = self._search(question, case, weight, at, random, until)
+                yield search
+                if _miss(question, case, search.z) <= _SHORT:
                     break
                 weight *= _GROWTH
-                at = candidate.run.point.z if self._guided else None
+                at = search.z if self._guided else None
 
     def _search(
         self,
@@ -189,7 +194,7 @@ class Penalty(EngineSolver):
         guess: FloatArray | None,
         random: np.random.Generator,
         until: float,
-    ) -> _Candidate:
+    ) -> _Search:
         began = perf_counter()
         aim = target(question.scenario, case.mirrored)
         function = CountedFunction(PenaltyFunction(case, aim, weight), self._budget, until)
@@ -204,41 +209,39 @@ class Penalty(EngineSolver):
         if function.evaluations >= self._budget:  # the engine counts as well
             claim = Claim.LIMIT
         z = function.function.lengths(function.best)
-        moved, missed = z, _miss(question, case, z)
+        corrected, missed = z, _miss(question, case, z)
         if self.polish and np.isfinite(z).all():
-            moved, missed = polish(case.name, z, *aim)
-        point = Point(case, z, claim, None, None, function.evaluations, claim.value, message)
-        return _Candidate(TimedRun(point, perf_counter() - began), moved, missed, function.value)
+            corrected, missed = polish(case.name, z, *aim)
+        effort = Effort(case.name, 1, function.evaluations, perf_counter() - began)
+        return _Search(case, z, corrected, missed, claim, message, effort)
 
 
 def _miss(question: Question, case: Subproblem, z: FloatArray) -> float:
     return float(np.hypot(*equations(z, *target(question.scenario, case.mirrored))))
 
 
-def _answer(question: Question, candidates: list[_Candidate]) -> Solution:
+def _answer(question: Question, searches: list[_Search]) -> Solution:
     """The shortest path that arrives; if none does, the one that ends nearest to the target."""
     scenario = question.scenario
-    begun = [candidate for candidate in candidates if np.isfinite(candidate.z).all()]
+    begun = [search for search in searches if np.isfinite(search.corrected).all()]
     if not begun:
-        messages = [candidate.run.point.message for candidate in candidates]
+        messages = [search.message for search in searches]
         return Solution(Claim.LIMIT, message=(messages or ["no time to begin"])[0])
     allowed = max(ARRIVES, coordinate_rounding(scenario))
-    arriving = [candidate for candidate in begun if candidate.miss <= allowed]
+    arriving = [search for search in begun if search.miss <= allowed]
     if arriving:
-        best, claim = min(arriving, key=lambda candidate: float(candidate.z.sum())), Claim.FEASIBLE
+        best = min(arriving, key=lambda search: float(search.corrected.sum()))
+        claim = Claim.FEASIBLE
     else:
-        best = min(begun, key=lambda candidate: candidate.miss)
-        ended = {candidate.run.point.claim for candidate in begun}
-        claim = Claim.LIMIT if ended == {Claim.LIMIT} else Claim.FAILED
-    runs = [candidate.run for candidate in candidates]
-    point = best.run.point
+        best = min(begun, key=lambda search: search.miss)
+        claim = Claim.LIMIT if {s.claim for s in begun} == {Claim.LIMIT} else Claim.FAILED
     return Solution(
         claim,
-        path=as_path(scenario, point.subproblem, best.z),
-        claimed_length=float(best.z.sum()) * scenario.radius if arriving else None,
-        evaluations=total(run.point.evaluations for run in runs),
-        native_status=point.status,
-        message=f"{point.subproblem.name}: {point.message}",
-        efforts=efforts(runs),
-        best_run=efforts([best.run])[0],
+        path=as_path(scenario, best.subproblem, best.corrected),
+        claimed_length=float(best.corrected.sum()) * scenario.radius if arriving else None,
+        evaluations=total(search.effort.evaluations for search in searches),
+        native_status=best.claim.value,
+        message=f"{best.subproblem.name}: {best.message}",
+        efforts=summed(search.effort for search in searches),
+        best_run=best.effort,
     )

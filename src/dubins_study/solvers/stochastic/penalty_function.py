@@ -1,6 +1,6 @@
 """The paper's model (4.12) without its equations: length plus a weight times the miss.
 
-    phi(z) = z1 + z2 + z3 + weight * |T - E(z)|,    0 <= z1, z2 <= 2 pi,   0 <= z3 <= |T| + 3
+phi(z) = z1 + z2 + z3 + weight * |T - E(z)|,    0 <= z1, z2 <= 2 pi,   0 <= z3 <= |T| + 3
 
 where E(z) is the end of the word (docs/derivation.md, eq. 7) and T the target, in radii. It is
 the exact penalty function of the Euclidean norm (Nocedal and Wright 2006, Numerical Optimization,
@@ -29,23 +29,20 @@ its length is at most the target's distance from that centre, at most |T| + 3.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
+from time import perf_counter
+from typing import NamedTuple
 
 import numpy as np
 
-from dubins_study.solvers.paper_nlp.model import FULL_TURN, Subproblem
+from dubins_study.solvers.paper_nlp.model import FULL_TURN, Subproblem, end_point
 from dubins_study.study.path import FloatArray
 
 _FARTHEST_CENTRE = 3.0  # radii from the start: 1 to the first circle's centre, 2 to the second's
 
 
 class PenaltyFunction:
-    """phi of the lengths that a subproblem leaves free.
-
-    Args:
-        subproblem: which of z1, z2, z3 are free; the others are zero.
-        target: in the subproblem's frame, radii.
-        weight: of the miss, dimensionless.
-    """
+    """phi of the lengths that a subproblem leaves free; the target is in the subproblem's radii."""
 
     def __init__(self, subproblem: Subproblem, target: tuple[float, float], weight: float) -> None:
         self._free = list(subproblem.free)
@@ -71,10 +68,7 @@ class PenaltyFunction:
         z = np.zeros((3, free.shape[1]))
         z[self._free] = free
         z1, z2, z3 = z
-        th, (X, Y) = z1 - z2, self._target
-        cos, sin = np.cos(th), np.sin(th)
-        x = 2 * np.sin(z1) - sin + z3 * cos
-        y = 1 - 2 * np.cos(z1) + cos + z3 * sin
+        (X, Y), (x, y) = self._target, end_point(z1, z1 - z2, z3, np)
         values: FloatArray = z1 + z2 + z3 + self._weight * np.hypot(X - x, Y - y)
         return values
 
@@ -83,3 +77,77 @@ class PenaltyFunction:
         z = np.zeros(3)
         z[self._free] = np.clip(free, 0.0, self.upper)
         return z
+
+
+class SearchEndError(Exception):
+    """The search is over, whatever the engine would still do."""
+
+
+class BudgetSpentError(SearchEndError):
+    """As many evaluations as were granted; the next would be too many."""
+
+
+class OutOfTimeError(SearchEndError):
+    """The time limit."""
+
+
+class CountedFunction:
+    """A penalty function that counts its evaluations and keeps the best point.
+
+    What ends the search is raised out of the engine. So every engine stops at the same budget to
+    the evaluation, and none can return a worse point than it has seen.
+
+    `budget` is the largest number of evaluations, `until` when to stop (s, on `perf_counter`).
+    """
+
+    def __init__(self, function: PenaltyFunction, budget: int, until: float) -> None:
+        self.function, self.budget, self._until = function, budget, until
+        self.evaluations = 0
+        self.value = math.inf
+        self.best: FloatArray = np.full(function.upper.size, math.nan)
+
+    def __call__(self, free: FloatArray) -> float:
+        """The value at one point, shape (n,)."""
+        self._spend(1)
+        value = self.function.at(free)
+        if value < self.value:
+            self.value, self.best = value, np.array(free)
+        return value
+
+    def at_each(self, free: FloatArray) -> FloatArray:
+        """The values at several points, shape (n, points) -> (points,)."""
+        self._spend(free.shape[1])
+        values = self.function.at_each(free)
+        least = int(np.argmin(values))
+        if values[least] < self.value:
+            self.value, self.best = float(values[least]), free[:, least].copy()
+        return values
+
+    def _spend(self, evaluations: int) -> None:
+        if self.evaluations + evaluations > self.budget:
+            raise BudgetSpentError(f"{self.budget} evaluations are spent")
+        if perf_counter() > self._until:
+            raise OutOfTimeError("out of time")
+        self.evaluations += evaluations
+
+
+class Task(NamedTuple):
+    """What an engine is given."""
+
+    function: CountedFunction  # to minimise
+    guess: FloatArray | None  # where to begin, shape (n,); None for engines that take none
+    random: np.random.Generator  # the source of every random number
+
+    @property
+    def upper(self) -> FloatArray:
+        """Upper bounds of the variables, shape (n,); the lower ones are 0."""
+        return self.function.function.upper
+
+    @property
+    def bounds(self) -> list[tuple[float, float]]:
+        """The box, as SciPy takes it."""
+        return [(0.0, float(high)) for high in self.upper]
+
+
+# Minimises until the engine has enough; returns the engine's own message.
+Engine = Callable[[Task], str]

@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from dubins_study.solvers.stochastic.search import Task
+from dubins_study.solvers.stochastic.penalty_function import Task
 from dubins_study.study.path import FloatArray
 
 # CMA-ES, as its makers advise: a step of about a quarter of the box's width, and at most so many

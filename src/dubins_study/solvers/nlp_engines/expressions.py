@@ -1,4 +1,4 @@
-"""A program's casadi expressions rebuilt in the language of another modelling interface.
+"""A program's casadi expressions rebuilt in another interface's language, or as text.
 
 casadi keeps the functions of its SX symbols as lists of instructions. Carried out with numbers the
 instructions give values; carried out with the variables of Pyomo, SCIP, Gurobi or Xpress they give
@@ -52,14 +52,8 @@ class Rebuilt(NamedTuple):
 def rebuilt(program: Program, x: Sequence[Any], functions: Any = math) -> Rebuilt:
     """A program's objective and equations, at its parameters, in other variables.
 
-    Args:
-        program: at its parameters' values, which become constants.
-        x: shape (n,): the other interface's variables, or numbers.
-        functions: where the interface keeps `sin`, `cos`, ...: a module, or any object with
-            attributes of these names. Functions of numbers alone are computed by `math`.
-
-    Raises:
-        UnknownOperationError: naming the operation.
+    x, shape (n,), are the other interface's variables, or numbers; parameters become constants.
+    `functions` has attributes `sin`, `cos`, ...; functions of numbers are computed by `math`.
     """
     function = _function(program.expressions)
     objective, equations = carried_out(function, [x, program.p.tolist()], functions)
@@ -77,13 +71,7 @@ def _function(expressions: Expressions) -> Any:
 def carried_out(function: Any, given: Sequence[Sequence[Any]], functions: Any = math) -> list[Any]:
     """The outputs of a `casadi.Function` of dense SX for operands of any type.
 
-    Args:
-        function: its inputs and outputs are dense.
-        given: for each input its elements, column by column.
-        functions: as for `rebuilt`.
-
-    Returns:
-        For each output the list of its elements, column by column.
+    An input or an output is the list of its elements, column by column.
 
     Raises:
         UnknownOperationError: naming the operation.
@@ -115,15 +103,12 @@ def _operation(name: str, operands: list[Any], functions: Any) -> Callable[..., 
     function: Callable[..., Any] | None = getattr(place, _FUNCTIONS.get(name, ""), None)
     if function is None:
         known = ", ".join(sorted({*_ARITHMETIC, *_FUNCTIONS}))
+        where = getattr(place, "__name__", type(place).__name__)
         raise UnknownOperationError(
-            f"casadi's operation {name} has no counterpart in {_name(place)}; state the program "
+            f"casadi's operation {name} has no counterpart in {where}; state the program "
             f"with operations out of: {known}"
         )
     return function
-
-
-def _name(place: Any) -> str:
-    return str(getattr(place, "__name__", type(place).__name__))
 
 
 @lru_cache(maxsize=1)
@@ -132,3 +117,82 @@ def _operation_names() -> dict[int, str]:
     import casadi
 
     return {getattr(casadi, name): name for name in dir(casadi) if name.startswith("OP_")}
+
+
+class Language(NamedTuple):
+    """What differs between the languages; all write `sin(x)` and `(x + 1) * y`."""
+
+    name: str  # for messages
+    variable: str  # template of the variables' names, of their numbers from 1
+    power: str  # template of the first operand to the power of the second
+    longest: int  # lines have a limit: an expression of more characters becomes an intermediate
+
+
+class AlgebraText(NamedTuple):
+    """A program as text; an intermediate is a name and an expression of those before it."""
+
+    variables: list[str]
+    objective: str
+    equations: list[str]
+    intermediates: list[tuple[str, str]]
+
+
+def algebra_text(program: Program, language: Language) -> AlgebraText:
+    """A program at its parameters, in the syntax of a language."""
+    intermediates: list[tuple[str, str]] = []
+    functions = _Functions(language, intermediates)
+    variables = [language.variable.format(i + 1) for i in range(program.lower.size)]
+    x = [_Term(name, language, intermediates) for name in variables]
+    objective, equations = rebuilt(program, x, functions)
+    return AlgebraText(variables, _text(objective), list(map(_text, equations)), intermediates)
+
+
+class _Term:
+    """An expression as text; operators and functions of terms give terms."""
+
+    def __init__(self, text: str, language: Language, intermediates: list[tuple[str, str]]) -> None:
+        if len(text) > language.longest:
+            name = f"i{len(intermediates) + 1}"
+            intermediates.append((name, text))
+            text = name
+        self.text, self.language, self.intermediates = text, language, intermediates
+
+    def _term(self, template: str, *operands: object) -> _Term:
+        text = template.format(*map(_text, operands))
+        return _Term(text, self.language, self.intermediates)
+
+    def __pow__(self, other: object) -> _Term:
+        return self._term(self.language.power, self, other)
+
+    def __neg__(self) -> _Term:
+        return self._term("(0 - {})", self)
+
+
+def _operators(sign: str) -> tuple[Any, Any]:
+    """An operator between terms, and the one for a number on its left side."""
+    template = f"({{}} {sign} {{}})"
+    return (
+        lambda self, other: self._term(template, self, other),
+        lambda self, other: self._term(template, other, self),
+    )
+
+
+for _name, _sign in {"add": "+", "sub": "-", "mul": "*", "truediv": "/"}.items():
+    for _prefix, _operator in zip(("__", "__r"), _operators(_sign), strict=True):
+        setattr(_Term, f"{_prefix}{_name}__", _operator)
+
+
+class _Functions:
+    """Functions of terms, which have the names there that they have in `math`."""
+
+    def __init__(self, language: Language, intermediates: list[tuple[str, str]]) -> None:
+        self.language, self.intermediates = language, intermediates
+        self.__name__ = language.name
+
+    def __getattr__(self, name: str) -> Callable[[_Term], _Term]:
+        return lambda term: _Term(f"{name}({term.text})", self.language, self.intermediates)
+
+
+def _text(operand: object) -> str:
+    """An operand as text: a number to its last digit, in brackets since it may be negative."""
+    return operand.text if isinstance(operand, _Term) else f"({float(str(operand))!r})"

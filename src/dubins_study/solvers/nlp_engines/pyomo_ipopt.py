@@ -10,17 +10,113 @@ from __future__ import annotations
 import math
 import os
 import shutil
+import tempfile
 from collections.abc import Callable
+from dataclasses import dataclass, field
 from functools import lru_cache
-from typing import NamedTuple
+from pathlib import Path as FilePath
+from time import perf_counter
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from dubins_study.solvers.ipopt_library.deadline import Deadline
-from dubins_study.solvers.ipopt_library.nl_file import Program, nl_file
+from dubins_study.solvers.nlp_engines.program import EngineResult
 from dubins_study.solvers.setting_checks import missing_package
 from dubins_study.study.path import FloatArray
 from dubins_study.study.words import Claim
+
+
+@dataclass
+class Deadline:
+    """When to stop (s, on `perf_counter`). It may be set anew before every run.
+
+    It must live as long as the programs that it stops: casadi does not keep what it calls.
+    """
+
+    at: float = math.inf
+    watches: list[Any] = field(default_factory=list)
+
+    def watch(self, variables: int, rows: int) -> Any:
+        """The function that casadi calls after every iteration of a program of this size.
+
+        It costs some 0.1 ms an iteration; Ipopt's own time limits are fixed once compiled.
+        """
+        import casadi
+
+        sizes = {"x": variables, "lam_x": variables, "g": rows, "lam_g": rows, "f": 1}
+
+        class Watch(casadi.Callback):
+            """Told of every iteration; answers whether to stop."""
+
+            def __init__(self, deadline: Deadline) -> None:
+                casadi.Callback.__init__(self)
+                self.deadline = deadline
+                self.construct("watch", {})
+
+            def get_n_in(self) -> int:
+                return int(casadi.nlpsol_n_out())
+
+            def get_n_out(self) -> int:
+                return 1
+
+            def get_name_in(self, i: int) -> str:
+                return str(casadi.nlpsol_out(i))
+
+            def get_sparsity_in(self, i: int) -> Any:
+                return casadi.Sparsity.dense(sizes.get(casadi.nlpsol_out(i), 0), 1)
+
+            def eval(self, _: Any) -> list[int]:
+                return [int(perf_counter() > self.deadline.at)]
+
+        self.watches.append(Watch(self))
+        return self.watches[-1]
+
+
+class PyomoProgram(NamedTuple):
+    """A Pyomo model with its variables in the caller's order (n of them) and the rows, equations
+    with right-hand side 0, whose duals are wanted (m of them)."""
+
+    model: Any
+    variables: list[Any]
+    rows: list[Any]
+
+
+class NlFile(NamedTuple):
+    """The contents of the file: casadi's MX symbols and expressions in the file's order."""
+
+    x: Any
+    f: Any
+    g: Any
+    lower: list[float]  # bounds of g
+    upper: list[float]
+    to_file: Any  # places of the caller's variables in the file's order, shape (n,)
+    rows: list[int]  # places of the wanted rows in g
+
+
+def nl_file(program: PyomoProgram) -> NlFile:
+    """Write the model's NL file and read it."""
+    import casadi
+    from pyomo.repn.plugins.nl_writer import NLWriter
+
+    with tempfile.TemporaryDirectory() as folder:
+        file = FilePath(folder) / "model.nl"
+        with file.open("w") as stream:
+            # no presolve: every variable must keep its place, fixed or not
+            info = NLWriter().write(program.model, stream, linear_presolve=False)
+        builder = casadi.NlpBuilder()
+        builder.import_nl(str(file))
+    places = {id(variable): place for place, variable in enumerate(program.variables)}
+    rows = {id(row): place for place, row in enumerate(info.constraints)}
+    return NlFile(
+        casadi.vertcat(*builder.x),
+        builder.f,
+        casadi.vertcat(*builder.g),
+        builder.g_lb,
+        builder.g_ub,
+        np.array([places[id(variable)] for variable in info.variables]),
+        [rows[id(row)] for row in program.rows],
+    )
+
 
 VIAS = ("auto", "executable", "library")
 
@@ -45,19 +141,8 @@ CLAIMS = {
 Options = tuple[tuple[str, float], ...]
 
 
-class Result(NamedTuple):
-    """The result of one Ipopt run: the point (n,) and the duals (m,) of f + dual * row."""
-
-    point: FloatArray
-    duals: FloatArray | None
-    status: str
-    message: str
-    iterations: int | None
-    evaluations: int | None
-
-
 # (the initial guess, lower bounds, upper bounds), each of shape (n,) -> the result
-Ask = Callable[[FloatArray, FloatArray, FloatArray], Result]
+Ask = Callable[[FloatArray, FloatArray, FloatArray], EngineResult]
 
 
 def unavailable(via: str) -> str | None:
@@ -88,20 +173,16 @@ def _on_path(path: str) -> bool:
 
 
 def compiled(
-    program: Program, options: Options, executable: bool, deadline: Deadline | None = None
+    program: PyomoProgram, options: Options, executable: bool, deadline: Deadline | None = None
 ) -> Ask:
-    """A model to be solved by Ipopt again and again.
+    """A model to be solved by Ipopt again and again, by the executable on PATH or by the library.
 
-    Args:
-        program: the model.
-        options: Ipopt's own.
-        executable: whether the executable on PATH solves it, or else casadi's library.
-        deadline: when to stop, if ever; only the library looks at it, after every iteration.
+    Only the library looks at the deadline, after every iteration.
     """
     return _executable(program, options) if executable else _library(program, options, deadline)
 
 
-def _library(program: Program, options: Options, deadline: Deadline | None) -> Ask:
+def _library(program: PyomoProgram, options: Options, deadline: Deadline | None) -> Ask:
     """Ipopt from the casadi wheel on the NL file that Pyomo writes."""
     import casadi
 
@@ -121,23 +202,25 @@ def _library(program: Program, options: Options, deadline: Deadline | None) -> A
         },
     )
 
-    def ask(guess: FloatArray, lower: FloatArray, upper: FloatArray) -> Result:
+    def ask(guess: FloatArray, lower: FloatArray, upper: FloatArray) -> EngineResult:
         x0, low, high = guess[to_file], lower[to_file], upper[to_file]
         solution = solver(x0=x0, lbx=low, ubx=high, lbg=file.lower, ubg=file.upper)
         stats = solver.stats()
-        return Result(
+        status = str(stats["return_status"])
+        return EngineResult(
             solution["x"].full().ravel()[from_file],
+            CLAIMS.get(status, Claim.FAILED),
             solution["lam_g"].full().ravel()[file.rows],
-            str(stats["return_status"]),
-            str(stats["return_status"]).replace("_", " ").lower(),
             int(stats["iter_count"]),
             int(stats["n_call_nlp_f"]),
+            status,
+            status.replace("_", " ").lower(),
         )
 
     return ask
 
 
-def _executable(program: Program, options: Options) -> Ask:
+def _executable(program: PyomoProgram, options: Options) -> Ask:
     """The `ipopt` executable on PATH, through Pyomo; the file is rewritten for every call."""
     from pyomo.environ import SolverFactory, Suffix
 
@@ -145,7 +228,7 @@ def _executable(program: Program, options: Options) -> Ask:
     model.dual = Suffix(direction=Suffix.IMPORT)
     solver = SolverFactory("ipopt", options=dict(options))
 
-    def ask(guess: FloatArray, lower: FloatArray, upper: FloatArray) -> Result:
+    def ask(guess: FloatArray, lower: FloatArray, upper: FloatArray) -> EngineResult:
         for i, variable in enumerate(program.variables):
             variable.setlb(lower[i] if math.isfinite(lower[i]) else None)
             variable.setub(upper[i] if math.isfinite(upper[i]) else None)
@@ -160,6 +243,7 @@ def _executable(program: Program, options: Options) -> Ask:
             # ASL's duals have the opposite sign to Ipopt's own
             duals = np.array([-float(model.dual[row]) for row in program.rows])
         point = np.array([variable.value for variable in program.variables], dtype=np.float64)
-        return Result(point, duals, status, str(results.solver.message), None, None)
+        claim, message = CLAIMS.get(status, Claim.FAILED), str(results.solver.message)
+        return EngineResult(point, claim, duals, None, None, status, message)
 
     return ask

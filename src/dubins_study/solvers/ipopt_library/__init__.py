@@ -1,1 +1,0 @@
-"""Ipopt for Pyomo models: casadi's library, compiled once and called often, or the executable."""
