@@ -10,9 +10,8 @@ import pytest
 from dubins_study.report.elements.figure_file import fix_layout
 from dubins_study.report.elements.style import drawing
 from dubins_study.report.paper.printed import PROBLEMS, QUANTITIES, compare, misprints, segments
-from dubins_study.report.topics.paper.numbers import printed_times, side_by_side, time_ends
-from dubins_study.report.topics.paper.pictures import feasible_picture
-from dubins_study.report.topics.paper.section import figures_section
+from dubins_study.report.topics.paper import printed_times, side_by_side, time_ends
+from dubins_study.report.topics.paper_figures import feasible_picture, figures_section
 from dubins_study.study.closed_form.shortest import shortest_path
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Pose

@@ -34,7 +34,7 @@ _MODULES = (
     # the paper
     "topics.paper",
     "topics.audit",
-    "topics.paper.drawn",
+    "topics.paper_figures",
     # studies of one thing each
     "topics.radius",
     "topics.warm",

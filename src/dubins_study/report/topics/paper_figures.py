@@ -1,4 +1,4 @@
-"""Paths in the plane: the paper's Figures 3.1 and 6.1-6.5."""
+"""The paper's Figures 3.1 and 6.1-6.5, drawn again from the paths in the rows."""
 
 from __future__ import annotations
 
@@ -12,11 +12,26 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Circle
 from numpy.typing import NDArray
 
-from dubins_study.report.elements.axes import duration, log_axis, mark_limit
+from dubins_study.report.data.attempts import EXACT
+from dubins_study.report.data.results import Results
+from dubins_study.report.elements.content import Picture, Place, Section, picture
 from dubins_study.report.elements.formats import digits
-from dubins_study.report.elements.looks import LINES, Palette
-from dubins_study.report.elements.style import BLUE, GREEN, INK, MUTED, PAPER, RULE, VERMILION
-from dubins_study.report.topics.paper.numbers import TICK_S
+from dubins_study.report.elements.looks import LINES
+from dubins_study.report.elements.style import (
+    BLUE,
+    GREEN,
+    HALF,
+    INK,
+    MUTED,
+    PAPER,
+    RULE,
+    VERMILION,
+    WIDE,
+    new_figure,
+)
+from dubins_study.report.elements.topic import Topic
+from dubins_study.report.topics.paper import word_paths
+from dubins_study.study.closed_form.shortest import shortest_path
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
 
@@ -114,38 +129,6 @@ def plot_feasible(ax: Axes, start: Scenario, left: Path, right: Path) -> None:
     ax.margins(0.09)
 
 
-def plot_times(ax: Axes, times: pd.DataFrame, solvers: Sequence[str], palette: Palette) -> None:
-    """The paper's solve times and ours, one line per printed time.
-
-    Args:
-        ax: where to draw.
-        times: columns label, path, word, printed_s (s), solver, wall_s (s).
-        solvers: in the order of the legend.
-        palette: of the page.
-    """
-    lines = list(dict.fromkeys(zip(times["label"], times["path"], times["word"], strict=True)))
-    place = {line[:2]: len(lines) - 1 - i for i, line in enumerate(lines)}
-    at = pd.Series(
-        [place[key] for key in zip(times["label"], times["path"], strict=True)], times.index
-    )
-    looks, names = palette.looks(solvers), palette.names(solvers)
-    drawn: set[tuple[str, str]] = set()
-    for solver in solvers:
-        group, look = times[times["solver"] == solver], looks[solver]
-        dots = look.dots
-        if look[:2] in drawn:
-            dots |= {"markerfacecolor": "none"}  # another solver with the same engine
-        drawn.add(look[:2])
-        ax.plot(group["wall_s"], at[group.index], **dots, label=names[solver])
-    printed: dict[str, Any] = {"marker": "x", "color": INK, "markersize": 6, "zorder": 5}
-    ax.plot(times["printed_s"], at, linestyle="none", **printed, label="printed in the paper")
-    for tick in range(1, round(times["printed_s"].max() / TICK_S) + 1):
-        mark_limit(ax, tick * TICK_S)
-    ax.set_yticks(range(len(lines)), [f"{a}, {b}: {c}" for a, b, c in reversed(lines)], color=INK)
-    ax.set(xscale="log", xlabel="time of one solve", ylim=(-0.6, len(lines) - 0.4))
-    log_axis(ax.xaxis, duration)
-
-
 def _name_point(ax: Axes, point: tuple[float, float], name: str, lift: tuple[int, int]) -> None:
     ax.annotate(name, point, xytext=lift, textcoords="offset points", fontsize=9)
 
@@ -228,3 +211,125 @@ def _start_and_target(ax: Axes, paths: pd.DataFrame, reach: float) -> None:
     ax.plot(*target, marker="o", color=INK, markersize=2.5, zorder=5)
     ax.set_aspect("equal", adjustable="datalim")
     ax.set(xlabel="x", ylabel="y")
+
+
+# Any target ahead and to the left shows what Figure 3.1 shows; the paper gives no numbers.
+_FEASIBLE = Scenario(heading=math.radians(75), target_x=4.6, target_y=2.4)
+_ALONE = (1, 3)  # test problems with one panel in the paper; 2 and 4 have two
+_NEAR = 28.0  # length units around the start, where the paths of test problem 5 differ
+_LABELS, _LEAST, _MOST = 0.55, 1.6, 3.1  # inches: below and above a panel; a panel
+
+
+def feasible_picture() -> Picture:
+    """Figure 3.1 for a target of our own."""
+    paths = [shortest_path(_FEASIBLE, word) for word in ("LS", "RS")]
+    return picture(
+        "paths-feasible",
+        plot_feasible,
+        *(_FEASIBLE, *paths),
+        caption="As the paper's Figure 3.1. From P the vehicle turns left to X₁ or right to X₂, "
+        "then drives straight to X₃ = T: the feasible paths LS and RS. Faint: the turning circles.",
+        alt="The paths LS and RS from a start to a target",
+        height=2.5,
+    )
+
+
+def problem_picture(problem: int, paths: pd.DataFrame) -> Picture:
+    """The paper's figure of one test problem; `paths` are those of `numbers.problem_paths`."""
+    if problem == 5:
+        return _radii_picture(paths)
+    draw = _one_panel if problem in _ALONE or len(paths) < 2 else _two_panels
+    return draw(problem, paths)
+
+
+def _one_panel(problem: int, paths: pd.DataFrame) -> Picture:
+    return picture(
+        f"paths-{problem}",
+        plot_both_words,
+        paths,
+        caption=f"Figure 6.{problem}. Optimal (solid) and feasible (dashed) path with their "
+        "lengths; length units.",
+        alt=f"Paths of test problem {problem}",
+        height=_LABELS + _panel_height(paths, HALF),
+    )
+
+
+def _two_panels(problem: int, paths: pd.DataFrame) -> Picture:
+    """Panels side by side for a high figure, one below the other for a wide one."""
+    aspect = aspect_of(paths)
+    down, across = (1, 2) if aspect > 1 else (2, 1)
+    height = down * (_LABELS + _panel_height(paths, HALF / across))
+    figure = new_figure(HALF, height)
+    axes = figure.subplots(down, across, squeeze=False).flat
+    for rank, (ax, title) in enumerate(zip(axes, ("(a) optimal", "(b) feasible"), strict=True), 1):
+        plot_one_word(ax, paths, rank, title)
+        ax.label_outer()
+    caption = (
+        f"Figure 6.{problem}. The optimal and the feasible path with their lengths; length units."
+    )
+    alt = f"Paths of test problem {problem}, each in its panel"
+    return Picture(f"paths-{problem}", caption, figure, alt, half=True)
+
+
+def _panel_height(paths: pd.DataFrame, width: float) -> float:
+    return min(max((width - 0.5) * aspect_of(paths) * 1.1, _LEAST), _MOST)
+
+
+def _radii_picture(paths: pd.DataFrame) -> Picture:
+    figure = new_figure(WIDE, 2.4)
+    whole, near = figure.subplots(1, 2, width_ratios=(7, 4))
+    plot_radii(whole, paths, math.inf)
+    plot_radii(near, paths, _NEAR)
+    whole.legend(loc="lower left", borderaxespad=0.1)
+    whole.set_title("whole paths")
+    near.set_title("near the start")
+    caption = (
+        "Figure 6.5. Optimal paths of test problem 5 for three turning radii with their lengths, "
+        "and the same paths near the start, where they differ; faint: the turning circles. Length "
+        "units."
+    )
+    return Picture("paths-5", caption, figure, "Paths of test problem 5 for three radii")
+
+
+def problem_paths(results: Results, problem: int) -> pd.DataFrame:
+    """The closed form's paths that the paper's figure of one test problem shows.
+
+    Returns:
+        Columns label, branch, path, length, rank (1 the shorter of LS and RS), target_x, target_y,
+        radius. For problem 5, as in the paper, only the shorter paths at its three radii.
+    """
+    paths = word_paths(results, EXACT)
+    records = [
+        {"label": label, "branch": branch, "path": path, "length": path.total_length}
+        for (label, branch), path in paths.items()
+        if label.startswith(f"problem {problem}")
+    ]
+    if not records:
+        return pd.DataFrame()
+    frame = pd.DataFrame(records)
+    frame["rank"] = frame.groupby("label")["length"].rank(method="first")
+    scenarios = results.rows.drop_duplicates("label")
+    frame = frame.merge(scenarios[["label", "target_x", "target_y", "radius"]], on="label")
+    return frame[frame["rank"] == 1] if problem == 5 else frame
+
+
+def figures_section(results: Results) -> Section | None:
+    """Figures 3.1 and 6.1-6.5, redrawn from the paths in the rows."""
+    frames = {problem: problem_paths(results, problem) for problem in range(1, 6)}
+    pictures = [problem_picture(problem, frame) for problem, frame in frames.items() if len(frame)]
+    if not pictures:
+        return None
+    text = (
+        "The paper's Figures 3.1 and 6.1–6.5, drawn from the controls in the rows, with as many "
+        "panels as there. The arrow is the start heading, the ring the target; faint are the "
+        "turning circles. The paper's text gives each length with two decimals; the tables above "
+        "say which of these are right."
+    )
+    lead = (
+        "In every problem one of two paths is the shortest, LS or RS; see how far the other is "
+        "round."
+    )
+    return Section("paths", "The paper's figures", text, (feasible_picture(), *pictures), lead)
+
+
+TOPIC = Topic("the paper's figures", figures_section, "paper", place=Place.PAPER)

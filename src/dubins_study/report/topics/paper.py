@@ -1,0 +1,297 @@
+"""The paper's tables next to ours, every solver's score, and the printed solve times."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Hashable, Mapping, Sequence
+from decimal import Decimal
+from typing import Any
+
+import pandas as pd
+from matplotlib.axes import Axes
+
+from dubins_study.report.data.attempts import EXACT
+from dubins_study.report.data.results import Results
+from dubins_study.report.elements.axes import duration, log_axis, mark_limit
+from dubins_study.report.elements.columns import SOLVER, Column, columns, marks
+from dubins_study.report.elements.content import Picture, Place, Section, Table, picture
+from dubins_study.report.elements.formats import count, digits, seconds
+from dubins_study.report.elements.looks import Palette
+from dubins_study.report.elements.style import (
+    INK,
+    WIDE,
+)
+from dubins_study.report.elements.topic import General, Topic
+from dubins_study.report.paper.printed import PRINTED, QUANTITIES, TIMES, compare
+from dubins_study.report.statistics.methods import best_solvers
+from dubins_study.report.statistics.metrics import solver_order, success
+from dubins_study.study.path import Path
+
+TICK_S = 1 / 64  # of the clock that the paper's solve times were read from
+_MISPRINTED = ("misprint", "differs")
+# Decimals of exact lengths; a double below 100 has no more than the latter.
+_PLACES, _MOST_PLACES = 6, 17
+_HALF = Decimal("0.005")  # of the last decimal that the paper prints
+
+
+def word_paths(results: Results, solver: str) -> dict[tuple[str, str], Path]:
+    """(label, LS or RS) -> a solver's path, from its first attempt at each of the paper's words."""
+    rows = results.rows
+    arrived = (rows["solver"] == solver) & rows["branch"].isin(["LS", "RS"]) & rows["gap"].notna()
+    first = rows[arrived].drop_duplicates(["label", "branch"])
+    paths = {
+        (label, branch): results.path(index)
+        for index, label, branch in zip(first.index, first["label"], first["branch"], strict=True)
+    }
+    return {key: path for key, path in paths.items() if path is not None}
+
+
+def side_by_side(cells: pd.DataFrame) -> pd.DataFrame:
+    """Two rows for each printed row of one table: what the paper prints, and the exact lengths.
+
+    Args:
+        cells: the rows of one table from `report.paper.printed.compare`.
+
+    Returns:
+        Columns label, path, source (`paper` or `exact`), and one for each of `QUANTITIES`: its
+        text, empty if the path does not have it.
+    """
+    records: list[dict[str, object]] = []
+    for (label, path), group in cells.groupby(["label", "path"], sort=False):
+        printed: dict[str, object] = {"label": label, "path": path, "source": "paper"}
+        exact: dict[str, object] = {"label": label, "path": path, "source": "exact"}
+        for cell in group.to_dict("records"):
+            quantity, mark = str(cell["quantity"]), " ✗" if cell["verdict"] in _MISPRINTED else ""
+            printed[quantity] = f"{cell['printed']:.2f}{mark}"
+            exact[quantity] = None if pd.isna(cell["ours"]) else _exact_text(cell, bool(mark))
+        records += [printed, exact]
+    columns = ["label", "path", "source", *QUANTITIES]
+    return pd.DataFrame.from_records(records, columns=columns).astype(object)
+
+
+def _exact_text(cell: Mapping[Hashable, Any], wrong: bool) -> str:
+    """The exact length with six decimals; with more if these would round to what is printed wrong.
+
+    Of 1.73499986, six decimals are 1.735000, which looks as if 1.74 were right.
+    """
+    printed = Decimal(f"{cell['printed']:.2f}")
+    texts = (f"{cell['ours']:.{places}f}" for places in range(_PLACES, _MOST_PLACES))
+    far = (text for text in texts if abs(Decimal(text) - printed) > _HALF)
+    return next(far) if wrong else f"{cell['ours']:.{_PLACES}f}"
+
+
+def scores(results: Results) -> pd.DataFrame:
+    """One row per solver: how it answers the printed cells.
+
+    Columns solver, cells (number of printed cells), answered, printed (number equal to the paper's
+    text), length_off and segment_off (largest errors of f and of z1, z2, z3 against the closed
+    form, length unit).
+    """
+    rows = results.rows[results.rows["branch"].isin(["LS", "RS"])]
+    exact = compare(word_paths(results, EXACT))
+    turns = exact["quantity"] != "f"
+    records = []
+    for solver in solver_order(rows["solver"].tolist()):
+        cells = compare(word_paths(results, solver))
+        error = (cells["ours"] - exact["ours"]).abs()
+        answered, printed = cells["ours"].notna().sum(), (cells["verdict"] == "correct").sum()
+        off = error[~turns].max(), error[turns].max()
+        records.append((solver, len(exact), answered, printed, *off))
+    columns = ["solver", "cells", "answered", "printed", "length_off", "segment_off"]
+    return pd.DataFrame.from_records(records, columns=columns)
+
+
+def printed_times(results: Results) -> pd.DataFrame:
+    """The solve times that the paper prints beside those of our solvers for the same path.
+
+    Returns:
+        One row per printed time and solver with a right answer, from its cold attempts at the
+        paper's word; columns label, path, word, printed_s (s), ticks (of `TICK_S`), solver,
+        wall_s (median, s).
+    """
+    rows = results.rows
+    right = rows[success(rows) & (rows["initial_guess"] == "cold")]
+    groups = right.groupby(["label", "branch", "solver"], observed=True)
+    medians = groups["wall_s"].median().reset_index()
+    words = {(row.label, row.path): row.word for row in PRINTED}
+    records = []
+    for time in TIMES:
+        word, seconds = words[time.label, time.path], float(time.seconds)
+        record = {"label": time.label, "path": time.path, "word": word, "printed_s": seconds}
+        record |= {"ticks": round(seconds / TICK_S)}
+        ours = medians[(medians["label"] == time.label) & (medians["branch"] == word)]
+        pairs = zip(ours["solver"], ours["wall_s"], strict=True)
+        records += [record | {"solver": solver, "wall_s": wall_s} for solver, wall_s in pairs]
+    columns = ["label", "path", "word", "printed_s", "ticks", "solver", "wall_s"]
+    return pd.DataFrame.from_records(records, columns=columns)
+
+
+def time_ends(times: pd.DataFrame) -> pd.DataFrame:
+    """One row per printed time, from `printed_times`, with the fastest and the slowest solver.
+
+    Columns label, path, word, printed_s, ticks, exact_s (the closed form's time; NaN if it was not
+    asked), fastest and slowest (solvers besides the closed form, None if there are none), and
+    their times fastest_s and slowest_s (s).
+    """
+    keys = ["label", "path", "word", "printed_s", "ticks"]
+    records = []
+    for key, group in times.groupby(keys, sort=False):
+        exact = group.loc[group["solver"] == EXACT, "wall_s"]
+        others = group[group["solver"] != EXACT].sort_values("wall_s")
+        record: dict[str, object] = dict(zip(keys, key, strict=True))
+        record["exact_s"] = exact.iloc[0] if len(exact) else None
+        for name, place in (("fastest", 0), ("slowest", -1)):
+            record[name] = others["solver"].iloc[place] if len(others) else None
+            record[f"{name}_s"] = others["wall_s"].iloc[place] if len(others) else None
+        records.append(record)
+    return pd.DataFrame.from_records(records)
+
+
+_TITLES = {
+    "6.1": "Test problem 1: start (0, 0, 2π/3), target (10, 5), R = 1.",
+    "6.2": "Test problem 2: start (0, 0, 2π/3), target (−6, 3), R = 1.",
+    "6.3": "Test problem 3: start (0, 0, π/3), target (−1, 5), R = 1.",
+    "6.4": "Test problem 4: start (0, 0, π/3), target (−2, −5), R = 1.",
+    "6.5": "Test problem 5: start (0, 0, 2π/3), target (−80, 20), three radii.",
+}
+
+
+def paper_section(results: Results) -> Section | None:
+    """Tables 6.1-6.5 cell by cell, Figures 6.1-6.5, and every solver's score."""
+    paths = word_paths(results, EXACT)
+    if not paths:
+        return None
+    cells = compare(paths)
+    blocks: list[Table | Picture] = [_side_by_side(cells, number) for number in _TITLES]
+    blocks.append(_scores(scores(results)))
+    times = printed_times(results)
+    if len(times):
+        words = results.rows[results.rows["branch"].isin(["LS", "RS"])]
+        blocks += [times_picture(times, best_solvers(words), Palette.of_page(results))]
+        blocks += [_times(time_ends(times))]
+    right = int((cells["verdict"] == "correct").sum())
+    text = (
+        f"{right} of the {len(cells)} printed lengths are correct roundings of the exact ones. The "
+        "paper's optimal path is the shorter of LS and RS, its feasible path the longer. The audit "
+        "below says what became of the others. The paper's solve times are 1, 2 and 3 ticks of a "
+        "clock that moves 64 times a second (15.6, 31.2 and 46.9 ms), printed with three decimals: "
+        "each tells that a solve ended within a tick of it, and nothing of which path or solver is "
+        "the faster."
+    )
+    lead = (
+        "Read a table's lines in pairs, the printed numbers above the exact ones: what is crossed "
+        "is printed wrong."
+    )
+    return Section("paper", "The paper's tables", text, tuple(blocks), lead)
+
+
+def _side_by_side(cells: pd.DataFrame, number: str) -> Table:
+    frame = side_by_side(cells[cells["table"] == number])
+    rows = frame.to_dict("records")
+    wrong = frame[list(QUANTITIES)].map(lambda text: "✗" in str(text))
+    frame["row"] = [_row_name(row) if row["source"] == "paper" else "" for row in rows]
+    shown = (
+        *columns(kind="text", row="row", source="from"),
+        *columns(z1="left turn ζ₁", z2="right turn ζ₂", z3="straight ζ₃", f="total f"),
+    )
+    caption = f"Table {number}. {_TITLES[number]} Lengths; ✗ marks what is not a correct rounding."
+    return Table(
+        f"paper-{number.replace('.', '-')}", caption, frame, shown, marks(wrong, *QUANTITIES)
+    )
+
+
+def _row_name(row: Mapping[Hashable, Any]) -> str:
+    """Row label: the radius in problem 5, the path name in the other problems."""
+    _, radius, value = str(row["label"]).removeprefix("problem 5, ").partition("R=")
+    return f"R = {value}" if radius else f"{str(row['path']).capitalize()} path"
+
+
+def _scores(frame: pd.DataFrame) -> Table:
+    shown = (
+        SOLVER,
+        *columns(count, answered=f"cells of {frame['cells'].iloc[0]}", printed="as printed"),
+        *columns(digits(3), length_off="largest error of f", segment_off="largest error of ζ"),
+    )
+    caption = (
+        "The same cells from each solver's LS and RS paths. A length may be right while its "
+        "parts are not: compare both. Turns at less than the full rate count in proportion. Errors "
+        "in the scenario's length unit."
+    )
+    return Table("paper-scores", caption, frame, shown)
+
+
+def _times(frame: pd.DataFrame) -> Table:
+    shown = (
+        *columns(kind="text", label="scenario", path="path", word="word"),
+        *columns(lambda s: f"{s:.3f} s", printed_s="printed"),
+        *columns(count, ticks="ticks of 1/64 s"),
+        *columns(seconds, exact_s="closed form"),
+        Column("fastest", "fastest solver", kind="solver"),
+        *columns(seconds, fastest_s="its median"),
+        Column("slowest", "slowest solver", kind="solver"),
+        *columns(seconds, slowest_s="its median"),
+    )
+    caption = (
+        "The solve times that the paper's text prints, and the median times of our solvers for "
+        "the same word, right answers only. Other machines and other clocks: only the orders of "
+        "magnitude compare."
+    )
+    return Table("paper-times", caption, frame, shown)
+
+
+def _plot_times(ax: Axes, times: pd.DataFrame, solvers: Sequence[str], palette: Palette) -> None:
+    """The paper's solve times and ours, one line per printed time.
+
+    Args:
+        ax: where to draw.
+        times: columns label, path, word, printed_s (s), solver, wall_s (s).
+        solvers: in the order of the legend.
+        palette: of the page.
+    """
+    lines = list(dict.fromkeys(zip(times["label"], times["path"], times["word"], strict=True)))
+    place = {line[:2]: len(lines) - 1 - i for i, line in enumerate(lines)}
+    at = pd.Series(
+        [place[key] for key in zip(times["label"], times["path"], strict=True)], times.index
+    )
+    looks, names = palette.looks(solvers), palette.names(solvers)
+    drawn: set[tuple[str, str]] = set()
+    for solver in solvers:
+        group, look = times[times["solver"] == solver], looks[solver]
+        dots = look.dots
+        if look[:2] in drawn:
+            dots |= {"markerfacecolor": "none"}  # another solver with the same engine
+        drawn.add(look[:2])
+        ax.plot(group["wall_s"], at[group.index], **dots, label=names[solver])
+    printed: dict[str, Any] = {"marker": "x", "color": INK, "markersize": 6, "zorder": 5}
+    ax.plot(times["printed_s"], at, linestyle="none", **printed, label="printed in the paper")
+    for tick in range(1, round(times["printed_s"].max() / TICK_S) + 1):
+        mark_limit(ax, tick * TICK_S)
+    ax.set_yticks(range(len(lines)), [f"{a}, {b}: {c}" for a, b, c in reversed(lines)], color=INK)
+    ax.set(xscale="log", xlabel="time of one solve", ylim=(-0.6, len(lines) - 0.4))
+    log_axis(ax.xaxis, duration)
+
+
+def times_picture(times: pd.DataFrame, solvers: list[str], palette: Palette) -> Picture:
+    """The printed solve times and ours; `times` are those of `numbers.printed_times`."""
+    lines = times.groupby(["label", "path"]).ngroups
+    return picture(
+        "paper-times",
+        _plot_times,
+        *(times[times["solver"].isin(solvers)], solvers, palette),
+        caption="The paper's printed solve times (crosses) beside the median times of ours: the "
+        "closed form and of each formulation the solver that is most surely right. Dotted: "
+        f"whole ticks of a clock of 64 a second, {duration(TICK_S)} each.",
+        alt="Printed solve times on whole ticks of a clock, beside the times of our solvers",
+        height=1.2 + 0.24 * lines + 0.16 * math.ceil(len(solvers) / 3),
+        width=WIDE,
+        legend=3,
+    )
+
+
+TOPIC = Topic(
+    "the paper's tables",
+    paper_section,
+    "paper",
+    (General.POOLED, General.COMPARED),
+    place=Place.PAPER,
+)
