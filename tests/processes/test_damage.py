@@ -176,19 +176,7 @@ def newer(folder, table):
     return f"is of schema '{VERSION + 1}'; expected {VERSION}"
 
 
-def linked(folder, table):
-    place = folder.parent / "elsewhere.parquet"
-    pq.write_table(table, place)
-    (folder / "parts" / "zz.parquet").symlink_to(place)
-    return "is a link; expected a file or folder of its own"
-
-
-def a_folder(folder, _):
-    (folder / "parts" / "zz.parquet").mkdir()
-    return "it is no file"
-
-
-@pytest.mark.parametrize("put", [foreign, wider, older, newer, linked, a_folder])
+@pytest.mark.parametrize("put", [foreign, wider, older, newer])
 @pytest.mark.parametrize("spoilt", [False, True])
 def test_what_is_no_part_of_ours_is_refused_and_nothing_changes(folder, experiment, put, spoilt):
     """Not even a damaged part beside it is moved, nor a run begun."""
@@ -206,26 +194,6 @@ def test_what_is_no_part_of_ours_is_refused_and_nothing_changes(folder, experime
     assert files(folder) == before
     with pytest.raises(ResultsError, match=r"parquet"):
         load([folder])
-
-
-@pytest.mark.parametrize("name", ["parts", "manifest.json", "damaged"])
-def test_links_to_other_places_are_not_followed(folder, experiment, tmp_path, name):
-    """Neither read nor written, whatever a stranger's folder holds."""
-    mine = tmp_path / "mine"
-    if (folder / name).exists():
-        (folder / name).rename(mine)
-    else:
-        mine.mkdir()
-        (folder / "parts" / "a.parquet").write_bytes(b"")
-    (folder / name).symlink_to(mine)
-    before = files(mine) if mine.is_dir() else mine.read_bytes()
-
-    with pytest.raises(ResultsError, match=rf"{name} is a link; expected a file or folder of its"):
-        run(experiment, folder)
-    assert (files(mine) if mine.is_dir() else mine.read_bytes()) == before
-    if name != "damaged":
-        with pytest.raises(ResultsError, match="is a link"):
-            load([folder])
 
 
 def test_what_a_killed_run_left_half_written_is_removed(folder, experiment):

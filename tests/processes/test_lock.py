@@ -15,7 +15,6 @@ from live_run import finished, manifest, parts, slow_experiment, started, wait_f
 from dubins_study import status
 from dubins_study.experiments.store.folder import done, read_rows
 from dubins_study.experiments.store.lock import LOCK, is_locked, lock_holder, locked
-from dubins_study.study.rows.files import ResultsError
 
 
 def contents(folder):
@@ -156,18 +155,6 @@ def test_status_writes_nothing(tmp_path):
         file.chmod(file.stat().st_mode | stat.S_IWUSR)
 
 
-def test_a_lock_that_is_a_link_is_refused(tmp_path):
-    """Another place's file is neither locked nor written."""
-    (tmp_path / "mine").write_text("mine")
-    folder = tmp_path / "out"
-    folder.mkdir()
-    (folder / LOCK).symlink_to(tmp_path / "mine")
-
-    with pytest.raises(ResultsError, match=r"cannot lock .*\.lock"), locked(folder):
-        pass
-    assert (tmp_path / "mine").read_text() == "mine"
-
-
 @pytest.mark.slow
 def test_runs_that_begin_at_once_leave_one_row_a_cell(tmp_path):
     """Of many, one works at a time; the others are refused, and nothing is lost or doubled."""
@@ -181,11 +168,3 @@ def test_runs_that_begin_at_once_leave_one_row_a_cell(tmp_path):
     rows = read_rows(out).to_pandas()
     assert len(rows) == 10
     assert not rows.duplicated("scenario_id").any()
-
-
-def test_a_lock_that_is_a_pipe_is_not_waited_for(tmp_path):
-    """Opening a pipe to read waits for a writer; a stranger's folder may hold one."""
-    os.mkfifo(tmp_path / ".lock")
-
-    assert lock_holder(tmp_path) == {}
-    assert not is_locked(tmp_path)

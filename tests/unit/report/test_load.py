@@ -114,7 +114,7 @@ def test_a_column_that_a_part_lacks_is_null(results, lacking):
         (lambda f: (f / "manifest.json").write_text("9" * 5_000), "cannot be read as JSON"),
         (lambda f: (f / "manifest.json").write_bytes(b"\xff\xfe\x00"), "cannot be read as JSON"),
         (_spoil_schema, f"has schema {VERSION + 1}; expected {VERSION}"),
-        (_spoil_name, "experiment is {}; expected an object with name"),
+        (_spoil_name, "experiment.name is {}: Field required"),
         (lambda f: (f / "parts" / "1.parquet").unlink(), "has no rows"),
         (lambda f: pq.write_table(SCHEMA.empty_table(), f / "parts" / "1.parquet"), "has no rows"),
         (lambda f: (f / "parts" / "1.parquet").write_bytes(b"PAR1 no"), "cannot be read"),

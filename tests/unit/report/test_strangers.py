@@ -2,13 +2,7 @@
 
 from __future__ import annotations
 
-import math
-
-import pytest
-
 from dubins_study import render
-from dubins_study.report.data.results import load
-from dubins_study.study.rows.files import ResultsError
 from dubins_study.study.values import printable_text as visible
 from tests.unit.report.results_folder import attempt, paper_scenarios
 
@@ -33,32 +27,3 @@ def test_no_control_character_reaches_a_page(results, tmp_path):
         text = file.read_text(encoding="utf-8")
         assert "\\x1b" in text or "textbackslash{}x1b" in text
         assert not {c for c in text if not c.isprintable()} & set(ESCAPES)
-
-
-@pytest.mark.parametrize(
-    ("changes", "message"),
-    [
-        ({"radius": 0.0}, "radius is 0.0; expected above 0"),
-        ({"target_x": math.nan}, "target_x is not finite"),
-        ({"target_x": None}, "target_x is missing"),
-        ({"solver": None}, "solver is missing"),
-        ({"length": math.inf}, "length is not finite"),
-        ({"wall_s": -1.0}, "wall_s is -1.0; expected a number from 0 to 1e+09"),
-        ({"wall_s": 1e308}, "wall_s is 1e+308"),
-        ({"jobs": -3}, "jobs is -3"),
-        ({"lengths": [1.0]}, "differ in number"),
-        ({"lengths": None}, "differ in number"),
-        ({"lengths": [None, 1.0]}, "lengths holds what is no finite number"),
-        ({"curvatures": [math.inf, 1.0]}, "curvatures holds what is no finite number"),
-    ],
-)
-def test_rows_that_no_run_writes_are_refused(results, changes, message):
-    scenario = paper_scenarios()[0]
-    rows = [attempt(scenario), attempt(scenario, branch="LS") | changes]
-    folder = results("f", rows)
-
-    with pytest.raises(ResultsError) as error:
-        load([folder])
-
-    assert message in str(error.value)
-    assert "1.parquet, rows from 0 on" in str(error.value)

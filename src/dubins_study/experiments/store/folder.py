@@ -10,7 +10,7 @@ import pyarrow as pa
 from dubins_study.experiments.store.lock import LOCK
 from dubins_study.experiments.store.part_writer import write_part
 from dubins_study.experiments.store.whole_file import is_temporary, remove_temporaries
-from dubins_study.study.rows.files import DamagedPartError, ResultsError, os_errors_as, refuse_link
+from dubins_study.study.rows.files import DamagedPartError, ResultsError, os_errors_as
 from dubins_study.study.rows.manifest import MANIFEST, Definition, Manifest, read_manifest
 from dubins_study.study.rows.parts import PARTS, check_part, part_files, read_part
 from dubins_study.study.rows.row_table import ARROW_SCHEMA
@@ -68,7 +68,6 @@ def open_folder(folder: FilePath, manifest: Manifest, restart: bool) -> tuple[Ma
         ResultsError: if the folder cannot be written, or holds another experiment, another schema
             or a foreign part. The folder is then unchanged.
     """
-    refuse_link(folder / PARTS)
     with os_errors_as(f"cannot write to {folder}"):
         if (folder / MANIFEST).exists() and not restart:
             earlier = read_manifest(folder)
@@ -120,11 +119,10 @@ def _mend(folder: FilePath) -> list[str]:
 def _move_away(folder: FilePath, part: FilePath) -> FilePath:
     """Move a damaged part to the folder `DAMAGED`; it is never deleted. Returns its new path."""
     place = folder / DAMAGED
-    refuse_link(place)
     with os_errors_as(f"cannot move {part} to {place}"):
         place.mkdir(exist_ok=True)
         target, number = place / part.name, 1
-        while target.exists() or target.is_symlink():
+        while target.exists():
             number += 1
             target = place / f"{part.stem}-{number}{part.suffix}"
         part.rename(target)

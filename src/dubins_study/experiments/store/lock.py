@@ -14,8 +14,6 @@ from dubins_study.experiments.provenance import now
 from dubins_study.study.rows.files import ResultsError, reason
 
 LOCK = ".lock"
-# Do not follow a symbolic link, and do not block if the file is a named pipe.
-_READ_FLAGS = os.O_RDONLY | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0)
 # Seconds to wait for the lock, since a call of `is_locked` in another process also holds it for
 # microseconds. If the lock is still held after that, a run holds it.
 _WAIT_S, _POLL_INTERVAL_S = 0.3, 0.02
@@ -33,8 +31,6 @@ def locked(folder: FilePath) -> Iterator[None]:
             or if the folder cannot be written.
     """
     file = folder / LOCK
-    if file.exists() and not file.is_file():
-        raise ResultsError(f"cannot lock {file}: it is no file")
     lock = FileLock(file, timeout=_WAIT_S, poll_interval=_POLL_INTERVAL_S, fallback_to_soft=False)
     try:
         lock.acquire()
@@ -62,9 +58,8 @@ def _in_use(folder: FilePath) -> str:
 def lock_holder(folder: FilePath) -> dict[str, object]:
     """`pid` and `started` of the last process that locked a folder; empty if not recorded."""
     try:
-        with open(os.open(folder / LOCK, _READ_FLAGS), encoding="utf-8") as file:  # noqa: PTH123
-            content = json.load(file)
-    except (OSError, ValueError, RecursionError):
+        content = json.loads((folder / LOCK).read_text(encoding="utf-8"))
+    except (OSError, ValueError):
         return {}
     return content if isinstance(content, dict) else {}
 
@@ -72,7 +67,7 @@ def lock_holder(folder: FilePath) -> dict[str, object]:
 def is_locked(folder: FilePath) -> bool:
     """Whether a run holds the lock of a folder; the check writes nothing."""
     try:
-        handle = os.open(folder / LOCK, _READ_FLAGS)
+        handle = os.open(folder / LOCK, os.O_RDONLY)
     except OSError:
         return False
     try:

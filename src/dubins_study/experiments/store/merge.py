@@ -86,7 +86,7 @@ def _read_manifests(folders: Sequence[FilePath]) -> list[Manifest]:
 
 def _check_target(target: FilePath) -> None:
     with os_errors_as(f"cannot write to {target}"):  # e.g. the name is too long
-        taken = target.is_symlink() or (target.exists() and not target.is_dir())
+        taken = target.exists() and not target.is_dir()
         filled = target.is_dir() and any(target.iterdir())
     if taken:
         raise ResultsError(
@@ -113,7 +113,7 @@ def _new_folder(target: FilePath) -> Iterator[FilePath]:
 def _remove_abandoned(target: FilePath) -> None:
     """Remove temporary folders of killed merges to this target; a running merge holds a lock."""
     for folder in target.parent.glob(f".{glob.escape(target.name)}.merging-*"):
-        ours = folder.is_dir() and not folder.is_symlink() and (folder / LOCK).exists()
+        ours = (folder / LOCK).exists()
         if ours and not is_locked(folder):
             shutil.rmtree(folder, ignore_errors=True)
 

@@ -10,7 +10,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from dubins_study.experiments.store.whole_file import write_whole
-from dubins_study.study.rows.files import ResultsError, reason, refuse_link
+from dubins_study.study.rows.files import ResultsError, reason
 from dubins_study.study.rows.parts import PARTS
 from dubins_study.study.rows.row_table import Row, rows_table
 from dubins_study.study.rows.schema import RUN_ID, VERSION, VERSION_KEY
@@ -47,7 +47,6 @@ def write_part(
             # Added here, because metadata of the table's schema are not stored.
             writer.add_key_value_metadata({VERSION_KEY: str(VERSION), **(metadata or {})})
 
-    refuse_link(final.parent)
     try:
         write_whole(final, write)
     except OSError as error:

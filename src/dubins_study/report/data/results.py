@@ -18,9 +18,9 @@ from dubins_study.study.path import Path
 from dubins_study.study.rows.files import ResultsError
 from dubins_study.study.rows.manifest import Manifest, read_manifest
 from dubins_study.study.rows.parts import PARTS, part_files, read_footer
+from dubins_study.study.rows.printable_rows import printable_batches
 from dubins_study.study.rows.row_table import ARROW_SCHEMA
 from dubins_study.study.rows.schema import ROW
-from dubins_study.study.rows.validation import checked_batches
 from dubins_study.study.scenario import Pose
 
 _CONTROLS = ["curvatures", "lengths"]
@@ -204,7 +204,7 @@ def _checked_rows(files: Sequence[FilePath]) -> pa.Table:
     """The rows of all parts, checked; with part (the file's number) and place (the row's in it)."""
     tables = []
     for number, file in enumerate(files):
-        part = pa.concat_tables(batch.cast(_PLAIN) for batch in checked_batches(file, _COLUMNS))
+        part = pa.concat_tables(batch.cast(_PLAIN) for batch in printable_batches(file, _COLUMNS))
         places = {"part": np.full(len(part), number), "place": np.arange(len(part))}
         for name, values in places.items():
             part = part.append_column(name, pa.array(values))

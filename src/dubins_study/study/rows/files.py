@@ -1,11 +1,10 @@
-"""Errors of a results folder, and the refusal of links in it."""
+"""Errors of a results folder."""
 
 from __future__ import annotations
 
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager
-from pathlib import Path as FilePath
 
 from dubins_study.errors import DubinsStudyError
 
@@ -32,17 +31,3 @@ def os_errors_as(problem: str) -> Iterator[None]:
         yield
     except OSError as error:
         raise ResultsError(f"{problem}: {reason(error)}") from None
-
-
-def refuse_link(place: FilePath) -> None:
-    """Raise a `ResultsError` if a file or folder of a results folder leads somewhere else.
-
-    A stranger's folder may name any file of this machine.
-    """
-    with os_errors_as(f"{place} cannot be read"):  # its name may be too long
-        link = place.is_symlink()
-    if link:
-        raise ResultsError(
-            f"{place} is a link; expected a file or folder of its own, since nothing outside a "
-            "results folder is read or written: put a copy in its place"
-        )

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from dubins_study.study.rows.files import DamagedPartError, ResultsError, reason, refuse_link
+from dubins_study.study.rows.files import DamagedPartError, ResultsError, reason
 from dubins_study.study.rows.row_table import ARROW_SCHEMA
 from dubins_study.study.rows.schema import KEY, RUN_ID, VERSION, VERSION_KEY, names
 
@@ -34,16 +34,8 @@ class Part(NamedTuple):
 
 
 def part_files(folder: FilePath) -> list[FilePath]:
-    """The files of a folder's parts, by name; none is opened.
-
-    Raises:
-        ResultsError: if the folder of parts, or one of them, is a link.
-    """
-    refuse_link(folder / PARTS)
-    files = sorted((folder / PARTS).glob("*.parquet"))
-    for file in files:
-        refuse_link(file)
-    return files
+    """The files of a folder's parts, by name; none is opened."""
+    return sorted((folder / PARTS).glob("*.parquet"))
 
 
 def read_footer(file: FilePath) -> Part:
@@ -51,7 +43,7 @@ def read_footer(file: FilePath) -> Part:
 
     Raises:
         DamagedPartError: if the file was cut off or changed.
-        ResultsError: if it is a link, of another schema, or cannot be read at all.
+        ResultsError: if it is of another schema, or cannot be read at all.
     """
     with _open(file) as content:
         return _footer(file, content)
@@ -72,7 +64,7 @@ def read_batches(
 
     Raises:
         DamagedPartError: if the file was cut off or changed.
-        ResultsError: if it is a link, of another schema, or cannot be read at all.
+        ResultsError: if it is of another schema, or cannot be read at all.
     """
     wanted = list(columns or ARROW_SCHEMA.names)
     fields = [ARROW_SCHEMA.field(name) for name in wanted]
@@ -117,7 +109,7 @@ def _reading(file: FilePath) -> Iterator[None]:
     """Raise whatever Arrow raises as the error of a results folder."""
     try:
         yield
-    except Exception as error:  # Arrow hands columns of foreign types to the code of their makers
+    except Exception as error:  # a flipped bit may make Arrow raise anything
         if isinstance(error, OSError) and error.errno is not None:
             raise ResultsError(f"{file} cannot be read: {reason(error)}") from None
         raise _damaged(file, "it is no Parquet file, or damaged") from None
@@ -130,9 +122,6 @@ def _damaged(file: FilePath, problem: str) -> DamagedPartError:
 def _open(
     file: FilePath, metadata: pq.FileMetaData | None = None, dictionaries: list[str] | None = None
 ) -> pq.ParquetFile:
-    refuse_link(file)
-    if not file.is_file():  # opening a pipe would block
-        raise ResultsError(f"{file} cannot be read: it is no file")
     with _reading(file):
         return pq.ParquetFile(
             file,
