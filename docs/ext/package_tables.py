@@ -8,8 +8,7 @@ from inspect import cleandoc
 
 from markdown_text import code, prose, table
 
-from dubins_study.conformance import CHECKS
-from dubins_study.conformance.checks import title_of
+from dubins_study.conformance.checks import TITLES
 from dubins_study.experiments.definition.experiment import packaged, read
 from dubins_study.solvers.engines import ENGINES, MINLP_ENGINES, NLP_ENGINES, names
 from dubins_study.solvers.profiles import PROFILES
@@ -118,7 +117,9 @@ def engine_names(kind: str) -> str:
 
 def checks_table() -> str:
     """What the conformance kit checks."""
-    return table(("check", "the solver ..."), [(code(n), prose(title_of(n))) for n in CHECKS])
+    return table(
+        ("check", "the solver ..."), [(code(n), prose(title)) for n, title in TITLES.items()]
+    )
 
 
 SOURCES: dict[str, Callable[..., str]] = {

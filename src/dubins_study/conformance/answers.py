@@ -215,12 +215,12 @@ def _of_bound(answer: Answer) -> list[_Observed]:
     return [(Kind.BOUND, Status.FAIL, observed, advice)]
 
 
-def unanswered(interview: Interview, asked: Iterable[Seen], name: str) -> tuple[Finding, ...]:
-    """Findings about questions that were not answered; of scenarios with the name, or their own."""
+def unanswered(interview: Interview, asked: Iterable[Seen]) -> tuple[Finding, ...]:
+    """Findings about questions that were not answered."""
     listed = [
         problem
         for seen in asked
-        for problem in problems(interview, seen, name or name_of(seen.question.scenario))
+        for problem in problems(interview, seen, name_of(seen.question.scenario))
     ]
     return united(problem for problem in listed if problem.kind is Kind.OUTCOME)
 

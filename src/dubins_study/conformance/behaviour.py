@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
+from collections.abc import Iterable
 from dataclasses import replace
 from typing import Any
 
@@ -11,15 +12,16 @@ import numpy as np
 
 from dubins_study.conformance import questions
 from dubins_study.conformance.answers import unanswered
-from dubins_study.conformance.interview import GRACE_S, Interview, Seen
+from dubins_study.conformance.interview import GRACE_S, Interview, NotApplicableError, Seen
 from dubins_study.conformance.observer import RANDOM, TEMPORARY
 from dubins_study.conformance.questions import check_command, command
-from dubins_study.conformance.report import CheckResult, Finding, Status
+from dubins_study.conformance.report import Finding, Status
 from dubins_study.experiments.isolation.pool import GRACE_S as RUN_GRACE_S
 from dubins_study.solvers.protocol import NOT_STATED, Guarantee, Question
 from dubins_study.study.values import did_you_mean
 from dubins_study.study.words import BRANCHES, FORMULATIONS, Outcome
 
+Checked = tuple[Iterable[Finding], str]  # what a check has seen, and a few words on what passed
 # part of the message of a solver that does not load -> what to do, where it is not the file
 _BROKEN = {
     "required positional argument": "give each setting a default, such as `n: int = 10`",
@@ -35,14 +37,12 @@ def broken(message: str, traceback: str, spec: str) -> Finding:
     return Finding(Status.FAIL, message, advice, command=shown, traceback=traceback)
 
 
-def loading(interview: Interview, name: str, title: str) -> CheckResult:
+def loading(interview: Interview) -> Checked:
     """What a solver that was loaded says of itself."""
     declared = interview.declared
-    found = [*_wrong_declaration(declared), *_settings(declared)]
-    shown = check_command(interview.spec, name)
     formulation, engine = declared["method"][:2]
-    summary = f"{declared['name']}: {formulation}, {engine}"
-    return CheckResult(name, title, tuple(replace(one, command=shown) for one in found), summary)
+    found = [*_wrong_declaration(declared), *_settings(declared)]
+    return found, f"{declared['name']}: {formulation}, {engine}"
 
 
 def _wrong_declaration(declared: dict[str, Any]) -> list[Finding]:
@@ -102,20 +102,19 @@ def _question(interview: Interview, name: str) -> Question:
 _SHORT_LIMIT_S, _BEYOND_S = 0.05, 1.0
 
 
-def limits(interview: Interview, name: str, title: str) -> CheckResult:
+def limits(interview: Interview) -> Checked:
     """A question with a limit of a twentieth of a second."""
     promised = interview.declared["keeps_limit"]
     question = _question(interview, "all at once")
     first = interview.ask(question)  # the libraries are loaded by now
     seen = interview.ask(question, again=True, limit=_SHORT_LIMIT_S)
     timed_out = seen.answer.outcome is Outcome.TIMEOUT
-    silent = unanswered(interview, [first] if timed_out else [first, seen], "all at once")
+    silent = unanswered(interview, [first] if timed_out else [first, seen])
     seconds = seen.answer.wall_s or seen.seconds
     # a run ends a solve sooner than the promise asks for
     beyond = _BEYOND_S if promised else RUN_GRACE_S
     if not timed_out and seconds <= _SHORT_LIMIT_S + beyond:
-        summary = f"{seconds:.3f} s with a limit of {_SHORT_LIMIT_S} s"
-        return CheckResult(name, title, silent, summary)
+        return silent, f"{seconds:.3f} s with a limit of {_SHORT_LIMIT_S} s"
     took = f"it does not return within {GRACE_S:g} s" if timed_out else f"it takes {seconds:.2f} s"
     advice = (
         "look at `limit`, the second argument of solve, and return the best path so far with "
@@ -130,7 +129,7 @@ def limits(interview: Interview, name: str, title: str) -> CheckResult:
         "all at once",
         command(interview.spec, question) + f" --time-limit {_SHORT_LIMIT_S}",
     )
-    return CheckResult(name, title, (*silent, late))
+    return [*silent, late], ""
 
 
 # relative: answers that differ by less differ in rounding only
@@ -145,7 +144,7 @@ _ASKED_AGAIN = (
 )
 
 
-def determinism(interview: Interview, name: str, title: str) -> CheckResult:
+def determinism(interview: Interview) -> Checked:
     """Some questions, again after one another, and again in a new process."""
     known = [_question(interview, place) for place in _ASKED_AGAIN]
     first = [interview.ask(question) for question in known]
@@ -158,13 +157,12 @@ def determinism(interview: Interview, name: str, title: str) -> CheckResult:
             if difference := _difference(one, again):
                 found.append(_changed(one, again, difference, when, place))
     worst = sorted(found, key=lambda one: one.status is not Status.FAIL)[:1]
-    silent = unanswered(interview, [*first, *second, *third], "")
+    silent = unanswered(interview, [*first, *second, *third])
     notes = [*_kept_answers(first, second), *_repeat(interview, first[0])]
-    shown = check_command(interview.spec, name)
-    listed = (*silent, *(replace(one, command=shown) for one in worst), *notes)
+    listed = [*silent, *worst, *notes]
     if not listed and all(seen.answer.path is None for seen in first):
-        return CheckResult(name, title, (), "it returned no path", Status.NOT_APPLICABLE)
-    return CheckResult(name, title, listed, f"{len(known)} questions, three times the same")
+        raise NotApplicableError("it returned no path")
+    return listed, f"{len(known)} questions, three times the same"
 
 
 def _changed(first: Seen, again: Seen, difference: float, when: str, place: str) -> Finding:
@@ -251,7 +249,7 @@ _CHANGED = (
 )
 
 
-def state(interview: Interview, name: str, title: str) -> CheckResult:
+def state(interview: Interview) -> Checked:
     """What all questions so far have left behind; libraries load with the first one.
 
     At least the general questions: they are asked now if no other check has asked them.
@@ -260,7 +258,7 @@ def state(interview: Interview, name: str, title: str) -> CheckResult:
     for other in questions.GENERAL:
         interview.ask(_question(interview, other))
     seen = interview.seen
-    found = [*unanswered(interview, seen[before:], "")]
+    found = [*unanswered(interview, seen[before:])]
     changed = Counter(change for one in seen for change in one.changes)
     for change, count in changed.items():
         status, advice = Status.FAIL, _ADVICE.get(change, "restore it before you return")
@@ -277,9 +275,7 @@ def state(interview: Interview, name: str, title: str) -> CheckResult:
         status = Status.FAIL if interview.declared["keeps_limit"] else Status.NOTE
         observed = f"it prints: {loud[0].output[-120:]}"
         found.append(Finding(status, observed, advice, count=len(loud)))
-    shown = check_command(interview.spec, name)
-    listed = tuple(replace(one, command=one.command or shown) for one in found)
-    return CheckResult(name, title, listed, f"{len(seen)} questions")
+    return found, f"{len(seen)} questions"
 
 
 def _files(seen: list[Seen]) -> list[Finding]:

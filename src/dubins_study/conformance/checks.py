@@ -14,16 +14,18 @@ import numpy as np
 
 from dubins_study.conformance import behaviour, questions
 from dubins_study.conformance.answers import Kind, Problem, problems, unanswered, united
+from dubins_study.conformance.behaviour import Checked
 from dubins_study.conformance.causes import cause_of
 from dubins_study.conformance.interview import (
     InProcess,
     Interview,
     LoadError,
+    NotApplicableError,
     Seen,
     UnfinishedError,
     Worker,
 )
-from dubins_study.conformance.report import CheckResult, ConformanceReport, Status
+from dubins_study.conformance.report import CheckResult, ConformanceReport, Finding, Status
 from dubins_study.errors import DubinsStudyError
 from dubins_study.solvers.attempt import check_request
 from dubins_study.solvers.profiles import tolerances
@@ -43,29 +45,24 @@ class ConformanceError(DubinsStudyError, ValueError):
     """A request for checks that cannot be met."""
 
 
-_Run = Callable[[Interview, str, str], CheckResult]
-
-
 class Check(NamedTuple):
-    """One check: what it looks at, and the function that does, of the check's name and title."""
+    """One check: what it looks at, and the function that does."""
 
     title: str
-    run: _Run
+    run: Callable[[Interview], Checked]
 
 
-def _not_applicable(name: str, title: str, reason: str) -> CheckResult:
-    return CheckResult(name, title, (), reason, Status.NOT_APPLICABLE)
-
-
-def _asked(scenarios: Mapping[str, Scenario], kinds: tuple[Kind, ...] = tuple(Kind)) -> _Run:
+def _asked(
+    scenarios: Mapping[str, Scenario], kinds: tuple[Kind, ...] = tuple(Kind)
+) -> Callable[[Interview], Checked]:
     """A check that asks for the best path of scenarios, and reports problems of some kinds.
 
     A question that this check is the first to ask, and that is not answered, is reported too.
     """
 
-    def run(interview: Interview, name: str, title: str) -> CheckResult:
+    def run(interview: Interview) -> Checked:
         if not interview.answers("best"):
-            return _not_applicable(name, title, "the solver does not answer `best`")
+            raise NotApplicableError("the solver does not answer `best`")
         shown: list[Problem] = []
         answers: list[Seen] = []
         for label, scenario in scenarios.items():
@@ -75,8 +72,8 @@ def _asked(scenarios: Mapping[str, Scenario], kinds: tuple[Kind, ...] = tuple(Ki
             found = problems(interview, answers[-1], label)
             shown += [_explained(interview, answers[-1], p) for p in found if p.kind in wanted]
         if Kind.CONTROLS in kinds and not shown and all(one.answer.path is None for one in answers):
-            return _not_applicable(name, title, "it returned no path")
-        return CheckResult(name, title, united(shown), f"{len(scenarios)} questions")
+            raise NotApplicableError("it returned no path")
+        return united(shown), f"{len(scenarios)} questions"
 
     return run
 
@@ -105,21 +102,21 @@ def _explained(interview: Interview, seen: Seen, problem: Problem) -> Problem:
     return problem
 
 
-def _branches(interview: Interview, name: str, title: str) -> CheckResult:
+def _branches(interview: Interview) -> Checked:
     """Every word that the solver declares, where a path of it exists and where none does."""
     words = [word for word in questions.WORDS if interview.answers(word)]
     if not words:
-        return _not_applicable(name, title, "the solver answers `best` only")
+        raise NotApplicableError("the solver answers `best` only")
     found: list[Problem] = []
     for word in words:
         scenarios = {f"{word}, question {n}": q for n, q in enumerate(questions.WORDS[word], 1)}
         scenarios[f"{word}, which has no path here"] = questions.WITHOUT[word]
         for label, scenario in scenarios.items():
             found += problems(interview, interview.ask(Question(scenario, word)), label)
-    return CheckResult(name, title, united(found), ", ".join(words))
+    return united(found), ", ".join(words)
 
 
-def _bounds(interview: Interview, name: str, title: str) -> CheckResult:
+def _bounds(interview: Interview) -> Checked:
     """The lower bounds of all answers so far; of the usual questions if none was asked yet."""
     before = len(interview.seen)
     if interview.answers("best"):
@@ -129,31 +126,31 @@ def _bounds(interview: Interview, name: str, title: str) -> CheckResult:
         for word in filter(interview.answers, questions.WORDS):
             for scenario in questions.WORDS[word]:
                 interview.ask(Question(scenario, word))
-    silent = unanswered(interview, interview.seen[before:], "")
+    silent = unanswered(interview, interview.seen[before:])
     bounded = [
         seen
         for seen in interview.seen
         if seen.answer.lower_bound is not None or seen.answer.false_bound
     ]
     if not (bounded or silent):
-        return _not_applicable(name, title, "the solver gives no lower bounds")
+        raise NotApplicableError("the solver gives no lower bounds")
     found = [
         problem
         for seen in bounded
         for problem in problems(interview, seen, questions.name_of(seen.question.scenario))
         if problem.kind is Kind.BOUND
     ]
-    return CheckResult(name, title, (*silent, *united(found)), f"{len(bounded)} bounds")
+    return (*silent, *united(found)), f"{len(bounded)} bounds"
 
 
 # What a full set of checks has asked before it looks at the bounds.
 _BOUNDED = questions.GENERAL | questions.AXIS | questions.DISCS | questions.CIRCLES
 
 
-def _warm(interview: Interview, name: str, title: str) -> CheckResult:
+def _warm(interview: Interview) -> Checked:
     """Initial guesses that help, mislead and are empty."""
     if not (interview.declared["warm"] and interview.answers("best")):
-        return _not_applicable(name, title, "the solver takes no initial guess")
+        raise NotApplicableError("the solver takes no initial guess")
     scenario = questions.REFERENCE
     start, radius = scenario.start, scenario.radius
     guesses = {
@@ -165,19 +162,19 @@ def _warm(interview: Interview, name: str, title: str) -> CheckResult:
     for label, guess in guesses.items():
         seen = interview.ask(Question(scenario, initial_guess=guess))
         found += problems(interview, seen, f"initial guess: {label}")
-    return CheckResult(name, title, united(found), f"{len(guesses)} initial guesses")
+    return united(found), f"{len(guesses)} initial guesses"
 
 
-def _frames(interview: Interview, name: str, title: str) -> CheckResult:
+def _frames(interview: Interview) -> Checked:
     """The general questions as one frame: as right as one by one."""
     if not (interview.declared["whole_frames"] and interview.answers("best")):
-        return _not_applicable(name, title, "the solver has no solve_frame")
+        raise NotApplicableError("the solver has no solve_frame")
     scenarios = questions.GENERAL | questions.AXIS | questions.DISCS
     rows = interview.ask_frame([Question(scenario) for scenario in scenarios.values()])
     found: list[Problem] = []
     for label, seen in zip(scenarios, rows, strict=True):
         found += problems(interview, seen, f"in a frame: {label}")
-    return CheckResult(name, title, united(found), f"{len(rows)} rows")
+    return united(found), f"{len(rows)} rows"
 
 
 # simple questions first
@@ -211,11 +208,7 @@ _CHECKS = {
     "state": Check("leaves its process as it was", behaviour.state),
 }
 CHECKS = tuple(_CHECKS)
-
-
-def title_of(name: str) -> str:
-    """What a check looks at."""
-    return _CHECKS[name].title
+TITLES = {name: check.title for name, check in _CHECKS.items()}
 
 
 def check_solver(
@@ -261,7 +254,7 @@ def check_solver(
     except LoadError as error:
         found = behaviour.broken(str(error), error.frames, spec)
         not_asked = [_not_asked(name, "it does not load") for name in names[1:]]
-        results = (CheckResult("loading", title_of("loading"), (found,)), *not_asked)
+        results = (CheckResult("loading", TITLES["loading"], (found,)), *not_asked)
         return ConformanceReport(spec, results, {}, monotonic() - began)
     checked: list[CheckResult] = []
     with Interview(spec, source, profile, time_limit, total_time_limit) as interview:
@@ -280,13 +273,18 @@ def _results(interview: Interview, names: list[str]) -> Iterator[CheckResult]:
         if stopped:
             yield _not_asked(name, stopped)
             continue
-        before = len(interview.seen)
+        before, applied = len(interview.seen), Status.PASS
+        findings: Iterable[Finding] = ()
         try:
-            yield run(interview, name, title)
-        except UnfinishedError as error:
-            stopped = str(error)
-            findings = unanswered(interview, interview.seen[before:], "")
-            yield CheckResult(name, title, findings, stopped, Status.NOT_ASKED)
+            findings, summary = run(interview)
+        except NotApplicableError as reason:
+            summary, applied = str(reason), Status.NOT_APPLICABLE
+        except UnfinishedError as reason:
+            stopped = summary = str(reason)
+            findings, applied = unanswered(interview, interview.seen[before:]), Status.NOT_ASKED
+        shown = questions.check_command(interview.spec, name)
+        listed = tuple(replace(one, command=one.command or shown) for one in findings)
+        yield CheckResult(name, title, listed, summary, applied)
         if interview.declared["unavailable"] is not None:
             stopped = f"it cannot run here: {interview.declared['unavailable']}"
         elif interview.seen and not interview.answered:
@@ -294,7 +292,7 @@ def _results(interview: Interview, names: list[str]) -> Iterator[CheckResult]:
 
 
 def _not_asked(name: str, reason: str) -> CheckResult:
-    return CheckResult(name, title_of(name), (), reason, Status.NOT_ASKED)
+    return CheckResult(name, TITLES[name], (), reason, Status.NOT_ASKED)
 
 
 def _names(checks: Iterable[str]) -> list[str]:

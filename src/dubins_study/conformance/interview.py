@@ -48,6 +48,10 @@ class UnfinishedError(DubinsStudyError):
     """No more questions are put to the solver; the message says why."""
 
 
+class NotApplicableError(DubinsStudyError):
+    """A check does not apply to the solver; the message says why."""
+
+
 class InProcess:
     """The solver in the caller's process: for a debugger, and for solvers that are known."""
 
