@@ -8,7 +8,7 @@ import threading
 
 import pytest
 
-from dubins_study import Scenario, run
+from dubins_study import Scenario, load_results, run
 from dubins_study.experiments.interruption import Interruption
 from dubins_study.experiments.isolation.pool import AHEAD_S, Job, Limits, WorkerPool
 from dubins_study.experiments.isolation.sandbox import pinned_threads
@@ -61,10 +61,10 @@ class Endless(Backwards):
     def build(self, question):
         replace("perf_counter", [float("inf")])
         return question
-class Ahead(Backwards):
-    def solve(self, model, limit):
-        replace("perf_counter", [1e9])
-        return Analytic.solve(self, model, limit)
+class Ahead(Analytic):
+    def build(self, question):
+        replace("perf_counter", [1e9, 2e9, 3e9])
+        return question
 class Frozen(Analytic):
     def solve(self, model, limit):
         replace("monotonic", [0.0])
@@ -95,6 +95,22 @@ def test_every_row_is_right(tmp_path, name):
     assert len(rows) == 24
     assert set(rows["outcome"]) == {"returned"}
     assert set(rows["verdict"]) == {"optimal"}
+
+
+@pytest.mark.parametrize("name", ["Backwards", "Endless", "Ahead"])
+def test_times_that_cannot_be_are_refused(tmp_path, name):
+    """The row is `raised`, and the rows of others can be read and compared."""
+    (tmp_path / "clocks.py").write_text(CLOCKS)
+    (tmp_path / "isolation.toml").write_text(TEXT)
+    spec = f"{tmp_path}/clocks.py:{name}"
+    folder = run(tmp_path / "isolation.toml", tmp_path / "out", solvers=[spec, "slsqp"])
+
+    rows = load_results(folder)
+    assert set(rows[rows["solver"] == "slsqp"]["outcome"]) == {"returned"}
+    refused = rows[rows["solver"] != "slsqp"]
+    assert len(refused) == 12
+    assert set(refused["outcome"]) == {"raised"}
+    assert refused["message"].str.contains("_s is ").all(), set(refused["message"])
 
 
 def test_a_clock_that_stands_still_ends_no_solve(tmp_path):

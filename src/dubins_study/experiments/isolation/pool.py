@@ -26,7 +26,7 @@ from dubins_study.experiments.isolation.worker_process import (
 )
 from dubins_study.solvers.protocol import Question
 from dubins_study.solvers.registry import load, ours
-from dubins_study.solvers.reply import Reply, no_answer
+from dubins_study.solvers.reply import Reply, no_answer, with_possible_times
 
 _SERVE = "dubins_study.experiments.isolation.worker:serve"
 # Seconds beyond the time limit: a solver that respects the limit needs a moment to send its answer.
@@ -296,7 +296,8 @@ class WorkerPool:
         seconds = min(answer.seconds, _MAX_COUNTED_S)
         mean_s = self._expected_s.get(job.solver_key, seconds)
         self._expected_s[job.solver_key] = mean_s + _NEW_WEIGHT * (seconds - mean_s)
-        return [(job, answer.value)]
+        reply = with_possible_times(answer.value.reply, answer.waited_s)
+        return [(job, answer.value._replace(reply=reply))]
 
     def _ended(self, worker: _Worker, ended: Ended) -> Results:
         """Replace a worker that has ended; return the reply to the job that it was at, if any."""
