@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 import pytest
 
 from dubins_study.report.data.results import load
@@ -64,17 +62,6 @@ def test_only_visibly_wrong_answers_are_drawn(loaded):
     assert table.loc["slsqp", ["attempts", "right"]].tolist() == [9, 9]
 
 
-def test_a_curve_breaks_at_a_radius_that_was_not_asked(loaded):
-    """Cold medians only, and no line across a gap."""
-    (rows,) = sweep_rows(loaded.rows).values()
-    times = sweep("problem 5", rows).times
-    line = times[times["solver"] == "slsqp"]
-
-    assert line["radius"].tolist() == list(RADII)
-    assert [math.isnan(wall_s) for wall_s in line["wall_s"]] == [r == 55.0 for r in RADII]
-    assert line["wall_s"].max() == 1e-3
-
-
 def test_one_curve_a_formulation(results):
     """The closed form, and of each formulation the solver that is right most surely, then fast."""
     scenarios = [Scenario(0, 0, 0, 5, y, 1) for y in (1.0, 2.0, 3.0)]
@@ -94,16 +81,14 @@ def test_one_curve_a_formulation(results):
     assert best_solvers(frame, most=2) == ["analytic", "fast"]
 
 
-def test_a_sweep_is_one_figure_with_length_and_time(loaded):
-    """Two panels, at most ten curves in the panel of times, each with its name."""
+def test_a_sweep_is_a_figure_of_lengths_and_all_are_one_of_times(loaded):
+    """The words and R* stand in the first; the second names its curves."""
     section = radius_section(loaded)
     assert section is not None
-    picture = section.blocks[0]
-    length, time = picture.figure.axes
+    length, time = (block.figure for block in section.blocks[:2])
+    words = {text.get_text() for text in length.axes[0].texts}
 
-    assert not picture.half
-    assert "R* = 57.35" in {text.get_text() for text in length.texts}
-    assert {"LS", "RL"} <= {text.get_text() for text in length.texts}
-    assert time.get_ylabel() == "median time"
-    assert "closed form" in {text.get_text() for text in time.texts}
+    assert {"R* = 57.35", "LS", "RL"} <= words
+    assert time.axes[0].get_ylabel() == "median time"
+    assert "closed form" in {text.get_text() for text in time.legends[0].get_texts()}
     assert section.lead

@@ -345,7 +345,7 @@ def parameter_lines(
     low, high = ax.get_xlim()
     _scale(ax, "x", low, high, seconds=seconds)
     handles, labels = ax.get_legend_handles_labels()
-    columns = 1 if max(map(len, labels), default=0) > 25 or width > HALF else 2
+    columns = 4 if width > HALF else 1 if max(map(len, labels), default=0) > 25 else 2
     _legend(figure, "lower", handles, columns)
     return figure
 

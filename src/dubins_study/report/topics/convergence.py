@@ -3,22 +3,20 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from itertools import product
 from typing import Any
 
 import numpy as np
 import pandas as pd
-from matplotlib.axes import Axes
 
 from dubins_study.report.data.results import Results
-from dubins_study.report.elements.axes import duration, log_axis, plain_log_axis
 from dubins_study.report.elements.columns import columns
-from dubins_study.report.elements.content import Picture, Section, Table, picture
+from dubins_study.report.elements.content import Picture, Section, Table
 from dubins_study.report.elements.formats import count, digits, seconds, sentences, slug
 from dubins_study.report.elements.looks import Palette
 from dubins_study.report.elements.names import figure_names, labels_of
-from dubins_study.report.elements.style import Style
+from dubins_study.report.elements.plots import parameter_lines
 from dubins_study.report.elements.topic import Topic
 from dubins_study.report.statistics import metrics
 from dubins_study.report.statistics.metrics import parse_spec
@@ -31,6 +29,15 @@ GOAL = 1e-4  # the gap up to which the check says optimal by default
 # Below these values no order is visible: a gap is rounding, a miss is within Ipopt's tolerance.
 FLOOR = {"gap": 1e-13, "miss": 1e-9}
 Settings = Mapping[str, Mapping[str, Any]]
+ORDERS = (
+    *columns(kind="text", label="method"),
+    *columns(kind="text", place="where", measure="of the"),
+    *columns(count, scenarios="targets"),
+    *columns(digits(3), order="order p", least="least", most="most"),
+    *columns(count, wrong="wrong basins", finest="finest N"),
+    *columns(digits(3), value="median there"),
+    *columns(seconds, wall_s="median time", goal_s="time to 1e-4"),
+)
 
 
 def refined(rows: pd.DataFrame, settings: Settings) -> pd.DataFrame:
@@ -160,56 +167,6 @@ def _goal(value: FloatArray, seconds: FloatArray) -> float:
     return float(seconds[first]) if first < value.size else float("nan")
 
 
-_MARKERS = ("D", "s", "^", "v")  # open marks that can be seen inside each other
-
-
-def plot_orders(
-    ax: Axes, table: pd.DataFrame, names: pd.DataFrame, palette: Palette, ylabel: str
-) -> None:
-    """Median against size, with the order fitted to it.
-
-    Args:
-        ax: where to draw.
-        table: columns series, size, value (infinite values are left out).
-        names: indexed by series; columns solver, label, order (the fitted p, NaN if there is none).
-        palette: of the page's solvers.
-        ylabel: what `value` is.
-    """
-    fitted = [
-        f"{label}: p = {digits(3)(order)}" if order == order else label
-        for label, order in zip(names["label"], names["order"], strict=True)
-    ]
-    _plot_series(ax, table, names.assign(label=fitted), palette, "size")
-    ax.set(xlabel="steps, headings or elements N", ylabel=ylabel)
-    plain_log_axis(ax.xaxis)
-
-
-def plot_cost(ax: Axes, table: pd.DataFrame, names: pd.DataFrame, palette: Palette) -> None:
-    """Median gap against median time.
-
-    Columns series, size, value, wall_s (s); `names` and `palette` as for `plot_orders`.
-    """
-    _plot_series(ax, table, names, palette, "wall_s")
-    ax.set(xlabel="median time of one attempt", ylabel="median gap")
-    log_axis(ax.xaxis, duration)
-
-
-def _plot_series(
-    ax: Axes, table: pd.DataFrame, names: pd.DataFrame, palette: Palette, x: str
-) -> None:
-    """Draw lines with open marks of growing size, so that coinciding lines are all visible."""
-    looks = palette.looks(names["solver"])
-    shown = table[np.isfinite(table["value"]) & (table["value"] > 0)]
-    groups = shown.sort_values(["series", "size"], kind="stable").groupby("series", sort=False)
-    for place, (name, group) in enumerate(groups):
-        solver, label = map(str, names.loc[str(name), ["solver", "label"]])
-        mark: Style = {"marker": _MARKERS[place % len(_MARKERS)], "markersize": 3.5 + 2.0 * place}
-        mark |= {"markerfacecolor": "none", "label": label}
-        ax.plot(group[x], group["value"], **looks[solver].lines, **mark)
-    ax.set(xscale="log", yscale="log")
-    log_axis(ax.yaxis)
-
-
 _WHERE = {"outside": "outside the discs", "in a disc": "in a disc"}
 
 
@@ -222,7 +179,15 @@ def convergence_section(results: Results) -> Section | None:
     names = series_names(attempts, labels_of(results))
     fits = fits.assign(label=fits["series"].map(names["label"]))
     pictures = _pictures(table, fits, names, Palette.of_page(results))
-    blocks: tuple[Picture | Table, ...] = (*pictures, _table(fits))
+    caption = (
+        "Order p of median ~ 1/N^p, and the least and largest order of single targets over the "
+        "same N: where a switch falls between two steps moves every single gap. Answers in a "
+        "wrong basin, counted for all N, measure no order and only enter the medians."
+    )
+    blocks: tuple[Picture | Table, ...] = (
+        *pictures,
+        Table("convergence", caption, fits, ORDERS, numbers=("series",)),
+    )
     text = (
         "A held turn rate costs the integral of |ν₃ Δu| over the steps in which it should have "
         "switched. ν₃ leaves zero quadratically where an arc meets a straight and linearly where "
@@ -292,6 +257,7 @@ def _points(series: str) -> str:
     return series if points is None else f"p = {points}"
 
 
+# Measure -> name of the figures, axis, caption.
 _ORDERS = {
     "gap": (
         "convergence",
@@ -306,56 +272,42 @@ _ORDERS = {
         "Ipopt's own tolerance.",
     ),
 }
-_COST = (
-    "the same gaps against what they cost. Lower left is better; along each line N doubles from "
-    "mark to mark."
-)
 
 
 def _pictures(
     table: pd.DataFrame, fits: pd.DataFrame, names: pd.DataFrame, palette: Palette
 ) -> list[Picture]:
-    table = table[np.isfinite(table["value"]) & (table["value"] > 0)]
+    """Value against size, and of gaps against time too, outside the discs and in a disc."""
+    lines = table.join(names, on="series").sort_values(["series", "size"], kind="stable")
+    lines = lines.merge(fits[["measure", "series", "place", "order"]], how="left")
     pictures = []
     for measure, place in product(_ORDERS, PLACES):
-        group = table[(table["measure"] == measure) & (table["place"] == place)]
-        if group.empty:
+        group = lines[(lines["measure"] == measure) & (lines["place"] == place)]
+        if not (np.isfinite(group["value"]) & (group["value"] > 0)).any():
             continue
-        fitted = fits[(fits["measure"] == measure) & (fits["place"] == place)]
-        orders = fitted.set_index("series")["order"].astype(float)
-        known = names[names.index.isin(group["series"])].join(orders)
-        name, ylabel, text = _ORDERS[measure]
-        data = group, known, palette, ylabel
-        pictures.append(_picture(f"{name}-{slug(place)}", place, text, text, plot_orders, *data))
+        stem, ylabel, text = _ORDERS[measure]
+        fitted = [
+            f"{label}: p = {digits(3)(order)}" if order == order else label
+            for label, order in zip(group["label"], group["order"], strict=True)
+        ]
+        xlabel = "steps, headings or elements N"
+        data = group.assign(name=fitted), "size", "value", palette, xlabel, ylabel
+        caption, name = f"Targets {_WHERE[place]}: {text}", f"{stem}-{slug(place)}"
+        figure = parameter_lines(*data, height=3.7)
+        pictures.append(Picture(name, caption, figure, caption, half=True))
         if measure == "gap":
-            name, alt = f"convergence-time-{slug(place)}", "Median gap against median time"
-            pictures.append(_picture(name, place, _COST, alt, plot_cost, group, known, palette))
+            caption = (
+                f"Targets {_WHERE[place]}: the same gaps against what they cost. Lower left is "
+                "better; along each line N doubles from mark to mark."
+            )
+            data = group.assign(name=group["label"]), "wall_s", "value", palette, _TIME, ylabel
+            figure = parameter_lines(*data, seconds=True, height=3.7)
+            name = f"convergence-time-{slug(place)}"
+            pictures.append(Picture(name, caption, figure, caption, half=True))
     return pictures
 
 
-def _picture(
-    name: str, place: str, text: str, alt: str, plot: Callable[..., None], *data: object
-) -> Picture:
-    caption = f"Targets {_WHERE[place]}: {text}"
-    return picture(name, plot, *data, caption=caption, alt=alt, height=3.7, legend=1)
-
-
-def _table(fits: pd.DataFrame) -> Table:
-    shown = (
-        *columns(kind="text", label="method"),
-        *columns(kind="text", place="where", measure="of the"),
-        *columns(count, scenarios="targets"),
-        *columns(digits(3), order="order p", least="least", most="most"),
-        *columns(count, wrong="wrong basins", finest="finest N"),
-        *columns(digits(3), value="median there"),
-        *columns(seconds, wall_s="median time", goal_s="time to 1e-4"),
-    )
-    caption = (
-        "Order p of median ~ 1/N^p, and the least and largest order of single targets over the "
-        "same N: where a switch falls between two steps moves every single gap. Answers in a "
-        "wrong basin, counted for all N, measure no order and only enter the medians."
-    )
-    return Table("convergence", caption, fits, shown, numbers=("series",))
+_TIME = "median time of one attempt"
 
 
 TOPIC = Topic("the order of convergence", convergence_section, "convergence")

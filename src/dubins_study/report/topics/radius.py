@@ -14,12 +14,13 @@ from matplotlib.ticker import MaxNLocator
 
 from dubins_study.report.data.attempts import EXACT, SUCCESSES
 from dubins_study.report.data.results import Results
-from dubins_study.report.elements.axes import duration, label_curves, log_axis, plain_log_axis
+from dubins_study.report.elements.axes import duration, log_axis, mark_limit, plain_log_axis
 from dubins_study.report.elements.columns import SOLVER, columns, marks
 from dubins_study.report.elements.content import Picture, Section, Table
 from dubins_study.report.elements.formats import count, digits
 from dubins_study.report.elements.looks import LINES, Palette
-from dubins_study.report.elements.style import INK, MUTED, WIDE, new_figure
+from dubins_study.report.elements.plots import parameter_lines
+from dubins_study.report.elements.style import HALF, INK, MUTED, WIDE, new_figure
 from dubins_study.report.elements.topic import General, Topic
 from dubins_study.report.statistics.methods import best_solvers
 from dubins_study.report.statistics.metrics import by_solver, circle_radius, runs_of
@@ -52,7 +53,7 @@ class Sweep:
     spans: tuple[Span, ...]  # of the words, by rising radius
     single_words: pd.DataFrame  # word, radius, length (NaN where the word does not exist)
     wrong: pd.DataFrame  # solver, radius, length, arrives; the answers that are visibly wrong
-    times: pd.DataFrame  # solver, radius, wall_s (median of cold attempts, s; NaN where none)
+    times: pd.DataFrame  # solver, radius, wall_s (median of cold attempts, s)
 
 
 def sweep_rows(rows: pd.DataFrame) -> dict[tuple[str, str], pd.DataFrame]:
@@ -80,16 +81,8 @@ def sweep(label: str, rows: pd.DataFrame) -> Sweep:
         _spans(line),
         single_words(first, line["radius"].min(), line["radius"].max()),
         wrong[["solver", "radius", "length"]].assign(arrives=wrong["gap"].notna()),
-        _times(rows, line["radius"]),
+        cold(rows).groupby(["solver", "radius"], observed=True)["wall_s"].median().reset_index(),
     )
-
-
-def _times(rows: pd.DataFrame, radii: pd.Series) -> pd.DataFrame:
-    """One row per solver and radius, so that a curve breaks where a solver was not asked."""
-    medians = cold(rows).groupby(["solver", "radius"], observed=True)["wall_s"].median()
-    solvers = medians.index.unique("solver")
-    every = pd.MultiIndex.from_product([solvers, radii], names=["solver", "radius"])
-    return medians.reindex(every).reset_index()
 
 
 def cold(rows: pd.DataFrame) -> pd.DataFrame:
@@ -216,25 +209,6 @@ def _wrong_answers(ax: Axes, wrong: pd.DataFrame, palette: Palette) -> None:
         ax.legend(loc="lower right", fontsize=6.5, handletextpad=0.3)
 
 
-def plot_time(ax: Axes, sweep: Sweep, solvers: Sequence[str], palette: Palette) -> None:
-    """Draw some solvers' median time over the radius, each named at the end of its curve.
-
-    The axes must have their final place.
-    """
-    looks, names, curves = palette.looks(solvers), palette.names(solvers), {}
-    for place, solver in enumerate(solvers):
-        group = sweep.times[sweep.times["solver"] == solver]
-        style = looks[solver].curve(place) | {"linewidth": 1.1}
-        (curve,) = ax.plot(group["radius"], group["wall_s"], **style)
-        curves[names[solver][:_MOST_LETTERS]] = curve
-    ends = sweep.shortest["radius"].min(), sweep.shortest["radius"].max()
-    ax.set(xscale="log", xlim=ends, yscale="log", ylabel="median time")
-    log_axis(ax.yaxis, duration)
-    plain_log_axis(ax.xaxis)
-    _circle_mark(ax, sweep.circle, "R*")
-    label_curves(ax, curves)
-
-
 def _circle_mark(ax: Axes, circle: float, text: str = "") -> None:
     """A dotted line at R*, which a target straight ahead does not have."""
     low, high = ax.get_xlim()
@@ -252,19 +226,20 @@ def radius_section(results: Results) -> Section | None:
         return None
     rows, palette = pd.concat(list(rows_of_sweeps.values())), Palette.of_page(results)
     solvers = best_solvers(cold(rows))
+    sweeps = [sweep(label, group) for (_, label), group in rows_of_sweeps.items()]
     blocks: list[Picture | Table] = [
-        _picture(number, sweep(label, group), solvers, palette)
-        for number, ((_, label), group) in enumerate(rows_of_sweeps.items(), start=1)
+        _picture(number, each, palette) for number, each in enumerate(sweeps, start=1)
     ]
+    if any(np.isfinite(each.circle) for each in sweeps):
+        blocks.append(_time_picture(sweeps, solvers, palette))
     blocks.append(_answers(answers(rows)))
     text = (
         "At R* = r² / (2 |Y|) a turning circle passes through the target (r is its distance, Y its "
         "offset to the left of the start heading). Beyond it the target lies inside the circle, "
-        "the word changes, and where it lay on the circle's front half the length jumps. Left: the "
-        "shortest length (heavy) with its word at the top, and in grey LS (dashed) and RS (dotted) "
+        "the word changes, and where it lay on the circle's front half the length jumps. Heavy: "
+        "the shortest length, with its word at the top; grey: LS (dashed) and RS (dotted) "
         f"where they exist; open marks are answers more than {_VISIBLE} longer, crosses at "
-        "the foot those that do not arrive. Right: the median time of a cold attempt, of the "
-        "closed form and of each formulation's solver that is most surely right."
+        "the foot those that do not arrive."
     )
     lead = (
         "See where the target enters a turning circle, at R*: there the word changes, the length "
@@ -275,22 +250,42 @@ def radius_section(results: Results) -> Section | None:
 
 
 _VISIBLE = f"{100 * VISIBLE:g} %"
-_HEIGHT = 2.75  # inches
-# Panels as shares of the figure: left, bottom, width, height; to the right the curves' names.
-_LENGTH, _TIME = (0.08, 0.165, 0.36, 0.74), (0.545, 0.165, 0.24, 0.74)
 
 
-def _picture(number: int, sweep: Sweep, solvers: list[str], palette: Palette) -> Picture:
-    figure = new_figure(WIDE, _HEIGHT)
-    figure.set_layout_engine("none")  # the names' places depend on those of the panels
-    left, right = figure.add_axes(_LENGTH), figure.add_axes(_TIME)
-    plot_length(left, sweep, palette)
-    plot_time(right, sweep, [s for s in solvers if s in set(sweep.times["solver"])], palette)
-    for ax in (left, right):
-        ax.set_xlabel("turning radius R")
+def _picture(number: int, sweep: Sweep, palette: Palette) -> Picture:
+    figure = new_figure(HALF, 2.9)
+    ax = figure.add_subplot()
+    plot_length(ax, sweep, palette)
+    ax.set_xlabel("turning radius R")
     label = sweep.label
     caption = f"{label[:1].upper()}{label[1:]}. Length units; R* = {digits(5)(sweep.circle)}."
-    return Picture(f"radius-{number}", caption, figure, f"Length and time over radius, {label}")
+    return Picture(f"radius-{number}", caption, figure, f"Length over radius, {label}", half=True)
+
+
+def _time_picture(sweeps: Sequence[Sweep], solvers: list[str], palette: Palette) -> Picture:
+    """The median time of all sweeps over R / R*, a line per solver."""
+    times = [sweep.times.assign(place=sweep.times["radius"] / sweep.circle) for sweep in sweeps]
+    every = pd.concat(times)
+    every = every[
+        every["solver"].isin(solvers) & np.isfinite(every["place"]) & (every["place"] > 0)
+    ]
+    bins = 10 ** (np.round(_BINS * np.log10(every["place"])) / _BINS)
+    medians = every.groupby(["solver", bins])["wall_s"].median().reset_index()
+    names = palette.names(solvers)
+    table = by_solver(medians).assign(name=lambda lines: lines["solver"].map(names))
+    caption = (
+        "Median time of a cold attempt over all sweeps, against R / R*: of the closed form and of "
+        "each formulation's solver that is most surely right. Right of 1 the target lies inside "
+        "the circle."
+    )
+    axes = "turning radius R / R*", "median time"
+    figure = parameter_lines(table, "place", "wall_s", palette, *axes, width=WIDE)
+    log_axis(figure.axes[0].yaxis, duration)
+    mark_limit(figure.axes[0], 1.0)
+    return Picture("radius-time", caption, figure, "Median time over the radius")
+
+
+_BINS = 8  # of the time's figure, in a decade of radii
 
 
 def _answers(frame: pd.DataFrame) -> Table:

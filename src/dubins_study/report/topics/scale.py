@@ -11,11 +11,10 @@ from collections.abc import Mapping
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
-from matplotlib.lines import Line2D
 from matplotlib.ticker import LogLocator
 
 from dubins_study.report.data.results import Results
-from dubins_study.report.elements.axes import label_curves, log_axis, mark_limit, power
+from dubins_study.report.elements.axes import log_axis, mark_limit, power
 from dubins_study.report.elements.columns import SOLVER, columns, marks
 from dubins_study.report.elements.content import Picture, Section, Table
 from dubins_study.report.elements.formats import count, digits, share, some
@@ -74,16 +73,13 @@ def by_solver(table: pd.DataFrame) -> pd.DataFrame:
 _MOST_LETTERS = 34  # of a solver's name in the figure
 
 
-def plot_scale(
-    ax: Axes, rows: pd.DataFrame, palette: Palette, foot: float, top: float
-) -> dict[str, Line2D]:
-    """Draw one scenario's gap over the radius, one line per solver; returns name -> line.
+def plot_scale(ax: Axes, rows: pd.DataFrame, palette: Palette, foot: float, top: float) -> None:
+    """Draw one scenario's gap over the radius, one line per solver.
 
     Columns: solver, radius, gap (relative; NaN if the path does not arrive). Gaps within rounding
     are drawn at `foot`, answers that do not arrive at `top`.
     """
-    looks, curves = palette.looks(rows["solver"]), {}
-    names = palette.names(rows["solver"])
+    looks, names = palette.looks(rows["solver"]), palette.names(rows["solver"])
     for place, solver in enumerate(solver_order(rows["solver"].tolist())):
         group = rows[rows["solver"] == solver].sort_values("radius")
         gap = group["gap"].where(group["gap"] > ROUNDING, foot).where(group["gap"].notna(), top)
@@ -91,8 +87,7 @@ def plot_scale(
         gap = gap.where(gap > foot, foot * 10 ** (0.28 * place))
         look = looks[solver]
         style: Style = {"marker": look.marker, "markersize": 3}
-        (curve,) = ax.plot(group["radius"], gap, **style, **look.lines)
-        curves[names[solver][:_MOST_LETTERS]] = curve
+        ax.plot(group["radius"], gap, label=names[solver][:_MOST_LETTERS], **style, **look.lines)
     mark_limit(ax, ROUNDING, "y")
     ax.set(xscale="log", yscale="log", ylim=(foot / 3, top * 4))
     log_axis(ax.xaxis)
@@ -101,7 +96,6 @@ def plot_scale(
     ticks = 10.0 ** np.arange(round(np.log10(ROUNDING)), round(np.log10(top)) - 1, 3)
     texts = [power(tick) for tick in ticks]
     ax.set_yticks([foot * 10, *ticks, top], ["rounding", *texts, "misses"])
-    return curves
 
 
 _FOOT, _TOP = 1e-17, 1e1
@@ -176,29 +170,19 @@ def _findings(table: pd.DataFrame, names: Mapping[str, str]) -> list[str]:
     return [f"{first}.", second, f"{third}."]
 
 
-_AXIS_NAME: Style = {"ha": "center", "color": MUTED, "fontsize": 8.5}
-_HEIGHT = 3.2  # inches
-# Shares of the figure: where the panels begin and end, the gap between two, their foot and height.
-# To the right of the last one stand the curves' names.
-_LEFT, _RIGHT, _GAP, _BOTTOM, _PANEL = 0.115, 0.735, 0.02, 0.15, 0.74
-
-
 def _picture(rows: pd.DataFrame, solvers: list[str], palette: Palette) -> Picture:
+    """A panel per scenario; the solvers' names at the right of the last."""
     labels = sorted(rows["label"].unique())
-    figure = new_figure(WIDE, _HEIGHT)
-    figure.set_layout_engine("none")  # the names' places depend on those of the panels
-    width = (_RIGHT - _LEFT - _GAP * (len(labels) - 1)) / len(labels)
+    figure = new_figure(WIDE, 3.2)
+    panels = figure.subplots(1, len(labels), sharey=True, squeeze=False)[0]
     shown = rows[rows["solver"].isin(solvers)]
-    for place, label in enumerate(labels):
-        ax = figure.add_axes((_LEFT + place * (width + _GAP), _BOTTOM, width, _PANEL))
-        curves = plot_scale(ax, shown[shown["label"] == label], palette, _FOOT, _TOP)
+    for ax, label in zip(panels, labels, strict=True):
+        plot_scale(ax, shown[shown["label"] == label], palette, _FOOT, _TOP)
         ax.set_title(label)
-        if place:
-            ax.tick_params(labelleft=False)
-        else:
-            ax.set_ylabel("gap to the shortest length (relative)")
-    figure.text((_LEFT + _RIGHT) / 2, 0.02, "turning radius R (length unit)", **_AXIS_NAME)
-    label_curves(ax, curves)
+    panels[0].set_ylabel("gap to the shortest length (relative)")
+    figure.supxlabel("turning radius R (length unit)", fontsize=8.5, color=MUTED)
+    handles, _ = panels[-1].get_legend_handles_labels()
+    figure.legend(handles=handles[::-1], loc="outside right center", fontsize=6.5)
     others = rows["solver"].nunique() - len(solvers)
     caption = (
         "Gap against radius, one panel per scenario. The line of a scale-free solver is level. "
