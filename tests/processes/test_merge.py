@@ -15,7 +15,7 @@ from live_run import finished, manifest, parts, quick_experiment, slow_experimen
 
 from dubins_study import merge, run, status
 from dubins_study.experiments.store.folder import read_rows
-from dubins_study.experiments.store.merged_rows import merged_rows
+from dubins_study.experiments.store.merge import merged_rows
 from dubins_study.experiments.store.part_writer import write_part
 from dubins_study.report.data.results import load
 from dubins_study.study.rows.files import ResultsError

@@ -134,7 +134,7 @@ def _check_section(experiment: str) -> None:
 
     Rows are rows whatever the report makes of them, so that the run goes on.
     """
-    from dubins_study.experiments.definition.experiment_text import packaged, text_of
+    from dubins_study.experiments.definition.experiment import packaged, text_of
 
     section = None if experiment in packaged() else text_of(experiment).fields().get("section")
     if not isinstance(section, str):

@@ -19,9 +19,9 @@ from dubins_study.experiments.plan.scenario_columns import (
     axis_values,
     block_size,
     columns,
+    scenario_id,
     scenarios,
 )
-from dubins_study.experiments.plan.scenario_ids import scenario_id
 from dubins_study.study.scenario import NUMBERS, Scenario
 
 SOBOL = {

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from dubins_study.experiments.definition.experiment import ExperimentError, packaged, parse, read
 from dubins_study.experiments.plan import block_plan
 from dubins_study.experiments.plan.cells import chains, shuffled
-from dubins_study.experiments.plan.scenario_ids import scenario_id
+from dubins_study.experiments.plan.scenario_columns import scenario_id
 from dubins_study.experiments.plan.solver_specs import expand_solvers
 from dubins_study.solvers.registry import SolverError, load, registered
 from dubins_study.study.body_coordinates import local

@@ -5,9 +5,8 @@ from __future__ import annotations
 import pytest
 
 from dubins_study.experiments.definition.experiment import ExperimentError, parse, read
-from dubins_study.experiments.definition.spec_braces import MOST_SPECS
 from dubins_study.experiments.plan.cells import chains
-from dubins_study.experiments.plan.solver_specs import expand_solvers, untrusted_spec
+from dubins_study.experiments.plan.solver_specs import MOST_SPECS, expand_solvers, untrusted_spec
 from dubins_study.solvers.registry import SolverError
 
 HEAD = 'title = "t"\nquestion = "q"\nsolvers = ["analytic"]\n'

@@ -10,8 +10,7 @@ import numpy as np
 
 from dubins_study.experiments.definition.experiment import Experiment, ExperimentError
 from dubins_study.experiments.plan.block_plan import BlockPlan, block_plans
-from dubins_study.experiments.plan.scenario_columns import scenarios
-from dubins_study.experiments.plan.scenario_ids import scenario_id
+from dubins_study.experiments.plan.scenario_columns import scenario_id, scenarios
 from dubins_study.solvers.protocol import Method
 from dubins_study.study.path import Path
 from dubins_study.study.rows.schema import Key

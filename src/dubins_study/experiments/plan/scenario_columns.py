@@ -1,18 +1,21 @@
-"""The scenarios of a block as columns.
+"""The scenarios of a block as columns or one by one, and their ids.
 
 If a block gives targets by distance and bearing, or by arc and margin, x and y are computed here.
 """
 
 from __future__ import annotations
 
+import hashlib
 import math
+import struct
+import warnings
 from collections.abc import Callable, Iterator
 
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from dubins_study.experiments.definition.axes import Axis, Linear, Log
+from dubins_study.experiments.definition.axes import Axis, Linear, LinearRange, Log, Range
 from dubins_study.experiments.definition.experiment import ExperimentError
 from dubins_study.experiments.definition.scenario_block import (
     CIRCULAR,
@@ -20,11 +23,53 @@ from dubins_study.experiments.definition.scenario_block import (
     POLAR,
     Block,
     ListedBlock,
+    Sample,
 )
-from dubins_study.experiments.plan.sample_points import sampled
 from dubins_study.study.path import FloatArray
 from dubins_study.study.scenario import NUMBERS, Scenario, ScenarioError, check_frame
 from dubins_study.study.scenario import scenarios as listed_scenarios
+
+_ID_DIGITS = 16
+_PACKED_NUMBERS = struct.Struct(f"<{len(NUMBERS)}d")
+
+
+def scenario_id(scenario: Scenario) -> str:
+    """The id of a scenario: 16 hexadecimal digits.
+
+    They are the first digits of the SHA-256 of the fields of `NUMBERS` as little-endian doubles,
+    followed by the label in UTF-8.
+    """
+    packed = _PACKED_NUMBERS.pack(*(getattr(scenario, name) for name in NUMBERS))
+    return hashlib.sha256(packed + _utf8(scenario.label)).hexdigest()[:_ID_DIGITS]
+
+
+def _utf8(label: str) -> bytes:
+    return label.encode("utf-8", "replace")  # a lone surrogate cannot be encoded
+
+
+def sampled(sample: Sample) -> dict[str, FloatArray]:
+    """One array of shape (count,) for each sampled field; the same on every machine."""
+    from scipy.stats import qmc  # takes half a second; most experiments have no sample
+
+    engine = qmc.Sobol if sample.method == "sobol" else qmc.LatinHypercube
+    points = engine(len(sample.ranges), rng=np.random.default_rng(sample.seed))
+    with warnings.catch_warnings():
+        # scipy warns if the number of points is not a power of 2, which is the author's choice
+        warnings.simplefilter("ignore", UserWarning)
+        unit = points.random(sample.count)
+    ranges = sample.ranges.items()
+    return {field: _scaled(unit[:, i], over) for i, (field, over) in enumerate(ranges)}
+
+
+def _scaled(unit: FloatArray, over: Range) -> FloatArray:
+    """Scale points of the unit interval to a range."""
+    if isinstance(over, LinearRange):
+        low, high = over.linear
+        return low + unit * (high - low)
+    low, high = over.log
+    values: FloatArray = low * (high / low) ** unit
+    return values
+
 
 # One array of shape (n,) for each name in `NUMBERS`.
 Columns = dict[str, FloatArray]
