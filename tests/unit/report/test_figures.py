@@ -3,22 +3,14 @@
 from __future__ import annotations
 
 import re
-from itertools import pairwise
 
-import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
 
 from dubins_study.report.data.results import load
-from dubins_study.report.elements.axes import label_curves, spread_labels, step_curve
 from dubins_study.report.elements.content import Picture, Table
 from dubins_study.report.elements.figure_file import figure_bytes, fix_layout
 from dubins_study.report.elements.names import common_part
-from dubins_study.report.elements.panels import split_columns
-from dubins_study.report.elements.style import RULE, drawing, text_width
+from dubins_study.report.elements.style import RULE, drawing
 from dubins_study.report.page.sections import TOPICS, sections_of
 from tests.unit.report import test_many_methods, test_page
 from tests.unit.report.results_folder import write_folder
@@ -65,15 +57,15 @@ def pictures(svg_files):
 
 
 def curves(ax):
-    """The lines of a panel with a colour and many points: not rules beside names, not grey ones."""
-    lines = [line for line in ax.lines if line.get_clip_on() and len(line.get_xdata()) > 2]
+    """The lines of a panel with a colour and many points: not grey ones."""
+    lines = [line for line in ax.lines if len(line.get_xdata()) > 2]
     return [line for line in lines if line.get_color() != RULE and line.get_linestyle() != "None"]
 
 
 def test_the_page_has_figures_of_many_topics(pictures):
     """So that what follows is said of something."""
     assert {"matrix", "comparison-profiles", "belief-claims", "verdicts"} <= set(pictures)
-    assert {"comparison-targets", "agreement-formulations", "work-precision"} <= set(pictures)
+    assert {"comparison-targets", "work-precision"} <= set(pictures)
     assert len(pictures) > 15
 
 
@@ -129,80 +121,6 @@ def test_every_caption_ends_and_every_lead_is_one_sentence(sections):
         assert not section.lead or re.search(r"[.?!]$", section.lead), section.key
 
 
-PLACES = st.lists(st.floats(0, 1), max_size=12)
-
-
-@given(PLACES, st.floats(0.01, 0.2))
-def test_labels_keep_apart_in_order_and_in_the_room(places, distance):
-    """If the room is too small for the distance, they share it."""
-    spread = spread_labels(places, distance, (0.0, 1.0))
-    ordered = spread[np.argsort(places, kind="stable")]
-    least = min(distance, 1 / max(1, len(places) - 1))
-
-    assert np.all(np.diff(ordered) >= least - 1e-12)
-    assert np.all((spread >= -1e-12) & (spread <= 1 + 1e-12))
-
-
-@given(PLACES, st.floats(0.001, 0.02))
-def test_labels_move_no_more_than_they_must(places, distance):
-    """Places that are far enough apart stay."""
-    gaps = np.diff(np.sort(places))
-    if np.all(gaps >= distance):
-        assert spread_labels(places, distance, (0.0, 1.0)) == pytest.approx(places)
-
-
-def test_names_at_the_ends_of_curves_do_not_overlap():
-    """Ten curves that end at the same height, measured on the drawn figure."""
-    with drawing():
-        figure = Figure(figsize=(3, 1.4))
-        ax = figure.add_axes((0.1, 0.1, 0.4, 0.8))
-        ax.set(xlim=(0, 1), ylim=(0, 1))
-        lines = {f"engine {n}": ax.plot([0, 1], [n / 20, 0.9])[0] for n in range(10)}
-        label_curves(ax, lines)
-        FigureCanvasAgg(figure).draw()
-    boxes = [text.get_window_extent() for text in ax.texts]
-    boxes.sort(key=lambda box: box.y0)
-
-    assert {text.get_text() for text in ax.texts} == set(lines)
-    # Letters fill their line's box but for a tenth above and below them.
-    for lower, upper in pairwise(boxes):
-        assert upper.y0 + upper.height / 10 >= lower.y1 - lower.height / 10
-    assert boxes[0].y0 >= 0
-    assert boxes[-1].y1 <= figure.bbox.y1
-
-
-@given(st.lists(st.integers(0, 20), min_size=1, max_size=15), st.integers(2, 30))
-def test_a_step_curve_keeps_its_values(values, points):
-    """At every point the coarse curve is what the fine one is there."""
-    x = np.sort(np.asarray(values, dtype=float))
-    y = np.arange(1.0, len(x) + 1)
-    grid = np.linspace(0, 20, points)
-    kept, shown = step_curve(x, y, grid)
-
-    expected = [sum(x <= point) for point in grid]
-    assert shown[np.searchsorted(kept, grid, side="right") - 1].tolist() == expected
-    assert (kept[0], kept[-1]) == (grid[0], grid[-1])
-
-
-@given(st.lists(st.integers(1, 10), min_size=1, max_size=9), st.integers(1, 4))
-def test_panels_fill_columns_in_order(heights, across):
-    """No other cut of the order gives a lower figure with as many columns."""
-    columns = split_columns(heights, across)
-    order = [place for column in columns for place in column]
-    highest = max(sum(heights[i] for i in column) for column in columns)
-
-    assert order == list(range(len(heights)))
-    assert len(columns) == min(across, len(heights))
-    assert highest >= max(max(heights), -(-sum(heights) // len(columns)))
-    # A greedy filling below that height would need more columns.
-    filled, needed = 0, 1
-    for height in heights:
-        needed, filled = (
-            (needed + 1, height) if filled + height >= highest else (needed, filled + height)
-        )
-    assert needed > len(columns) or highest == max(heights)
-
-
 def test_what_all_names_of_a_panel_share_goes_to_its_title():
     """Only if nothing is lost: a method without a presolve keeps the others' names long."""
     shared = ["Ipopt, presolve", "SLSQP, presolve"]
@@ -211,14 +129,3 @@ def test_what_all_names_of_a_panel_share_goes_to_its_title():
     assert common_part(["HiGHS", *shared]) == ("", ["HiGHS", *shared])
     assert common_part(["SCIP", "Ipopt, bearing start"]) == (" (bearing start)", ["SCIP", "Ipopt"])
     assert common_part(["Ipopt, presolve"]) == ("", ["Ipopt, presolve"])
-
-
-def test_text_widths_are_those_of_the_drawn_text():
-    """Room beside the panels is computed before anything is drawn."""
-    with drawing():
-        figure = Figure(figsize=(4, 1), dpi=600)
-        text = figure.text(0, 0.5, "Uno filterSQP, bearing start", fontsize=6)
-        FigureCanvasAgg(figure).draw()
-        width = text.get_window_extent().width / 600
-
-    assert text_width(text.get_text(), 6) == pytest.approx(width, rel=0.02)  # hinting to pixels

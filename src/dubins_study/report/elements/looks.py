@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple, Self
@@ -47,15 +46,6 @@ class Look(NamedTuple):
     def lines(self) -> dict[str, Any]:
         """Keywords for a line without markers."""
         return {"color": self.colour, "linestyle": self.line}
-
-    def curve(self, place: int) -> dict[str, Any]:
-        """Keywords for a line of many points with a few markers.
-
-        The markers distinguish curves in grey print. `place` is the index of the curve in its
-        figure; it shifts the markers, so that markers of coinciding curves do not overlap.
-        """
-        every = (0.03 + 0.045 * (place % 5), 0.22)
-        return {**self.lines, "marker": self.marker, "markevery": every, "markersize": 3.5}
 
 
 @dataclass(frozen=True)
@@ -137,14 +127,3 @@ def name_of(solver: str, width: int = 26) -> str:
         else:
             line = f"{line}, {item}" if line else item
     return "\n".join(part[:60] for part in (*lines, line) if part)
-
-
-def lines_of_names(solvers: Iterable[str]) -> int:
-    """Largest number of lines that one of the names takes."""
-    return max(name_of(solver).count("\n") + 1 for solver in solvers)
-
-
-def legend_lines(solvers: Iterable[str], width: int = 26, columns: int = 1) -> int:
-    """Approximate number of text lines in a legend of these solvers."""
-    lines = [name_of(solver, width).count("\n") + 1 for solver in solvers]
-    return math.ceil(len(lines) / columns) * max(lines, default=1) if columns > 1 else sum(lines)

@@ -9,14 +9,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from functools import lru_cache
 from typing import Any, NamedTuple, TypeAlias
 
 import matplotlib as mpl
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.font_manager import FontProperties
-from matplotlib.textpath import TextToPath
 
 Style: TypeAlias = dict[str, Any]  # keywords of matplotlib
 
@@ -111,21 +107,3 @@ def drawing() -> Iterator[None]:
 def new_figure(width: float, height: float) -> Figure:
     """An empty figure (inches) that makes room for its labels."""
     return Figure(figsize=(width, height), layout="constrained")
-
-
-def add_panel(figure: Figure, box: tuple[float, float, float, float]) -> Axes:
-    """Axes at a place in inches: left, bottom, width and height."""
-    wide, high = figure.get_size_inches()
-    x, y, width, height = box
-    return figure.add_axes((x / wide, y / high, width / wide, height / high))
-
-
-_FONTS = TextToPath()
-
-
-@lru_cache(maxsize=2000)
-def text_width(text: str, size: float) -> float:
-    """The width of a line of text (inches) at a size (points)."""
-    font = FontProperties(family=["DejaVu Sans"], size=size)
-    width, _, _ = _FONTS.get_text_width_height_descent(text, font, False)
-    return float(width) / 72

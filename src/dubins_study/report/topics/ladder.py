@@ -12,17 +12,15 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
 from dubins_study.report.data.results import Results
-from dubins_study.report.elements.axes import mark_limit, power
+from dubins_study.report.elements.axes import mark_limit, only_grid, power
 from dubins_study.report.elements.columns import SOLVER, Column, columns
 from dubins_study.report.elements.content import Picture, Section, Table
 from dubins_study.report.elements.formats import ABSENT, count, digits, sentences
 from dubins_study.report.elements.looks import Palette
-from dubins_study.report.elements.panels import label_lines
 from dubins_study.report.elements.style import (
     BLUE,
     INK,
     ORANGE,
-    RULE,
     VERMILION,
     WIDE,
     Style,
@@ -175,9 +173,11 @@ def plot_ladder(
     rungs = sorted(table["rung"].unique())
     ax.set_xticks(rungs, [power(10.0**r) if r % 3 == 0 else "" for r in rungs])
     ax.set(xlabel="margin / R", xlim=(max(rungs) + 0.6, min(rungs) - 0.6))
-    label_lines(ax, [names[solver] for solver in lines], list(lines.values()))
-    ax.grid(False)
-    ax.grid(True, axis="y", color=RULE)
+    ax.set_yticks(list(lines.values()), [names[solver] for solver in lines], color=INK)
+    ax.set_ylim(-0.6, len(lines) - 0.4)
+    ax.spines["left"].set_visible(False)
+    ax.tick_params(axis="y", length=0)
+    only_grid(ax, "y")
 
 
 def _mark(colour: str, marker: str, filled: bool) -> dict[str, Any]:
