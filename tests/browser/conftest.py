@@ -13,6 +13,7 @@ from browser_report import small_report
 from browser_tab import DESK, Tab
 from playwright.sync_api import Browser, Page, sync_playwright
 
+from dubins_study import render
 from dubins_study.report.explorer.standalone import write_standalone
 
 
@@ -33,6 +34,13 @@ def chromium() -> Iterator[Browser]:
 def report_page(tmp_path_factory: pytest.TempPathFactory) -> FilePath:
     """`index.html` of a small report with a benchmark, the paper's problems and a radius sweep."""
     return small_report(tmp_path_factory.mktemp("small"))
+
+
+@pytest.fixture(scope="session")
+def benchmark_page(tmp_path_factory: pytest.TempPathFactory) -> FilePath:
+    """`index.html` of the committed benchmark."""
+    results = FilePath(__file__).parents[2] / "results" / "benchmark"
+    return render([results], tmp_path_factory.mktemp("benchmark") / "report")
 
 
 @pytest.fixture

@@ -19,6 +19,7 @@ def test_the_sweep_over_radii_is_the_package_s(explorer):
     Problem 5's target enters the left disc at R = 57.35: there LS ends and RL begins.
     """
     page = explorer("0,0,120deg,-80,20,25")
+    page.locator(".explorer-more > summary").click()
     page.wait_for_function("window.explorer.sweep.data()")
     data = page.evaluate("window.explorer.sweep.data()")
     assert len(data["radii"]) == 160
@@ -66,6 +67,7 @@ LABELS = """() => {
   let seed = 7;
   const random = () => { seed = seed * 48271 % 2147483647; return seed / 2147483647; };
   const svg = document.querySelector(".explorer-sweep-plot"), pictures = [];
+  document.querySelector(".explorer-more").open = true;
   for (let i = 0; i < 300; i += 1) {
     const far = 10 ** (12 * random() - 4), heading = 6 * random(), bearing = 6 * random();
     const radius = 10 ** (4 * random() - 2);

@@ -66,6 +66,19 @@ def test_every_file_that_the_page_links_is_there(new_tab, report_page: Path):
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize(("width", "most"), [(1280, 6000), (400, 9000)])
+def test_the_benchmark_is_read_in_one_sitting(new_tab, benchmark_page: Path, width: int, most: int):
+    """The page as it opens, details folded, is a few screens tall, on a desk and on a phone."""
+    page = new_tab(viewport={"width": width, "height": 900})
+    page.goto(benchmark_page.as_uri())
+    page.wait_for_function("window.explorer")
+
+    assert page.evaluate("document.scrollingElement.scrollHeight") <= most
+    assert page.evaluate("document.scrollingElement.scrollWidth") <= width
+    assert page.locator("main > section > details.part[open]").count() == 0
+
+
+@pytest.mark.slow
 def test_the_contents_follow_the_reading(new_tab, report_page: Path):
     """On a desk they stay on the screen, and mark the section that is read."""
     page = new_tab(viewport=DESK, reduced_motion="reduce")

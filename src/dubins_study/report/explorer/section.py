@@ -12,16 +12,13 @@ def explorer_section(results: Results) -> Section:
     """Every word's path to a target that the reader chooses; the same for all results."""
     caption = (
         "Map: the shortest word of every target; the length jumps across the heavy half circles. "
-        "Bold: the shortest path; thin: other words'. Below: every word's length against the "
-        "turning radius. Tab reaches the handles; arrow keys move them, + and − change the radius."
+        "Bold: the shortest path; thin: other words'. Tab reaches the handles; arrow keys move "
+        "them, + and − change the radius. Certificates: of Pontryagin's conditions and the cut; "
+        "clear of its cut, an extremal is shortest."
     )
     lead = "Drag the target across a turning circle to see the shortest path jump to another word."
-    text = (
-        "The page computes each word's path by the closed form, and its certificate from "
-        "Pontryagin's conditions and the cut: clear of its cut, an extremal is shortest."
-    )
     widget = Widget("explorer", caption, fragment())
-    return Section("explorer", "Explore the problem", text, (widget,), lead)
+    return Section("explorer", "Explore the problem", "", (widget,), lead)
 
 
 TOPIC = Topic("the explorer", explorer_section, General.EVERY, counted=True, place=Place.FRONT)

@@ -142,7 +142,7 @@
   function resize() {
     const {width} = svg.getBoundingClientRect();
     if (!width) return;
-    const height = Math.round(Math.max(300, Math.min(0.62 * width, 420)));
+    const height = Math.round(Math.max(300, Math.min(0.62 * width, 380)));
     svg.style.height = `${height}px`;
     scene.resize(width, height);
     sweep.resize(width);
