@@ -92,11 +92,7 @@ def seed() -> None:
 
 
 class ProcessState:
-    """Detects whether a solve has changed the state of this process since `accept`.
-
-    Args:
-        memory_limit: bytes that the process may hold.
-    """
+    """Detects whether a solve has changed the state of this process since `accept`."""
 
     def __init__(self, memory_limit: float):
         self._max_leak = _MAX_LEAK_SHARE * memory_limit
@@ -109,10 +105,6 @@ class ProcessState:
         self._pin_new_libraries()
         self._accepted = _state()
         self._resident, self._files = _leakable()
-
-    def changed(self) -> bool:
-        """Whether the state differs from the accepted one, so that the worker must be replaced."""
-        return bool(self.changes())
 
     def changes(self) -> list[str]:
         """What differs from the accepted state, by name; empty if nothing does."""

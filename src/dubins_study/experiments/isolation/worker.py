@@ -84,7 +84,7 @@ class _Worker:
         """The answer to a task, and whether the process was changed by it."""
         kind, *arguments = task
         if kind == "solve":
-            return self._solve(*arguments), self._state.changed()
+            return self._solve(*arguments), bool(self._state.changes())
         if kind == "probe":
             return probe(), False
         if kind == "load":
