@@ -51,8 +51,10 @@ def breakable(text: str) -> Markup:
 
 def choice(text: str) -> Markup:
     """A choice as HTML: the first line stands out."""
-    first, _, rest = text.partition("\n")
-    return Markup("<strong>{}</strong><br>{}").format(first, rest) if rest else Markup.escape(text)
+    first, *rest = text.split("\n")
+    if not rest:
+        return Markup.escape(text)
+    return Markup("<strong>{}</strong><br>{}").format(first, Markup("<br>").join(rest))
 
 
 def page_of(section: Section) -> str:

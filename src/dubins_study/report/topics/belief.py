@@ -244,12 +244,9 @@ def belief_section(results: Results) -> Section | None:
         blocks.append(_proof_table(false, names))
         blocks.append(_cure_table(cures(rows, names), names))
     text = sentences(
-        "A claim is true if it says "
-        "no more than the check finds; a local solver's longer path is a true claim of a local "
-        "optimum. It is less than known if a path arrives and the engine does not say so, or only "
-        "calls the shortest path feasible. A bound may lie above the shortest length by what the "
-        "engine's tolerance explains: such a claim is true to its tolerance. What the "
-        "presolve answered is no engine's claim.",
+        "A claim is true if it says no more than the check finds; a local solver's longer path is "
+        "a true claim of a local optimum. A bound that is too high by no more than the engine's "
+        "tolerance explains is true to its tolerance.",
         _liars(table),
     )
     lead = "See which engines say what is not so (crossed), and which say it of how many questions."

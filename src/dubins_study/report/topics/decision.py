@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -350,39 +350,56 @@ def _liars(attempts: Compared) -> str:
 
 
 def _table(found: Sequence[Choice], labels: dict[str, str]) -> Table:
-    needs = list(dict.fromkeys(choice.need for choice in found))
     by_region: dict[str, dict[str, Choice]] = {}
     for choice in found:
         by_region.setdefault(choice.region, {})[choice.need.key] = choice
     lines = [_line(region, row, labels) for region, row in by_region.items()]
+    united = _united([*by_region.values()])
     marks = {
-        (place, key): "note"
+        (place, f"{needs[0].key}_pick"): "note"
         for place, row in enumerate(by_region.values())
-        for key, choice in row.items()
-        if not choice.share >= SURE
+        for needs in united
+        if not row[needs[0].key].share >= SURE
     }
     shown = (
         *columns(kind="text", where="target"),
-        *(Column(need.key, need.title, kind="pick") for need in needs),
+        *(
+            Column(f"{needs[0].key}_pick", "; ".join(need.title for need in needs), kind="pick")
+            for needs in united
+        ),
     )
-    numbers = ("region", "questions", *(f"{n.key}_{name}" for n in needs for name in _NUMBERS))
+    keys = [need.key for needs in united for need in needs]
+    numbers = ("region", "questions", *keys, *(f"{k}_{name}" for k in keys for name in _NUMBERS))
     sure = f"{100 * SURE:g} %"
     caption = (
-        "The method to use, its spec for the command line, the share of the questions at which it "
-        "meets the need (95 % interval, Wilson) and its median time: the fastest that meets the "
+        "The method to use, the share of the questions at which it meets the need (95 % interval, "
+        "Wilson), its median time, and the spec to type: the fastest that meets the "
         f"need on at least {sure}. Grey: no method reaches {sure}; the best one is shown. In "
         "brackets: the number of questions, of which the choice was made too, which flatters it."
     )
     return Table("decision", caption, pd.DataFrame(lines), shown, marks, numbers, stacked=True)
 
 
-def _line(region: str, row: dict[str, Choice], labels: dict[str, str]) -> dict[str, object]:
+def _united(rows: Sequence[dict[str, Choice]]) -> list[list[Need]]:
+    """The needs, side by side; those with the same choices in all regions share a column."""
+    united: list[list[Need]] = []
+    for key, choice in rows[0].items():
+        before = united[-1][-1].key if united else ""
+        if before and all(row[key][5:] == row[before][5:] for row in rows):
+            united[-1].append(choice.need)
+        else:
+            united.append([choice.need])
+    return united
+
+
+def _line(region: str, row: dict[str, Choice], labels: dict[str, str]) -> dict[str, Any]:
     questions = next(iter(row.values())).questions
     place = ANYWHERE if region == ANYWHERE else REGIONS[region]
-    line: dict[str, object] = {"where": f"{place} ({count(questions)})", "region": region}
+    line: dict[str, Any] = {"where": f"{place} ({count(questions)})", "region": region}
     line["questions"] = questions
     for key, choice in row.items():
         line[key] = _cell(choice, labels)
+        line[f"{key}_pick"] = "\n".join(filter(None, (line[key], choice.solver)))
         line |= {f"{key}_{name}": getattr(choice, name) for name in _NUMBERS}
     return line
 

@@ -266,11 +266,11 @@ def presolve(evidence: Evidence) -> Finding | None:
     if factor.value < 1:
         factor, ratios = factor.inverse(), 1 / ratios
         advice, verb = "Do not drop words by geometry", "multiplies"
-    each = [(solver, evidence.geometric_mean_of(ratios[solver])) for solver in ratios]
-    parts = [f"{one.text()} with {evidence.name(solver)}" for solver, one in each if one]
+    each = [(solver, evidence.median_of(ratios[solver])) for solver in ratios]
+    parts = [f"{one.text()} with {evidence.name(str(solver))}" for solver, one in each if one]
     return Finding(
         f"{advice}: that {verb} the function evaluations of a question by {factor.text()} in the "
-        f"geometric mean: {', '.join(parts)}.",
+        f"geometric mean over questions and methods; in the median by {' and by '.join(parts)}.",
         factor,
         TIMES,
         f"{some(factor.questions, 'question')} with a path, {some(len(pairs), 'method')} with and "
@@ -557,14 +557,6 @@ def findings_section(results: Results) -> Section | None:
     return Section("findings", "What the study found", text, tuple(tables), lead)
 
 
-# The sections that findings point to show other means of the same times.
-_RATIOS = (
-    "A ratio of times is that of two medians over the questions that both methods answer, of each "
-    "question the median repeat; both medians stand beside it. Tables that count failures, weigh "
-    "every attempt, or show shifted means have other quotients. "
-)
-
-
 def _table(name: str, chosen: Sequence[Finding], first: int, title: str) -> Table:
     frame = pd.DataFrame(
         [
@@ -588,8 +580,9 @@ def _table(name: str, chosen: Sequence[Finding], first: int, title: str) -> Tabl
         *columns(kind="section", shown_in="shown in"),
     )
     caption = (
-        f"{title} Intervals: Wilson's for shares, for as many trials as there are questions, and "
-        f"bootstrap over scenarios for all others. {_RATIOS}The CSV file holds the numbers apart."
+        f"{title} Intervals: Wilson's for shares, bootstrap over scenarios for all others. A ratio "
+        "of times is that of two medians over the questions that both methods answer; tables that "
+        "count failures have other quotients."
     )
     return Table(
         name, caption, frame, shown, numbers=(*interval_keys("value"), "unit"), stacked=True

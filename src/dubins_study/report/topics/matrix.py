@@ -260,15 +260,20 @@ def whole_percent(share: float) -> str:
     return f"{min(max(100 * share, 1), 99):.0f}"
 
 
+def _drawn_engines(table: Matrix) -> list[tuple[str, str]]:
+    """(kind, engine) of the lines of the figure: engines that have rows with any formulation."""
+    asked = set(table.cells.loc[table.cells["filled"], "engine"])
+    return [pair for pair in table.engines if pair[1] in asked]
+
+
 def plot_matrix(ax: Axes, table: Matrix) -> None:
-    """Shares of right answers, engines by formulations; an empty cell has its reason's number.
+    """Shares of right answers, engines by formulations; a pair without rows stays empty.
 
     A star follows the share of a method that was asked fewer questions than others.
     """
-    names = [engine for _, engine in table.engines]
+    names = [engine for _, engine in _drawn_engines(table)]
     stars = table.cells["few"].map({True: "*", False: ""})
-    numbers = [f"[{note}]" if note else "" for note in table.cells["note"]]
-    cells = table.cells.assign(text=stars.where(table.cells["filled"], numbers))
+    cells = table.cells.assign(text=stars.where(table.cells["filled"], ""))
     wide = {
         key: cells.pivot(index="engine", columns="formulation", values=key).reindex(
             index=names, columns=table.formulations
@@ -285,7 +290,7 @@ def plot_matrix(ax: Axes, table: Matrix) -> None:
 
 def _name_kinds(ax: Axes, table: Matrix) -> None:
     """Write the kinds of engines at the right, and a line between two kinds."""
-    kinds = [kind for kind, _ in table.engines]
+    kinds = [kind for kind, _ in _drawn_engines(table)]
     starts = [place for place, kind in enumerate(kinds) if place == 0 or kind != kinds[place - 1]]
     for start in starts:
         right, name = len(table.formulations) - 0.4, textwrap.fill(kinds[start], 11)
@@ -359,11 +364,11 @@ def _picture(table: Matrix) -> Picture:
         "matrix",
         plot_matrix,
         table,
-        caption="Share of questions with a path that are answered right, in percent, with the best "
-        "of the pair's initial guesses and settings; darker for more. In brackets: the number of "
-        f"the reason below why a pair has no row.{star}",
+        caption="Percent of the questions with a path that are answered right, with the best of "
+        "the pair's initial guesses and settings. Empty: the pair has no row; the table of reasons "
+        f"says why.{star}",
         alt="Map of right answers, engines by formulations",
-        height=min(HIGHEST, 0.75 + 0.19 * max(len(table.engines), 5)),
+        height=min(HIGHEST, 0.75 + 0.19 * max(len(_drawn_engines(table)), 5)),
         width=WIDE,
     )
 
