@@ -15,7 +15,6 @@ import numpy as np
 import pandas as pd
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.colors import ListedColormap
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
@@ -24,6 +23,7 @@ from dubins_study.report.elements.columns import columns, marks
 from dubins_study.report.elements.content import Picture, Section, Table
 from dubins_study.report.elements.formats import count, sentences, share, slug
 from dubins_study.report.elements.names import names_of
+from dubins_study.report.elements.plots import draw_cells
 from dubins_study.report.elements.style import HALF, MAP_PAPER, ON_MAP, WIDE, new_figure
 from dubins_study.report.elements.topic import Topic
 from dubins_study.report.statistics.metrics import parse_spec, solver_order
@@ -199,16 +199,7 @@ def plot_ends(ax: Axes, table: pd.DataFrame, title: str, listed: Sequence[str]) 
         index="z2", columns="z1", values="code", aggfunc="first"
     )
     x, y = grid.columns.to_numpy(dtype=np.float64), grid.index.to_numpy(dtype=np.float64)
-    dx, dy = _half_step(x), _half_step(y)
-    ax.imshow(
-        grid.to_numpy(dtype=np.float64),
-        origin="lower",
-        extent=(x[0] - dx, x[-1] + dx, y[0] - dy, y[-1] + dy),
-        cmap=ListedColormap(list(_FILL.values())),
-        vmin=-0.5,
-        vmax=len(ENDS) - 0.5,
-        interpolation="nearest",
-    )
+    draw_cells(ax, grid.to_numpy(dtype=np.float64), x, y, list(_FILL.values()))
     for end in listed:
         group = table[table["end"] == end]
         if end in _MARK and len(group):
@@ -217,11 +208,6 @@ def plot_ends(ax: Axes, table: pd.DataFrame, title: str, listed: Sequence[str]) 
     ax.set_title(title, fontsize=8.5, fontweight="normal")
     ax.set_xticks(_TICKS, _TICK_TEXTS)
     ax.set_yticks(_TICKS, _TICK_TEXTS)
-    ax.grid(False)
-
-
-def _half_step(values: np.ndarray) -> float:
-    return float(np.diff(values).min()) / 2 if values.size > 1 else 0.5
 
 
 def legend_entries(listed: Sequence[str]) -> list[Artist]:

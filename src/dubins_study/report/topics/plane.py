@@ -8,15 +8,26 @@ from typing import Any
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.patches import Arc, Circle
 from numpy.typing import NDArray
 
 from dubins_study.report.data.attempts import EXACT
 from dubins_study.report.data.results import Results
-from dubins_study.report.elements import plane_axes
 from dubins_study.report.elements.content import Picture, Section, picture
 from dubins_study.report.elements.formats import count
 from dubins_study.report.elements.looks import Palette
-from dubins_study.report.elements.style import BLUE, INK, MUTED, ORANGE, RULE, VERMILION
+from dubins_study.report.elements.plots import draw_cells
+from dubins_study.report.elements.style import (
+    BLUE,
+    INK,
+    MAP_PAPER,
+    MUTED,
+    ON_MAP,
+    ORANGE,
+    RULE,
+    VERMILION,
+)
 from dubins_study.report.elements.topic import General, Topic
 from dubins_study.report.statistics.metrics import solver_order, success
 from dubins_study.study.path import Paths
@@ -87,21 +98,72 @@ def along_circle(rows: pd.DataFrame) -> pd.DataFrame:
     ).sort_values("angle")
 
 
+# A light and a dark shade of two hues: the shades differ in grey print too.
+WORD_COLOURS = {"LS": "#cfe3f1", "RS": "#fbe6c8", "RL": "#5d9cc6", "LR": "#d69a3c"}
+OTHER_COLOUR = "#8a8f96"
 _HATCHES = {"LS": "", "RS": "", "RL": "////", "LR": "\\\\\\\\"}
 
 
-def _extent(x: NDArray[np.float64], y: NDArray[np.float64]) -> tuple[float, float, float, float]:
-    dx, dy = (x[-1] - x[0]) / (x.size - 1) / 2, (y[-1] - y[0]) / (y.size - 1) / 2
-    return x[0] - dx, x[-1] + dx, y[0] - dy, y[-1] + dy
+def label_region(
+    ax: Axes, x: NDArray[np.float64], y: NDArray[np.float64], inside: NDArray[np.bool_], text: str
+) -> None:
+    """Write a word where its region is widest; nothing if the region is empty.
+
+    Args:
+        ax: where to draw.
+        x, y: coordinates of the grid, shapes (n,) and (m,).
+        inside: whether each cell belongs to the region, shape (m, n).
+        text: the word.
+    """
+    if not inside.any():
+        return
+    row, column = _deepest(inside)
+    box = {"facecolor": MAP_PAPER, "edgecolor": "none", "pad": 1.5, "alpha": 0.85}
+    ax.text(x[column], y[row], text, ha="center", va="center", bbox=box, color=ON_MAP)
+
+
+def _deepest(inside: NDArray[np.bool_]) -> tuple[int, int]:
+    """Row and column of the cell farthest from the region's edge."""
+    depth = np.zeros(inside.shape, dtype=int)
+    left = np.pad(inside, 1)
+    while left.any():
+        depth += left[1:-1, 1:-1]
+        left[1:-1, 1:-1] &= left[:-2, 1:-1] & left[2:, 1:-1] & left[1:-1, :-2] & left[1:-1, 2:]
+    row, column = np.unravel_index(int(depth.argmax()), depth.shape)
+    return int(row), int(column)
+
+
+def draw_circles(
+    ax: Axes, x: NDArray[np.float64], y: NDArray[np.float64], ink: str = ON_MAP
+) -> None:
+    """Draw the turning circles and the start; the half where the length jumps has a heavy line."""
+    for side in (1, -1):
+        ax.add_patch(Circle((0, side), 1, fill=False, edgecolor=ink, linewidth=0.6))
+        ax.add_patch(Arc((0, side), 2, 2, theta1=-90, theta2=90, color=ink, linewidth=1.8))
+    head = {"arrowstyle": "-|>", "color": ink, "linewidth": 1.0, "shrinkA": 0, "shrinkB": 0}
+    ax.annotate("", xy=(0.75, 0), xytext=(0, 0), arrowprops=head)
+    ax.plot(0, 0, marker="o", color=ink, markersize=3)
+    ax.set(xlim=(x[0], x[-1]), ylim=(y[0], y[-1]), xlabel="target x / R", ylabel="target y / R")
+    ax.set_aspect("equal")
+    ax.grid(False)
+
+
+def add_colour_bar(ax: Axes, image: ScalarMappable, label: str) -> None:
+    """Draw the scale of a map's colours below the map."""
+    figure = ax.figure
+    assert figure is not None
+    bar = figure.colorbar(image, ax=ax, location="bottom", shrink=0.7, pad=0.02, aspect=28)
+    bar.outline.set_visible(False)
+    bar.set_label(label)
 
 
 def plot_words(ax: Axes, rows: pd.DataFrame) -> None:
     """Draw the shortest word of each target. Columns: target_x, target_y, word (on a grid)."""
-    codes = {word: float(i) for i, word in enumerate(plane_axes.WORD_COLOURS)}
-    other = float(len(plane_axes.WORD_COLOURS))
+    codes = {word: float(i) for i, word in enumerate(WORD_COLOURS)}
+    other = float(len(WORD_COLOURS))
     known = rows.assign(code=rows["word"].map(lambda word: codes.get(word, other)))
     x, y, code = grid_of(known, "code")
-    plane_axes.plot_word_cells(ax, code, _extent(x, y))
+    draw_cells(ax, code, x, y, [*WORD_COLOURS.values(), OTHER_COLOUR])
     for word, value in codes.items():
         inside = code == value
         if inside.any() and _HATCHES[word]:
@@ -109,8 +171,8 @@ def plot_words(ax: Axes, rows: pd.DataFrame) -> None:
             hatch = ax.contourf(x, y, inside.astype(float), levels=[0.5, 1.5], **style)
             hatch.set_edgecolor("#ffffff80")
             hatch.set_linewidth(0)
-        plane_axes.label_region(ax, x, y, inside, word)
-    plane_axes.draw_circles(ax, x, y)
+        label_region(ax, x, y, inside, word)
+    draw_circles(ax, x, y)
 
 
 def plot_lengths(ax: Axes, rows: pd.DataFrame) -> None:
@@ -121,17 +183,15 @@ def plot_lengths(ax: Axes, rows: pd.DataFrame) -> None:
     x, y, length = grid_of(rows, "length")
     inside = rows.assign(inside=rows["region"].isin(["left disc", "right disc"]).astype(float))
     _, _, disc = grid_of(inside, "inside")
-    image = ax.imshow(
-        length, origin="lower", extent=_extent(x, y), cmap="cividis", interpolation="nearest"
-    )
+    image = draw_cells(ax, length, x, y, "cividis")
     levels = np.arange(math.floor(np.nanmin(length)), math.ceil(np.nanmax(length)) + 1)
     for part in (disc > 0.5, disc <= 0.5):  # separately, since a contour must not cross the jump
         values = np.where(part, length, np.nan)
         if np.isfinite(values).sum() > 4:
             lines = ax.contour(x, y, values, levels=levels, colors="white", linewidths=0.6)
             ax.clabel(lines, levels[::2], fmt=lambda v: f"{v:g}", fontsize=7, inline_spacing=2)
-    plane_axes.draw_circles(ax, x, y)
-    plane_axes.add_colour_bar(ax, image, "shortest length / R")
+    draw_circles(ax, x, y)
+    add_colour_bar(ax, image, "shortest length / R")
 
 
 def plot_jump(ax: Axes, table: pd.DataFrame) -> None:
@@ -174,7 +234,7 @@ def plot_failures(ax: Axes, rows: pd.DataFrame) -> None:
             mark |= {"markerfacecolor": "none", "label": text}
             ax.plot(group["target_x"], group["target_y"], **mark)
     x, y = np.sort(rows["target_x"].unique()), np.sort(rows["target_y"].unique())
-    plane_axes.draw_circles(ax, x.astype(np.float64), y.astype(np.float64), INK)
+    draw_circles(ax, x.astype(np.float64), y.astype(np.float64), INK)
 
 
 def plane_section(results: Results) -> Section | None:
