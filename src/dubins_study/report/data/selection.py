@@ -47,7 +47,8 @@ class Database:
 
     def table(self, query: str) -> pa.Table:
         """The result of a query."""
-        return self._connection.sql(query).to_arrow_table()
+        table: pa.Table = self._connection.sql(query).to_arrow_table()
+        return table
 
     def frame(self, query: str, parameters: Sequence[Any] = ()) -> pd.DataFrame:
         """The result of a query; that of a repeated query is cached."""

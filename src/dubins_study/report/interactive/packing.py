@@ -47,13 +47,14 @@ def packed(rows: pd.DataFrame, more: Mapping[str, Any]) -> bytes:
     columns |= {name: rows[name].eq(True).astype(int).tolist() for name in FLAGS}
     columns |= {name: rows[name].tolist() for name in ("repeat", "worst")}
     columns["scenario"], scenarios = _scenarios(rows)
-    content = {
+    content: dict[str, Any] = {
         "count": len(rows),
         "texts": texts,
         "columns": columns,
         "scenarios": scenarios,
         "paths": [drawn(row) for row in rows.to_dict("records")],
-    } | more
+        **more,
+    }
     text = json.dumps(content, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
     return text.encode()
 
@@ -74,7 +75,8 @@ def _scenarios(rows: pd.DataFrame) -> tuple[list[int], dict[str, list[Any]]]:
     numbered = table[key].assign(number=np.arange(len(table)))
     places = rows[key].merge(numbered, on=key, how="left")["number"]
     known = table[list(_OF_SCENARIO)].astype(object)
-    return places.tolist(), known.where(known.notna(), None).to_dict("list")
+    columns = known.where(known.notna(), None)
+    return places.tolist(), {name: columns[name].tolist() for name in _OF_SCENARIO}
 
 
 def drawn(row: Mapping[Any, Any]) -> dict[str, Any] | None:
