@@ -175,7 +175,7 @@ def answered_or_refused(words: list[str], place: Path, song: Path) -> None:
     assert sorted(place.parent.iterdir()) == outer
 
 
-@cases(150)
+@cases(40)
 @given(words=requests())
 def test_a_request_is_answered_or_refused(words, place, song):
     answered_or_refused(words, place, song)
@@ -183,7 +183,7 @@ def test_a_request_is_answered_or_refused(words, place, song):
 
 @pytest.mark.slow
 @pytest.mark.timeout(1200)  # 2000 requests take four minutes of a quiet core
-@cases(2000)
+@cases(200)
 @given(words=requests())
 def test_thousands_of_requests_are(words, place, song):
     answered_or_refused(words, place, song)

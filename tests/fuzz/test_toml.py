@@ -50,14 +50,14 @@ def expanded_or_refused(content: bytes, place: Path, song: Path) -> None:
     assert not [*seen.started, *seen.unpickled, *seen.outside(place)]
 
 
-@cases(120)
+@cases(30)
 @given(fields=experiments())
 def test_an_experiment_is_expanded_or_refused(fields, tmp_path_factory, song):
     expanded_or_refused(text_of(fields).encode(), tmp_path_factory.getbasetemp(), song)
 
 
 @pytest.mark.slow
-@cases(3000)
+@cases(300)
 @given(fields=experiments())
 def test_thousands_of_experiments_are(fields, tmp_path_factory, song):
     expanded_or_refused(text_of(fields).encode(), tmp_path_factory.getbasetemp(), song)
@@ -76,14 +76,14 @@ def parsed_or_refused(content: bytes) -> None:
     check_lines(message)
 
 
-@cases(150)
+@cases(40)
 @given(content=mutilated(PACKAGED))
 def test_a_mutilated_file_is_parsed_or_refused(content):
     parsed_or_refused(content)
 
 
 @pytest.mark.slow
-@cases(3000)
+@cases(300)
 @given(content=mutilated(PACKAGED))
 def test_thousands_of_mutilated_files_are(content):
     parsed_or_refused(content)

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import csv
 import logging
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Sequence
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any
 
@@ -55,25 +54,23 @@ def read_scenarios(file: str | FilePath) -> pd.DataFrame:
             expected; or why the file cannot be read.
     """
     place = FilePath(file)
-    readers: dict[str, Callable[[FilePath], Iterator[_Row]]] = {
-        ".csv": _csv_rows,
-        ".parquet": _parquet_rows,
-    }
-    if place.suffix not in readers:
+    read = {".csv": _csv_rows, ".parquet": _parquet_rows}.get(place.suffix)
+    if read is None:
         raise ScenarioFileError(f"{file}: expected a name ending in .csv or .parquet")
     try:
         size = place.stat().st_size
         if size > _MOST_BYTES:
             raise ScenarioFileError(f"{file}: {size} bytes; expected at most {_MOST_BYTES}")
-        rows = list(readers[place.suffix](place))
+        rows = read(place)
+    except ScenarioFileError:
+        raise
     except UnicodeError:
         raise ScenarioFileError(f"{file}: cannot be read: it is not UTF-8 text") from None
     except OSError as error:
         raise ScenarioFileError(f"{file}: cannot be read: {error.strerror or error}") from None
-    except ValueError as error:
-        if isinstance(error, ScenarioFileError):
-            raise
-        raise ScenarioFileError(f"{file}: cannot be read: {error}") from None
+    except ValueError as error:  # the parser's own words
+        first = plain(str(error).partition("\n")[0])
+        raise ScenarioFileError(f"{file}: cannot be read: {first}") from None
     if not rows:
         raise ScenarioFileError(f"{file}: no scenarios; expected a row each")
     frame = _checked(str(file), rows)
@@ -151,48 +148,42 @@ def _number(name: str, value: Any) -> float:
         raise ScenarioFileError(f"{name} is {short(value)}; expected a number") from None
 
 
-def _csv_rows(file: FilePath) -> Iterator[_Row]:
-    with file.open(encoding="utf-8-sig", newline="") as stream:
-        reader = csv.reader(stream, strict=True)
-        try:
-            head = [name.strip() for name in next(reader, [])]
-            _check_columns(str(file), head, "line 1")
-            first, count = reader.line_num + 1, 0
-            for cells in reader:
-                where, first = f"line {first}", reader.line_num + 1
-                if not cells:  # an empty line
-                    continue
-                count += 1
-                _check_count(file, count)
-                if len(cells) != len(head):
-                    raise ScenarioFileError(
-                        f"{file}: {where}: {len(cells)} values; expected {len(head)}, one a column"
-                    )
-                values = dict(zip(head, cells, strict=True))
-                # what is left empty has its default
-                yield where, {k: v for k, v in values.items() if v or k not in _DEFAULTS}
-        except csv.Error as error:
-            raise ScenarioFileError(f"{file}: line {reader.line_num}: {error}") from None
+def _csv_rows(file: FilePath) -> list[_Row]:
+    """The rows as texts, each with its line; of a quoted text with line breaks, the first line."""
+    import pandas as pd
+
+    cells = pd.read_csv(
+        file,
+        header=None,
+        dtype=str,
+        keep_default_na=False,
+        skip_blank_lines=False,
+        encoding="utf-8-sig",
+    ).fillna("")
+    breaks = sum(column.str.count("\n") for _, column in cells.items())
+    lines = 1 + cells.index + breaks.cumsum().shift(fill_value=0)
+    head, *rows = cells.to_numpy().tolist()
+    head = [name.strip() for name in head]
+    _check_columns(str(file), head, "line 1")
+    _check_count(file, sum(map(any, rows)))
+    return [
+        (f"line {line}", {k: v for k, v in zip(head, row, strict=True) if v or k not in _DEFAULTS})
+        for line, row in zip(lines[1:], rows, strict=True)
+        if any(row)  # no empty line
+    ]
 
 
-def _parquet_rows(file: FilePath) -> Iterator[_Row]:
-    import pyarrow as pa
+def _parquet_rows(file: FilePath) -> list[_Row]:
     import pyarrow.parquet as pq
 
-    try:
-        content = pq.ParquetFile(file)
-        head = content.schema_arrow.names
-        _check_columns(str(file), head, "the file")
+    with pq.ParquetFile(file) as content:
+        _check_columns(str(file), content.schema_arrow.names, "the file")
         _check_count(file, content.metadata.num_rows)
-        number = 0
-        for batch in content.iter_batches(batch_size=2**14):
-            for values in batch.to_pylist():
-                number += 1
-                given = {k: v for k, v in values.items() if v is not None or k not in _DEFAULTS}
-                yield f"row {number}", given
-    except pa.ArrowException as error:
-        first = str(error).partition("\n")[0]
-        raise ScenarioFileError(f"{file}: cannot be read as Parquet: {first}") from None
+        rows = content.read().to_pylist()
+    return [
+        (f"row {n}", {k: v for k, v in row.items() if v is not None or k not in _DEFAULTS})
+        for n, row in enumerate(rows, 1)
+    ]
 
 
 def _check_columns(file: str, head: Sequence[str], where: str) -> None:
