@@ -86,10 +86,7 @@ class Template:
     def solve(self, gap: float, cutoff: float, seconds: float) -> Answer:
         """Solve the MILP for the parameters' present values.
 
-        Args:
-            gap: relative gap of bound and objective at which HiGHS calls it optimal.
-            cutoff: HiGHS ignores points with a larger objective.
-            seconds: time limit.
+        It is optimal at the relative `gap`; points with an objective above `cutoff` are ignored.
         """
         import cvxpy as cp
 

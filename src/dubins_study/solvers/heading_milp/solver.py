@@ -59,11 +59,8 @@ def solution(
 ) -> Solution:
     """The shortest path of all MILPs, and the claim that follows from their statuses.
 
-    Args:
-        question: what is answered.
-        results: of the MILPs that there was time for.
-        complete: whether these are all.
-        grid, engine: for messages.
+    `results` are those of the MILPs that there was time for, `complete` if these are all; `grid`
+    and `engine` are for messages.
     """
     scenario, R = question.scenario, question.scenario.radius
     counts: dict[str, Any] = {

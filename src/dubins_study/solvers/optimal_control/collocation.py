@@ -43,15 +43,10 @@ from dubins_study.study.path import FloatArray
 
 
 def asked(model: PyomoProgram, data: slice, engine: Engine, deadline: Deadline) -> Ask:
-    """A Pyomo model to be solved by an engine again and again.
+    """A Pyomo model, whose rows have the right-hand side 0, to be solved by an engine many times.
 
-    The result has the model's variables in the caller's order and the duals of the rows that are
-    wanted.
-
-    Args:
-        model: its rows have the right-hand side 0.
-        data: the places of the data among the variables; their bounds pin them.
-        deadline: when to stop.
+    `data` are the places of the data among the variables; their bounds pin them. The result has
+    the model's variables in the caller's order and the duals of the rows that are wanted.
     """
     import casadi as ca
 
@@ -94,22 +89,14 @@ def asked(model: PyomoProgram, data: slice, engine: Engine, deadline: Deadline) 
 
 @dataclass(frozen=True, eq=False)
 class Template:
-    """The transcription of one choice of settings.
-
-    Args:
-        equal: whether all elements are equally long.
-        element: which element a collocation point lies in, shape (m,), from 0.
-        fraction: how far into it, shape (m,), in (0, 1].
-        ask: the compiled program and its engine.
-        deadline: when a solve stops; Ipopt's executable does not look at it.
-    """
+    """The transcription of one choice of settings, compiled."""
 
     n: int
-    equal: bool
-    element: Any
-    fraction: FloatArray
+    equal: bool  # whether all elements are equally long
+    element: Any  # which element a collocation point lies in, shape (m,), from 0
+    fraction: FloatArray  # how far into it, shape (m,), in (0, 1]
     ask: Ask
-    deadline: Deadline
+    deadline: Deadline  # when a solve stops; Ipopt's executable does not look at it
 
     @property
     def shares(self) -> FloatArray | None:

@@ -33,7 +33,7 @@ class MultipleShooting(Transcription):
                 a_k = l_k - r_k,  h_k = l_k + r_k + s_k,  l_k, r_k, s_k >= 0
 
     The pose q_k at the start of segment k is a variable, and F drives an arc of the turn a_k and
-    the length h_k (`arc_flow`). The arc spends l_k turning left, r_k turning right and s_k going
+    the length h_k (`arcs.chord`). The arc spends l_k turning left, r_k turning right and s_k going
     straight, all at once: its turn rate a_k / h_k is whatever lies in [-1, 1], without an
     inequality and with nothing undetermined where h_k = 0. Segments of the mesh `equal` have
     h_k = T / n.

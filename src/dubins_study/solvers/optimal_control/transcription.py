@@ -47,13 +47,9 @@ class Template(Protocol):
         """Shares of the whole length that the elements have, shape (n,); None if free."""
 
     def solve(self, guess: Elements, rates: Rates, target: FloatArray, until: float) -> Transcribed:
-        """Solve from a guess.
+        """Solve for a target (2,) in radii from a guess, whose elements have the shares.
 
-        Args:
-            guess: where to begin; its elements have the shares.
-            rates: least and largest turn rate allowed.
-            target: shape (2,), radii.
-            until: when to stop (s, on `perf_counter`).
+        `until` is when to stop (s, on `perf_counter`).
         """
 
 

@@ -34,12 +34,12 @@ class TurnRates(Transcription):
     minimise    T
     subject to  (x, y)(u_1 .. u_n, T) = (X, Y),   -1 <= u_k <= 1,  T >= 0
 
-    Single shooting: the path is driven from the start to its end (`arc_flow`), so that the end
+    Single shooting: the path is driven from the start to its end (`arcs.chord`), so that the end
     point's two equations are the only ones. `turn-rate-qp` solves the same problem as a sequence
     of QPs. Steps so long that they could turn by more than half a circle get a smaller bound.
 
     Args:
-        mesh: `equal` steps, or `graded` ones (`turn_rate_dynamics.step_shares`).
+        mesh: `equal` steps, or `graded` ones (`arcs.step_shares`).
     """
 
     n: int = 50
@@ -69,16 +69,11 @@ class TurnRates(Transcription):
 
 @dataclass(frozen=True, eq=False)
 class Steps:
-    """The program over n turn rates, and its engine.
-
-    Args:
-        shares: the steps' shares of the length, shape (n,), summing to 1.
-        most: the largest turn rates, shape (n,), at most 1.
-    """
+    """The program over n turn rates, and its engine."""
 
     n: int
-    shares: FloatArray
-    most: FloatArray
+    shares: FloatArray  # of the length, shape (n,), summing to 1
+    most: FloatArray  # the largest turn rates, shape (n,), at most 1
     engine: Engine
 
     def solve(self, guess: Elements, rates: Rates, target: FloatArray, until: float) -> Transcribed:

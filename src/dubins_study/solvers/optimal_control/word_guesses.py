@@ -64,13 +64,8 @@ def trials(
     circle's length and its diameter. Kind `given` has the question's own path only, if there is
     one.
 
-    Args:
-        question: its branch is `best` or a word.
-        target: in body coordinates.
-        shapes: the words of the kind `bearing`.
-        n: number of elements.
-        shares: of the whole length that each element has, shape (n,); None if they are free.
-        rates: bounds of the random turn rates.
+    `shapes` are the words of the kind `bearing`; the n elements have `shares` (n,) of the whole
+    length, or are free; `rates` bound random turn rates.
     """
     warm = [Guess("warm", cut(path, n, shares)) for path in _given(question)]
     if kind.name == "given" and warm:
