@@ -11,7 +11,7 @@ from markdown_text import prose, table
 
 from dubins_study.report.data.results import Results, load
 from dubins_study.report.elements.formats import digits
-from dubins_study.report.elements.shares import percent, questions
+from dubins_study.report.elements.identity import percent, questions
 from dubins_study.report.statistics.compared import compared
 from dubins_study.report.statistics.methods import best_methods
 from dubins_study.report.topics import findings

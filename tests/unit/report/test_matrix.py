@@ -6,7 +6,7 @@ import pandas as pd
 import pytest
 
 from dubins_study.report.data.results import load
-from dubins_study.report.elements.shares import share_text, with_share
+from dubins_study.report.elements.identity import share_text, with_share
 from dubins_study.report.statistics.methods import best_methods, drawn_methods
 from dubins_study.report.topics.matrix import (
     matrix,

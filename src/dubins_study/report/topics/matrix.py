@@ -18,9 +18,15 @@ from dubins_study.report.data.verdicts import evaluations
 from dubins_study.report.elements.columns import SOLVER, Column, columns, marks
 from dubins_study.report.elements.content import Picture, Place, Section, Table, picture
 from dubins_study.report.elements.formats import count, digits, seconds, sentences, slug, some
-from dubins_study.report.elements.identity import METHOD, best_first
+from dubins_study.report.elements.identity import (
+    INTERVAL_TEXT,
+    METHOD,
+    best_first,
+    percent,
+    questions,
+    with_share,
+)
 from dubins_study.report.elements.plots import HIGHEST
-from dubins_study.report.elements.shares import INTERVAL_TEXT, percent, questions, with_share
 from dubins_study.report.elements.style import (
     BLUE,
     INK,

@@ -12,9 +12,8 @@ from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import SOLVER, Column, columns, marks
 from dubins_study.report.elements.content import Section, Table
 from dubins_study.report.elements.formats import count, seconds, sentences, share, some
-from dubins_study.report.elements.identity import METHOD
+from dubins_study.report.elements.identity import INTERVAL_TEXT, METHOD, with_share
 from dubins_study.report.elements.names import in_page_order
-from dubins_study.report.elements.shares import INTERVAL_TEXT, with_share
 from dubins_study.report.elements.topic import General, Topic
 from dubins_study.report.statistics.methods import best_of_formulations, methods_of
 
