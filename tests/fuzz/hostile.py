@@ -70,8 +70,3 @@ def nested(leaves: st.SearchStrategy[Any]) -> st.SearchStrategy[Any]:
         ),
         max_leaves=8,
     )
-
-
-def deep(levels: int, kind: str) -> str:
-    """JSON, and TOML, that is nested deeper than most programs go."""
-    return "[" * levels + "]" * levels if kind == "list" else '{"a":' * levels + "1" + "}" * levels

@@ -160,7 +160,7 @@ def _csv_rows(file: FilePath) -> list[_Row]:
         skip_blank_lines=False,
         encoding="utf-8-sig",
     ).fillna("")
-    breaks = sum(column.str.count("\n") for _, column in cells.items())
+    breaks = cells.apply(lambda column: column.str.count("\n")).sum(axis="columns")
     lines = 1 + cells.index + breaks.cumsum().shift(fill_value=0)
     head, *rows = cells.to_numpy().tolist()
     head = [name.strip() for name in head]
