@@ -53,8 +53,8 @@ def test_killed_at_twenty_random_moments(asking, tmp_path):
             until(lambda n=wanted, run=run: len(parts(folders[-1])) >= n or run.process.poll() == 0)
             time.sleep(draw.uniform(0.0, 1.0))  # rows are written about every second
             cut += run.process.poll() is None
+            run.process.kill()  # first: a worker killed before it would rightly be a crashed row
             if cut % 2:
-                run.process.kill()
                 run.process.wait()
                 assert left_behind(run.mark) == []
             else:
