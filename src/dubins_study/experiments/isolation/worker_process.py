@@ -98,6 +98,8 @@ class WorkerProcess:
         self._begun, self._since_s = True, monotonic()
         # The last moment at which no answer was waiting to be read.
         self._silent_s = self._since_s
+        # The earliest moment at which the current task may have begun, whatever pauses there were.
+        self._earliest_s = self._since_s
         self._output = b""
         self._open = {self._process.channel.line.fileno(), self._process.output}
 
@@ -118,6 +120,7 @@ class WorkerProcess:
         """Add a task; `register` sends it."""
         if not self.pending:
             self._begun, self._since_s, self.expected_s = False, monotonic(), 0.0
+            self._earliest_s = self._since_s
         self.pending.append(Task(self._tasks, allowance, decode, tag, expected_s))
         self._process.channel.put([self._tasks, *message])
         self.expected_s += expected_s
@@ -147,15 +150,15 @@ class WorkerProcess:
         if not sent:  # the rest of a long message is sent once the worker has read more
             poll.register(self._process.channel.line, select.POLLIN | select.POLLOUT)
 
-    def events(self, ready: set[int], now_s: float) -> Iterator[Answer | Ended]:
-        """What the worker has sent, and its end, by a poll that returned at `now_s`."""
+    def events(self, ready: set[int], polled_s: float) -> Iterator[Answer | Ended]:
+        """What the worker has sent, and its end, by a poll that began at `polled_s`."""
         if self._process.output in ready:
             self._read_output()
         try:
             if self._process.channel.line.fileno() in ready:
                 yield from self._answers()
             else:
-                self._silent_s = now_s
+                self._silent_s = polled_s
         except MessageError as error:
             yield from self.end(no_answer(Outcome.CRASHED, f"stopped: its worker sent {error}"))
         if not self.closed and self._process.exit_pipe in ready:
@@ -184,10 +187,12 @@ class WorkerProcess:
         except Exception as error:  # a worker may send anything
             raise MessageError(f"an answer that cannot be read: {error}") from None
         began_s, self._since_s = self._since_s, ended_s
+        waited_s = monotonic() - self._earliest_s
+        self._earliest_s = min(max(self._earliest_s, sent_s), ended_s)
         self.pending.popleft()
         self.expected_s -= task.expected_s
         self._begun = bool(self.pending)
-        return Answer(task, decoded, ended_s - began_s, monotonic() - began_s, bool(changed))
+        return Answer(task, decoded, ended_s - began_s, waited_s, bool(changed))
 
     def _moment(self, stamp_s: float) -> float:
         """A time stamp of the worker's clock, within what its owner has seen itself."""
@@ -295,6 +300,7 @@ class Watch:
         poll = select.poll()
         for worker in workers:
             worker.register(poll)
+        polled_s = monotonic()
         ready = {descriptor for descriptor, _ in poll.poll(1000 * timeout_s)}
         now_s = monotonic()
         due = now_s - self._last_check_s >= POLL_INTERVAL_S
@@ -309,7 +315,7 @@ class Watch:
                     worker.restart_clock()
         with_children = self._checks % _CHECKS_PER_CHILDREN_CHECK == 0
         for worker in workers:
-            for event in worker.events(ready, now_s):
+            for event in worker.events(ready, polled_s):
                 yield worker, event
             if due and not worker.closed:
                 for event in worker.check_limits(with_children=with_children):
