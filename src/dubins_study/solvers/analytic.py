@@ -48,8 +48,7 @@ class Analytic(Solver):
         import numpy as np  # these only here: a single question needs none of them
 
         from dubins_study.solvers.frame_solution import FrameSolution
-        from dubins_study.study.closed_form.kernel import shortest_rows
-        from dubins_study.study.closed_form.kernel_paths import curvatures
+        from dubins_study.study.closed_form.kernel import curvatures, shortest_rows
         from dubins_study.study.closed_form.kernel_words import NO_PATH, Rows
         from dubins_study.study.path import CLAIMS, Paths
 

@@ -207,7 +207,7 @@ def _controls(paths: Paths) -> tuple[Any, Any]:
     import pandas as pd
     import pyarrow as pa
 
-    from dubins_study.study.closed_form.kernel_paths import flatten
+    from dubins_study.study.closed_form.kernel import flatten
 
     n = len(paths)
     offsets = np.empty(n + 1, np.int64)

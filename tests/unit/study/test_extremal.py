@@ -12,8 +12,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
-from dubins_study.study.check.extremal import cut_margin, extremal, measure
-from dubins_study.study.check.pieces import pieces
+from dubins_study.study.check.extremal import cut_margin, extremal, measure, pieces
 from dubins_study.study.closed_form.shortest import margin as distance
 from dubins_study.study.closed_form.shortest import shortest, shortest_path
 from dubins_study.study.path import Path

@@ -9,8 +9,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from dubins_study.study.check.extremal import cut_margin, extremal, measure
-from dubins_study.study.check.pieces import pieces
+from dubins_study.study.check.extremal import cut_margin, extremal, measure, pieces
 from dubins_study.study.check.two_arcs import FULL_RATE, PATH_WORDS, path_word, word_of
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Pose

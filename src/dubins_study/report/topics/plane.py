@@ -49,8 +49,7 @@ def exact_answers(rows: pd.DataFrame) -> pd.DataFrame:
     # these load numba
     from dubins_study.study.check.verdict_frame import judge_frame
     from dubins_study.study.check.verdict_kernel import REGIONS
-    from dubins_study.study.closed_form.kernel import WORDS, shortest_rows
-    from dubins_study.study.closed_form.kernel_paths import curvatures
+    from dubins_study.study.closed_form.kernel import WORDS, curvatures, shortest_rows
 
     x, y = (each.ravel() for each in np.meshgrid(*map(_dense, sides)))
     first = {name: float(exact[name].iloc[0]) for name in ("x", "y", "heading", "radius")}

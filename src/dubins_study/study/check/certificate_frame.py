@@ -1,17 +1,21 @@
 """Certificates over frames: what `certificate.certify` computes, for paths of at most two arcs.
 
-`extremal_kernel` measures rows of the words S, C, CS and CC at full rate. `extremal.measure`
+`extremal_rows` measures rows of the words S, C, CS and CC at full rate. `extremal.measure`
 measures the others, of which the closed form returns none. `enclosure_kernel` encloses the
 reference lengths but for some in a thousand, which `enclosure.enclose` does.
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numba.extending import register_jitable
+from numpy.typing import NDArray
 
+from dubins_study.study.check import two_arcs
 from dubins_study.study.check.certificate import (
     BOUND_TOLERANCE,
     CUT_TOLERANCE,
@@ -21,11 +25,10 @@ from dubins_study.study.check.certificate import (
 )
 from dubins_study.study.check.enclosure import Enclosure, enclose
 from dubins_study.study.check.enclosure_kernel import bound_rows
-from dubins_study.study.check.extremal import MEASURED, measure
-from dubins_study.study.check.extremal_kernel import extremal_rows
+from dubins_study.study.check.extremal import ABNORMAL, MEASURED, measure
 from dubins_study.study.check.verdict_frame import FrameJudgement
 from dubins_study.study.check.verdict_kernel import VERDICTS
-from dubins_study.study.closed_form.kernel_compile import loop_input
+from dubins_study.study.closed_form.kernel_compile import compiled, inlined, loop_input
 from dubins_study.study.closed_form.kernel_words import CodeArray, ScenarioArrays
 from dubins_study.study.path import BoolArray, FloatArray, Path, Paths, drivable
 from dubins_study.study.scenario import scenarios
@@ -34,6 +37,56 @@ from dubins_study.study.words import Proof, Verdict
 
 if TYPE_CHECKING:
     import pandas as pd
+
+_costates = inlined(two_arcs.costates)
+_word_of = inlined(two_arcs.word_of)
+for _called in two_arcs.CALLED:
+    register_jitable(_called)
+
+
+@compiled
+def extremal_rows(
+    heading: FloatArray,
+    radius: FloatArray,
+    curvature: FloatArray,
+    length: FloatArray,
+    measured: FloatArray,
+    abnormal: NDArray[np.bool_],
+) -> NDArray[np.bool_]:
+    """Fill `measured` and `abnormal`; returns which rows are left, shape (n,).
+
+    Args:
+        heading: start headings (rad), shape (n,).
+        radius: turning radii (length unit), shape (n,).
+        curvature: shape (2, n), 1 / length unit.
+        length: shape (2, n), length unit.
+        measured: shape (7, n), rows as `study.check.extremal.MEASURED`.
+        abnormal: shape (n,).
+    """
+    n = heading.size
+    left = np.zeros(n, np.bool_)
+    for i in range(n):
+        R = radius[i]
+        u1, u2 = curvature[0, i] * R, curvature[1, i] * R
+        l1, l2 = length[0, i] / R, length[1, i] / R
+        word = _word_of(u1, l1, u2, l2)
+        if not word.named:
+            left[i] = True
+            continue
+        nu0, rho, phi, H, margin, cut = _costates(word.turn1, word.first, word.turn2, word.second)
+        abnormal[i] = nu0 < ABNORMAL
+        scale = rho if abnormal[i] else rho / nu0
+        # turned by the heading on its own: added to one of many turns, phi loses its digits
+        c, s = math.cos(heading[i]), math.sin(heading[i])
+        measured[0, i] = scale * (c * math.cos(phi) - s * math.sin(phi))
+        measured[1, i] = scale * (s * math.cos(phi) + c * math.sin(phi))
+        measured[2, i] = H
+        measured[3, i] = margin
+        measured[4, i] = 0.0
+        measured[5, i] = max(H, -margin)
+        measured[6, i] = cut
+    return left
+
 
 PROOFS = tuple(Proof)
 _DEFAULT = Tolerances()

@@ -22,9 +22,8 @@ from dubins_study.study.check.verdict_kernel import (
     Limits,
     judge_rows,
 )
-from dubins_study.study.closed_form.kernel import WORDS, shortest_rows
+from dubins_study.study.closed_form.kernel import FIRST_TURN, LAST_TURN, WORDS, shortest_rows
 from dubins_study.study.closed_form.kernel_compile import loop_input
-from dubins_study.study.closed_form.kernel_paths import FIRST_TURN, LAST_TURN
 from dubins_study.study.closed_form.kernel_words import NO_PATH, CodeArray, Rows, ScenarioArrays
 from dubins_study.study.closed_form.shortest import shortest
 from dubins_study.study.path import CLAIMS, BoolArray, FloatArray, Paths

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dubins_study.study.check import two_arcs
-from dubins_study.study.check.relaxation import ROUNDED
+from dubins_study.study.check.verdict import ROUNDED
 from dubins_study.study.closed_form.kernel import chunk_bounds, chunks, to_local
 from dubins_study.study.closed_form.kernel_compile import inlined, separate, threaded
 from dubins_study.study.closed_form.kernel_math import LARGEST_ANGLE, sine_cosine
