@@ -30,7 +30,6 @@ class Topic(NamedTuple):
         about: its attempts: a general kind, or the key that experiments give as `section = "..."`
             in their TOML file.
         enters: the general kinds that include those experiments too.
-        counted: whether its numbers are queries over all attempts.
         place: where its section stands. That of a study stands in the details where there is a
             benchmark, which the page is about then, and else on the front.
     """
@@ -39,5 +38,4 @@ class Topic(NamedTuple):
     write: Callable[[Results], Section | None]
     about: General | str
     enters: tuple[General, ...] = ()
-    counted: bool = False
     place: Place = Place.DETAILS

@@ -21,4 +21,4 @@ def explorer_section(results: Results) -> Section:
     return Section("explorer", "Explore the problem", "", (widget,), lead)
 
 
-TOPIC = Topic("the explorer", explorer_section, General.EVERY, counted=True, place=Place.FRONT)
+TOPIC = Topic("the explorer", explorer_section, General.EVERY, place=Place.FRONT)

@@ -162,4 +162,4 @@ def _library(name: str) -> bytes:
     return (scripts / f"{name}.min.js").read_bytes()
 
 
-TOPIC = Topic("single attempts", attempts_section, General.EVERY, counted=True)
+TOPIC = Topic("single attempts", attempts_section, General.EVERY)

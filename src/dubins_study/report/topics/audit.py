@@ -150,4 +150,4 @@ def _text(audit: dict[str, Any]) -> str:
     )
 
 
-TOPIC = Topic("the audit of the paper", audit_section, "paper", counted=True, place=Place.PAPER)
+TOPIC = Topic("the audit of the paper", audit_section, "paper", place=Place.PAPER)

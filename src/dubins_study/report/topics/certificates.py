@@ -144,4 +144,4 @@ def _reported(frame: pd.DataFrame) -> str:
     return f"What solvers report in addition to a path: {'; '.join(parts)}." if parts else ""
 
 
-TOPIC = Topic("certificates", certificates_section, General.POOLED, counted=True)
+TOPIC = Topic("certificates", certificates_section, General.POOLED)

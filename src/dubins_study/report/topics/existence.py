@@ -154,4 +154,4 @@ def _table(frame: pd.DataFrame) -> Table:
     )
 
 
-TOPIC = Topic("where no path exists", existence_section, General.POOLED, counted=True)
+TOPIC = Topic("where no path exists", existence_section, General.POOLED)

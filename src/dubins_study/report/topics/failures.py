@@ -236,4 +236,4 @@ def _region_table(regions: pd.DataFrame) -> Table:
     return Table("failures-by-region", caption, regions, shown)
 
 
-TOPIC = Topic("failures", failures_section, General.POOLED, counted=True)
+TOPIC = Topic("failures", failures_section, General.POOLED)

@@ -69,4 +69,4 @@ def _dictionary() -> Table:
     return Table("columns", caption, frame, shown)
 
 
-TOPIC = Topic("limits", limits_section, General.EVERY, counted=True)
+TOPIC = Topic("limits", limits_section, General.EVERY)

@@ -448,4 +448,4 @@ def _methods(methods: pd.DataFrame) -> Table:
     return Table("methods", caption, methods, shown, marks(methods, "false_claims"), numbers)
 
 
-TOPIC = Topic("formulation by engine", matrix_section, BENCHMARK, counted=True, place=Place.FRONT)
+TOPIC = Topic("formulation by engine", matrix_section, BENCHMARK, place=Place.FRONT)

@@ -215,4 +215,4 @@ def plot_probes(ax: Axes, ratios: pd.DataFrame) -> list[Artist]:
     return entries
 
 
-TOPIC = Topic("the runs and their machines", runs_section, General.EVERY, counted=True)
+TOPIC = Topic("the runs and their machines", runs_section, General.EVERY)

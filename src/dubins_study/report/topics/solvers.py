@@ -63,4 +63,4 @@ def _text(value: Any) -> str:
     return {"True": "yes", "False": "no"}.get(str(value), str(value))
 
 
-TOPIC = Topic("the solvers and their settings", solvers_section, General.EVERY, counted=True)
+TOPIC = Topic("the solvers and their settings", solvers_section, General.EVERY)

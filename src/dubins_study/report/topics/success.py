@@ -193,4 +193,4 @@ def _quantile_table(frame: pd.DataFrame) -> Table:
     return Table("gap-quantiles", caption, frame, QUANTILES)
 
 
-TOPIC = Topic("success and gaps", success_section, General.POOLED, counted=True)
+TOPIC = Topic("success and gaps", success_section, General.POOLED)

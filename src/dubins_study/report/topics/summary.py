@@ -146,4 +146,4 @@ def _start_table(frame: pd.DataFrame) -> Table:
     return Table("summary-by-start", caption, frame, shown, numbers=numbers)
 
 
-TOPIC = Topic("summary", summary_section, General.POOLED, counted=True)
+TOPIC = Topic("summary", summary_section, General.POOLED)
