@@ -97,6 +97,22 @@ def test_a_worker_stopped_from_outside_is_killed_at_the_limit(tmp_path, clean, j
 
 
 @pytest.mark.slow
+def test_a_run_that_is_stopped_for_a_while_refuses_no_honest_time(tmp_path):
+    """Solves go on while the run stands still, so they take longer than the run saw pass."""
+    asking, file = slow_run(tmp_path, 0.7, 6)
+    with started("run", asking, "--out", tmp_path / "out", "--time-limit", 20) as run:
+        for naps in (1, 3):
+            until(lambda naps=naps: len(noted(file)) >= naps, run)
+            os.kill(run.process.pid, signal.SIGSTOP)
+            time.sleep(1.5)
+            os.kill(run.process.pid, signal.SIGCONT)
+        ended = run.wait()
+
+    assert ended.code == 0, ended.err
+    assert set(rows(tmp_path / "out")["outcome"]) == {"returned"}
+
+
+@pytest.mark.slow
 def test_an_idle_worker_killed_from_outside_costs_no_row(tmp_path):
     """Every process of the run but the first, killed in between; whatever they did, each cell
     has one row."""
