@@ -7,7 +7,7 @@ from typing import Any
 
 from markdown_text import code, prose, table
 
-from dubins_study.experiments.definition.json_schema import json_schema
+from dubins_study.experiments.definition.experiment import json_schema
 
 
 def toml_table(model: str) -> str:

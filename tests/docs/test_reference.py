@@ -14,8 +14,7 @@ import pytest
 from jsonschema import Draft202012Validator
 
 import dubins_study
-from dubins_study.experiments.definition.experiment import packaged
-from dubins_study.experiments.definition.json_schema import SCHEMA_FILE, schema_text
+from dubins_study.experiments.definition.experiment import SCHEMA_FILE, packaged, schema_text
 from dubins_study.report.page.sections import TOPICS
 from dubins_study.solvers.registry import load, settings
 

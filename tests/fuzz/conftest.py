@@ -11,7 +11,7 @@ import psutil
 import pytest
 
 from dubins_study import run
-from dubins_study.experiments.plan import block_plan
+from dubins_study.experiments.plan import cells as cells_module
 
 _CANARY = """
 from pathlib import Path
@@ -73,7 +73,7 @@ def small_run(tmp_path_factory: pytest.TempPathFactory) -> SmallRun:
 @pytest.fixture
 def little_room(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     """What would fill the memory fails at once, and bounds on sizes are met early."""
-    monkeypatch.setattr(block_plan, "MOST_CELLS", 3000)
+    monkeypatch.setattr(cells_module, "MOST_CELLS", 3000)
     soft, hard = resource.getrlimit(resource.RLIMIT_AS)
     held = psutil.Process().memory_info().vms
     resource.setrlimit(resource.RLIMIT_AS, (held + _ROOM, hard))

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 
 from dubins_study.experiments.definition.experiment import ExperimentError, packaged, parse
-from dubins_study.experiments.plan import block_plan
+from dubins_study.experiments.plan import cells as cells_module
 from dubins_study.experiments.plan.run_plan import Request, plan_run
 from dubins_study.solvers.registry import SolverError
 from tests.fuzz.hostile import MARK, cases
@@ -45,7 +45,7 @@ def expanded_or_refused(content: bytes, place: Path, song: Path) -> None:
             assert not raw_controls(message)
             check_lines(message)
         else:
-            assert sum(map(len, chains)) <= block_plan.MOST_CELLS
+            assert sum(map(len, chains)) <= cells_module.MOST_CELLS
     assert not song.exists()
     assert not [*seen.started, *seen.unpickled, *seen.outside(place)]
 

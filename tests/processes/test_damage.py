@@ -17,7 +17,7 @@ import pytest
 from live_run import finished, manifest, parts, quick_experiment
 
 from dubins_study import run, status
-from dubins_study.experiments.store import whole_file
+from dubins_study.experiments.store import part_writer
 from dubins_study.experiments.store.folder import done, read_rows
 from dubins_study.experiments.store.part_writer import write_part
 from dubins_study.report.data.results import load
@@ -232,7 +232,7 @@ def test_a_file_that_cannot_be_finished_leaves_nothing(tmp_path):
         raise OSError(errno.ENOSPC, "full")
 
     with pytest.raises(OSError, match="full"):
-        whole_file.write_whole(final, write)
+        part_writer.write_whole(final, write)
     assert [f.name for f in tmp_path.iterdir()] == ["manifest.json"]
     assert final.read_text() == "old"
 
@@ -249,7 +249,7 @@ def test_names_are_synced_after_contents(tmp_path, monkeypatch):
     if not Path("/proc/self/fd").is_dir():
         pytest.skip("no /proc here to see what is synced")
     monkeypatch.setattr(os, "fsync", fsync)
-    whole_file.write_whole(tmp_path / "a.parquet", lambda file: file.write_text("x"))
+    part_writer.write_whole(tmp_path / "a.parquet", lambda file: file.write_text("x"))
 
     temporary, folder = synced
     assert temporary.startswith(str(tmp_path / ".a.parquet."))

@@ -11,7 +11,7 @@ from dubins_study.cli.terminal.arguments import complete_experiments
 from dubins_study.cli.terminal.output import listing, plain, table
 
 if TYPE_CHECKING:
-    from dubins_study.experiments.plan.block_plan import Overview
+    from dubins_study.experiments.plan.cells import Overview
 
 _HELP = "one of them, or a .toml file: what it asks; default: a list of all"
 _OF_YOUR_OWN = """\
@@ -29,7 +29,7 @@ def experiments(
 ) -> None:
     """List the experiments that `run` knows by name."""
     from dubins_study.experiments.definition.experiment import packaged, read
-    from dubins_study.experiments.plan.block_plan import overview
+    from dubins_study.experiments.plan.cells import overview
     from dubins_study.experiments.plan.file_checks import read_checked
 
     if experiment is None:

@@ -8,7 +8,7 @@ from time import perf_counter
 import pytest
 
 from dubins_study.experiments.definition.experiment import ExperimentError, packaged, read
-from dubins_study.experiments.definition.toml_lines import key_lines, line_of
+from dubins_study.experiments.definition.messages import key_lines, line_of
 from dubins_study.experiments.plan.run_plan import Request, plan_run
 from dubins_study.solvers.registry import SolverError
 

@@ -10,10 +10,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from dubins_study.experiments.definition.experiment import ExperimentError, packaged, parse, read
-from dubins_study.experiments.plan import block_plan
+from dubins_study.experiments.plan import cells as cells_module
 from dubins_study.experiments.plan.cells import chains, shuffled
 from dubins_study.experiments.plan.scenario_columns import scenario_id
-from dubins_study.experiments.plan.solver_specs import expand_solvers
+from dubins_study.experiments.plan.solver_description import expand_solvers
 from dubins_study.solvers.registry import SolverError, load, registered
 from dubins_study.study.body_coordinates import local
 from dubins_study.study.closed_form.shortest import shortest
@@ -184,9 +184,9 @@ def test_sizes_are_counted_exactly():
     cells = [cell for group in chains(experiment) for cell in group]
     assert len(cells) == 2 * 5 * 2 * 4 * 3
     with pytest.MonkeyPatch.context() as patched:
-        patched.setattr(block_plan, "MOST_CELLS", len(cells))
+        patched.setattr(cells_module, "MOST_CELLS", len(cells))
         chains(experiment)
-        patched.setattr(block_plan, "MOST_CELLS", len(cells) - 1)
+        patched.setattr(cells_module, "MOST_CELLS", len(cells) - 1)
         with pytest.raises(ExperimentError, match="40 scenarios and 240 cells"):
             chains(experiment)
 

@@ -6,7 +6,11 @@ import pytest
 
 from dubins_study.experiments.definition.experiment import ExperimentError, parse, read
 from dubins_study.experiments.plan.cells import chains
-from dubins_study.experiments.plan.solver_specs import MOST_SPECS, expand_solvers, untrusted_spec
+from dubins_study.experiments.plan.solver_description import (
+    MOST_SPECS,
+    expand_solvers,
+    untrusted_spec,
+)
 from dubins_study.solvers.registry import SolverError
 
 HEAD = 'title = "t"\nquestion = "q"\nsolvers = ["analytic"]\n'

@@ -1,7 +1,8 @@
-"""An experiment: what its TOML file says, checked key by key."""
+"""An experiment: what its TOML file says, checked key by key, and the JSON schema of its keys."""
 
 from __future__ import annotations
 
+import json
 import re
 import tomllib
 from importlib.resources import files
@@ -20,21 +21,22 @@ from dubins_study.experiments.definition.axes import (
     Seed,
     StrictModel,
 )
-from dubins_study.experiments.definition.key_conflicts import FIRST, key_conflicts
 from dubins_study.experiments.definition.messages import (
     NAMED_BY_KEY,
+    KeyPath,
     Problem,
     problems_of,
     refusal,
 )
 from dubins_study.experiments.definition.scenario_block import (
     FIELDS,
+    FIRST,
     Block,
     GuessLengths,
     Sample,
+    key_conflicts,
     known_branches,
 )
-from dubins_study.experiments.definition.toml_lines import KeyPath
 from dubins_study.solvers.profiles import PROFILES
 from dubins_study.study.values import did_you_mean
 
@@ -292,3 +294,37 @@ def validated(file: str, fields: dict[str, Any], text: str = "") -> Experiment:
 def file_problems(error: ValidationError, fields: dict[str, Any]) -> list[Problem]:
     """Every mistake of invalid fields: of keys by themselves, and of keys beside each other."""
     return problems_of(error, TABLE_KEYS) + key_conflicts(fields)
+
+
+# Beside the packaged experiments; `tests/docs/test_reference.py` compares it with the models.
+SCHEMA_FILE = "experiment.schema.json"
+
+# pydantic's names of bounds, where a function reads the value first -> those of JSON schema
+_BOUNDS = {"ge": "minimum", "gt": "exclusiveMinimum", "le": "maximum", "lt": "exclusiveMaximum"}
+
+
+def json_schema() -> dict[str, Any]:
+    """The schema (draft 2020-12) of an experiment's file.
+
+    What a schema cannot say, such as the ways to write a target, is checked by the models alone.
+    """
+    schema: dict[str, Any] = _with_bounds(Experiment.model_json_schema())
+    return {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        **schema,
+        "title": "An experiment of dubins-study",
+    }
+
+
+def _with_bounds(schema: Any) -> Any:
+    """The schema with bounds by their standard names, in all its parts."""
+    if isinstance(schema, list):
+        return [_with_bounds(part) for part in schema]
+    if not isinstance(schema, dict):
+        return schema
+    return {_BOUNDS.get(key, key): _with_bounds(part) for key, part in schema.items()}
+
+
+def schema_text() -> str:
+    """The schema as the text of `SCHEMA_FILE`."""
+    return json.dumps(json_schema(), indent=1, ensure_ascii=False) + "\n"

@@ -15,14 +15,16 @@ from dubins_study.experiments.definition.experiment import (
     file_problems,
     text_of,
 )
-from dubins_study.experiments.definition.key_conflicts import tables
-from dubins_study.experiments.definition.messages import Problem, refusal
-from dubins_study.experiments.definition.scenario_block import Block
-from dubins_study.experiments.definition.toml_lines import KeyPath
+from dubins_study.experiments.definition.messages import KeyPath, Problem, refusal
+from dubins_study.experiments.definition.scenario_block import Block, tables
 from dubins_study.experiments.plan.cells import chains
 from dubins_study.experiments.plan.scenario_columns import block_size
-from dubins_study.experiments.plan.solver_description import describe_solver
-from dubins_study.experiments.plan.solver_specs import MOST_SPECS, untrusted_spec, written_out
+from dubins_study.experiments.plan.solver_description import (
+    MOST_SPECS,
+    describe_solver,
+    untrusted_spec,
+    written_out,
+)
 from dubins_study.solvers.profiles import PROFILES
 from dubins_study.solvers.registry import SolverError
 

@@ -12,10 +12,10 @@ from dubins_study.experiments.definition.experiment import (
     ExperimentFile,
     validated,
 )
-from dubins_study.experiments.definition.listed_experiment import listed_experiment
+from dubins_study.experiments.definition.scenario_file import listed_experiment
 from dubins_study.experiments.plan.cells import Chain, chains
 from dubins_study.experiments.plan.file_checks import read_checked, refused
-from dubins_study.experiments.plan.solver_specs import expand_solvers
+from dubins_study.experiments.plan.solver_description import expand_solvers
 from dubins_study.experiments.run_settings import EXECUTOR_NAMES
 from dubins_study.solvers.registry import SolverError
 from dubins_study.study.rows.schema import Key

@@ -8,8 +8,7 @@ from typing import NamedTuple
 import pyarrow as pa
 
 from dubins_study.experiments.store.lock import LOCK
-from dubins_study.experiments.store.part_writer import write_part
-from dubins_study.experiments.store.whole_file import is_temporary, remove_temporaries
+from dubins_study.experiments.store.part_writer import is_temporary, remove_temporaries, write_part
 from dubins_study.study.rows.files import DamagedPartError, ResultsError, os_errors_as
 from dubins_study.study.rows.manifest import MANIFEST, Definition, Manifest, read_manifest
 from dubins_study.study.rows.parts import PARTS, check_part, part_files, read_part

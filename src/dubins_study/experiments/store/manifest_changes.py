@@ -11,7 +11,7 @@ from time import monotonic
 from typing import Any
 
 from dubins_study.experiments import provenance
-from dubins_study.experiments.store.whole_file import write_whole
+from dubins_study.experiments.store.part_writer import write_whole
 from dubins_study.study.rows.files import ResultsError, os_errors_as
 from dubins_study.study.rows.machine_noise import Probe
 from dubins_study.study.rows.manifest import MANIFEST, Manifest, RunEntry

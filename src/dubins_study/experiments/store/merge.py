@@ -19,8 +19,7 @@ from dubins_study.experiments.provenance import now
 from dubins_study.experiments.store.folder import count_rows, read_rows
 from dubins_study.experiments.store.lock import LOCK, is_locked, locked
 from dubins_study.experiments.store.manifest_changes import count_cells, write_manifest
-from dubins_study.experiments.store.part_writer import write_part
-from dubins_study.experiments.store.whole_file import sync_folder
+from dubins_study.experiments.store.part_writer import sync_folder, write_part
 from dubins_study.study.rows.attempts import JUDGED, compare_attempts, differences
 from dubins_study.study.rows.files import ResultsError, os_errors_as
 from dubins_study.study.rows.manifest import Manifest, RunEntry, SolverEntry, read_manifest

@@ -1,7 +1,12 @@
-"""Write parts: the rows of a run, about every second."""
+"""Write files completely or not at all, and so that they survive a power failure.
+
+The rows of a run are such files: a part about every second.
+"""
 
 from __future__ import annotations
 
+import os
+import re
 from collections.abc import Callable, Mapping
 from pathlib import Path as FilePath
 from time import monotonic
@@ -9,11 +14,55 @@ from time import monotonic
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from dubins_study.experiments.store.whole_file import write_whole
 from dubins_study.study.rows.files import ResultsError, reason
 from dubins_study.study.rows.parts import PARTS
 from dubins_study.study.rows.row_table import Row, rows_table
 from dubins_study.study.rows.schema import RUN_ID, VERSION, VERSION_KEY
+
+# Names of the temporary files that a killed run may leave.
+_TEMPORARY = re.compile(r"\.(?:manifest\.json|.+\.parquet)\.\d+\.tmp")
+
+
+def write_whole(final: FilePath, write: Callable[[FilePath], object]) -> None:
+    """Write a file under a temporary name, sync it, and rename it to `final` in one step.
+
+    `write` is called with a path and writes the content there. An existing file at `final` is
+    replaced. After an error the temporary file is removed.
+    """
+    temporary = final.with_name(f".{final.name}.{os.getpid()}.tmp")
+    try:
+        write(temporary)
+        with temporary.open("rb") as stream:
+            os.fsync(stream.fileno())
+        temporary.replace(final)
+    except BaseException:
+        temporary.unlink(missing_ok=True)
+        raise
+    sync_folder(final.parent)
+
+
+def sync_folder(folder: FilePath) -> None:
+    """Make sure that the names in a folder survive a power failure."""
+    if os.name == "nt":  # Windows cannot sync a folder
+        return
+    handle = os.open(folder, os.O_RDONLY)
+    try:
+        os.fsync(handle)
+    finally:
+        os.close(handle)
+
+
+def is_temporary(name: str) -> bool:
+    """Whether a name is that of a temporary file of `write_whole`."""
+    return _TEMPORARY.fullmatch(name) is not None
+
+
+def remove_temporaries(folder: FilePath) -> None:
+    """Remove the temporary files of a killed run. The caller must hold the folder's lock."""
+    for file in folder.iterdir():
+        if is_temporary(file.name) and not file.is_dir():
+            file.unlink(missing_ok=True)
+
 
 # Seconds between two parts, so that a killed run loses few rows.
 _FLUSH_INTERVAL_S = 0.8
