@@ -1,6 +1,7 @@
-"""The shortest path to a point by search: every word driven, and its free angle bisected.
+"""The shortest path to a point by search, and the end of a path by an ODE integrator.
 
-No formula is shared with the package: a word is a family of paths with one free angle, the others
+No formula is shared with the package. In the search every word is driven, and its free angle
+bisected: a word is a family of paths with one free angle, the others
 are met by driving it, and the zeros of what is left over are searched on a grid and bisected.
 """
 
@@ -11,6 +12,9 @@ from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.integrate import solve_ivp
+
+from dubins_study.study.path import Path
 
 Array = NDArray[np.float64]
 _GRID = np.linspace(0.0, 2 * math.pi, 4001)
@@ -63,3 +67,24 @@ def _zeros(function: Callable[[Array], Array]) -> list[float]:
         same = np.sign(function(middle)) == below
         low, high = np.where(same, middle, low), np.where(same, high, middle)
     return ((low + high) / 2).tolist()
+
+
+def integrated(path: Path, radius: float = 1.0) -> Array:
+    """End pose of a path: x' = cos, y' = sin, heading' = curvature, integrated at 1e-12.
+
+    In units of the radius, so that the integrator's tolerances mean the same everywhere.
+    """
+    pose: Array = np.array(path.start, dtype=float)
+    for k, length in zip(path.curvature * radius, path.length / radius, strict=True):
+        if length > 0:
+            arc = solve_ivp(
+                lambda _, q, k=k: (math.cos(q[2]), math.sin(q[2]), k),
+                (0, length),
+                [0, 0, pose[2]],
+                method="DOP853",
+                rtol=1e-12,
+                atol=1e-12,
+            )
+            moved = arc.y[:, -1]
+            pose = np.array([*(pose[:2] + radius * moved[:2]), moved[2]])
+    return pose

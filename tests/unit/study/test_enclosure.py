@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from itertools import pairwise
 
-import mpmath
 import pytest
+from brute_force import shortest_by_search
 from cases import EDGES, PAPER
+from flint import acb, ctx
 from hard_cases import hard_frame
 from hypothesis import given
 from hypothesis import strategies as st
@@ -18,6 +18,7 @@ from dubins_study.study.check.verdict import judge
 from dubins_study.study.closed_form.shortest import margin, shortest
 from dubins_study.study.scenario import Scenario, scenarios
 from dubins_study.study.words import BRANCHES
+from tests.adversary import oracle
 
 ALL = PAPER | EDGES
 
@@ -71,77 +72,30 @@ def test_one_part_away_from_the_edges(branch):
             assert len(interval.parts) == (not interval.absent), scenario
 
 
-def reference(scenario: Scenario) -> mpmath.mpf:
-    """The shortest length in 60 digits: paths driven to their end, first arc found by bisection.
-
-    No formula for the words is used: of a first turn to either side by any angle, what remains is
-    a straight to the target (if it then lies ahead) or an arc the other way through it.
-    """
-    with mpmath.workdps(60):
-        mp = mpmath.mp
-        cos, sin = mp.cos(mp.mpf(scenario.heading)), mp.sin(mp.mpf(scenario.heading))
-        dx = mp.mpf(scenario.target_x) - mp.mpf(scenario.x)
-        dy = mp.mpf(scenario.target_y) - mp.mpf(scenario.y)
-        R = mp.mpf(scenario.radius)
-        X, Y = (dx * cos + dy * sin) / R, (dy * cos - dx * sin) / R
-        return min(_least(X, side * Y) for side in (1, -1)) * R
+def at(X: float, Y: float) -> Scenario:
+    """A target at (X, Y) of the frame of a vehicle that stands askew, R = 2."""
+    cos, sin = math.cos(0.7), math.sin(0.7)
+    return Scenario(
+        0.5, -0.25, 0.7, 0.5 + 2 * (X * cos - Y * sin), -0.25 + 2 * (X * sin + Y * cos), 2
+    )
 
 
-def _least(X, Y):
-    """Least of LS and LR, with the first arc's angle a as the only unknown."""
-    mp = mpmath.mp
-
-    def across(a):  # the target's offset from the line ahead after the arc
-        return -(X - mp.sin(a)) * mp.sin(a) + (Y - 1 + mp.cos(a)) * mp.cos(a)
-
-    def beyond(a):  # the target's distance from the second circle, less 1
-        return mp.hypot(X - 2 * mp.sin(a), Y - 1 + 2 * mp.cos(a)) - 1
-
-    found = [mp.inf]
-    for a in _roots(across):
-        ahead = (X - mp.sin(a)) * mp.cos(a) + (Y - 1 + mp.cos(a)) * mp.sin(a)
-        if ahead >= 0:
-            found.append(a + ahead)
-    for a in _roots(beyond):
-        x, y = X - 2 * mp.sin(a), Y - 1 + 2 * mp.cos(a)
-        # from straight up of the second circle, turned by a, clockwise
-        found.append(a + (mp.pi / 2 + a - mp.atan2(y, x)) % (2 * mp.pi))
-    return min(found)
+INSIDE = {place: at(*place) for place in [(0.3, 0.9), (-0.4, 1.2), (0.5, -0.7), (-0.2, -1.5)]}
 
 
-def _roots(f, n=720):
-    """Roots of f on [0, 2 pi] that change its sign on a grid, to 60 digits."""
-    mp = mpmath.mp
-    grid = [2 * mp.pi * i / n for i in range(n + 1)]
-    for (a, u), (b, v) in pairwise((a, f(a)) for a in grid):
-        if u == 0:
-            yield a
-        elif u * v < 0:
-            yield mp.findroot(f, (a, b), solver="anderson", tol=mp.mpf(10) ** -55)
-
-
-@pytest.mark.parametrize("name", PAPER)
-def test_intervals_hold_sixty_digits_of_brute_force(name):
-    """The paper's problems by root finding alone; the interval is a few delta wide."""
-    found = enclose(PAPER[name])
-    exact = reference(PAPER[name])
-
-    assert found.low <= exact <= found.high
-    width = 10 * local(PAPER[name]).delta * PAPER[name].radius
-    assert found.high - found.low <= width + 8 * math.ulp(found.high)
-
-
-@pytest.mark.parametrize(("X", "Y"), [(0.3, 0.9), (-0.4, 1.2), (0.5, -0.7), (-0.2, -1.5)])
-def test_intervals_hold_sixty_digits_inside_the_discs(X, Y):
-    scenario = Scenario(0.5, -0.25, 0.7, *_at(X, Y, 0.7), 2)
+@pytest.mark.parametrize("scenario", [*PAPER.values(), *INSIDE.values()])
+def test_intervals_hold_sixty_digits(scenario):
+    """The oracle's shortest length, which a search along all words finds too; a few delta wide."""
     found = enclose(scenario)
+    with ctx.workprec(oracle.bits(scenario)):
+        X, Y = oracle.local(scenario)
+        exact = oracle.lengths(acb(X, Y), driven=True)["best"]
+        assert found.low <= exact * scenario.radius <= found.high
+        searched = shortest_by_search(float(X), float(Y))
 
-    assert found.low <= reference(scenario) <= found.high
-
-
-def _at(X, Y, heading, radius=2.0):
-    cos, sin = math.cos(heading), math.sin(heading)
-    return 0.5 + radius * (X * cos - Y * sin), -0.25 + radius * (X * sin + Y * cos)
+    assert searched == pytest.approx(float(exact), rel=1e-12)
+    width = 10 * local(scenario).delta * scenario.radius
+    assert found.high - found.low <= width + 8 * math.ulp(found.high)
 
 
 @given(

@@ -6,9 +6,9 @@ import math
 
 import numpy as np
 import pytest
+from brute_force import integrated
 from hypothesis import given
 from hypothesis import strategies as st
-from scipy.integrate import solve_ivp
 
 from dubins_study.study.path import FEW, Path, largest_distance
 from dubins_study.study.scenario import Pose
@@ -18,23 +18,6 @@ arcs = st.lists(st.tuples(st.floats(-3, 3), st.floats(0, 5)), max_size=8)
 
 def path_of(pieces: list[tuple[float, float]]) -> Path:
     return Path(Pose(1.0, -2.0, 0.7), [k for k, _ in pieces], [length for _, length in pieces])
-
-
-def integrated(path: Path) -> np.ndarray:
-    """End pose by integrating x' = cos, y' = sin, heading' = curvature numerically."""
-    pose = np.array(path.start)
-    for curvature, length in zip(path.curvature, path.length, strict=True):
-        if length > 0:
-            ode = solve_ivp(
-                lambda _, p, k=curvature: (math.cos(p[2]), math.sin(p[2]), k),
-                (0, length),
-                pose,
-                method="DOP853",
-                rtol=1e-12,
-                atol=1e-12,
-            )
-            pose = ode.y[:, -1]
-    return pose
 
 
 @given(arcs)

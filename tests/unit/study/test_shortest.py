@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 
-import mpmath as mp
 import numpy as np
 import pytest
+from brute_force import integrated
 from cases import EDGES, PAPER, mirrored, rotated, scaled, scenarios
+from flint import acb, ctx
 from hard_cases import hard_frame
 from hypothesis import assume, given
 from hypothesis import strategies as st
-from scipy.integrate import solve_ivp
 
 from dubins_study.study import scenario as scenario_module
 from dubins_study.study.body_coordinates import EPS, Local, local
@@ -26,6 +26,7 @@ from dubins_study.study.closed_form.shortest import (
 )
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import BRANCHES
+from tests.adversary.oracle import bits, lengths
 
 
 def unit(X: float, Y: float) -> Scenario:
@@ -33,68 +34,31 @@ def unit(X: float, Y: float) -> Scenario:
     return Scenario(0, 0, 0, X, Y, 1)
 
 
-# ---- brute force in 40 digits ----
-
-
-def by_geometry(target: Local) -> dict[str, mp.mpf]:
-    """Every word's least length from circles and angles in 40 digits, at unit radius.
-
-    Other geometry than the closed form's: LS from the tangent's direction, RL and LR from the
-    triangle of both centres and the target (law of cosines), angles taken mod 2 pi.
-    """
-    found = {}
-    X = mp.mpf(target.X)
-    for words, Y in ((("LS", "RL"), mp.mpf(target.Y)), (("RS", "LR"), -mp.mpf(target.Y))):
-        s2 = X**2 + (Y - 1) ** 2 - 1
-        if s2 >= 0:
-            s = mp.sqrt(s2)
-            # the target seen from the centre is (s, -1) turned by a
-            found[words[0]] = s + _turn(mp.atan2(Y - 1, X) - mp.atan2(-1, s))
-        d = mp.sqrt(X**2 + (Y + 1) ** 2)
-        if 1 <= d <= 3:
-            bearing, between = mp.atan2(Y + 1, X), mp.acos((d**2 + 3) / (4 * d))
-            found[words[1]] = min(
-                _right_left_about(X, Y, bearing + sign * between) for sign in (1, -1)
-            )
-    return found
-
-
-def _right_left_about(X: mp.mpf, Y: mp.mpf, angle: mp.mpf) -> mp.mpf:
-    """Length of the RL path whose second centre is seen from the first under `angle`."""
-    x, y = 2 * mp.cos(angle), -1 + 2 * mp.sin(angle)
-    return _turn(mp.pi / 2 - angle) + _turn(mp.atan2(Y - y, X - x) - (angle + mp.pi))
-
-
-def _turn(angle: mp.mpf) -> mp.mpf:
-    turn = angle % (2 * mp.pi)
-    return mp.mpf(0) if 2 * mp.pi - turn < mp.mpf(10) ** -30 else turn
+# ---- the oracle of 60 digits ----
 
 
 @pytest.mark.parametrize("n", [600, pytest.param(20_000, marks=pytest.mark.slow)])
-def test_every_branch_against_geometry_in_40_digits(n):
+def test_every_branch_against_geometry_in_60_digits(n):
     """To 8 eps relative, a dozen roundings of which few add up, times the rate |grad V|.
 
     The rate is 1 / |cos(a2 / 2)| for words that end in an arc a2 (derivation.md, 9), else 1.
     Asked of the target as the closed form sees it, in the vehicle's frame. Targets within delta of
-    a circle or of the axis are left to the tests below, since 40 digits see a side of it where the
+    a circle or of the axis are left to the tests below, since 60 digits see a side of it where the
     data do not.
     """
-    frame = hard_frame(n, seed=2)
-    with mp.workdps(40):
-        for scenario in scenario_module.scenarios(frame):
-            target = local(scenario)
-            if min(margin(scenario), abs(target.Y)) <= max(1e-12, target.delta):
-                continue
-            expected = by_geometry(target)
-            expected["best"] = min(expected.values())
+    for scenario in scenario_module.scenarios(hard_frame(n, seed=2)):
+        target = local(scenario)
+        if min(margin(scenario), abs(target.Y)) <= max(1e-12, target.delta):
+            continue
+        with ctx.workprec(bits(scenario)):
+            expected = lengths(acb(target.X, target.Y))
             for branch in BRANCHES:
-                found = shortest_local(target, branch)
-                assert (found is None) == (branch not in expected), (branch, target)
+                found, exact = shortest_local(target, branch), expected[branch]
+                assert (found is None) == (exact is None), (branch, target)
                 if found is not None:
                     arcs = len(found.word) == 2 and "S" not in found.word
                     rate = 1 / abs(math.cos(found.segments.second / 2)) if arcs else 1.0
-                    error = abs(found.total / expected[branch] - 1)
-                    assert error < 8 * EPS * rate, (branch, target)
+                    assert abs(found.total / exact - 1) < 8 * EPS * rate, (branch, target)
 
 
 # ---- peer library: the fixed-heading problem, minimised over the heading ----
@@ -136,31 +100,17 @@ def test_best_against_ompl_minimised_over_the_final_heading(target):
 @pytest.mark.parametrize("scenario", [*PAPER.values(), *EDGES.values()], ids=[*PAPER, *EDGES])
 @pytest.mark.parametrize("branch", BRANCHES)
 def test_paths_drive_to_the_target(scenario, branch):
-    """x' = cos, y' = sin, heading' = u, by solve_ivp at 1e-12: meets the target to 1e-10.
+    """x' = cos, y' = sin, heading' = u, integrated: meets the target to 1e-10.
 
     Errors of up to a hundred steps add up, in units of the size of the motion.
     """
     path = shortest_path(scenario, branch)
     if path is None:
         return
-    state = np.array(scenario.start, dtype=float)
-    size = scenario.radius + path.total_length
-    for curvature, length in zip(path.curvature, path.length, strict=True):
-        # in units of the radius, so that the integrator's tolerances mean the same everywhere
-        k = curvature * scenario.radius
-        solution = solve_ivp(
-            lambda _, q, k=k: [math.cos(q[2]), math.sin(q[2]), k],
-            (0, length / scenario.radius),
-            [0, 0, state[2]],
-            method="DOP853",
-            rtol=1e-12,
-            atol=1e-12,
-        )
-        end = solution.y[:, -1]
-        state = np.array([*(state[:2] + end[:2] * scenario.radius), end[2]])
+    end = integrated(path, scenario.radius)
 
-    off = math.hypot(state[0] - scenario.target_x, state[1] - scenario.target_y)
-    assert off < 1e-10 * size + 1e-15 * scenario.extent
+    off = math.hypot(end[0] - scenario.target_x, end[1] - scenario.target_y)
+    assert off < 1e-10 * (scenario.radius + path.total_length) + 1e-15 * scenario.extent
 
 
 # ---- symmetries ----
@@ -234,12 +184,12 @@ def test_centre_of_a_disc_and_straight_behind():
 
 
 def test_paper_problem_with_digits():
-    """RS 11.868088..., from 40-digit arithmetic."""
-    found = shortest(PAPER["problem 1"])
+    """RS 11.868088..."""
+    found, target = shortest(PAPER["problem 1"]), local(PAPER["problem 1"])
 
     assert found.word == "RS"
-    with mp.workdps(40):
-        expected = min(by_geometry(local(PAPER["problem 1"])).values())
+    with ctx.workprec(bits(PAPER["problem 1"])):
+        expected = lengths(acb(target.X, target.Y))["best"]
     assert found.total == pytest.approx(float(expected), rel=4 * EPS)
     assert str(found.total).startswith("11.86808")
 
