@@ -91,6 +91,35 @@ def attempt(
     return row | changes
 
 
+def astray(scenario: Scenario, length: float = 1.0) -> Path:
+    """A straight path that leads nowhere."""
+    return Path(scenario.start, [0.0], [length])
+
+
+_MEASURED = ("region", "margin", "reference_word", "reference", "length", "gap", "miss")
+_MEASURED += ("build_s", "solve_s", "wall_s", "iterations")
+
+
+def lost(scenario: Scenario, solver: str = "x", **changes: Any) -> dict[str, Any]:
+    """The row of a process that took everything with it."""
+    gone: dict[str, Any] = dict.fromkeys(_MEASURED)
+    gone |= {"path": None, "claim": Claim.NONE, "outcome": "crashed"}
+    return attempt(scenario, solver, **(gone | changes))
+
+
+def compared_row(question: int, solver: str, **changes: Any) -> dict[str, Any]:
+    """A right answer as methods are compared by it: local, no proof, 1 ms, the target outside."""
+    return {
+        **{"question": question, "scenario": question, "solver": solver, "stratum": ""},
+        **{"repeat": 0, "formulation": "one NLP a word", "engine": solver, "guess": "bearing"},
+        **{"branch": "best", "profile": "default", "answerable": True, "presolved": False},
+        **{"verdict": "optimal", "right": True, "claim": "local", "lower_bound": float("nan")},
+        **{"false_claim": False, "false_bound": False, "wrong_basin": False},
+        **{"gap": 0.0, "miss": 0.0, "length": 4.0, "reference": 4.0, "reference_high": 4.0},
+        **{"radius": 1.0, "region": "outside", "margin": 9.0, "wall_s": 1e-3, "tolerance": 1e-9},
+    } | changes
+
+
 def _settings(spec: str) -> dict[str, Any]:
     """A solver's settings; none of names that only a hostile row would have."""
     try:
@@ -102,9 +131,13 @@ def _settings(spec: str) -> dict[str, Any]:
 def write_folder(
     folder: FilePath, name: str, rows: Iterable[dict[str, Any]], **manifest: Any
 ) -> FilePath:
-    """A results folder with one part, of the section that a packaged experiment of its name has."""
+    """A results folder with one part.
+
+    Its section is `section` if given, else what a packaged experiment of its name has.
+    """
     rows = list(rows)
-    section = read(name).experiment.section if name in packaged() else None
+    named = read(name).experiment.section if name in packaged() else None
+    section = manifest.pop("section", named)
     experiment = {"name": name, "title": f"About {name}", "question": "?", "text": "a = 1"}
     (folder / "parts").mkdir(parents=True)
     pq.write_table(pa.Table.from_pylist(rows, schema=SCHEMA), folder / "parts" / "1.parquet")

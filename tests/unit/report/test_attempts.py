@@ -205,7 +205,6 @@ def kind_of(row):
 
 @pytest.mark.slow
 def test_texts_as_dictionaries_are_texts(tmp_path):
-    """As Arrow may store them in parts."""
     rows = pd.DataFrame({"experiment": "e", "solver": ["a", "b", "a"], "verdict": ["none"] * 3})
     rows = rows.assign(initial_guess="cold", wall_s=[1.0, 2.0, 3.0], gap=np.nan, outcome="crashed")
     rows = rows.assign(reference_word="LS", region="outside", false_claim=False, wrong_basin=False)

@@ -111,7 +111,6 @@ def test_every_end_is_told_apart(results):
 
 
 def test_shares_by_hand(results):
-    """Every start is in the denominator."""
     line = shares(ends(load([results("basins", every_end())]).rows)).iloc[0]
 
     assert (line["guesses"], line["optimal"], line["refuted"]) == (9, 1 / 9, 3)
@@ -124,7 +123,6 @@ def test_shares_by_hand(results):
 
 
 def test_what_a_cap_changes_by_hand(results):
-    """Only solvers that were tried both ways count."""
     free, bounded = SPEC, "slsqp[model=joint,order=LRS,initial_guess=given]"
     local = {"claim": Claim.LOCAL}
     rows = [

@@ -71,7 +71,6 @@ def worths(tmp_path_factory):
 
 @pytest.mark.parametrize(("claim", "path", "worth"), WORTHS)
 def test_the_worth_of_each_claim(worths, claim, path, worth):
-    """Of a question that has a path."""
     assert worths[f"{claim} {path}"] == [worth]
 
 
@@ -104,7 +103,6 @@ def test_a_bound_may_be_too_high_by_the_engines_tolerance(results, bound, worth)
 
 
 def test_the_presolves_answers_are_no_claims(results):
-    """No engine was asked."""
     rows = [
         honest(PLAIN, "scip", Claim.OPTIMAL),
         honest(DISC, "scip", Claim.INFEASIBLE, None, "LS", presolved=True),

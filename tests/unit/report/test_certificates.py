@@ -103,7 +103,6 @@ text_of = partial(section_text, TOPIC, "certificates")
 
 
 def test_the_section_says_what_the_rows_say(results, tmp_path):
-    """Counts, the widest interval, the worst multiplier and the false bound."""
     text = text_of(results("tiny", rows()), tmp_path / "a")
 
     assert "Of 5 attempts 2 are proved (40.0 %; 1 bounded, 1 extremal, 1 none)." in text
@@ -120,7 +119,6 @@ def test_the_section_says_what_the_rows_say(results, tmp_path):
 
 @pytest.mark.slow
 def test_rows_without_certificates_have_no_section(results, tmp_path):
-    """Of rows in which nothing is certified there is nothing to tell."""
     folder = results("tiny", [attempt(s) for s in paper_scenarios()])
     page = topic_page(folder, tmp_path / "out", TOPIC)
 

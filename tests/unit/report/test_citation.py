@@ -55,7 +55,6 @@ def test_the_file_cites_the_paper_as_the_reports_do(citation):
 
 
 def test_a_citation_says_what_is_unknown():
-    """Nothing is left out in silence."""
     assert Paper("T").citation == "“T” (authors and year unknown to this study)"
     assert Paper("T", ("A. B",)).citation == "A. B: “T” (year unknown to this study)"
     assert Paper("T", ("A. B", "C. D"), 1957).citation == "A. B, C. D (1957): “T”"

@@ -142,7 +142,6 @@ def test_methods_are_named_by_the_settings_that_differ(results):
 
 
 def test_the_section_and_what_has_none(results):
-    """One method alone, or failures alone, give no comparison that says more than there is."""
     section = comparison_section(loaded(results, answers()))
     single = loaded(results, [answer(s, "slsqp", 1e-3) for s in QUESTIONS], "single")
     failed = [

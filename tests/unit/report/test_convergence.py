@@ -92,7 +92,6 @@ text_of = partial(section_text, "the order of convergence", "convergence")
 
 
 def test_the_section_says_what_the_rows_say(results, tmp_path):
-    """Orders per place, who is first at 1e-4, the uncorrected miss; all pictures drawn."""
     text = text_of(results("convergence", rows()), tmp_path / "out")
     pictures = {file.stem for file in (tmp_path / "out" / "figures").glob("convergence-*.svg")}
 
@@ -110,7 +109,6 @@ def test_the_section_says_what_the_rows_say(results, tmp_path):
 
 @pytest.mark.slow
 def test_lost_rows_make_a_section_too(results, tmp_path):
-    """Nothing arrives: a table, no picture, no order."""
     gone = dict.fromkeys(("gap", "length", "miss", "wall_s"))
     made = [
         attempt(scenario, f"turn-rate-qp[n={n}]", path=None, claim=Claim.NONE, **gone)

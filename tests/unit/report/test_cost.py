@@ -75,7 +75,6 @@ def attempts(results, rows):
 
 
 def test_every_evaluation_and_second_has_one_kind(results):
-    """The parts of an answer's cost, by hand; they add up to the total."""
     _, made = attempts(results, [costly(scenario) for scenario in outside()])
     parts = split(made)
 
@@ -178,7 +177,6 @@ def test_the_example_is_named_only_if_it_was_asked(results):
 
 
 def test_the_section_is_there_only_with_efforts(results):
-    """Text, two figures and tables; None without the columns of efforts."""
     rows = [make(scenario) for scenario in outside() for make in (costly, presolved)]
     loaded, _ = attempts(results, rows)
     section = cost_section(loaded)

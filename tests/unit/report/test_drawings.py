@@ -48,7 +48,6 @@ def test_a_drawing_stands_alone(draw):
 
 
 def test_the_lengths_beside_the_paths_are_the_closed_form_s():
-    """And the shortest of the two is the one that says so."""
     text = problem_svg()
     scenario = Scenario(0, 0, "70deg", 3.7, -0.15, 1)
     for branch, turn in (("LS", "left"), ("RS", "right")):

@@ -58,7 +58,6 @@ def line_of(results):
 
 
 def test_an_answer_is_right_silent_or_wrong(results):
-    """One each of the three that reached the engine; what the presolve answers is apart."""
     line = line_of(results)
 
     assert line["presolved"] == 1
@@ -131,7 +130,6 @@ def test_the_section_marks_what_is_wrong_and_says_who_denies(results):
 
 
 def test_without_such_questions_there_is_no_section(tmp_path):
-    """Not even an empty one."""
     made = [ask(OUTSIDE[2], Claim.LOCAL, "exact")]
 
     assert existence_section(load([write_folder(tmp_path / "e", "e", made)])) is None

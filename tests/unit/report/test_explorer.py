@@ -88,7 +88,6 @@ def test_without_scripts_there_are_two_drawings_with_a_text():
 
 
 def test_the_page_of_its_own_asks_for_nothing(tmp_path):
-    """And the same text comes out every time."""
     text = write_standalone(tmp_path / "explorer.html").read_text(encoding="utf-8")
 
     assert text == standalone()

@@ -104,7 +104,6 @@ def test_where_failures_lie(folder):
 
 
 def test_a_command_repeats_the_failure(folder, tmp_path):
-    """The spec, the question and the run's time limit, as a shell reads them."""
     section = failures_section(load([folder]))
     table = next(block for block in section.blocks if block.name == "failures")
     line = table.frame.set_index("outcome").loc["timeout"]
@@ -118,7 +117,6 @@ def test_a_command_repeats_the_failure(folder, tmp_path):
 
 
 def test_the_lead_counts(folder):
-    """What did not return, why, and how many others failed; the text says of how many."""
     section = failures_section(load([folder]))
 
     assert "3 of 12 attempts (2 timeout, 1 out of memory)" in section.lead
@@ -140,7 +138,6 @@ def test_without_failures_a_sentence(results):
 
 
 def test_returned_failures_alone(results):
-    """If every attempt returned there is no table of outcomes."""
     wrong = [attempt(NEAR, "b", path=stray(NEAR), claim=Claim.LOCAL), attempt(FAR, "b")]
     section = failures_section(load([results("e", wrong)]))
 

@@ -63,14 +63,12 @@ def curves(ax):
 
 
 def test_the_page_has_figures_of_many_topics(pictures):
-    """So that what follows is said of something."""
     assert {"matrix", "comparison-profiles", "belief-claims", "verdicts"} <= set(pictures)
     assert {"comparison-targets", "work-precision"} <= set(pictures)
     assert len(pictures) > 15
 
 
 def test_no_figure_is_taller_than_a_screen(pictures):
-    """At the width that the page gives it."""
     for name, block in pictures.items():
         width, height = block.figure.get_size_inches()
         assert height / width <= SCREEN[block.half], name
@@ -107,13 +105,11 @@ def test_every_figure_says_what_its_axes_are(pictures):
 
 
 def test_the_files_of_figures_are_small(svg_files):
-    """The page holds them all."""
     for block, svg in svg_files:
         assert len(svg) < MOST_SVG_BYTES, block.name
 
 
 def test_every_caption_ends_and_every_lead_is_one_sentence(sections):
-    """A lead says what to see."""
     for section in sections:
         for block in section.blocks:
             if isinstance(block, (Picture, Table)):

@@ -242,7 +242,6 @@ NAMES = [case.find.__name__ for case in CASES]
 
 
 def test_every_finding_has_a_case():
-    """And every case is of a finding of the page."""
     assert set(NAMES) == {find.__name__ for find in FINDINGS}
 
 

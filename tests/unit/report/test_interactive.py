@@ -167,7 +167,6 @@ def test_a_path_that_cannot_be_drawn_has_no_points(curvature: float, length: flo
 
 
 def test_a_path_of_no_length_is_a_point():
-    """All points of it lie at its start."""
     shown = drawn_path([1.0] * 4, [0.0] * 4)
 
     assert shown is not None

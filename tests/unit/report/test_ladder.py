@@ -93,7 +93,6 @@ text_of = partial(section_text, "the ladder toward a circle", "ladder")
 
 
 def test_the_section_says_what_the_rows_say(results, tmp_path):
-    """Who is tempted from where, who is not; with nobody tempted it blames nobody."""
     text = text_of(results("ladder", rows()), tmp_path / "a")
     good = [r for r in rows() if r["solver"] == "collocation"]
     level = results("good", good, experiment={"name": "ladder", "section": "ladder", "text": ""})
@@ -107,7 +106,6 @@ def test_the_section_says_what_the_rows_say(results, tmp_path):
 
 @pytest.mark.slow
 def test_a_false_claim_is_counted(results, tmp_path):
-    """A longer path that claims to be the shortest."""
     inside = target(FRONT, -1e-2)
     made = [row(inside, "slsqp", shortest_path(inside, "RS"), false_claim=True)]
     text = text_of(results("ladder", made), tmp_path / "out")

@@ -17,7 +17,6 @@ from tests.unit.report.results_folder import SCHEMA, attempt, paper_scenarios, w
 
 
 def test_paths_come_back_as_they_were_written(results):
-    """The controls in a row are the path that was judged."""
     scenario = paper_scenarios()[0]
     found = load([results("paper", [attempt(scenario)])])
 
@@ -26,7 +25,6 @@ def test_paths_come_back_as_they_were_written(results):
 
 
 def test_attempt_without_a_path_has_none(results):
-    """No path is not an empty path."""
     found = load([results("paper", [attempt(paper_scenarios()[0], path=None)])])
 
     assert found.path(0) is None
@@ -136,7 +134,6 @@ def test_a_spoilt_folder_is_refused(results, spoil, message):
 
 
 def test_no_folder_is_refused(tmp_path):
-    """Neither a missing folder nor an empty list is silently an empty report."""
     with pytest.raises(ResultsError, match="not a folder"):
         load([tmp_path / "nowhere"])
     with pytest.raises(ResultsError, match="at least one"):

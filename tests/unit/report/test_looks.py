@@ -23,7 +23,6 @@ def test_a_solver_looks_the_same_in_every_figure():
 
 
 def test_the_order_of_the_rows_changes_nothing():
-    """Two reports of the same solvers have the same colours."""
     assert Palette.of(SPECS) == Palette.of(SPECS[::-1])
 
 

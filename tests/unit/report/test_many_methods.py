@@ -65,7 +65,6 @@ def is_curve(line):
 
 
 def test_no_figure_is_taller_than_a_screen(sections):
-    """At the width of the page."""
     drawn = pictures(sections)
 
     assert {"verdicts", "times", "performance", "gap-profile-many"} <= {p.name for p in drawn}
@@ -86,7 +85,6 @@ def test_no_panel_has_more_than_ten_methods(sections):
 
 
 def test_agreement_is_between_the_best_of_each_formulation(sections):
-    """And the section says so."""
     section = sections["agreement-formulations"]
     frame = section.blocks[0].frame
 
@@ -95,7 +93,6 @@ def test_agreement_is_between_the_best_of_each_formulation(sections):
 
 
 def test_every_solver_stays_in_the_tables(sections):
-    """What a figure leaves out is in a table."""
     summary = sections["summary"].blocks[0].frame
 
     assert len(summary) == len(ENGINES) + 5 * (len(FORMULATIONS) - 2)

@@ -76,7 +76,6 @@ def test_every_pair_is_filled_or_has_a_reason():
 
 
 def test_equal_reasons_have_one_number():
-    """Numbered in the order of the lines, from 1."""
     table = matrix(pd.DataFrame([method(WORDS, "SLSQP")]), ENTRIES)
 
     assert len(table.reasons) == len(set(table.reasons))
@@ -95,7 +94,6 @@ def test_a_row_counts_whatever_the_manifest_says():
 
 
 def test_without_entries_only_filled_pairs_are_shown():
-    """As for the rows of an experiment that lists no matrix."""
     table = matrix(pd.DataFrame([method(WORDS, "b"), method(JOINT, "A")]), [])
 
     assert [engine for _, engine in table.engines] == ["A", "b"]
@@ -169,7 +167,6 @@ def benchmark(tmp_path):
 
 
 def test_strata_have_shares_with_intervals(benchmark):
-    """Three of four near, four of four far."""
     frame = strata(benchmark.rows).set_index(["solver", "stratum"])
 
     assert frame.loc[("a", "near"), "right_share"] == 0.75
@@ -198,7 +195,6 @@ def test_the_section_shows_every_pair_and_every_reason(benchmark):
     ("share", "expected"), [(0, "0"), (1e-4, "1"), (0.5, "50"), (0.9999, "99"), (1, "100")]
 )
 def test_whole_percents_say_all_only_of_all(share, expected):
-    """And none only of none."""
     assert whole_percent(share) == expected
 
 

@@ -97,7 +97,6 @@ def test_repeats_are_parts_of_a_question(tmp_path):
 
 
 def test_every_attempt_is_in_one_verdict_column(tmp_path):
-    """Verdict counts add up to the attempts."""
     rows = frame(
         verdict=["optimal", "longer", "longer", "misses", "none", "none exists", "none exists"],
         presolved=[False] * 6 + [True],
@@ -193,12 +192,10 @@ def test_upper_quantile_takes_a_value_that_is_there(q, expected):
     ],
 )
 def test_parse_spec(spec, expected):
-    """A spec that does not parse is a name."""
     assert metrics.parse_spec(spec) == expected
 
 
 def test_closed_form_comes_first_and_variants_after_their_solver():
-    """The order of rows, bars and lines."""
     names = ["zeta", "ipopt[model=joint]", "turn-rate-qp", "ipopt", "analytic", "ipopt"]
 
     assert metrics.solver_order(names) == [
@@ -226,7 +223,6 @@ def test_fitted_order_recovers_a_power():
 
 
 def test_runs_of_equal_words():
-    """First, past the last, word."""
     assert metrics.runs_of(["LS", "LS", "RL"]) == [(0, 2, "LS"), (2, 3, "RL")]
     assert metrics.runs_of([]) == []
 

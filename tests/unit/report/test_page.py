@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from html.parser import HTMLParser
 
+import pandas as pd
 import pytest
 
 from dubins_study import render
@@ -14,11 +15,17 @@ from dubins_study.report.elements.formats import count, digits, seconds, share
 from dubins_study.report.page.markup import markdown, to_csv, to_markdown
 from dubins_study.report.page.render import ReportError
 from dubins_study.report.page.sections import TOPICS
-from dubins_study.report.page.tex import tex, to_tex
-from dubins_study.study.path import Path
+from dubins_study.report.page.tex import to_tex
 from dubins_study.study.scenario import Scenario
+from dubins_study.study.values import printable_text
 from dubins_study.study.words import Claim
-from tests.unit.report.results_folder import attempt, paper_scenarios
+from tests.unit.report.results_folder import (
+    astray,
+    attempt,
+    lost,
+    paper_scenarios,
+    write_folder,
+)
 from tests.unit.report.topic_page import topic_page, with_pdf_files
 
 HOSTILE = "<script>alert('x')</script> & |a_b| $x^2$ \\input{y} `c` [l](u) #%~{}"
@@ -30,8 +37,8 @@ def paper_rows():
     for scenario in paper_scenarios():
         for branch in ("best", "LS", "RS"):
             rows.append(attempt(scenario, branch=branch))
-            wrong = Path(scenario.start, [0.0], [1.0])
-            rows.append(attempt(scenario, "ipopt", branch, path=wrong, claim=Claim.LOCAL))
+            wrong = attempt(scenario, "ipopt", branch, path=astray(scenario), claim=Claim.LOCAL)
+            rows.append(wrong)
     return rows
 
 
@@ -68,8 +75,6 @@ def discretisation_rows():
 @pytest.fixture(scope="module")
 def whole(tmp_path_factory):
     """A report with every section in it."""
-    from tests.unit.report.results_folder import write_folder
-
     base = tmp_path_factory.mktemp("whole")
     made = {
         "paper": paper_rows(),
@@ -107,7 +112,6 @@ def test_every_section_is_in_its_place(whole):
 
 
 def test_every_section_says_first_what_to_see(whole):
-    """One sentence below every heading."""
     page = whole.read_text(encoding="utf-8")
     sections = re.findall(r'<section id="([^"]+)".*?</section>', page, re.DOTALL)
     opened = re.sub("</?(details|summary)[^>]*>", "", page)
@@ -117,7 +121,6 @@ def test_every_section_says_first_what_to_see(whole):
 
 
 def test_every_figure_and_table_is_a_file_too(whole):
-    """SVG and PDF, CSV and Markdown and TeX; none of them empty."""
     for folder, suffixes in (("figures", ("svg", "pdf")), ("tables", ("csv", "md", "tex"))):
         files = sorted((whole.parent / folder).iterdir())
         stems = {file.stem for file in files}
@@ -127,9 +130,15 @@ def test_every_figure_and_table_is_a_file_too(whole):
 
 
 def test_figures_fit_a_column_and_a_screen(whole):
-    """Each is as wide as a column of a journal or two, 88 or 180 mm, and at most 7 inches high."""
+    """Each is as wide as a column of a journal or two, 88 or 180 mm, and at most 7 inches high.
+
+    Letters are TrueType with all of Unicode, which journals ask for.
+    """
     for file in sorted((whole.parent / "figures").glob("*.pdf")):
-        box = re.search(rb"/MediaBox \[ ?0 0 ([\d.]+) ([\d.]+) ?\]", file.read_bytes())
+        content = file.read_bytes()
+        assert b"/Type3" not in content, file.name
+        assert b"/CIDFontType2" in content, file.name
+        box = re.search(rb"/MediaBox \[ ?0 0 ([\d.]+) ([\d.]+) ?\]", content)
         assert box is not None
         width, height = (float(size) / 72 for size in box.groups())
         # the file gives sizes with as many digits as a float; a tenth of a point is invisible
@@ -153,7 +162,6 @@ class Requests(HTMLParser):
 
 
 def test_the_page_asks_for_nothing(whole):
-    """Self-contained: every reference stays inside the page."""
     page = whole.read_text(encoding="utf-8")
     requests = Requests()
     requests.feed(page)
@@ -164,14 +172,12 @@ def test_the_page_asks_for_nothing(whole):
 
 
 def test_every_figure_has_words_for_those_who_cannot_see_it(whole):
-    """Each inline SVG is an image with a label."""
     page = whole.read_text(encoding="utf-8")
 
     assert page.count("<svg") == page.count("<svg role='img' aria-label='") > 10
 
 
 def test_the_paper_section_says_26_of_33(whole):
-    """The number that the tables below it add up to."""
     paper = whole.with_name("paper.html").read_text(encoding="utf-8")
     assert "26 of the 33 printed lengths" in paper
 
@@ -204,7 +210,7 @@ def test_hostile_names_are_shown_as_they_are(results, tmp_path):
     report = (tmp_path / "out" / "report.md").read_text(encoding="utf-8")
 
     assert "<script>alert" not in page
-    assert "&lt;script&gt;" in page
+    assert "<strong>&lt;script&gt;" in page  # the recommended solver
     assert "<script" not in report
     for svg in (tmp_path / "out" / "figures").glob("*.svg"):
         assert "<script" not in svg.read_text(encoding="utf-8")
@@ -213,18 +219,32 @@ def test_hostile_names_are_shown_as_they_are(results, tmp_path):
         assert len(re.findall(r"(?<!\\)\|", line)) == 8  # seven cells
 
 
-def test_tex_and_markdown_escapes():
-    """Every character that means something there is made to mean itself."""
-    assert tex(r"a_b & 50% $x$ {\n} #1 ~ ^") == (
-        r"a\_b \& 50\% \$x\$ \{\textbackslash{}n\} \#1 \textasciitilde{} \textasciicircum{}"
-    )
+ESCAPES = "\x1b[31m\x07\x9b\u202e\ud800"
+
+
+def test_no_control_character_reaches_a_page(results, tmp_path):
+    """In the manifest halves of pairs too, which no file can hold; all are written out."""
+    assert printable_text(ESCAPES) == "\\x1b[31m\\x07\\x9b\\u202e\\ud800"
+    assert printable_text("a\n\tπ ≤ 2") == "a\n\tπ ≤ 2"
+    experiment = {"name": "x" + ESCAPES, "title": ESCAPES, "question": ESCAPES, "text": "a\n\x1b"}
+    said = ESCAPES.replace("\ud800", "")
+    rows = [attempt(s, "s" + said, message=said, path=None) for s in paper_scenarios()]
+    folder = results("f", rows, experiment=experiment, machine={ESCAPES: [ESCAPES]})
+
+    page = render([folder], tmp_path / "out")
+
+    for file in (page, page.parent / "report.md", page.parent / "tables" / "summary.tex"):
+        text = file.read_text(encoding="utf-8")
+        assert "\\x1b" in text or "textbackslash{}x1b" in text
+        assert not {c for c in text if not c.isprintable()} & set(ESCAPES)
+
+
+def test_markdown_escapes():
     assert markdown("a|b\n<i> *c* _d_ $e$") == r"a\|b &lt;i&gt; \*c\* \_d\_ \$e\$"
 
 
 def test_table_in_three_formats():
     """CSV keeps raw values; Markdown and TeX show the formatted ones."""
-    import pandas as pd
-
     frame = pd.DataFrame({"s": ["x_1"], "v": [0.123456], "w": [None]})
     columns = (Column("s", "name", kind="code"), Column("v", "v", digits(3)), Column("w", "w"))
     table = Table("t", "", frame, columns)
@@ -237,6 +257,14 @@ def test_table_in_three_formats():
 @pytest.mark.parametrize(
     ("show", "value", "text"),
     [
+        (digits(3), 15930.0, "15\u202f930"),
+        (digits(3), 999.6, "1\u202f000"),
+        (digits(3), -1152, "−1\u202f152"),
+        (digits(6), 1152.0, "1152.00"),
+        (digits(3), 999, "999"),
+        (digits(3), 2e6, "2.00e6"),
+        (digits(1), 1e-5, "1e−5"),
+        (digits(1), 0.05, "0.05"),
         (digits(3), 0.0012345, "0.00123"),
         (digits(3), 1.2345e-7, "1.23e−7"),
         (digits(3), 0.99999, "1.00"),
@@ -251,69 +279,34 @@ def test_table_in_three_formats():
     ],
 )
 def test_numbers_as_they_are_shown(show, value, text):
-    """Few digits, and no rounding up to certainty."""
+    """Few digits, no rounding up to certainty, and thin spaces between thousands."""
     assert show(value) == text
-
-
-def _lost(scenario, solver="x", **changes):
-    """A row of a process that took everything with it."""
-    lost = dict.fromkeys(
-        (
-            "region",
-            "margin",
-            "reference_word",
-            "reference",
-            "build_s",
-            "solve_s",
-            "wall_s",
-            "iterations",
-        )
-    )
-    return attempt(scenario, solver, path=None, claim=Claim.NONE, **lost, **changes)
 
 
 def _same_place(target_x, target_y):
     return [Scenario(0, 0, 0, target_x, target_y, radius, label="p") for radius in (1, 2, 3, 4)]
 
 
+ODD = {
+    "all-lost": [lost(s, outcome="unavailable") for s in paper_scenarios()],
+    "one-lost": [attempt(paper_scenarios()[0]), lost(paper_scenarios()[0])],
+    "paper": [attempt(s, branch="LS") for s in paper_scenarios()],
+    "ahead": [attempt(s) for s in _same_place(5, 0)],
+    "behind": [attempt(s) for s in _same_place(-5, 0)],
+    "at-the-start": [attempt(s) for s in _same_place(0, 0)],
+    "warm-only": [attempt(s, initial_guess="warm") for s in paper_scenarios()],
+    "discretisation": [lost(s, "turn-rate-qp[n=10]") for s in paper_scenarios()],
+    "many": [attempt(s, f"s{i}[a={i}]") for s in paper_scenarios()[:2] for i in range(9)],
+}
+
+
 @pytest.mark.filterwarnings("error")
 @pytest.mark.parametrize(
-    ("name", "rows"),
-    [
-        ("all-lost", [_lost(s, outcome="unavailable") for s in paper_scenarios()]),
-        pytest.param(
-            "one-lost",
-            [attempt(paper_scenarios()[0]), _lost(paper_scenarios()[0])],
-            marks=pytest.mark.slow,
-        ),
-        pytest.param(
-            "paper", [attempt(s, branch="LS") for s in paper_scenarios()], marks=pytest.mark.slow
-        ),
-        pytest.param("ahead", [attempt(s) for s in _same_place(5, 0)], marks=pytest.mark.slow),
-        pytest.param("behind", [attempt(s) for s in _same_place(-5, 0)], marks=pytest.mark.slow),
-        pytest.param(
-            "at-the-start", [attempt(s) for s in _same_place(0, 0)], marks=pytest.mark.slow
-        ),
-        pytest.param(
-            "warm-only",
-            [attempt(s, initial_guess="warm") for s in paper_scenarios()],
-            marks=pytest.mark.slow,
-        ),
-        pytest.param(
-            "discretisation",
-            [_lost(s, "turn-rate-qp[n=10]") for s in paper_scenarios()],
-            marks=pytest.mark.slow,
-        ),
-        pytest.param(
-            "many",
-            [attempt(s, f"s{i}[a={i}]") for s in paper_scenarios()[:2] for i in range(9)],
-            marks=pytest.mark.slow,
-        ),
-    ],
+    "name", ["all-lost", *(pytest.param(name, marks=pytest.mark.slow) for name in [*ODD][1:])]
 )
-def test_odd_results_make_a_report_too(results, tmp_path, name, rows):
+def test_odd_results_make_a_report_too(results, tmp_path, name):
     """Nothing came back, nothing to compare with, no circle to cross, no length at all."""
-    page = render([results(name, rows)], tmp_path / "out")
+    page = render([results(name, ODD[name])], tmp_path / "out")
 
     assert '<section id="summary"' in page.read_text(encoding="utf-8")
 
@@ -345,7 +338,6 @@ def test_an_unfinished_run_says_so(results, tmp_path):
 
 @pytest.mark.slow
 def test_progress_is_told(results, tmp_path):
-    """The caller shows progress; render says where it is."""
     told: list[str] = []
     render([results("tiny", [attempt(paper_scenarios()[0])])], tmp_path / "out", told.append)
 
@@ -353,7 +345,6 @@ def test_progress_is_told(results, tmp_path):
 
 
 def test_a_place_that_cannot_be_written_is_refused(results, tmp_path):
-    """A file in the way, or a folder full of something else, is left alone."""
     folder = results("tiny", [attempt(paper_scenarios()[0])])
     (tmp_path / "file").write_text("mine")
     (tmp_path / "full").mkdir()

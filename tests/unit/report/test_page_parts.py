@@ -166,7 +166,6 @@ def test_an_empty_run_makes_a_page_that_says_so(results, tmp_path):
 
 
 def test_what_is_no_results_folder_is_no_empty_run(results, tmp_path):
-    """A missing folder, and none at all, are still refused."""
     with pytest.raises(ResultsError, match="not a folder"):
         render([results("none", []), tmp_path / "nowhere"], tmp_path / "out")
     with pytest.raises(ResultsError, match="at least one"):
@@ -208,7 +207,6 @@ def _failures():
     ids=["closed form alone", "one solver", "all failures", "no closed form"],
 )
 def test_a_run_of_little_makes_a_page_that_says_so(results, tmp_path, name, rows, words):
-    """In the section that opens the page."""
     page = _text(render([results(name, rows())], tmp_path / "out"))
 
     section = page.split('<section id="decision"')[1].split("</section>")[0]

@@ -84,7 +84,6 @@ def test_a_path_off_by_a_hundredth_differs(cells):
 
 
 def test_a_row_needs_both_words():
-    """Which path is optimal cannot be told from one of them."""
     scenario = paper_scenarios()[0]
     cells = compare({("problem 1", "LS"): shortest_path(scenario, "LS")})
 

@@ -104,7 +104,6 @@ text_of = partial(section_text, "what a proof costs", "proofs")
 
 
 def test_the_section_says_what_the_rows_say(results, tmp_path):
-    """Who proves what, at which price, and what the certificate does for the others."""
     text = text_of(results("proofs", rows()), tmp_path / "out")
 
     assert "disjunctive, word NLPs proves 100 % of its answers to 1e-4 or closer" in text

@@ -63,7 +63,6 @@ def test_only_visibly_wrong_answers_are_drawn(loaded):
 
 
 def test_one_curve_a_formulation(results):
-    """The closed form, and of each formulation the solver that is right most surely, then fast."""
     scenarios = [Scenario(0, 0, 0, 5, y, 1) for y in (1.0, 2.0, 3.0)]
     rows = []
     for scenario in scenarios:

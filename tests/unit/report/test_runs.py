@@ -117,7 +117,6 @@ def test_entries_that_nobody_wrote_are_shown_as_far_as_they_go(page, strange):
 
 
 def test_hostile_text_of_a_run_is_shown_as_it_stands(page):
-    """Wherever it stands, in the page, in Markdown and in TeX."""
     fields = ("run_id", "started", "state", "engine", "governor", "jobs")
     hostile = {**dict.fromkeys(fields, HOSTILE), "machine": {"processor": HOSTILE}}
     place = page(entry(**hostile, probes=NOISY))

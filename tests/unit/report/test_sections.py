@@ -69,7 +69,6 @@ def test_an_unknown_section_is_a_line_on_the_page(results, tmp_path):
 
 @pytest.mark.slow
 def test_two_experiments_of_one_topic_have_a_section_each(results, tmp_path):
-    """Their anchors and files differ, and each shows its own attempts."""
     first, second = (folder(results, name, "basins") for name in ("one", "two"))
     page = topic_page([first, second], tmp_path / "out", *SECTIONS)
 
@@ -96,7 +95,6 @@ def test_a_study_enters_no_pooled_number(results):
 
 @pytest.mark.parametrize("section", ['"../x"', '"Basins"', '""', "3", '"a b"'])
 def test_a_section_is_a_plain_name(section):
-    """It becomes a part of anchors and messages."""
     text = read("basins").text.replace('section = "basins"', f"section = {section}")
 
     with pytest.raises(ExperimentError, match="section"):

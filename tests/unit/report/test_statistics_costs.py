@@ -65,13 +65,11 @@ def test_special_values_of_the_shifted_geometric_mean():
     [([1.0], -1.0, "shift of -1"), ([1.0], INF, "shift of inf"), ([-2.0], 3.0, "cost of -2")],
 )
 def test_negative_costs_and_shifts_are_refused(values, shift, message):
-    """A logarithm would be NaN, or a mean meaningless."""
     with pytest.raises(ValueError, match=message):
         costs.shifted_geometric_mean(values, shift)
 
 
 def test_the_shift_is_the_lower_quartile():
-    """Of what is finite."""
     assert costs.chosen_shift([4.0, 1.0, 2.0, 3.0, 5.0, INF, NAN]) == 2.0
     assert costs.chosen_shift([INF]) == 0.0
 
@@ -143,7 +141,6 @@ def test_cost_table_takes_the_median_over_repeats_and_no_half_right_answer():
 
 
 def test_cost_tables_with_a_mistake_are_refused():
-    """A negative cost, and two columns of one name."""
     with pytest.raises(ValueError, match="cost of -1"):
         shared_questions(pd.DataFrame({"a": [-1.0]}))
     with pytest.raises(ValueError, match="named twice: a"):
@@ -221,7 +218,6 @@ def test_a_cost_of_nothing():
 
 
 def test_edges_of_performance_profiles():
-    """One solver is always the cheapest; all failures are no success; no questions, no share."""
     alone = costs.performance_profile(pd.DataFrame({"a": [1.0, INF]}), FACTORS)
     none = costs.performance_profile(pd.DataFrame({"a": [INF], "b": [INF]}), FACTORS)
     empty = costs.performance_profile(pd.DataFrame({"a": [], "b": []}), FACTORS)
@@ -267,7 +263,6 @@ def test_target_ecdf_by_hand():
 
 
 def test_target_ecdf_refuses_what_does_not_fit():
-    """No targets, a NaN among them, or tables of different questions."""
     table = pd.DataFrame({"a": [1.0]})
     for targets in ([], [NAN]):
         with pytest.raises(ValueError, match="gap targets"):

@@ -94,7 +94,6 @@ def test_all_none_and_nothing():
     ],
 )
 def test_what_is_no_share_is_refused(successes, trials, level, message):
-    """One message that names the value and the rule."""
     with pytest.raises(ValueError, match=message):
         wilson_interval(successes, trials, level)
 
@@ -350,7 +349,6 @@ def test_edges(name):
 
 
 def test_what_cannot_be_resampled_is_refused():
-    """Each message names the value."""
     table = pd.DataFrame({"a": [1.0]})
     with pytest.raises(ValueError, match="0 resamples"):
         bootstrap(table, medians, resamples=0)
@@ -364,7 +362,6 @@ def test_what_cannot_be_resampled_is_refused():
 
 @given(st.integers(1, 50), st.integers(1, 20), st.integers(0, 10**6))
 def test_a_resample_has_the_size_of_the_sample(scenarios, resamples, seed):
-    """Whole numbers that add up."""
     counts = intervals.scenario_counts(scenarios, resamples, seed)
 
     assert counts.shape == (resamples, scenarios)

@@ -79,7 +79,6 @@ def test_many_pairs_with_ties_as_in_scipy():
 
 @given(st.integers(0, 400), st.integers(0, 400))
 def test_the_sign_test_as_in_scipy(wins, losses):
-    """The exact binomial test of any number of wins and losses."""
     costs = [1.0] * wins + [2.0] * losses
     rivals = [2.0] * wins + [1.0] * losses
     expected = binomtest(wins, wins + losses).pvalue if wins + losses else 1.0
@@ -137,7 +136,6 @@ def test_the_wilcoxon_test_compares_factors_not_seconds():
 
 @pytest.mark.parametrize("test", [sign_test, wilcoxon_test])
 def test_costs_that_do_not_pair_are_refused(test):
-    """Different lengths, tables, and negative costs."""
     with pytest.raises(ValueError, match=r"shapes \(2,\) and \(1,\)"):
         test([1.0, 2.0], [1.0])
     with pytest.raises(ValueError, match="one per question"):
@@ -223,7 +221,6 @@ def test_every_pair_is_tested_and_corrected():
 
 
 def test_pairs_without_a_common_question_are_no_test():
-    """They take nothing from the others' p-values."""
     table = pd.DataFrame({"a": [1.0, NAN], "b": [NAN, 1.0], "c": [2.0, 2.0]})
     frame = pairwise_tests(table)
 
@@ -234,7 +231,6 @@ def test_pairs_without_a_common_question_are_no_test():
 
 
 def test_tables_that_would_mislead_a_test_are_refused():
-    """Repeats counted as questions, and a base that is not there."""
     with pytest.raises(ValueError, match="'p' has several rows; a test takes one value"):
         pairwise_tests(pd.DataFrame({"a": [1.0, 2.0], "b": [1.0, 2.0]}, index=["p", "p"]))
     with pytest.raises(ValueError, match="no solver named 'z' to compare with; choose one of: a"):

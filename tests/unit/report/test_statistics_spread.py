@@ -108,7 +108,6 @@ def test_a_missing_key_takes_no_attempt_away():
 
 
 def test_no_rows():
-    """Tables with their columns and without lines."""
     spread = question_spread(ROWS.iloc[:0], question=["scenario_id"])
 
     assert spread.empty

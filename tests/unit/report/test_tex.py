@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-import re
-
 import pandas as pd
 import pytest
 
 from dubins_study.report.elements.columns import Column
 from dubins_study.report.elements.content import Table
-from dubins_study.report.elements.figure_file import figure_bytes, fix_layout
 from dubins_study.report.elements.formats import digits
-from dubins_study.report.elements.style import HALF, WIDE, drawing, new_figure
 from dubins_study.report.page.tex import layout_of, tex, to_tex
 from tests.fuzz.page import check_tex
 
@@ -25,7 +21,11 @@ HOSTILE = (
 @pytest.mark.parametrize(
     ("text", "printed"),
     [
-        ("a_b & 50%", r"a\_b \& 50\%"),
+        (
+            r"a_b & 50% $x$ {\n} #1 ~ ^",
+            r"a\_b \& 50\% \$x\$ \{\textbackslash{}n\} \#1 \textasciitilde{} \textasciicircum{}",
+        ),
+        ("Ɩ ム", "[U+0196] [U+30E0]"),  # not taken for Greek: `\Iota` and `\Mu` are no commands
         ("--plot", r"-{}-plot"),
         ("✗ ✓", r"\ding{55} \ding{51}"),
         ("R ≤ 2π", r"R $\leq$ 2$\pi$"),
@@ -37,7 +37,6 @@ HOSTILE = (
     ],
 )
 def test_every_letter_is_printed_or_named(text, printed):
-    """TeX prints what the text holds, and the code point of what it has no letter for."""
     assert tex(text) == printed
 
 
@@ -46,11 +45,6 @@ def test_the_text_of_tex_is_plain_ascii():
     every = "".join(map(chr, range(0x3000))) + HOSTILE
 
     assert tex(every).isascii()
-
-
-def test_a_letter_of_another_script_is_not_taken_for_greek():
-    r"""`\Iota` and `\Mu` are no commands: the document would not compile."""
-    assert tex("Ɩ ム") == "[U+0196] [U+30E0]"
 
 
 def test_letters_of_all_scripts_become_known_commands():
@@ -77,7 +71,6 @@ def table_of(lines: int, text: str, numbers: int = 2) -> Table:
 
 
 def test_a_table_longer_than_a_page_goes_over_several():
-    """Its heading is repeated then; a short table stays in one piece."""
     long, short = to_tex(table_of(200, "ipopt")), to_tex(table_of(3, "ipopt"))
 
     assert r"\begin{longtable}" in long
@@ -103,28 +96,7 @@ def test_a_wide_table_breaks_lines_then_shrinks_then_turns():
 
 def test_a_line_that_starts_with_a_bracket_is_no_distance():
     """TeX reads a bracket after the end of a line as the distance to the next line."""
-    assert r"{}[1] & 0.123" in to_tex(
-        table_of(2, "ipopt").__class__(
-            "t",
-            "",
-            pd.DataFrame({"s": ["[1]"] * 2, "v": [0.123456] * 2}),
-            (Column("s", "s", kind="text"), Column("v", "v", digits(3))),
-        )
-    )
+    frame = pd.DataFrame({"s": ["[1]"] * 2, "v": [0.123456] * 2})
+    columns = (Column("s", "s", kind="text"), Column("v", "v", digits(3)))
 
-
-@pytest.mark.parametrize(("inches", "millimetres"), [(WIDE, 180.0), (HALF, 88.0)])
-def test_figures_fit_the_columns_of_journals(inches, millimetres, tmp_path):
-    """The page of the PDF is as wide as two columns or one, and its letters are TrueType."""
-    with drawing():
-        figure = new_figure(inches, 2.0)
-        ax = figure.add_subplot()
-        ax.set(title="R* ≤ 2π", xlabel="10⁻⁹")
-        fix_layout(figure)
-        content = figure_bytes(figure, "pdf")
-    box = re.search(rb"/MediaBox \[ ?0 0 ([\d.]+) ([\d.]+) ?\]", content)
-    assert box is not None
-
-    assert float(box[1]) / 72 * 25.4 == pytest.approx(millimetres, abs=0.01)  # printed precision
-    assert b"/Type3" not in content
-    assert b"/CIDFontType2" in content  # TrueType with all of Unicode
+    assert r"{}[1] & 0.123" in to_tex(Table("t", "", frame, columns))

@@ -43,7 +43,6 @@ def of(comparison, solver="mine"):
 
 
 def test_a_run_compared_with_itself_has_no_change(results):
-    """Nothing is worse, nothing is better."""
     folder = results("a", rows())
     comparison = compare(folder, folder)
     line = of(comparison)
@@ -76,7 +75,6 @@ def test_lost_answers_are_named_with_their_scenarios_and_commands(results):
 
 @pytest.mark.slow
 def test_swapping_the_runs_swaps_what_is_lost_and_gained(results):
-    """The comparison has no preferred side."""
     base = results("a", rows(wrong=(0, 1), time=1e-3) + rows("still"))
     new = results("b", rows(digest=NEW, wrong=(3,), time=3e-3) + rows("still"))
     there, back = of(compare(base, new)), of(compare(new, base))
@@ -126,7 +124,6 @@ def test_probes_stand_in_where_every_solver_changed(results):
 
 
 def test_without_any_evidence_of_the_machine_no_solver_is_slower(results):
-    """The ratio is shown as measured."""
     comparison = compare(results("a", rows(time=1e-3)), results("b", rows(digest=NEW, time=9e-3)))
 
     assert comparison.speed is None
@@ -225,7 +222,6 @@ def test_a_run_that_lacks_what_it_was_asked_has_become_worse(results):
 
 
 def test_runs_without_a_common_question_are_refused(results):
-    """One message says what was expected; so it does of a ratio below 1."""
     base, new = results("a", rows("one")), results("b", rows("other"))
 
     with pytest.raises(DubinsStudyError, match="share no question"):

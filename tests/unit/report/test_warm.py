@@ -58,7 +58,6 @@ def test_no_iterations_at_all_are_no_ratio(results):
 
 
 def test_sentences_say_what_the_rows_say(results):
-    """Who saves and who pays; and whether answers change."""
     table = warm_starts(load([results("radius-sweep", rows())]).rows)
     text = warm_text(table.assign(name=table["solver"]))
 
@@ -74,7 +73,6 @@ def test_sentences_say_what_the_rows_say(results):
 
 
 def test_the_section_has_the_figure(results, tmp_path):
-    """Figure and table; and neither where nothing was warm."""
     topic = "cold against warm starts"
     page = topic_page(results("radius-sweep", rows()), tmp_path / "a", topic)
     cold = [row for row in rows() if row["initial_guess"] == "cold"]
