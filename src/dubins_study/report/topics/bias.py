@@ -15,23 +15,45 @@ from typing import Any
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
+from numpy.typing import ArrayLike
 
 from dubins_study.report.data.results import Results
-from dubins_study.report.elements.axes import log_axis, power
+from dubins_study.report.elements.axes import log_axis, mark_limit, power
 from dubins_study.report.elements.columns import SOLVER, columns
 from dubins_study.report.elements.content import Picture, Section, Table, picture
-from dubins_study.report.elements.formats import count, digits
+from dubins_study.report.elements.formats import count, digits, sentences
 from dubins_study.report.elements.looks import LINES, Palette
-from dubins_study.report.elements.style import BLUE, INK, MUTED, VERMILION
+from dubins_study.report.elements.plots import Mark, parameter_lines
+from dubins_study.report.elements.style import BLUE, MUTED, VERMILION
 from dubins_study.report.elements.topic import Topic
-from dubins_study.report.statistics.metrics import fitted_order, parse_spec, solver_order
-from dubins_study.study.path import FloatArray
+from dubins_study.report.statistics.metrics import by_solver, fitted_order, parse_spec
 
 # Ipopt's constants (Waechter and Biegler 2006, sec. 2 and 3): the first barrier mu; the factor and
 # the power of its update, min(0.2 mu, mu^1.5); and its smallest value as a share of the tolerance.
 _MU_INIT, _KAPPA, _THETA, _FLOOR = 0.1, 0.2, 1.5, 1 / 11
 
 _ROUNDING = 1e-15  # rad; a smaller turn is rounding
+_FOLLOWS = 0.1  # largest |ratio - 1| that confirms the prediction
+
+BARRIERS = (
+    *columns(digits(3), mu="μ"),
+    *columns(kind="text", by="chosen by"),
+    *columns(count, attempts="radii"),
+    *columns(digits(5), slope="slope", ratio_low="z₂ / predicted, least", ratio_high="most"),
+    *columns(digits(3), excess_low="excess / (μ/3), least", excess_high="most"),
+    *columns(count, failed="“failed”"),
+)
+OTHERS = (
+    SOLVER,
+    *columns(count, attempts="radii", exact="no turn at all"),
+    *columns(digits(2), least="least z₂ / R", most="most", gap="largest gap"),
+    *columns(count, limits="stopped by a limit"),
+)
+# Whether a setting gives the barrier -> the mark of an attempt.
+MARKS = {
+    True: Mark("told", "Ipopt told to stop at μ", BLUE, "o", filled=False),
+    False: Mark("default", "Ipopt by its defaults", VERMILION, "x"),
+}
 
 
 def last_barrier(tol: float) -> float:
@@ -45,32 +67,27 @@ def last_barrier(tol: float) -> float:
 def left_over(results: Results) -> pd.DataFrame:
     """The study's attempts that returned a path, with the length of its right turn.
 
-    Args:
-        results: results whose manifests hold the specs' settings.
-
-    Returns:
-        The rows with columns z2 (length of the right turn, length unit; 0 if it is only rounding),
-        mu (barrier at which the solver stops; NaN if it has no barrier), barrier_set (whether a
-        setting gives that barrier), joint (whether the model is unsplit), predicted
-        ((mu R^2)^(1/3)), ratio (z2 / predicted), excess (length - reference), excess_ratio
-        (excess / (mu / 3)).
+    Adds the columns z2 (length of the right turn, length unit; 0 if it is only rounding), mu
+    (barrier at which the solver stops; NaN if it has no barrier), barrier_set (whether a setting
+    gives that barrier), joint (whether the model is unsplit), predicted ((mu R^2)^(1/3)), ratio
+    (z2 / predicted), excess_ratio ((length - reference) / (mu / 3)).
     """
-    settings = results.settings
     rows = results.rows[results.rows["length"].notna()]
+    settings = {spec: results.settings.get(spec, {}) for spec in rows["solver"].unique()}
     mu = rows["solver"].map(lambda spec: barrier(spec, settings)).astype(float)
     predicted = np.cbrt(mu * rows["radius"] ** 2)
-    z2 = np.array([_right_turn(results, index) for index in rows.index], dtype=np.float64)
-    z2[z2 < _ROUNDING * rows["radius"].to_numpy()] = 0.0
-    excess = rows["length"] - rows["reference"]
+    paths = [results.path(index) for index in rows.index]
+    turns = [math.nan if p is None else p.length[p.curvature < 0].sum() for p in paths]
+    z2 = pd.Series(turns, rows.index, dtype=float)
+    z2 = z2.mask(z2 < _ROUNDING * rows["radius"], 0.0)
     return rows.assign(
         z2=z2,
         mu=mu,
-        barrier_set=rows["solver"].map(lambda s: _number(settings.get(s, {}).get("mu_target")) > 0),
-        joint=rows["solver"].map(lambda s: settings.get(s, {}).get("model") == "joint"),
+        barrier_set=rows["solver"].map(lambda s: _number(settings[s].get("mu_target")) > 0),
+        joint=rows["solver"].map(lambda s: settings[s].get("model") == "joint"),
         predicted=predicted,
         ratio=z2 / predicted,
-        excess=excess,
-        excess_ratio=excess / (mu / 3),
+        excess_ratio=(rows["length"] - rows["reference"]) / (mu / 3),
     )
 
 
@@ -89,65 +106,57 @@ def _number(value: Any) -> float:
     return float(value) if isinstance(value, (int, float)) else math.nan
 
 
-def _right_turn(results: Results, index: int) -> float:
-    path = results.path(index)
-    return math.nan if path is None else float(path.length[path.curvature < 0].sum())
-
-
-def slope(x: FloatArray, y: FloatArray) -> float:
+def slope(x: ArrayLike, y: ArrayLike) -> float:
     """Slope of log y against log x by least squares; NaN with fewer than two points to fit."""
+    x, y = np.asarray(x, dtype=np.float64), np.asarray(y, dtype=np.float64)
     keep = np.isfinite(x) & (x > 0)
     return -fitted_order(x[keep], y[keep], floor=0.0)
-
-
-def prediction_fit(with_barrier: pd.DataFrame) -> tuple[float, float]:
-    """How well z2 is predicted in the attempts of `left_over` that have a barrier.
-
-    Returns:
-        The largest |z2 / predicted - 1|, and the slope of log z2 against log predicted.
-    """
-    predicted, z2 = (with_barrier[name].to_numpy() for name in ("predicted", "z2"))
-    return float((with_barrier["ratio"] - 1).abs().max()), slope(predicted, z2)
-
-
-def default_attempt(with_barrier: pd.DataFrame) -> pd.Series[Any] | None:
-    """The attempt with the default barrier whose radius is nearest to 1; None if there is none."""
-    default = with_barrier[~with_barrier["barrier_set"]]
-    if default.empty:
-        return None
-    return default.iloc[int((default["radius"] - 1).abs().to_numpy().argmin())]
 
 
 def by_barrier(table: pd.DataFrame) -> pd.DataFrame:
     """One row per solver with a barrier, from `left_over`, sorted by falling barrier.
 
-    Columns: solver, mu, barrier_set, attempts, slope (of log z2 against log predicted, over the
-    radii), ratio_low and ratio_high (smallest and largest z2 / predicted), excess_low and
-    excess_high (smallest and largest excess / (mu / 3)), failed (attempts that the solver calls
-    failed).
+    Columns: solver, those of `BARRIERS`, barrier_set. The slope is that of log z2 against log
+    predicted over the radii; low and high are the smallest and the largest value.
     """
     known = table[table["mu"].notna()]
     groups = known.assign(failed=known["claim"] == "failed").groupby("solver", sort=False)
-    slopes = pd.Series({solver: prediction_fit(group)[1] for solver, group in groups}, dtype=float)
-    frame = groups[["mu", "barrier_set"]].first().assign(attempts=groups.size(), slope=slopes)
-    for name, column in (("ratio", "ratio"), ("excess", "excess_ratio")):
-        frame[f"{name}_low"], frame[f"{name}_high"] = groups[column].min(), groups[column].max()
-    frame = frame.assign(failed=groups["failed"].sum()).reset_index()
-    return frame.sort_values("mu", ascending=False, ignore_index=True)
+    frame = groups.agg(
+        mu=("mu", "first"),
+        barrier_set=("barrier_set", "first"),
+        attempts=("mu", "size"),
+        ratio_low=("ratio", "min"),
+        ratio_high=("ratio", "max"),
+        excess_low=("excess_ratio", "min"),
+        excess_high=("excess_ratio", "max"),
+        failed=("failed", "sum"),
+    )
+    frame["by"] = frame["barrier_set"].map({True: "told", False: "its defaults"})
+    frame["slope"] = pd.Series({s: slope(g["predicted"], g["z2"]) for s, g in groups}, dtype=float)
+    return frame.reset_index().sort_values("mu", ascending=False, ignore_index=True)
 
 
 def without_barrier(table: pd.DataFrame) -> pd.DataFrame:
     """One row per solver without a known barrier, from `left_over`.
 
-    Columns: solver, joint, attempts, exact (attempts without any right turn), least and most
-    (smallest and largest z2 / R), gap (largest), limits (attempts stopped by a limit).
+    Columns: those of `OTHERS`, joint. Exact are attempts without any right turn.
     """
     others = table[table["mu"].isna()]
-    others = others.assign(turn=others["z2"] / others["radius"], limits=others["claim"] == "limit")
-    groups = others.assign(exact=others["turn"] == 0).groupby("solver")
-    turn, frame = groups["turn"], groups[["joint"]].first().assign(attempts=groups.size())
-    frame = frame.assign(exact=groups["exact"].sum(), least=turn.min(), most=turn.max())
-    return frame.assign(gap=groups["gap"].max(), limits=groups["limits"].sum()).reset_index()
+    turn, limit = others["z2"] / others["radius"], others["claim"] == "limit"
+    return (
+        others.assign(turn=turn, exact=turn == 0, limit=limit)
+        .groupby("solver")
+        .agg(
+            joint=("joint", "first"),
+            attempts=("turn", "size"),
+            exact=("exact", "sum"),
+            least=("turn", "min"),
+            most=("turn", "max"),
+            gap=("gap", "max"),
+            limits=("limit", "sum"),
+        )
+        .reset_index()
+    )
 
 
 def plot_bias(ax: Axes, table: pd.DataFrame) -> None:
@@ -155,73 +164,58 @@ def plot_bias(ax: Axes, table: pd.DataFrame) -> None:
 
     Columns: predicted, z2 (length unit), barrier_set (whether a setting gives the barrier).
     """
-    ends = np.array([0.5 * table["predicted"].min(), 2 * table["predicted"].max()])
+    ends = 0.5 * table["predicted"].min(), 2 * table["predicted"].max()
     ax.plot(ends, ends, color=MUTED, linewidth=0.9, linestyle=LINES[1], label="equal")
-    hollow: dict[str, Any] = {"linestyle": "none", "markerfacecolor": "none"}
-    with_barrier, default = table[table["barrier_set"]], table[~table["barrier_set"]]
-    if len(with_barrier):
-        look = {"color": BLUE, "label": "Ipopt told to stop at μ", **hollow}
-        ax.plot(with_barrier["predicted"], with_barrier["z2"], "o", **look)
-    if len(default):
-        look = {"color": VERMILION, "markersize": 6, "markeredgewidth": 1.4}
-        ax.plot(default["predicted"], default["z2"], "x", label="Ipopt by its defaults", **look)
-    ax.set(xscale="log", yscale="log", xlim=tuple(ends), ylim=tuple(ends))
+    for barrier_set, mark in MARKS.items():
+        group = table[table["barrier_set"] == barrier_set]
+        if len(group):
+            ax.plot(group["predicted"], group["z2"], label=mark.label, **mark.dots())
+    ax.set(xscale="log", yscale="log", xlim=ends, ylim=ends)
     ax.set(xlabel="(μ R²)^(1/3)  (length unit)", ylabel="right turn left over, z₂ (length unit)")
     log_axis(ax.xaxis)
     log_axis(ax.yaxis)
-
-
-def plot_left_over(ax: Axes, table: pd.DataFrame, palette: Palette) -> None:
-    """Draw the remaining turn in radii against the radius; a mark at the bottom means no turn.
-
-    Columns: solver, radius, z2 (length unit).
-    """
-    looks, names = palette.looks(table["solver"]), palette.names(table["solver"])
-    share = table["z2"] / table["radius"]
-    foot = 10.0 ** np.floor(np.log10(share[share > 0].min()) - 1) if (share > 0).any() else 1e-8
-    for place, solver in enumerate(solver_order(table["solver"].tolist())):
-        group = table[table["solver"] == solver].sort_values("radius")
-        left = (group["z2"] / group["radius"]).clip(lower=foot)
-        # Shift each solver a little, since solvers without a turn all have marks at the bottom.
-        at = group["radius"] * 1.06 ** (place - 2)
-        look = looks[solver]
-        ax.plot(at, left, marker=look.marker, markersize=4, **look.lines, label=names[solver])
-    ax.set(xscale="log", yscale="log", ylim=(foot / 2, None))
-    ax.set(xlabel="turning radius R (length unit)", ylabel="right turn left over, z₂ / R")
-    log_axis(ax.xaxis)
-    log_axis(ax.yaxis, lambda value, _=None: "none" if value < 1.5 * foot else power(value))
-    ax.axhline(foot, color=INK, linewidth=0.5)
-
-
-_FOLLOWS = 0.1  # largest |ratio - 1| that confirms the prediction
 
 
 def bias_section(results: Results) -> Section | None:
     """The remaining turn against its prediction, and the turn that other methods leave."""
     table = left_over(results)
     table = table[(table["branch"] == "best") & table["z2"].notna()]
-    with_barrier = table[table["mu"].notna()]
+    with_barrier, compared = table[table["mu"].notna()], table[~table["barrier_set"]]
     if with_barrier.empty:
         return None
     barriers, others = by_barrier(table), without_barrier(table)
     palette = Palette.of_page(results)
-    sentences = [
-        *(_prediction(with_barrier, barriers), *_default(with_barrier, palette)),
-        *_others(others),
-    ]
-    text = (
+    text = sentences(
         "The shortest path to this target is LS, and the paper's model L(z₁) R(z₂) S(z₃) should "
         "answer with z₂ = 0. There its reduced cost is zero: the length grows only like "
         "z₂³ / (3 R²), so a barrier −μ ln z₂ stops the turn at z₂ = (μ R²)^(1/3), where the "
-        f"length is μ / 3 too long. {' '.join(sentences)}"
+        "length is μ / 3 too long.",
+        _prediction(with_barrier),
+        _default(with_barrier, palette),
+        _others(others),
     )
-    compared = table[~table["barrier_set"]]
-    blocks: list[Picture | Table] = [_bias_picture(with_barrier)]
+    caption = (
+        "The turn that Ipopt leaves, against the cube root of barrier times radius squared; one "
+        "mark per attempt. On the dashed line they are equal."
+    )
+    alt = "Turn left over against its prediction"
+    blocks: list[Picture | Table] = [
+        picture("bias", plot_bias, with_barrier, caption=caption, alt=alt, height=3.9, legend=1)
+    ]
     if len(compared):
-        blocks.append(_left_over_picture(compared, palette))
-    blocks.append(_barrier_table(barriers))
+        blocks.append(_methods_picture(compared, palette))
+    caption = (
+        "Ipopt by the barrier that it stops at, over the radii: slope of log z₂ against the "
+        "prediction's logarithm, ratio of z₂ to it, and by how much the path is longer than the "
+        "shortest, over μ / 3. In quotation marks: attempts that the solver calls failed."
+    )
+    blocks.append(Table("bias", caption, barriers, BARRIERS))
     if len(others):
-        blocks.append(_other_table(others))
+        caption = (
+            "Methods that are told no barrier. On the unsplit model (joint) a multiplier of zero "
+            "gives an active-set method no reason to put the turn at its bound."
+        )
+        blocks.append(Table("bias-methods", caption, others, OTHERS))
     lead = (
         "Marks on the dashed line confirm the prediction: how much turn an interior-point solver "
         "leaves in a path that should have none, while its length shows nothing."
@@ -229,108 +223,76 @@ def bias_section(results: Results) -> Section | None:
     return Section("bias", "The interior-point bias in the segments", text, tuple(blocks), lead)
 
 
-def _prediction(with_barrier: pd.DataFrame, barriers: pd.DataFrame) -> str:
-    deviation, slope = prediction_fit(with_barrier)
+def _prediction(with_barrier: pd.DataFrame) -> str:
+    """How well z2 is predicted, as the largest deviation and the slope."""
+    deviation = float((with_barrier["ratio"] - 1).abs().max())
     comparison = f"is within a relative {digits(2)(deviation)} of this"
     if deviation > _FOLLOWS:
         away = f"up to a relative {digits(2)(deviation)} away"
         comparison = f"does not follow this everywhere: it is {away}"
-    failed = int(barriers["failed"].sum())
+    failed = int((with_barrier["claim"] == "failed").sum())
     failures = f", though the solver calls {failed} of them failures" if failed else ""
     return (
         f"Over {count(len(with_barrier))} attempts z₂ {comparison}; the slope in logarithms is "
-        f"{digits(5)(slope)}{failures}."
+        f"{digits(5)(slope(with_barrier['predicted'], with_barrier['z2']))}{failures}."
     )
 
 
-def _default(with_barrier: pd.DataFrame, palette: Palette) -> list[str]:
+def _default(with_barrier: pd.DataFrame, palette: Palette) -> str:
     """One sentence on the radius nearest to 1, if the defaults were tried."""
-    row = default_attempt(with_barrier)
-    if row is None:
-        return []
+    default = with_barrier[~with_barrier["barrier_set"]]
+    if default.empty:
+        return ""
+    row = default.iloc[int((default["radius"] - 1).abs().to_numpy().argmin())]
     (name,) = palette.names([row["solver"]]).values()
-    return [
+    return (
         f"By its defaults {name} stops at μ = {digits(3)(row['mu'])}: at "
         f"R = {row['radius']:g} it leaves z₂ = {digits(4)(row['z2'])} where "
         f"{digits(4)(row['predicted'])} is predicted, while the length is only "
         f"{digits(2)(max(row['gap'], 0.0))} of itself too long and shows nothing."
-    ]
+    )
 
 
-def _others(others: pd.DataFrame) -> list[str]:
-    if others.empty:
-        return []
+def _others(others: pd.DataFrame) -> str:
+    """How often methods without a barrier leave no turn, on the unsplit model and on words."""
     joint, split = others[others["joint"]], others[~others["joint"]]
     clauses = []
     if len(joint):
         name = " and ".join(sorted({parse_spec(spec)[0] for spec in joint["solver"]}))
-        exact, tried = int(joint["exact"].sum()), int(joint["attempts"].sum())
+        exact, tried = joint["exact"].sum(), joint["attempts"].sum()
+        rest = f" and up to {digits(2)(joint['most'].max())} R in the others"
         clauses.append(
             f"on this model {name} leaves no turn in {exact} of {tried} attempts"
-            + (f" and up to {digits(2)(joint['most'].max())} R in the others" * (exact < tried))
+            + (rest if exact < tried else "")
         )
     if len(split):
-        exact, tried = int(split["exact"].sum()), int(split["attempts"].sum())
         clauses.append(
             "with one turn fixed at zero, as the paper's Algorithm 1 does, the other turn is left "
-            f"out exactly in {exact} of {tried}"
+            f"out exactly in {split['exact'].sum()} of {split['attempts'].sum()}"
         )
     text = "; ".join(clauses)
-    return [f"{text[:1].upper()}{text[1:]}."]
+    return f"{text[:1].upper()}{text[1:]}." if text else ""
 
 
-def _bias_picture(with_barrier: pd.DataFrame) -> Picture:
+def _methods_picture(compared: pd.DataFrame, palette: Palette) -> Picture:
+    """The remaining turn in radii against the radius; a mark at the foot means no turn."""
+    turn = compared["z2"] / compared["radius"]
+    foot = 10.0 ** np.floor(np.log10(turn[turn > 0].min()) - 1) if (turn > 0).any() else 1e-8
+    names = compared["solver"].map(palette.names(compared["solver"]))
+    lines = compared.assign(turn=turn.clip(lower=foot), name=names).sort_values("radius")
+    axes = "turning radius R (length unit)", "right turn left over, z₂ / R"
+    height = 2.9 + 0.16 * compared["solver"].nunique()
+    figure = parameter_lines(by_solver(lines), "radius", "turn", palette, *axes, height=height)
+    (ax,) = figure.axes
+    ax.set_ylim(foot / 2, None)
+    log_axis(ax.yaxis, lambda value, _=None: "none" if value < 1.5 * foot else power(value))
+    mark_limit(ax, foot, "y")
     caption = (
-        "The turn that Ipopt leaves, against the cube root of barrier times radius squared; one "
-        "mark per attempt. On the dashed line they are equal."
+        "What methods leave that are told no barrier, in radii; at the foot those that leave no "
+        "such turn at all."
     )
-    alt = "Turn left over against its prediction"
-    return picture("bias", plot_bias, with_barrier, caption=caption, alt=alt, height=3.9, legend=1)
-
-
-def _left_over_picture(compared: pd.DataFrame, palette: Palette) -> Picture:
-    return picture(
-        "bias-methods",
-        plot_left_over,
-        *(compared, palette),
-        caption="What methods leave that are told no barrier, in radii; at the foot those that "
-        "leave no such turn at all.",
-        alt="Turn left over by method and radius",
-        height=2.9 + 0.16 * compared["solver"].nunique(),
-        legend=1,
-    )
-
-
-def _barrier_table(barriers: pd.DataFrame) -> Table:
-    table = barriers.assign(by=barriers["barrier_set"].map({True: "told", False: "its defaults"}))
-    shown = (
-        *columns(digits(3), mu="μ"),
-        *columns(kind="text", by="chosen by"),
-        *columns(count, attempts="radii"),
-        *columns(digits(5), slope="slope", ratio_low="z₂ / predicted, least", ratio_high="most"),
-        *columns(digits(3), excess_low="excess / (μ/3), least", excess_high="most"),
-        *columns(count, failed="“failed”"),
-    )
-    caption = (
-        "Ipopt by the barrier that it stops at, over the radii: slope of log z₂ against the "
-        "prediction's logarithm, ratio of z₂ to it, and by how much the path is longer than the "
-        "shortest, over μ / 3. In quotation marks: attempts that the solver calls failed."
-    )
-    return Table("bias", caption, table, shown)
-
-
-def _other_table(others: pd.DataFrame) -> Table:
-    shown = (
-        SOLVER,
-        *columns(count, attempts="radii", exact="no turn at all"),
-        *columns(digits(2), least="least z₂ / R", most="most", gap="largest gap"),
-        *columns(count, limits="stopped by a limit"),
-    )
-    caption = (
-        "Methods that are told no barrier. On the unsplit model (joint) a multiplier of zero gives "
-        "an active-set method no reason to put the turn at its bound."
-    )
-    return Table("bias-methods", caption, others, shown)
+    alt = "Turn left over by method and radius"
+    return Picture("bias-methods", caption, figure, alt, half=True)
 
 
 TOPIC = Topic("the interior-point bias", bias_section, "bias")
