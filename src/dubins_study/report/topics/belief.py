@@ -206,7 +206,8 @@ def cures(rows: pd.DataFrame, methods: pd.DataFrame) -> pd.DataFrame:
 
 
 _TOLERATED = PROOFS[1]
-_MOST = 8  # bars in a panel, and columns of the table by stratum
+_MOST_BARS = 6  # in a panel
+_MOST_STRATA_COLUMNS = 8  # of the table by stratum
 _MOST_EXAMPLES = 40
 _SHORT = dict(
     zip(
@@ -273,7 +274,7 @@ def _liars(table: pd.DataFrame) -> str:
 
 def _picture(table: pd.DataFrame) -> Picture:
     engines = table[table.index != EXACT].sort_values("false", ascending=False)
-    shown = (engines if len(engines) else table).groupby("formulation", sort=False).head(_MOST)
+    shown = (engines if len(engines) else table).groupby("formulation", sort=False).head(_MOST_BARS)
     shown = table[table.index.isin(shown.index)]
     left_out = len(engines) - len(shown)
     rest = (
@@ -327,7 +328,7 @@ def _kind_table(table: pd.DataFrame) -> Table:
 def _stratum_table(rows: pd.DataFrame, attempts: Compared) -> Table | None:
     """The share of false claims in each stratum, for the methods that make any."""
     names = attempts.methods
-    liars = rows.loc[rows["truth"] == FALSE, "solver"].value_counts().index[:_MOST]
+    liars = rows.loc[rows["truth"] == FALSE, "solver"].value_counts().index[:_MOST_STRATA_COLUMNS]
     chosen = [solver for solver in names.index if solver in set(liars)]
     if rows["stratum"].nunique() < 2:
         return None

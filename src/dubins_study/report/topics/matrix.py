@@ -374,7 +374,7 @@ def _picture(table: Matrix) -> Picture:
         "the pair's initial guesses and settings. Empty: the pair has no row; the table of reasons "
         f"says why.{star}",
         alt="Map of right answers, engines by formulations",
-        height=min(HIGHEST, 0.75 + 0.19 * max(len(_drawn_engines(table)), 5)),
+        height=min(HIGHEST, 0.75 + 0.175 * max(len(_drawn_engines(table)), 5)),
         width=WIDE,
     )
 
