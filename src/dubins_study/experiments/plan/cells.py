@@ -38,28 +38,20 @@ MOST_CELLS = 2_000_000
 
 
 class BlockPlan(NamedTuple):
-    """What an experiment asks about the scenarios of one block.
+    """What an experiment asks about the scenarios of one block."""
 
-    Args:
-        number: the number of the block in the experiment, from 0.
-        block: the scenarios.
-        branches: the branches that are asked for.
-        initial_guesses: `cold`, `warm`, or both; not used where the block has `guess_lengths`.
-        repeats: how many times every question is asked.
-        solvers: the solvers that are asked.
-    """
-
-    number: int
+    key: str  # of the block in the experiment's file, such as `scenarios.0`
     block: Block
     branches: tuple[str, ...]
-    initial_guesses: tuple[str, ...]
+    initial_guesses: tuple[str, ...]  # not used where the block has `guess_lengths`
     repeats: int
     solvers: tuple[SolverDescription, ...]
 
     @property
-    def key(self) -> str:
-        """The key of the block in the experiment's file, for messages."""
-        return f"scenarios.{self.number}"
+    def cells(self) -> int:
+        """How many cells the block has, without those that other blocks share with it."""
+        guesses = sum(map(self.guess_count, self.solvers))
+        return block_size(self.block) * len(self.branches) * self.repeats * guesses
 
     def guess_count(self, solver: SolverDescription) -> int:
         """Number of initial guesses from which a solver is asked each question."""
@@ -85,37 +77,32 @@ class BlockPlan(NamedTuple):
 
 
 def block_plans(experiment: Experiment) -> list[BlockPlan]:
-    """The plans of all blocks of an experiment.
-
-    Raises:
-        ExperimentError: if there are more than `MOST_CELLS` cells.
-        SolverError: if a solver's spec is not valid.
-    """
+    """The plans of all blocks; refused if they have too many cells or a solver does not exist."""
     plans = [
-        _block_plan(number, block, experiment) for number, block in enumerate(experiment.blocks)
+        BlockPlan(
+            f"scenarios.{number}",
+            block,
+            tuple(block.branches or experiment.branches),
+            tuple(experiment.initial_guesses),
+            experiment.repeats,
+            tuple(_solvers(number, block, experiment)),
+        )
+        for number, block in enumerate(experiment.blocks)
     ]
-    _check_size(plans)
+    total = 0
+    for plan in plans:  # before it is expanded, since it may be too large for the memory
+        total += plan.cells
+        if total > MOST_CELLS:
+            raise ExperimentError(
+                f"{plan.key}: {block_size(plan.block)} scenarios and {plan.cells} cells (a cell "
+                "for every solver, branch, initial guess and repeat), "
+                f"{total} cells up to here; expected at most {MOST_CELLS} in all"
+            )
     return plans
 
 
-def _block_plan(number: int, block: Block, experiment: Experiment) -> BlockPlan:
-    return BlockPlan(
-        number,
-        block,
-        tuple(block.branches or experiment.branches),
-        tuple(experiment.initial_guesses),
-        experiment.repeats,
-        tuple(_solvers(number, block, experiment)),
-    )
-
-
 def _solvers(number: int, block: Block, experiment: Experiment) -> list[SolverDescription]:
-    """The solvers of a block.
-
-    Raises:
-        SolverError: naming the key, if a spec is not valid, or if the block has `guess_lengths`
-            and names a solver that takes no initial guess.
-    """
+    """The solvers of a block; `SolverError` names the key of one that cannot be asked."""
     key, specs = "solvers", experiment.solvers
     if block.solvers is not None:
         key, specs = f"scenarios.{number}.solvers", block.solvers
@@ -135,36 +122,8 @@ def _solvers(number: int, block: Block, experiment: Experiment) -> list[SolverDe
     return solvers
 
 
-def _check_size(plans: list[BlockPlan]) -> None:
-    """Refuse an experiment that is too large for the memory, before it is expanded."""
-    total = 0
-    for plan in plans:
-        scenarios = block_size(plan.block)
-        guesses = sum(map(plan.guess_count, plan.solvers))
-        cells = scenarios * len(plan.branches) * plan.repeats * guesses
-        total += cells
-        if total > MOST_CELLS:
-            raise ExperimentError(
-                f"{plan.key}: {scenarios} scenarios and {cells} cells (a cell for every solver, "
-                f"branch, initial guess and repeat), {total} cells up to here; expected at most "
-                f"{MOST_CELLS} in all"
-            )
-
-
 class Overview(NamedTuple):
-    """An experiment in numbers.
-
-    Args:
-        name, title, question: as its file has them.
-        scenarios: how many there are, counted once for every block that asks about them.
-        cells: questions times solvers and repeats; each becomes a row.
-        solvers: the canonical specs, each once.
-        branches: the branches that are asked for.
-        repeats: how often each question is asked.
-        time_limit_s: seconds that one solve may take.
-        memory_limit_gib: GiB that one solve may hold.
-        profile: name of the settings and tolerances.
-    """
+    """An experiment in numbers; its scenarios count once for every block that asks about them."""
 
     name: str
     title: str
@@ -180,23 +139,15 @@ class Overview(NamedTuple):
 
 
 def overview(file: ExperimentFile) -> Overview:
-    """An experiment in numbers.
-
-    Raises:
-        ExperimentError, SolverError: if it is too large, or names a solver that does not exist.
-    """
+    """An experiment in numbers; refused if it is too large or a solver does not exist."""
     experiment, plans = file.experiment, block_plans(file.experiment)
-    cells = 0
-    for plan in plans:
-        solver_guesses = sum(map(plan.guess_count, plan.solvers))
-        cells += block_size(plan.block) * len(plan.branches) * plan.repeats * solver_guesses
     specs = (solver.spec for p in plans for solver in p.solvers)
     return Overview(
         name=file.name,
         title=experiment.title,
         question=experiment.question,
         scenarios=sum(block_size(block) for block in experiment.scenarios),
-        cells=cells,
+        cells=sum(plan.cells for plan in plans),
         solvers=tuple(dict.fromkeys(specs)),
         branches=tuple(dict.fromkeys(branch for p in plans for branch in p.branches)),
         repeats=experiment.repeats,
@@ -274,14 +225,10 @@ def _block_chains(plan: BlockPlan, profile: str) -> Iterator[Chain]:
 
 
 def _add_sweep(sweeps: dict[Key, str], keys: tuple[Key, ...], block_key: str) -> None:
-    """Note the cells of a warm sweep. A cell has one predecessor, so it may be in one sweep only.
-
-    Raises:
-        ExperimentError: if a cell is in a sweep already.
-    """
+    """Note the cells of a warm sweep; each has one predecessor, so it may be in one sweep only."""
     for place, key in enumerate(keys):
-        if key in sweeps or key in keys[:place]:
-            other = "itself" if key in keys[:place] else sweeps[key]
+        other = "itself" if key in keys[:place] else sweeps.get(key)
+        if other is not None:
             raise ExperimentError(
                 f"{block_key}, scenario {place}: already swept by {other}; expected every "
                 "warm start in one sweep only: give one of the blocks a label of its own"

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
 from typing import Any
 
 from pydantic import ValidationError
@@ -41,10 +40,6 @@ def solver_problems(fields: dict[str, Any], trust_plugins: bool) -> list[Problem
     Each is made with its settings, braces written out. Plug-in files and programs on PATH are
     refused unless they are trusted, since the file may come from anyone; none of them is loaded
     before.
-
-    Args:
-        fields: the keys of the file.
-        trust_plugins: whether the file may name plug-ins and programs.
     """
     profile = fields.get("profile")
     known = profile if isinstance(profile, str) and profile in PROFILES else "default"
@@ -111,16 +106,9 @@ _STAND_INS: dict[str, Any] = {"title": "t", "question": "q", "solvers": ["analyt
 def read_checked(name: str, trust_plugins: bool, own_solvers: bool = True) -> ExperimentFile:
     """Read an experiment as `definition.experiment.read`, and check all that a run needs of it.
 
-    Of a valid file the scenarios are left to the plan of the run, which looks at all of them.
-
-    Args:
-        name: a packaged experiment, or the path of a TOML file.
-        trust_plugins: whether the file may name plug-in files and programs on PATH.
-        own_solvers: whether its own solvers will be asked.
-
-    Raises:
-        ExperimentError, SolverError: naming every wrong key, its line, its value and what was
-            expected. SolverError if all of them are solvers that cannot be made.
+    Of a valid file the scenarios are left to the plan of the run, which looks at all of them. The
+    error names every wrong key, its line, its value and what was expected; it is a `SolverError`
+    if all of them are solvers that cannot be made. `own_solvers`: whether they will be asked.
     """
     source = text_of(name)
     fields = source.fields()
@@ -184,9 +172,15 @@ def _placed(message: str) -> Problem:
 def _usable(fields: dict[str, Any], wrong_specs: set[KeyPath]) -> Experiment | None:
     """The experiment without its invalid keys, blocks and specs; blocks keep their numbers.
 
-    None if no block is left.
+    None if no block is left. The fields are changed.
     """
-    fields = _without_specs(fields, wrong_specs)
+    for *path, _, number in sorted(wrong_specs, key=lambda place: place[-1], reverse=True):
+        table: Any = fields
+        for step in path:
+            table = table[step]
+        del table["solvers"][number]
+        if not table["solvers"]:  # one that is right stands in for all
+            table["solvers"] = ["slsqp" if "guess_lengths" in table else "analytic"]
     for _ in range(2):  # what is valid by itself may not be beside a stand-in
         try:
             return Experiment.model_validate(fields)
@@ -206,32 +200,6 @@ def _usable(fields: dict[str, Any], wrong_specs: set[KeyPath]) -> Experiment | N
         if () in places:  # the rule about the whole file is about `first`
             fields.pop("first", None)
     return None
-
-
-def _without_specs(fields: dict[str, Any], wrong: set[KeyPath]) -> dict[str, Any]:
-    """The fields without wrong specs; a list that would be empty holds one that is right."""
-
-    def rest(table: dict[str, Any], path: KeyPath) -> dict[str, Any]:
-        specs = table.get("solvers")
-        if not isinstance(specs, list) or not any(
-            place[:-1] == (*path, "solvers") for place in wrong
-        ):
-            return table
-        kept = [s for n, s in enumerate(specs) if (*path, "solvers", n) not in wrong]
-        other = "slsqp" if "guess_lengths" in table else "analytic"
-        return {**table, "solvers": kept or [other]}
-
-    fields = rest(fields, ())
-    blocks = fields.get("scenarios")
-    if isinstance(blocks, list):
-        numbered: Iterator[tuple[int, Any]] = enumerate(blocks)
-        fields["scenarios"] = [
-            rest(block, ("scenarios", number)) if isinstance(block, dict) else block
-            for number, block in numbered
-        ]
-    if isinstance(fields.get("first"), dict):
-        fields["first"] = rest(fields["first"], ("first",))
-    return fields
 
 
 def _stand_in(number: int) -> Block:

@@ -65,72 +65,47 @@ class Request(NamedTuple):
         return shlex.join(arguments)
 
     def check(self) -> None:
-        """Refuse arguments of the wrong type, and a scheduler for an engine that uses none.
-
-        Raises:
-            ExperimentError: naming the argument, its value and what was expected.
-        """
-        out, jobs, engine, scheduler = self.out, self.jobs, self.engine, self.scheduler
-        is_number = isinstance(jobs, int) and not isinstance(jobs, bool)
-        is_address = isinstance(scheduler, str) and scheduler != ""
-        no_scheduler = scheduler is None
-        name, is_name = self.experiment, isinstance(self.experiment, str | FilePath)
-        listed = self.scenarios is not None
-        requirements = (
-            (
-                self.scenarios is None or isinstance(self.scenarios, str | FilePath),
-                f"scenarios is {self.scenarios!r}; expected the path of a .csv or .parquet file",
-            ),
-            (
-                not listed or is_name or self.solvers is not None,
-                f"scenarios is {str(self.scenarios)!r}, without solvers; expected solvers "
-                "(--solver ipopt) or an experiment whose solvers are asked",
-            ),
-            (
-                is_name or (listed and name is None),
-                f"experiment is {name!r}; expected a name or the path of a .toml file",
-            ),
-            (
-                out is None or isinstance(out, str | FilePath),
-                f"out is {out!r}; expected the path of a folder",
-            ),
-            (
-                is_number and jobs >= 1,
-                f"jobs is {jobs!r}; expected a whole number of processes above 0",
-            ),
-            (
-                engine in EXECUTOR_NAMES,
-                f"engine is {engine!r}; {did_you_mean(engine, EXECUTOR_NAMES)}expected one of: "
-                f"{', '.join(EXECUTOR_NAMES)}",
-            ),
-            (
-                no_scheduler or is_address,
-                f"scheduler is {scheduler!r}; expected an address such as tcp://127.0.0.1:8786",
-            ),
-            (
-                no_scheduler or engine == "dask",
+        """Refuse arguments of the wrong type, and a scheduler for an engine that uses none."""
+        name, listed, jobs = self.experiment, self.scenarios, self.jobs
+        engine, scheduler = self.engine, self.scheduler
+        is_name = isinstance(name, str | FilePath)
+        problem = None
+        if not isinstance(listed, str | FilePath | None):
+            problem = f"scenarios is {listed!r}; expected the path of a .csv or .parquet file"
+        elif listed is not None and not is_name and self.solvers is None:
+            problem = (
+                f"scenarios is {str(listed)!r}, without solvers; expected solvers "
+                "(--solver ipopt) or an experiment whose solvers are asked"
+            )
+        elif not is_name and (listed is None or name is not None):
+            problem = f"experiment is {name!r}; expected a name or the path of a .toml file"
+        elif not isinstance(self.out, str | FilePath | None):
+            problem = f"out is {self.out!r}; expected the path of a folder"
+        elif not isinstance(jobs, int) or isinstance(jobs, bool) or jobs < 1:
+            problem = f"jobs is {jobs!r}; expected a whole number of processes above 0"
+        elif engine not in EXECUTOR_NAMES:
+            near = did_you_mean(engine, EXECUTOR_NAMES)
+            problem = f"engine is {engine!r}; {near}expected one of: {', '.join(EXECUTOR_NAMES)}"
+        elif scheduler is not None and (not isinstance(scheduler, str) or not scheduler):
+            problem = (
+                f"scheduler is {scheduler!r}; expected an address such as tcp://127.0.0.1:8786"
+            )
+        elif scheduler is not None and engine != "dask":
+            problem = (
                 f"scheduler is {scheduler!r} and engine {engine!r}; only engine 'dask' has a "
-                "scheduler",
-            ),
-            (
-                no_scheduler or jobs == 1,
+                "scheduler"
+            )
+        elif scheduler is not None and jobs != 1:
+            problem = (
                 f"jobs is {jobs}; how many cells are solved side by side is for the cluster of "
-                f"scheduler {scheduler!r} to say, so leave it out",
-            ),
-        )
-        for holds, problem in requirements:
-            if not holds:
-                raise ExperimentError(problem)
+                f"scheduler {scheduler!r} to say, so leave it out"
+            )
+        if problem is not None:
+            raise ExperimentError(problem)
 
 
 class RunPlan(NamedTuple):
-    """Everything that a run has to solve.
-
-    Args:
-        experiment_file: the experiment with the changes of the request.
-        folder: the results folder.
-        chains: all cells, solved already or not.
-    """
+    """Everything that a run has to solve: an experiment as requested, and all its cells."""
 
     experiment_file: ExperimentFile
     folder: FilePath
@@ -158,14 +133,15 @@ def cell_counts(keys: set[Key]) -> Counter[tuple[str, str]]:
 
 
 def plan_run(request: Request) -> RunPlan:
-    """The cells that a request asks for.
-
-    Raises:
-        ExperimentError, SolverError: naming the argument, or the file and key; its value, and what
-            was expected.
-    """
+    """The cells that a request asks for; errors name the argument, or the file and key."""
     request.check()
-    experiment_file = _changed(_read(request), request)
+    own_solvers = request.solvers is None
+    name = None if request.experiment is None else str(request.experiment)
+    file = None if name is None else read_checked(name, request.trust_plugins, own_solvers)
+    if request.scenarios is not None:
+        file = listed_experiment(str(request.scenarios), file, request.solvers)
+    assert file is not None  # as `Request.check` has seen to
+    experiment_file = _changed(file, request)
     experiment = experiment_file.experiment
     if request.solvers is not None:
         # Checked here so that an error message does not name the experiment's file.
@@ -178,17 +154,6 @@ def plan_run(request: Request) -> RunPlan:
         FilePath("results") / experiment_file.name if request.out is None else FilePath(request.out)
     )
     return RunPlan(experiment_file, folder, cell_chains)
-
-
-def _read(request: Request) -> ExperimentFile:
-    """The experiment of a request, about the scenarios of a file if the request names one."""
-    name = None if request.experiment is None else str(request.experiment)
-    own_solvers = request.solvers is None
-    file = None if name is None else read_checked(name, request.trust_plugins, own_solvers)
-    if request.scenarios is None:
-        assert file is not None  # as `Request.check` has seen to
-        return file
-    return listed_experiment(str(request.scenarios), file, request.solvers)
 
 
 def _changed(experiment_file: ExperimentFile, request: Request) -> ExperimentFile:

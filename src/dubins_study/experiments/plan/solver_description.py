@@ -34,29 +34,17 @@ _LOAD_LIMIT_S = 60.0  # Seconds that the import of a plug-in may take.
 
 
 class SolverDescription(NamedTuple):
-    """A solver under a profile.
+    """A solver under a profile, in values that JSON can hold."""
 
-    Args:
-        spec: its canonical spec, as in rows.
-        method: its formulation, engine and initial guess.
-        code_digest: see `code_digest.code_digest`.
-        settings: its settings as values that JSON can hold.
-        packages: the distributions that it uses.
-        warm: whether it uses an initial guess.
-        runs: the name of the program on PATH that it starts, if any.
-        keeps_limit: whether its own class promises `Solver.keeps_limit`.
-        whole_frames: whether it answers whole frames at once.
-    """
-
-    spec: str
+    spec: str  # canonical, as in rows
     method: Method
     code_digest: str
     settings: dict[str, Any]
     packages: tuple[str, ...]
-    warm: bool
-    runs: str | None
-    keeps_limit: bool
-    whole_frames: bool
+    warm: bool  # it uses an initial guess
+    runs: str | None  # the program on PATH that it starts
+    keeps_limit: bool  # its own class promises `Solver.keeps_limit`
+    whole_frames: bool  # it answers whole frames at once
 
     @property
     def versions(self) -> dict[str, str]:
@@ -137,12 +125,7 @@ _MAX_SPEC_CHARS = 500
 
 
 def written_out(specs: Iterable[str], all_specs: Iterable[str]) -> Iterator[str]:
-    """Specs with their braces expanded; `*` is replaced by `all_specs`.
-
-    Raises:
-        SolverError: if a spec's brackets do not match, or as soon as there are more than
-            `MOST_SPECS`.
-    """
+    """Specs with their braces expanded, at most `MOST_SPECS`; `*` is replaced by `all_specs`."""
     count = 0
     for spec in specs:
         _check_brackets(spec)
@@ -189,25 +172,13 @@ def _expand_braces(spec: str) -> Iterator[str]:
 
 
 def expand_solvers(specs: list[str], profile: str = "default") -> list[str]:
-    """Canonical specs under a profile, without duplicates; `*` and `{a,b}` are expanded.
-
-    Raises:
-        SolverError: if a spec is not valid, or there are more than `MOST_SPECS`.
-    """
-    unique = dict.fromkeys(
-        describe_solver(spec, profile).spec for spec in written_out(specs, registered())
-    )
-    return list(unique)
+    """Canonical specs under a profile, without duplicates; `*` and `{a,b}` are expanded."""
+    names = written_out(specs, registered())
+    return list(dict.fromkeys(describe_solver(spec, profile).spec for spec in names))
 
 
 def untrusted_spec(specs: list[str], profile: str = "default") -> str | None:
-    """The first spec that would run a plug-in file or a program on PATH; None if no spec does.
-
-    The check runs neither the file nor the program.
-
-    Raises:
-        SolverError: if the spec of one of this package's solvers is not valid.
-    """
+    """The first spec that would run a plug-in file or a program on PATH; the check runs neither."""
     for spec in written_out(specs, ()):
         if ".py:" in spec or (ours(spec) and describe_solver(spec, profile).runs):
             return spec
