@@ -64,13 +64,35 @@ def command(*arguments: object) -> list[str]:
     return [sys.executable, "-m", "dubins_study", *map(str, arguments)]
 
 
-def finished(*arguments: object, **environment: str) -> subprocess.CompletedProcess[str]:
+def finished(
+    *arguments: object, cwd: Path | None = None, **environment: str
+) -> subprocess.CompletedProcess[str]:
     """The command, run to its end; its output is text."""
+    return _run(command(*arguments), cwd, environment)
+
+
+def interpreted(
+    program: str, cwd: Path | None = None, **environment: str
+) -> subprocess.CompletedProcess[str]:
+    """A program in a new interpreter, run to its end; its output is text."""
+    return _run([sys.executable, "-c", program], cwd, environment)
+
+
+def output(done: subprocess.CompletedProcess[str]) -> str:
+    """What is printed by what must succeed."""
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done.stdout
+
+
+def _run(
+    line: list[str], cwd: Path | None, environment: dict[str, str]
+) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
-        command(*arguments),
+        line,
         capture_output=True,
         text=True,
         timeout=300,
+        cwd=cwd,
         env={**os.environ, **environment},
     )
 

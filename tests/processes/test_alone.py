@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 from cases import PAPER
+from live_run import interpreted, output
 
 from dubins_study.experiments.solve import solve
 from dubins_study.solvers.engines import ENGINES, NLP_ENGINES
@@ -38,9 +39,7 @@ def test_importing_the_solver_imports_no_engine():
         "import sys, dubins_study.solvers.stochastic.penalty as p; p.Penalty().unavailable();"
         "print([m for m in ('cma', 'scipy.optimize') if m in sys.modules])"
     )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-
-    assert done.stdout.strip() == "[]"
+    assert output(interpreted(code)).strip() == "[]"
 
 
 @pytest.mark.slow
@@ -57,9 +56,7 @@ def test_an_engine_loads_no_other_engines_package(name):
         "solver.solve(solver.build(Question(Scenario(0, 0, 0.3, 3, 2, 1), 'LS')), 5.0);"
         "print(*sys.modules)"
     )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-
-    loaded = {module.partition(".")[0] for module in done.stdout.split()}
+    loaded = {module.partition(".")[0] for module in output(interpreted(code)).split()}
     assert loaded & packages == set(ENGINES[name].packages)
 
 
@@ -86,7 +83,7 @@ from dubins_study.solvers.registry import load
 from dubins_study.study.scenario import Scenario
 assert attempt(load("disjunctive[engine={name}]"), {question}).outcome == "returned"
 """
-    process = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    process = interpreted(code)
 
     assert (process.returncode, process.stdout, process.stderr) == (0, "", "")
 
@@ -102,11 +99,8 @@ def test_files_tell_nothing_of_the_machine(model, format, order, tmp_path):
         "problem = Scenario(0, 0, 2 * math.pi / 3, 10, 5, 1);"
         f"print(export(problem, {model!r}, {format!r}, {order!r}), end='')"
     )
-    done = subprocess.run(
-        [sys.executable, "-c", call], cwd=tmp_path, capture_output=True, text=True
-    )
 
-    assert done.stdout == text
+    assert interpreted(call, cwd=tmp_path).stdout == text
     assert text.endswith("\n")
     assert not re.search(r"/\w+/\w|\\", text)  # `/all/` is GAMS's own
     assert platform.node() not in text.split()
@@ -125,4 +119,4 @@ def test_a_single_solve_compiles_nothing():
         "import sys; from dubins_study import Scenario, solve; "
         "solve(Scenario(0, 0, 0, 10, 5, 1)); sys.exit('numba' in sys.modules)"
     )
-    assert subprocess.run([sys.executable, "-c", code]).returncode == 0
+    assert interpreted(code).returncode == 0

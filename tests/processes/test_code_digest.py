@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import ast
 import json
-import os
 import shutil
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
+from live_run import finished, interpreted, output
 
 from dubins_study.experiments import code_digest as digest_module
 from dubins_study.experiments.code_digest import code_digest, solver_sources
@@ -18,8 +16,8 @@ from dubins_study.experiments.definition.experiment import read
 from dubins_study.experiments.plan.cells import chains
 from dubins_study.experiments.store.folder import read_rows
 from dubins_study.report.data.results import load
-from dubins_study.solvers.registry import SolverError, registered
 from dubins_study.solvers.registry import load as load_solver
+from dubins_study.solvers.registry import registered
 
 PACKAGE = Path(__file__).parents[2] / "src" / "dubins_study"
 ROOMS = {PACKAGE / "solvers", PACKAGE / "study"}
@@ -122,18 +120,10 @@ def test_settings_make_a_code_of_their_own():
     assert code_digest("slsqp", "accurate") != code_digest("slsqp", "default")
 
 
-def test_a_solver_that_does_not_exist_is_refused_as_everywhere():
-    with pytest.raises(SolverError, match="no solver named 'anal'"):
-        code_digest("anal")
-
-
 def printed(*lines: str, path: Path | None = None) -> list[str]:
     """What a new process prints, in which no digest is remembered."""
     text = "\n".join((f"from {DIGEST} import code_digest", *lines))
-    env = os.environ | ({"PYTHONPATH": str(path)} if path else {})
-    command = [sys.executable, "-c", text]
-    done = subprocess.run(command, capture_output=True, text=True, check=True, env=env)
-    return done.stdout.split()
+    return output(interpreted(text, **({"PYTHONPATH": str(path)} if path else {}))).split()
 
 
 def test_a_plugin_is_told_by_its_text_and_its_defaults(tmp_path):
@@ -178,7 +168,7 @@ def test_rows_of_earlier_code_are_solved_anew_and_never_shown(tmp_path):
     out = tmp_path / "out"
     for patience in (1, 2):
         plugin.write_text(PLUGIN.format(patience=patience, remark=""))
-        done = dubins_study("run", str(file), "--trust-plugins", "--out", str(out))
+        done = output(finished("run", file, "--trust-plugins", "--out", out))
         assert "4 of 4 cells done, finished" in done
 
     kept = read_rows(out, ["run_id"]).to_pandas()
@@ -187,7 +177,7 @@ def test_rows_of_earlier_code_are_solved_anew_and_never_shown(tmp_path):
         "analytic": 1,
     }
     assert kept.groupby("solver").size().to_dict() == {f"{plugin}:Mine": 4, "analytic": 2}
-    assert "2 rows of earlier code" in dubins_study("status", str(out))
+    assert "2 rows of earlier code" in output(finished("status", out))
     shown = load([out])
     assert len(shown.rows) == 4
     newest = json.loads((out / "manifest.json").read_text())["solvers"][f"{plugin}:Mine"]
@@ -195,15 +185,9 @@ def test_rows_of_earlier_code_are_solved_anew_and_never_shown(tmp_path):
     assert newest["settings"]["patience"] == 2
     assert newest["cells"] == 2
     assert shown.folders[0].rows.stale == 2
-    dubins_study("report", str(out))
+    output(finished("report", out))
     for page in ("index.html", "report.md"):
         assert "2 rows of earlier code of their solvers" in (out / "report" / page).read_text()
-
-
-def dubins_study(*arguments: str) -> str:
-    command = [sys.executable, "-m", "dubins_study", *arguments]
-    done = subprocess.run(command, capture_output=True, text=True, check=True)
-    return done.stdout
 
 
 def test_cells_know_their_code(tmp_path):
@@ -222,14 +206,14 @@ def test_folders_of_two_codes(tmp_path):
     file.write_text(EXPERIMENT.format(spec=f"{plugin}:Mine"))
     for patience in (1, 2):
         plugin.write_text(PLUGIN.format(patience=patience, remark=""))
-        dubins_study("run", str(file), "--trust-plugins", "--out", str(tmp_path / str(patience)))
+        output(finished("run", file, "--trust-plugins", "--out", tmp_path / str(patience)))
     one, two = tmp_path / "1", tmp_path / "2"
 
     found = load([one, two])
 
     assert len(found.rows) == 4
     assert [folder.rows.replaced for folder in found.folders] == [0, 2]
-    dubins_study("report", str(one), str(two), "--out", str(tmp_path / "page"))
+    output(finished("report", one, two, "--out", tmp_path / "page"))
     said = "2 rows of cells that a folder before this one holds, made by other code"
     assert said in (tmp_path / "page" / "index.html").read_text()
     assert set(read_rows(one)["code_digest"].to_pylist()) != set(
@@ -251,9 +235,7 @@ def test_folders_that_contradict_each_other(tmp_path):
     file.write_text(EXPERIMENT.format(spec=f"{plugin}:Mine"))
     folders = [tmp_path / name for name in ("one", "two", "three")]
     for folder, fail in zip(folders, ("", "yes", "yes"), strict=True):
-        asked = ["run", str(file), "--trust-plugins", "--out", str(folder)]
-        command = [sys.executable, "-m", "dubins_study", *asked]
-        subprocess.run(command, check=True, env={**os.environ, "FAIL": fail}, capture_output=True)
+        output(finished("run", file, "--trust-plugins", "--out", folder, FAIL=fail))
 
     found = load(folders)
 
@@ -261,7 +243,7 @@ def test_folders_that_contradict_each_other(tmp_path):
     assert "raised" not in set(found.rows["outcome"])
     assert [folder.rows.contradicting for folder in found.folders] == [0, 1, 1]
     assert load(folders[1:]).folders[1].rows.contradicting == 0
-    dubins_study("report", *map(str, folders), "--out", str(tmp_path / "page"))
+    output(finished("report", *folders, "--out", tmp_path / "page"))
     for page in ("index.html", "report.md"):
         text = (tmp_path / "page" / page).read_text()
         assert text.count("It contradicts a folder before it in 1 cell, by the same code") == 2

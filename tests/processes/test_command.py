@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import json
 import math
-import shutil
 import subprocess
 import sys
 from contextlib import chdir
 from pathlib import Path
 
 import pytest
+from live_run import finished, output, quick_experiment
 
 from dubins_study import load_results
 from dubins_study.solvers.export import export
@@ -18,27 +18,11 @@ from dubins_study.study.scenario import COLUMNS, Scenario
 from tests.fuzz.watched import command
 
 
-def dubins(*arguments: str, cwd=None) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(
-        [sys.executable, "-c", "from dubins_study.cli.app import main; main()", *arguments],
-        capture_output=True,
-        text=True,
-        cwd=cwd,
-        timeout=300,
-    )
-
-
 def dubins_here(*arguments: str, cwd=None) -> subprocess.CompletedProcess[str]:
     """In this process, for what starts no other and loads no plug-in."""
     with chdir(cwd or Path.cwd()):
         ended = command(*arguments)
     return subprocess.CompletedProcess(arguments, ended.code, ended.out, ended.err)
-
-
-def output(done: subprocess.CompletedProcess[str]) -> str:
-    """What a command prints that must succeed."""
-    assert done.returncode == 0, done.stderr
-    return done.stdout
 
 
 PROBLEM_1 = ("solve", "10", "5", "--from", "0", "0", "120deg", "--radius", "1")
@@ -84,7 +68,7 @@ def test_a_branch_without_a_path():
 def test_plot(tmp_path):
     for suffix in ("svg", "pdf", "png"):
         file = tmp_path / f"path.{suffix}"
-        output(dubins(*PROBLEM_1, "--plot", str(file)))
+        output(finished(*PROBLEM_1, "--plot", str(file)))
         assert file.stat().st_size > 1000
 
 
@@ -169,7 +153,7 @@ def test_export(tmp_path):
 
 
 def test_bad_options_get_usage():
-    done = dubins("solve", "1")
+    done = finished("solve", "1")
 
     assert done.returncode == 2
     assert "Missing argument 'Y'; see dubins-study solve --help" in done.stderr
@@ -178,22 +162,18 @@ def test_bad_options_get_usage():
 
 def test_run_status_and_report(tmp_path):
     """An experiment from a file, run twice, reported."""
-    file = tmp_path / "mine.toml"
-    file.write_text(
-        'title = "mine"\nquestion = "how far?"\nsolvers = ["analytic", "slsqp"]\n'
-        "[[scenarios]]\ntarget_x = [1, 2]\ntarget_y = 3\n"
-    )
-    first = output(dubins("run", str(file), cwd=tmp_path))
+    file = quick_experiment(tmp_path, 2, 'analytic", "slsqp')
+    first = output(finished("run", file, cwd=tmp_path))
     assert "4 of 4 cells done, finished" in first
-    assert output(dubins("run", str(file), cwd=tmp_path)) == first
-    assert "optimal" in output(dubins("status", "results/mine", cwd=tmp_path))
+    assert output(finished("run", file, cwd=tmp_path)) == first
+    assert "optimal" in output(finished("status", "results/quick", cwd=tmp_path))
 
-    shown = output(dubins("report", "results/mine", cwd=tmp_path))
+    shown = output(finished("report", "results/quick", cwd=tmp_path))
 
-    page = tmp_path / "results" / "mine" / "report" / "index.html"
+    page = tmp_path / "results" / "quick" / "report" / "index.html"
     assert "index.html" in shown
     assert "slsqp" in shown
-    assert "how far?" in page.read_text(encoding="utf-8")
+    assert "is it kept?" in page.read_text(encoding="utf-8")
 
 
 DRIVE = "target_x,target_y,x,y,heading,radius\n10,5,0,0,120deg,1\n-3,-2,0,0,pi/3,2\n"
@@ -205,51 +185,28 @@ def test_scenarios_of_a_file(tmp_path):
     file = tmp_path / "drive.csv"
     file.write_text(DRIVE)
     run = ("run", "--scenarios", "drive.csv", "--solver")
-    assert "2 of 2 cells done, finished" in output(dubins(*run, "analytic", cwd=tmp_path))
-    assert "2 of 2 cells done, finished" in output(dubins(*run, "analytic", cwd=tmp_path))
-    assert "4 of 4 cells done" in output(dubins(*run, "shooting", cwd=tmp_path))
+    assert "2 of 2 cells done, finished" in output(finished(*run, "analytic", cwd=tmp_path))
+    assert "2 of 2 cells done, finished" in output(finished(*run, "analytic", cwd=tmp_path))
+    assert "4 of 4 cells done" in output(finished(*run, "shooting", cwd=tmp_path))
 
     rows = load_results(tmp_path / "results" / "drive")
     assert sorted(set(rows["heading"])) == [math.pi / 3, 2 * math.pi / 3]
     assert set(rows["verdict"]) == {"optimal"}
     file.write_text(DRIVE.replace("10,5", "10,6"))
-    done = dubins(*run, "analytic", cwd=tmp_path)
+    done = finished(*run, "analytic", cwd=tmp_path)
     assert done.returncode == 2
     assert "results/drive holds results of another text of experiment" in done.stderr
     assert "choose another --out, or --restart" in done.stderr
 
 
-MINE = """
-title = "mine"
-question = "how far?"
-solvers = ["analytic"]
-[[scenarios]]
-target_x = [1, 2]
-target_y = 3
-"""
-
-
-@pytest.mark.slow
-def test_a_folder_without_rows(tmp_path):
-    """Interrupted before the first row, or its parts deleted: nothing is done, and no more."""
-    (tmp_path / "mine.toml").write_text(MINE)
-    output(dubins("run", "mine.toml", cwd=tmp_path))
-    shutil.rmtree(tmp_path / "results" / "mine" / "parts")
-
-    assert output(dubins("status", "results/mine", cwd=tmp_path)).startswith(
-        "results/mine: 0 of 2 cells do"
-    )
-    assert "2 of 2 cells done, finished" in output(dubins("run", "mine.toml", cwd=tmp_path))
-
-
 def test_errors_of_a_run_begin_the_output(tmp_path):
     """No empty line before the message, which names the file."""
-    (tmp_path / "mine.toml").write_text(MINE.replace("analytic", "anal"))
-    done = dubins_here("run", "mine.toml", cwd=tmp_path)
+    quick_experiment(tmp_path, 2, "anal")
+    done = dubins_here("run", "quick.toml", cwd=tmp_path)
 
     assert done.returncode == 2
     assert done.stderr.startswith(
-        "dubins-study: mine.toml: line 4: solvers: no solver named 'anal'"
+        "dubins-study: quick.toml: line 4: solvers: no solver named 'anal'"
     )
 
 
@@ -284,14 +241,14 @@ def plugin(tmp_path):
 
 @pytest.mark.slow
 def test_what_a_solver_prints_is_no_result(plugin, tmp_path):
-    done = dubins("solve", "1", "2", "--solver", f"{plugin}:Loud", "--json")
+    done = finished("solve", "1", "2", "--solver", f"{plugin}:Loud", "--json")
 
     assert json.loads(done.stdout)["verdict"] == "optimal"
     assert "from Python" not in done.stderr
     assert "from below" not in done.stderr
-    (tmp_path / "mine.toml").write_text(MINE)
-    shown = output(dubins("run", "mine.toml", "--solver", f"{plugin}:Loud", cwd=tmp_path))
-    assert shown.startswith("results/mine: 2 of 2 cells done")
+    file = quick_experiment(tmp_path, 2)
+    shown = output(finished("run", file, "--solver", f"{plugin}:Loud", cwd=tmp_path))
+    assert shown.startswith("results/quick: 2 of 2 cells done")
     assert "from" not in shown
 
 
@@ -308,18 +265,18 @@ def test_nobody_has_to_listen():
 
 
 def test_a_false_claim_is_told(plugin):
-    assert "false claim" in output(dubins("solve", "1", "2", "--solver", f"{plugin}:Liar"))
-    assert "false claim" not in output(dubins("solve", "1", "2"))
+    assert "false claim" in output(finished("solve", "1", "2", "--solver", f"{plugin}:Liar"))
+    assert "false claim" not in output(finished("solve", "1", "2"))
 
 
 @pytest.mark.slow
 def test_a_solver_that_was_not_asked_gives_no_answer(plugin):
     """The reason on stderr and exit code 2; with --json the object, too."""
-    done = dubins("solve", "1", "2", "--solver", f"{plugin}:Absent", "--plot", "unused.svg")
+    done = finished("solve", "1", "2", "--solver", f"{plugin}:Absent", "--plot", "unused.svg")
     assert (done.returncode, done.stdout) == (2, "")
     assert "is unavailable: no licence" in done.stderr
 
-    done = dubins("solve", "1", "2", "--solver", f"{plugin}:Absent", "--json")
+    done = finished("solve", "1", "2", "--solver", f"{plugin}:Absent", "--json")
     assert done.returncode == 2
     assert json.loads(done.stdout)["outcome"] == "unavailable"
     assert "is unavailable: no licence" in done.stderr
@@ -367,13 +324,9 @@ def test_a_message_is_one_line_whatever_it_quotes(tmp_path):
 def test_brackets_in_names_are_no_markup(tmp_path):
     """The bar that shows an experiment's name would take them for colours, and fail."""
     (tmp_path / "[").mkdir()
-    file = tmp_path / "[" / "red].toml"
-    file.write_text(
-        'title = "t"\nquestion = "q"\nsolvers = ["analytic"]\n'
-        "[[scenarios]]\ntarget_x = 3\ntarget_y = 2\n"
-    )
+    quick_experiment(tmp_path, 2).rename(tmp_path / "[" / "red].toml")
 
-    output(dubins("run", "[/red].toml", "--out", "out", cwd=tmp_path))
+    output(finished("run", "[/red].toml", "--out", "out", cwd=tmp_path))
 
 
 ODD = """
@@ -391,30 +344,24 @@ class Odd(Solver):
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("curvature", "length"),
-    [
-        ("math.nan", "1.0"),
-        pytest.param("math.inf", "1.0", marks=pytest.mark.slow),
-        pytest.param("0.0", "math.inf", marks=pytest.mark.slow),
-    ],
+    [("math.nan", "1.0"), ("math.inf", "1.0"), ("0.0", "math.inf")],
 )
 def test_controls_that_are_not_finite_cost_their_own_row_alone(tmp_path, curvature, length):
     """The answer is printed, nothing is drawn, and the folder of a run can be read."""
     (tmp_path / "odd.py").write_text(ODD.format(curvature=curvature, length=length))
     spec = f"{tmp_path}/odd.py:Odd"
 
-    done = dubins("solve", "3", "4", "--solver", spec, "--json", "--plot", str(tmp_path / "z.svg"))
+    done = finished(
+        "solve", "3", "4", "--solver", spec, "--json", "--plot", str(tmp_path / "z.svg")
+    )
     assert done.returncode == 1
     assert json.loads(done.stdout)["verdict"] == "misses"
     assert json.loads(done.stdout)["segments"] == []
     assert "is not drawn: the path is not finite" in done.stderr
 
-    (tmp_path / "one.toml").write_text(
-        'title = "t"\nquestion = "q"\nsolvers = ["analytic"]\n'
-        "[[scenarios]]\ntarget_x = 3\ntarget_y = 4\n"
-    )
     chosen = ("--solver", "analytic", "--solver", spec)
-    output(dubins("run", str(tmp_path / "one.toml"), *chosen, "--out", str(tmp_path / "out")))
-    output(dubins("report", str(tmp_path / "out")))
+    output(finished("run", quick_experiment(tmp_path, 2), *chosen, "--out", tmp_path / "out"))
+    output(finished("report", tmp_path / "out"))
 
 
 def test_a_full_disk_for_the_output_is_one_message():

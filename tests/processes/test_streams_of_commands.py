@@ -8,31 +8,10 @@ import pty
 import select
 import signal
 import subprocess
-import sys
 import time
 
 import pytest
-
-MINE = """
-title = "mine"
-question = "how far?"
-solvers = ["analytic"]
-[[scenarios]]
-target_x = { linear = [1, 4, 40] }
-target_y = 3
-"""
-COMMAND = [sys.executable, "-m", "dubins_study"]
-
-
-def piped(*arguments, cwd, **environment):
-    return subprocess.run(
-        [*COMMAND, *arguments],
-        capture_output=True,
-        text=True,
-        cwd=cwd,
-        timeout=300,
-        env=os.environ | environment,
-    )
+from live_run import command, finished, interpreted, quick_experiment, wait_for
 
 
 def in_a_terminal(*arguments, cwd, columns, **environment):
@@ -46,7 +25,7 @@ def in_a_terminal(*arguments, cwd, columns, **environment):
     unset = {"COLUMNS", "NO_COLOR", "FORCE_COLOR"}
     env = {k: v for k, v in os.environ.items() if k not in unset} | {"TERM": "xterm"} | environment
     process = subprocess.Popen(
-        [*COMMAND, *arguments], stdin=its, stdout=its, stderr=its, cwd=cwd, env=env
+        command(*arguments), stdin=its, stdout=its, stderr=its, cwd=cwd, env=env
     )
     os.close(its)
     written, end = b"", time.monotonic() + 300
@@ -65,13 +44,12 @@ def in_a_terminal(*arguments, cwd, columns, **environment):
 
 @pytest.fixture
 def mine(tmp_path):
-    (tmp_path / "mine.toml").write_text(MINE)
-    return tmp_path
+    return quick_experiment(tmp_path, 40, "analytic").parent
 
 
 def test_a_pipe_gets_text_alone(mine):
     """No control character on either stream, no progress of a short run, and no broken line."""
-    done = piped("run", "mine.toml", cwd=mine)
+    done = finished("run", "quick.toml", cwd=mine)
 
     assert (done.returncode, done.stderr) == (0, "")
     assert "\x1b" not in done.stdout
@@ -83,7 +61,7 @@ def test_a_pipe_gets_text_alone(mine):
 @pytest.mark.parametrize("flag", ["--quiet", "--verbose"])
 def test_how_much_a_run_says(mine, flag):
     """Quiet: results alone. Verbose: every step, on stderr."""
-    done = piped("run", "mine.toml", "--json", flag, cwd=mine)
+    done = finished("run", "quick.toml", "--json", flag, cwd=mine)
 
     assert json.loads(done.stdout)["done"] == 40
     steps = done.stderr.splitlines()
@@ -96,19 +74,19 @@ def test_how_much_a_run_says(mine, flag):
 @pytest.mark.parametrize("columns", [40, 80, 120])
 def test_a_terminal_gets_lines_that_fit(mine, columns):
     """Progress is one line; the tables below it fit."""
-    written, code = in_a_terminal("run", "mine.toml", cwd=mine, columns=columns)
+    written, code = in_a_terminal("run", "quick.toml", cwd=mine, columns=columns)
 
     assert code == 0
     *_, shown = written.partition("40 of 40 cells done")
     assert "\x1b" not in shown
     assert max(map(len, shown.splitlines())) <= columns
-    progress = written.partition("results/mine:")[0]
+    progress = written.partition("results/quick:")[0]
     assert "40/40" in progress
     assert progress.count("\n") <= 2
 
 
 def test_no_colour_in_a_terminal_that_wants_none(mine):
-    written, code = in_a_terminal("run", "mine.toml", cwd=mine, columns=80, NO_COLOR="1")
+    written, code = in_a_terminal("run", "quick.toml", cwd=mine, columns=80, NO_COLOR="1")
 
     assert code == 0
     assert "40/40" in written
@@ -116,10 +94,10 @@ def test_no_colour_in_a_terminal_that_wants_none(mine):
 
 
 def test_a_quiet_run_in_a_terminal(mine):
-    written, code = in_a_terminal("run", "mine.toml", "-q", cwd=mine, columns=80)
+    written, code = in_a_terminal("run", "quick.toml", "-q", cwd=mine, columns=80)
 
     assert code == 0
-    assert written.startswith("results/mine: 40 of 40 cells done")
+    assert written.startswith("results/quick: 40 of 40 cells done")
 
 
 SLOW = """
@@ -138,27 +116,20 @@ def test_ctrl_c_ends_with_130(tmp_path):
     """At once, without a traceback and without an answer."""
     (tmp_path / "slow.py").write_text(SLOW)
     process = subprocess.Popen(
-        [*COMMAND, "solve", "1", "2", "--solver", f"{tmp_path}/slow.py:Slow"],
+        command("solve", 1, 2, "--solver", f"{tmp_path}/slow.py:Slow"),
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
         cwd=tmp_path,
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
     )
-    end = time.monotonic() + 60
-    while process.poll() is None and time.monotonic() < end and not _asked(tmp_path):
-        time.sleep(0.1)
+    wait_for(lambda: process.poll() is not None or any(tmp_path.rglob("asked")))
     process.send_signal(signal.SIGINT)
     out, errors = process.communicate(timeout=60)
 
     assert process.returncode == 130
     assert out == ""
     assert "Traceback" not in errors
-
-
-def _asked(folder):
-    """Whether the solver is at work; a worker's own folder may be another."""
-    return (folder / "asked").exists() or any(folder.rglob("asked"))
 
 
 def test_a_shell_completes_names(tmp_path):
@@ -175,11 +146,6 @@ def test_a_shell_completes_names(tmp_path):
             "COMP_WORDS": line,
             "COMP_CWORD": str(len(line.split()) - 1),
         }
-        done = subprocess.run(
-            [sys.executable, "-c", "from dubins_study.cli.app import main; main()"],
-            capture_output=True,
-            text=True,
-            cwd=tmp_path,
-            env=os.environ | asked,
-        )
+        program = "from dubins_study.cli.app import main; main()"
+        done = interpreted(program, cwd=tmp_path, **asked)
         assert set(done.stdout.split()) == expected, done.stderr
