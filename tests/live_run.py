@@ -35,6 +35,7 @@ class Slow(Slsqp):
             time.sleep(float(os.environ["NAP"]))
         return super().solve(model, limit)
 """
+CELLS = 8  # of the run that is made once
 TARGETS = """
 title = "slow"
 question = "is it kept?"

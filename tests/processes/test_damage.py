@@ -14,7 +14,7 @@ from pathlib import Path
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
-from live_run import finished, manifest, parts, quick_experiment
+from live_run import CELLS, finished, manifest, parts, quick_experiment
 
 from dubins_study import run, status
 from dubins_study.experiments.store import part_writer
@@ -26,33 +26,18 @@ from dubins_study.study.rows.parts import check_part, read_footer, read_part
 from dubins_study.study.rows.row_table import ARROW_SCHEMA
 from dubins_study.study.rows.schema import RUN_ID, VERSION, VERSION_KEY
 
-CELLS = 6
-
-
-@pytest.fixture(scope="module")
-def whole(tmp_path_factory):
-    """A finished run, and the experiment that it is of."""
-    place = tmp_path_factory.mktemp("whole")
-    experiment = quick_experiment(place, CELLS, "analytic")
-    return run(str(experiment), place / "out"), str(experiment)
-
 
 @pytest.fixture
-def folder(whole, tmp_path):
-    """A copy of it in two parts, as a run leaves it that is cut short."""
+def folder(original, tmp_path):
+    """A run in two parts, as one leaves it that is cut short."""
     out = tmp_path / "out"
-    shutil.copytree(whole[0], out)
+    shutil.copytree(original, out)
     (part,) = parts(out)
     table = read_part(part)
     part.unlink()
     for name, half in (("a", table.slice(0, CELLS // 2)), ("b", table.slice(CELLS // 2))):
         write_part(out, name, half, {RUN_ID: table["run_id"][0].as_py()})
     return out
-
-
-@pytest.fixture
-def experiment(whole):
-    return whole[1]
 
 
 def files(folder):
@@ -74,18 +59,6 @@ def test_parts_say_what_they_are(folder, experiment):
     assert set(read_part(part)["run_id"].to_pylist()) == {entry["run_id"]}
 
 
-def truncated(content: bytes) -> bytes:
-    return content[: len(content) // 2]
-
-
-def no_end(content: bytes) -> bytes:
-    return content[:-1]
-
-
-def empty(content: bytes) -> bytes:
-    return b""
-
-
 def flipped(content: bytes) -> bytes:
     """One bit in the pages of a column that resuming does not read."""
     file = pq.ParquetFile(pa.BufferReader(content))
@@ -97,13 +70,21 @@ def flipped(content: bytes) -> bytes:
     return bytes(changed)
 
 
+DAMAGE = {
+    "truncated": lambda content: content[: len(content) // 2],
+    "no end": lambda content: content[:-1],
+    "empty": lambda content: b"",
+    "flipped": flipped,
+}
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize("damage", [truncated, no_end, empty, flipped])
+@pytest.mark.parametrize("damage", DAMAGE)
 def test_a_damaged_part_is_put_aside_and_its_cells_are_solved_again(folder, experiment, damage):
     """One warning names it, nothing is deleted, and the table is whole again."""
     before = read_rows(folder).to_pandas().sort_values("scenario_id", ignore_index=True)
     part = folder / "parts" / "b.parquet"
-    spoilt = damage(part.read_bytes())
+    spoilt = DAMAGE[damage](part.read_bytes())
     part.write_bytes(spoilt)
     assert status(folder).damaged == 1
     with pytest.raises(ResultsError, match=r"b\.parquet"):
@@ -130,7 +111,7 @@ def test_a_damaged_part_is_put_aside_and_its_cells_are_solved_again(folder, expe
 def test_status_and_report_tell_of_damage(folder):
     """The one counts it and goes on, the other refuses and says what to do."""
     part = folder / "parts" / "a.parquet"
-    part.write_bytes(truncated(part.read_bytes()))
+    part.write_bytes(DAMAGE["truncated"](part.read_bytes()))
 
     told = finished("status", folder)
     assert told.returncode == 0

@@ -143,30 +143,21 @@ def test_ampls_result_codes_are_claims(programs, code, claim):
     assert answer.multiplier_x is None
 
 
-def test_an_ipopt_on_path_is_used(tmp_path, monkeypatch):
-    """`ipopt` on PATH comes first; its answers, duals included, are those of the library."""
-    put_solver(tmp_path, "ipopt")
-    library = solve(PAPER["problem 1"], "ipopt[via=library]")
-    monkeypatch.setenv("PATH", str(tmp_path), prepend=":")
-
-    executable = solve(PAPER["problem 1"], "ipopt")
+@pytest.mark.parametrize(("solver", "branch"), [("ipopt", "best"), ("collocation", "RS")])
+def test_an_ipopt_on_path_is_used(programs, solver, branch):
+    """It comes before the library; its answers, duals included, are the library's."""
+    put_solver(programs, "ipopt")
+    library = solve(PAPER["problem 1"], f"{solver}[via=library]", branch)
+    executable = solve(PAPER["problem 1"], solver, branch)
 
     assert executable.verdict is Verdict.OPTIMAL, executable.message
     assert "stand-in" in executable.message
     assert executable.length == pytest.approx(library.length, rel=1e-8)
     assert executable.multiplier_x == pytest.approx(library.multiplier_x, abs=1e-6)
-    infeasible = solve(Scenario(0, 0, 0, 0, 1, 1), "ipopt", "LS")
-    assert infeasible.verdict in (Verdict.NONE_EXISTS, Verdict.MISSES)
 
 
-def test_an_ipopt_on_path_is_used_by_collocation(tmp_path, monkeypatch):
-    """`ipopt` on PATH comes first; its answer, duals included, is the library's."""
-    put_solver(tmp_path, "ipopt")
-    library = solve(PAPER["problem 1"], "collocation[via=library]", "RS")
-    monkeypatch.setenv("PATH", str(tmp_path), prepend=":")
+def test_an_ipopt_on_path_that_finds_nothing(programs):
+    put_solver(programs, "ipopt")
 
-    executable = solve(PAPER["problem 1"], "collocation", "RS")
-
-    assert "stand-in" in executable.message
-    assert executable.length == pytest.approx(library.length, rel=1e-8)
-    assert executable.multiplier_x == pytest.approx(library.multiplier_x, abs=1e-6)
+    answer = solve(LEFT_DISC, "ipopt", "LS")
+    assert answer.verdict in (Verdict.NONE_EXISTS, Verdict.MISSES)

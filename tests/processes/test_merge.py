@@ -11,7 +11,7 @@ import pyarrow as pa
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from live_run import finished, manifest, parts, quick_experiment, slow_experiment, started, wait_for
+from live_run import CELLS, finished, manifest, parts, slow_experiment, started, wait_for
 
 from dubins_study import merge, run, status
 from dubins_study.experiments.store.folder import read_rows
@@ -24,18 +24,7 @@ from dubins_study.study.rows.row_table import ARROW_SCHEMA, rows_table
 from dubins_study.study.rows.schema import KEY, ROW, RUN_ID, VERSION, names
 
 KEYS = names(KEY)
-CELLS = 8
 TOLERANCE = 1e-4
-
-
-@pytest.fixture(scope="module")
-def experiment(tmp_path_factory):
-    return str(quick_experiment(tmp_path_factory.mktemp("merge"), CELLS, "analytic"))
-
-
-@pytest.fixture(scope="module")
-def original(experiment, tmp_path_factory):
-    return run(experiment, tmp_path_factory.mktemp("original") / "out")
 
 
 @pytest.fixture

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import math
+import shutil
 from pathlib import Path
 
 import pyarrow as pa
@@ -50,14 +52,25 @@ def small(tmp_path):
     return str(file)
 
 
+@pytest.fixture(scope="module")
+def original(tmp_path_factory):
+    """Its finished run, which no test changes."""
+    file = tmp_path_factory.mktemp("original") / "small.toml"
+    file.write_text(SMALL)
+    return run(str(file), file.parent / "out")
+
+
+@pytest.fixture
+def folder(original, tmp_path):
+    return Path(shutil.copytree(original, tmp_path / "out"))
+
+
 def rows(folder):
     return read_rows(folder).to_pandas()
 
 
-def test_every_cell_becomes_a_judged_row(small, tmp_path):
-    folder = run(small, tmp_path / "out")
-
-    found = rows(folder)
+def test_every_cell_becomes_a_judged_row(original):
+    found = rows(original)
     assert list(found.columns) == names(ROW)
     assert len(found) == CELLS
     assert not found.duplicated(subset=["solver", "branch", "initial_guess", "radius"]).any()
@@ -85,24 +98,15 @@ def test_the_manifest_says_where_the_run_came_from(small, tmp_path):
     assert manifest["cells"] == 2 * CELLS == len(rows(folder))
 
 
-def test_a_finished_run_is_one_part_and_a_second_run_solves_nothing(small, tmp_path, monkeypatch):
-    folder = run(small, tmp_path / "out")
-    before = rows(folder)
+def test_a_finished_run_is_one_part_and_a_second_run_changes_nothing(small, folder, monkeypatch):
+    before, manifest = rows(folder), (folder / "manifest.json").read_text()
     assert len(list((folder / "parts").iterdir())) == 1
     monkeypatch.setattr(local, "solve_chains", lambda *a: pytest.fail("solved again"))
 
     run(small, folder)
 
     assert rows(folder).equals(before)
-
-
-def test_a_second_run_that_solves_nothing_leaves_the_manifest(small, tmp_path):
-    folder = run(small, tmp_path / "out")
-    before = (folder / "manifest.json").read_text()
-
-    run(small, folder)
-
-    assert (folder / "manifest.json").read_text() == before
+    assert (folder / "manifest.json").read_text() == manifest
 
 
 def test_adding_a_solver_keeps_what_is_there(small, tmp_path):
@@ -123,29 +127,28 @@ def test_rows_without_a_solve_are_interrupted_too(small):
     """Of a solver that is not tried again: thousands of rows hold up neither Ctrl-C nor news."""
     cells = chains(read(small).experiment) * 400
     reply = no_answer(Outcome.CRASHED, "no more")
-    stop, rows = Interruption(), 0
     unit = WorkUnit(RunSettings("r", 60.0), cells, {})
-    with WorkerPool(1, Limits(60.0, 2**32)) as pool:
-        pool._unloadable |= {(chain[0].solver, chain[0].profile): reply for chain in cells}
-        for made in solve_chains(pool, unit, stop):
-            rows += len(made)
-            stop.requested = rows >= 300
-    assert 300 <= rows < 310
 
-    stop.requested, rows = False, 0
-    with WorkerPool(1, Limits(60.0, 2**32)) as pool:
-        pool._unloadable |= {(chain[0].solver, chain[0].profile): reply for chain in cells}
-        rows = sum(map(len, solve_chains(pool, unit, stop)))
-    assert rows == sum(map(len, cells))
+    def rows_made(until):
+        stop, rows = Interruption(), 0
+        with WorkerPool(1, Limits(60.0, 2**32)) as pool:
+            pool._unloadable |= {(chain[0].solver, chain[0].profile): reply for chain in cells}
+            for made in solve_chains(pool, unit, stop):
+                rows += len(made)
+                stop.requested = rows >= until
+        return rows
+
+    assert 300 <= rows_made(300) < 310
+    assert rows_made(math.inf) == sum(map(len, cells))
 
 
-def test_a_run_cut_short_is_completed(small, tmp_path, monkeypatch):
+def test_a_run_cut_short_is_completed(small, original, tmp_path, monkeypatch):
     """Whatever is done stays; the rest is added; a warm sweep goes on from its last path."""
-    whole = rows(run(small, tmp_path / "whole"))
-    original = local.solve_chains
+    whole = rows(original)
+    solved = local.solve_chains
 
     def cut_short(*arguments):
-        for rows in original(*arguments):
+        for rows in solved(*arguments):
             yield rows
             if any(row["initial_guess"] == "warm" and row["radius"] > 1 for row in rows):
                 raise KeyboardInterrupt
@@ -166,8 +169,7 @@ def test_a_run_cut_short_is_completed(small, tmp_path, monkeypatch):
     assert again.sort_values(key)[same].reset_index(drop=True).equals(order)
 
 
-def test_fresh_throws_away(small, tmp_path):
-    folder = run(small, tmp_path / "out")
+def test_fresh_throws_away(small, folder):
     first = set(rows(folder)["run_id"])
 
     run(small, folder, restart=True)
@@ -175,42 +177,16 @@ def test_fresh_throws_away(small, tmp_path):
     assert not first & set(rows(folder)["run_id"])
 
 
-def test_several_processes_find_the_same(small, tmp_path):
+def test_several_processes_find_the_same(small, original, tmp_path):
     columns = ["scenario_id", "solver", "branch", "initial_guess", "length", "verdict"]
     key = columns[:4]
-    one = rows(run(small, tmp_path / "one"))[columns].sort_values(key, ignore_index=True)
+    one = rows(original)[columns].sort_values(key, ignore_index=True)
     two = rows(run(small, tmp_path / "two", jobs=2))[columns].sort_values(key, ignore_index=True)
 
     assert one.equals(two)
 
 
-def test_a_worker_that_ends_is_a_row(small, tmp_path):
-    plugin = tmp_path / "deadly.py"
-    plugin.write_text(
-        "import os\nfrom dubins_study.solvers.paper_nlp.slsqp import Slsqp\n"
-        "class Deadly(Slsqp):\n    def solve(self, model, limit): os._exit(1)\n"
-    )
-    found = rows(run(small, tmp_path / "out", solvers=[f"{plugin}:Deadly"], jobs=2))
-
-    assert len(found) == 16
-    assert set(found["outcome"]) == {"crashed"}
-    assert set(found["native_status"]) == {"exit 1"}
-
-
-def test_a_solver_that_raises_is_a_row(small, tmp_path):
-    plugin = tmp_path / "raising.py"
-    plugin.write_text(
-        "from dubins_study.solvers.paper_nlp.slsqp import Slsqp\n"
-        "class Raising(Slsqp):\n    def solve(self, model, limit): raise OSError('no licence')\n"
-    )
-    found = rows(run(small, tmp_path / "out", solvers=[f"{plugin}:Raising"]))
-
-    assert set(found["outcome"]) == {"raised"}
-    assert set(found["message"]) == {"OSError: no licence"}
-    assert set(found["verdict"]) == {"none"}
-
-
-def test_folders_that_cannot_be_used(small, tmp_path):
+def test_folders_that_cannot_be_used(small, folder, tmp_path):
     other = tmp_path / "other"
     other.mkdir()
     (other / "thesis.txt").write_text("mine")
@@ -223,15 +199,13 @@ def test_folders_that_cannot_be_used(small, tmp_path):
     with pytest.raises(ResultsError, match="cannot write to"):
         run(small, file / "out")
 
-    folder = run(small, tmp_path / "out")
     Path(small).write_text(SMALL.replace("small", "changed"))
     with pytest.raises(ResultsError, match="holds results of another text of experiment"):
         run(small, folder)
 
 
-def test_rows_in_two_parts_are_read_once(small, tmp_path):
+def test_rows_in_two_parts_are_read_once(folder):
     """A run killed while compacting leaves its rows twice."""
-    folder = run(small, tmp_path / "out")
     part = next((folder / "parts").iterdir())
     (folder / "parts" / "copy.parquet").write_bytes(part.read_bytes())
 
@@ -283,6 +257,7 @@ def test_errors_name_the_file_unless_the_caller_is_to_blame(small, tmp_path):
 
 
 MISFITS = """
+import os
 from dataclasses import dataclass
 from dubins_study.solvers.paper_nlp.slsqp import Slsqp
 class NoBranches(Slsqp):
@@ -295,6 +270,10 @@ class Late(Slsqp):
         solution = super().solve(model, limit)
         object.__setattr__(solution, "evaluations", "x")
         return solution
+class Deadly(Slsqp):
+    def solve(self, model, limit): os._exit(1)
+class Raising(Slsqp):
+    def solve(self, model, limit): raise OSError("no licence")
 """
 
 
@@ -302,15 +281,25 @@ class Late(Slsqp):
 def test_a_plugin_that_breaks_its_promise_spoils_no_other_row(small, tmp_path, jobs):
     plugin = tmp_path / "misfits.py"
     plugin.write_text(MISFITS)
-    specs = [f"{plugin}:{name}" for name in ("NoBranches", "Infinite", "Late")]
+    expected = {
+        "NoBranches": ("raised", None),
+        "Infinite": ("returned", None),
+        "Late": ("raised", "TypeError: evaluations is 'x'; expected a count or None"),
+        "Deadly": ("crashed", None),
+        "Raising": ("raised", "OSError: no licence"),
+    }
+    specs = [f"{plugin}:{name}" for name in expected]
     found = rows(run(small, tmp_path / "out", solvers=["analytic", *specs], jobs=jobs))
 
-    by_solver = {spec: set(part["outcome"]) for spec, part in found.groupby("solver")}
-    assert len(found) == 8 + 3 * 16
-    assert by_solver["analytic"] == by_solver[specs[1]] == {"returned"}
-    assert by_solver[specs[0]] == by_solver[specs[2]] == {"raised"}
-    said = set(found[found["solver"] == specs[2]]["message"])
-    assert said == {"TypeError: evaluations is 'x'; expected a count or None"}
+    assert len(found) == 8 + 5 * 16
+    by_solver = dict(list(found.groupby("solver")))
+    assert set(by_solver["analytic"]["outcome"]) == {"returned"}
+    for name, (outcome, message) in expected.items():
+        part = by_solver[f"{plugin}:{name}"]
+        assert set(part["outcome"]) == {outcome}
+        assert message is None or set(part["message"]) == {message}
+        assert outcome == "returned" or set(part["verdict"]) == {"none"}
+    assert set(by_solver[f"{plugin}:Deadly"]["native_status"]) == {"exit 1"}
 
 
 def test_progress_counts_every_cell(small, tmp_path):

@@ -23,22 +23,28 @@ from dubins_study.study.closed_form.shortest import shortest
 from dubins_study.study.scenario import Scenario
 
 
-@pytest.fixture(scope="module")
-def basins_folder(tmp_path_factory):
-    """The study itself on a grid of 7 by 7."""
-    base = tmp_path_factory.mktemp("basins")
-    text = read("basins").text
-    assert text.count(", 25]") == 4
-    (base / "basins.toml").write_text(text.replace(", 25]", ", 7]"), encoding="utf-8")
-    return run(str(base / "basins.toml"), base / "out")
+def asked(text, folder):
+    """What is loaded of an experiment of this text."""
+    file = folder / "asked.toml"
+    file.write_text(text, encoding="utf-8")
+    return load([run(str(file), folder / "out")])
+
+
+def smaller(name, folder, changes):
+    """What is loaded of a packaged study that was made smaller."""
+    text = read(name).text
+    for old, new in changes.items():
+        assert old in text
+        text = text.replace(old, new)
+    return asked(text, folder)
 
 
 @pytest.mark.slow
-def test_where_a_local_solver_starts_decides_where_it_ends(basins_folder):
-    """The study's claim: no solver finds the shortest path from everywhere, full turns are among
-    the ends, and some of what is said is false: that no path exists, or that a point is a minimum
-    which Pontryagin's conditions refute."""
-    table = ends(load([basins_folder]).rows)
+def test_where_a_local_solver_starts_decides_where_it_ends(tmp_path):
+    """The study's claim, on a grid of 7 by 7: no solver finds the shortest path from everywhere,
+    full turns are among the ends, and some of what is said is false: that no path exists, or that
+    a point is a minimum which Pontryagin's conditions refute."""
+    table = ends(smaller("basins", tmp_path, {", 25]": ", 7]"}).rows)
     found = shares(table)
 
     assert len(found) == 10
@@ -57,24 +63,15 @@ def test_where_a_local_solver_starts_decides_where_it_ends(basins_folder):
     assert (false_minima["pmp_residual"] > 9e-3).all()
 
 
-@pytest.fixture(scope="module")
-def bias_folder(tmp_path_factory):
-    """The study itself at three barriers and two radii."""
-    base = tmp_path_factory.mktemp("bias")
-    text = read("bias").text
-    barriers, radii = "{1e-11,1e-10,1e-9,1e-8,1e-7,1e-6,1e-5,1e-4}", "[0.1, 0.3, 1, 3, 10, 30, 100]"
-    assert barriers in text
-    assert radii in text
-    text = text.replace(barriers, "{1e-10,1e-7,1e-5}").replace(radii, "[0.1, 1, 30]")
-    (base / "bias.toml").write_text(text, encoding="utf-8")
-    return run(str(base / "bias.toml"), base / "out")
-
-
-def test_an_interior_point_stops_at_the_cube_root(bias_folder):
+def test_an_interior_point_stops_at_the_cube_root(tmp_path):
     """The study's claim: z2 = (mu R^2)^(1/3) and the length mu / 3 too long, to first order in
     z2 / R, at barriers told and at the one that Ipopt's defaults lead to; the split model leaves
     none."""
-    table = left_over(load([bias_folder]))
+    changes = {
+        "{1e-11,1e-10,1e-9,1e-8,1e-7,1e-6,1e-5,1e-4}": "{1e-10,1e-7,1e-5}",
+        "[0.1, 0.3, 1, 3, 10, 30, 100]": "[0.1, 1, 30]",
+    }
+    table = left_over(smaller("bias", tmp_path, changes))
     known = table[table["mu"].notna()]
     told, others = by_barrier(table), without_barrier(table)
 
@@ -111,8 +108,7 @@ def test_real_answers_are_certified(tmp_path):
     """Right answers to easy questions are all proved, RS to the right disc by its absence, which
     shooting cannot find; the enclosures hold the closed form's length and are narrower than 1e-12.
     """
-    (tmp_path / "certified.toml").write_text(CERTIFICATES, encoding="utf-8")
-    results = load([run(str(tmp_path / "certified.toml"), tmp_path / "out")])
+    results = asked(CERTIFICATES, tmp_path)
     loaded, table = results.rows, results.attempts.proofs().set_index("solver")
     disc = loaded[loaded["region"] == "right disc"]
 
@@ -133,30 +129,19 @@ def test_real_answers_are_certified(tmp_path):
     assert table.loc["shooting", "costate_error"] < 1e-9
 
 
-@pytest.fixture(scope="module")
-def convergence_folder(tmp_path_factory):
-    """The study itself with few sizes and no MILP of many headings."""
-    base = tmp_path_factory.mktemp("convergence")
-    text = read("convergence").text
-    for old, new in (
-        ("n={10,20,40,80,160,320,640},engine", "n={20,80,320},engine"),
-        ("headings={18,36,72,144,288}", "headings={18,36,72}"),
-        ("n={10,20,40,80,160}]", "n={20,40}]"),
-        ("points={1,2,3},n={10,20,40,80}", "points={1,2},n={20,40}"),
-    ):
-        assert old in text
-        text = text.replace(old, new)
-    (base / "convergence.toml").write_text(text, encoding="utf-8")
-    return run(str(base / "convergence.toml"), base / "out")
-
-
 @pytest.mark.slow
-def test_orders_are_those_of_the_theory(convergence_folder):
+def test_orders_are_those_of_the_theory(tmp_path):
     """Held turn rates: 3 outside the discs, 2 inside; headings: 2; Radau's miss: 2p - 1.
 
     Half an order is allowed: where the switches fall between two steps moves medians of eight.
     """
-    loaded = load([convergence_folder])
+    changes = {
+        "n={10,20,40,80,160,320,640},engine": "n={20,80,320},engine",
+        "headings={18,36,72,144,288}": "headings={18,36,72}",
+        "n={10,20,40,80,160}]": "n={20,40}]",
+        "points={1,2,3},n={10,20,40,80}": "points={1,2},n={20,40}",
+    }
+    loaded = smaller("convergence", tmp_path, changes)
     found = orders(refined(loaded.rows, loaded.settings)).set_index(["series", "place"])["order"]
     raw = "collocation[mesh=equal,correct=False,points={}]"
 
@@ -186,9 +171,7 @@ margin = [1e-3, 1e-11, -1e-3, -1e-11]
 def test_a_miss_buys_a_turn_only_inside_the_front_half(tmp_path):
     """The study's claim on eight targets: 1e-11 R inside the front half every solver with a
     tolerance on equations takes the short path, everywhere else all are right, and none lies."""
-    (tmp_path / "ladder.toml").write_text(LADDER, encoding="utf-8")
-    folder = run(str(tmp_path / "ladder.toml"), tmp_path / "out")
-    attempts = rungs(load([folder]).rows)
+    attempts = rungs(asked(LADDER, tmp_path).rows)
     short = attempts[attempts["finding"] == "by its miss"]
 
     assert set(short["solver"]) == {"slsqp", "ipopt", "collocation", "shooting", "disjunctive"}
@@ -215,8 +198,7 @@ margin = [-0.5, 0.5]
 def test_the_global_solver_proves_what_the_certificate_proves(tmp_path):
     """The study's claim on six targets: at gap 1e-6 its bound proves every answer to that, no
     answer differs from those that the certificate proves, and the proof is not for nothing."""
-    (tmp_path / "proofs.toml").write_text(PROOFS, encoding="utf-8")
-    loaded = load([run(str(tmp_path / "proofs.toml"), tmp_path / "out")]).rows
+    loaded = asked(PROOFS, tmp_path).rows
     table = proofs(loaded).set_index("solver")
     price = prices(loaded).set_index("solver")["ratio"]
 
@@ -228,22 +210,12 @@ def test_the_global_solver_proves_what_the_certificate_proves(tmp_path):
     assert price["disjunctive"] > 3
 
 
-@pytest.fixture(scope="module")
-def scale_folder(tmp_path_factory):
-    """The study itself at four radii."""
-    base = tmp_path_factory.mktemp("scale")
-    text = read("scale").text
-    assert text.count("log = [1e-6, 1e6, 13]") == 3
-    text = text.replace("log = [1e-6, 1e6, 13]", "log = [1e-6, 1e6, 4]")
-    (base / "scale.toml").write_text(text, encoding="utf-8")
-    return run(str(base / "scale.toml"), base / "out")
-
-
 @pytest.mark.slow
-def test_solvers_have_no_scale_unless_they_are_given_one(scale_folder):
+def test_solvers_have_no_scale_unless_they_are_given_one(tmp_path):
     """The study's claim: by default every solver gives the same path in radii from 1e-6 to 1e6, and
     what poses the model in the scenario's own unit does not."""
-    table = by_solver(spreads(load([scale_folder]).rows)).set_index("solver")
+    found = smaller("scale", tmp_path, {"log = [1e-6, 1e6, 13]": "log = [1e-6, 1e6, 4]"})
+    table = by_solver(spreads(found.rows)).set_index("solver")
     posed = table.index.str.contains("units=scenario")
 
     assert posed.sum() == 2
