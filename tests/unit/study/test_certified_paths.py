@@ -12,13 +12,12 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from dubins_study.study.check.certificate import PMP_TOLERANCE, certify
-from dubins_study.study.check.certificate_frame import PROOFS, certify_frame
-from dubins_study.study.check.extremal import MEASURED
+from dubins_study.study.check.certificate_frame import certify_frame
 from dubins_study.study.check.verdict import judge
 from dubins_study.study.check.verdict_frame import judge_frame
 from dubins_study.study.path import Path, Paths
 from dubins_study.study.rows.schema import Certificate
-from dubins_study.study.scenario import Pose, Scenario, check_frame, scenarios
+from dubins_study.study.scenario import Pose, Scenario, check_frame
 from dubins_study.study.tolerances import ARRIVES, Tolerances
 from dubins_study.study.words import Claim, Proof, Verdict
 
@@ -163,42 +162,3 @@ def test_a_path_that_nothing_but_its_size_makes_extremal_has_no_costates():
 
     assert judge(scenario, path).verdict is Verdict.MISSES
     assert found.pmp_residual is None
-
-
-RATES = st.one_of(
-    st.sampled_from([0.0, -0.0, 1.0, -1.0, 1 + 5e-10, 1 - 2e-9, -1 + 1e-9, 3e-10, 1e-7, 0.5]),
-    st.sampled_from([math.nan, math.inf, -math.inf, 1e308, -1e300, 5e-324]),
-    st.floats(-1.5, 1.5),
-)
-LENGTHS = st.one_of(
-    st.sampled_from([0.0, 5e-324, 1e-300, 1e-12, 5e-7, 2e-6, math.pi, 1e6, 1e13, 1e200, 1e308]),
-    st.sampled_from([-1.0, -5e-324, math.nan, math.inf, -math.inf]),
-    st.floats(0, 7),
-)
-RADII = st.sampled_from([1.0, 1e-150, 1e150, 0.3, 7e5])
-
-
-@pytest.mark.slow
-@given(st.lists(st.tuples(RATES, LENGTHS, RATES, LENGTHS, RADII, st.floats(-9, 9)), min_size=1))
-def test_a_frame_measures_what_one_path_measures(rows):
-    """Of ordinary and hostile paths of two arcs: nulls in the same places, numbers alike."""
-    u1, l1, u2, l2, radius, heading = map(np.array, zip(*rows, strict=True))
-    with np.errstate(over="ignore", invalid="ignore"):
-        paths = Paths(np.array([u1, u2]) / radius, np.array([l1, l2]) * radius)
-    at = zip(heading.tolist(), radius.tolist(), strict=True)
-    asked = [Scenario(0, 0, h, 0.7 * R, R / 3, R) for h, R in at]
-    frame = check_frame(scenario_frame(asked))
-    judged = judge_frame(frame, paths)
-    found = certify_frame(frame, paths, judged)
-    columns = found.columns()
-    for row, scenario in enumerate(scenarios(frame)):
-        path = paths.path(row, scenario)
-        one = certify(scenario, path, judge(scenario, path))
-        assert PROOFS[found.proof[row]] is one.proof
-        assert found.abnormal[row] == one.abnormal
-        for name in MEASURED:
-            value, other = getattr(one, name), columns[name][row]
-            if value is None:
-                assert np.isnan(other), (name, row)
-            else:  # costates have no bound where a second arc nears half a turn
-                assert other == pytest.approx(value, rel=1e-6, abs=1e-9), (name, row)

@@ -136,28 +136,24 @@ def test_curvature_that_a_branch_allows(branch, curvature, length, excess):
 
 
 def test_the_reference_is_relaxed_over_the_miss_near_a_circle():
-    """Just inside a circle, the optimum is 6.535; a miss of 2e-7 makes 0.300 honest."""
+    """Just inside a circle, the optimum is 6.535; a miss of 1e-7 makes 0.300 honest.
+
+    There LS does not exist, but the arc that misses answers it. Paths that arrive, a longer one
+    too, are compared with the exact optimum.
+    """
     inside = on_left_circle(0.3, inside=1e-7)
     arc = Path(inside.start, [1.0], [0.3])
+    exact, longer = judge(inside, shortest_path(inside)), judge(inside, shortest_path(inside, "RS"))
+    short, as_ls = judge(inside, arc), judge(inside, arc, branch="LS")
 
-    bare = judge(inside, shortest_path(inside), Claim.LOCAL)
-    short = judge(inside, arc, Claim.LOCAL)
-
-    assert bare.length == pytest.approx(6.535, abs=1e-3)
-    assert bare.verdict is Verdict.OPTIMAL
+    assert exact.length == pytest.approx(6.535, abs=1e-3)
+    assert exact.verdict is short.verdict is as_ls.verdict is Verdict.OPTIMAL
+    assert longer.reference == pytest.approx(6.535, abs=1e-3)
     assert short.miss == pytest.approx(1e-7, rel=1e-6)
     assert short.length == pytest.approx(0.3)
-    assert short.verdict is Verdict.OPTIMAL
     assert abs(short.gap) < 1e-6
     assert short.reference < 0.31
-
-
-def test_the_reference_is_not_relaxed_for_a_longer_answer():
-    """A path that arrives exactly is compared with the exact optimum."""
-    inside = on_left_circle(0.3, inside=1e-7)
-    longer = shortest_path(inside, "RS")
-
-    assert judge(inside, longer).reference == pytest.approx(6.535, abs=1e-3)
+    assert as_ls.reference_word is None
 
 
 def test_an_exact_answer_that_lands_across_the_circle_is_not_punished():
@@ -184,16 +180,6 @@ def test_near_the_rear_a_miss_explains_more():
 
     assert path.total_length < shortest_path(scenario).total_length
     assert found.verdict is Verdict.OPTIMAL
-
-
-def test_a_branch_that_only_a_miss_makes_possible():
-    """LS does not exist just inside the left disc, but an arc that misses by 1e-7 answers it."""
-    inside = on_left_circle(0.3, inside=1e-7)
-
-    found = judge(inside, Path(inside.start, [1.0], [0.3]), Claim.LOCAL, "LS")
-
-    assert found.verdict is Verdict.OPTIMAL
-    assert found.reference_word is None
 
 
 def test_going_straight_first_does_not_answer_ls_inside_the_left_disc():
