@@ -11,6 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from live_run import manifest, quick_experiment
+from pydantic import ValidationError
 
 from dubins_study import run
 from dubins_study.experiments import provenance
@@ -146,9 +147,12 @@ JSON = st.recursive(
 
 
 @given(JSON)
-def test_probes_of_any_entry_are_numbers(value):
-    for listed in (value, [value, [1.0, value], [value, 1.0, 2], [0.0, 1.0, value]]):
-        found = RunEntry.model_validate({"probes": listed}).probes
+def test_probes_of_any_entry_are_numbers_or_refused(value):
+    for listed in (value, [value], [[1.0, value]], [[value, 1.0, 2]], [[0.0, 1.0, value]]):
+        try:
+            found = RunEntry.model_validate({"probes": listed}).probes
+        except ValidationError:
+            continue
         assert all(np.isfinite(took) and took > 0 and when >= 0 for when, took, _ in found)
         share = varied(found)
         assert share is None or share >= 0

@@ -11,11 +11,11 @@ from dubins_study.conformance import check_solver
 from dubins_study.conformance.questions import AXIS, GENERAL
 from dubins_study.conformance.report import Status
 from dubins_study.experiments.solve import solve
-from dubins_study.solvers.protocol import Guarantee, Question, Solution, Solver
+from dubins_study.solvers.protocol import Guarantee
 from dubins_study.solvers.registry import available_solvers, entries, load, registered
 from dubins_study.study.closed_form.shortest import shortest
 from dubins_study.study.scenario import Scenario
-from dubins_study.study.words import BRANCHES, FORMULATIONS, Claim, Outcome, Verdict
+from dubins_study.study.words import BRANCHES, FORMULATIONS, Outcome, Verdict
 
 # A gap that the method's kind may leave: rounding; the solver's tolerance of 1e-8 on lengths; the
 # coarseness of 50 steps, which falls like 1/n^2.
@@ -128,47 +128,3 @@ def test_multipliers_are_the_costates(name):
     assert math.hypot(
         answer.multiplier_x - math.cos(heading), answer.multiplier_y - math.sin(heading)
     ) == pytest.approx(0, abs=allowed)
-
-
-def test_whatever_a_solver_does_becomes_a_row():
-    """Raising, returning another type, a path to elsewhere and a claim without a path."""
-    from dubins_study.solvers.attempt import attempt
-
-    class Hostile(Solver):
-        name, method, guarantee, branches = (
-            "hostile",
-            ("penalty", "hostile"),
-            Guarantee.LOCAL,
-            ("best",),
-        )
-        warm, packages, summary = False, (), "does what it is told"
-
-        def __init__(self, behaviour):
-            self.behaviour = behaviour
-
-        def unavailable(self):
-            return None
-
-        def build(self, question):
-            return question
-
-        def solve(self, model, limit):
-            return self.behaviour(model)
-
-    def ask(behaviour):
-        return attempt(Hostile(behaviour), Question(EASY))
-
-    def boom(question):
-        raise RuntimeError("boom")
-
-    assert ask(boom).outcome is Outcome.RAISED
-    assert "boom" in ask(boom).message
-    assert ask(lambda q: 3).outcome is Outcome.RAISED
-    without = ask(lambda q: Solution(Claim.OPTIMAL, claimed_length=1.0))
-    assert without.verdict is Verdict.NONE
-    assert without.false_claim
-    elsewhere = solve(PAPER["problem 2"]).path
-    lost = ask(lambda q: Solution(Claim.LOCAL, elsewhere, claimed_length=math.nan))
-    assert lost.verdict is Verdict.MISSES
-    assert lost.false_claim
-    assert lost.claimed_length is None

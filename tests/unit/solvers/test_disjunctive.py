@@ -260,6 +260,15 @@ def test_far_away_nothing_is_claimed_to_be_proven():
     assert answer.verdict is Verdict.OPTIMAL
 
 
+@pytest.mark.parametrize("branch", ["LS", "RS"])
+def test_far_away_no_word_is_called_infeasible(branch):
+    """Both reach a target 1.4e9 R away; SCIP's tolerances cannot tell."""
+    answer = attempt(Disjunctive(), Question(Scenario(0, 0, 1, 1e9, -1e9, 1), branch))
+
+    assert answer.claim is not Claim.INFEASIBLE
+    assert not answer.false_claim
+
+
 def test_the_time_limit_is_kept_and_said():
     """Stopped at once, SCIP has proven little, and what it has proven holds."""
     question = Question(PAPER["problem 3"])
@@ -336,22 +345,6 @@ def test_the_second_run_gets_the_time_that_is_left(monkeypatch):
 
     assert limits[0] == 5.0
     assert limits[1] <= 4.9
-
-
-@pytest.mark.parametrize(
-    "setting",
-    [
-        {"engine": "highs"},
-        {"transformation": "cuttingplane"},
-        {"emphasis": "fast"},
-        {"gap": 0.0},
-        {"feastol": -1e-6},
-    ],
-)
-def test_bad_settings_are_refused(setting):
-    """The message names the setting and its value."""
-    with pytest.raises(ValueError, match=next(iter(setting))):
-        Disjunctive(**setting)
 
 
 @pytest.mark.slow

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 import math
 import resource
 import tempfile
@@ -128,27 +127,6 @@ def test_executables_are_stopped_and_their_folders_removed(name, tmp_path, monke
     assert (stopped.claim, solved.claim) == (Claim.LIMIT, Claim.LOCAL)
     assert np.isnan(stopped.x).all()
     assert list(tmp_path.iterdir()) == []
-
-
-@pytest.mark.parametrize("name", WHEELS)
-def test_silent_and_repeatable(name, capfd):
-    first, second = _run(name, 6), _run(name, 6)
-
-    assert repr(first) == repr(second)
-    assert capfd.readouterr() == ("", "")
-
-
-@pytest.mark.parametrize("name", WHEELS)
-def test_missing_package_is_a_reason(name, monkeypatch):
-    absent = ENGINES[name].packages[-1]
-    find_spec = importlib.util.find_spec
-    monkeypatch.setattr(
-        importlib.util,
-        "find_spec",
-        lambda package: find_spec(package) if package != absent else None,
-    )
-
-    assert ENGINES[name].unavailable() == f"the package {absent} is not installed"
 
 
 @pytest.mark.parametrize("name", WHEELS)

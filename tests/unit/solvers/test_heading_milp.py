@@ -247,23 +247,6 @@ def test_no_time_is_a_limit():
         assert solution.path is None
 
 
-@pytest.mark.parametrize(
-    "setting",
-    [
-        {"headings": 3},
-        {"headings": 1001},
-        {"headings": 72.0},
-        {"headings": True},
-        {"legs": 0},
-        {"gap": 0.0},
-    ],
-)
-def test_a_bad_setting_is_refused(setting):
-    """With its name and what was expected."""
-    with pytest.raises(ValueError, match=f"{next(iter(setting))} is .*; expected"):
-        HeadingMilp(**setting)
-
-
 OTHERS = [name for name in ("scip", "gurobi", "xpress") if HeadingMilp(name).unavailable() is None]
 
 

@@ -1,24 +1,79 @@
-"""Plug-ins that hand in nonsense, change the question or lie: contained and judged."""
+"""Plug-ins that hand in nonsense, change what they were asked or answered, or lie: judged."""
 
 from __future__ import annotations
 
 import ast
+import math
+from fractions import Fraction
 
 import numpy as np
+import pandas as pd
 import pytest
-from cases import scenario_frame
+from cases import PAPER, scenario_frame
+from hypothesis import given
+from hypothesis import strategies as st
 
-from dubins_study.solvers.attempt import attempt
+from dubins_study.errors import DubinsStudyError
+from dubins_study.experiments.isolation.messages import WorkerReply, decode_reply, encode_reply
+from dubins_study.experiments.solve import solve
+from dubins_study.solvers.attempt import QuestionError, attempt, judged
 from dubins_study.solvers.frame import solve_frame
 from dubins_study.solvers.frame_solution import FrameSolution
-from dubins_study.solvers.protocol import Guarantee, Question, Solution, Solver
+from dubins_study.solvers.protocol import MAX_ARCS, Question, Solution, Solver
 from dubins_study.solvers.registry import SolverError, load
+from dubins_study.solvers.reply import ask
 from dubins_study.study.closed_form.shortest import shortest_path
 from dubins_study.study.path import Path, Paths
 from dubins_study.study.scenario import Pose, Scenario
 from dubins_study.study.words import Claim, Outcome, Verdict
 
-EASY = Scenario(0, 0, 0.3, 3, 2, 1)
+ASKED = Scenario(0, 0, 0.3, 3, 2, 1)
+
+
+class Alike(tuple):
+    """A start pose that equals every other."""
+
+    x, y, heading = 3.0, 2.0, 0.0
+
+    def __eq__(self, other):
+        return True
+
+    def __ne__(self, other):
+        return False
+
+    __hash__ = None
+
+
+class Claiming(np.ndarray):
+    """Lengths that are short when they are summed."""
+
+    def tolist(self):
+        return [0.0]
+
+    def sum(self, *args, **options):
+        return 0.0
+
+
+def altered(field, value):
+    path = Path(ASKED.start, [0.0], [1.0])
+    object.__setattr__(path, field, value)
+    return path
+
+
+HOSTILE = {
+    "a start at the target": altered("start", Pose(3.0, 2.0, 0.0)),
+    "a start that equals every other": altered("start", Alike((3.0, 2.0, 0.0))),
+    "lengths that lie": altered("length", np.array([1.0]).view(Claiming)),
+    "complex lengths": altered("length", np.array([1.0 + 5j])),
+    "lengths of text": altered("length", np.array(["1_0"])),
+    "lengths of objects": altered("length", np.array([object()])),
+    "too many lengths": altered("length", np.ones(3)),
+    "no array": altered("curvature", "none"),
+    "a start of two numbers": altered("start", (0.0, 0.0)),
+}
+RAISED = ("complex", "text", "objects", "too many", "no array", "two numbers")
+
+
 BAD_FIELDS = {
     "path='x'": "path is 'x'; expected a Path",
     "claim='superb'": "claim is 'superb'; expected one of: optimal",
@@ -43,75 +98,268 @@ def test_a_solution_of_wrong_types_is_its_makers_failure(field):
         Solution(**given)
 
 
-class Sneaky(Solver):
-    """A solver that changes what it was asked, or hands in a path that lies about its end."""
+class Acting(Solver):
+    """Does what it is told."""
 
-    name, method, guarantee, branches = "sneaky", ("penalty", "sneaky"), Guarantee.LOCAL, ("best",)
-    warm, packages, summary = False, (), "nothing"
+    name = "acting"
 
-    def __init__(self, trick):
-        self.trick = trick
-
-    def unavailable(self):
-        return None
-
-    def build(self, question):
-        return question
+    def __init__(self, act):
+        self.act = act
 
     def solve(self, question, limit):
-        if self.trick == "leave":
-            raise SystemExit(3)
-        if self.trick == "easier":
-            object.__setattr__(question.scenario, "radius", question.scenario.radius / 2)
-            return Solution(Claim.OPTIMAL, path=shortest_path(question.scenario))
-
-        class Liar(Path):
-            end = Pose(question.scenario.target_x, question.scenario.target_y, 0.0)
-            total_length = 1.0
-
-        return Solution(Claim.OPTIMAL, path=Liar(question.scenario.start, [0.0], [1.0]))
+        return self.act(question)
 
 
-@pytest.mark.parametrize("trick", ["easier", "liar"])
-def test_what_was_asked_and_what_was_driven_cannot_be_talked_away(trick):
+class OddError(BaseException):
+    """Neither an Exception nor an interruption."""
+
+
+def raises(error):
+    def act(question):
+        raise error
+
+    return act
+
+
+def easier(question):
+    object.__setattr__(question.scenario, "radius", question.scenario.radius / 2)
+    return Solution(Claim.OPTIMAL, path=shortest_path(question.scenario))
+
+
+def lying(question):
+    class Liar(Path):
+        end = Pose(question.scenario.target_x, question.scenario.target_y, 0.0)
+        total_length = 1.0
+
+    return Solution(Claim.OPTIMAL, path=Liar(question.scenario.start, [0.0], [1.0]))
+
+
+def to_elsewhere(question):
+    elsewhere = solve(PAPER["problem 2"]).path
+    return Solution(Claim.LOCAL, elsewhere, claimed_length=math.nan)
+
+
+ACTS = {
+    "raises": (raises(RuntimeError("boom")), Verdict.NONE, "RuntimeError: boom"),
+    "leaves the program": (raises(SystemExit(3)), Verdict.NONE, "SystemExit"),
+    "raises what is no Exception": (raises(OddError("now")), Verdict.NONE, "OddError: now"),
+    "returns a number": (lambda question: 3, Verdict.NONE, "expected a Solution"),
+    "claims without a path": (
+        lambda question: Solution(Claim.OPTIMAL, claimed_length=1.0),
+        *(Verdict.NONE, None),
+    ),
+    "changes the question": (easier, Verdict.MISSES, None),
+    "lies about its end": (lying, Verdict.MISSES, None),
+    "drives elsewhere": (to_elsewhere, Verdict.MISSES, None),
+}
+
+
+@pytest.mark.parametrize("name", ACTS)
+def test_whatever_a_solver_does_becomes_a_row(name):
     """Judged is the question as it was put, and the controls, whatever a subclass says of them."""
-    answer = attempt(Sneaky(trick), Question(EASY))
+    act, verdict, message = ACTS[name]
+    answer = attempt(Acting(act), Question(ASKED))
 
-    assert answer.scenario == EASY
-    assert answer.verdict is Verdict.MISSES
-    assert answer.false_claim
+    assert answer.scenario == ASKED
+    assert answer.verdict is verdict
+    if message is None:
+        assert answer.outcome is Outcome.RETURNED
+        assert answer.false_claim
+    else:
+        assert answer.outcome is Outcome.RAISED
+        assert message in answer.message
+    assert answer.claimed_length == (1.0 if name == "claims without a path" else None)
 
 
-def test_a_solver_that_leaves_the_program_has_raised():
-    answer = attempt(Sneaky("leave"), Question(EASY))
+def test_ctrl_c_belongs_to_the_caller():
+    with pytest.raises(KeyboardInterrupt):
+        attempt(Acting(raises(KeyboardInterrupt)), Question(ASKED))
+
+
+class Plain(Solver):
+    name = "plain"
+
+    def __init__(self, path):
+        self.path = path
+
+    def solve(self, question, limit):
+        solution = Solution(Claim.OPTIMAL)
+        object.__setattr__(solution, "path", self.path)
+        return solution
+
+
+@pytest.mark.parametrize("name", HOSTILE)
+def test_a_path_that_lies_is_judged_by_its_controls(name):
+    """The same from Python as from a worker's reply."""
+    solver, question = Plain(HOSTILE[name]), Question(ASKED)
+    answer = attempt(solver, question)
+    sent = decode_reply(encode_reply(WorkerReply(ask(solver, question)))).reply
+
+    assert answer.verdict in (Verdict.MISSES, Verdict.NONE)
+    assert answer.gap is None
+    assert answer.verdict is judged("plain", question, sent).verdict
+    assert (answer.outcome is Outcome.RAISED) == any(word in name for word in RAISED)
+    assert answer.length is None or answer.length == 1.0
+
+
+@pytest.mark.parametrize("text", ["\ud800", "a\0b"])
+def test_texts_that_no_row_holds(text):
+    solution = Solution(Claim.NONE, message=text, native_status=text)
+
+    assert solution.message.encode()
+
+
+N = 3
+GOOD = {"curvature": np.zeros((2, N)), "length": np.ones((2, N)), "returned": np.ones(N, bool)}
+ARRAYS = {
+    "big-endian": {"length": np.ones((2, N), ">f8")},
+    "integers": {"length": np.ones((2, N), int), "curvature": np.ones((2, N), np.int8)},
+    "read-only": {"length": np.broadcast_to(1.0, (2, N))},
+    "of objects": {"length": np.ones((2, N), object)},
+    "lists": {"length": [[1.0] * N] * 2},
+    "NaN": {"length": np.full((2, N), np.nan)},
+    "strided": {"length": np.ones((4, 2 * N))[::2, ::2]},
+    "claims": {"claim": np.ones(N, ">i4")},
+    "bounds": {"lower_bound": np.ones(N, ">f4"), "claimed_length": [1, 2, 3]},
+}
+BAD_ARRAYS = {
+    "complex": ({"length": np.ones((2, N), complex)}, "length is an array of complex128"),
+    "of text": ({"length": np.full((2, N), "1_0")}, "length is an array of <U3"),
+    "booleans": ({"curvature": np.ones((2, N), bool)}, "curvature is an array of bool"),
+    "of odd objects": ({"length": np.full((2, N), None)}, "length holds None"),
+    "durations": ({"length": np.ones((2, N), "m8[s]")}, "length is an array of timedelta64"),
+    "of one row": ({"length": np.ones(N)}, r"length has shape \(3,\); expected \(2, 3\)"),
+    "flat": ({"curvature": np.ones(N), "length": np.ones(N)}, r"curvature has shape \(3,\)"),
+    "numbers for flags": ({"returned": np.ones(N)}, "returned is an array of float64"),
+    "few flags": ({"returned": np.ones(1, bool)}, r"returned has shape \(1,\); expected \(3,\)"),
+    "claims that are NaN": ({"claim": np.full(N, np.nan)}, "claim is neither a Claim nor indices"),
+    "claims of text": ({"claim": ["optimal"] * N}, "claim is neither a Claim nor indices"),
+    "claims too many": (
+        {"claim": np.zeros(N + 1, int)},
+        r"claim has shape \(4,\); expected \(3,\)",
+    ),
+    "complex bounds": ({"lower_bound": np.ones(N, complex)}, "lower_bound is an array of complex"),
+    "a bound": ({"lower_bound": 1.0}, r"lower_bound has shape \(\); expected \(3,\)"),
+    "messages of lists": ({"message": [[1]] * N}, r"row 0: message is \[1\]; expected a text"),
+    "few messages": ({"message": ["a"]}, "there are 1 messages; expected 1 or 3"),
+    "a status": ({"native_status": 3}, "native_status is 3; expected a text"),
+    "few paths": ({"paths": Paths(np.zeros((2, 2)), np.zeros((2, 2)))}, "2 paths for 3 scenarios"),
+    "unknown claims": ({"claim": np.full(N, 99)}, "claim is neither a Claim nor indices"),
+    "few lengths": ({"claimed_length": np.zeros(N - 1)}, "claimed_length has shape"),
+    "no paths": ({"paths": None}, "paths is None; expected Paths"),
+}
+
+
+def frame_of(monkeypatch, changes, late):
+    """The rows of a plug-in whose arrays are so; `late`: changed after its solution was made."""
+
+    class Whole(Plain):
+        branches = ("best",)
+
+        def solve_frame(self, frame, branch):
+            if not late:
+                arrays = GOOD | {k: v for k, v in changes.items() if k in GOOD}
+                others = {"claim": Claim.NONE, "paths": Paths(**arrays)}
+                return FrameSolution(**others | {k: v for k, v in changes.items() if k not in GOOD})
+            solution = FrameSolution(Claim.NONE, Paths(**GOOD))
+            for name, value in changes.items():
+                object.__setattr__(solution.paths if name in GOOD else solution, name, value)
+            return solution
+
+    monkeypatch.setattr("dubins_study.solvers.frame.load", lambda spec, profile: Whole(None))
+    return solve_frame(scenario_frame([ASKED] * N), certified=True)
+
+
+def test_a_frame_that_is_changed_is_judged_as_it_was_put(monkeypatch):
+    class Easier(Plain):
+        branches = ("best",)
+
+        def solve_frame(self, frame, branch):
+            frame["target_x"], frame["target_y"] = frame["x"], frame["y"]
+            return FrameSolution(Claim.OPTIMAL, Paths(np.zeros((2, N)), np.zeros((2, N))))
+
+    monkeypatch.setattr("dubins_study.solvers.frame.load", lambda spec, profile: Easier(None))
+    rows = solve_frame(scenario_frame([ASKED] * N))
+
+    assert rows["target_x"].tolist() == [ASKED.target_x] * N
+    assert set(rows["outcome"]) == {"returned"}
+    assert set(rows["verdict"]) == {"misses"}
+
+
+@pytest.mark.parametrize("late", [False, True])
+@pytest.mark.parametrize("name", ARRAYS)
+def test_arrays_of_every_kind_are_read(monkeypatch, name, late):
+    rows = frame_of(monkeypatch, ARRAYS[name], late)
+
+    assert set(rows["outcome"]) == {"returned"}
+    assert set(rows["verdict"]) == {"misses"}
+
+
+@pytest.mark.parametrize("late", [False, True])
+@pytest.mark.parametrize("name", BAD_ARRAYS)
+def test_other_arrays_are_the_plug_ins_failure(monkeypatch, name, late):
+    """One message that names the field, its value and what was expected."""
+    changes, message = BAD_ARRAYS[name]
+    rows = frame_of(monkeypatch, changes, late)
+
+    assert set(rows["outcome"]) == {"raised"}
+    assert rows["message"].astype(str).str.contains(message).all(), rows["message"].iloc[0]
+    assert rows["length"].isna().all()
+    assert isinstance(rows, pd.DataFrame)
+
+
+@given(st.lists(st.floats(), max_size=4), st.lists(st.floats(), max_size=4))
+def test_any_numbers_make_an_answer(curvature, length):
+    if len(curvature) != len(length):
+        with pytest.raises(ValueError, match="expected one shape"):
+            Path(ASKED.start, curvature, length)
+        return
+    answer = attempt(Plain(Path(ASKED.start, curvature, length)), Question(ASKED))
+
+    assert answer.outcome is Outcome.RETURNED
+    assert answer.length is None or math.isfinite(answer.length)
+
+
+def test_a_path_of_more_arcs_than_can_be_judged_is_refused():
+    """The check has no limit of time and memory of its own."""
+    arcs = np.full(MAX_ARCS + 1, 1e-3)
+    start = Scenario(target_x=3, target_y=1).start
+
+    Solution(Claim.LOCAL, Path(start, arcs[1:], arcs[1:]))
+    with pytest.raises(TypeError, match=f"path has {MAX_ARCS + 1} arcs; expected at most"):
+        Solution(Claim.LOCAL, Path(start, arcs, arcs))
+
+
+@pytest.mark.parametrize("clock", [[5.0, 4.0, 3.0], [0.0, 0.0, 1e9], [0.0, 1.0, math.nan]])
+def test_a_time_that_is_impossible_is_refused(monkeypatch, clock):
+    """A library that replaces the clock spoils its own row, and no folder."""
+    readings = iter(clock)
+    monkeypatch.setattr("dubins_study.solvers.reply.perf_counter", lambda: next(readings))
+    answer = attempt(load("analytic"), Question(ASKED))
 
     assert answer.outcome is Outcome.RAISED
-    assert "SystemExit" in answer.message
+    assert "expected a time from 0 to" in answer.message
+    assert (answer.solve_s, answer.wall_s, answer.path) == (None, None, None)
 
 
-class Whole(Sneaky):
-    """Answers frames, each time wrong in another way."""
-
-    def solve_frame(self, frame, branch):
-        n = len(frame)
-        paths = Paths(np.zeros((2, n)), np.zeros((2, n)))
-        if self.trick == "easier":
-            frame["target_x"], frame["target_y"] = frame["x"], frame["y"]
-        if self.trick == "short":
-            paths = Paths(np.zeros((2, n - 1)), np.zeros((2, n - 1)))
-        codes = np.full(n, 99) if self.trick == "code" else Claim.OPTIMAL
-        lengths = np.zeros(n - 1) if self.trick == "lengths" else None
-        return FrameSolution(codes, paths, claimed_length=lengths)
+@pytest.mark.parametrize("limit", [10**400, True, 0, -1.0, "5", math.nan, math.inf, None])
+def test_a_limit_that_is_none_is_refused(limit):
+    with pytest.raises(QuestionError, match="expected a number of seconds above 0"):
+        solve(Scenario(target_x=3, target_y=1), "slsqp", limit=limit)
 
 
-@pytest.mark.parametrize("trick", ["easier", "short", "code", "lengths"])
-def test_frames_are_guarded_likewise(monkeypatch, trick):
-    monkeypatch.setattr("dubins_study.solvers.frame.load", lambda spec, profile: Whole(trick))
-    rows = solve_frame(scenario_frame([EASY] * 4))
+def test_any_number_is_a_limit():
+    for limit in (5, np.int64(5), np.float32(1), Fraction(5, 2)):
+        assert solve(Scenario(target_x=3, target_y=1), "slsqp", limit=limit).verdict == "optimal"
 
-    assert rows["target_x"].tolist() == [EASY.target_x] * 4
-    assert set(rows["outcome"]) == {"returned" if trick == "easier" else "raised"}
-    assert set(rows["verdict"]) == {"misses" if trick == "easier" else "none"}
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [("branch", np.array(["best", "LS"])), ("profile", []), ("isolated", np.array([1, 2]))],
+)
+def test_requests_of_other_types_are_refused_by_name(name, value):
+    with pytest.raises(DubinsStudyError, match=name):
+        solve(Scenario(target_x=3, target_y=1), "slsqp", **{name: value})
 
 
 @pytest.mark.parametrize(

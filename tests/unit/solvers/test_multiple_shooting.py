@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from time import perf_counter, process_time
+from time import perf_counter
 
 import numpy as np
 import pytest
-from cases import EDGES, PAPER, mirrored, scaled, scenarios
-from hard_cases import hard_frame
+from cases import PAPER
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
@@ -21,78 +20,12 @@ from dubins_study.solvers.nlp_engines.program import EngineResult
 from dubins_study.solvers.optimal_control.arcs import INTEGRATORS, RATES, cut, mean_cosine
 from dubins_study.solvers.optimal_control.multiple_shooting import MultipleShooting, expressions
 from dubins_study.solvers.protocol import Question
-from dubins_study.study.closed_form.shortest import margin, shortest
 from dubins_study.study.path import Path
-from dubins_study.study.rows.schema import SCENARIO, names
 from dubins_study.study.scenario import Pose, Scenario
 from dubins_study.study.words import Claim, Outcome, Verdict
 
 # A free length's gap is what the engine's tolerance leaves, 1e-9 on equations and multipliers.
-TINY = 1e-8
-IN_DISCS = {
-    "left": Scenario(0, 0, 0, -0.2, 0.6, 1),
-    "right": Scenario(0, 0, 0.5, 0.4, -1.0, 1),
-    "problem 1, R=6": replace(PAPER["problem 1"], radius=6.0),
-}
-
-
-@pytest.mark.parametrize("place", IN_DISCS)
-def test_targets_in_both_discs_get_the_closed_forms_length(place):
-    """RL and LR are found, switch and all."""
-    answer = solve(IN_DISCS[place], "multiple-shooting")
-
-    assert answer.region in ("left disc", "right disc")
-    assert answer.claim is Claim.LOCAL
-    assert answer.verdict is Verdict.OPTIMAL
-    assert abs(answer.gap) <= TINY
-
-
-@pytest.mark.parametrize("branch", RATES)
-@pytest.mark.parametrize("edge", EDGES)
-def test_every_branch_at_every_kind_of_target(edge, branch):
-    """The closed form's length, and turns to the branch's side only; else the search fails."""
-    answer = solve(EDGES[edge], "multiple-shooting", branch)
-
-    assert not answer.false_claim
-    if shortest(EDGES[edge], branch) is None:
-        assert answer.claim in (Claim.FAILED, Claim.INFEASIBLE)
-        return
-    assert answer.verdict is Verdict.OPTIMAL
-    assert abs(answer.gap) <= TINY
-    rate = answer.path.curvature * EDGES[edge].radius
-    # dividing by the radius and multiplying again may cost a rounding
-    assert rate.min(initial=0) >= RATES[branch].lower - 1e-15
-    assert rate.max(initial=0) <= RATES[branch].upper + 1e-15
-
-
-@pytest.mark.slow
-def test_hard_scenarios():
-    """Radii from 1e-6 to 1e6, targets on circles, next to them, at the start and 1e9 radii away."""
-    solver = MultipleShooting()
-    for row in hard_frame(100, seed=3).itertuples():
-        scenario = Scenario(**{name: getattr(row, name) for name in names(SCENARIO)})
-        for branch in RATES:
-            answer = attempt(solver, Question(scenario, branch))
-            assert not answer.false_claim, (scenario, branch)
-            exists = shortest(scenario, branch) is not None
-            assert not exists or answer.verdict is Verdict.OPTIMAL, (scenario, branch)
-
-
-@given(scenarios(), st.floats(-5, 5))
-@settings(max_examples=10, deadline=None)
-def test_mirror_image_and_scale(scenario, exponent):
-    """Nothing prefers a side or a unit."""
-    if margin(scenario) < 1e-6:  # the length jumps across the circles
-        return
-    factor = 10.0**exponent
-
-    answer = solve(scenario, "multiple-shooting")
-    other = solve(mirrored(scenario), "multiple-shooting")
-    large = solve(scaled(scenario, factor), "multiple-shooting")
-
-    tolerance = {"rel": TINY, "abs": TINY * scenario.radius}
-    assert answer.length == pytest.approx(other.length, **tolerance)
-    assert answer.length == pytest.approx(large.length / factor, **tolerance)
+LEFT = Scenario(0, 0, 0, -0.2, 0.6, 1)
 
 
 @given(st.floats(0, 1.5 * math.pi))
@@ -158,17 +91,9 @@ def runge_kutta(pose, turn, length):
 def test_runge_kuttas_miss_falls_with_the_fourth_power():
     """Three times more segments: 81 times less, up to where in a segment the switch falls."""
     spec = "multiple-shooting[integrator=rk4,mesh=equal,n={},correct=false]"
-    misses = [solve(IN_DISCS["left"], spec.format(n)).miss for n in (6, 18)]
+    misses = [solve(LEFT, spec.format(n)).miss for n in (6, 18)]
 
     assert math.log(misses[0] / misses[1], 3) == pytest.approx(4, abs=1)
-
-
-def test_equal_segments_gain_with_their_number():
-    """A switch inside a segment costs; 8 times more segments cost 20 times less, or better."""
-    spec = "multiple-shooting[mesh=equal,n={}]"
-    coarse, fine = (solve(IN_DISCS["left"], spec.format(n)).gap for n in (10, 80))
-
-    assert TINY < fine < coarse / 20
 
 
 @pytest.mark.parametrize("mesh", ["free", "equal"])
@@ -195,34 +120,6 @@ def test_a_guess_follows_its_controls(branch, mesh):
     assert program.functions.equations(start) == pytest.approx(0, abs=1e-13)
     assert transcribed.elements.turn == pytest.approx(guess.turn, abs=1e-14)
     assert transcribed.elements.length == pytest.approx(guess.length, abs=1e-14)
-
-
-def test_multipliers_of_two_arcs_point_along_the_chord():
-    """-(nu1, nu2) / nu0 of RL is the second arc's chord / cos(a2 / 2) (derivation, section 9)."""
-    scenario = Scenario(1, -2, 0, 1.1, -1.2, 1)
-    first, second = shortest(scenario).segments
-    switch = Path(scenario.start, [-1.0], [first]).end
-    chord = np.array((scenario.target_x - switch.x, scenario.target_y - switch.y))
-
-    answer = solve(scenario, "multiple-shooting")
-
-    expected = chord / np.hypot(*chord) / math.cos(second / 2)
-    # Ipopt relaxes bounds by 1e-8 and stops with multipliers as far off
-    assert (answer.multiplier_x, answer.multiplier_y) == pytest.approx(expected, abs=1e-6)
-
-
-def test_time_runs_out():
-    """The engine stops between two iterations; without any time none begins."""
-    solver, scenario = MultipleShooting(n=20, mesh="equal"), IN_DISCS["left"]
-    solver.solve(solver.build(Question(scenario, "RS")), 60.0)  # compiled
-    model = solver.build(Question(scenario))
-
-    began = process_time()  # a busy machine takes the wall clock, not the processor
-    solution = solver.solve(model, 1e-3)
-
-    assert process_time() - began < 1.0
-    assert solution.claim is Claim.LIMIT
-    assert solver.solve(model, 0.0).path is None
 
 
 # Engines that may end without a solution of three segments, and why: two build models from values
@@ -255,18 +152,3 @@ def test_every_engine_of_the_table(engine):
         assert answer.verdict is Verdict.OPTIMAL
     else:
         assert engine in MAY_FAIL, (answer.claim, answer.message)
-
-
-@pytest.mark.parametrize(
-    "wrong",
-    [
-        {"n": 2}, {"n": 4.5}, {"max_iter": True}, {"engine": "cplex"}, {"mesh": "graded"},
-        {"integrator": "euler"}, {"tol": 0}, {"initial_guess": "warm"}, {"count": 0}, {"seed": -1},
-    ],
-)  # fmt: skip
-def test_wrong_settings_are_refused_by_name(wrong):
-    """The message names the setting and the value."""
-    ((name, value),) = wrong.items()
-
-    with pytest.raises(ValueError, match=rf"{name} is '?{value}'?; expected"):
-        MultipleShooting(**wrong)

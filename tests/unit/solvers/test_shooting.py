@@ -317,13 +317,3 @@ def test_time_that_is_up_ends_the_iteration(root):
     assert point.claim is Claim.LIMIT
     assert point.message == "out of time"
     assert np.isnan(point.x).all()
-
-
-@pytest.mark.parametrize(
-    "bad",
-    [{"initial_guess": "sobol"}, {"root": "newton"}, {"tol": 0.0}, {"count": 0}, {"seed": -1}],
-)
-def test_bad_settings_are_refused(bad):
-    """With the setting's name in the message."""
-    with pytest.raises(ValueError, match=next(iter(bad))):
-        Shooting(**bad)

@@ -134,17 +134,6 @@ def test_every_engine_answers_everywhere(engine: str, place: str) -> None:
         check_path(scenario, solution, solver, "best")
 
 
-@pytest.mark.parametrize("place", ["left", "behind", "left centre"])
-def test_gap_falls_with_the_square_of_the_step(place: str) -> None:
-    """16 times more steps: a gap at least 100 times smaller where order two would give 256."""
-    scenario = scenario_at(*PLACES[place])
-
-    gaps = [ask(scenario, solver=TurnRateQp(n=n))[1].gap for n in (12, 24, 192, 384)]
-
-    coarse, fine = np.add(*gaps[:2]), np.add(*gaps[2:])  # where a step ends matters: average
-    assert 0 < fine < coarse / 100
-
-
 @pytest.mark.parametrize("radius", [1e-6, 1e-3, 1.0, 1e6])
 @pytest.mark.parametrize("place", ["left", "right disc", "behind"])
 def test_scale_does_not_matter(place: str, radius: float) -> None:
@@ -156,31 +145,6 @@ def test_scale_does_not_matter(place: str, radius: float) -> None:
     assert scaled.path is not None
     # 1e-6: where the sequence stops may differ by what its tolerance leaves open
     assert scaled.path.total_length / radius == pytest.approx(bare.path.total_length, rel=1e-6)
-
-
-@pytest.mark.parametrize("mesh", ["equal", "graded"])
-def test_far_targets_need_a_graded_mesh(mesh: str) -> None:
-    """1000 R behind, equal steps are 20 R long: the turn is too wide, and the gap says so."""
-    scenario = scenario_at(-950.0, 300.0)
-
-    solution, found = ask(scenario, solver=TurnRateQp(mesh=mesh))
-
-    assert solution.claim == Claim.LOCAL
-    assert found.gap is not None
-    assert 1e-3 < found.gap < 0.05 if mesh == "equal" else found.gap < 1e-5
-
-
-@pytest.mark.parametrize(("branch", "Y"), [("LS", 0.7), ("RS", -0.7)])
-def test_words_that_cannot_enter_their_disc_are_searched_in_vain(branch: str, Y: float) -> None:
-    """No LS into the left disc, no RS into the right; the other word gets there."""
-    inside, outside = scenario_at(0.3, Y), scenario_at(0.3, -Y)
-
-    solution, found = ask(inside, branch)
-
-    assert solution.claim == Claim.FAILED
-    assert solution.iterations
-    assert not found.false_claim
-    assert ask(outside, branch)[1].verdict == Verdict.OPTIMAL
 
 
 @pytest.mark.parametrize("branch", ["LS", "RS"])
@@ -222,21 +186,6 @@ def test_multipliers_are_the_final_heading() -> None:
     assert solution.multipliers == pytest.approx((math.cos(final), math.sin(final)), abs=3e-4)
 
 
-def test_multipliers_of_two_arcs_point_along_the_chord() -> None:
-    """-(nu1, nu2) / nu0 of RL is the second arc's chord / cos(a2 / 2) (derivation, section 9)."""
-    optimum = shortest(Scenario(0, 0, 0, 0.1, 0.8, 1))
-    assert optimum is not None
-    first, second = optimum.segments
-    solution, _ = ask(Scenario(0, 0, 0, 0.1, 0.8, 1), solver=TurnRateQp(n=320))
-
-    switch = Path((0, 0, 0), [-1.0], [first]).end  # type: ignore[arg-type]
-    chord = np.array((0.1 - switch.x, 0.8 - switch.y))
-    expected = chord / np.hypot(*chord) / math.cos(second / 2)
-    assert solution.multipliers is not None
-    # steps of 0.018: the switch lies somewhere within one
-    assert solution.multipliers == pytest.approx(expected, abs=0.05)
-
-
 def test_warm_start_is_used() -> None:
     """From its own answer a sequence has nothing left to do but see so."""
     scenario = scenario_at(4.0, 3.0)
@@ -246,18 +195,6 @@ def test_warm_start_is_used() -> None:
     assert cold.iterations is not None
     assert warm.iterations is not None
     assert warm.iterations <= 2 < cold.iterations
-    assert found.verdict == Verdict.OPTIMAL
-
-
-@pytest.mark.parametrize(
-    ("curvature", "length"), [([], []), ([1.0], [0.0]), ([math.nan], [1.0]), ([5.0], [3.0])]
-)
-def test_useless_warm_start_does_no_harm(curvature: list[float], length: list[float]) -> None:
-    """An empty, broken or too tight path to start from is passed over or brought within bounds."""
-    scenario = scenario_at(4.0, 3.0)
-
-    _, found = ask(scenario, initial_guess=Path(scenario.start, curvature, length))
-
     assert found.verdict == Verdict.OPTIMAL
 
 
@@ -319,18 +256,6 @@ def test_compiled_qp_solves_what_cvxpy_solves(engine: str) -> None:
     tolerance = 1e-3 if engine == "osqp" else 1e-6  # what they are asked for, times the penalty
     assert ours.value == pytest.approx(value, abs=tolerance)
     assert ours.z == pytest.approx(qp.z.value, abs=30 * tolerance)
-
-
-@pytest.mark.parametrize(
-    "wrong",
-    [{"n": 1}, {"n": 2.5}, {"engine": "cplex"}, {"mesh": "fine"}, {"tolerance": 0}, {"max_qps": 0}],
-)
-def test_wrong_settings_are_refused_by_name(wrong: dict[str, object]) -> None:
-    """The message names the setting and the value."""
-    ((name, value),) = wrong.items()
-
-    with pytest.raises(ValueError, match=rf"{name} is '?{value}'?; expected"):
-        TurnRateQp(**wrong)  # type: ignore[arg-type]
 
 
 def end_point(heading, lengths):
