@@ -34,12 +34,68 @@ raise SystemExit(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))
 """
 
 
+ASK_ALL = """
+from dubins_study.solvers.protocol import Question
+from dubins_study.solvers.registry import load, registered
+from dubins_study.solvers.reply import ask
+from dubins_study.study.scenario import Scenario
+
+for name in registered():
+    if name != "analytic":
+        for branch in ("best", "LS"):
+            ask(load(name), Question(Scenario(target_x=0.2, target_y=0.7), branch), 10.0)
+"""
+
+
+def loaded_by(program: str) -> set[str]:
+    """Modules that a fresh interpreter holds after a program."""
+    shown = output(interpreted(f"{program}\nimport sys; print(*sys.modules)"))
+    return set(shown.splitlines()[-1].split())
+
+
+def test_the_registry_imports_no_backend():
+    """Names can be listed without loading one backend or its libraries."""
+    loaded = loaded_by("from dubins_study.solvers.registry import registered; assert registered()")
+
+    assert not loaded & {"casadi", "cvxpy", "pyomo", "scipy", "numba", "pandas"}
+    assert not {m for m in loaded if m.startswith("dubins_study.solvers.")} - {
+        "dubins_study.solvers.registry",
+        "dubins_study.solvers.protocol",
+    }
+
+
+def test_the_face_is_lazy():
+    """Importing the package imports nothing heavy; every public name is there when asked for."""
+    assert not loaded_by("import dubins_study.cli.app") & {"numpy", "pandas", "numba", "matplotlib"}
+    loaded_by("import dubins_study as d; [getattr(d, name) for name in d.__all__]")
+
+
+@pytest.mark.slow
+def test_a_run_without_streams_loads_no_numba(tmp_path):
+    """Rows are judged one at a time; the compiled kernels take half a second to load."""
+    program = f"run('paper', {str(tmp_path / 'out')!r}, solvers=['slsqp'])"
+
+    assert "numba" not in loaded_by(f"from dubins_study import run; {program}")
+
+
+def test_a_single_solve_compiles_nothing():
+    """Numba takes longer to load than a solve, its judgement and its certificate."""
+    program = "from dubins_study import Scenario, solve; solve(Scenario(0, 0, 0, 10, 5, 1))"
+
+    assert "numba" not in loaded_by(program)
+
+
+def test_no_solver_but_the_closed_form_loads_the_answer_or_the_check():
+    """Not even by an import that no source names, on a question without a path."""
+    answers = ("dubins_study.study.closed_form", "dubins_study.study.check")
+
+    assert [name for name in loaded_by(ASK_ALL) if name.startswith(answers)] == []
+
+
 def test_importing_the_solver_imports_no_engine():
-    code = (
-        "import sys, dubins_study.solvers.stochastic.penalty as p; p.Penalty().unavailable();"
-        "print([m for m in ('cma', 'scipy.optimize') if m in sys.modules])"
-    )
-    assert output(interpreted(code)).strip() == "[]"
+    program = "import dubins_study.solvers.stochastic.penalty as p; p.Penalty().unavailable()"
+
+    assert not loaded_by(program) & {"cma", "scipy.optimize"}
 
 
 @pytest.mark.slow
@@ -47,16 +103,15 @@ def test_importing_the_solver_imports_no_engine():
 def test_an_engine_loads_no_other_engines_package(name):
     """Of the packages of all engines, a question loads those of the engine that answers it."""
     packages = {package for entry in NLP_ENGINES for package in ENGINES[entry].packages}
-    code = (
-        "import sys;"
+    program = (
         "from dubins_study.solvers.registry import load;"
         "from dubins_study.solvers.protocol import Question;"
         "from dubins_study.study.scenario import Scenario;"
         f"solver = load('nlp[engine={name}]');"
-        "solver.solve(solver.build(Question(Scenario(0, 0, 0.3, 3, 2, 1), 'LS')), 5.0);"
-        "print(*sys.modules)"
+        "solver.solve(solver.build(Question(Scenario(0, 0, 0.3, 3, 2, 1), 'LS')), 5.0)"
     )
-    loaded = {module.partition(".")[0] for module in output(interpreted(code)).split()}
+
+    loaded = {module.partition(".")[0] for module in loaded_by(program)}
     assert loaded & packages == set(ENGINES[name].packages)
 
 
@@ -111,12 +166,3 @@ def test_files_tell_nothing_of_the_machine(model, format, order, tmp_path):
 def test_a_forked_child_can_go_on():
     """GNU OpenMP ends a child that starts threads after its parent did; ours does not start any."""
     assert subprocess.run([sys.executable, "-W", "ignore", "-c", FORK], check=False).returncode == 0
-
-
-def test_a_single_solve_compiles_nothing():
-    """Numba takes longer to load than a solve, its judgement and its certificate."""
-    code = (
-        "import sys; from dubins_study import Scenario, solve; "
-        "solve(Scenario(0, 0, 0, 10, 5, 1)); sys.exit('numba' in sys.modules)"
-    )
-    assert interpreted(code).returncode == 0

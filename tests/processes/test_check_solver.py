@@ -15,14 +15,18 @@ from dubins_study.conformance import CHECKS
 from dubins_study.solvers.registry import load
 
 
+@pytest.fixture(autouse=True)
+def _here(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+
+
 def called(*arguments):
     return CliRunner().invoke(app, [str(argument) for argument in arguments])
 
 
 @pytest.mark.slow
-def test_the_new_solver_passes_as_it_is(tmp_path, monkeypatch):
+def test_the_new_solver_passes_as_it_is():
     """Its longer paths in the discs are notes."""
-    monkeypatch.chdir(tmp_path)
     assert called("new", "solver", "my_solver.py").exit_code == 0
 
     checked = called("check-solver", "my_solver.py:MySolver", "--json")
@@ -48,8 +52,7 @@ def test_the_new_solver_passes_as_it_is(tmp_path, monkeypatch):
         ("nowhere/mine.py", "cannot write nowhere/mine.py: No such file"),
     ],
 )
-def test_files_that_no_solver_is_written_into(tmp_path, monkeypatch, name, message):
-    monkeypatch.chdir(tmp_path)
+def test_files_that_no_solver_is_written_into(tmp_path, name, message):
     ended = called("new", "solver", name)
 
     assert isinstance(ended.exception, CommandError)
@@ -58,9 +61,8 @@ def test_files_that_no_solver_is_written_into(tmp_path, monkeypatch, name, messa
 
 
 @pytest.mark.slow
-def test_from_a_new_file_to_a_page(tmp_path, monkeypatch):
+def test_from_a_new_file_to_a_page(tmp_path):
     """The way that CONTRIBUTING shows: written, asked, run beside another solver, reported."""
-    monkeypatch.chdir(tmp_path)
     mine = "my_solver.py:MySolver"
     commands = (
         ("new", "solver", "my_solver.py"),
@@ -88,9 +90,8 @@ BAD = {
 
 
 @pytest.mark.parametrize("spec", BAD)
-def test_solvers_that_there_are_not(tmp_path, monkeypatch, spec):
+def test_solvers_that_there_are_not(spec):
     """A bad request, exit code 2, and no finding about anybody's solver."""
-    monkeypatch.chdir(tmp_path)
     called("new", "solver", "my_solver.py")
     ended = called("check-solver", spec)
 
@@ -98,9 +99,8 @@ def test_solvers_that_there_are_not(tmp_path, monkeypatch, spec):
     assert re.search(BAD[spec], str(ended.exception)), ended.exception
 
 
-def test_a_file_that_does_not_load_is_a_finding_with_its_traceback(tmp_path, monkeypatch):
+def test_a_file_that_does_not_load_is_a_finding_with_its_traceback(tmp_path):
     """The author's own frames, and nothing else is asked."""
-    monkeypatch.chdir(tmp_path)
     (tmp_path / "mine.py").write_text("import dubins_study\n\nx = dubins_study.Nothing\n")
     ended = called("check-solver", "mine.py:Mine")
 
@@ -144,9 +144,8 @@ LOADING = {
 
 
 @pytest.mark.parametrize("wrong", LOADING)
-def test_what_a_solver_says_of_itself_is_explained(tmp_path, monkeypatch, wrong):
+def test_what_a_solver_says_of_itself_is_explained(tmp_path, wrong):
     """A mistake in a declaration has the advice for this mistake."""
-    monkeypatch.chdir(tmp_path)
     difference, status, words = LOADING[wrong]
     values = {"head": FROZEN, "method": METHOD, "setting": ""} | difference
     (tmp_path / "mine.py").write_text(SOLVER.format(**values))
@@ -159,9 +158,8 @@ def test_what_a_solver_says_of_itself_is_explained(tmp_path, monkeypatch, wrong)
     assert words in " ".join([check["summary"], *found]), check
 
 
-def test_a_setting_of_a_solver_that_cannot_be_made_is_refused(tmp_path, monkeypatch):
+def test_a_setting_of_a_solver_that_cannot_be_made_is_refused(tmp_path):
     """No traceback of this package: a spec with settings asks the class for its defaults."""
-    monkeypatch.chdir(tmp_path)
     text = SOLVER.format(head=FROZEN, method=METHOD, setting="n: int")
     (tmp_path / "mine.py").write_text(text)
 
@@ -169,20 +167,18 @@ def test_a_setting_of_a_solver_that_cannot_be_made_is_refused(tmp_path, monkeypa
         load("mine.py:Mine[n=3]")
 
 
-def test_a_module_beside_the_file_is_not_found_and_the_refusal_says_so(tmp_path, monkeypatch):
+def test_a_module_beside_the_file_is_not_found_and_the_refusal_says_so(tmp_path):
     """A file is loaded alone: what lies beside it by chance stands in for no package."""
     text = SOLVER.format(head="import beside\n" + FROZEN, method="beside.METHOD", setting="")
     (tmp_path / "mine.py").write_text(text)
     (tmp_path / "beside.py").write_text(f"METHOD = {METHOD}")
-    monkeypatch.chdir(tmp_path)
     shown = CliRunner().invoke(app, ["check-solver", "mine.py:Mine"])
 
     assert shown.exit_code == 1
     assert "does not find beside beside it: make them a package" in " ".join(shown.stdout.split())
 
 
-def test_a_file_that_exists_is_not_overwritten(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def test_a_file_that_exists_is_not_overwritten(tmp_path):
     (tmp_path / "mine.py").write_text("x = 1")
 
     assert "mine.py exists" in str(called("new", "solver", "mine.py").exception)

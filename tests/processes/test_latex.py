@@ -6,13 +6,14 @@ import os
 import re
 import shutil
 import subprocess
+from pathlib import Path
 
 import pytest
 
 from dubins_study import render
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import Claim
-from tests.unit.report.results_folder import attempt
+from tests.unit.report.results_folder import attempt, write_folder
 from tests.unit.report.test_tex import HOSTILE
 
 
@@ -25,11 +26,17 @@ def needed(program: str) -> str:
     return found
 
 
+def compiled(file: Path) -> str:
+    """The log of pdflatex, which must succeed."""
+    line = [needed("pdflatex"), "-interaction=nonstopmode", "-halt-on-error", file.name]
+    done = subprocess.run(line, cwd=file.parent, capture_output=True, check=False)
+    assert done.returncode == 0, done.stdout[-3000:].decode("latin-1")
+    return file.with_suffix(".log").read_text(encoding="latin-1")
+
+
 @pytest.fixture(scope="module")
 def hostile_report(tmp_path_factory):
     """A report with hostile labels, solvers, messages and titles, and figures."""
-    from tests.unit.report.results_folder import write_folder
-
     base = tmp_path_factory.mktemp("tex")
     spec = f"{HOSTILE}[{HOSTILE}]"
     rows = [
@@ -55,16 +62,8 @@ def hostile_report(tmp_path_factory):
 @pytest.mark.slow
 def test_pdflatex_compiles_the_report(hostile_report):
     """Twice, as the file says: no error, no missing letter, no line that sticks out."""
-    pdflatex = needed("pdflatex")
     for _ in range(2):
-        run = subprocess.run(
-            [pdflatex, "-interaction=nonstopmode", "-halt-on-error", "report.tex"],
-            cwd=hostile_report,
-            capture_output=True,
-            check=False,
-        )
-        assert run.returncode == 0, run.stdout[-3000:].decode("latin-1")
-    log = (hostile_report / "report.log").read_text(encoding="latin-1")
+        log = compiled(hostile_report / "report.tex")
     # pt; a hyphen or a comma in the margin is no harm, a column would be
     sticking_out = [float(pt) for pt in re.findall(r"Overfull \\hbox \(([\d.]+)pt", log)]
 
@@ -78,7 +77,6 @@ def test_pdflatex_compiles_the_report(hostile_report):
 @pytest.mark.slow
 def test_a_table_needs_only_the_packages_that_it_names(hostile_report, tmp_path):
     """Each stands in a document of its own settings, with the packages of its first line."""
-    pdflatex = needed("pdflatex")
     tables = sorted((hostile_report / "tables").glob("*.tex"))
     lines = [table.read_text(encoding="utf-8").partition("\n")[0] for table in tables]
     packages = {line.removeprefix("% Needs the packages ").rstrip(".") for line in lines}
@@ -88,10 +86,7 @@ def test_a_table_needs_only_the_packages_that_it_names(hostile_report, tmp_path)
         text = rf"\documentclass{{article}}\usepackage{{{chosen}}}\begin{{document}}" + "\n"
         file = tmp_path / f"alone-{place}.tex"
         file.write_text(f"{text}{inputs}\n\\end{{document}}\n", encoding="utf-8")
-        command = [pdflatex, "-interaction=nonstopmode", "-halt-on-error", file.name]
-        run = subprocess.run(command, cwd=tmp_path, capture_output=True, check=False)
-        assert run.returncode == 0, run.stdout[-2000:].decode("latin-1")
-        assert "Missing character" not in file.with_suffix(".log").read_text(encoding="latin-1")
+        assert "Missing character" not in compiled(file)
 
 
 @pytest.mark.slow
@@ -112,8 +107,6 @@ def test_no_font_of_a_figure_or_the_report_is_type_3(hostile_report):
 @pytest.mark.slow
 def test_a_compiled_report_is_replaced(hostile_report, tmp_path):
     """What pdflatex leaves beside report.tex does not keep the next report from its place."""
-    from tests.unit.report.results_folder import write_folder
-
     folder = write_folder(tmp_path / "run", "x", [attempt(Scenario(0, 0, 0, 5, 5, 1))])
     for name in ("report.aux", "report.log", "report.pdf"):
         (hostile_report / name).write_text("")

@@ -7,8 +7,8 @@ import os
 import signal
 import subprocess
 import sys
-import threading
 import time
+from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from pathlib import Path
 
@@ -132,16 +132,12 @@ def test_every_promise_is_kept(spec, limit, hard):
     [
         *("turn-rate-qp[n=2000]", "heading-milp[headings=1000]", "collocation[n=1000]"),
         *("multiple-shooting[n=100]", "turn-rates[n=200]", "collocation[engine=slsqp]"),
+        *("ipopt[via=executable]", "collocation[via=executable]"),
     ],
 )
-def test_large_settings_promise_nothing(spec):
-    """Compiling them takes longer than a second."""
+def test_large_settings_and_executables_promise_nothing(spec):
+    """Compiling a large model takes longer than a second."""
     assert not load(spec).keeps_limit
-
-
-@pytest.mark.parametrize("name", ["ipopt", "collocation"])
-def test_an_executable_promises_nothing(name):
-    assert not load(f"{name}[via=executable]").keeps_limit
 
 
 @pytest.mark.slow
@@ -214,19 +210,11 @@ def test_a_plugin_promises_for_itself_only():
     assert describe_solver(plugin("Promises")).keeps_limit
 
 
-@pytest.mark.parametrize(
-    ("name", "isolated", "here"),
-    [
-        ("Repeats", None, False),
-        ("Repeats", True, False),
-        ("Repeats", False, True),
-        ("Promises", None, True),
-        ("Promises", True, False),
-        ("Promises", False, True),
-    ],
-)
-def test_where_a_plugin_is_asked(name, isolated, here):
-    """And the initial guess comes along."""
+@pytest.mark.parametrize("isolated", [None, True, False])
+@pytest.mark.parametrize("name", ["Repeats", "Promises"])
+def test_where_a_plugin_is_asked(name, isolated):
+    """By default its promise decides; and the initial guess comes along."""
+    here = name == "Promises" if isolated is None else not isolated
     guess = solve(EASY).path
 
     answer = solve(EASY, plugin(name), initial_guess=guess, isolated=isolated)
@@ -281,19 +269,10 @@ def test_a_frame_in_a_worker_is_the_frame_asked_here():
 
 def test_from_threads():
     """Each has a worker of its own, and none waits for another."""
-    outcomes = []
-    threads = [
-        threading.Thread(
-            target=lambda: outcomes.append(solve(EASY, plugin("Spins"), limit=0.5).outcome)
-        )
-        for _ in range(3)
-    ]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join(60)
+    with ThreadPoolExecutor(3) as pool:
+        asked = [pool.submit(solve, EASY, plugin("Spins"), limit=0.5) for _ in range(3)]
 
-    assert outcomes == ["timeout"] * 3
+        assert [answer.result(60).outcome for answer in asked] == ["timeout"] * 3
 
 
 def _send(connection):

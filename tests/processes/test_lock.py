@@ -9,6 +9,7 @@ import stat
 import subprocess
 import sys
 
+import psutil
 import pytest
 from live_run import finished, manifest, parts, slow_experiment, started, wait_for
 
@@ -52,7 +53,7 @@ def test_a_killed_run_holds_nothing_even_while_its_workers_live(tmp_path):
     experiment, out = slow_experiment(tmp_path, nap=0.2, count=24), tmp_path / "out"
     with started("run", experiment, "--trust-plugins", "--out", out, "--jobs", "2") as first:
         wait_for(lambda: parts(out))
-        children = descendants(first.pid)
+        children = [child.pid for child in psutil.Process(first.pid).children(recursive=True)]
         assert children
         for child in children:  # they outlive the run: the system wakes them for nothing
             os.kill(child, signal.SIGSTOP)
@@ -75,15 +76,7 @@ def test_a_killed_run_holds_nothing_even_while_its_workers_live(tmp_path):
     assert [run.state for run in status(out).runs] == ["killed", "finished"]
 
 
-def descendants(pid):
-    import psutil
-
-    return [child.pid for child in psutil.Process(pid).children(recursive=True)]
-
-
 def alive(pid):
-    import psutil
-
     return psutil.pid_exists(pid) and psutil.Process(pid).status() != psutil.STATUS_ZOMBIE
 
 

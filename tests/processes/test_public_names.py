@@ -2,24 +2,15 @@
 
 from __future__ import annotations
 
+from live_run import quick_experiment
+
 from dubins_study import load_results, merge, render, run, status
 from dubins_study.study.rows.schema import ROW, names
-
-EXPERIMENT = """
-title = "mine"
-question = "how far?"
-solvers = ["analytic", "slsqp"]
-[[scenarios]]
-heading = "120deg"
-target_x = [1, 2]
-target_y = 3
-"""
 
 
 def test_a_small_study(tmp_path):
     """Run, ask for the state, read the judged rows, unite folders and write the page."""
-    file = tmp_path / "mine.toml"
-    file.write_text(EXPERIMENT)
+    file = quick_experiment(tmp_path, 2, 'analytic", "slsqp')
     folder = run(str(file), tmp_path / "out")
     other = run(str(file), tmp_path / "other", solvers=["analytic"])
 
