@@ -17,7 +17,7 @@ from dubins_study.report.data.results import Results
 from dubins_study.report.elements.axes import log_axis, mark_limit, power
 from dubins_study.report.elements.columns import SOLVER, columns, marks
 from dubins_study.report.elements.content import Picture, Section, Table
-from dubins_study.report.elements.formats import count, digits, share, some
+from dubins_study.report.elements.formats import count, digits, sentences, share, some
 from dubins_study.report.elements.looks import Palette
 from dubins_study.report.elements.style import MUTED, WIDE, Style, new_figure
 from dubins_study.report.elements.topic import Topic
@@ -28,6 +28,17 @@ from dubins_study.report.statistics.metrics import parse_spec, solver_order
 # Spreads of length / R up to this are rounding: of the scenario's numbers, of the sum of up to a
 # hundred pieces, and of the division. Gaps up to this count as zero.
 ROUNDING = 1e-13
+_FOOT, _TOP = 1e-17, 1e1  # gaps at which rounding and misses are drawn
+_MOST_LETTERS = 34  # of a solver's name in the figure
+
+COLUMNS = (
+    SOLVER,
+    *columns(count, scenarios="scenarios", invariant="of them invariant"),
+    *columns(share, success="right"),
+    *columns(digits(2), spread="largest spread of length / R"),
+    *columns(lambda same: "yes" if same else "no", kind="text", words="same word"),
+    *columns(digits(3), iterations="iterations, most / least"),
+)
 
 
 def spreads(rows: pd.DataFrame) -> pd.DataFrame:
@@ -63,42 +74,15 @@ def by_solver(table: pd.DataFrame) -> pd.DataFrame:
     low = table["iterations_low"]
     ratio = table["iterations_high"] / low.where(low > 0)
     measured = table.assign(words=~table["words"].str.contains("/"), iterations=ratio)
-    groups = measured.groupby("solver")
-    frame = pd.DataFrame({"scenarios": groups.size(), "invariant": groups["invariant"].sum()})
-    frame = frame.assign(success=groups["success"].mean(), spread=groups["spread"].max())
-    frame = frame.assign(words=groups["words"].all(), iterations=groups["iterations"].max())
+    frame = measured.groupby("solver").agg(
+        scenarios=("label", "size"),
+        invariant=("invariant", "sum"),
+        success=("success", "mean"),
+        spread=("spread", "max"),
+        words=("words", "all"),
+        iterations=("iterations", "max"),
+    )
     return metrics.by_solver(frame.reset_index())
-
-
-_MOST_LETTERS = 34  # of a solver's name in the figure
-
-
-def plot_scale(ax: Axes, rows: pd.DataFrame, palette: Palette, foot: float, top: float) -> None:
-    """Draw one scenario's gap over the radius, one line per solver.
-
-    Columns: solver, radius, gap (relative; NaN if the path does not arrive). Gaps within rounding
-    are drawn at `foot`, answers that do not arrive at `top`.
-    """
-    looks, names = palette.looks(rows["solver"]), palette.names(rows["solver"])
-    for place, solver in enumerate(solver_order(rows["solver"].tolist())):
-        group = rows[rows["solver"] == solver].sort_values("radius")
-        gap = group["gap"].where(group["gap"] > ROUNDING, foot).where(group["gap"].notna(), top)
-        # Many are exact: draw each solver a little higher than the last, so that all are visible.
-        gap = gap.where(gap > foot, foot * 10 ** (0.28 * place))
-        look = looks[solver]
-        style: Style = {"marker": look.marker, "markersize": 3}
-        ax.plot(group["radius"], gap, label=names[solver][:_MOST_LETTERS], **style, **look.lines)
-    mark_limit(ax, ROUNDING, "y")
-    ax.set(xscale="log", yscale="log", ylim=(foot / 3, top * 4))
-    log_axis(ax.xaxis)
-    ax.xaxis.set_major_locator(LogLocator(numticks=5))
-    ax.grid(True, axis="x")
-    ticks = 10.0 ** np.arange(round(np.log10(ROUNDING)), round(np.log10(top)) - 1, 3)
-    texts = [power(tick) for tick in ticks]
-    ax.set_yticks([foot * 10, *ticks, top], ["rounding", *texts, "misses"])
-
-
-_FOOT, _TOP = 1e-17, 1e1
 
 
 def scale_section(results: Results) -> Section | None:
@@ -108,10 +92,27 @@ def scale_section(results: Results) -> Section | None:
     rows = rows[posed & rows["radius"].notna()]
     if rows.empty:
         return None
-    table = by_solver(spreads(rows))
-    palette = Palette.of_page(results)
-    text = f"{_method(rows)} {' '.join(_findings(table, palette.names(table['solver'])))}"
-    blocks = (_picture(rows, _drawn(table), palette), _table(table))
+    table, palette = by_solver(spreads(rows)), Palette.of_page(results)
+    level = table["invariant"] == table["scenarios"]
+    # The solvers that depend on the unit have a curve, then others.
+    first = [*table[~level]["solver"], *table[level]["solver"]][:MOST_CURVES]
+    text = sentences(
+        "Nothing in the problem has a size: with start and target given in radii, the path in "
+        "radii is the same at every radius. Each scenario is solved at "
+        f"{count(rows['radius'].nunique())} radii from {power(rows['radius'].min())} to "
+        f"{power(rows['radius'].max())} length units.",
+        _findings(table[level], table[~level], palette.names(table["solver"])),
+    )
+    caption = (
+        "Over the radii of each scenario. Invariant: same verdict and word at every radius, and "
+        f"lengths in radii within {digits(1)(ROUNDING)}. Spread: greatest less least length in "
+        "radii, relative, over the answers that arrive."
+    )
+    varies = marks(pd.DataFrame({"invariant": ~level}), "invariant")
+    blocks = (
+        _picture(rows, solver_order(first), palette),
+        Table("scale", caption, table, COLUMNS, varies),
+    )
     lead = (
         "A level line is a solver that does not care about the unit of length; one that bends has "
         "a tolerance that does not grow with the radius."
@@ -119,55 +120,38 @@ def scale_section(results: Results) -> Section | None:
     return Section("scale", "From micrometres to megametres", text, blocks, lead)
 
 
-def _drawn(table: pd.DataFrame) -> list[str]:
-    """The solvers that have a curve: those that depend on the unit, then others."""
-    level = table["invariant"] == table["scenarios"]
-    first = [*table[~level]["solver"], *table[level]["solver"]][:MOST_CURVES]
-    return solver_order(first)
-
-
-def _method(rows: pd.DataFrame) -> str:
-    return (
-        "Nothing in the problem has a size: with start and target given in radii, the path in "
-        "radii is the same at every radius. Each scenario is solved at "
-        f"{count(rows['radius'].nunique())} radii from {power(rows['radius'].min())} to "
-        f"{power(rows['radius'].max())} length units."
-    )
-
-
-def _findings(table: pd.DataFrame, names: Mapping[str, str]) -> list[str]:
+def _findings(same: pd.DataFrame, other: pd.DataFrame, names: Mapping[str, str]) -> str:
     """Three sentences: invariant solvers, other solvers, and whether the work is invariant."""
-    same = table[table["invariant"] == table["scenarios"]]
-    first = f"{len(same)} of {len(table)} solvers and variants give the same path everywhere"
+    known = f", to {digits(2)(same['spread'].max())} of its length" if len(same) else ""
+    parts = [
+        f"{names[row['solver']]} (right in {share(row['success'])}"
+        + (f", lengths up to {digits(2)(row['spread'])} apart)" if row["spread"] >= 0 else ")")
+        for row in other.to_dict("records")
+    ]
+    units = [parse_spec(solver)[1].get("units") == "scenario" for solver in other["solver"]]
+    why = (
+        ": they are given the model in the scenario's own unit, as the paper poses it, and their "
+        "tolerances do not grow with it"
+    )
+    work = ""
     if len(same):
-        first += f", to {digits(2)(same['spread'].max())} of its length"
-    other = table[table["invariant"] < table["scenarios"]]
-    if len(other):
-        parts = [
-            f"{names[row['solver']]} (right in {share(row['success'])}"
-            + (f", lengths up to {digits(2)(row['spread'])} apart)" if row["spread"] >= 0 else ")")
-            for _, row in other.iterrows()
-        ]
-        second = f"Not so for {', '.join(parts)}"
-        units = other["solver"].map(lambda s: parse_spec(s)[1].get("units") == "scenario")
-        if units.all():
-            second += ": they are given the model in the scenario's own unit, as the paper poses "
-            second += "it, and their tolerances do not grow with it"
-        second += "."
-    else:
-        second = "None depends on the unit."
-    if same.empty:
-        return [f"{first}.", second]
-    equal = same[same["iterations"] == 1]["solver"]
-    moved = same[same["iterations"] > 1]
-    third = f"The number of iterations is the same too for {len(equal)} of them"
-    if len(moved):
-        worst = moved.iloc[moved["iterations"].to_numpy().argmax()]
-        third += (
-            f"; rounding alone changes it by up to a factor of {digits(2)(worst['iterations'])} "
-            f"({names[worst['solver']]})"
-        )
-    return [f"{first}.", second, f"{third}."]
+        equal = count((same["iterations"] == 1).sum())
+        work = f"The number of iterations is the same too for {equal} of them"
+        worst = same.sort_values("iterations", ascending=False, kind="stable").iloc[0]
+        if worst["iterations"] > 1:
+            work += (
+                "; rounding alone changes it by up to a factor of "
+                f"{digits(2)(worst['iterations'])} ({names[worst['solver']]})"
+            )
+        work += "."
+    return sentences(
+        f"{len(same)} of {len(same) + len(other)} solvers and variants give the same path "
+        f"everywhere{known}.",
+        f"Not so for {', '.join(parts)}{why if all(units) else ''}."
+        if parts
+        else "None depends on the unit.",
+        work,
+    )
 
 
 def _picture(rows: pd.DataFrame, solvers: list[str], palette: Palette) -> Picture:
@@ -177,39 +161,43 @@ def _picture(rows: pd.DataFrame, solvers: list[str], palette: Palette) -> Pictur
     panels = figure.subplots(1, len(labels), sharey=True, squeeze=False)[0]
     shown = rows[rows["solver"].isin(solvers)]
     for ax, label in zip(panels, labels, strict=True):
-        plot_scale(ax, shown[shown["label"] == label], palette, _FOOT, _TOP)
+        _draw_gaps(ax, shown[shown["label"] == label], palette)
         ax.set_title(label)
     panels[0].set_ylabel("gap to the shortest length (relative)")
     figure.supxlabel("turning radius R (length unit)", fontsize=8.5, color=MUTED)
     handles, _ = panels[-1].get_legend_handles_labels()
     figure.legend(handles=handles[::-1], loc="outside right center", fontsize=6.5)
     others = rows["solver"].nunique() - len(solvers)
-    caption = (
+    more = f"Level too, and left out: the lines of {some(others, 'more solver')}."
+    caption = sentences(
         "Gap against radius, one panel per scenario. The line of a scale-free solver is level. "
         "Below the dotted line are answers exact up to rounding, set apart so that each is seen; "
-        "at the top are those that do not arrive."
+        "at the top are those that do not arrive.",
+        more if others else "",
     )
-    if others:
-        caption += f" Level too, and left out: the lines of {some(others, 'more solver')}."
     return Picture("scale", caption, figure, "Gap against radius for each solver")
 
 
-def _table(table: pd.DataFrame) -> Table:
-    shown = (
-        SOLVER,
-        *columns(count, scenarios="scenarios", invariant="of them invariant"),
-        *columns(share, success="right"),
-        *columns(digits(2), spread="largest spread of length / R"),
-        *columns(lambda same: "yes" if same else "no", kind="text", words="same word"),
-        *columns(digits(3), iterations="iterations, most / least"),
-    )
-    caption = (
-        "Over the radii of each scenario. Invariant: same verdict and word at every radius, and "
-        f"lengths in radii within {digits(1)(ROUNDING)}. Spread: greatest less least length in "
-        "radii, relative, over the answers that arrive."
-    )
-    varies = pd.DataFrame({"invariant": table["invariant"] < table["scenarios"]})
-    return Table("scale", caption, table, shown, marks(varies, "invariant"))
+def _draw_gaps(ax: Axes, rows: pd.DataFrame, palette: Palette) -> None:
+    """Draw one scenario's gap over the radius, one line per solver.
+
+    Columns: solver, radius, gap (relative; NaN if the path does not arrive).
+    """
+    looks, names = palette.looks(rows["solver"]), palette.names(rows["solver"])
+    for place, (solver, look) in enumerate(looks.items()):
+        group = rows[rows["solver"] == solver].sort_values("radius")
+        # Many are exact: draw each solver a little higher than the last, so that all are visible.
+        foot = _FOOT * 10 ** (0.28 * place)
+        gap = group["gap"].where(group["gap"] > ROUNDING, foot).where(group["gap"].notna(), _TOP)
+        style: Style = {"marker": look.marker, "markersize": 3, **look.lines}
+        ax.plot(group["radius"], gap, label=names[solver][:_MOST_LETTERS], **style)
+    mark_limit(ax, ROUNDING, "y")
+    ax.set(xscale="log", yscale="log", ylim=(_FOOT / 3, _TOP * 4))
+    log_axis(ax.xaxis)
+    ax.xaxis.set_major_locator(LogLocator(numticks=5))
+    ax.grid(True, axis="x")
+    ticks = 10.0 ** np.arange(round(np.log10(ROUNDING)), round(np.log10(_TOP)) - 1, 3)
+    ax.set_yticks([_FOOT * 10, *ticks, _TOP], ["rounding", *map(power, ticks), "misses"])
 
 
 TOPIC = Topic("scale invariance", scale_section, "scale")
