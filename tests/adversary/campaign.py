@@ -19,12 +19,11 @@ from flint import ctx
 
 from dubins_study.study.path import drivable
 from dubins_study.study.scenario import Scenario
-from tests.adversary import answers, checks, frames, self_checks
-from tests.adversary.generators import case
+from tests.adversary import answers, checks, frames
+from tests.adversary.generators import Answer, case, wrong_answer
 from tests.adversary.oracle import bits, end
 from tests.adversary.table import Table
 from tests.adversary.truth import Truth
-from tests.adversary.wrong import Answer, wrong_answer
 
 BLOCK = 500  # cases; what a frame holds, and what a worker does before it reports
 _SHOWN = 10  # counterexamples of a check, after which the next are only counted
@@ -62,7 +61,7 @@ def _one(
         checks.bounds(table, scenario, truth)
         if self_checked:
             checks.dense(table, scenario, truth, rng)
-            self_checks.oracle(table, scenario, truth, rng)
+            checks.oracle(table, scenario, truth, rng)
     return sampled
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -14,7 +14,7 @@ from dubins_study.study.check.certificate import certify
 from dubins_study.study.check.certificate_frame import PROOFS, FrameCertificate, certify_frame
 from dubins_study.study.check.two_arcs import PATH_WORDS
 from dubins_study.study.check.verdict import judge
-from dubins_study.study.check.verdict_frame import FrameJudgement, judge_frame
+from dubins_study.study.check.verdict_frame import NO_WORD, FrameJudgement, judge_frame
 from dubins_study.study.check.verdict_kernel import REGIONS, VERDICTS
 from dubins_study.study.closed_form.kernel import shortest_rows
 from dubins_study.study.closed_form.shortest import shortest_path
@@ -23,8 +23,8 @@ from dubins_study.study.rows.schema import Certificate, Judgement
 from dubins_study.study.scenario import NUMBERS, Scenario
 from dubins_study.study.words import BRANCHES, Proof, Verdict
 from tests.adversary.checks import ulp
+from tests.adversary.generators import Answer
 from tests.adversary.table import Table, paste, paste_path
-from tests.adversary.wrong import Answer
 from tests.cases import scenario_frame
 
 Cases = Sequence[tuple[str, Scenario]]
@@ -82,7 +82,7 @@ def judgements(table: Table, cases: Cases, sampled: Sequence[Hulls]) -> None:
                 off = max(found[0] - low, high - found[1], 0.0) / ulp(high, scenario.radius)
                 text = f"{line}  # frame {found}, truth {low!r} {high!r}"
                 table.note("frame interval holds truth", off, text)
-            _same(table, _row(judged, certified, row), (verdict, proof), scenario, line)
+            _same(table, (judged, certified), row, (verdict, proof), scenario, line)
 
 
 def _claim(table: Table, judged: Judgement, certificate: Certificate, line: str) -> None:
@@ -116,65 +116,48 @@ def wrong_answers(table: Table, answers: Sequence[Judged]) -> None:
             scenario = one.answer.scenario
             line = paste_path(scenario, branch, one.answer.path)
             both = one.judgement, one.certificate
-            _same(table, _row(judged, certified, row), both, scenario, line)
-
-
-class _Row(NamedTuple):
-    """What a frame says of one row, named as the scalar check names it."""
-
-    names: dict[str, Any]
-    gap: float
-    low: float
-    high: float
-    measured: dict[str, float]
-
-
-def _row(judged: FrameJudgement, certified: FrameCertificate, row: int) -> _Row:
-    word = int(judged.word[row])
-    names = {
-        "verdict": VERDICTS[judged.verdict[row]],
-        "region": REGIONS[judged.region[row]],
-        "word": None if word == 255 else PATH_WORDS[word],
-        "wrong_basin": bool(judged.wrong_basin[row]),
-        "proof": PROOFS[certified.proof[row]],
-        "false_bound": bool(certified.false_bound[row]),
-    }
-    low, high = float(certified.reference_low[row]), float(certified.reference_high[row])
-    columns = {name: float(column[row]) for name, column in certified.columns().items()}
-    return _Row(names, float(judged.gap[row]), low, high, columns)
+            _same(table, (judged, certified), row, both, scenario, line)
 
 
 def _same(
     table: Table,
-    row: _Row,
+    frame: tuple[FrameJudgement, FrameCertificate],
+    row: int,
     scalar: tuple[Judgement, Certificate],
     scenario: Scenario,
     line: str,
 ) -> None:
-    judged, certificate = scalar
-    each = {name: getattr(judged, name, getattr(certificate, name, None)) for name in row.names}
-    differ = {
-        name: (row.names[name], value) for name, value in each.items() if row.names[name] != value
+    """What a frame says of one row beside what the scalar check says."""
+    (rows, certified), (judged, certificate) = frame, scalar
+    word = int(rows.word[row])
+    names = {
+        "verdict": (VERDICTS[rows.verdict[row]], judged.verdict),
+        "region": (REGIONS[rows.region[row]], judged.region),
+        "word": (None if word == NO_WORD else PATH_WORDS[word], judged.word),
+        "wrong_basin": (bool(rows.wrong_basin[row]), judged.wrong_basin),
+        "proof": (PROOFS[certified.proof[row]], certificate.proof),
+        "false_bound": (bool(certified.false_bound[row]), certificate.false_bound),
     }
-    text = ", ".join(f"{name}: frame {a}, scalar {b}" for name, (a, b) in differ.items())
-    table.note("frame judgement", bool(differ), f"{line}  # {text}")
+    differ = [f"{name}: frame {a}, scalar {b}" for name, (a, b) in names.items() if a != b]
+    table.note("frame judgement", bool(differ), f"{line}  # {', '.join(differ)}")
+    measured = certified.columns()
     for name in ("pmp_residual", "cut_margin"):
         missing = getattr(certificate, name) is None
-        table.note(
-            "frame judgement", missing != math.isnan(row.measured[name]), f"{line}  # {name}"
-        )
+        wrong = missing != math.isnan(measured[name][row])
+        table.note("frame judgement", wrong, f"{line}  # {name}")
     if judged.gap is not None and judged.reference is not None and judged.length is not None:
         # an ulp of the reference counts for as much as the answer is longer
         reference = max(judged.reference, scenario.radius)
         scale = reference / ulp(judged.length, scenario.radius)
         scale /= max(1.0, judged.length / reference)
-        apart = math.inf if math.isnan(row.gap) else abs(row.gap - judged.gap) * scale
-        table.note("frame gap", apart, f"{line}  # gap {row.gap} {judged.gap}")
+        gap = float(rows.gap[row])
+        apart = math.inf if math.isnan(gap) else abs(gap - judged.gap) * scale
+        table.note("frame gap", apart, f"{line}  # gap {gap} {judged.gap}")
     low, high = certificate.reference_low, certificate.reference_high
-    text = f"{line}  # frame {row.low!r} {row.high!r}, balls {low!r} {high!r}"
-    missing = (low is None) != math.isnan(row.low) or (high is None) != math.isnan(row.high)
+    least, most = float(certified.reference_low[row]), float(certified.reference_high[row])
+    text = f"{line}  # frame {least!r} {most!r}, balls {low!r} {high!r}"
+    missing = (low is None) != math.isnan(least) or (high is None) != math.isnan(most)
     table.note("frame interval", missing, text)
     if low is not None and high is not None and not missing:
-        wider = row.high - row.low - 64 * (high - low)
-        wider /= max(high, scenario.radius)
+        wider = (most - least - 64 * (high - low)) / max(high, scenario.radius)
         table.note("frame interval width", 1e12 * wider, text)
