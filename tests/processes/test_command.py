@@ -14,7 +14,7 @@ from live_run import finished, output, quick_experiment
 
 from dubins_study import load_results
 from dubins_study.solvers.export import export
-from dubins_study.study.scenario import COLUMNS, Scenario
+from dubins_study.study.scenario import Scenario
 from tests.fuzz.watched import command
 
 
@@ -62,14 +62,6 @@ def test_a_branch_without_a_path():
     assert answer["verdict"] == "none exists"
     assert answer["length"] is None
     assert answer["segments"] == []
-
-
-@pytest.mark.slow
-def test_plot(tmp_path):
-    for suffix in ("svg", "pdf", "png"):
-        file = tmp_path / f"path.{suffix}"
-        output(finished(*PROBLEM_1, "--plot", str(file)))
-        assert file.stat().st_size > 1000
 
 
 def test_solvers():
@@ -280,29 +272,6 @@ def test_a_solver_that_was_not_asked_gives_no_answer(plugin):
     assert done.returncode == 2
     assert json.loads(done.stdout)["outcome"] == "unavailable"
     assert "is unavailable: no licence" in done.stderr
-
-
-def test_the_public_surface_from_python():
-    """The public names as a newcomer would type them."""
-    import pandas as pd
-
-    from dubins_study import Path, Scenario, available_solvers, solve, solve_frame
-
-    scenario = Scenario(x=0, y=0, heading=2.0944, target_x=10, target_y=5, radius=1)
-    answer = solve(scenario, solver="ipopt", branch="best")
-    assert (answer.word, answer.claim, answer.verdict) == ("RS", "local", "optimal")
-    assert answer.length == answer.travel_time == pytest.approx(11.8681, abs=1e-4)
-    assert answer.miss < 1e-6
-    assert isinstance(answer.path, Path)
-    assert "analytic" in available_solvers()
-    frame = pd.DataFrame(
-        [(0, 0, 2.0944, 10, 5, 1, 1.0, "a")] * 2, columns=list(COLUMNS), index=["p", "q"]
-    )
-    rows = solve_frame(frame, solver="analytic", branch="best")
-    assert list(rows.index) == ["p", "q"]
-    assert rows["length"].tolist() == pytest.approx([answer.length] * 2)
-    assert not math.isnan(rows["gap"].iloc[0])
-    assert list(solve_frame(frame, solver="slsqp").columns) == list(rows.columns)
 
 
 def test_export_takes_no_word_that_it_does_not_know():

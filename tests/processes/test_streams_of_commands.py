@@ -11,7 +11,7 @@ import subprocess
 import time
 
 import pytest
-from live_run import command, finished, interpreted, quick_experiment, wait_for
+from live_run import TELLS_AND_NAPS, command, finished, interpreted, quick_experiment, wait_for
 
 
 def in_a_terminal(*arguments, cwd, columns, **environment):
@@ -100,30 +100,19 @@ def test_a_quiet_run_in_a_terminal(mine):
     assert written.startswith("results/quick: 40 of 40 cells done")
 
 
-SLOW = """
-import time
-from dubins_study import Claim, Solution, Solver
-class Slow(Solver):
-    name = "slow"
-    def solve(self, question, limit):
-        open("asked", "w").close()
-        time.sleep(60)
-        return Solution(Claim.FAILED)
-"""
-
-
 def test_ctrl_c_ends_with_130(tmp_path):
     """At once, without a traceback and without an answer."""
-    (tmp_path / "slow.py").write_text(SLOW)
+    (tmp_path / "slow.py").write_text(TELLS_AND_NAPS)
     process = subprocess.Popen(
         command("solve", 1, 2, "--solver", f"{tmp_path}/slow.py:Slow"),
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
         cwd=tmp_path,
+        env=os.environ | {"NAP": "60"},
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
     )
-    wait_for(lambda: process.poll() is not None or any(tmp_path.rglob("asked")))
+    wait_for(lambda: process.poll() is not None or (tmp_path / "asked").exists())
     process.send_signal(signal.SIGINT)
     out, errors = process.communicate(timeout=60)
 

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
 
-from dubins_study import run
+from dubins_study import render, run
 from dubins_study.experiments.definition.experiment import read
 from dubins_study.report.data.results import load
 from dubins_study.report.topics.basins import (
@@ -223,3 +225,15 @@ def test_solvers_have_no_scale_unless_they_are_given_one(tmp_path):
     assert (table[posed]["invariant"] < 3).all()
     # rounding alone changes how many iterations are taken; twofold has been seen
     assert (table[~posed]["iterations"].fillna(1) < 3).all()
+
+
+@pytest.mark.slow
+def test_a_copied_study_keeps_its_section(tmp_path):
+    """The TOML file's `section` reaches the page through the manifest, whatever the file's name."""
+    text = read("basins").text.replace(", 25]", ", 2]")
+    solvers = '["slsqp[model=joint,order=LRS,initial_guess=given,maxiter=200]"]'
+    asked(re.sub(r"(?ms)^solvers = \[.*?^\]", f"solvers = {solvers}", text), tmp_path)
+
+    page = render([tmp_path / "out"], tmp_path / "report")
+
+    assert re.search('<section id="basins"[ >]', page.read_text(encoding="utf-8"))
