@@ -3,21 +3,19 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
-from matplotlib.cm import ScalarMappable
 from matplotlib.patches import Arc, Circle
 from numpy.typing import NDArray
 
 from dubins_study.report.data.attempts import EXACT
 from dubins_study.report.data.results import Results
-from dubins_study.report.elements.content import Picture, Section, picture
+from dubins_study.report.elements.content import Section, picture
 from dubins_study.report.elements.formats import count
 from dubins_study.report.elements.looks import Palette
-from dubins_study.report.elements.plots import draw_cells
+from dubins_study.report.elements.plots import Mark, draw_cells
 from dubins_study.report.elements.style import (
     BLUE,
     INK,
@@ -27,14 +25,30 @@ from dubins_study.report.elements.style import (
     ORANGE,
     RULE,
     VERMILION,
+    Style,
 )
 from dubins_study.report.elements.topic import General, Topic
 from dubins_study.report.statistics.metrics import solver_order, success
-from dubins_study.study.path import Paths
+from dubins_study.study.path import FloatArray, Paths
 from dubins_study.study.scenario import check_frame
 
 _DENSE = 200  # places along each axis; with an even number none lies on a symmetric grid's axis
 _FEWEST_LINES = 5  # grid lines along x and along y; fewer do not give a map
+# A light and a dark shade of two hues: the shades differ in grey print too.
+WORDS = (
+    Mark("LS", colour="#cfe3f1"),
+    Mark("RS", colour="#fbe6c8"),
+    Mark("RL", colour="#5d9cc6", hatch="////"),
+    Mark("LR", colour="#d69a3c", hatch="\\\\\\\\"),
+)
+OTHER_COLOUR = "#8a8f96"
+# Verdicts of wrong answers.
+WRONG = (
+    Mark("longer", colour=ORANGE, marker="^", filled=False),
+    Mark("misses", colour=VERMILION, marker="x"),
+    Mark("none", colour=BLUE, marker="s", filled=False),
+)
+_DISCS = ("left disc", "right disc")
 
 
 def exact_answers(rows: pd.DataFrame) -> pd.DataFrame:
@@ -46,12 +60,13 @@ def exact_answers(rows: pd.DataFrame) -> pd.DataFrame:
     sides = [np.unique(exact[name].to_numpy(np.float64)) for name in ("target_x", "target_y")]
     if min(side.size for side in sides) < _FEWEST_LINES:
         return exact.iloc[:0]
+    dense = [np.linspace(side[0], side[-1], _DENSE) for side in sides]
     # these load numba
     from dubins_study.study.check.verdict_frame import judge_frame
     from dubins_study.study.check.verdict_kernel import REGIONS
     from dubins_study.study.closed_form.kernel import WORDS, curvatures, shortest_rows
 
-    x, y = (each.ravel() for each in np.meshgrid(*map(_dense, sides)))
+    x, y = (each.ravel() for each in np.meshgrid(*dense))
     first = {name: float(exact[name].iloc[0]) for name in ("x", "y", "heading", "radius")}
     frame = check_frame(pd.DataFrame({**first, "target_x": x, "target_y": y}))
     columns = ("x", "y", "heading", "target_x", "target_y", "radius")
@@ -67,58 +82,11 @@ def exact_answers(rows: pd.DataFrame) -> pd.DataFrame:
     )
 
 
-def _dense(side: NDArray[np.float64]) -> NDArray[np.float64]:
-    return np.linspace(side[0], side[-1], _DENSE)
-
-
-def grid_of(rows: pd.DataFrame, column: str) -> tuple[NDArray[np.float64], ...]:
+def _grid(rows: pd.DataFrame, column: str) -> tuple[FloatArray, FloatArray, FloatArray]:
     """x of shape (n,), y of shape (m,) and the column's values of shape (m, n); NaN where none."""
     table = rows.pivot_table(index="target_y", columns="target_x", values=column, aggfunc="first")
-    x = table.columns.to_numpy(dtype=np.float64)
-    y = table.index.to_numpy(dtype=np.float64)
+    x, y = table.columns.to_numpy(dtype=np.float64), table.index.to_numpy(dtype=np.float64)
     return x, y, table.to_numpy(dtype=np.float64)
-
-
-def along_circle(rows: pd.DataFrame) -> pd.DataFrame:
-    """Targets within one grid step of a turning circle, with their position along the circle.
-
-    Columns: angle (arc angle from the start, deg), side (`inside`, `outside`), length.
-    """
-    xs = np.sort(rows["target_x"].unique())
-    near = rows[rows["margin"] <= np.diff(xs).min()]
-    angle = np.arctan2(near["target_x"], 1 - near["target_y"].abs())
-    disc = near["region"].isin(["left disc", "right disc"])
-    return pd.DataFrame(
-        {
-            "angle": np.degrees(angle) % 360,
-            "side": np.where(disc, "inside", "outside"),
-            "length": near["length"],
-        }
-    ).sort_values("angle")
-
-
-# A light and a dark shade of two hues: the shades differ in grey print too.
-WORD_COLOURS = {"LS": "#cfe3f1", "RS": "#fbe6c8", "RL": "#5d9cc6", "LR": "#d69a3c"}
-OTHER_COLOUR = "#8a8f96"
-_HATCHES = {"LS": "", "RS": "", "RL": "////", "LR": "\\\\\\\\"}
-
-
-def label_region(
-    ax: Axes, x: NDArray[np.float64], y: NDArray[np.float64], inside: NDArray[np.bool_], text: str
-) -> None:
-    """Write a word where its region is widest; nothing if the region is empty.
-
-    Args:
-        ax: where to draw.
-        x, y: coordinates of the grid, shapes (n,) and (m,).
-        inside: whether each cell belongs to the region, shape (m, n).
-        text: the word.
-    """
-    if not inside.any():
-        return
-    row, column = _deepest(inside)
-    box = {"facecolor": MAP_PAPER, "edgecolor": "none", "pad": 1.5, "alpha": 0.85}
-    ax.text(x[column], y[row], text, ha="center", va="center", bbox=box, color=ON_MAP)
 
 
 def _deepest(inside: NDArray[np.bool_]) -> tuple[int, int]:
@@ -132,14 +100,12 @@ def _deepest(inside: NDArray[np.bool_]) -> tuple[int, int]:
     return int(row), int(column)
 
 
-def draw_circles(
-    ax: Axes, x: NDArray[np.float64], y: NDArray[np.float64], ink: str = ON_MAP
-) -> None:
+def _draw_circles(ax: Axes, x: FloatArray, y: FloatArray, ink: str = ON_MAP) -> None:
     """Draw the turning circles and the start; the half where the length jumps has a heavy line."""
     for side in (1, -1):
         ax.add_patch(Circle((0, side), 1, fill=False, edgecolor=ink, linewidth=0.6))
         ax.add_patch(Arc((0, side), 2, 2, theta1=-90, theta2=90, color=ink, linewidth=1.8))
-    head = {"arrowstyle": "-|>", "color": ink, "linewidth": 1.0, "shrinkA": 0, "shrinkB": 0}
+    head: Style = {"arrowstyle": "-|>", "color": ink, "linewidth": 1.0, "shrinkA": 0, "shrinkB": 0}
     ax.annotate("", xy=(0.75, 0), xytext=(0, 0), arrowprops=head)
     ax.plot(0, 0, marker="o", color=ink, markersize=3)
     ax.set(xlim=(x[0], x[-1]), ylim=(y[0], y[-1]), xlabel="target x / R", ylabel="target y / R")
@@ -147,75 +113,72 @@ def draw_circles(
     ax.grid(False)
 
 
-def add_colour_bar(ax: Axes, image: ScalarMappable, label: str) -> None:
-    """Draw the scale of a map's colours below the map."""
-    figure = ax.figure
-    assert figure is not None
-    bar = figure.colorbar(image, ax=ax, location="bottom", shrink=0.7, pad=0.02, aspect=28)
-    bar.outline.set_visible(False)
-    bar.set_label(label)
-
-
 def plot_words(ax: Axes, rows: pd.DataFrame) -> None:
-    """Draw the shortest word of each target. Columns: target_x, target_y, word (on a grid)."""
-    codes = {word: float(i) for i, word in enumerate(WORD_COLOURS)}
-    other = float(len(WORD_COLOURS))
-    known = rows.assign(code=rows["word"].map(lambda word: codes.get(word, other)))
-    x, y, code = grid_of(known, "code")
-    draw_cells(ax, code, x, y, [*WORD_COLOURS.values(), OTHER_COLOUR])
-    for word, value in codes.items():
-        inside = code == value
-        if inside.any() and _HATCHES[word]:
-            style: dict[str, Any] = {"colors": "none", "hatches": [_HATCHES[word]]}
+    """Draw the shortest word of each target, and write it where its region is widest.
+
+    Columns: target_x, target_y, word (on a grid).
+    """
+    codes = {mark.key: float(i) for i, mark in enumerate(WORDS)}
+    x, y, code = _grid(rows.assign(code=rows["word"].map(codes).fillna(len(WORDS))), "code")
+    draw_cells(ax, code, x, y, [*(mark.colour for mark in WORDS), OTHER_COLOUR])
+    for mark in WORDS:
+        inside = code == codes[mark.key]
+        if not inside.any():
+            continue
+        if mark.hatch:
+            style: Style = {"colors": "none", "hatches": [mark.hatch]}
             hatch = ax.contourf(x, y, inside.astype(float), levels=[0.5, 1.5], **style)
             hatch.set_edgecolor("#ffffff80")
             hatch.set_linewidth(0)
-        label_region(ax, x, y, inside, word)
-    draw_circles(ax, x, y)
+        row, column = _deepest(inside)
+        box: Style = {"facecolor": MAP_PAPER, "edgecolor": "none", "pad": 1.5, "alpha": 0.85}
+        centred: Style = {"ha": "center", "va": "center"}
+        ax.text(x[column], y[row], mark.key, bbox=box, color=ON_MAP, **centred)
+    _draw_circles(ax, x, y)
 
 
 def plot_lengths(ax: Axes, rows: pd.DataFrame) -> None:
-    """The shortest length, with contours that break where it jumps.
+    """Draw the shortest length, with contours that break where it jumps.
 
-    Columns: target_x, target_y, length, region (on a grid), radius.
+    Columns: target_x, target_y, length, region (on a grid).
     """
-    x, y, length = grid_of(rows, "length")
-    inside = rows.assign(inside=rows["region"].isin(["left disc", "right disc"]).astype(float))
-    _, _, disc = grid_of(inside, "inside")
+    x, y, length = _grid(rows, "length")
+    disc = _grid(rows.assign(disc=rows["region"].isin(_DISCS).astype(float)), "disc")[2] > 0.5
     image = draw_cells(ax, length, x, y, "cividis")
     levels = np.arange(math.floor(np.nanmin(length)), math.ceil(np.nanmax(length)) + 1)
-    for part in (disc > 0.5, disc <= 0.5):  # separately, since a contour must not cross the jump
+    for part in (disc, ~disc):  # separately, since a contour must not cross the jump
         values = np.where(part, length, np.nan)
         if np.isfinite(values).sum() > 4:
             lines = ax.contour(x, y, values, levels=levels, colors="white", linewidths=0.6)
             ax.clabel(lines, levels[::2], fmt=lambda v: f"{v:g}", fontsize=7, inline_spacing=2)
-    draw_circles(ax, x, y)
-    add_colour_bar(ax, image, "shortest length / R")
+    _draw_circles(ax, x, y)
+    figure = ax.figure
+    assert figure is not None
+    bar = figure.colorbar(image, ax=ax, location="bottom", shrink=0.7, pad=0.02, aspect=28)
+    bar.outline.set_visible(False)
+    bar.set_label("shortest length / R")
 
 
-def plot_jump(ax: Axes, table: pd.DataFrame) -> None:
-    """Length on both sides of a turning circle. Columns of `along_circle`."""
-    sides = {"inside": (VERMILION, "x", 6), "outside": (BLUE, ".", -12)}
-    for side, (colour, marker, lift) in sides.items():
-        group = table[table["side"] == side]
+def plot_jump(ax: Axes, rows: pd.DataFrame) -> None:
+    """Draw the lengths of the targets within one grid step of a turning circle, by their place.
+
+    Columns: target_x, target_y (on a grid), margin, region, length.
+    """
+    near = rows[rows["margin"] <= np.diff(np.sort(rows["target_x"].unique())).min()]
+    angle = np.degrees(np.arctan2(near["target_x"], 1 - near["target_y"].abs())) % 360
+    near, disc = near.assign(angle=angle), near["region"].isin(_DISCS)
+    sides = (("inside", disc, VERMILION, "x", 6), ("outside", ~disc, BLUE, ".", -12))
+    for side, chosen, colour, marker, lift in sides:
+        group = near[chosen].sort_values("angle")
         ax.plot(group["angle"], group["length"], marker, color=colour, markersize=2.5)
-        at = group.iloc[(group["angle"] - 110).abs().argmin()] if len(group) else None
-        if at is not None:
-            text: dict[str, Any] = {"textcoords": "offset points", "ha": "left"}
-            point = (at["angle"], at["length"])
-            ax.annotate(f"just {side}", point, xytext=(0, lift), color=colour, **text)
+        if len(group):
+            at = group.iloc[(group["angle"] - 110).abs().argmin()]
+            text: Style = {"textcoords": "offset points", "ha": "left", "color": colour}
+            ax.annotate(f"just {side}", (at["angle"], at["length"]), xytext=(0, lift), **text)
     ax.axvspan(0, 180, color=RULE, alpha=0.35, linewidth=0)
     ax.text(90, 0.02, "front half", transform=ax.get_xaxis_transform(), ha="center", color=MUTED)
     ax.set(xlim=(0, 360), ylim=(0, 7.4), xlabel="arc angle to the point of the circle (deg)")
-    ax.set(ylabel="shortest length / R")
-    ax.set_xticks([0, 90, 180, 270, 360])
-
-
-_WRONG: dict[str, dict[str, Any]] = {
-    "longer": {"marker": "^", "color": ORANGE},
-    "misses": {"marker": "x", "color": VERMILION},
-    "none": {"marker": "s", "color": BLUE, "markersize": 3.0},
-}
+    ax.set(ylabel="shortest length / R", xticks=[0, 90, 180, 270, 360])
 
 
 def plot_failures(ax: Axes, rows: pd.DataFrame) -> None:
@@ -225,28 +188,60 @@ def plot_failures(ax: Axes, rows: pd.DataFrame) -> None:
     """
     right = rows[success(rows)]
     ax.plot(right["target_x"], right["target_y"], ".", color=MUTED, markersize=1.5, label="right")
-    for verdict, look in _WRONG.items():
-        group = rows[rows["verdict"] == verdict]
+    for mark in WRONG:
+        group = rows[rows["verdict"] == mark.key]
         if len(group):
-            mark: dict[str, Any] = {"linestyle": "none", "markersize": 4.0, **look}
-            text = f"{verdict} ({len(group)})"
-            mark |= {"markerfacecolor": "none", "label": text}
-            ax.plot(group["target_x"], group["target_y"], **mark)
-    x, y = np.sort(rows["target_x"].unique()), np.sort(rows["target_y"].unique())
-    draw_circles(ax, x.astype(np.float64), y.astype(np.float64), INK)
+            dots = mark.dots() | {"markersize": 4.0, "label": f"{mark.key} ({len(group)})"}
+            ax.plot(group["target_x"], group["target_y"], **dots)
+    x, y = (np.sort(rows[name].unique()).astype(np.float64) for name in ("target_x", "target_y"))
+    _draw_circles(ax, x, y, INK)
+
+
+# Of the closed form's answers: name, plot, height (inches), text for who cannot see it, caption.
+PICTURES = (
+    (
+        *("plane-words", plot_words, 3.5, "Map of shortest words"),
+        "Shortest word by target. Hatched: inside a turning circle, where the first turn is away "
+        "from the target. On the axis ahead the path is straight. Lengths in R.",
+    ),
+    (
+        *("plane-lengths", plot_lengths, 4.1, "Map of shortest lengths"),
+        "Shortest length by target, a contour every R. The two discs stand out because the "
+        "length jumps across the front half of their circles; across the rear half it is smooth.",
+    ),
+    (
+        *("plane-jump", plot_jump, 3.5, "Length on both sides of a turning circle"),
+        "The same lengths for the targets within one grid step of a turning circle, by their "
+        "place on it. On the front half a target just inside costs up to 2π R more than one just "
+        "outside; on the rear half the two sides meet.",
+    ),
+)
 
 
 def plane_section(results: Results) -> Section | None:
     """Maps of words and lengths, and where the solvers on a coarse grid go wrong."""
     rows = results.rows[results.rows["branch"] == "best"]
     exact = exact_answers(rows)
-    pictures: list[Picture] = []
-    if len(exact):
-        pictures += [_words(exact), _lengths(exact), _jump(exact)]
+    pictures = [
+        picture(stem, plot, exact, caption=caption, alt=alt, height=height)
+        for stem, plot, height, alt, caption in (PICTURES if len(exact) else ())
+    ]
     coarse = rows[rows["solver"] != EXACT]
     names = Palette.of_page(results).names(coarse["solver"])
     for number, solver in enumerate(solver_order(coarse["solver"].tolist()), start=1):
-        pictures.append(_failures(number, names[solver], coarse[coarse["solver"] == solver]))
+        targets = coarse[coarse["solver"] == solver].drop_duplicates(["target_x", "target_y"])
+        right = f"{count(success(targets).sum())} of {count(len(targets))} targets right"
+        pictures.append(
+            picture(
+                f"plane-solver-{number}",
+                plot_failures,
+                targets,
+                caption=f"{names[solver]}: {right}; lengths in R.",
+                alt=f"Targets {names[solver]} gets wrong",
+                height=3.9,
+                legend=2,
+            )
+        )
     if not pictures:
         return None
     text = (
@@ -260,42 +255,6 @@ def plane_section(results: Results) -> Section | None:
         "there solvers go wrong."
     )
     return Section("plane", "The target plane", text, tuple(pictures), lead)
-
-
-def _words(exact: pd.DataFrame) -> Picture:
-    caption = (
-        "Shortest word by target. Hatched: inside a turning circle, where the first turn is away "
-        "from the target. On the axis ahead the path is straight. Lengths in R."
-    )
-    alt = "Map of shortest words"
-    return picture("plane-words", plot_words, exact, caption=caption, alt=alt, height=3.5)
-
-
-def _lengths(exact: pd.DataFrame) -> Picture:
-    caption = (
-        "Shortest length by target, a contour every R. The two discs stand out because the "
-        "length jumps across the front half of their circles; across the rear half it is smooth."
-    )
-    alt = "Map of shortest lengths"
-    return picture("plane-lengths", plot_lengths, exact, caption=caption, alt=alt, height=4.1)
-
-
-def _jump(exact: pd.DataFrame) -> Picture:
-    caption = (
-        "The same lengths for the targets within one grid step of a turning circle, by their "
-        "place on it. On the front half a target just inside costs up to 2π R more than one just "
-        "outside; on the rear half the two sides meet."
-    )
-    table, alt = along_circle(exact), "Length on both sides of a turning circle"
-    return picture("plane-jump", plot_jump, table, caption=caption, alt=alt, height=3.5)
-
-
-def _failures(number: int, name: str, rows: pd.DataFrame) -> Picture:
-    group = rows.drop_duplicates(["target_x", "target_y"])
-    right = int(success(group).sum())
-    caption = f"{name}: {count(right)} of {count(len(group))} targets right; lengths in R."
-    stem, alt = f"plane-solver-{number}", f"Targets {name} gets wrong"
-    return picture(stem, plot_failures, group, caption=caption, alt=alt, height=3.9, legend=2)
 
 
 # Not compared: a plane has a hundred thousand questions that only the closed form answers.
