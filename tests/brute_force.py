@@ -22,8 +22,13 @@ _GRID = np.linspace(0.0, 2 * math.pi, 4001)
 
 def shortest_by_search(X: float, Y: float) -> float:
     """Length (radii) of the shortest path from the origin, heading along +x, to (X, Y)."""
-    lengths = [_ending_straight(X, y) for y in (Y, -Y)] + [_two_arcs(X, y) for y in (Y, -Y)]
-    return min(lengths)
+    return min(words_by_search(X, Y).values())
+
+
+def words_by_search(X: float, Y: float) -> dict[str, float]:
+    """The least length of every word; infinite where it has no path to the target."""
+    words = {"LS": _ending_straight(X, Y), "RS": _ending_straight(X, -Y)}
+    return words | {"LR": _two_arcs(X, Y), "RL": _two_arcs(X, -Y)}
 
 
 def _ending_straight(X: float, Y: float) -> float:

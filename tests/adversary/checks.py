@@ -19,12 +19,12 @@ from dubins_study.study.words import BRANCHES
 from tests.adversary.oracle import DIGITS, WORDS, drive, greatest, least, lengths
 from tests.adversary.table import Table, paste
 from tests.adversary.truth import Truth
+from tests.brute_force import words_by_search
 
 _TURN = {"L": 1, "S": 0, "R": -1}
 _EPS = math.ulp(1.0)
 _SURE = 2.0  # a set so many times as wide meets no edge: then nothing is open
 _STEPS = 6  # first pieces that are tried in front of the oracle's shortest
-_SCANNED = 2048  # first arcs of a scan
 _CLEAR = 0.02  # radii from every edge, next to which a scan does not tell two roots apart
 
 
@@ -220,49 +220,12 @@ def _steps(truth: Truth, rng: np.random.Generator) -> bool:
 
 def _scan(truth: Truth) -> float:
     """Worst difference (in 1e-9 of max(length, 1)) from a search over the first arc in doubles."""
-    target = complex(truth.target.real.mid(), truth.target.imag.mid())
+    searched = words_by_search(float(truth.target.real), float(truth.target.imag))
     worst = 0.0
     for word in WORDS:
-        exact, scanned = truth.exact[word], _scanned(target, word)
-        if exact is None or scanned is None:
-            worst = max(worst, 0.0 if exact is None and scanned is None else math.inf)
+        exact, found = truth.exact[word], searched[word]
+        if exact is None:
+            worst = max(worst, 0.0 if math.isinf(found) else math.inf)
         else:
-            worst = max(worst, abs(float(exact) - scanned) / max(1.0, float(exact)) * 1e9)
+            worst = max(worst, abs(float(exact) - found) / max(1.0, float(exact)) * 1e9)
     return worst
-
-
-def _scanned(target: complex, word: str) -> float | None:
-    """The least length of a word by scanning its first arc and halving where the end crosses."""
-    if word[0] == "R":
-        target = target.conjugate()
-    a = np.linspace(0, 2 * math.pi, _SCANNED + 1)
-    off = _off(target, a, word[1] == "S")
-    low = np.flatnonzero(off[:-1] * off[1:] <= 0)
-    totals = [_halved(target, a[i], a[i + 1], word[1] == "S") for i in low]
-    return min((total for total in totals if total is not None), default=None)
-
-
-def _pose(a: np.ndarray | float) -> tuple[np.ndarray, np.ndarray]:
-    direction = np.exp(1j * np.asarray(a))
-    return 1j - 1j * direction, direction
-
-
-def _off(target: complex, a: np.ndarray | float, straight: bool) -> np.ndarray:
-    """How far the line or circle that follows a first left arc passes beside the target."""
-    z, direction = _pose(a)
-    seen = (target - z) / direction
-    return np.asarray(seen.imag if straight else np.abs(seen + 1j) - 1)
-
-
-def _halved(target: complex, low: float, high: float, straight: bool) -> float | None:
-    for _ in range(60):
-        middle = (low + high) / 2
-        same = _off(target, low, straight) * _off(target, middle, straight) > 0
-        low, high = (middle, high) if same else (low, middle)
-    z, direction = _pose(low)
-    seen = complex((target - z) / direction)
-    if straight:
-        return low + seen.real if seen.real >= 0 else None
-    # clockwise about -i from the top
-    angle = (math.pi / 2 - math.atan2(seen.imag + 1, seen.real)) % (2 * math.pi)
-    return float(low + angle)
