@@ -34,38 +34,23 @@ class RowCount(NamedTuple):
 
 
 def prepare_folder(folder: FilePath) -> None:
-    """Create a folder that can be locked; an existing results folder stays as it is.
-
-    Raises:
-        ResultsError: if it cannot be created, or holds anything else than results.
-    """
+    """Create a folder that can be locked; refuse one that holds anything else than results."""
     with os_errors_as(f"cannot write to {folder}"):
         if folder.exists() and not (folder / MANIFEST).exists():
             names_there = [entry.name for entry in folder.iterdir()]
             # A run that is killed before its first manifest may leave these files.
-            if not all(name in (LOCK, PARTS) or is_temporary(name) for name in names_there):
-                raise ResultsError(
-                    f"{folder} holds something else and no {MANIFEST}; choose another"
-                )
-            if any(part_files(folder)):
-                raise ResultsError(f"{folder} holds parts and no {MANIFEST}; choose another")
+            empty = all(name in (LOCK, PARTS) or is_temporary(name) for name in names_there)
+            if not empty or part_files(folder):
+                held = "parts" if empty else "something else"
+                raise ResultsError(f"{folder} holds {held} and no {MANIFEST}; choose another")
         folder.mkdir(parents=True, exist_ok=True)
 
 
 def open_folder(folder: FilePath, manifest: Manifest, restart: bool) -> tuple[Manifest, list[str]]:
-    """Repair a folder for a run, and check that it holds the same experiment.
+    """Repair a folder that this process has locked, and check that it holds the same experiment.
 
-    Args:
-        folder: an existing folder, locked by this process.
-        manifest: the run's manifest; rows in the folder must be of the same experiment.
-        restart: delete the rows that the folder holds.
-
-    Returns:
-        The manifest joined with that of earlier runs, and one sentence per repair.
-
-    Raises:
-        ResultsError: if the folder cannot be written, or holds another experiment, another schema
-            or a foreign part. The folder is then unchanged.
+    The manifest is returned joined with that of earlier runs, with one sentence per repair; a
+    folder of another experiment or schema is refused and stays as it is. `restart` deletes rows.
     """
     with os_errors_as(f"cannot write to {folder}"):
         if (folder / MANIFEST).exists() and not restart:
@@ -116,7 +101,7 @@ def _mend(folder: FilePath) -> list[str]:
 
 
 def _move_away(folder: FilePath, part: FilePath) -> FilePath:
-    """Move a damaged part to the folder `DAMAGED`; it is never deleted. Returns its new path."""
+    """Move a damaged part to the folder `DAMAGED`, where it stays, and return its new path."""
     place = folder / DAMAGED
     with os_errors_as(f"cannot move {part} to {place}"):
         place.mkdir(exist_ok=True)
@@ -138,15 +123,9 @@ def done(folder: FilePath) -> set[Key]:
 
 
 def read_rows(folder: FilePath, columns: list[str] | None = None) -> pa.Table:
-    """The rows of a folder, one row per cell.
-
-    Args:
-        folder: a results folder.
-        columns: column names of the schema; the key columns are always added, first. None: all.
-    """
+    """The rows of a folder, one row per cell: the key columns and those named, or all columns."""
     columns = _with_key(columns or ARROW_SCHEMA.names)
-    parts = part_files(folder)
-    return _unique_rows([read_part(part, columns) for part in parts], columns)
+    return _unique_rows([read_part(part, columns) for part in part_files(folder)], columns)
 
 
 def _with_key(columns: list[str]) -> list[str]:
@@ -180,14 +159,7 @@ def compact(folder: FilePath, run_id: str) -> None:
 
 
 def count_rows(folder: FilePath) -> tuple[list[RowCount], int]:
-    """Count a folder's rows by kind, each cell once.
-
-    Returns:
-        The counts, and the number of damaged parts, which are not counted.
-
-    Raises:
-        ResultsError: if a part has another schema, or cannot be read.
-    """
+    """A folder's rows by kind, each cell once, and the number of damaged parts, left out."""
     columns = _with_key([*_KIND, "wall_s"])
     tables: list[pa.Table] = []
     counts: list[RowCount] = []

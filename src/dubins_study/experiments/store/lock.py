@@ -24,18 +24,19 @@ def locked(folder: FilePath) -> Iterator[None]:
     """Lock a folder for this process inside the `with` block.
 
     The operating system releases the lock when the process ends, also after a crash. Child
-    processes do not hold the lock.
-
-    Raises:
-        ResultsError: if another process holds it (the message names the process and since when),
-            or if the folder cannot be written.
+    processes do not hold the lock. If another process holds it, `ResultsError` names it.
     """
     file = folder / LOCK
     lock = FileLock(file, timeout=_WAIT_S, poll_interval=_POLL_INTERVAL_S, fallback_to_soft=False)
     try:
         lock.acquire()
     except Timeout:
-        raise ResultsError(_in_use(folder)) from None
+        holder = lock_holder(folder)
+        pid, since = (str(holder.get(key, "unknown")) for key in ("pid", "started"))
+        raise ResultsError(
+            f"{folder} is in use: process {pid:.20} has been at work there since {since:.40}; wait "
+            "for it or end it, or choose another --out"
+        ) from None
     except OSError as error:
         raise ResultsError(f"cannot lock {file}: {reason(error)}") from None
     try:
@@ -44,15 +45,6 @@ def locked(folder: FilePath) -> Iterator[None]:
         yield
     finally:
         lock.release()
-
-
-def _in_use(folder: FilePath) -> str:
-    holder = lock_holder(folder)
-    pid, since = (str(holder.get(key, "unknown")) for key in ("pid", "started"))
-    return (
-        f"{folder} is in use: process {pid:.20} has been at work there since {since:.40}; wait for "
-        "it or end it, or choose another --out"
-    )
 
 
 def lock_holder(folder: FilePath) -> dict[str, object]:
@@ -71,19 +63,14 @@ def is_locked(folder: FilePath) -> bool:
     except OSError:
         return False
     try:
-        _lock_for_reading(handle)
+        try:
+            import fcntl
+        except ImportError:  # Windows refuses to read a byte that another process has locked
+            os.read(handle, 1)
+        else:  # a shared lock: two concurrent calls must not report each other
+            fcntl.flock(handle, fcntl.LOCK_SH | fcntl.LOCK_NB)
     except OSError:
         return True
     finally:
         os.close(handle)
     return False
-
-
-def _lock_for_reading(handle: int) -> None:
-    """Take a shared lock: two concurrent calls of `is_locked` must not report each other."""
-    try:
-        import fcntl
-    except ImportError:  # Windows refuses to read a byte that another process has locked
-        os.read(handle, 1)
-    else:
-        fcntl.flock(handle, fcntl.LOCK_SH | fcntl.LOCK_NB)

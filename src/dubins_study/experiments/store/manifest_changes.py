@@ -43,12 +43,9 @@ def count_cells(
 ) -> tuple[Manifest, bool]:
     """Record per solver how many cells the folder should hold; rows of old code do not count.
 
-    Args:
-        requested: the specs of this run; the numbers of other specs stay as they are.
-        rows: (spec, code digest) -> number of rows that the folder will hold after this run.
-
-    Returns:
-        The changed manifest, and whether the folder will be finished after this run.
+    `requested` are the specs of this run; the numbers of others stay as they are. `rows` are those
+    that the folder will hold after this run, by spec and code digest. Returned are the manifest and
+    whether the folder will be finished then.
     """
     solvers, complete = {}, True
     for spec, entry in manifest.solvers.items():
@@ -122,11 +119,7 @@ def recorded(
 ) -> Iterator[RunRecord]:
     """Write the manifest when a run begins, and again when it finishes or is interrupted.
 
-    Args:
-        folder: the results folder, locked by this process.
-        manifest: the folder's manifest without this run.
-        request: the entry with the run's request.
-        completes: whether the folder is finished once the run is finished.
+    `manifest` is without this run; `completes` says whether the run makes the folder finished.
     """
     record = RunRecord(folder, manifest.with_changes(finished=None), request)
     record.write()

@@ -32,13 +32,7 @@ _MAX_LISTED = 5
 
 
 class MergedRows(NamedTuple):
-    """The result of `merged_rows`.
-
-    Args:
-        table: one row per cell.
-        agreeing_repeats: number of other attempts that agreed; copies of the same attempt are not
-            counted.
-    """
+    """One row per cell, and how many other attempts agreed; copies of an attempt do not count."""
 
     table: pa.Table
     agreeing_repeats: int
@@ -49,13 +43,8 @@ def merged_rows(
 ) -> MergedRows:
     """Unite the rows of folders; of several attempts at a cell, the earliest is kept.
 
-    Args:
-        tables: one table per folder, with at least the columns of `COLUMNS`.
-        folders: the folders of the tables.
-        tolerance: largest difference between the gaps of two attempts that still count as equal.
-
-    Raises:
-        ResultsError: naming the cells whose attempts contradict each other.
+    Each table is of one folder and has at least the columns of `COLUMNS`. Cells whose attempts
+    contradict each other (gaps differ by more than the tolerance) are refused by name.
     """
     table = pa.concat_tables(tables)
     rows = table.select(COLUMNS).to_pandas()

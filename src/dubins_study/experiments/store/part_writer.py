@@ -76,14 +76,8 @@ def write_part(
 ) -> FilePath:
     """Write a part completely or not at all, and return its file.
 
-    Args:
-        folder: the results folder.
-        name: name of the part, without suffix.
-        table: its rows; text columns may be dictionary arrays.
-        metadata: metadata to store in addition to the schema's version, such as `RUN_ID`.
-
-    Raises:
-        ResultsError: if the folder cannot be written, for example because the disk is full.
+    Text columns of the table may be dictionary arrays; the metadata are stored in addition to the
+    schema's version.
     """
     final = folder / PARTS / f"{name}.parquet"
 
