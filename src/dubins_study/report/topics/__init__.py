@@ -1,1 +1,1 @@
-"""One folder a topic: its numbers, its figures and its section of the page."""
+"""One module a topic: its numbers, its figures and its section of the page."""
