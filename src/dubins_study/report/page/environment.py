@@ -63,10 +63,7 @@ def page_of(section: Section) -> str:
 
 
 def linked(text: str, sections: Sequence[Section], page: str) -> Markup:
-    """The title of a section, and what may follow a colon, as a link to that section.
-
-    Args:
-        page: the file that the link is on.
+    """The title of a section, and what may follow a colon, as a link from `page` to that section.
 
     Without a link if the page has the section for each of several experiments, or not at all; the
     text says the latter.

@@ -190,13 +190,9 @@ def _width(column: Column, texts: Sequence[Sequence[str]], place: int) -> float:
 def _fitted(
     digits: Sequence[float], breaks: Sequence[bool], across: float, digit: float
 ) -> tuple[float | None, ...] | None:
-    """Widths (mm) of the columns; None if the table is wider than `across` however narrow they are.
+    """Widths (mm) of the columns; None if the table is wider than `across` (mm) all the same.
 
-    Args:
-        digits: width of each column over that of a digit.
-        breaks: whether a column's lines may break.
-        across: width of the page (mm).
-        digit: width of a digit (mm).
+    `digits` are the columns' widths over that of one digit, which is `digit` (mm).
     """
     room = across - GAP * (len(digits) - 1)
     full = [digit * number for number in digits]
@@ -305,13 +301,7 @@ _FIGURE_CAPTION = 30.0  # mm
 
 
 def document(environment: Environment, sections: Sequence[Section], runs: Sequence[Folder]) -> str:
-    """The text of `report.tex`, which pdflatex compiles in the report's folder.
-
-    Args:
-        environment: that of the other formats, for its filters and tests.
-        sections: of the report.
-        runs: the results folders.
-    """
+    """The text of `report.tex`, which pdflatex compiles in the report's folder."""
     # Braces mean something to TeX, so the template's commands stand in `<< >>` and `<% %>`.
     latex = environment.overlay(
         block_start_string="<%",

@@ -20,10 +20,6 @@ def _cross(wrong: bool) -> str:
     return "✗" if wrong else ""
 
 
-def _judgement(holds: bool) -> str:
-    return "right" if holds else "wrong or incomplete"
-
-
 def _decimals(places: int, sign: str = "") -> Any:
     """A format with `places` decimals."""
     return lambda value: f"{float(value):{sign}.{places}f}".replace("-", "−")
@@ -67,28 +63,27 @@ COLUMNS = {
     "statements": (
         *columns(kind="text", where="where"),
         *columns(kind="prose", says="says"),
-        *columns(_judgement, kind="text", holds="is"),
+        *columns(
+            lambda holds: "right" if holds else "wrong or incomplete", kind="text", holds="is"
+        ),
         *columns(kind="prose", finding="found"),
     ),
 }
 _CAPTIONS = {
     "cells": (
-        "The cells that are not correct roundings. Double rounding: first to more decimals. "
-        "Solver bias: model (4.12) at the last barrier parameter of Ipopt's default options, where "
-        "the missing turn is not quite zero. Wrong: neither of them, nor cut off. The verdict says "
-        "what gives the cell; what that would give in the rest of the row is said behind. Lengths."
+        "The cells that are not correct roundings. Double rounding: first to more decimals. Solver "
+        "bias: model (4.12) at Ipopt's last barrier parameter, where the missing turn is not quite "
+        "zero. Wrong: neither, nor cut off. Behind: what the verdict gives in the row. Lengths."
     ),
     "paths": (
         "The printed segments driven from the start: how far from the target they end, and how far "
-        "correct roundings may. ✗ marks a miss beyond that, and parts that do not add up to the "
-        "total; in {excused} of the {wrong_sums} rows that do not, correct roundings would not "
-        "either. Lengths."
+        "correct roundings may. ✗: a miss beyond that, or parts that do not add up to the total; "
+        "in {excused} of these {wrong_sums} rows correct roundings would not either. Lengths."
     ),
     "algorithm": (
         "Algorithm 1 where the turning circle, of radius R*, has reached the target. On it the "
-        "optimum is one arc; just beyond, it turns away first (RL or LR), and the algorithm, which "
-        "knows LS and RS, is too long by the share given; the model unsplit holds LR and is right "
-        "in the right disc only. Last, a round radius beyond. Lengths."
+        "optimum is one arc; just beyond, it turns away first (RL or LR); the algorithm knows LS "
+        "and RS alone, the unsplit model LR too. Last, a round radius beyond. Lengths."
     ),
     "omitted": "Paths that the tables have no row for, though the text speaks of them. Lengths.",
     "statements": "Statements of the paper that its own scenarios decide.",

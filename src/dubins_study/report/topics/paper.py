@@ -17,10 +17,7 @@ from dubins_study.report.elements.columns import SOLVER, Column, columns, marks
 from dubins_study.report.elements.content import Picture, Place, Section, Table, picture
 from dubins_study.report.elements.formats import count, digits, seconds
 from dubins_study.report.elements.looks import Palette
-from dubins_study.report.elements.style import (
-    INK,
-    WIDE,
-)
+from dubins_study.report.elements.style import INK, WIDE
 from dubins_study.report.elements.topic import General, Topic
 from dubins_study.report.paper.printed import PRINTED, QUANTITIES, TIMES, compare
 from dubins_study.report.statistics.methods import best_solvers
@@ -47,14 +44,10 @@ def word_paths(results: Results, solver: str) -> dict[tuple[str, str], Path]:
 
 
 def side_by_side(cells: pd.DataFrame) -> pd.DataFrame:
-    """Two rows for each printed row of one table: what the paper prints, and the exact lengths.
+    """Two rows for each printed row of one table of `compare`: what is printed, and the exact.
 
-    Args:
-        cells: the rows of one table from `report.paper.printed.compare`.
-
-    Returns:
-        Columns label, path, source (`paper` or `exact`), and one for each of `QUANTITIES`: its
-        text, empty if the path does not have it.
+    Columns label, path, source (`paper` or `exact`), and the text of each of `QUANTITIES`, empty
+    if the path does not have it.
     """
     records: list[dict[str, object]] = []
     for (label, path), group in cells.groupby(["label", "path"], sort=False):
@@ -102,12 +95,9 @@ def scores(results: Results) -> pd.DataFrame:
 
 
 def printed_times(results: Results) -> pd.DataFrame:
-    """The solve times that the paper prints beside those of our solvers for the same path.
+    """The solve times that the paper prints, and of each solver its right cold attempts' median.
 
-    Returns:
-        One row per printed time and solver with a right answer, from its cold attempts at the
-        paper's word; columns label, path, word, printed_s (s), ticks (of `TICK_S`), solver,
-        wall_s (median, s).
+    Columns label, path, word, printed_s (s), ticks (of `TICK_S`), solver, wall_s (s).
     """
     rows = results.rows
     right = rows[success(rows) & (rows["initial_guess"] == "cold")]
@@ -240,14 +230,7 @@ def _times(frame: pd.DataFrame) -> Table:
 
 
 def _plot_times(ax: Axes, times: pd.DataFrame, solvers: Sequence[str], palette: Palette) -> None:
-    """The paper's solve times and ours, one line per printed time.
-
-    Args:
-        ax: where to draw.
-        times: columns label, path, word, printed_s (s), solver, wall_s (s).
-        solvers: in the order of the legend.
-        palette: of the page.
-    """
+    """The paper's solve times and ours, one line per printed time; `times` of `printed_times`."""
     lines = list(dict.fromkeys(zip(times["label"], times["path"], times["word"], strict=True)))
     place = {line[:2]: len(lines) - 1 - i for i, line in enumerate(lines)}
     at = pd.Series(
@@ -272,7 +255,7 @@ def _plot_times(ax: Axes, times: pd.DataFrame, solvers: Sequence[str], palette: 
 
 
 def times_picture(times: pd.DataFrame, solvers: list[str], palette: Palette) -> Picture:
-    """The printed solve times and ours; `times` are those of `numbers.printed_times`."""
+    """The printed solve times and ours; `times` are those of `printed_times`."""
     lines = times.groupby(["label", "path"]).ngroups
     return picture(
         "paper-times",
@@ -288,10 +271,5 @@ def times_picture(times: pd.DataFrame, solvers: list[str], palette: Palette) -> 
     )
 
 
-TOPIC = Topic(
-    "the paper's tables",
-    paper_section,
-    "paper",
-    (General.POOLED, General.COMPARED),
-    place=Place.PAPER,
-)
+_ENTERS = (General.POOLED, General.COMPARED)
+TOPIC = Topic("the paper's tables", paper_section, "paper", _ENTERS, place=Place.PAPER)

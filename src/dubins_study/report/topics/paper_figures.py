@@ -53,7 +53,7 @@ def plot_paths(
     """
     for row in paths.sort_values("rank").to_dict("records"):
         colour, line = _BY_RANK[int(row["rank"]) - 1]
-        text = f"{names[int(row['rank']) - 1]}: {row['branch']}, {digits(4)(row['length'])}"
+        text = f"{names[int(row['rank']) - 1]}: {_word_and_length(row)}"
         points = row["path"].sample(400)
         ax.plot(points[:, 0], points[:, 1], color=colour, linestyle=line, label=text, zorder=3)
     _scene(ax, paths)
@@ -83,12 +83,9 @@ def plot_one_word(ax: Axes, paths: pd.DataFrame, rank: int, title: str) -> None:
 
 
 def plot_radii(ax: Axes, paths: pd.DataFrame, reach: float) -> None:
-    """The shortest path of each radius, named in a legend inside the panel.
+    """The shortest path of each radius, up to `reach` from the start (length unit); named.
 
-    Args:
-        ax: where to draw.
-        paths: columns of `plot_paths`, one row per radius.
-        reach: how far from the start the panel reaches (length unit); infinite for whole paths.
+    Columns of `plot_paths`, one row per radius.
     """
     rows = paths.sort_values("radius", ascending=False).to_dict("records")
     shown: list[NDArray[np.float64]] = []
@@ -235,14 +232,11 @@ def feasible_picture() -> Picture:
 
 
 def problem_picture(problem: int, paths: pd.DataFrame) -> Picture:
-    """The paper's figure of one test problem; `paths` are those of `numbers.problem_paths`."""
+    """The paper's figure of one test problem; `paths` are those of `problem_paths`."""
     if problem == 5:
         return _radii_picture(paths)
-    draw = _one_panel if problem in _ALONE or len(paths) < 2 else _two_panels
-    return draw(problem, paths)
-
-
-def _one_panel(problem: int, paths: pd.DataFrame) -> Picture:
+    if problem not in _ALONE and len(paths) > 1:
+        return _two_panels(problem, paths)
     return picture(
         f"paths-{problem}",
         plot_both_words,
@@ -294,9 +288,8 @@ def _radii_picture(paths: pd.DataFrame) -> Picture:
 def problem_paths(results: Results, problem: int) -> pd.DataFrame:
     """The closed form's paths that the paper's figure of one test problem shows.
 
-    Returns:
-        Columns label, branch, path, length, rank (1 the shorter of LS and RS), target_x, target_y,
-        radius. For problem 5, as in the paper, only the shorter paths at its three radii.
+    Columns label, branch, path, length, rank (1 the shorter of LS and RS), target_x, target_y,
+    radius. For problem 5, as in the paper, only the shorter paths at its three radii.
     """
     paths = word_paths(results, EXACT)
     records = [

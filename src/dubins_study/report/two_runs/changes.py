@@ -21,18 +21,14 @@ SIDES = ("base", "new")
 
 
 def pairs(base: Results, new: Results) -> pd.DataFrame:
-    """The questions that both runs have attempts at.
+    """The questions that both runs have attempts at, one row per solver and question.
 
-    Returns:
-        One row per solver and question, index 0, 1, ...: solver, scenario_id, branch,
-        initial_guess, the columns of the scenario, answerable (the question has a path), and for
-        each side (`base`, `new`):
-        right_SIDE: the share of the repeats that the check accepts;
-        false_SIDE: whether any repeat makes a false claim or reports a false bound;
-        gap_SIDE: the median gap of the repeats that arrive, NaN if none does;
-        time_SIDE: the median time of a call, s.
+    Columns solver, scenario_id, branch, initial_guess, those of the scenario, answerable, and for
+    each of `SIDES` right (share of the repeats that the check accepts), false (whether any repeat
+    has a false claim or bound), gap (median of the repeats that arrive) and time (median, s).
     """
-    sides = [_questions(results).add_suffix(f"_{side}") for side, results in _sided(base, new)]
+    sided = zip(SIDES, (base, new), strict=True)
+    sides = [_questions(results).add_suffix(f"_{side}") for side, results in sided]
     joined = sides[0].join(sides[1], how="inner")
     shared = [*_PLACE, "answerable"]
     plain = joined.rename(columns={f"{name}_new": name for name in shared})
@@ -42,12 +38,8 @@ def pairs(base: Results, new: Results) -> pd.DataFrame:
 
 
 def unpaired(base: Results, new: Results) -> pd.DataFrame:
-    """How many questions of each solver only one of the runs was asked.
-
-    Returns:
-        Columns solver, only_base, only_new; solvers whose questions all have a pair are left out.
-    """
-    indexes = [_questions(results).index for _, results in _sided(base, new)]
+    """solver, only_base, only_new: how many questions only one of the runs was asked, if any."""
+    indexes = [_questions(results).index for results in (base, new)]
     counts = {
         f"only_{side}": mine.difference(other).to_frame(index=False).groupby("solver").size()
         for side, mine, other in zip(SIDES, indexes, indexes[::-1], strict=True)
@@ -57,11 +49,7 @@ def unpaired(base: Results, new: Results) -> pd.DataFrame:
 
 
 def unanswered(results: Results) -> pd.DataFrame:
-    """Solvers of which a run lacks cells that it was asked: it is not finished, or lost rows.
-
-    Returns:
-        Columns solver, cells (asked), rows (there), both whole numbers.
-    """
+    """solver, cells (asked), rows (there) where a run is not finished, or lost rows."""
     rows = results.attempts.frame("SELECT solver, count(*) AS rows FROM chosen GROUP BY solver")
     known = dict(zip(rows["solver"], rows["rows"], strict=True))
     entries = results.folders[0].manifest.solvers
@@ -71,10 +59,6 @@ def unanswered(results: Results) -> pd.DataFrame:
         if known.get(spec, 0) < entry.cells
     ]
     return pd.DataFrame(lines, columns=["solver", "cells", "rows"])
-
-
-def _sided(base: Results, new: Results) -> list[tuple[str, Results]]:
-    return list(zip(SIDES, (base, new), strict=True))
 
 
 def _questions(results: Results) -> pd.DataFrame:
@@ -104,12 +88,8 @@ ENDS = ("", "_low", "_high")
 def solver_changes(
     pairs: pd.DataFrame, speed: MachineSpeed | None, unchanged: Collection[str]
 ) -> pd.DataFrame:
-    """One row per solver, in the order of tables.
+    """One row per solver, in the order of tables; times of `unchanged` solvers are as measured.
 
-    Args:
-        pairs: as `pairs` returns it.
-        speed: of the new run's machine; None if it is not known.
-        unchanged: the solvers of the same code: what changed of their times is the machine's doing.
     Returns:
         Columns solver; questions (that have a path); right_base, right_new: shares of them;
         right_change with _low and _high: their difference, with its bootstrap interval over
@@ -140,11 +120,9 @@ def solver_changes(
 
 
 def time_ratios(pairs: pd.DataFrame) -> pd.DataFrame:
-    """What each solver took in the new run, divided by what it took in the base, as measured.
+    """Indexed by solver: time in the new run by that in the base, as measured, with its interval.
 
-    Returns:
-        Indexed by solver; columns estimate, low, high: ratios of geometric means over the questions
-        that are right in both runs, with their bootstrap intervals over scenarios.
+    Columns estimate, low, high: of geometric means over the questions that are right in both runs.
     """
     groups = pairs.groupby("solver", observed=True)
     ratios = {str(solver): _ratio(_timed(rows)) for solver, rows in groups}

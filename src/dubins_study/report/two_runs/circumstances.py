@@ -43,14 +43,7 @@ def machine_speed(
     their ratios, and the range of their intervals, since a load slows some work more than other.
     The probe, a short piece of work that is timed every two seconds, notices less of a load; it
     stands in where no solver is unchanged: the medians' ratio, the ends of their 95 % intervals
-    divided crosswise.
-
-    Args:
-        base, new: the runs.
-        ratios: indexed by solver; columns estimate, low, high: time in the new run by the base's.
-        unchanged: the solvers of the same code.
-    Returns:
-        None if no solver is unchanged and a run has fewer than five probes.
+    divided crosswise. None if no solver is unchanged and a run has fewer than five probes.
     """
     known = ratios[ratios.index.isin(list(unchanged))].dropna()
     known = known[(known.gt(0) & known.lt(np.inf)).all(axis=1)]
@@ -84,11 +77,9 @@ _NOTHING = "–"
 
 
 def differences(base: Results, new: Results) -> pd.DataFrame:
-    """What the manifests of two runs do not share.
+    """What the manifests of two runs do not share: what, base, new (as text), and solvers.
 
-    Returns:
-        Columns what, base, new (as text), and solvers: how many of the solvers in both runs it is
-        about; NaN if it is about the run.
+    `solvers` is how many of the solvers in both runs it is about; NaN if it is about the run.
     """
     sides = [results.folders[0].manifest for results in (base, new)]
     lines = [*_of_runs(*sides), *_of_solvers(*sides)]

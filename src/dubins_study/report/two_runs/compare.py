@@ -69,16 +69,11 @@ def compare(
     if out is None:
         return comparison
     folders = (*before.folders, *after.folders)
-    head = Head("Two runs compared", _asked(FilePath(base), FilePath(new), *folders))
+    was, is_now = _described(FilePath(base), folders[0]), _described(FilePath(new), folders[1])
+    asked = f"What became better or worse in the new run, {is_now}, than in the base, {was}?"
+    head = Head("Two runs compared", asked)
     page = write_page(out, lambda: sections(paired, comparison), folders, head)
     return replace(comparison, page=page)
-
-
-def _asked(base: FilePath, new: FilePath, before: Folder, after: Folder) -> str:
-    return (
-        f"What became better or worse in the new run, {_described(new, after)}, than in the base, "
-        f"{_described(base, before)}?"
-    )
 
 
 def _described(place: FilePath, folder: Folder) -> str:

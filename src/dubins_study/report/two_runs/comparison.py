@@ -52,18 +52,12 @@ _SAYS = ("scenario", "branch", "base", "new", "command")
 def regressions(
     pairs: pd.DataFrame, changes: pd.DataFrame, unanswered: pd.DataFrame, slower: float
 ) -> pd.DataFrame:
-    """What became worse, in the order of the kinds.
+    """What became worse, in the order of the kinds; of the new run the cells without an answer.
 
-    Args:
-        pairs, changes, unanswered: as `report.two_runs.changes` returns them; the last one of the
-            new run.
-        slower: a solver is slower if the interval of its time ratio lies above this, and the test
-            finds a difference.
-    Returns:
-        Columns kind (`no longer right`, `no longer denied`, `false claim`, `less accurate`,
-        `right less often`, `slower`, `not answered`), solver, scenario (its label, or its target),
-        branch, base and new (as text), and the command that asks the question again. The last three
-        kinds are of all questions of a solver: without scenario.
+    Columns kind (`no longer right`, `no longer denied`, `false claim`, `less accurate`, `right less
+    often`, `slower`, `not answered`), solver, scenario (its label, or its target), branch, base and
+    new (as text), and the command that asks the question again. The last three kinds are of all
+    questions of a solver: without scenario.
     """
     worse = {kind: pairs[chosen(pairs)] for kind, (chosen, _, _) in _OF_QUESTIONS.items()}
     if len(changes):

@@ -9,19 +9,8 @@ from matplotlib.axes import Axes
 from dubins_study.report.elements.axes import duration, log_axis, only_grid, plain_log_axis
 from dubins_study.report.elements.columns import SOLVER, Column, columns, marks
 from dubins_study.report.elements.content import Picture, Section, Table, picture
-from dubins_study.report.elements.formats import (
-    count,
-    digits,
-    seconds,
-    sentences,
-    share,
-    some,
-)
-from dubins_study.report.elements.identity import (
-    interval_keys,
-    with_interval,
-    with_interval_texts,
-)
+from dubins_study.report.elements.formats import count, digits, seconds, sentences, share, some
+from dubins_study.report.elements.identity import interval_keys, with_interval, with_interval_texts
 from dubins_study.report.elements.style import BLUE, INK, MUTED, VERMILION, WIDE, new_figure
 from dubins_study.report.two_runs.changes import GAP_FLOOR, WORSE_GAP
 from dubins_study.report.two_runs.comparison import Comparison, with_verdicts
@@ -56,13 +45,10 @@ def _regressions(comparison: Comparison) -> Section:
         "less accurate, and no solver is surely right less often, or slower."
     )
     caption = (
-        "No longer right: right in every repeat of the base, in none of the new run. No longer "
-        "denied: the same of questions that have no path. Less accurate: a gap that is "
-        f"{WORSE_GAP:g} times as large, and above {GAP_FLOOR:g}. Right less often: the interval of "
-        "the change of the share of right answers, repeats included, lies below 0, and the test "
-        "finds a difference. Slower: the interval of the time ratio lies above "
-        f"{comparison.slower:g}, and the test finds a difference. Not answered: "
-        "the new run was asked these cells and has no row of them."
+        "No longer right (or denied): in every repeat of the base, in none of the new run. Less "
+        f"accurate: a gap {WORSE_GAP:g} times as large, and above {GAP_FLOOR:g}. Right less often, "
+        "slower: the interval of the change lies below 0, of the time ratio above "
+        f"{comparison.slower:g}, and the test agrees. Not answered: cells without a row."
     )
     blocks = (Table("regressions", caption, frame, _REGRESSIONS),) if len(frame) else ()
     lead = (
@@ -162,7 +148,7 @@ def _else(comparison: Comparison) -> Section:
     frame = comparison.differences
     shown = (
         *columns(kind="text", what="what", base="base", new="new"),
-        Column("solvers", "solvers", lambda number: count(number), kind="number"),
+        *columns(count, solvers="solvers"),
     )
     if frame.empty:
         text = "The manifests hold the same machine, limits, packages and code."
