@@ -109,17 +109,10 @@ def any_split_in_any_order_is_the_whole(rows, random, parts):
         alike(whole, attempts_of(Path(place, "split"), shuffled, which))
 
 
-test_any_split_in_any_order_is_the_whole = FEW(
-    given(attempts(), st.randoms(use_true_random=False), st.integers(1, 6))(
-        any_split_in_any_order_is_the_whole
-    )
-)
+_split = given(attempts(), st.randoms(use_true_random=False), st.integers(1, 6))
+test_any_split_in_any_order_is_the_whole = FEW(_split(any_split_in_any_order_is_the_whole))
 test_any_split_in_any_order_is_the_whole_often = pytest.mark.slow(
-    MANY(
-        given(attempts(), st.randoms(use_true_random=False), st.integers(1, 6))(
-            any_split_in_any_order_is_the_whole
-        )
-    )
+    MANY(_split(any_split_in_any_order_is_the_whole))
 )
 
 

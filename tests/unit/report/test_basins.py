@@ -27,13 +27,11 @@ from dubins_study.report.topics.basins import (
 from dubins_study.study.closed_form.shortest import shortest, shortest_path
 from dubins_study.study.path import Path
 from dubins_study.study.words import Claim
-from tests.unit.report.results_folder import attempt, paper_scenarios
+from tests.unit.report.results_folder import astray, attempt, lost, paper_scenarios
 from tests.unit.report.topic_page import topic_page
 
 THREE, FOUR = paper_scenarios()[2:4]
 SPEC = "slsqp[model=joint,order=LRS,initial_guess=given,capped=false]"
-
-BASINS = {"name": "basins", "section": "basins", "text": ""}
 
 
 def turned(scenario, word, turns):
@@ -79,15 +77,14 @@ def not_a_minimum():
 def every_end():
     """Rows for every end there is, in the order of `ENDS`, the last one three times."""
     local = {"claim": Claim.LOCAL}
-    astray = Path(THREE.start, [0], [2.0])
     return [
         given(THREE, 0.0, 0.0, **local),
         given(THREE, 0.0, 1.0, path=turned(THREE, "LS", 2), **local),
         given(THREE, 0.0, 2.0, path=turned(THREE, "RS", 1), **local),
         given(THREE, 1.0, 0.0, path=not_a_minimum(), **local),
         given(THREE, 1.0, 1.0, path=None, claim=Claim.INFEASIBLE),
-        given(THREE, 1.0, 2.0, path=astray, **local),
-        given(THREE, 2.0, 0.0, path=astray, claim=Claim.FAILED),
+        given(THREE, 1.0, 2.0, path=astray(THREE, 2.0), **local),
+        given(THREE, 2.0, 0.0, path=astray(THREE, 2.0), claim=Claim.FAILED),
         given(THREE, 2.0, 1.0, path=None, claim=Claim.LIMIT),
         given(THREE, 2.0, 2.0, path=turned(THREE, "RS", 0), claim=Claim.LIMIT),
     ]
@@ -154,7 +151,7 @@ def test_the_section_tells_what_the_rows_hold(results, tmp_path):
     """Its numbers are of these rows; without refuted claims it does not speak of any."""
     page = topic_page(results("basins", every_end()), tmp_path / "a", TOPIC)
     honest = [given(FOUR, z1, z2, claim=Claim.LOCAL) for z1 in (0.0, 1.0) for z2 in (0.0, 1.0)]
-    plain = topic_page(results("honest", honest, experiment=BASINS), tmp_path / "b", TOPIC)
+    plain = topic_page(results("honest", honest, section="basins"), tmp_path / "b", TOPIC)
 
     text = page.read_text(encoding="utf-8")
     assert '<section id="basins"' in text
@@ -168,9 +165,7 @@ def test_the_section_tells_what_the_rows_hold(results, tmp_path):
 @pytest.mark.slow
 def test_lost_rows_are_drawn_as_given_up(results, tmp_path):
     """A crash takes length and claim with it; the report is still made."""
-    lost = dict.fromkeys(("region", "reference_word", "reference", "iterations"))
-    rows = [given(THREE, 0.0, 0.0, path=None, claim=Claim.NONE, outcome="crashed", **lost)]
-
+    rows = [lost(THREE, SPEC, initial_guess="0.0 0.0 5.0")]
     page = topic_page(results("basins", rows), tmp_path / "out", TOPIC)
 
     (row,) = pd.read_csv(tmp_path / "out" / "tables" / "basins.csv").to_dict("records")

@@ -153,17 +153,8 @@ def test_a_command_asks_the_question_again():
 
     assert shlex.split(text) == [
         *("dubins-study", "solve", "--from", "0.1", "0", "-2.5", "--radius", "2"),
-        *(
-            "--branch",
-            "LS",
-            "--profile",
-            "accurate",
-            "--solver",
-            "nlp[a=b,c=d]",
-            "--",
-            "-3",
-            "1e-07",
-        ),
+        *("--branch", "LS", "--profile", "accurate", "--solver", "nlp[a=b,c=d]"),
+        *("--", "-3", "1e-07"),
     ]
 
 

@@ -115,10 +115,7 @@ text_of = partial(section_text, TOPIC, "bias")
 def test_the_section_says_what_the_rows_say(results, tmp_path):
     """Where the prediction holds it says so, with numbers; where it does not, not."""
     good = text_of(results("bias", by_theory()), tmp_path / "a")
-    bad = text_of(
-        results("off", by_theory(2.0), experiment={"name": "bias", "section": "bias", "text": ""}),
-        tmp_path / "b",
-    )
+    bad = text_of(results("off", by_theory(2.0), section="bias"), tmp_path / "b")
 
     assert "Over 7 attempts z₂ is within a relative" in good
     assert "though the solver calls 1 of them failures" in good
@@ -132,10 +129,8 @@ def test_the_section_says_what_the_rows_say(results, tmp_path):
 def test_a_part_of_the_rows_is_enough(results, tmp_path):
     """Lost answers, no defaults, no other methods: what is left is drawn, and nothing is not."""
     lost = attempt(behind(5.0), TOLD.format(1e-9), path=None, claim=Claim.NONE, outcome="crashed")
-    told = results(
-        "told", [lost, *by_theory()[:3]], experiment={"name": "bias", "section": "bias", "text": ""}
-    )
-    none = results("none", [lost], experiment={"name": "bias", "section": "bias", "text": ""})
+    told = results("told", [lost, *by_theory()[:3]], section="bias")
+    none = results("none", [lost], section="bias")
 
     assert "Over 3 attempts" in text_of(told, tmp_path / "a")
     page = topic_page(none, tmp_path / "b", TOPIC).read_text(encoding="utf-8")

@@ -58,55 +58,52 @@ def test_a_need_that_the_settings_exclude_is_not_asked():
     assert finer == needs | {"tight_proof"}
 
 
-def test_of_sure_methods_the_fastest_is_chosen():
-    """One wrong answer in two hundred leaves a method sure enough; its speed decides."""
-    fast, slow = rows("fast", wrong=1, wall_s=1e-3), rows("slow", wall_s=2e-3)
-
-    chosen = table(fast, slow)["far", "loose"]
-    turned = table(rows("fast", wrong=1, wall_s=3e-3), slow)["far", "loose"]
-
-    assert (chosen.solver, chosen.sure, chosen.share) == ("fast", 2, 0.995)
-    assert chosen.wall_s == 1e-3
-    assert turned.solver == "slow"
+SLOW, FINE = rows("slow", wall_s=2e-3), rows("fine", wall_s=1.0)
+GOOD, BAD = rows("good", wrong=40, wall_s=1.0), rows("bad", wrong=90, wall_s=1e-3)
+LARGE = {"radius": 100.0, "length": 400.0, "reference": 400.0}
 
 
-def test_a_fast_method_that_fails_is_not_chosen():
-    """Three wrong answers in two hundred are more than one in a hundred."""
-    slow = rows("slow", wall_s=2e-3)
+@pytest.mark.parametrize(
+    ("each", "need", "expected"),
+    [
+        # of methods that are sure the fastest: one or two wrong answers of 200 leave one sure
+        ([rows("fast", wrong=1), SLOW], "loose", {"solver": "fast", "sure": 2, "share": 0.995}),
+        ([rows("fast", wrong=1, wall_s=3e-3), SLOW], "loose", {"solver": "slow"}),
+        ([rows("fast", wrong=2), SLOW], "loose", {"solver": "fast", "wall_s": 1e-3}),
+        ([rows("fast", wrong=3), SLOW], "loose", {"solver": "slow"}),
+        # without a sure one the most surely right, however slow; of equals the fastest
+        ([GOOD, BAD], "loose", {"solver": "good"}),
+        ([GOOD, BAD, rows("twin", wrong=40, wall_s=0.5)], "loose", {"solver": "twin"}),
+        # nothing is recommended where nothing is right, though methods were asked
+        ([rows(s, wrong=MANY) for s in "ab"], "loose", {"solver": "", "methods": 2, "sure": 0}),
+        # a gap, a path that is too short, or an end beside the target: right, but not to 1e-8
+        *(
+            ([rows("coarse", **change), FINE], need, {"solver": solver})
+            for change in ({"gap": 1e-7}, {"gap": -1e-7}, {"miss": 1e-7})
+            for need, solver in (("loose", "coarse"), ("tight", "fine"))
+        ),
+        # the same miss is small for a large radius
+        ([rows("x", miss=1e-7, **LARGE)], "tight", {"solver": "x", "share": 1}),
+        ([rows("x", miss=1e-7)], "tight", {"solver": ""}),
+        # a method that met few of the questions met others than its rivals
+        (
+            [rows("few", questions=MANY // 2, wall_s=1e-4), rows("all")],
+            "loose",
+            {"solver": "all", "methods": 1},
+        ),
+        # whoever needs a path does not ask for a word: the best branch counts if it was asked
+        (
+            [rows("x", wrong=MANY, branch="LS"), [row(MANY + n, "x") for n in range(20)]],
+            "loose",
+            {"share": 1},
+        ),
+        ([rows("x", wrong=MANY, branch="LS")], "loose", {"solver": ""}),
+    ],
+)
+def test_the_choice_of_made_up_rows(each, need, expected):
+    chosen = table(*each)["far", need]
 
-    assert table(rows("fast", wrong=2), slow)["far", "loose"].solver == "fast"
-    assert table(rows("fast", wrong=3), slow)["far", "loose"].solver == "slow"
-
-
-def test_without_a_sure_method_the_most_surely_right_is_chosen():
-    """However slow it is; and the fastest of those that are as sure."""
-    good, bad = rows("good", wrong=40, wall_s=1.0), rows("bad", wrong=90, wall_s=1e-3)
-
-    assert table(good, bad)["far", "loose"].solver == "good"
-    assert table(good, bad, rows("twin", wrong=40, wall_s=0.5))["far", "loose"].solver == "twin"
-
-
-def test_nothing_is_chosen_where_nothing_is_right():
-    chosen = table(rows("a", wrong=MANY), rows("b", wrong=MANY))["far", "loose"]
-
-    assert (chosen.solver, chosen.methods, chosen.sure) == ("", 2, 0)
-
-
-@pytest.mark.parametrize("change", [{"gap": 1e-7}, {"gap": -1e-7}, {"miss": 1e-7}])
-def test_a_coarse_path_is_not_tight(change):
-    """A gap, a path that is too short, or an end beside the target: right, and not within 1e-8."""
-    found = table(rows("coarse", **change), rows("fine", wall_s=1.0))
-
-    assert found["far", "loose"].solver == "coarse"
-    assert found["far", "tight"].solver == "fine"
-
-
-def test_misses_count_in_radii():
-    miss = 1e-7
-    large = rows("x", miss=miss, radius=100.0, length=400.0, reference=400.0)
-
-    assert table(large)["far", "tight"].share == 1
-    assert table(rows("x", miss=miss))["far", "tight"].solver == ""
+    assert {name: getattr(chosen, name) for name in expected} == expected
 
 
 def test_a_proof_needs_a_bound_that_holds_and_is_near():
@@ -160,22 +157,6 @@ def test_each_region_has_a_choice_of_its_own():
     assert found["far", "loose"].solver == "fast"
     assert found["near", "loose"].solver == "sure"
     assert found[ANYWHERE, "loose"].solver == "sure"
-
-
-def test_a_method_that_met_few_of_the_questions_is_not_compared():
-    few = rows("few", questions=MANY // 2, wall_s=1e-4)
-
-    assert table(few, rows("all"))["far", "loose"].solver == "all"
-    assert table(few, rows("all"))["far", "loose"].methods == 1
-
-
-def test_only_the_best_branch_counts_if_it_was_asked():
-    """Whoever needs a path does not ask for a word."""
-    words = rows("x", wrong=MANY, branch="LS")
-    best = [row(MANY + n, "x") for n in range(20)]
-
-    assert table(words, best)["far", "loose"].share == 1
-    assert table(words)["far", "loose"].solver == ""
 
 
 def test_the_closed_form_is_the_baseline_and_no_choice():

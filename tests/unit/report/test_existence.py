@@ -11,19 +11,13 @@ from dubins_study.report.data.results import load
 from dubins_study.report.data.verdicts import existence as counts
 from dubins_study.report.data.verdicts import methods, verdicts
 from dubins_study.report.topics.existence import engine_times, existence, existence_section
-from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import Claim
-from tests.unit.report.results_folder import attempt, write_folder
+from tests.unit.report.results_folder import astray, attempt, write_folder
 
 # The left disc has its centre at (0, 1): an LS path cannot end inside.
 INSIDE = [Scenario(0, 0, 0, x, 1.0) for x in (-0.4, -0.2, 0.2, 0.4)]
 OUTSIDE = [Scenario(0, 0, 0, x, 1.0) for x in (3.0, 4.0, 5.0)]
-
-
-def stray(scenario):
-    """A path that leads nowhere."""
-    return Path(scenario.start, [0.0], [0.5])
 
 
 def ask(scenario, claim, path=None, **changes):
@@ -36,8 +30,8 @@ def rows():
     """Four questions without a path, three with one."""
     return [
         ask(INSIDE[0], Claim.INFEASIBLE, wall_s=1.0),
-        ask(INSIDE[1], Claim.FAILED, stray(INSIDE[1]), wall_s=2.0),
-        ask(INSIDE[2], Claim.LOCAL, stray(INSIDE[2]), wall_s=4.0),
+        ask(INSIDE[1], Claim.FAILED, astray(INSIDE[1], 0.5), wall_s=2.0),
+        ask(INSIDE[2], Claim.LOCAL, astray(INSIDE[2], 0.5), wall_s=4.0),
         ask(INSIDE[3], Claim.INFEASIBLE, presolved=True, wall_s=1e-4),
         ask(OUTSIDE[0], Claim.INFEASIBLE),
         ask(OUTSIDE[1], Claim.FAILED),

@@ -16,20 +16,14 @@ from dubins_study.report.topics.failures import (
     failures_section,
     unreturned,
 )
-from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import Claim
-from tests.unit.report.results_folder import attempt
+from tests.unit.report.results_folder import astray, attempt
 
 NEAR, FAR = Scenario(0, 0, 0, 2, 2.5), Scenario(0, 0, 0, 30, 1)
 TURNED = Scenario(5, 5, math.pi / 2, 5, 7.6, 2.0)  # straight ahead, 1.3 radii away
 IN_DISC = Scenario(0, 0, 0, 0.2, 1.0)
 SAID = {"message": "stopped after 1.11 s; the limit is 1 s"}
-
-
-def stray(scenario):
-    """A path that leads nowhere."""
-    return Path(scenario.start, [0.0], [0.1])
 
 
 def silent(scenario, solver, outcome, **changes):
@@ -40,9 +34,11 @@ def silent(scenario, solver, outcome, **changes):
 
 def rows():
     """Two timeouts, a crash, a miss, two that say they failed, and seven right answers."""
-    misses = [attempt(IN_DISC, "b", path=stray(IN_DISC), claim=Claim.FAILED, message="off by 7.5")]
+    misses = [
+        attempt(IN_DISC, "b", path=astray(IN_DISC, 0.1), claim=Claim.FAILED, message="off by 7.5")
+    ]
     failed = [
-        attempt(where, "b", path=None, claim=Claim.FAILED, message=f"off by {k}", repeat=k)
+        attempt(where, "b", path=None, claim=Claim.FAILED, message=f"off by {k}.5e-0{k}", repeat=k)
         for k, where in enumerate((TURNED, FAR), 1)
     ]
     return [
@@ -138,7 +134,7 @@ def test_without_failures_a_sentence(results):
 
 
 def test_returned_failures_alone(results):
-    wrong = [attempt(NEAR, "b", path=stray(NEAR), claim=Claim.LOCAL), attempt(FAR, "b")]
+    wrong = [attempt(NEAR, "b", path=astray(NEAR, 0.1), claim=Claim.LOCAL), attempt(FAR, "b")]
     section = failures_section(load([results("e", wrong)]))
 
     assert [block.name for block in section.blocks] == [

@@ -1,4 +1,4 @@
-"""All figures of a page of everything: what may be said of any of them."""
+"""All figures of a page of everything, and of one of sixty-four solvers; their tables."""
 
 from __future__ import annotations
 
@@ -11,9 +11,13 @@ from dubins_study.report.elements.content import Picture, Table
 from dubins_study.report.elements.figure_file import figure_bytes, fix_layout
 from dubins_study.report.elements.names import common_part
 from dubins_study.report.elements.style import RULE, drawing
+from dubins_study.report.page.render import render
 from dubins_study.report.page.sections import TOPICS, sections_of
-from tests.unit.report import test_many_methods, test_page
-from tests.unit.report.results_folder import write_folder
+from dubins_study.report.statistics.methods import MOST_ENGINES
+from dubins_study.study.scenario import Scenario
+from dubins_study.study.words import FORMULATIONS, Claim
+from tests.unit.report import test_page
+from tests.unit.report.results_folder import astray, attempt, write_folder
 
 # The page's column is 984 pixels wide on a screen of 1280 by 900, half of it 478.
 SCREEN = {False: 900 / 984, True: 900 / 478}
@@ -21,12 +25,38 @@ MOST_CURVES = 10
 MOST_SVG_BYTES = 120_000
 
 
+ENGINES = [f"engine {n}" for n in range(14)]
+SCENARIOS = [Scenario(0, 0, 0, x, y) for x, y in ((4, 1), (5, -2), (-3, 2))]
+
+
+def many_methods():
+    """Fourteen engines on one formulation, five on each of the others; most answers are right."""
+    for place, formulation in enumerate(FORMULATIONS[1:]):
+        for number, engine in enumerate(ENGINES if place == 0 else ENGINES[:5]):
+            for n, scenario in enumerate(SCENARIOS):
+                right = (number + n + place) % 5 > 0
+                yield attempt(
+                    scenario,
+                    f"s{place}[engine={number},a_setting_with_a_long_name=1]",
+                    path="exact" if right else astray(scenario),
+                    claim=Claim.LOCAL if right else Claim.FAILED,
+                    scenario_id=str(n),
+                    formulation=formulation,
+                    engine=engine,
+                    wall_s=1e-3 * (1 + number),
+                )
+
+
+def drawn_of(sections):
+    return [block for s in sections for block in s.blocks if isinstance(block, Picture)]
+
+
 @pytest.fixture(scope="module")
 def sections(tmp_path_factory):
     """Every section of a page of sixty-four methods, the paper, sweeps, a plane and meshes."""
     base = tmp_path_factory.mktemp("everything")
     rows = {
-        "benchmark": test_many_methods.rows(),
+        "benchmark": many_methods(),
         "paper": test_page.paper_rows(),
         "radius-sweep": test_page.sweep_rows(),
         "plane": test_page.plane_rows(),
@@ -43,7 +73,7 @@ def sections(tmp_path_factory):
 @pytest.fixture(scope="module")
 def svg_files(sections):
     """Every figure with its SVG file, for which it has been laid out and drawn."""
-    blocks = [b for s in sections for b in s.blocks if isinstance(b, Picture)]
+    blocks = drawn_of(sections)
     with drawing():
         for block in blocks:
             fix_layout(block.figure)
@@ -125,3 +155,81 @@ def test_what_all_names_of_a_panel_share_goes_to_its_title():
     assert common_part(["HiGHS", *shared]) == ("", ["HiGHS", *shared])
     assert common_part(["SCIP", "Ipopt, bearing start"]) == (" (bearing start)", ["SCIP", "Ipopt"])
     assert common_part(["Ipopt, presolve"]) == ("", ["Ipopt, presolve"])
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """Sixty-four solvers in a folder."""
+    return write_folder(tmp_path_factory.mktemp("many") / "many", "many", many_methods())
+
+
+@pytest.fixture(scope="module")
+def of_many(folder):
+    """Every section of their page, by its key."""
+    results = load([folder])
+    return {s.key: s for topic in TOPICS for s in sections_of(topic, results)}
+
+
+def test_no_panel_has_more_than_ten_methods(of_many):
+    """Neither bars with names nor curves; the matrix of agreement has a line per formulation."""
+    for block in drawn_of(of_many.values()):
+        for ax in block.figure.axes:
+            names = [label.get_text() for label in ax.get_yticklabels()]
+            lines = [line for line in curves(ax) if line.get_clip_on()]
+            limit = MOST_ENGINES if block.name != "agreement-formulations" else len(FORMULATIONS)
+            assert len(lines) <= limit + 1, block.name
+            assert sum("engine" in name for name in names) <= limit, block.name
+
+
+def test_agreement_is_between_the_best_of_each_formulation(of_many):
+    section = of_many["agreement-formulations"]
+    frame = section.blocks[0].frame
+
+    assert len({*frame["first"], *frame["second"]}) == len(FORMULATIONS) - 1
+    assert "most surely right" in section.text
+
+
+def test_every_solver_stays_in_the_tables(of_many):
+    summary = of_many["summary"].blocks[0].frame
+
+    assert len(summary) == len(ENGINES) + 5 * (len(FORMULATIONS) - 2)
+    tables = {b.name: b.frame for s in of_many.values() for b in s.blocks if hasattr(b, "frame")}
+    for name in ("times", "gap-quantiles"):
+        assert len(tables[name]) == len(summary)
+        assert len(tables[f"{name}-best"]) == len(FORMULATIONS) - 1
+        assert set(tables[f"{name}-best"]["solver"]) < set(tables[name]["solver"])
+
+
+@pytest.mark.slow
+def test_long_tables_scroll_inside_their_frame(folder, tmp_path):
+    """Only long ones, and the page says so for those who do not see a scroll bar."""
+    page = render([folder], tmp_path / "out").read_text(encoding="utf-8")
+    tables = re.findall(r'<figure class="table" id="table-([^"]+)">(.*?)</figure>', page, re.DOTALL)
+
+    for name, text in tables:
+        lines = text.count("<tr>") - 1
+        assert ('class="scroll tall"' in text) == (lines > 20), name
+        assert ("scroll inside the table" in text) == (lines > 20), name
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("formulation", ["closed form", None, "x" * 3000 + "\n<b>", "$\\frac"])
+def test_many_methods_of_one_strange_formulation_are_drawn(formulation, results):
+    """No formulation of our own, or none that an engine solves; names as long as they like."""
+    engine = "e" * 3000 + "\n\u202e$"
+    strange = [
+        attempt(
+            scenario, f"s{n}", formulation=formulation, engine=f"{engine}{n}", scenario_id=str(k)
+        )
+        for n in range(16)
+        for k, scenario in enumerate(SCENARIOS)
+    ]
+    loaded = load([results("strange", strange)])
+    with drawing():
+        drawn = drawn_of(s for topic in TOPICS for s in sections_of(topic, loaded))
+        files = [figure_bytes(block.figure, "svg") for block in drawn]
+
+    assert {"verdicts", "times", "gap-profile-strange"} <= {block.name for block in drawn}
+    assert all(files)
+    for block in drawn:
+        assert block.figure.get_size_inches()[1] < 7, block.name

@@ -20,7 +20,7 @@ from dubins_study.report.statistics.methods import methods_of
 from dubins_study.report.topics import findings as found
 from dubins_study.report.topics.findings import FINDINGS, findings, findings_section
 from dubins_study.report.topics.findings_evidence import ENOUGH, Evidence, Finding
-from tests.unit.report.results_folder import attempt, paper_scenarios
+from tests.unit.report.results_folder import attempt, compared_row, paper_scenarios
 
 WORDS, JOINT, PENALTY = found.WORDS, found.JOINT, found.STOCHASTIC
 MANY, FEW = 30, ENOUGH - 1
@@ -29,36 +29,13 @@ Row = dict[str, Any]
 
 def row(question: int, solver: str, **changes: Any) -> Row:
     """A right answer of a local engine, 1 ms; times differ a little from question to question."""
-    made = {
-        "solver": solver,
-        "question": question,
-        "scenario": question,
-        "stratum": "",
-        "repeat": 0,
-        "formulation": WORDS,
-        "engine": "Ipopt",
-        "guess": "bearing",
-        "verdict": "optimal",
-        "claim": "local",
-        "right": True,
-        "answerable": True,
-        "presolved": False,
-        "false_claim": False,
-        "false_bound": False,
-        "wrong_basin": False,
-        "gap": 1e-12,
-        "lower_bound": float("nan"),
-        "tolerance": 1e-8,
-        "profile": "default",
-        "reference_high": 4.0,
-        "length": 4.0,
-        "region": "outside",
-        "margin": 1.0,
-        "evaluations": 10.0,
-        "wall_s": 1e-3,
+    made = compared_row(
+        question,
+        solver,
+        **{"engine": "Ipopt", "gap": 1e-12, "tolerance": 1e-8, "margin": 1.0, "evaluations": 10.0},
         **dict.fromkeys(("x", "y", "heading", "target_y"), 0.0),
-        **{"target_x": 4.0 + question, "radius": 1.0, "branch": "best"},
-    }
+        target_x=4.0 + question,
+    )
     made |= changes
     made["wall_s"] *= 1 + (question % 7) / 50
     if not made["right"] and made["verdict"] == "optimal":
@@ -283,29 +260,37 @@ def test_a_run_of_one_solver_or_of_failures_finds_nothing_of_it(find):
     assert find(evidence(failed)) is None
 
 
-def test_a_sentence_turns_round_with_the_rows():
+@pytest.mark.parametrize(
+    ("find", "made", "advice"),
+    [
+        (found.words_against_joint, of_two(BOTH_ORDERS, IPOPT, half_wrong), "Pose the joint model"),
+        (
+            found.zero_start,
+            of_two({"solver": "z", "guess": "zero"}, IPOPT, half_wrong),
+            "Start from the zero point",
+        ),
+        (
+            found.price_of_proof,
+            of_two(SCIP | PROOF, IPOPT, partial(slower, 9.0)),
+            "Take the proof",
+        ),
+        (
+            found.presolve,
+            of_two(IPOPT, {"solver": "ipopt[presolve=True]"}, lambda _: {"evaluations": 40.0}),
+            "Do not drop words",
+        ),
+    ],
+)
+def test_a_sentence_turns_round_with_the_rows(find, made, advice):
     """If the other choice is the better one, the advice is the other."""
-    swapped = of_two(BOTH_ORDERS, IPOPT, half_wrong)(MANY, True)
-    zero = of_two({"solver": "z", "guess": "zero"}, IPOPT, half_wrong)(MANY, True)
-    free = of_two(SCIP | PROOF, IPOPT, partial(slower, 9.0))(MANY, True)
-    costly = of_two(IPOPT, {"solver": "ipopt[presolve=True]"}, lambda _: {"evaluations": 40.0})(
-        MANY, True
-    )
+    finding = find(evidence(made(MANY, True)))
 
-    joint = found.words_against_joint(evidence(swapped))
-    assert joint is not None
-    assert joint.sentence.startswith("Pose the joint model")
-    assert joint.estimate.low > 0
-    start = found.zero_start(evidence(zero))
-    assert start is not None
-    assert start.sentence.startswith("Start from the zero point")
-    price = found.price_of_proof(evidence(free))
-    assert price is not None
-    assert price.sentence.startswith("Take the proof")
-    drop = found.presolve(evidence(costly))
-    assert drop is not None
-    assert drop.sentence.startswith("Do not drop words")
-    assert drop.estimate.value == 4.0
+    assert finding is not None
+    assert finding.sentence.startswith(advice)
+    if find is found.words_against_joint:
+        assert finding.estimate.low > 0
+    if find is found.presolve:
+        assert finding.estimate.value == 4.0
 
 
 def test_the_number_follows_the_rows():

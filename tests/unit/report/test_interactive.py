@@ -16,7 +16,7 @@ from dubins_study.report.interactive import section
 from dubins_study.report.interactive.packing import GRID, drawn, packed
 from dubins_study.report.interactive.sample import WORST, sample
 from dubins_study.study.path import Path
-from dubins_study.study.scenario import Pose, Scenario
+from dubins_study.study.scenario import COLUMNS, Pose, Scenario
 from dubins_study.study.words import Claim
 from tests.unit.report.results_folder import attempt, write_folder
 
@@ -86,17 +86,7 @@ def test_every_value_comes_back(results: Results):
         known = [None, *read["texts"][name]]
         texts = [known[code] for code in columns[name]]
         assert texts == chosen[name].replace({np.nan: None}).tolist()
-    for name in (
-        "x",
-        "y",
-        "heading",
-        "target_x",
-        "target_y",
-        "radius",
-        "speed",
-        "label",
-        "scenario_id",
-    ):
+    for name in (*COLUMNS, "scenario_id"):
         values = [scenarios[name][place] for place in columns["scenario"]]
         assert values == chosen[name].tolist()
     for name in ("gap", "miss", "curvature_excess", "length", "wall_s"):

@@ -95,7 +95,7 @@ text_of = partial(section_text, "the ladder toward a circle", "ladder")
 def test_the_section_says_what_the_rows_say(results, tmp_path):
     text = text_of(results("ladder", rows()), tmp_path / "a")
     good = [r for r in rows() if r["solver"] == "collocation"]
-    level = results("good", good, experiment={"name": "ladder", "section": "ladder", "text": ""})
+    level = results("good", good, section="ladder")
 
     assert "these take it: ipopt, word NLPs from 1e-8; the right path at every margin" in text
     assert "margin there: collocation, word NLPs." in text

@@ -34,11 +34,7 @@ def test_a_cell_that_two_folders_hold_counts_once(tmp_path, results):
     """Merging folders is a union of cells, and paths stay with their rows."""
     one, two, three = paper_scenarios()[:3]
     first = results("paper", [attempt(one), attempt(two)])
-    (tmp_path / "again").mkdir()
-    second = results("again/paper", [attempt(two), attempt(three)])
-    manifest = json.loads((second / "manifest.json").read_text())
-    manifest["experiment"]["name"] = "paper"
-    (second / "manifest.json").write_text(json.dumps(manifest))
+    second = write_folder(tmp_path / "again", "paper", [attempt(two), attempt(three)])
 
     found = load([first, second])
 
@@ -46,14 +42,12 @@ def test_a_cell_that_two_folders_hold_counts_once(tmp_path, results):
     assert found.path(2) == shortest_path(three)
 
 
-def _spoil_schema(folder):
-    manifest = json.loads((folder / "manifest.json").read_text())
-    (folder / "manifest.json").write_text(json.dumps(manifest | {"schema": VERSION + 1}))
+def _change_manifest(**changes):
+    def spoil(folder):
+        manifest = json.loads((folder / "manifest.json").read_text())
+        (folder / "manifest.json").write_text(json.dumps(manifest | changes))
 
-
-def _spoil_name(folder):
-    manifest = json.loads((folder / "manifest.json").read_text())
-    (folder / "manifest.json").write_text(json.dumps(manifest | {"experiment": {}}))
+    return spoil
 
 
 def _drop_column(folder):
@@ -111,8 +105,8 @@ def test_a_column_that_a_part_lacks_is_null(results, lacking):
         (lambda f: (f / "manifest.json").write_text("[" * 100_000), "cannot be read as JSON"),
         (lambda f: (f / "manifest.json").write_text("9" * 5_000), "cannot be read as JSON"),
         (lambda f: (f / "manifest.json").write_bytes(b"\xff\xfe\x00"), "cannot be read as JSON"),
-        (_spoil_schema, f"has schema {VERSION + 1}; expected {VERSION}"),
-        (_spoil_name, "experiment.name is {}: Field required"),
+        (_change_manifest(schema=VERSION + 1), f"has schema {VERSION + 1}; expected {VERSION}"),
+        (_change_manifest(experiment={}), "experiment.name is {}: Field required"),
         (lambda f: (f / "parts" / "1.parquet").unlink(), "has no rows"),
         (lambda f: pq.write_table(SCHEMA.empty_table(), f / "parts" / "1.parquet"), "has no rows"),
         (lambda f: (f / "parts" / "1.parquet").write_bytes(b"PAR1 no"), "cannot be read"),

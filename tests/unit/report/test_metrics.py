@@ -15,11 +15,9 @@ from dubins_study.report.statistics import metrics
 from dubins_study.report.statistics.costs import performance_ratios
 from dubins_study.report.topics.agreement import agreement
 from dubins_study.report.topics.discretisation import work_precision
-from dubins_study.report.topics.failures import failures
 from dubins_study.report.topics.success import gap_quantiles
 from dubins_study.report.topics.summary import by_start, solver_summary
 from dubins_study.report.topics.time import mean_times, right_times
-from dubins_study.report.topics.warm import warm_starts
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import COLUMNS, Pose
 from tests.unit.report.results_folder import attempts_of
@@ -31,31 +29,13 @@ def frame(**columns):
     """Rows with what the metrics need, one value for all where a scalar is given."""
     n = max(len(value) for value in columns.values() if isinstance(value, list))
     base = {
-        "experiment": "random",
-        "scenario_id": [str(i) for i in range(n)],
-        "solver": "a",
-        "branch": "best",
-        "initial_guess": "cold",
-        "repeat": 0,
-        "radius": 1.0,
-        "outcome": "returned",
-        "claim": "local",
-        "presolved": False,
-        "verdict": "optimal",
-        "false_claim": False,
-        "wrong_basin": False,
-        "region": "outside",
-        "reference_word": "LS",
-        "answerable": True,
-        "message": "",
-        "native_status": "",
-        "gap": 0.0,
-        "reference": 1.0,
-        "length": 1.0,
-        "build_s": 0.001,
-        "solve_s": 0.002,
-        "wall_s": 0.003,
-        "iterations": 1.0,
+        **{"experiment": "random", "scenario_id": [str(i) for i in range(n)], "solver": "a"},
+        **{"branch": "best", "initial_guess": "cold", "repeat": 0, "radius": 1.0},
+        **{"outcome": "returned", "claim": "local", "presolved": False, "verdict": "optimal"},
+        **{"false_claim": False, "wrong_basin": False, "message": "", "native_status": ""},
+        **{"region": "outside", "reference_word": "LS", "answerable": True},
+        **{"gap": 0.0, "reference": 1.0, "length": 1.0, "iterations": 1.0},
+        **{"build_s": 0.001, "solve_s": 0.002, "wall_s": 0.003},
     }
     return pd.DataFrame({**base, **columns})
 
@@ -157,13 +137,8 @@ def test_questions_without_an_answer_have_no_gap_to_measure(tmp_path):
 def test_a_crash_counts_where_an_answer_exists(tmp_path):
     """A row that lost everything still belongs to a question that has an answer, or has none: the
     target in the left disc is reached by RS and not by LS."""
-    lost = {
-        "reference_word": None,
-        "region": None,
-        "gap": NAN,
-        "verdict": "none",
-        "outcome": "crashed",
-    }
+    lost = {"reference_word": None, "region": None, "gap": NAN}
+    lost |= {"verdict": "none", "outcome": "crashed"}
     place = dict(zip(COLUMNS, (0.0, 0.0, 0.0, 0.5, 0.8, 1.0, 1.0, ""), strict=True))
     rows = frame(solver=["a", "b"], branch=["LS", "RS"], **(place | lost))
     table = gap_quantiles(attempts_of(tmp_path, rows).gap_quantiles()).set_index(
@@ -172,14 +147,6 @@ def test_a_crash_counts_where_an_answer_exists(tmp_path):
 
     assert list(table.index) == [("b", "all")]
     assert table.loc[("b", "all"), "q50"] == math.inf
-
-
-@pytest.mark.parametrize(
-    ("q", "expected"), [(0.0, 1.0), (0.5, 2.0), (0.51, 3.0), (0.75, 3.0), (1.0, 4.0)]
-)
-def test_upper_quantile_takes_a_value_that_is_there(q, expected):
-    """No interpolation: the least value that a share q does not exceed."""
-    assert metrics.upper_quantile([4.0, 1.0, 3.0, 2.0], q) == expected
 
 
 @pytest.mark.parametrize(
@@ -255,30 +222,6 @@ def test_time_ratios_keep_failures_as_never_solved():
 
     assert ratios["a"].tolist() == [1.0, 1.0]
     assert ratios["b"].tolist() == [2.0, math.inf]
-
-
-def test_messages_that_differ_in_numbers_are_one(tmp_path):
-    """Grouping failures by their gist."""
-    rows = frame(verdict="none", message=["off by 2.3e-01; off by 1.1e+02", "off by 7; off by 0.5"])
-    table = failures(failure_counts(attempts_of(tmp_path, rows)))
-
-    assert table[["message", "attempts"]].to_numpy().tolist() == [["off by #", 2]]
-
-
-def test_warm_starts_are_compared_question_by_question():
-    """Warm halves both times; a solver that is never warm is left out."""
-    rows = frame(
-        scenario_id=["0", "1", "0", "1", "0"],
-        solver=["a", "a", "a", "a", "b"],
-        initial_guess=["cold", "cold", "warm", "warm", "cold"],
-        wall_s=[2.0, 4.0, 1.0, 2.0, 1.0],
-        verdict=["optimal", "longer", "optimal", "optimal", "optimal"],
-    )
-    table = warm_starts(rows)
-
-    assert table["solver"].tolist() == ["a"]
-    assert table[["questions", "ratio"]].iloc[0].tolist() == [2, 0.5]
-    assert table[["cold_success", "warm_success"]].iloc[0].tolist() == [0.5, 1.0]
 
 
 def test_agreement_by_hand():

@@ -24,11 +24,10 @@ from dubins_study.report.elements.content import Picture, Place, Section, Show, 
 from dubins_study.report.page.drawings import Drawings
 from dubins_study.report.page.environment import as_json, folded, packed, summary
 from dubins_study.report.page.glossary import GLOSSARY, Glossed
-from dubins_study.study.path import Path
 from dubins_study.study.rows.files import ResultsError
 from dubins_study.study.rows.schema import ROW
 from dubins_study.study.words import Claim
-from tests.unit.report.results_folder import attempt, paper_scenarios
+from tests.unit.report.results_folder import astray, attempt, paper_scenarios
 from tests.unit.report.topic_page import topic_page
 
 SVG = """<?xml version="1.0"?><svg xmlns="http://www.w3.org/2000/svg"
@@ -149,7 +148,7 @@ def _text(page: FilePath) -> str:
 
 
 def test_an_empty_run_makes_a_page_that_says_so(results, tmp_path):
-    """No part, or one without rows: alone, and beside a run that has rows."""
+    """No part, or one without rows, alone or beside a run with rows; what is no run is refused."""
     rows = [attempt(s) for s in paper_scenarios()]
     bare, none, full = results("bare", rows), results("none", []), results("paper", rows)
     (bare / "parts" / "1.parquet").unlink()
@@ -163,18 +162,14 @@ def test_an_empty_run_makes_a_page_that_says_so(results, tmp_path):
     assert (page.parent / "tables" / "columns.csv").exists()
     assert 'id="summary"' in _text(both)
     assert _text(both).count("It has no rows") == 1
-
-
-def test_what_is_no_results_folder_is_no_empty_run(results, tmp_path):
-    with pytest.raises(ResultsError, match="not a folder"):
-        render([results("none", []), tmp_path / "nowhere"], tmp_path / "out")
-    with pytest.raises(ResultsError, match="at least one"):
-        render([], tmp_path / "out")
+    for folders, message in (([none, tmp_path / "nowhere"], "not a folder"), ([], "at least one")):
+        with pytest.raises(ResultsError, match=message):
+            render(folders, tmp_path / "out")
 
 
 def _failures():
     return [
-        attempt(s, solver, path=Path(s.start, [0.0], [1.0]), claim=Claim.FAILED)
+        attempt(s, solver, path=astray(s), claim=Claim.FAILED)
         for s in paper_scenarios()
         for solver in ("slsqp", "ipopt")
     ]

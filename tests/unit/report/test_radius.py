@@ -7,10 +7,9 @@ import pytest
 from dubins_study.report.data.results import load
 from dubins_study.report.statistics.methods import best_solvers
 from dubins_study.report.topics.radius import answers, radius_section, sweep, sweep_rows
-from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import Claim
-from tests.unit.report.results_folder import attempt
+from tests.unit.report.results_folder import astray, attempt
 
 RADII = (20.0, 40.0, 55.0, 60.0, 80.0)  # the target enters a circle at 57.35
 
@@ -31,16 +30,8 @@ def folder_rows():
         attempt(where(20.0), "turn-rate-qp", gap=0.005, **made),
         attempt(where(40.0), "turn-rate-qp", gap=0.5, **made),
     ]
-    lost = Path(where(55.0).start, [0.0], [1.0])
-    rows.append(
-        attempt(
-            where(55.0),
-            "turn-rate-qp",
-            path=lost,
-            claim=Claim.FAILED,
-            **{"formulation": "turn rates"},
-        )
-    )
+    wrong = {"path": astray(where(55.0)), "claim": Claim.FAILED, "formulation": "turn rates"}
+    rows.append(attempt(where(55.0), "turn-rate-qp", **wrong))
     return rows
 
 
@@ -72,8 +63,8 @@ def test_one_curve_a_formulation(results):
             attempt(scenario, "fast", formulation="one NLP a word", wall_s=1e-3),
             attempt(scenario, "qp", formulation="turn rates", wall_s=9.0),
         ]
-        lost = Path(scenario.start, [0.0], [1.0])
-        rows.append(attempt(scenario, "wrong", path=lost, formulation="turn rates", wall_s=1e-6))
+        wrong = {"path": astray(scenario), "formulation": "turn rates", "wall_s": 1e-6}
+        rows.append(attempt(scenario, "wrong", **wrong))
     frame = load([results("random", rows)]).rows
 
     assert best_solvers(frame) == ["analytic", "fast", "qp"]

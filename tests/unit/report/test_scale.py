@@ -13,7 +13,7 @@ from dubins_study.study.closed_form.shortest import shortest_path
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import Claim
-from tests.unit.report.results_folder import attempt
+from tests.unit.report.results_folder import attempt, lost
 from tests.unit.report.topic_page import section_text
 
 RADII = (1e-3, 1.0, 1e3)
@@ -81,9 +81,7 @@ text_of = partial(section_text, "scale invariance", "scale")
 def test_the_section_says_what_the_rows_say(results, tmp_path):
     """Who is level, who is not and why; with nobody to blame it blames nobody."""
     text = text_of(results("scale", rows()), tmp_path / "a")
-    level = results(
-        "level", rows()[:6], experiment={"name": "scale", "section": "scale", "text": ""}
-    )
+    level = results("level", rows()[:6], section="scale")
 
     assert "2 of 3 solvers and variants give the same path everywhere" in text
     assert "Not so for slsqp, word NLPs (right in 66.7 %" in text
@@ -95,12 +93,7 @@ def test_the_section_says_what_the_rows_say(results, tmp_path):
 @pytest.mark.slow
 def test_lost_answers_are_no_spread(results, tmp_path):
     """Nothing came back from one solver: no number is made of it, and the page is."""
-    gone = dict.fromkeys(("region", "reference_word", "reference", "iterations", "length", "gap"))
-    lost = [
-        attempt(scenario(R), "nlp", path=None, claim=Claim.NONE, outcome="crashed", **gone)
-        for R in RADII
-    ]
-    folder = results("scale", lost)
+    folder = results("scale", [lost(scenario(R), "nlp") for R in RADII])
 
     line = by_solver(spreads(load([folder]).rows)).iloc[0]
 

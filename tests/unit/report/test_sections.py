@@ -25,8 +25,7 @@ def guesses():
 
 def folder(results, name, section, rows=None):
     """Results of an experiment that names a section."""
-    experiment = {"name": name, "text": "", "section": section}
-    return results(name, guesses() if rows is None else rows, experiment=experiment)
+    return results(name, guesses() if rows is None else rows, section=section)
 
 
 def section_ids(page):
