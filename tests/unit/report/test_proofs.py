@@ -18,7 +18,7 @@ from dubins_study.report.topics.proofs import (
 )
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import Claim
-from tests.unit.report.results_folder import astray, attempt, lost, paper_scenarios
+from tests.unit.report.results_folder import astray, attempt, paper_scenarios
 from tests.unit.report.topic_page import section_text
 
 DISC = [Scenario(0, 0, 0, x, 1, 1, label="in a disc") for x in (0.1, 0.2, 0.3)]
@@ -116,7 +116,11 @@ def test_the_section_says_what_the_rows_say(results, tmp_path):
 @pytest.mark.slow
 def test_lost_rows_make_a_section_too(results, tmp_path):
     """Nothing came back: no price, no bound, and a page."""
-    made = [lost(s, "disjunctive", solve_s=2e-3, reference=attempt(s)["reference"]) for s in DISC]
+    gone = dict.fromkeys(("length", "gap", "wall_s", "build_s", "region", "reference_word"))
+    made = [
+        attempt(s, "disjunctive", path=None, claim=Claim.NONE, outcome="crashed", **gone)
+        for s in DISC
+    ]
     text = text_of(results("proofs", made), tmp_path / "out")
 
     assert "By its own bound" not in text
